@@ -1,0 +1,99 @@
+//! Lanes: the voices of an instrument run side by side, eight to a group.
+//!
+//! Kernels are plain loops over `[R; LANES]`, which the compiler turns into vector instructions. `R` is `f32` or `f64`
+//! (a plan option). Nothing here contracts a multiply and an add, so every instruction set gives the same bits.
+
+use super::sine;
+
+/// Voices that a kernel runs side by side.
+pub const LANES: usize = 8;
+
+/// The number a kernel computes with: `f32` or `f64`.
+pub trait Real:
+    Copy
+    + Default
+    + PartialOrd
+    + Send
+    + Sync
+    + std::fmt::Debug
+    + std::ops::Add<Output = Self>
+    + std::ops::Sub<Output = Self>
+    + std::ops::Mul<Output = Self>
+    + std::ops::Div<Output = Self>
+    + std::ops::Neg<Output = Self>
+    + std::ops::AddAssign
+    + std::ops::SubAssign
+    + std::ops::MulAssign
+    + 'static
+{
+    /// Zero.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+    /// The nearest value of this type.
+    fn of(value: f64) -> Self;
+    /// As `f64`, exactly.
+    fn wide(self) -> f64;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// The greater of two; the other one where one is not a number.
+    fn max(self, other: Self) -> Self;
+    /// The smaller of two; the other one where one is not a number.
+    fn min(self, other: Self) -> Self;
+    /// The largest whole number that is not above.
+    fn floor(self) -> Self;
+    /// Neither infinite nor not-a-number.
+    fn is_finite(self) -> bool;
+    /// Sine of a phase in turns (2^64 is one turn).
+    fn sine(phase: u64) -> Self;
+}
+
+macro_rules! real {
+    ($t:ty, $sine:path) => {
+        impl Real for $t {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            #[inline(always)]
+            fn of(value: f64) -> Self {
+                value as $t
+            }
+            #[inline(always)]
+            fn wide(self) -> f64 {
+                self as f64
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                self.abs()
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                self.sqrt()
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                if self > other || other.is_nan() { self } else { other }
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                if self < other || other.is_nan() { self } else { other }
+            }
+            #[inline(always)]
+            fn floor(self) -> Self {
+                self.floor()
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                self.is_finite()
+            }
+            #[inline(always)]
+            fn sine(phase: u64) -> Self {
+                $sine(phase)
+            }
+        }
+    };
+}
+
+real!(f32, sine::sine32);
+real!(f64, sine::sine64);

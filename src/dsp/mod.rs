@@ -1,0 +1,5 @@
+//! Blocks that several rooms share.
+
+pub mod lanes;
+pub mod phase;
+pub mod sine;

@@ -1,0 +1,6 @@
+//! pacinian plays the skin the way a synthesizer plays the ear.
+
+#![warn(missing_docs)]
+
+pub mod dsp;
+pub mod node;

@@ -1,0 +1,136 @@
+//! The contract of a node: its kernel over lanes, which the engine runs, and its twin, which says what is right.
+
+use std::sync::Arc;
+
+use super::asset::Asset;
+use crate::dsp::lanes::{LANES, Real};
+
+/// How far a voice's clock lags behind the engine's, in engine samples. Band-limited jumps need two samples before their
+/// instant, so everything a voice does comes that much later; the engine reports it as delay.
+pub const LEAD: f64 = 2.0;
+
+/// What a node is told when it is built. The same for kernel and twin.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// Samples a second at which it will run: the engine's rate for a kernel; for a twin that or a multiple of it.
+    pub rate: f64,
+    /// The engine's rate, Hz.
+    pub engine_rate: f64,
+    /// Values of [`super::spec::Kind::Constant`], in the order of the parameters.
+    pub constants: Vec<f64>,
+    /// Values of [`super::spec::Kind::Choice`] (place in the list) and [`super::spec::Kind::Flag`] (0 or 1), in order.
+    pub choices: Vec<usize>,
+    /// Breakpoints, where the node has them.
+    pub points: Vec<Point>,
+    /// The recording, where the node has one.
+    pub asset: Option<Arc<Asset>>,
+    /// How many inputs it has.
+    pub inputs: usize,
+}
+
+/// One breakpoint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Seconds after the onset.
+    pub at: f64,
+    /// Value reached then.
+    pub value: f64,
+    /// Curvature of the segment that leads here; see [`super::curve`].
+    pub curve: f64,
+}
+
+/// A voice begins.
+#[derive(Debug, Clone, Copy)]
+pub struct Onset<'a> {
+    /// Voice time of the next sample that will be computed, in samples: between −2 and −1, since a voice's clock lags by
+    /// [`LEAD`] and an onset may fall between samples.
+    pub age: f64,
+    /// Names the random numbers of this node in this voice; see [`crate::dsp::random`].
+    pub stream: u64,
+    /// The part of each input that is known at the onset (a signal's part is 0).
+    pub start: &'a [f64],
+    /// Seconds until the release; infinite for one that is held.
+    pub duration: f64,
+}
+
+/// An input over one block: `R` values by frame and lane.
+#[derive(Debug, Clone, Copy)]
+pub struct Input<'a, R> {
+    /// One row a frame, or a single row that holds for all.
+    pub rows: &'a [[R; LANES]],
+    /// 1, or 0 where a single row holds for all.
+    pub step: usize,
+    /// The part known at the onset, in full precision. `rows` includes it, except for a
+    /// [`super::spec::Kind::Frequency`], where they hold the deviation from it.
+    pub base: &'a [f64; LANES],
+}
+
+impl<'a, R: Real> Input<'a, R> {
+    /// The values at a frame.
+    #[inline(always)]
+    pub fn at(&self, frame: usize) -> [R; LANES] {
+        self.rows[frame * self.step]
+    }
+    /// Whether it stays the same for the whole life of a voice.
+    #[inline(always)]
+    pub fn is_steady(&self) -> bool {
+        self.step == 0
+    }
+}
+
+/// What a kernel works on for one block.
+#[derive(Debug)]
+pub struct Io<'a, R> {
+    /// In the order of the parameters.
+    pub inputs: &'a [Input<'a, R>],
+    /// One row a frame; holds old values on entry.
+    pub output: &'a mut [[R; LANES]],
+    /// Engine sample of the first frame.
+    pub clock: u64,
+}
+
+/// The state of a node for one group of lanes.
+///
+/// `run` is called from the audio thread: it may not allocate, lock, block or panic, and its result may not depend on how
+/// a stretch of time is cut into blocks. Lanes are independent of one another.
+pub trait Kernel<R: Real>: Send + Sized {
+    /// State for a group of silent lanes.
+    fn new(setup: &Setup) -> Self;
+    /// A voice begins on `lane`; whatever was there is forgotten.
+    fn start(&mut self, lane: usize, onset: &Onset) {
+        let _ = (lane, onset);
+    }
+    /// The voice on `lane` is released at voice time `at`, in samples: one to two samples after the next one to be computed.
+    fn release(&mut self, lane: usize, at: f64) {
+        let _ = (lane, at);
+    }
+    /// Computes `io.output.len()` frames.
+    fn run(&mut self, io: &mut Io<R>);
+    /// For envelopes that end: whether `lane` still sounds. `None` for nodes that do not decide.
+    fn sounding(&self, lane: usize) -> Option<bool> {
+        let _ = lane;
+        None
+    }
+    /// For envelopes: the value on `lane`, by which the quietest voice is found.
+    fn value(&self, lane: usize) -> Option<f64> {
+        let _ = lane;
+        None
+    }
+    /// Called every 64 engine samples: state below −120 dB becomes exact zero.
+    fn settle(&mut self) {}
+}
+
+/// A node's definition in `f64`, slow, for one voice, sharing no code with the kernel.
+pub trait Twin: Send {
+    /// The value at voice time `t` (seconds, from slightly below zero), called once for every sample in order. `inputs` are the
+    /// values at that time, in the order of the parameters (here the whole value, for frequencies too).
+    fn step(&mut self, t: f64, inputs: &[f64]) -> f64;
+    /// The voice is released at voice time `t` (seconds), which lies after the last step.
+    fn release(&mut self, t: f64) {
+        let _ = t;
+    }
+    /// For envelopes that end: whether it still sounds.
+    fn sounding(&self) -> Option<bool> {
+        None
+    }
+}

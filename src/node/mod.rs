@@ -1,0 +1,99 @@
+//! The node library: one file a node, holding its description, its kernel over lanes, its exact twin and its tests.
+//!
+//! To add a node, write its file and add its line to the list at the foot of this one.
+
+pub mod asset;
+pub mod kernel;
+pub mod spec;
+
+use crate::dsp::lanes::Real;
+use kernel::{Io, Kernel, Onset, Setup, Twin};
+use spec::NodeSpec;
+
+/// A node type: its place in [`REGISTRY`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct NodeKind(pub usize);
+
+impl NodeKind {
+    /// The type of that name.
+    pub fn find(name: &str) -> Option<Self> {
+        REGISTRY.iter().position(|spec| spec.name == name).map(Self)
+    }
+    /// What it says about itself.
+    pub fn spec(self) -> &'static NodeSpec {
+        REGISTRY[self.0]
+    }
+}
+
+macro_rules! registry {
+    ($($(#[$attr:meta])* $variant:ident = $module:ident),* $(,)?) => {
+        $($(#[$attr])* pub mod $module;)*
+
+        /// All node types.
+        pub static REGISTRY: &[&NodeSpec] = &[$($(#[$attr])* &$module::SPEC),*];
+
+        #[allow(missing_docs)]
+        #[derive(Clone, Copy)]
+        enum Index { $($(#[$attr])* $variant),* }
+
+        /// The states of one op, a group of lanes each.
+        #[allow(missing_docs)]
+        pub enum States<R: Real> { $($(#[$attr])* $variant(Vec<$module::Lanes<R>>)),* }
+
+        impl<R: Real> States<R> {
+            /// States for `groups` groups of silent lanes.
+            pub fn new(kind: NodeKind, setup: &Setup, groups: usize) -> Self {
+                $($(#[$attr])* if kind.0 == Index::$variant as usize {
+                    return Self::$variant((0..groups).map(|_| Kernel::<R>::new(setup)).collect());
+                })*
+                unreachable!("a NodeKind names a registered node")
+            }
+            /// Whether both hold states of the same node type for as many groups.
+            pub fn matches(&self, other: &Self) -> bool {
+                match (self, other) {
+                    $($(#[$attr])* (Self::$variant(a), Self::$variant(b)) => a.len() == b.len(),)*
+                    #[allow(unreachable_patterns)]
+                    _ => false,
+                }
+            }
+            /// See [`Kernel::start`].
+            pub fn start(&mut self, group: usize, lane: usize, onset: &Onset) {
+                match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::start(&mut s[group], lane, onset)),* }
+            }
+            /// See [`Kernel::release`].
+            pub fn release(&mut self, group: usize, lane: usize, at: f64) {
+                match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::release(&mut s[group], lane, at)),* }
+            }
+            /// See [`Kernel::run`].
+            #[inline(always)]
+            pub fn run(&mut self, group: usize, io: &mut Io<R>) {
+                match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::run(&mut s[group], io)),* }
+            }
+            /// See [`Kernel::sounding`].
+            pub fn sounding(&self, group: usize, lane: usize) -> Option<bool> {
+                match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::sounding(&s[group], lane)),* }
+            }
+            /// See [`Kernel::value`].
+            pub fn value(&self, group: usize, lane: usize) -> Option<f64> {
+                match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::value(&s[group], lane)),* }
+            }
+            /// See [`Kernel::settle`].
+            pub fn settle(&mut self, group: usize) {
+                match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::settle(&mut s[group])),* }
+            }
+        }
+
+        /// The twin of a node.
+        pub fn twin(kind: NodeKind, setup: &Setup, onset: &Onset) -> Box<dyn Twin> {
+            $($(#[$attr])* if kind.0 == Index::$variant as usize {
+                return Box::new($module::Exact::new(setup, onset));
+            })*
+            unreachable!("a NodeKind names a registered node")
+        }
+    };
+}
+
+registry! {
+    Sine = sine,
+    Multiply = multiply,
+}
