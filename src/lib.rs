@@ -3,4 +3,6 @@
 #![warn(missing_docs)]
 
 pub mod dsp;
+pub mod graph;
 pub mod node;
+pub mod schedule;

@@ -1,0 +1,158 @@
+//! Works out what is known before anything sounds.
+//!
+//! - An arithmetic node whose inputs are all numbers becomes a number (its twin says which).
+//! - Numbers among the inputs of `multiply` and `add` become one; a product with 0 is 0; with one input left the node is gone.
+//! - Numbers and onset values that multiply the first output become its gain, which the mixer applies anyway.
+
+use super::{Base, Graph, Node, NodeId, Signal, Wire};
+use crate::node::kernel::Onset;
+use crate::node::spec::Family;
+use crate::node::twin;
+
+/// The graph with everything folded that can be, given an order in which inputs come first. Nodes that are not needed any
+/// more are still there. Says how many nodes were folded away.
+pub fn fold(mut graph: Graph, order: &[NodeId]) -> (Graph, usize) {
+    let mut same: Vec<Option<Wire>> = vec![None; graph.nodes.len()];
+    let mut folded = 0;
+    for &id in order {
+        let node = &mut graph.nodes[id as usize];
+        for wire in &mut node.inputs {
+            substitute(wire, &same);
+        }
+        if let Some(wire) = value(node) {
+            same[id as usize] = Some(wire);
+            folded += 1;
+        }
+    }
+    for wire in &mut graph.outputs {
+        substitute(wire, &same);
+    }
+    folded += take_gain(&mut graph);
+    (graph, folded)
+}
+
+fn substitute(wire: &mut Wire, same: &[Option<Wire>]) {
+    let Some(Signal::Node(id)) = wire.signal else { return };
+    if let Some(other) = same[id as usize] {
+        *wire = match (wire.base, other) {
+            (Base::Constant(0.0), _) => other,
+            (Base::Constant(a), Wire { base: Base::Constant(b), signal: None }) => Wire::constant(a + b),
+            // A frequency with an onset part and a signal that turned out to be one too: leave it.
+            _ => return,
+        };
+    }
+}
+
+/// What the node amounts to, if that is simpler than the node.
+fn value(node: &mut Node) -> Option<Wire> {
+    let spec = node.kind.spec();
+    let constant = |wire: &Wire| match wire {
+        Wire { base: Base::Constant(x), signal: None } => Some(*x),
+        _ => None,
+    };
+    if spec.family == Family::Arithmetic && node.inputs.iter().all(|w| constant(w).is_some()) {
+        let inputs: Vec<f64> = node.inputs.iter().filter_map(constant).collect();
+        let onset = Onset { age: 0.0, stream: 0, start: &inputs, duration: f64::INFINITY };
+        let mut exact = twin(node.kind, &node.setup(8000.0, 8000.0), &onset);
+        return Some(Wire::constant(exact.step(0.0, &inputs)));
+    }
+    let (neutral, join): (f64, fn(f64, f64) -> f64) = match spec.name {
+        "multiply" => (1.0, |a, b| a * b),
+        "add" => (0.0, |a, b| a + b),
+        _ => return None,
+    };
+    let known = node.inputs.iter().filter_map(constant).fold(neutral, join);
+    if spec.name == "multiply" && known == 0.0 {
+        return Some(Wire::constant(0.0));
+    }
+    node.inputs.retain(|w| constant(w).is_none());
+    if known != neutral {
+        node.inputs.push(Wire::constant(known));
+    }
+    if node.inputs.len() == 1 { node.inputs.pop() } else { None }
+}
+
+/// Moves what steadily multiplies the first output into the gain; how many nodes that saved.
+fn take_gain(graph: &mut Graph) -> usize {
+    let Some(Wire { signal: Some(Signal::Node(id)), .. }) = graph.outputs.first().copied() else { return 0 };
+    let wire = Signal::Node(id);
+    let read_elsewhere = graph.nodes.iter().flat_map(|n| &n.inputs).chain(&graph.outputs[1..]);
+    if graph.nodes[id as usize].kind.spec().name != "multiply"
+        || read_elsewhere.into_iter().any(|w| w.signal == Some(wire))
+    {
+        return 0;
+    }
+    let node = &mut graph.nodes[id as usize];
+    graph.gain.extend(node.inputs.iter().filter(|w| w.signal.is_none()).map(|w| w.base));
+    node.inputs.retain(|w| w.signal.is_some());
+    match node.inputs[..] {
+        [only] => {
+            graph.outputs[0] = only;
+            1
+        }
+        [] => {
+            graph.outputs[0] = Wire::constant(1.0);
+            1
+        }
+        _ => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::order::depth_first;
+    use super::super::{Base, Graph, Node, Settings, Wire};
+    use super::fold;
+    use crate::node::NodeKind;
+
+    fn node(kind: &str, inputs: Vec<Wire>) -> Node {
+        let kind = NodeKind::find(kind).unwrap();
+        Node { name: "n".into(), kind, settings: Settings::default().into(), inputs }
+    }
+
+    fn folded(nodes: Vec<Node>, last: u32) -> (Graph, usize) {
+        let graph = Graph { nodes, outputs: vec![Wire::node(last)], ..Graph::default() };
+        let order = depth_first(&graph).unwrap();
+        let (graph, count) = fold(graph, &order);
+        let order = depth_first(&graph).unwrap();
+        (super::super::prune::prune(graph, &order).0, count)
+    }
+
+    #[test]
+    fn numbers_fold_through_chains() {
+        let nodes = vec![
+            node("multiply", vec![Wire::constant(2.0), Wire::constant(3.0)]),
+            node("multiply", vec![Wire::node(0), Wire::constant(0.5)]),
+            node("sine", vec![Wire::constant(50.0), Wire::constant(0.0), Wire::node(1)]),
+        ];
+        let (graph, count) = folded(nodes, 2);
+        assert_eq!(count, 2);
+        assert_eq!(graph.nodes.len(), 1);
+        assert_eq!(graph.nodes[0].inputs[2], Wire::constant(3.0));
+    }
+
+    #[test]
+    fn steady_factors_become_the_gain() {
+        let sine = || node("sine", vec![Wire::constant(50.0), Wire::constant(0.0), Wire::constant(1.0)]);
+        let (graph, _) =
+            folded(vec![sine(), node("multiply", vec![Wire::node(0), Wire::constant(0.5), Wire::start(0)])], 1);
+        assert_eq!(graph.outputs, [Wire::node(0)]);
+        assert_eq!(graph.gain, [Base::Start(0), Base::Constant(0.5)]);
+
+        let nothing = folded(vec![sine(), node("multiply", vec![Wire::node(0), Wire::constant(0.0)])], 1).0;
+        assert_eq!((nothing.nodes.len(), nothing.outputs[0]), (0, Wire::constant(0.0)));
+    }
+
+    #[test]
+    fn a_product_that_is_read_twice_keeps_its_factors() {
+        let nodes = vec![
+            node("sine", vec![Wire::constant(50.0), Wire::constant(0.0), Wire::constant(1.0)]),
+            node("multiply", vec![Wire::node(0), Wire::constant(0.5)]),
+        ];
+        let graph = Graph { nodes, outputs: vec![Wire::node(1), Wire::node(1)], ..Graph::default() };
+        let order = depth_first(&graph).unwrap();
+        let (graph, _) = fold(graph, &order);
+        assert!(graph.gain.is_empty());
+        assert_eq!(graph.outputs, [Wire::node(1), Wire::node(1)]);
+    }
+}

@@ -1,0 +1,185 @@
+//! The plan: everything the engine needs to know, and nothing it does not. Flat, without state.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::order::depth_first;
+use super::program::{Program, program};
+use super::{Graph, NodeId, fold, prune};
+
+/// The number type of the lanes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Precision {
+    /// 32-bit floating point.
+    #[default]
+    Single,
+    /// 64-bit floating point.
+    Double,
+}
+
+/// A compiled scene.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Frames a second of the device or file.
+    pub device_rate: f64,
+    /// Device frames for each engine sample.
+    pub ratio: usize,
+    /// Channels of the device or file.
+    pub channels: usize,
+    /// Number type of the lanes.
+    pub precision: Precision,
+    /// Taps a phase of the up-sampling filter.
+    pub taps: usize,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Engine-wide signals, by their number.
+    pub shared: Vec<Shared>,
+    /// The program that computes the shared nodes.
+    pub shared_program: Program,
+    /// Live parameters.
+    pub controls: Vec<Control>,
+    /// The voices' programs.
+    pub instruments: Vec<Instrument>,
+    /// Gain rows: a place as channels (from 0) with gains.
+    pub places: Vec<Vec<(u32, f64)>>,
+    /// Kind and equaliser of each channel that something may feed.
+    pub outputs: Vec<Output>,
+    /// What was left out, and why.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Plan {
+    /// Samples a second of the engine.
+    pub fn engine_rate(&self) -> f64 {
+        self.device_rate / self.ratio as f64
+    }
+}
+
+/// An engine-wide signal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shared {
+    /// A live parameter, by its place.
+    Control(u32),
+    /// An output of the shared program.
+    Node(u32),
+    /// A channel of the input, from 0.
+    Input(u32),
+}
+
+/// A live parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Control {
+    /// Its name in the patch.
+    pub name: Arc<str>,
+    /// Where it starts.
+    pub default: f64,
+    /// The least it may be.
+    pub least: f64,
+    /// The most it may be.
+    pub most: f64,
+    /// Seconds it takes to reach a new value.
+    pub smoothing: f64,
+}
+
+/// A voice of the patch.
+#[derive(Debug, Clone)]
+pub struct Instrument {
+    /// Its name in the patch.
+    pub name: Arc<str>,
+    /// What runs.
+    pub program: Program,
+    /// How many may sound at once.
+    pub voices: usize,
+    /// Names of its own event fields, in order.
+    pub fields: Vec<Arc<str>>,
+    /// Their defaults.
+    pub defaults: Vec<f64>,
+    /// Its place where an event names none.
+    pub place: u32,
+    /// Sounds from the beginning, without an event.
+    pub always: bool,
+}
+
+/// What hangs on a channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// Its name in the rig.
+    pub name: Arc<str>,
+    /// The channel, from 0.
+    pub channel: u32,
+    /// What is done to it.
+    pub kind: OutputKind,
+}
+
+/// What is done to a channel on its way out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum OutputKind {
+    /// Limited and band-limited.
+    Vibration,
+    /// Brought to the device's rate and clamped, no more.
+    Raw,
+    /// Pulses of markers, at the device's rate.
+    Trigger,
+}
+
+/// Something that is not built or not run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LeftOut {
+    /// What it is.
+    pub what: String,
+    /// Why it is not needed.
+    pub why: Why,
+}
+
+/// Why something is not needed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Why {
+    /// No output needs it.
+    Pruned,
+    /// It is known before anything sounds.
+    Folded,
+    /// Nothing feeds it.
+    NeverFed,
+    /// Nothing starts it.
+    NeverTriggered,
+    /// Nothing reads it.
+    NeverRead,
+}
+
+impl fmt::Display for Why {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::Pruned => "no output needs it",
+            Self::Folded => "known before anything sounds",
+            Self::NeverFed => "nothing feeds it",
+            Self::NeverTriggered => "nothing starts it",
+            Self::NeverRead => "nothing reads it",
+        })
+    }
+}
+
+/// A graph, compiled: folded, pruned and put in order.
+#[derive(Debug, Clone)]
+pub struct Compiled {
+    /// What runs.
+    pub program: Program,
+    /// Names of nodes that no output needs.
+    pub pruned: Vec<Arc<str>>,
+    /// Names of nodes that are known before anything sounds, or whose work the mixer does.
+    pub folded: Vec<Arc<str>>,
+}
+
+/// Runs all passes over a graph.
+///
+/// # Errors
+/// The nodes of a loop.
+pub fn compile(graph: Graph) -> Result<Compiled, Vec<NodeId>> {
+    let order = depth_first(&graph)?;
+    let (graph, pruned) = prune::prune(graph, &order);
+    let needed = graph.nodes.len();
+    let order: Vec<NodeId> = (0..needed as NodeId).collect();
+    let (graph, _) = fold::fold(graph, &order);
+    let order = depth_first(&graph)?;
+    let (graph, folded) = prune::prune(graph, &order);
+    Ok(Compiled { program: program(graph), pruned, folded })
+}
