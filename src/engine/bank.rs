@@ -1,0 +1,414 @@
+//! The voices of one instrument: states of its ops, lane by lane, and who sounds on which lane.
+
+use std::sync::Arc;
+
+use super::event::Play;
+use super::mixer::Routes;
+use super::workspace::Workspace;
+use crate::dsp::lanes::{LANES, Real};
+use crate::dsp::random;
+use crate::graph::Base;
+use crate::graph::plan::Instrument;
+use crate::graph::program::{Feed, Program};
+use crate::graph::start::Fields;
+use crate::node::States;
+use crate::node::kernel::{Input, Io, LEAD, Onset};
+use crate::schedule::Instant;
+
+/// Inputs an op may have; longer lists of signals are split into several ops.
+pub const INPUTS: usize = 16;
+
+/// Seconds in which a voice that must make room, or that has no envelope, falls silent.
+pub const FADE: f64 = 0.004;
+
+/// What counts as silence: −120 dB.
+const SILENCE: f64 = 1e-6;
+
+/// A voice on its lane.
+#[derive(Debug, Clone, Copy)]
+pub struct Lane {
+    /// The event's id.
+    pub id: u64,
+    /// Its onset.
+    pub born: Instant,
+    /// Its order among all voices.
+    pub serial: u64,
+    /// The event's level.
+    pub level: f64,
+    /// What it is doing.
+    pub stage: Stage,
+}
+
+/// What a lane is doing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stage {
+    /// Nothing; it may be taken.
+    Free,
+    /// It sounds and was not released.
+    Held,
+    /// It was released.
+    Released,
+    /// It falls silent, linearly, from this engine sample on.
+    Fading(u64),
+}
+
+/// States and lanes of one instrument.
+pub struct Bank<R: Real> {
+    program: Arc<Program>,
+    states: Vec<States<R>>,
+    /// By group, then steady row.
+    steady: Vec<[R; LANES]>,
+    bases: Vec<[f64; LANES]>,
+    lanes: Vec<Lane>,
+    live: Vec<u8>,
+    fading: Vec<u8>,
+    ending: Vec<u8>,
+    peaks: Vec<[R; LANES]>,
+    routes: Vec<Routes<R>>,
+    voices: usize,
+    sounding: usize,
+    enveloped: bool,
+    rate: f64,
+    seed: u64,
+    /// Samples that were not finite and were masked.
+    pub masked: u64,
+    /// Voices that had to make room.
+    pub stolen: u64,
+}
+
+impl<R: Real> Bank<R> {
+    /// Silent lanes for an instrument, in an engine at `rate` with so many groups of channels.
+    pub fn new(instrument: &Instrument, rate: f64, seed: u64, channel_groups: usize) -> Self {
+        let program = instrument.program.clone();
+        // Spare lanes let a voice that makes room fade while the new one already sounds.
+        let groups = (instrument.voices + instrument.voices.min(LANES)).div_ceil(LANES);
+        let states: Vec<_> = program
+            .ops
+            .iter()
+            .map(|op| States::new(op.node.kind, &op.node.setup(rate, rate), groups))
+            .collect();
+        let enveloped = states.iter().any(|s| s.sounding(0, 0).is_some());
+        let rows = program.steady.len();
+        let mut bank = Self {
+            states,
+            steady: vec![[R::ZERO; LANES]; groups * rows],
+            bases: vec![[0.0; LANES]; groups * rows],
+            lanes: vec![
+                Lane { id: 0, born: Instant::default(), serial: 0, level: 0.0, stage: Stage::Free };
+                groups * LANES
+            ],
+            live: vec![0; groups],
+            fading: vec![0; groups],
+            ending: vec![0; groups],
+            peaks: vec![[R::ZERO; LANES]; groups],
+            routes: (0..groups).map(|_| Routes::new(channel_groups)).collect(),
+            voices: instrument.voices,
+            sounding: 0,
+            enveloped,
+            rate,
+            seed,
+            masked: 0,
+            stolen: 0,
+            program: Arc::new(program),
+        };
+        for group in 0..groups {
+            for (row, base) in bank.program.steady.iter().enumerate() {
+                if let Base::Constant(x) = *base {
+                    bank.bases[group * rows + row] = [x; LANES];
+                    bank.steady[group * rows + row] = [R::of(x); LANES];
+                }
+            }
+        }
+        bank
+    }
+
+    /// Voices that sound, those that fade aside.
+    pub fn sounding(&self) -> usize {
+        self.sounding
+    }
+
+    /// Starts a voice at `at`, when `clock` is the next sample to be computed, on the channels of `place`. Gives its lane.
+    pub fn start(
+        &mut self,
+        play: &Play,
+        at: Instant,
+        clock: u64,
+        place: &[(u32, f64)],
+        serial: u64,
+    ) -> usize {
+        if self.sounding >= self.voices {
+            self.make_room(clock);
+        }
+        let lane = self.free_lane();
+        let (group, l) = (lane / LANES, lane % LANES);
+        let fields = Fields { level: play.level, duration: play.duration, own: play.own };
+        let program = Arc::clone(&self.program);
+        let rows = program.steady.len();
+        for (row, base) in program.steady.iter().enumerate() {
+            if let Base::Start(id) = *base {
+                let value = program.starts[id as usize].value(&fields);
+                self.bases[group * rows + row][l] = value;
+                self.steady[group * rows + row][l] = R::of(value);
+            }
+        }
+        let age = at.until(clock) - LEAD;
+        for (i, (op, states)) in program.ops.iter().zip(&mut self.states).enumerate() {
+            let mut start = [0.0; INPUTS];
+            for (value, input) in start.iter_mut().zip(&op.inputs) {
+                *value = self.bases[group * rows + input.base as usize][l];
+            }
+            let stream = random::stream(self.seed, play.id, i as u64);
+            let inputs = op.inputs.len().min(INPUTS);
+            let onset = Onset { age, stream, start: &start[..inputs], duration: play.duration };
+            states.start(group, l, &onset);
+        }
+        let gain = program.gain.iter().fold(play.level, |gain, base| {
+            gain * match *base {
+                Base::Constant(x) => x,
+                Base::Start(id) => program.starts[id as usize].value(&fields),
+            }
+        });
+        let gain = if gain.is_finite() { gain } else { 0.0 };
+        for &(channel, share) in place {
+            self.routes[group].connect(l, channel, share * gain);
+        }
+        self.lanes[lane] =
+            Lane { id: play.id, born: at, serial, level: gain.abs(), stage: Stage::Held };
+        self.live[group] |= 1 << l;
+        self.sounding += 1;
+        lane
+    }
+
+    /// Releases the voice of that id on `lane`, if it is still there.
+    pub fn release(&mut self, lane: usize, id: u64, at: Instant, clock: u64) {
+        let Some(voice) = self.lanes.get_mut(lane).filter(|v| v.id == id && v.stage == Stage::Held) else {
+            return;
+        };
+        let (group, l) = (lane / LANES, lane % LANES);
+        if self.enveloped {
+            voice.stage = Stage::Released;
+            let since = at.since(voice.born);
+            for states in &mut self.states {
+                states.release(group, l, since);
+            }
+        } else {
+            voice.stage = Stage::Fading(clock);
+            self.fading[group] |= 1 << l;
+            self.sounding -= 1;
+        }
+    }
+
+    /// Releases all voices of that id, or all there are.
+    pub fn release_all(&mut self, id: Option<u64>, at: Instant, clock: u64) {
+        for lane in 0..self.lanes.len() {
+            let voice = self.lanes[lane];
+            if voice.stage == Stage::Held && id.is_none_or(|id| id == voice.id) {
+                self.release(lane, voice.id, at, clock);
+            }
+        }
+    }
+
+    /// Computes `frames` samples from `clock` on and adds them to the mix at `offset`.
+    #[inline(always)]
+    pub fn run(&mut self, work: &mut Workspace<R>, frames: usize, offset: usize, clock: u64) {
+        for group in 0..self.live.len() {
+            if self.live[group] != 0 {
+                self.run_ops(group, work, frames, clock);
+                self.finish(group, work, frames, offset, clock);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn run_ops(&mut self, group: usize, work: &mut Workspace<R>, frames: usize, clock: u64) {
+        let rows = self.program.steady.len();
+        let steady = &self.steady[group * rows..][..rows];
+        let bases = &self.bases[group * rows..][..rows];
+        for (op, states) in self.program.ops.iter().zip(&mut self.states) {
+            let mut output = std::mem::take(&mut work.buffers[op.output as usize]);
+            let mut inputs = [Input { rows: &steady[..1], step: 0, base: &bases[0] }; INPUTS];
+            for (slot, input) in inputs.iter_mut().zip(&op.inputs) {
+                slot.base = &bases[input.base as usize];
+                (slot.rows, slot.step) = match input.feed {
+                    Feed::Steady(row) => (&steady[row as usize..=row as usize], 0),
+                    Feed::Buffer(b) => (&work.buffers[b as usize][..frames], 1),
+                    Feed::Shared(s) => (&work.shared[s as usize][..frames], 1),
+                };
+            }
+            let count = op.inputs.len().min(INPUTS);
+            states.run(group, &mut Io { inputs: &inputs[..count], output: &mut output[..frames], clock });
+            work.buffers[op.output as usize] = output;
+        }
+    }
+
+    /// Masks what is not finite, fades what fades, notes peaks where a voice may be at its end, and mixes.
+    #[inline(always)]
+    fn finish(&mut self, group: usize, work: &mut Workspace<R>, frames: usize, offset: usize, clock: u64) {
+        let rows = self.program.steady.len();
+        // The last buffer of the workspace is the mixer's own.
+        let own = work.buffers.len() - 1;
+        let mut values = match self.program.outputs.first() {
+            Some(Feed::Buffer(b)) => std::mem::take(&mut work.buffers[*b as usize]),
+            Some(Feed::Shared(s)) => {
+                let (buffers, shared) = (&mut work.buffers, &work.shared);
+                buffers[own][..frames].copy_from_slice(&shared[*s as usize][..frames]);
+                std::mem::take(&mut buffers[own])
+            }
+            Some(Feed::Steady(row)) => {
+                work.buffers[own][..frames].fill(self.steady[group * rows + *row as usize]);
+                std::mem::take(&mut work.buffers[own])
+            }
+            None => return,
+        };
+        let block = &mut values[..frames];
+        let mut check = [R::ZERO; LANES];
+        for row in block.iter() {
+            for l in 0..LANES {
+                check[l] += row[l] - row[l];
+            }
+        }
+        if check != [R::ZERO; LANES] {
+            self.masked += mask(block, self.live[group]);
+        }
+        if self.fading[group] != 0 {
+            self.fade(group, block, clock);
+        }
+        if self.ending[group] != 0 {
+            let mut peak = self.peaks[group];
+            for row in block.iter() {
+                for l in 0..LANES {
+                    peak[l] = peak[l].max(row[l].abs());
+                }
+            }
+            self.peaks[group] = peak;
+        }
+        self.routes[group].mix(block, work, offset);
+        match self.program.outputs.first() {
+            Some(Feed::Buffer(b)) => work.buffers[*b as usize] = values,
+            _ => work.buffers[own] = values,
+        }
+    }
+
+    fn fade(&self, group: usize, block: &mut [[R; LANES]], clock: u64) {
+        let a_sample = 1.0 / (FADE * self.rate);
+        for l in 0..LANES {
+            if let Stage::Fading(since) = self.lanes[group * LANES + l].stage {
+                for (frame, row) in block.iter_mut().enumerate() {
+                    let age = (clock - since) as f64 + frame as f64 + 1.0;
+                    row[l] *= R::of((1.0 - age * a_sample).max(0.0));
+                }
+            }
+        }
+    }
+
+    /// Every 64 engine samples: settles states, and frees lanes whose voices have ended.
+    pub fn settle(&mut self, clock: u64) {
+        for group in 0..self.live.len() {
+            if self.live[group] == 0 {
+                continue;
+            }
+            for states in &mut self.states {
+                states.settle(group);
+            }
+            for l in 0..LANES {
+                let lane = group * LANES + l;
+                let over = match self.lanes[lane].stage {
+                    Stage::Free => continue,
+                    Stage::Fading(since) => (clock - since) as f64 > FADE * self.rate + LEAD,
+                    Stage::Held | Stage::Released => {
+                        let bit = 1 << l;
+                        let silent = self.ending[group] & bit != 0 && self.peaks[group][l] < R::of(SILENCE);
+                        if self.has_ended(group, l) {
+                            self.ending[group] |= bit;
+                        }
+                        silent
+                    }
+                };
+                if over {
+                    self.free(lane);
+                }
+            }
+            self.peaks[group] = [R::ZERO; LANES];
+        }
+    }
+
+    fn has_ended(&self, group: usize, lane: usize) -> bool {
+        self.enveloped && self.states.iter().all(|s| s.sounding(group, lane) != Some(true))
+    }
+
+    fn free(&mut self, lane: usize) {
+        let (group, l) = (lane / LANES, lane % LANES);
+        if !matches!(self.lanes[lane].stage, Stage::Fading(_) | Stage::Free) {
+            self.sounding -= 1;
+        }
+        self.lanes[lane].stage = Stage::Free;
+        let keep = !(1 << l);
+        self.live[group] &= keep;
+        self.fading[group] &= keep;
+        self.ending[group] &= keep;
+        self.routes[group].disconnect(l);
+    }
+
+    /// The lowest free lane; where all are taken, the one that has faded longest.
+    fn free_lane(&mut self) -> usize {
+        for (group, live) in self.live.iter().enumerate() {
+            let l = live.trailing_ones() as usize;
+            if l < LANES {
+                return group * LANES + l;
+            }
+        }
+        let since = |lane: &Lane| if let Stage::Fading(since) = lane.stage { since } else { u64::MAX };
+        let lane = (0..self.lanes.len()).min_by_key(|&i| since(&self.lanes[i])).unwrap_or(0);
+        self.free(lane);
+        lane
+    }
+
+    /// Lets a voice fade: of those released the quietest, else the oldest.
+    fn make_room(&mut self, clock: u64) {
+        let value = |lane: usize| {
+            let (group, l) = (lane / LANES, lane % LANES);
+            let of_envelopes = self.states.iter().filter_map(|s| s.value(group, l).map(f64::abs));
+            of_envelopes.fold(f64::INFINITY, f64::min) * self.lanes[lane].level
+        };
+        let of_stage = |stage| (0..self.lanes.len()).filter(move |&i| self.lanes[i].stage == stage);
+        let quietest = of_stage(Stage::Released)
+            .min_by(|&a, &b| value(a).total_cmp(&value(b)).then(self.lanes[a].serial.cmp(&self.lanes[b].serial)));
+        let victim = quietest.or_else(|| of_stage(Stage::Held).min_by_key(|&i| self.lanes[i].serial));
+        if let Some(lane) = victim {
+            self.lanes[lane].stage = Stage::Fading(clock);
+            self.fading[lane / LANES] |= 1 << (lane % LANES);
+            self.sounding -= 1;
+            self.stolen += 1;
+        }
+    }
+
+    /// The last row that the program's output `index` held, for engine-wide programs of one lane.
+    pub fn output_feed(&self, index: usize) -> Feed {
+        self.program.outputs[index]
+    }
+
+    /// Runs all ops of the first group without mixing: for engine-wide programs.
+    #[inline(always)]
+    pub fn run_shared(&mut self, work: &mut Workspace<R>, frames: usize, clock: u64) {
+        self.run_ops(0, work, frames, clock);
+    }
+
+    /// A value of the first lane's steady row.
+    pub fn steady_value(&self, row: u32) -> R {
+        self.steady[row as usize][0]
+    }
+}
+
+/// Makes what is not finite 0; how many samples of live lanes that were.
+fn mask<R: Real>(block: &mut [[R; LANES]], live: u8) -> u64 {
+    let mut count = 0;
+    for row in block {
+        for (l, value) in row.iter_mut().enumerate() {
+            if !value.is_finite() {
+                *value = R::ZERO;
+                count += u64::from(live & (1 << l) != 0);
+            }
+        }
+    }
+    count
+}

@@ -1,0 +1,47 @@
+//! What reaches the engine: plain copies of a fixed size.
+
+use crate::graph::start::FIELDS;
+
+/// A voice is to sound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Play {
+    /// The instrument, by its place in the plan.
+    pub instrument: u32,
+    /// Where: a row of [`crate::graph::plan::Plan::places`].
+    pub place: u32,
+    /// 1 for a full one.
+    pub level: f64,
+    /// Seconds until its release; infinite for one that is held.
+    pub duration: f64,
+    /// The instrument's own fields, in the order in which it declares them.
+    pub own: [f64; FIELDS],
+    /// Names the voice, for its release and for its random numbers.
+    pub id: u64,
+}
+
+/// What is due at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event {
+    /// Start a voice.
+    Play(Play),
+    /// Release the voice of that id, if it still sounds.
+    Release(u64),
+    /// Move a control, by its place in the plan, to a value.
+    Control(u32, f64),
+    /// Release everything.
+    ReleaseAll,
+    /// Put a pulse on the trigger outputs.
+    Marker(u32),
+}
+
+/// Where events come from: ties in time go in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u16)]
+pub enum Source {
+    /// Releases of voices that have sounded their time.
+    Engine = 0,
+    /// Patterns.
+    Pattern = 1,
+    /// The program.
+    Program = 2,
+}
