@@ -4,3 +4,6 @@
 
 pub mod dsp;
 pub mod node;
+pub mod patch;
+pub mod rig;
+pub mod text;
