@@ -3,6 +3,10 @@
 #![warn(missing_docs)]
 
 pub mod dsp;
+pub mod engine;
 pub mod graph;
 pub mod node;
+pub mod patch;
+pub mod rig;
 pub mod schedule;
+pub mod text;

@@ -1,0 +1,44 @@
+//! What a name means to a node.
+
+use std::collections::HashMap;
+
+use super::{Patch, Voice};
+
+/// What a name stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// A node of the same voice, by its place in [`Voice::nodes`].
+    Node(usize),
+    /// A shared node, by its place in [`Patch::shared`].
+    Shared(usize),
+    /// A control, by its place in [`Patch::controls`].
+    Control(usize),
+}
+
+/// The names that the nodes of one voice, or the shared nodes, may read: the voice's nodes first, then shared ones, then
+/// controls.
+#[derive(Debug, Clone)]
+pub struct Scope<'a> {
+    names: HashMap<&'a str, Target>,
+}
+
+impl<'a> Scope<'a> {
+    /// Of a voice; `None` for the shared nodes.
+    pub fn new(patch: &'a Patch, voice: Option<&'a Voice>) -> Self {
+        let mut names = HashMap::new();
+        names.extend(patch.controls.iter().enumerate().map(|(i, c)| (c.name.as_str(), Target::Control(i))));
+        names.extend(patch.shared.iter().enumerate().map(|(i, n)| (n.name.as_str(), Target::Shared(i))));
+        if let Some(voice) = voice {
+            names.extend(voice.nodes.iter().enumerate().map(|(i, n)| (n.name.as_str(), Target::Node(i))));
+        }
+        Self { names }
+    }
+    /// What a name stands for.
+    pub fn find(&self, name: &str) -> Option<Target> {
+        self.names.get(name).copied()
+    }
+    /// All names.
+    pub fn names(&self) -> impl Iterator<Item = &'a str> {
+        self.names.keys().copied()
+    }
+}

@@ -1,0 +1,1 @@
+//! From a place in a patch to a channel of the rig.

@@ -1,0 +1,146 @@
+//! What is wrong with a file, and where.
+
+use std::fmt;
+use std::ops::Range;
+
+/// A place in a file, in bytes. Empty at 0 for what was made in code and stands in no file.
+pub type Span = Range<usize>;
+
+/// How bad it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Worth saying; the file still works.
+    Warning,
+    /// The file is refused.
+    Error,
+}
+
+/// One thing that is wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// How bad it is.
+    pub severity: Severity,
+    /// Where, in bytes; `None` for the file as a whole.
+    pub span: Option<Span>,
+    /// What, in one sentence, with names, values and limits.
+    pub what: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+impl Problem {
+    /// An error at a place.
+    pub fn error(span: &Span, what: impl Into<String>) -> Self {
+        Self { severity: Severity::Error, span: Some(span.clone()), what: what.into(), help: None }
+    }
+    /// A warning at a place.
+    pub fn warning(span: &Span, what: impl Into<String>) -> Self {
+        Self { severity: Severity::Warning, ..Self::error(span, what) }
+    }
+    /// An error of the file as a whole.
+    pub fn of_file(what: impl Into<String>) -> Self {
+        Self { severity: Severity::Error, span: None, what: what.into(), help: None }
+    }
+    /// The same with advice, which may be missing.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<Option<String>>) -> Self {
+        self.help = help.into();
+        self
+    }
+    /// Whether it refuses the file.
+    pub fn is_error(&self) -> bool {
+        self.severity == Severity::Error
+    }
+}
+
+/// Everything that is wrong with one file, in the order of its lines.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Problems {
+    /// The file's name, as the person wrote it.
+    pub file: String,
+    /// What stands in it, so that lines can be shown; empty where it could not be read as text.
+    pub source: String,
+    /// The problems.
+    pub list: Vec<Problem>,
+}
+
+impl Problems {
+    /// A single error of a file as a whole.
+    pub fn of_file(file: &str, what: impl Into<String>) -> Self {
+        Self { file: file.into(), source: String::new(), list: vec![Problem::of_file(what)] }
+    }
+    /// Whether one of them refuses the file.
+    pub fn has_errors(&self) -> bool {
+        self.list.iter().any(Problem::is_error)
+    }
+    /// Line and column of a byte, both from 1; the column counts characters.
+    pub fn position(&self, byte: usize) -> (usize, usize) {
+        let mut end = byte.min(self.source.len());
+        while !self.source.is_char_boundary(end) {
+            end -= 1;
+        }
+        let before = self.source.get(..end).unwrap_or("");
+        let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
+        let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+        (line, column)
+    }
+    /// By line; what concerns the whole file first.
+    pub(crate) fn sort(&mut self) {
+        self.list.sort_by_key(|p| p.span.as_ref().map(|s| s.start + 1).unwrap_or(0));
+    }
+}
+
+impl fmt::Display for Problems {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        for (i, problem) in self.list.iter().enumerate() {
+            if i > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{}:", self.file)?;
+            if let Some(span) = &problem.span {
+                let (line, column) = self.position(span.start);
+                write!(f, "{line}:{column}:")?;
+            }
+            let word = if problem.is_error() { "error" } else { "warning" };
+            write!(f, " {word}: {}", problem.what)?;
+            if let Some(help) = &problem.help {
+                write!(f, "\n  help: {help}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Problems {}
+
+/// What was read without errors, with the warnings it gave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checked<T> {
+    /// What was read.
+    pub value: T,
+    /// Warnings; may be empty.
+    pub warnings: Problems,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Problem, Problems};
+
+    #[test]
+    fn lines_and_columns_count_from_one_in_characters() {
+        let source = "a\nµµ x\n".to_string();
+        let list = vec![
+            Problem::error(&(7..8), "no x").help("write y".to_string()),
+            Problem::of_file("all of it"),
+            Problem::warning(&(0..1), "an a"),
+        ];
+        let mut problems = Problems { file: "f.toml".into(), source, list };
+        problems.sort();
+        assert_eq!(
+            problems.to_string(),
+            "f.toml: error: all of it\nf.toml:1:1: warning: an a\nf.toml:2:4: error: no x\n  help: write y"
+        );
+        assert_eq!(problems.position(3), (2, 1), "a byte within a character");
+        assert_eq!(problems.position(999), (3, 1), "past the end");
+    }
+}
