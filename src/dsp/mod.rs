@@ -1,5 +1,7 @@
 //! Blocks that several rooms share.
 
+pub mod isa;
 pub mod lanes;
 pub mod phase;
+pub mod random;
 pub mod sine;

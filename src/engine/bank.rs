@@ -12,11 +12,8 @@ use crate::graph::plan::Instrument;
 use crate::graph::program::{Feed, Program};
 use crate::graph::start::Fields;
 use crate::node::States;
-use crate::node::kernel::{Input, Io, LEAD, Onset};
+use crate::node::kernel::{INPUTS, Input, Io, LEAD, Onset};
 use crate::schedule::Instant;
-
-/// Inputs an op may have; longer lists of signals are split into several ops.
-pub const INPUTS: usize = 16;
 
 /// Seconds in which a voice that must make room, or that has no envelope, falls silent.
 pub const FADE: f64 = 0.004;
@@ -48,8 +45,8 @@ pub enum Stage {
     Held,
     /// It was released.
     Released,
-    /// It falls silent, linearly, from this engine sample on.
-    Fading(u64),
+    /// It falls silent from this instant on.
+    Fading(Instant),
 }
 
 /// States and lanes of one instrument.
@@ -127,6 +124,11 @@ impl<R: Real> Bank<R> {
         self.sounding
     }
 
+    /// Whether all lanes are free.
+    pub fn is_idle(&self) -> bool {
+        self.live.iter().all(|live| *live == 0)
+    }
+
     /// Starts a voice at `at`, when `clock` is the next sample to be computed, on the channels of `place`. Gives its lane.
     pub fn start(
         &mut self,
@@ -137,7 +139,7 @@ impl<R: Real> Bank<R> {
         serial: u64,
     ) -> usize {
         if self.sounding >= self.voices {
-            self.make_room(clock);
+            self.make_room(at);
         }
         let lane = self.free_lane();
         let (group, l) = (lane / LANES, lane % LANES);
@@ -152,12 +154,12 @@ impl<R: Real> Bank<R> {
             }
         }
         let age = at.until(clock) - LEAD;
-        for (i, (op, states)) in program.ops.iter().zip(&mut self.states).enumerate() {
+        for (op, states) in program.ops.iter().zip(&mut self.states) {
             let mut start = [0.0; INPUTS];
             for (value, input) in start.iter_mut().zip(&op.inputs) {
                 *value = self.bases[group * rows + input.base as usize][l];
             }
-            let stream = random::stream(self.seed, play.id, i as u64);
+            let stream = random::stream(self.seed, play.id, op.node.stream());
             let inputs = op.inputs.len().min(INPUTS);
             let onset = Onset { age, stream, start: &start[..inputs], duration: play.duration };
             states.start(group, l, &onset);
@@ -180,7 +182,7 @@ impl<R: Real> Bank<R> {
     }
 
     /// Releases the voice of that id on `lane`, if it is still there.
-    pub fn release(&mut self, lane: usize, id: u64, at: Instant, clock: u64) {
+    pub fn release(&mut self, lane: usize, id: u64, at: Instant) {
         let Some(voice) = self.lanes.get_mut(lane).filter(|v| v.id == id && v.stage == Stage::Held) else {
             return;
         };
@@ -192,18 +194,18 @@ impl<R: Real> Bank<R> {
                 states.release(group, l, since);
             }
         } else {
-            voice.stage = Stage::Fading(clock);
+            voice.stage = Stage::Fading(at);
             self.fading[group] |= 1 << l;
             self.sounding -= 1;
         }
     }
 
     /// Releases all voices of that id, or all there are.
-    pub fn release_all(&mut self, id: Option<u64>, at: Instant, clock: u64) {
+    pub fn release_all(&mut self, id: Option<u64>, at: Instant) {
         for lane in 0..self.lanes.len() {
             let voice = self.lanes[lane];
             if voice.stage == Stage::Held && id.is_none_or(|id| id == voice.id) {
-                self.release(lane, voice.id, at, clock);
+                self.release(lane, voice.id, at);
             }
         }
     }
@@ -290,12 +292,11 @@ impl<R: Real> Bank<R> {
     }
 
     fn fade(&self, group: usize, block: &mut [[R; LANES]], clock: u64) {
-        let a_sample = 1.0 / (FADE * self.rate);
         for l in 0..LANES {
             if let Stage::Fading(since) = self.lanes[group * LANES + l].stage {
+                let age = since.until(clock) - LEAD;
                 for (frame, row) in block.iter_mut().enumerate() {
-                    let age = (clock - since) as f64 + frame as f64 + 1.0;
-                    row[l] *= R::of((1.0 - age * a_sample).max(0.0));
+                    row[l] *= R::of(fade((age + frame as f64) / self.rate));
                 }
             }
         }
@@ -314,7 +315,7 @@ impl<R: Real> Bank<R> {
                 let lane = group * LANES + l;
                 let over = match self.lanes[lane].stage {
                     Stage::Free => continue,
-                    Stage::Fading(since) => (clock - since) as f64 > FADE * self.rate + LEAD,
+                    Stage::Fading(since) => since.until(clock) - LEAD > FADE * self.rate,
                     Stage::Held | Stage::Released => {
                         let bit = 1 << l;
                         let silent = self.ending[group] & bit != 0 && self.peaks[group][l] < R::of(SILENCE);
@@ -357,29 +358,36 @@ impl<R: Real> Bank<R> {
                 return group * LANES + l;
             }
         }
-        let since = |lane: &Lane| if let Stage::Fading(since) = lane.stage { since } else { u64::MAX };
+        let since = |lane: &Lane| if let Stage::Fading(since) = lane.stage { since } else { Instant::NEVER };
         let lane = (0..self.lanes.len()).min_by_key(|&i| since(&self.lanes[i])).unwrap_or(0);
         self.free(lane);
         lane
     }
 
     /// Lets a voice fade: of those released the quietest, else the oldest.
-    fn make_room(&mut self, clock: u64) {
-        let value = |lane: usize| {
-            let (group, l) = (lane / LANES, lane % LANES);
-            let of_envelopes = self.states.iter().filter_map(|s| s.value(group, l).map(f64::abs));
-            of_envelopes.fold(f64::INFINITY, f64::min) * self.lanes[lane].level
+    fn make_room(&mut self, at: Instant) {
+        let of_stage = |stage| {
+            let lanes = self.lanes.iter().enumerate();
+            lanes.filter(move |(_, lane)| lane.stage == stage).map(|(i, lane)| (i, lane.serial))
         };
-        let of_stage = |stage| (0..self.lanes.len()).filter(move |&i| self.lanes[i].stage == stage);
         let quietest = of_stage(Stage::Released)
-            .min_by(|&a, &b| value(a).total_cmp(&value(b)).then(self.lanes[a].serial.cmp(&self.lanes[b].serial)));
-        let victim = quietest.or_else(|| of_stage(Stage::Held).min_by_key(|&i| self.lanes[i].serial));
+            .map(|(lane, serial)| (lane, self.loudness(lane), serial))
+            .min_by(|a, b| a.1.total_cmp(&b.1).then(a.2.cmp(&b.2)))
+            .map(|(lane, ..)| lane);
+        let victim = quietest.or_else(|| of_stage(Stage::Held).min_by_key(|(_, serial)| *serial).map(|(lane, _)| lane));
         if let Some(lane) = victim {
-            self.lanes[lane].stage = Stage::Fading(clock);
+            self.lanes[lane].stage = Stage::Fading(at);
             self.fading[lane / LANES] |= 1 << (lane % LANES);
             self.sounding -= 1;
             self.stolen += 1;
         }
+    }
+
+    /// The smallest value of its envelopes times its level.
+    fn loudness(&self, lane: usize) -> f64 {
+        let (group, l) = (lane / LANES, lane % LANES);
+        let of_envelopes = self.states.iter().filter_map(|s| s.value(group, l).map(f64::abs));
+        of_envelopes.fold(f64::INFINITY, f64::min) * self.lanes[lane].level
     }
 
     /// The last row that the program's output `index` held, for engine-wide programs of one lane.
@@ -397,6 +405,13 @@ impl<R: Real> Bank<R> {
     pub fn steady_value(&self, row: u32) -> R {
         self.steady[row as usize][0]
     }
+}
+
+/// Gain of a voice that falls silent, `seconds` after it began to: 1 − (10 x³ − 15 x⁴ + 6 x⁵) over [`FADE`], whose slope and
+/// curvature are 0 at both ends.
+pub fn fade(seconds: f64) -> f64 {
+    let x = (seconds / FADE).clamp(0.0, 1.0);
+    1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x))
 }
 
 /// Makes what is not finite 0; how many samples of live lanes that were.

@@ -24,7 +24,16 @@ pub struct Play {
 pub enum Event {
     /// Start a voice.
     Play(Play),
-    /// Release the voice of that id, if it still sounds.
+    /// A voice has sounded its time.
+    End {
+        /// Its instrument.
+        instrument: u32,
+        /// Its lane there.
+        lane: u32,
+        /// Its id: if another is there by now, nothing happens.
+        id: u64,
+    },
+    /// Release the voices of that id that still sound.
     Release(u64),
     /// Move a control, by its place in the plan, to a value.
     Control(u32, f64),

@@ -1,7 +1,140 @@
 //! The run-time: runs a plan. It knows no files, no devices and no formats.
 
 pub mod bank;
+pub mod control;
 pub mod core;
 pub mod event;
 pub mod mixer;
+pub mod stage;
+pub mod task;
 pub mod workspace;
+
+use crate::dsp::isa::Isa;
+use crate::graph::plan::{Plan, Precision};
+use crate::schedule::Instant;
+use core::{Core, Counters};
+use event::{Event, Source};
+use task::Task;
+use workspace::BLOCK;
+
+/// A plan at work: give it input frames, get output frames.
+///
+/// [`Engine::process`] may be called from an audio callback: it does not allocate, lock, block or panic. What it computes
+/// depends on input and engine time alone, never on how a stretch of time is cut into calls.
+pub struct Engine {
+    core: AnyCore,
+    channels: usize,
+    ratio: usize,
+    /// Frames of the last engine sample that are still to be given out.
+    carry: Vec<f32>,
+    carried: usize,
+}
+
+enum AnyCore {
+    Single(Box<Core<f32>>),
+    Double(Box<Core<f64>>),
+}
+
+macro_rules! each {
+    ($self:expr, $core:ident => $body:expr) => {
+        match &$self.core {
+            AnyCore::Single($core) => $body,
+            AnyCore::Double($core) => $body,
+        }
+    };
+    (mut $self:expr, $core:ident => $body:expr) => {
+        match &mut $self.core {
+            AnyCore::Single($core) => $body,
+            AnyCore::Double($core) => $body,
+        }
+    };
+}
+
+impl Engine {
+    /// An engine for a plan, on the best instruction set of this machine.
+    pub fn new(plan: &Plan) -> Self {
+        Self::with_isa(plan, Isa::detect())
+    }
+
+    /// An engine for a plan on an instruction set, which this machine must have.
+    pub fn with_isa(plan: &Plan, isa: Isa) -> Self {
+        let isa = if isa == Isa::Avx2 { Isa::detect() } else { isa };
+        let core = match plan.precision {
+            Precision::Single => AnyCore::Single(Box::new(Core::new(plan, isa))),
+            Precision::Double => AnyCore::Double(Box::new(Core::new(plan, isa))),
+        };
+        let carry = vec![0.0; plan.ratio * plan.channels];
+        Self { core, channels: plan.channels, ratio: plan.ratio, carried: carry.len(), carry }
+    }
+
+    /// Channels of a frame.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Engine samples computed so far.
+    pub fn clock(&self) -> u64 {
+        each!(self, core => core.clock())
+    }
+
+    /// What happened so far.
+    pub fn counters(&self) -> Counters {
+        each!(self, core => core.counters())
+    }
+
+    /// Voices that sound.
+    pub fn sounding(&self) -> usize {
+        each!(self, core => core.sounding())
+    }
+
+    /// Whether nothing sounds, nothing waits and nothing rings.
+    pub fn is_silent(&self) -> bool {
+        each!(self, core => core.is_silent())
+    }
+
+    /// How many more events may wait.
+    pub fn room(&self) -> usize {
+        each!(self, core => core.room())
+    }
+
+    /// An event at an instant of engine time; one in the past takes effect with the next sample. Says whether there was
+    /// room; an event that found none is counted.
+    pub fn schedule(&mut self, at: Instant, source: Source, event: Event) -> bool {
+        each!(mut self, core => core.schedule(at, source, event))
+    }
+
+    /// Adds a periodic task. It allocates: not for the audio thread.
+    pub fn add_task(&mut self, task: Box<dyn Task>) {
+        each!(mut self, core => core.add_task(task));
+    }
+
+    /// Fills `output`, interleaved frames of all channels. Samples beyond the last whole frame become 0.
+    pub fn process(&mut self, output: &mut [f32]) {
+        let whole = output.len() - output.len() % self.channels.max(1);
+        let (mut output, rest) = output.split_at_mut(whole);
+        rest.fill(0.0);
+
+        let taken = output.len().min(self.carry.len() - self.carried);
+        output[..taken].copy_from_slice(&self.carry[self.carried..][..taken]);
+        self.carried += taken;
+        output = &mut output[taken..];
+
+        let step = self.ratio * self.channels;
+        if step == 0 {
+            return;
+        }
+        while output.len() >= step {
+            let samples = (output.len() / step).min(BLOCK);
+            let (now, later) = output.split_at_mut(samples * step);
+            each!(mut self, core => core.advance(samples, &[], now));
+            output = later;
+        }
+        if !output.is_empty() {
+            let mut carry = std::mem::take(&mut self.carry);
+            each!(mut self, core => core.advance(1, &[], &mut carry));
+            self.carry = carry;
+            self.carried = output.len();
+            output.copy_from_slice(&self.carry[..self.carried]);
+        }
+    }
+}

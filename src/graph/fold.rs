@@ -2,7 +2,7 @@
 //!
 //! - An arithmetic node whose inputs are all numbers becomes a number (its twin says which).
 //! - Numbers among the inputs of `multiply` and `add` become one; a product with 0 is 0; with one input left the node is gone.
-//! - Numbers and onset values that multiply the first output become its gain, which the mixer applies anyway.
+//! - Numbers and onset values that multiply a voice's output become its gain, which the mixer applies anyway.
 
 use super::{Base, Graph, Node, NodeId, Signal, Wire};
 use crate::node::kernel::Onset;
@@ -10,10 +10,9 @@ use crate::node::spec::Family;
 use crate::node::twin;
 
 /// The graph with everything folded that can be, given an order in which inputs come first. Nodes that are not needed any
-/// more are still there. Says how many nodes were folded away.
-pub fn fold(mut graph: Graph, order: &[NodeId]) -> (Graph, usize) {
+/// more are still there.
+pub fn fold(mut graph: Graph, order: &[NodeId]) -> Graph {
     let mut same: Vec<Option<Wire>> = vec![None; graph.nodes.len()];
-    let mut folded = 0;
     for &id in order {
         let node = &mut graph.nodes[id as usize];
         for wire in &mut node.inputs {
@@ -21,14 +20,12 @@ pub fn fold(mut graph: Graph, order: &[NodeId]) -> (Graph, usize) {
         }
         if let Some(wire) = value(node) {
             same[id as usize] = Some(wire);
-            folded += 1;
         }
     }
     for wire in &mut graph.outputs {
         substitute(wire, &same);
     }
-    folded += take_gain(&mut graph);
-    (graph, folded)
+    graph
 }
 
 fn substitute(wire: &mut Wire, same: &[Option<Wire>]) {
@@ -72,29 +69,23 @@ fn value(node: &mut Node) -> Option<Wire> {
     if node.inputs.len() == 1 { node.inputs.pop() } else { None }
 }
 
-/// Moves what steadily multiplies the first output into the gain; how many nodes that saved.
-fn take_gain(graph: &mut Graph) -> usize {
-    let Some(Wire { signal: Some(Signal::Node(id)), .. }) = graph.outputs.first().copied() else { return 0 };
+/// Moves what steadily multiplies the first output into the gain.
+pub fn take_gain(graph: &mut Graph) {
+    let Some(Wire { signal: Some(Signal::Node(id)), .. }) = graph.outputs.first().copied() else { return };
     let wire = Signal::Node(id);
     let read_elsewhere = graph.nodes.iter().flat_map(|n| &n.inputs).chain(&graph.outputs[1..]);
     if graph.nodes[id as usize].kind.spec().name != "multiply"
         || read_elsewhere.into_iter().any(|w| w.signal == Some(wire))
     {
-        return 0;
+        return;
     }
     let node = &mut graph.nodes[id as usize];
     graph.gain.extend(node.inputs.iter().filter(|w| w.signal.is_none()).map(|w| w.base));
     node.inputs.retain(|w| w.signal.is_some());
     match node.inputs[..] {
-        [only] => {
-            graph.outputs[0] = only;
-            1
-        }
-        [] => {
-            graph.outputs[0] = Wire::constant(1.0);
-            1
-        }
-        _ => 0,
+        [only] => graph.outputs[0] = only,
+        [] => graph.outputs[0] = Wire::constant(1.0),
+        _ => {}
     }
 }
 
@@ -102,7 +93,7 @@ fn take_gain(graph: &mut Graph) -> usize {
 mod tests {
     use super::super::order::depth_first;
     use super::super::{Base, Graph, Node, Settings, Wire};
-    use super::fold;
+    use super::{fold, take_gain};
     use crate::node::NodeKind;
 
     fn node(kind: &str, inputs: Vec<Wire>) -> Node {
@@ -110,12 +101,13 @@ mod tests {
         Node { name: "n".into(), kind, settings: Settings::default().into(), inputs }
     }
 
-    fn folded(nodes: Vec<Node>, last: u32) -> (Graph, usize) {
+    fn folded(nodes: Vec<Node>, last: u32) -> Graph {
         let graph = Graph { nodes, outputs: vec![Wire::node(last)], ..Graph::default() };
         let order = depth_first(&graph).unwrap();
-        let (graph, count) = fold(graph, &order);
+        let mut graph = fold(graph, &order);
+        take_gain(&mut graph);
         let order = depth_first(&graph).unwrap();
-        (super::super::prune::prune(graph, &order).0, count)
+        super::super::prune::prune(graph, &order).0
     }
 
     #[test]
@@ -125,8 +117,7 @@ mod tests {
             node("multiply", vec![Wire::node(0), Wire::constant(0.5)]),
             node("sine", vec![Wire::constant(50.0), Wire::constant(0.0), Wire::node(1)]),
         ];
-        let (graph, count) = folded(nodes, 2);
-        assert_eq!(count, 2);
+        let graph = folded(nodes, 2);
         assert_eq!(graph.nodes.len(), 1);
         assert_eq!(graph.nodes[0].inputs[2], Wire::constant(3.0));
     }
@@ -134,12 +125,12 @@ mod tests {
     #[test]
     fn steady_factors_become_the_gain() {
         let sine = || node("sine", vec![Wire::constant(50.0), Wire::constant(0.0), Wire::constant(1.0)]);
-        let (graph, _) =
+        let graph =
             folded(vec![sine(), node("multiply", vec![Wire::node(0), Wire::constant(0.5), Wire::start(0)])], 1);
         assert_eq!(graph.outputs, [Wire::node(0)]);
         assert_eq!(graph.gain, [Base::Start(0), Base::Constant(0.5)]);
 
-        let nothing = folded(vec![sine(), node("multiply", vec![Wire::node(0), Wire::constant(0.0)])], 1).0;
+        let nothing = folded(vec![sine(), node("multiply", vec![Wire::node(0), Wire::constant(0.0)])], 1);
         assert_eq!((nothing.nodes.len(), nothing.outputs[0]), (0, Wire::constant(0.0)));
     }
 
@@ -151,7 +142,8 @@ mod tests {
         ];
         let graph = Graph { nodes, outputs: vec![Wire::node(1), Wire::node(1)], ..Graph::default() };
         let order = depth_first(&graph).unwrap();
-        let (graph, _) = fold(graph, &order);
+        let mut graph = fold(graph, &order);
+        take_gain(&mut graph);
         assert!(graph.gain.is_empty());
         assert_eq!(graph.outputs, [Wire::node(1), Wire::node(1)]);
     }

@@ -144,6 +144,8 @@ pub enum Why {
     NeverTriggered,
     /// Nothing reads it.
     NeverRead,
+    /// Outputs of this kind are not rendered yet.
+    NotRendered,
 }
 
 impl fmt::Display for Why {
@@ -154,6 +156,7 @@ impl fmt::Display for Why {
             Self::NeverFed => "nothing feeds it",
             Self::NeverTriggered => "nothing starts it",
             Self::NeverRead => "nothing reads it",
+            Self::NotRendered => "outputs of its kind are not rendered yet; it stays at zero",
         })
     }
 }
@@ -169,16 +172,19 @@ pub struct Compiled {
     pub folded: Vec<Arc<str>>,
 }
 
-/// Runs all passes over a graph.
+/// Runs all passes over a graph. Where a mixer takes the first output (`mixed`), steady factors of it become its gain.
 ///
 /// # Errors
 /// The nodes of a loop.
-pub fn compile(graph: Graph) -> Result<Compiled, Vec<NodeId>> {
+pub fn compile(graph: Graph, mixed: bool) -> Result<Compiled, Vec<NodeId>> {
     let order = depth_first(&graph)?;
     let (graph, pruned) = prune::prune(graph, &order);
     let needed = graph.nodes.len();
     let order: Vec<NodeId> = (0..needed as NodeId).collect();
-    let (graph, _) = fold::fold(graph, &order);
+    let mut graph = fold::fold(graph, &order);
+    if mixed {
+        fold::take_gain(&mut graph);
+    }
     let order = depth_first(&graph)?;
     let (graph, folded) = prune::prune(graph, &order);
     Ok(Compiled { program: program(graph), pruned, folded })

@@ -9,6 +9,9 @@ use crate::dsp::lanes::{LANES, Real};
 /// instant, so everything a voice does comes that much later; the engine reports it as delay.
 pub const LEAD: f64 = 2.0;
 
+/// Inputs a node may have; longer lists of signals are split among several nodes.
+pub const INPUTS: usize = 16;
+
 /// What a node is told when it is built. The same for kernel and twin.
 #[derive(Debug, Clone)]
 pub struct Setup {

@@ -1,0 +1,113 @@
+//! A live parameter on its way to a value.
+
+use super::workspace::Rows;
+use crate::dsp::lanes::{LANES, Real};
+use crate::node::kernel::LEAD;
+use crate::schedule::Instant;
+
+/// A value that moves in a straight line to where it was last sent, and then stays there exactly.
+#[derive(Debug)]
+pub struct Ramp<R> {
+    from: f64,
+    to: f64,
+    since: Instant,
+    samples: f64,
+    least: f64,
+    most: f64,
+    /// Whether the rows it fills already hold `to` throughout.
+    settled: bool,
+    _real: std::marker::PhantomData<R>,
+}
+
+impl<R: Real> Ramp<R> {
+    /// Rests at `value`, moves within `least` and `most`, and takes `samples` to reach a new value.
+    pub fn new(value: f64, least: f64, most: f64, samples: f64) -> Self {
+        let samples = if samples > 1.0 { samples } else { 1.0 };
+        let since = Instant::default();
+        Self { from: value, to: value, since, samples, least, most, settled: false, _real: std::marker::PhantomData }
+    }
+
+    /// Where it is going.
+    pub fn target(&self) -> f64 {
+        self.to
+    }
+
+    /// Sends it to `value`, from wherever it is at `at`. Not-a-number is ignored.
+    pub fn send(&mut self, value: f64, at: Instant) {
+        if !value.is_nan() {
+            self.from = self.value(at.since(self.since));
+            self.to = value.clamp(self.least, self.most);
+            self.since = at;
+            self.settled = false;
+        }
+    }
+
+    fn value(&self, age: f64) -> f64 {
+        let x = age / self.samples;
+        if x >= 1.0 {
+            self.to
+        } else if x <= 0.0 {
+            self.from
+        } else {
+            self.from + (self.to - self.from) * x
+        }
+    }
+
+    /// Its values from engine sample `clock` on, the same in all lanes.
+    pub fn fill(&mut self, rows: &mut Rows<R>, frames: usize, clock: u64) {
+        if self.settled {
+            return;
+        }
+        let age = self.since.until(clock) - LEAD;
+        if age >= self.samples {
+            // Every frame of the buffer, so that later and longer blocks need no more work.
+            rows.fill([R::of(self.to); LANES]);
+            self.settled = true;
+            return;
+        }
+        for (frame, row) in rows[..frames].iter_mut().enumerate() {
+            *row = [R::of(self.value(age + frame as f64)); LANES];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Instant, LANES, Ramp};
+
+    #[test]
+    fn it_arrives_and_stays() {
+        let mut ramp = Ramp::<f64>::new(0.0, 0.0, 2.0, 10.0);
+        let mut rows = vec![[0.0; LANES]; 64];
+        ramp.send(1.0, Instant::of_samples(4.5));
+        ramp.fill(&mut rows, 20, 0);
+        assert_eq!(rows[6][0], 0.0);
+        assert!((rows[7][0] - 0.05).abs() < 1e-12 && (rows[16][7] - 0.95).abs() < 1e-12);
+        assert_eq!(rows[17][3], 1.0);
+        ramp.fill(&mut rows, 1, 20);
+        assert!(rows.iter().flatten().all(|x| *x == 1.0));
+        ramp.send(9.0, Instant::of_samples(40.0));
+        assert_eq!(ramp.target(), 2.0);
+        ramp.send(f64::NAN, Instant::of_samples(41.0));
+        assert_eq!(ramp.target(), 2.0);
+    }
+
+    #[test]
+    fn cutting_time_changes_nothing() {
+        let run = |cuts: &[usize]| {
+            let mut ramp = Ramp::<f32>::new(0.3, 0.0, 1.0, 33.0);
+            ramp.send(0.9, Instant::of_samples(1.25));
+            let (mut clock, mut all) = (0, Vec::new());
+            for &frames in cuts {
+                let mut rows = vec![[0.0; LANES]; 64];
+                // A settled ramp relies on the buffer it filled: keep one.
+                ramp.settled = false;
+                ramp.fill(&mut rows, frames, clock);
+                all.extend(rows[..frames].iter().map(|r| r[0].to_bits()));
+                clock += frames as u64;
+            }
+            all
+        };
+        assert_eq!(run(&[60]), run(&[1, 7, 20, 2, 30]));
+    }
+}

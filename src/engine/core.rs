@@ -1,0 +1,309 @@
+//! The engine for one number type: clock, events, voices, mix and output stage.
+
+use super::bank::Bank;
+use super::control::Ramp;
+use super::event::{Event, Play, Source};
+use super::stage::Stage;
+use super::task::{Board, Task};
+use super::workspace::{BLOCK, Workspace};
+use crate::dsp::isa::Isa;
+use crate::dsp::lanes::{LANES, Real};
+use crate::graph::plan::{Instrument, Plan, Shared};
+use crate::graph::program::Feed;
+use crate::graph::start::FIELDS;
+use crate::schedule::{Instant, Queue};
+
+/// Engine samples between two looks at what has become silent.
+pub const GRID: u64 = 64;
+
+/// Events that may wait besides the releases of sounding voices.
+pub const WAITING: usize = 16_384;
+
+/// What happened so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counters {
+    /// Voices started.
+    pub started: u64,
+    /// Voices that had to make room for others.
+    pub stolen: u64,
+    /// Samples of voices that were not finite and became 0.
+    pub masked: u64,
+    /// Events that found the queue full and were dropped.
+    pub dropped: u64,
+    /// Events that came after their time and were played at once.
+    pub late: u64,
+}
+
+/// A plan at work.
+pub struct Core<R: Real> {
+    isa: Isa,
+    clock: u64,
+    rate: f64,
+    queue: Queue<Event>,
+    places: Vec<Vec<(u32, f64)>>,
+    banks: Vec<Bank<R>>,
+    shared: Option<Bank<R>>,
+    sources: Vec<Shared>,
+    controls: Vec<Ramp<R>>,
+    work: Workspace<R>,
+    latest: Vec<R>,
+    stage: Stage<R>,
+    tasks: Vec<Box<dyn Task>>,
+    counters: Counters,
+}
+
+impl<R: Real> Core<R> {
+    /// Everything a plan needs, allocated.
+    pub fn new(plan: &Plan, isa: Isa) -> Self {
+        let rate = plan.engine_rate();
+        let groups = plan.channels.div_ceil(LANES);
+        let banks: Vec<_> = plan.instruments.iter().map(|i| Bank::new(i, rate, plan.seed, groups)).collect();
+        let shared = (!plan.shared_program.ops.is_empty()).then(|| {
+            let instrument = Instrument {
+                name: "shared".into(),
+                program: plan.shared_program.clone(),
+                voices: 1,
+                fields: Vec::new(),
+                defaults: Vec::new(),
+                place: 0,
+                always: true,
+            };
+            Bank::new(&instrument, rate, plan.seed, 0)
+        });
+        let controls = plan
+            .controls
+            .iter()
+            .map(|c| Ramp::new(c.default, c.least, c.most, c.smoothing * rate))
+            .collect();
+        let programs = plan.instruments.iter().map(|i| &i.program).chain([&plan.shared_program]);
+        let buffers = programs.map(|p| p.buffers).max().unwrap_or(0) + 1;
+        let voices: usize = plan.instruments.iter().map(|i| i.voices).sum();
+        let mut core = Self {
+            isa,
+            clock: 0,
+            rate,
+            queue: Queue::new(WAITING + 2 * voices),
+            places: plan.places.clone(),
+            banks,
+            shared,
+            sources: plan.shared.clone(),
+            controls,
+            work: Workspace::new(buffers, plan.shared.len(), plan.channels),
+            latest: vec![R::ZERO; plan.shared.len()],
+            stage: Stage::new(plan, isa),
+            tasks: Vec::new(),
+            counters: Counters::default(),
+        };
+        core.begin(plan);
+        core
+    }
+
+    /// Starts what sounds from the beginning.
+    fn begin(&mut self, plan: &Plan) {
+        let held = |instrument: usize, own: [f64; FIELDS], place| Play {
+            instrument: instrument as u32,
+            place,
+            level: 1.0,
+            duration: f64::INFINITY,
+            own,
+            id: u64::MAX - instrument as u64,
+        };
+        if let Some(shared) = &mut self.shared {
+            shared.start(&held(0, [0.0; FIELDS], 0), Instant::default(), 0, &[], 0);
+        }
+        for (i, instrument) in plan.instruments.iter().enumerate().filter(|(_, i)| i.always) {
+            let mut own = [0.0; FIELDS];
+            for (value, default) in own.iter_mut().zip(&instrument.defaults) {
+                *value = *default;
+            }
+            self.play(&held(i, own, instrument.place), Instant::default());
+        }
+    }
+
+    /// Adds a periodic task; not for the audio thread.
+    pub fn add_task(&mut self, task: Box<dyn Task>) {
+        self.tasks.push(task);
+    }
+
+    /// Engine samples computed so far.
+    pub fn clock(&self) -> u64 {
+        self.clock
+    }
+
+    /// Room in the queue of events.
+    pub fn room(&self) -> usize {
+        self.queue.room().min(WAITING)
+    }
+
+    /// What happened so far.
+    pub fn counters(&self) -> Counters {
+        let mut counters = self.counters;
+        for bank in self.banks.iter().chain(&self.shared) {
+            counters.masked += bank.masked;
+            counters.stolen += bank.stolen;
+        }
+        counters
+    }
+
+    /// The output stage.
+    pub fn stage(&self) -> &Stage<R> {
+        &self.stage
+    }
+
+    /// Voices that sound.
+    pub fn sounding(&self) -> usize {
+        self.banks.iter().map(Bank::sounding).sum()
+    }
+
+    /// Whether nothing sounds, nothing waits and nothing rings.
+    pub fn is_silent(&self) -> bool {
+        self.queue.is_empty() && self.banks.iter().all(Bank::is_idle) && self.stage.is_asleep()
+    }
+
+    /// An event at an instant; one in the past takes effect with the next sample. Says whether there was room.
+    pub fn schedule(&mut self, at: Instant, source: Source, event: Event) -> bool {
+        let now = Instant { sample: self.clock, fraction: 0 };
+        let at = if at < now {
+            self.counters.late += 1;
+            now
+        } else {
+            at
+        };
+        let taken = self.queue.push(at, source as u16, event).is_ok();
+        self.counters.dropped += u64::from(!taken);
+        taken
+    }
+
+    /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames.
+    pub fn advance(&mut self, samples: usize, input: &[Vec<f32>], output: &mut [f32]) {
+        self.work.clear_mix();
+        let begin = self.clock;
+        let mut done = 0;
+        while done < samples.min(BLOCK) {
+            self.run_due();
+            let left = (samples - done) as u64;
+            let next = self.queue.next().unwrap_or(u64::MAX).min((self.clock / GRID + 1) * GRID);
+            let next = self.tasks.iter().fold(next, |next, t| next.min(t.beat().next(self.clock + 1)));
+            let frames = (next - self.clock).min(left) as usize;
+            self.render(frames, done, input);
+            for (latest, rows) in self.latest.iter_mut().zip(&self.work.shared) {
+                *latest = rows[frames - 1][0];
+            }
+            self.clock += frames as u64;
+            done += frames;
+        }
+        self.stage.process(&self.work.mix, &self.work.fed, samples, begin, output);
+    }
+
+    /// Events, tasks and housekeeping that are due before the next sample.
+    fn run_due(&mut self) {
+        if self.clock.is_multiple_of(GRID) {
+            for bank in self.banks.iter_mut().chain(&mut self.shared) {
+                bank.settle(self.clock);
+            }
+        }
+        while let Some(entry) = self.queue.pop_due(self.clock) {
+            self.handle(entry.at, entry.what);
+        }
+        for task in &mut self.tasks {
+            if task.beat().is_due(self.clock) {
+                task.run(&mut Board { controls: &mut self.controls, latest: &self.latest, clock: self.clock });
+            }
+        }
+    }
+
+    fn handle(&mut self, at: Instant, event: Event) {
+        match event {
+            Event::Play(play) => self.play(&play, at),
+            Event::End { instrument, lane, id } => {
+                if let Some(bank) = self.banks.get_mut(instrument as usize) {
+                    bank.release(lane as usize, id, at);
+                }
+            }
+            Event::Release(id) => self.banks.iter_mut().for_each(|b| b.release_all(Some(id), at)),
+            Event::ReleaseAll => self.banks.iter_mut().for_each(|b| b.release_all(None, at)),
+            Event::Control(index, value) => {
+                if let Some(ramp) = self.controls.get_mut(index as usize) {
+                    ramp.send(value, at);
+                }
+            }
+            Event::Marker(name) => self.stage.mark(name, at, self.clock),
+        }
+    }
+
+    fn play(&mut self, play: &Play, at: Instant) {
+        let place = self.places.get(play.place as usize).map_or(&[][..], |p| p);
+        let Some(bank) = self.banks.get_mut(play.instrument as usize) else { return };
+        self.counters.started += 1;
+        let lane = bank.start(play, at, self.clock, place, self.counters.started);
+        if play.duration.is_finite() {
+            let end = at + play.duration.max(0.0) * self.rate;
+            let event = Event::End { instrument: play.instrument, lane: lane as u32, id: play.id };
+            // Each sounding voice waits for one end at most, and room for them was made.
+            let taken = self.queue.push(end, Source::Engine as u16, event).is_ok();
+            self.counters.dropped += u64::from(!taken);
+        }
+    }
+
+    fn render(&mut self, frames: usize, offset: usize, input: &[Vec<f32>]) {
+        match self.isa {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the level was detected on this machine when the engine was made.
+            Isa::Avx2 => unsafe { self.render_avx2(frames, offset, input) },
+            _ => self.render_body(frames, offset, input),
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn render_avx2(&mut self, frames: usize, offset: usize, input: &[Vec<f32>]) {
+        self.render_body(frames, offset, input);
+    }
+
+    #[inline(always)]
+    fn render_body(&mut self, frames: usize, offset: usize, input: &[Vec<f32>]) {
+        for (i, source) in self.sources.iter().enumerate() {
+            match *source {
+                Shared::Control(c) => self.controls[c as usize].fill(&mut self.work.shared[i], frames, self.clock),
+                Shared::Input(channel) => {
+                    let rows = &mut self.work.shared[i][..frames];
+                    match input.get(channel as usize).and_then(|c| c.get(offset..offset + frames)) {
+                        Some(values) => {
+                            for (row, value) in rows.iter_mut().zip(values) {
+                                let value = if value.is_finite() { *value } else { 0.0 };
+                                *row = [R::of(f64::from(value)); LANES];
+                            }
+                        }
+                        None => rows.fill([R::ZERO; LANES]),
+                    }
+                }
+                Shared::Node(_) => {}
+            }
+        }
+        if let Some(shared) = &mut self.shared {
+            shared.run_shared(&mut self.work, frames, self.clock);
+            for (i, source) in self.sources.iter().enumerate() {
+                let Shared::Node(output) = *source else { continue };
+                let (buffers, signals) = (&self.work.buffers, &mut self.work.shared);
+                let rows = &mut signals[i][..frames];
+                match shared.output_feed(output as usize) {
+                    Feed::Buffer(b) => {
+                        for (row, value) in rows.iter_mut().zip(&buffers[b as usize]) {
+                            let value = if value[0].is_finite() { value[0] } else { R::ZERO };
+                            *row = [value; LANES];
+                        }
+                    }
+                    Feed::Steady(s) => rows.fill([shared.steady_value(s); LANES]),
+                    Feed::Shared(s) => {
+                        let value = std::mem::take(&mut signals[s as usize]);
+                        signals[i][..frames].copy_from_slice(&value[..frames]);
+                        signals[s as usize] = value;
+                    }
+                }
+            }
+        }
+        for bank in &mut self.banks {
+            bank.run(&mut self.work, frames, offset, self.clock);
+        }
+    }
+}

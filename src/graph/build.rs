@@ -1,0 +1,418 @@
+//! From descriptions to graphs: expressions become nodes, names become wires.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::start::{Binary, FIELDS, Fields, StartProgram, Step, Unary};
+use super::{Base, Graph, Node, NodeId, Settings, Signal, Wire};
+use crate::node::NodeKind;
+use crate::node::asset::Assets;
+use crate::node::kernel::INPUTS;
+use crate::node::spec::Kind;
+use crate::patch::{self, Expr, Function, Operator, Patch, Scope, Target, Value, Voice};
+use crate::text::{Problem, Span};
+
+/// Engine-wide signals that graphs ask for, numbered as they come.
+#[derive(Debug, Default)]
+pub struct Wanted {
+    /// What each number stands for.
+    pub list: Vec<Want>,
+    place: HashMap<Want, u32>,
+}
+
+/// An engine-wide signal that a graph asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Want {
+    /// A control, by its place in the patch.
+    Control(usize),
+    /// A shared node, by its place in the patch.
+    Node(usize),
+    /// An input channel, from 0.
+    Input(u32),
+}
+
+impl Wanted {
+    /// The number of a signal.
+    pub fn number(&mut self, want: Want) -> u32 {
+        *self.place.entry(want).or_insert_with(|| {
+            self.list.push(want);
+            self.list.len() as u32 - 1
+        })
+    }
+}
+
+/// The graph of a voice.
+///
+/// # Errors
+/// Recordings that cannot be read, more event fields or inputs than the engine has, names that nothing has.
+pub fn voice(
+    patch: &Patch,
+    voice: &Voice,
+    assets: &dyn Assets,
+    wanted: &mut Wanted,
+) -> Result<Graph, Vec<Problem>> {
+    let fields: Vec<&str> = voice.fields.iter().map(|(name, _)| name.as_str()).collect();
+    if fields.len() > FIELDS {
+        let what = format!("voice `{}` declares {} fields; an event carries at most {FIELDS}", voice.name, fields.len());
+        return Err(vec![Problem::error(&voice.span, what)]);
+    }
+    let scope = Scope::new(patch, Some(voice));
+    let output = voice.output.clone();
+    let mut builder = Builder { scope, fields, shared: false, assets, wanted, graph: Graph::default(), problems: vec![] };
+    builder.nodes(&voice.nodes);
+    match voice.nodes.iter().position(|n| n.name == output) {
+        Some(i) => builder.graph.outputs = vec![Wire::node(i as NodeId)],
+        None => {
+            let what = format!("voice `{}` has no node `{output}` to be its output", voice.name);
+            builder.problems.push(Problem::error(&voice.output_span, what));
+        }
+    }
+    builder.finish()
+}
+
+/// The graph of the shared nodes; its outputs are those of `outputs`, places in [`Patch::shared`].
+///
+/// # Errors
+/// As [`voice`].
+pub fn shared(
+    patch: &Patch,
+    outputs: &[usize],
+    assets: &dyn Assets,
+    wanted: &mut Wanted,
+) -> Result<Graph, Vec<Problem>> {
+    let scope = Scope::new(patch, None);
+    let mut builder =
+        Builder { scope, fields: vec![], shared: true, assets, wanted, graph: Graph::default(), problems: vec![] };
+    builder.nodes(&patch.shared);
+    builder.graph.outputs = outputs.iter().map(|&i| Wire::node(i as NodeId)).collect();
+    builder.finish()
+}
+
+struct Builder<'a> {
+    scope: Scope<'a>,
+    fields: Vec<&'a str>,
+    shared: bool,
+    assets: &'a dyn Assets,
+    wanted: &'a mut Wanted,
+    graph: Graph,
+    problems: Vec<Problem>,
+}
+
+/// What an expression amounts to.
+enum Term {
+    /// Known when the voice starts.
+    Known(Vec<Step>),
+    /// Moves.
+    Moving(Signal),
+}
+
+impl Builder<'_> {
+    fn finish(self) -> Result<Graph, Vec<Problem>> {
+        if self.problems.is_empty() { Ok(self.graph) } else { Err(self.problems) }
+    }
+
+    fn nodes(&mut self, nodes: &[patch::Node]) {
+        // A node's number is its place in the file; nodes made from expressions come after.
+        for node in nodes {
+            self.graph.nodes.push(Node {
+                name: node.name.as_str().into(),
+                kind: node.kind,
+                settings: Arc::default(),
+                inputs: Vec::new(),
+            });
+        }
+        for (id, node) in nodes.iter().enumerate() {
+            self.node(id, node);
+        }
+    }
+
+    fn node(&mut self, id: usize, node: &patch::Node) {
+        let spec = node.kind.spec();
+        let mut settings = Settings::default();
+        let mut inputs = Vec::with_capacity(spec.params.len());
+        let mut file = None;
+        for (param, argument) in spec.params.iter().zip(&node.arguments) {
+            match &argument.value {
+                Value::Expr(expr) if matches!(param.kind, Kind::Frequency(_)) => {
+                    let wire = self.frequency(&node.name, expr);
+                    inputs.push(wire);
+                }
+                Value::Expr(expr) => {
+                    let term = self.term(&node.name, expr);
+                    inputs.push(self.wire(term));
+                }
+                Value::Signals(list) => {
+                    for expr in list {
+                        let term = self.term(&node.name, expr);
+                        inputs.push(self.wire(term));
+                    }
+                }
+                Value::Constant(x) => settings.constants.push(*x),
+                Value::Choice(i) => settings.choices.push(*i),
+                Value::Flag(on) => settings.choices.push(usize::from(*on)),
+                Value::Points(points) => settings.points.clone_from(points),
+                Value::File(path) => file = Some((path, argument.span.clone())),
+            }
+        }
+        if let Some((path, span)) = file {
+            settings.asset = self.asset(path, &settings, span);
+        }
+        if spec.name == "input" {
+            let channel = settings.constants.first().copied().unwrap_or(1.0);
+            inputs.push(Wire::shared(self.wanted.number(Want::Input((channel as u32).saturating_sub(1)))));
+        }
+        let settings = Arc::new(settings);
+        if inputs.len() > INPUTS {
+            inputs = self.split(node, &settings, inputs);
+        }
+        let built = &mut self.graph.nodes[id];
+        built.settings = settings;
+        built.inputs = inputs;
+    }
+
+    /// A recording's channel is the node's first constant, where it has one.
+    fn asset(
+        &mut self,
+        path: &str,
+        settings: &Settings,
+        span: Span,
+    ) -> Option<Arc<crate::node::asset::Asset>> {
+        let channel = settings.constants.first().map_or(1, |c| *c as usize);
+        self.assets.load(path, channel).map_err(|what| self.problems.push(Problem::error(&span, what))).ok()
+    }
+
+    /// Sums and products of many become sums of sums and products of products.
+    fn split(&mut self, node: &patch::Node, settings: &Arc<Settings>, mut inputs: Vec<Wire>) -> Vec<Wire> {
+        let spec = node.kind.spec();
+        if !matches!(spec.name, "add" | "multiply") {
+            let what = format!("`{}` has {} inputs; a `{}` takes at most {INPUTS}", node.name, inputs.len(), spec.name);
+            self.problems.push(Problem::error(&node.span, what));
+            inputs.truncate(INPUTS);
+            return inputs;
+        }
+        while inputs.len() > INPUTS {
+            inputs = inputs
+                .chunks(INPUTS)
+                .map(|part| {
+                    if let [only] = part {
+                        return *only;
+                    }
+                    let id = self.graph.nodes.len() as NodeId;
+                    self.graph.nodes.push(Node {
+                        name: node.name.as_str().into(),
+                        kind: node.kind,
+                        settings: Arc::clone(settings),
+                        inputs: part.to_vec(),
+                    });
+                    Wire::node(id)
+                })
+                .collect();
+        }
+        inputs
+    }
+
+    fn wire(&mut self, term: Term) -> Wire {
+        match term {
+            Term::Known(steps) => Wire { base: self.base(steps), signal: None },
+            Term::Moving(signal) => Wire { base: Base::Constant(0.0), signal: Some(signal) },
+        }
+    }
+
+    fn base(&mut self, steps: Vec<Step>) -> Base {
+        let known = !steps.iter().any(|s| matches!(s, Step::Level | Step::Duration | Step::Own(_)));
+        match StartProgram::new(steps) {
+            Ok(program) if known => {
+                Base::Constant(program.value(&Fields { level: 0.0, duration: 0.0, own: [0.0; FIELDS] }))
+            }
+            Ok(program) => {
+                self.graph.starts.push(program);
+                Base::Start(self.graph.starts.len() as u32 - 1)
+            }
+            Err(what) => {
+                self.problems.push(Problem::of_file(what));
+                Base::Constant(0.0)
+            }
+        }
+    }
+
+    /// What is known of a frequency apart from what moves: `60 + 20 * wobble` is 60 and a deviation.
+    fn frequency(&mut self, owner: &str, expr: &Expr) -> Wire {
+        let (mut known, mut moving) = (Vec::new(), Vec::new());
+        self.summands(owner, expr, false, &mut known, &mut moving);
+        let base = if known.is_empty() { Base::Constant(0.0) } else { self.base(known) };
+        let signal = match moving[..] {
+            [] => None,
+            [only] => Some(only),
+            _ => {
+                let inputs = moving.into_iter().map(|s| Wire { base: Base::Constant(0.0), signal: Some(s) }).collect();
+                Some(self.made(owner, "add", None, inputs))
+            }
+        };
+        Wire { base, signal }
+    }
+
+    fn summands(
+        &mut self,
+        owner: &str,
+        expr: &Expr,
+        negative: bool,
+        known: &mut Vec<Step>,
+        moving: &mut Vec<Signal>,
+    ) {
+        match expr {
+            Expr::Binary(Operator::Add, a, b) => {
+                self.summands(owner, a, negative, known, moving);
+                self.summands(owner, b, negative, known, moving);
+            }
+            Expr::Binary(Operator::Subtract, a, b) => {
+                self.summands(owner, a, negative, known, moving);
+                self.summands(owner, b, !negative, known, moving);
+            }
+            Expr::Negate(a) => self.summands(owner, a, !negative, known, moving),
+            other => match self.term(owner, other) {
+                Term::Known(steps) => {
+                    let first = known.is_empty();
+                    known.extend(steps);
+                    match (first, negative) {
+                        (true, true) => known.push(Step::Unary(Unary::Negate)),
+                        (true, false) => {}
+                        (false, true) => known.push(Step::Binary(Binary::Subtract)),
+                        (false, false) => known.push(Step::Binary(Binary::Add)),
+                    }
+                }
+                Term::Moving(signal) if negative => {
+                    let inputs = vec![Wire { base: Base::Constant(0.0), signal: Some(signal) }, Wire::constant(-1.0)];
+                    moving.push(self.made(owner, "multiply", None, inputs));
+                }
+                Term::Moving(signal) => moving.push(signal),
+            },
+        }
+    }
+
+    fn term(&mut self, owner: &str, expr: &Expr) -> Term {
+        match expr {
+            Expr::Number(x) => Term::Known(vec![Step::Number(*x)]),
+            Expr::Event(field, span) => Term::Known(vec![self.field(field, span)]),
+            Expr::Name(name, span) => match self.scope.find(name) {
+                Some(Target::Node(i)) => Term::Moving(Signal::Node(i as NodeId)),
+                Some(Target::Shared(i)) if self.shared => Term::Moving(Signal::Node(i as NodeId)),
+                Some(Target::Shared(i)) => Term::Moving(Signal::Shared(self.wanted.number(Want::Node(i)))),
+                Some(Target::Control(i)) => Term::Moving(Signal::Shared(self.wanted.number(Want::Control(i)))),
+                None => {
+                    self.problems.push(Problem::error(span, format!("nothing here is called `{name}`")));
+                    Term::Known(vec![Step::Number(0.0)])
+                }
+            },
+            Expr::Negate(a) => match self.term(owner, a) {
+                Term::Known(mut steps) => {
+                    steps.push(Step::Unary(Unary::Negate));
+                    Term::Known(steps)
+                }
+                moving => {
+                    let inputs = vec![self.wire(moving), Wire::constant(-1.0)];
+                    Term::Moving(self.made(owner, "multiply", None, inputs))
+                }
+            },
+            Expr::Binary(operator, a, b) => {
+                let (a, b) = (self.term(owner, a), self.term(owner, b));
+                let (step, node, choice) = match operator {
+                    Operator::Add => (Binary::Add, "add", None),
+                    Operator::Subtract => (Binary::Subtract, "function", Some("subtract")),
+                    Operator::Multiply => (Binary::Multiply, "multiply", None),
+                    Operator::Divide => (Binary::Divide, "function", Some("divide")),
+                };
+                self.binary(owner, step, node, choice, a, b)
+            }
+            Expr::Call(function, arguments) => self.call(owner, *function, arguments),
+        }
+    }
+
+    fn binary(&mut self, owner: &str, step: Binary, node: &str, choice: Option<&str>, a: Term, b: Term) -> Term {
+        match (a, b) {
+            (Term::Known(mut a), Term::Known(b)) => {
+                a.extend(b);
+                a.push(Step::Binary(step));
+                Term::Known(a)
+            }
+            (a, b) => {
+                let inputs = vec![self.wire(a), self.wire(b)];
+                Term::Moving(self.made(owner, node, choice, inputs))
+            }
+        }
+    }
+
+    fn call(&mut self, owner: &str, function: Function, arguments: &[Expr]) -> Term {
+        let mut terms: Vec<Term> = arguments.iter().map(|a| self.term(owner, a)).collect();
+        let unary = match function {
+            Function::Abs => Some((Unary::Abs, "abs")),
+            Function::Sqrt => Some((Unary::Sqrt, "sqrt")),
+            Function::Exp => Some((Unary::Exp, "exp")),
+            Function::Log => Some((Unary::Log, "log")),
+            Function::Sin => Some((Unary::Sin, "sin")),
+            Function::Floor => Some((Unary::Floor, "floor")),
+            Function::Min | Function::Max | Function::Pow | Function::Clamp => None,
+        };
+        let mut next = || if terms.is_empty() { Term::Known(vec![Step::Number(0.0)]) } else { terms.remove(0) };
+        match (unary, function) {
+            (Some((step, choice)), _) => match next() {
+                Term::Known(mut steps) => {
+                    steps.push(Step::Unary(step));
+                    Term::Known(steps)
+                }
+                moving => {
+                    let inputs = vec![self.wire(moving)];
+                    Term::Moving(self.made(owner, "function", Some(choice), inputs))
+                }
+            },
+            (None, Function::Clamp) => {
+                let (x, least, most) = (next(), next(), next());
+                let above = self.binary(owner, Binary::Max, "function", Some("max"), x, least);
+                self.binary(owner, Binary::Min, "function", Some("min"), above, most)
+            }
+            (None, Function::Min) => {
+                let (a, b) = (next(), next());
+                self.binary(owner, Binary::Min, "function", Some("min"), a, b)
+            }
+            (None, Function::Max) => {
+                let (a, b) = (next(), next());
+                self.binary(owner, Binary::Max, "function", Some("max"), a, b)
+            }
+            (None, _) => {
+                let (a, b) = (next(), next());
+                self.binary(owner, Binary::Power, "function", Some("power"), a, b)
+            }
+        }
+    }
+
+    fn field(&mut self, field: &str, span: &Span) -> Step {
+        match field {
+            "level" => Step::Level,
+            "duration" => Step::Duration,
+            own => match self.fields.iter().position(|f| *f == own) {
+                Some(i) => Step::Own(i as u8),
+                None => {
+                    self.problems.push(Problem::error(span, format!("events here have no field `{own}`")));
+                    Step::Number(0.0)
+                }
+            },
+        }
+    }
+
+    /// A node made for an expression in a parameter of `owner`.
+    fn made(&mut self, owner: &str, kind: &str, choice: Option<&str>, inputs: Vec<Wire>) -> Signal {
+        let Some(kind) = NodeKind::find(kind) else {
+            self.problems.push(Problem::of_file(format!("there is no node type `{kind}`")));
+            return Signal::Node(0);
+        };
+        let place = choice.map(|word| {
+            let words = kind.spec().params.iter().find_map(|p| match p.kind {
+                Kind::Choice(words, _) => Some(words),
+                _ => None,
+            });
+            words.and_then(|w| w.iter().position(|x| *x == word)).unwrap_or(0)
+        });
+        let settings = Settings { choices: place.into_iter().collect(), ..Settings::default() };
+        self.graph.nodes.push(Node { name: owner.into(), kind, settings: settings.into(), inputs });
+        Signal::Node(self.graph.nodes.len() as NodeId - 1)
+    }
+}

@@ -1,0 +1,286 @@
+//! A patch on a rig, compiled: what is played decides what is built.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::build::{self, Want, Wanted};
+use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
+use super::program::Program;
+use crate::node::asset::Assets;
+use crate::patch::{Action, Events, Patch, Source, Start};
+use crate::rig::{self, Rig};
+use crate::text::Problem;
+
+/// What may be chosen about a rendering.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Frames a second; `None`: what the rig says, else 48,000.
+    pub rate: Option<f64>,
+    /// Device frames for each engine sample; `None`: so many that the engine runs at about 8 kHz.
+    pub ratio: Option<usize>,
+    /// Number type of the lanes.
+    pub precision: Precision,
+    /// Taps a phase of the up-sampling filter: 4 to 12.
+    pub taps: usize,
+    /// Seed of everything random; `None`: what the patch says, else 0.
+    pub seed: Option<u64>,
+    /// The pattern to play; `None`: those with a trigger `start`, and where there is none, the first.
+    pub pattern: Option<String>,
+    /// Whether other triggers than `start` may come, so that what they play must be there.
+    pub live: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { rate: None, ratio: None, precision: Precision::Single, taps: 6, seed: None, pattern: None, live: false }
+    }
+}
+
+/// Rates that a device may have, Hz.
+pub const RATES: std::ops::RangeInclusive<f64> = 4_000.0..=768_000.0;
+
+/// A compiled scene: a plan, and which patterns play from the beginning.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// For the engine.
+    pub plan: Plan,
+    /// Patterns that play from the beginning, by their place in the patch.
+    pub patterns: Vec<usize>,
+    /// For each voice of the patch, its instrument in the plan, if it has one.
+    pub instruments: Vec<Option<u32>>,
+}
+
+/// Compiles a patch for a rig.
+///
+/// # Errors
+/// Everything that keeps the two from playing together: recordings that cannot be read, places the rig does not have, a
+/// rate out of [`RATES`], an unknown pattern.
+pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -> Result<Scene, Vec<Problem>> {
+    let mut problems = Vec::new();
+    let device_rate = options.rate.or(rig.device.rate.map(Into::into)).unwrap_or(48_000.0);
+    if !RATES.contains(&device_rate) {
+        let (least, most) = (RATES.start(), RATES.end());
+        problems.push(Problem::of_file(format!("a rate of {device_rate} Hz is not between {least} and {most} Hz")));
+    }
+    let ratio = options.ratio.unwrap_or((device_rate / 8000.0).round() as usize).clamp(1, 96);
+    let mut left_out = Vec::new();
+    let patterns = patterns(patch, options, &mut problems);
+    let voices = voices(patch, &patterns, options.live, &mut left_out);
+
+    let mut wanted = Wanted::default();
+    let (mut instruments, mut of_voice) = (Vec::new(), vec![None; patch.voices.len()]);
+    for &v in &voices {
+        let voice = &patch.voices[v];
+        let graph = match build::voice(patch, voice, assets, &mut wanted) {
+            Ok(graph) => graph,
+            Err(more) => {
+                problems.extend(more);
+                continue;
+            }
+        };
+        let place = rig.resolve(voice.place.as_ref()).unwrap_or_else(|p| {
+            problems.push(p);
+            0
+        });
+        match compile(graph, true) {
+            Ok(compiled) => {
+                note(&voice.name, &compiled.pruned, &compiled.folded, &mut left_out);
+                of_voice[v] = Some(instruments.len() as u32);
+                instruments.push(Instrument {
+                    name: voice.name.as_str().into(),
+                    program: compiled.program,
+                    voices: voice.voices as usize,
+                    fields: voice.fields.iter().map(|(n, _)| n.as_str().into()).collect(),
+                    defaults: voice.fields.iter().map(|(_, x)| *x).collect(),
+                    place: place as u32,
+                    always: voice.start == Start::Always,
+                });
+            }
+            Err(_) => problems.push(Problem::error(&voice.span, format!("voice `{}` has a cycle", voice.name))),
+        }
+    }
+    let (shared, shared_program) = shared(patch, &mut wanted, assets, &mut left_out, &mut problems);
+    let (shared, controls) = controls(patch, shared, &mut left_out);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let silent = rig.outputs.iter().filter(|o| is_not_rendered(o));
+    left_out.extend(silent.map(|o| LeftOut { what: format!("output `{}`", o.name), why: Why::NotRendered }));
+    let plan = Plan {
+        device_rate,
+        ratio,
+        channels: rig.device.channels as usize,
+        precision: options.precision,
+        taps: options.taps,
+        seed: options.seed.or(patch.render.seed).unwrap_or(0),
+        shared,
+        shared_program,
+        controls,
+        instruments,
+        places: rig.outputs.iter().map(place).collect(),
+        outputs: rig.outputs.iter().map(output).collect(),
+        left_out,
+    };
+    Ok(Scene { plan, patterns, instruments: of_voice })
+}
+
+fn place(output: &rig::Output) -> Vec<(u32, f64)> {
+    if is_not_rendered(output) {
+        return Vec::new();
+    }
+    let gain = if output.inverted { -output.gain } else { output.gain };
+    vec![(output.channel.saturating_sub(1), gain)]
+}
+
+fn is_not_rendered(output: &rig::Output) -> bool {
+    matches!(output.kind, rig::OutputKind::Drive | rig::OutputKind::Torque)
+}
+
+fn output(output: &rig::Output) -> Output {
+    let kind = match output.kind {
+        rig::OutputKind::Trigger { .. } => OutputKind::Trigger,
+        rig::OutputKind::Raw => OutputKind::Raw,
+        rig::OutputKind::Vibration | rig::OutputKind::Drive | rig::OutputKind::Torque => OutputKind::Vibration,
+    };
+    Output { name: output.name.as_str().into(), channel: output.channel.saturating_sub(1), kind }
+}
+
+fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Vec<usize> {
+    let find = |name: &str| patch.patterns.iter().position(|p| p.name == name);
+    if let Some(name) = &options.pattern {
+        return match find(name) {
+            Some(i) => vec![i],
+            None => {
+                let names: Vec<_> = patch.patterns.iter().map(|p| p.name.as_str()).collect();
+                let what = format!("there is no pattern `{name}`; there is {}", names.join(", "));
+                problems.push(Problem::of_file(what));
+                Vec::new()
+            }
+        };
+    }
+    let started: Vec<usize> =
+        patch.triggers.iter().filter(|t| t.on == Source::Start).filter_map(|t| find(&t.play)).collect();
+    let any_start = patch.triggers.iter().any(|t| t.on == Source::Start);
+    if any_start || patch.patterns.is_empty() { started } else { vec![0] }
+}
+
+/// The voices that may sound: those of the patterns that play, of triggers, and those that always do.
+fn voices(patch: &Patch, patterns: &[usize], live: bool, left_out: &mut Vec<LeftOut>) -> BTreeSet<usize> {
+    let voice = |name: &str| patch.voices.iter().position(|v| v.name == name);
+    let pattern = |name: &str| patch.patterns.iter().position(|p| p.name == name);
+    let mut found: BTreeSet<usize> =
+        patch.voices.iter().enumerate().filter(|(_, v)| v.start == Start::Always).map(|(i, _)| i).collect();
+    let mut played = BTreeSet::new();
+    let mut open: Vec<usize> = patterns.to_vec();
+    for trigger in patch.triggers.iter().filter(|t| live || t.on == Source::Start) {
+        found.extend(voice(&trigger.play));
+        open.extend(pattern(&trigger.play).filter(|_| live));
+    }
+    while let Some(p) = open.pop() {
+        if !played.insert(p) {
+            continue;
+        }
+        let Events::Inline(events) = &patch.patterns[p].events else {
+            // What a file plays is known only when it is read.
+            found.extend(0..patch.voices.len());
+            continue;
+        };
+        for event in events {
+            let mut visit = |action: &Action| match action {
+                Action::Voice(play) => found.extend(voice(&play.voice)),
+                Action::Pattern { pattern: name, .. } => open.extend(pattern(name)),
+                Action::Marker(_) | Action::Choose(_) => {}
+            };
+            visit(&event.action);
+            if let Action::Choose(list) = &event.action {
+                list.iter().for_each(|a| visit(&a.action));
+            }
+        }
+    }
+    let unused = |kind: &str, name: &str| LeftOut { what: format!("{kind} `{name}`"), why: Why::NeverTriggered };
+    left_out.extend(
+        patch.voices.iter().enumerate().filter(|(i, _)| !found.contains(i)).map(|(_, v)| unused("voice", &v.name)),
+    );
+    left_out.extend(
+        patch.patterns.iter().enumerate().filter(|(i, _)| !played.contains(i)).map(|(_, p)| unused("pattern", &p.name)),
+    );
+    found
+}
+
+fn note(owner: &str, pruned: &[Arc<str>], folded: &[Arc<str>], left_out: &mut Vec<LeftOut>) {
+    for (names, why) in [(pruned, Why::Pruned), (folded, Why::Folded)] {
+        let names: BTreeSet<&str> = names.iter().map(|n| &**n).collect();
+        left_out.extend(names.into_iter().map(|name| LeftOut { what: format!("node `{name}` of `{owner}`"), why }));
+    }
+}
+
+/// The program of the shared nodes that somebody reads, and what each engine-wide signal is.
+fn shared(
+    patch: &Patch,
+    wanted: &mut Wanted,
+    assets: &dyn Assets,
+    left_out: &mut Vec<LeftOut>,
+    problems: &mut Vec<Problem>,
+) -> (Vec<Want>, Program) {
+    let outputs: Vec<usize> =
+        wanted.list.iter().filter_map(|w| if let Want::Node(i) = w { Some(*i) } else { None }).collect();
+    if outputs.is_empty() {
+        left_out.extend(
+            patch.shared.iter().map(|n| LeftOut { what: format!("shared node `{}`", n.name), why: Why::NeverRead }),
+        );
+        return (wanted.list.clone(), Program::default());
+    }
+    let graph = match build::shared(patch, &outputs, assets, wanted) {
+        Ok(graph) => graph,
+        Err(more) => {
+            problems.extend(more);
+            return (wanted.list.clone(), Program::default());
+        }
+    };
+    match compile(graph, false) {
+        Ok(compiled) => {
+            note("shared", &compiled.pruned, &compiled.folded, left_out);
+            (wanted.list.clone(), compiled.program)
+        }
+        Err(_) => {
+            problems.push(Problem::of_file("the shared nodes have a cycle"));
+            (wanted.list.clone(), Program::default())
+        }
+    }
+}
+
+/// Engine-wide signals with controls numbered as in the plan; controls that nothing reads are left out.
+fn controls(patch: &Patch, wanted: Vec<Want>, left_out: &mut Vec<LeftOut>) -> (Vec<Shared>, Vec<Control>) {
+    let mut controls = Vec::new();
+    let mut output = 0;
+    let shared = wanted
+        .iter()
+        .map(|want| match *want {
+            Want::Control(i) => {
+                let control = &patch.controls[i];
+                controls.push(Control {
+                    name: control.name.as_str().into(),
+                    default: control.default,
+                    least: control.range[0],
+                    most: control.range[1],
+                    smoothing: control.smoothing,
+                });
+                Shared::Control(controls.len() as u32 - 1)
+            }
+            Want::Node(_) => {
+                output += 1;
+                Shared::Node(output - 1)
+            }
+            Want::Input(channel) => Shared::Input(channel),
+        })
+        .collect();
+    let read = |name: &str| controls.iter().any(|c| &*c.name == name);
+    left_out.extend(
+        patch
+            .controls
+            .iter()
+            .filter(|c| !read(&c.name))
+            .map(|c| LeftOut { what: format!("control `{}`", c.name), why: Why::NeverRead }),
+    );
+    (shared, controls)
+}
