@@ -7,6 +7,8 @@ pub mod engine;
 pub mod graph;
 pub mod node;
 pub mod patch;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod rig;
 pub mod schedule;
 pub mod text;

@@ -1,0 +1,8 @@
+//! Error against run time: what a scene should have been, and how far off it is.
+
+pub mod compare;
+pub mod decimate;
+pub mod reference;
+
+pub use compare::{Comparison, compare};
+pub use reference::{Reference, reference};

@@ -1,0 +1,201 @@
+//! The scene reference: what a scene should have been.
+//!
+//! Every voice is computed by the twins of its nodes, in `f64`, at a multiple of the engine's rate, exactly at its instant, and
+//! then brought down to the engine's rate by a filter that leaves 0 to 1 kHz alone. Nothing of the engine takes part: no lanes, no
+//! blocks, no corrections, no output stage.
+
+use super::decimate::Decimator;
+use crate::dsp::random;
+use crate::engine::bank::fade;
+use crate::engine::event::Play;
+use crate::graph::Base;
+use crate::graph::plan::{Plan, Shared};
+use crate::graph::program::{Feed, Program};
+use crate::graph::start::{FIELDS, Fields};
+use crate::node::kernel::{LEAD, Onset, Twin};
+use crate::node::{spec::Kind, twin};
+use crate::schedule::Instant;
+
+/// What every channel should hold, before the output stage, at the engine's rate; only 0 to 1 kHz counts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// Samples a second.
+    pub rate: f64,
+    /// By channel.
+    pub channels: Vec<Vec<f64>>,
+}
+
+/// Seconds a voice must have been silent after its envelopes ended before the reference leaves it.
+const QUIET: f64 = 0.1;
+
+/// What should sound when `events` (in seconds from the start) are played on a plan for `seconds`, computed at `over` times the
+/// engine's rate. Voices that had to make room for others are not modelled, nor are inputs or moved controls.
+pub fn reference(plan: &Plan, events: &[(f64, Play)], seconds: f64, over: usize) -> Reference {
+    let rate = plan.engine_rate();
+    let fine = rate * over as f64;
+    let length = (seconds * rate).ceil() as usize;
+    let decimator = Decimator::new(over);
+    let shared = shared(plan, length * over, fine);
+    let mut channels = vec![vec![0.0; length]; plan.channels];
+    let always = plan.instruments.iter().enumerate().filter(|(_, i)| i.always).map(|(i, instrument)| {
+        let mut own = [0.0; FIELDS];
+        own.iter_mut().zip(&instrument.defaults).for_each(|(value, default)| *value = *default);
+        let play = Play {
+            instrument: i as u32,
+            place: instrument.place,
+            level: 1.0,
+            duration: f64::INFINITY,
+            own,
+            id: u64::MAX - i as u64,
+        };
+        (0.0, play)
+    });
+    for (at, play) in always.chain(events.iter().copied()) {
+        let Some(instrument) = plan.instruments.get(play.instrument as usize) else { continue };
+        let at = Instant::of_samples(at * rate);
+        let voice = Voice::new(&instrument.program, &play, at, plan.seed, rate, fine);
+        let (first, samples, gain) = voice.render(&play, &shared, length * over);
+        for &(channel, share) in plan.places.get(play.place as usize).into_iter().flatten() {
+            if let Some(low) = channels.get_mut(channel as usize) {
+                decimator.add(&samples, first, gain * share, low);
+            }
+        }
+    }
+    Reference { rate, channels }
+}
+
+/// Engine-wide signals over the whole time.
+fn shared(plan: &Plan, length: usize, fine: f64) -> Vec<Vec<f64>> {
+    let mut signals: Vec<Vec<f64>> = plan
+        .shared
+        .iter()
+        .map(|source| match *source {
+            Shared::Control(c) => vec![plan.controls[c as usize].default; length],
+            Shared::Input(_) | Shared::Node(_) => vec![0.0; length],
+        })
+        .collect();
+    if plan.shared_program.ops.is_empty() {
+        return signals;
+    }
+    let play =
+        Play { instrument: 0, place: 0, level: 1.0, duration: f64::INFINITY, own: [0.0; FIELDS], id: u64::MAX };
+    let mut voice =
+        Voice::new(&plan.shared_program, &play, Instant::default(), plan.seed, plan.engine_rate(), fine);
+    for n in 0..length {
+        voice.step(n as i64, &signals);
+        for (i, source) in plan.shared.iter().enumerate() {
+            if let Shared::Node(output) = *source {
+                signals[i][n] = voice.output(output as usize, n as i64, &signals);
+            }
+        }
+    }
+    signals
+}
+
+/// One voice, by twins.
+struct Voice<'a> {
+    program: &'a Program,
+    twins: Vec<Box<dyn Twin>>,
+    steady: Vec<f64>,
+    values: Vec<f64>,
+    gain: f64,
+    /// Which op each input reads, by op and input; ops that write the same buffer make the buffer's number useless here.
+    writers: Vec<Vec<Option<usize>>>,
+    last_writer: Vec<usize>,
+    fine: f64,
+    /// Onset in fine samples.
+    born: f64,
+}
+
+impl<'a> Voice<'a> {
+    fn new(program: &'a Program, play: &Play, at: Instant, seed: u64, rate: f64, fine: f64) -> Self {
+        let fields = Fields { level: play.level, duration: play.duration, own: play.own };
+        let value = |base: &Base| match *base {
+            Base::Constant(x) => x,
+            Base::Start(id) => program.starts[id as usize].value(&fields),
+        };
+        let steady: Vec<f64> = program.steady.iter().map(value).collect();
+        let gain = program.gain.iter().map(value).product::<f64>() * play.level;
+        let age = at.until(at.ceiling()) - LEAD;
+        let mut last_writer = vec![usize::MAX; program.buffers];
+        let (mut twins, mut writers) = (Vec::new(), Vec::new());
+        for (i, op) in program.ops.iter().enumerate() {
+            let start: Vec<f64> = op.inputs.iter().map(|input| steady[input.base as usize]).collect();
+            let stream = random::stream(seed, play.id, op.node.stream());
+            let onset = Onset { age, stream, start: &start, duration: play.duration };
+            twins.push(twin(op.node.kind, &op.node.setup(fine, rate), &onset));
+            let writer = |feed| if let Feed::Buffer(b) = feed { Some(last_writer[b as usize]) } else { None };
+            writers.push(op.inputs.iter().map(|input| writer(input.feed)).collect());
+            last_writer[op.output as usize] = i;
+        }
+        let born = (at.sample as f64 + f64::from(at.fraction) / 4_294_967_296.0) * fine / rate;
+        let values = vec![0.0; program.ops.len()];
+        Self { program, twins, steady, values, gain, writers, last_writer, fine, born }
+    }
+
+    fn value(&self, feed: Feed, n: i64, shared: &[Vec<f64>]) -> f64 {
+        match feed {
+            Feed::Steady(row) => self.steady[row as usize],
+            Feed::Shared(s) => shared[s as usize].get(n.max(0) as usize).copied().unwrap_or(0.0),
+            Feed::Buffer(_) => 0.0,
+        }
+    }
+
+    fn step(&mut self, n: i64, shared: &[Vec<f64>]) {
+        let t = (n as f64 - self.born) / self.fine;
+        let mut inputs = [0.0; 64];
+        for (i, op) in self.program.ops.iter().enumerate() {
+            let params = op.node.kind.spec().params.iter().filter(|p| p.kind.is_input());
+            let mut kinds = params.map(|p| matches!(p.kind, Kind::Frequency(_)));
+            for (k, input) in op.inputs.iter().enumerate() {
+                let value = match self.writers[i][k] {
+                    Some(writer) => self.values[writer],
+                    None => self.value(input.feed, n, shared),
+                };
+                let frequency = kinds.next().unwrap_or(false);
+                inputs[k] = if frequency { value + self.steady[input.base as usize] } else { value };
+            }
+            self.values[i] = self.twins[i].step(t, &inputs[..op.inputs.len()]);
+        }
+    }
+
+    fn output(&self, index: usize, n: i64, shared: &[Vec<f64>]) -> f64 {
+        match self.program.outputs.get(index) {
+            Some(Feed::Buffer(b)) => self.values[self.last_writer[*b as usize]],
+            Some(feed) => self.value(*feed, n, shared),
+            None => 0.0,
+        }
+    }
+
+    /// First fine sample, samples, and the gain they all have.
+    fn render(mut self, play: &Play, shared: &[Vec<f64>], length: usize) -> (i64, Vec<f64>, f64) {
+        let enveloped = self.twins.iter().any(|t| t.sounding().is_some());
+        let first = (self.born - 0.5).ceil() as i64;
+        let released = self.born + play.duration * self.fine;
+        let (mut samples, mut quiet, mut is_released) = (Vec::new(), 0.0, false);
+        for n in first..length as i64 {
+            // A sample stands for half a step to either side, so a release counts from there.
+            if !is_released && released <= n as f64 + 0.5 {
+                is_released = true;
+                for twin in &mut self.twins {
+                    twin.release(play.duration);
+                }
+            }
+            self.step(n, shared);
+            let mut value = self.output(0, n, shared);
+            let ended = if enveloped {
+                self.twins.iter().all(|t| t.sounding() != Some(true))
+            } else {
+                let since = (n as f64 - released) / self.fine;
+                value *= if is_released { fade(since) } else { 1.0 };
+                is_released && since > crate::engine::bank::FADE
+            };
+            samples.push(value);
+            quiet = if ended && value.abs() < 1e-9 { quiet + 1.0 / self.fine } else { 0.0 };
+            if quiet > QUIET {
+                break;
+            }
+        }
+        (first, samples, self.gain)
+    }
+}
