@@ -1,6 +1,8 @@
 //! A live parameter: what MIDI, OSC or a program may move while a patch plays.
 
 use crate::text::Span;
+use crate::text::field::{Field, Form, Table};
+use crate::text::reader::Reader;
 
 /// A control, `[control.NAME]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,4 +30,72 @@ pub enum Curve {
     Linear,
     /// Equal steps are equal ratios; the range lies above 0.
     Exponential,
+}
+
+/// Its keys.
+pub static TABLE: Table = Table {
+    name: "control",
+    doc: "A live parameter, which nodes read by its name.",
+    fields: &[
+        Field::new("default", Form::any_number(-1e9, 1e9), "", "Value at the start.").required(),
+        Field::new("range", Form::Defined("range"), "", "Least and most; [0, 1] where nothing is said."),
+        Field::new("unit", Form::Text, "", "Its unit, shown to people."),
+        Field::new(
+            "curve",
+            Form::Word(&["linear", "exponential"]),
+            "",
+            "How a position from 0 to 1 maps to the range.",
+        ),
+        Field::new(
+            "smoothing",
+            Form::number(0.01, 0.0, 10.0),
+            "s",
+            "Time constant with which it follows what moves it.",
+        ),
+    ],
+    others: None,
+};
+
+pub(crate) fn read(name: &str, reader: &Reader) -> Control {
+    let range = reader.at("range").map_or(Some([0.0, 1.0]), |value| {
+        let numbers: Option<Vec<f64>> = value.list().and_then(|list| list.map(|v| v.number()).collect());
+        match numbers.as_deref() {
+            Some(&[least, most]) if least.is_finite() && most.is_finite() && least < most => {
+                Some([least, most])
+            }
+            _ => {
+                reader.mistaken(
+                    "range",
+                    &value,
+                    "[least, most], two finite numbers of which the first is less",
+                );
+                None
+            }
+        }
+    });
+    let default = reader.number("default");
+    let curve = if reader.word("curve") == 0 { Curve::Linear } else { Curve::Exponential };
+    if let (Some([least, most]), Some(default)) = (range, default) {
+        if default < least || default > most {
+            let what =
+                format!("`default` of {} is {default}; its range is from {least} to {most}", reader.who);
+            reader.sink.error(&reader.span_of("default"), what);
+        }
+        if curve == Curve::Exponential && least <= 0.0 {
+            let what = format!(
+                "the range of {} begins at {least}; for an exponential curve it must lie above 0",
+                reader.who
+            );
+            reader.sink.error(&reader.span_of("range"), what);
+        }
+    }
+    Control {
+        name: name.into(),
+        default: default.unwrap_or(0.0),
+        range: range.unwrap_or([0.0, 1.0]),
+        unit: reader.text("unit").unwrap_or("").into(),
+        curve,
+        smoothing: reader.number_or_default("smoothing"),
+        span: reader.span.clone(),
+    }
 }

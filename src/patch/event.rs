@@ -1,7 +1,10 @@
 //! An event: something that happens once, at a time, in a pattern.
 
-use super::place::Place;
-use crate::text::Span;
+use super::place::{self, Place};
+use crate::text::field::{Field, Form, Table};
+use crate::text::nearest::suggest;
+use crate::text::reader::Reader;
+use crate::text::{Problem, Span};
 
 /// An event.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +39,8 @@ pub enum Action {
     Pattern {
         /// Its name.
         pattern: String,
+        /// Where that stands.
+        span: Span,
         /// Multiplies the level of all it plays.
         gain: f64,
         /// 2 is twice as fast, durations included.
@@ -52,6 +57,8 @@ pub enum Action {
 pub struct Play {
     /// Name of the voice.
     pub voice: String,
+    /// Where that stands.
+    pub span: Span,
     /// Share of the rated vibration; `None`: the voice's default.
     pub level: Option<f64>,
     /// From onset to release, in the pattern's time; `None`: the voice's default.
@@ -59,7 +66,18 @@ pub struct Play {
     /// Where; `None`: the voice's place.
     pub place: Option<Place>,
     /// Fields that the voice declares, where the event gives them.
-    pub fields: Vec<(String, f64)>,
+    pub fields: Vec<Setting>,
+}
+
+/// A field set to a number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// The field.
+    pub name: String,
+    /// What it is set to.
+    pub value: f64,
+    /// Where it stands.
+    pub span: Span,
 }
 
 /// One of several things that may happen.
@@ -69,4 +87,231 @@ pub struct Alternative {
     pub weight: f64,
     /// What happens; never another choice.
     pub action: Action,
+}
+
+/// Keys of an event, which no field of a voice can be called.
+pub const RESERVED: &[&str] = &[
+    "at", "voice", "pattern", "marker", "choose", "weight", "level", "duration", "place", "delay", "repeat",
+    "gain", "rate",
+];
+
+const VOICE: Field = Field::new("voice", Form::Text, "", "The voice that sounds.");
+const PATTERN: Field = Field::new("pattern", Form::Text, "", "The pattern that plays.");
+const MARKER: Field =
+    Field::new("marker", Form::Text, "", "A name for the log, and a pulse for trigger outputs.");
+const LEVEL: Field = Field::new(
+    "level",
+    Form::any_number(0.0, 100.0),
+    "",
+    "Share of the actuator's rated vibration; the voice's default where nothing is said, which is 1.",
+);
+const DURATION: Field = Field::new(
+    "duration",
+    Form::any_number(0.0, 1e6),
+    "s or beats",
+    "From onset to release; the voice's default where nothing is said, which is 0.1 s.",
+);
+const PLACE: Field =
+    Field::new("place", Form::Defined("place"), "", "Where; the voice's place where nothing is said.");
+const GAIN: Field = Field::new(
+    "gain",
+    Form::number(1.0, 0.0, 100.0),
+    "",
+    "Multiplies the level of all that the pattern plays.",
+);
+const RATE: Field = Field::new(
+    "rate",
+    Form::number(1.0, 1e-3, 1e3),
+    "",
+    "2 plays the pattern twice as fast, durations included.",
+);
+const OWN: Field = Field::new("", Form::any_number(-1e9, 1e9), "", "A field that the voice declares.");
+
+/// Its keys.
+pub static TABLE: Table = Table {
+    name: "event",
+    doc: "Something that happens: a voice, another pattern, a marker, or a choice among them.",
+    fields: &[
+        Field::new("at", Form::any_number(0.0, 1e9), "s or beats", "When.").required(),
+        Field::new(
+            "delay",
+            Form::number(0.0, 0.0, 1e9),
+            "s or beats",
+            "Added to `at`; a shuffle moves it along with the event.",
+        ),
+        Field::new("repeat", Form::One(&REPEAT), "", "Several times at equal spacing."),
+        VOICE,
+        PATTERN,
+        MARKER,
+        Field::new("choose", Form::Many(&ALTERNATIVE), "", "One of these, drawn anew each time."),
+        LEVEL,
+        DURATION,
+        PLACE,
+        GAIN,
+        RATE,
+    ],
+    others: Some(&OWN),
+};
+
+/// The keys of one of several things that may happen.
+pub static ALTERNATIVE: Table = Table {
+    name: "alternative",
+    doc: "One of several things that may happen.",
+    fields: &[
+        Field::new(
+            "weight",
+            Form::number(1.0, 1e-9, 1e9),
+            "",
+            "It is drawn with probability weight / sum of the weights.",
+        ),
+        VOICE,
+        PATTERN,
+        MARKER,
+        LEVEL,
+        DURATION,
+        PLACE,
+        GAIN,
+        RATE,
+    ],
+    others: Some(&OWN),
+};
+
+/// The keys of a repetition.
+pub static REPEAT: Table = Table {
+    name: "repeat",
+    doc: "Several times at equal spacing.",
+    fields: &[
+        Field::new("every", Form::any_number(1e-6, 1e9), "s or beats", "From one onset to the next.")
+            .required(),
+        Field::new(
+            "times",
+            Form::any_count(1, 1_000_000_000),
+            "",
+            "How often in all; a pattern without it repeats for ever.",
+        ),
+    ],
+    others: None,
+};
+
+pub(crate) fn read(reader: &Reader) -> Option<Event> {
+    let at = reader.number("at");
+    let delay = reader.number("delay");
+    let repeat = reader.has("repeat").then(|| read_repeat(reader));
+    if let Some(Some(Repeat { times: None, .. })) = repeat {
+        let what = format!("`repeat` of {} lacks `times`", reader.who);
+        reader.sink.error_help(&reader.span_of("repeat"), what, "only a pattern may repeat for ever");
+    }
+    let action = if reader.has("choose") {
+        let who = |n: usize| format!("alternative {n} of {}", reader.who);
+        refuse(reader, &["choose"], &["voice", "pattern", "marker"], "a choice");
+        refuse(reader, &["choose"], &["level", "duration", "place", "gain", "rate"], "a choice");
+        for (word, span, _) in reader.others() {
+            unknown(reader, word, &span);
+        }
+        let alternatives: Option<Vec<Alternative>> = reader
+            .many("choose", who)
+            .iter()
+            .map(|r| Some(Alternative { weight: r.number("weight")?, action: read_action(r)? }))
+            .collect();
+        if alternatives.as_ref().is_some_and(Vec::is_empty) {
+            reader
+                .sink
+                .error(&reader.span_of("choose"), format!("`choose` of {} has no alternatives", reader.who));
+        }
+        alternatives.map(Action::Choose)
+    } else {
+        read_action(reader)
+    };
+    Some(Event {
+        at: at?,
+        delay: delay?,
+        repeat: repeat.flatten(),
+        action: action?,
+        span: reader.span.clone(),
+    })
+}
+
+fn read_action(reader: &Reader) -> Option<Action> {
+    let named: Vec<&str> = ["voice", "pattern", "marker"].into_iter().filter(|k| reader.has(k)).collect();
+    let kind = match named.as_slice() {
+        [kind] => *kind,
+        [] => {
+            let others: Vec<_> = reader.others();
+            let near = others.iter().find_map(|(k, ..)| {
+                crate::text::nearest::nearest(k, ["voice", "pattern", "marker"]).map(|n| (k, n))
+            });
+            let help = match near {
+                Some((key, name)) => format!("did you mean `{name}` instead of `{key}`?"),
+                None => "say what happens: voice = \"...\", pattern = \"...\" or marker = \"...\"".into(),
+            };
+            reader.sink.error_help(&reader.span, format!("{} has no voice", reader.who), &help);
+            return None;
+        }
+        several => {
+            let what = format!("{} has {} at once", reader.who, crate::text::nearest::listed(several));
+            reader.sink.error_help(&reader.span_of(several[1]), what, "make two events of it");
+            return None;
+        }
+    };
+    if kind != "voice" {
+        refuse(reader, &[kind], &["level", "duration", "place"], &format!("a {kind}"));
+        for (word, span, _) in reader.others() {
+            unknown(reader, word, &span);
+        }
+    }
+    if kind != "pattern" {
+        refuse(reader, &[kind], &["gain", "rate"], &format!("a {kind}"));
+    }
+    let name = reader.text(kind)?.to_string();
+    let span = reader.span_of(kind);
+    match kind {
+        "voice" => {
+            let (level, duration, place) =
+                (reader.number("level"), reader.number("duration"), place::read(reader, "place"));
+            let mut fields = Vec::new();
+            for (word, span, value) in reader.others() {
+                // A word or a list is a mistyped key of the event itself; a number may be a field, which is checked later.
+                if value.number().is_some() {
+                    let value = reader.number_in(word, &value, -1e9, 1e9)?;
+                    fields.push(Setting { name: word.into(), value, span });
+                } else {
+                    unknown(reader, word, &span);
+                }
+            }
+            Some(Action::Voice(Play { voice: name, span, level, duration, place, fields }))
+        }
+        "pattern" => Some(Action::Pattern {
+            pattern: name,
+            span,
+            gain: reader.number("gain")?,
+            rate: reader.number("rate")?,
+        }),
+        _ => Some(Action::Marker(name)),
+    }
+}
+
+/// Reads `repeat`.
+pub(crate) fn read_repeat(reader: &Reader) -> Option<Repeat> {
+    let inner = reader.one("repeat", format!("`repeat` of {}", reader.who))?;
+    let times = inner.count("times");
+    Some(Repeat { every: inner.number("every")?, times })
+}
+
+fn refuse(reader: &Reader, because: &[&str], keys: &[&str], what: &str) {
+    for key in keys.iter().filter(|k| reader.has(k) && !because.contains(k)) {
+        let help = match *key {
+            "level" | "place" | "duration" | "gain" | "rate" if what == "a choice" => {
+                Some("give it to the alternatives".to_string())
+            }
+            "level" if what == "a pattern" => Some("did you mean `gain`?".to_string()),
+            _ => None,
+        };
+        let problem = Problem::error(&reader.span_of(key), format!("{}: {what} has no `{key}`", reader.who));
+        reader.sink.push(problem.help(help));
+    }
+}
+
+fn unknown(reader: &Reader, word: &str, span: &Span) {
+    let problem = Problem::error(span, format!("{} has no key `{word}`", reader.who));
+    reader.sink.push(problem.help(suggest(word, TABLE.keys())));
 }

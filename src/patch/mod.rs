@@ -4,27 +4,37 @@
 //! A [`Patch`] is a plain description with no state, and may as well be built in code; [`Patch::check`] finds what is wrong
 //! with it. [`Patch::parse`] reads it from a file's bytes and reports every problem at once, each at its place.
 
+pub mod check;
 pub mod control;
+mod cycle;
 pub mod event;
+pub mod events_file;
 pub mod expr;
 pub mod node;
 pub mod pattern;
 pub mod place;
+pub mod schema;
 pub mod scope;
 pub mod trigger;
 pub mod voice;
 
+pub use check::Names;
 pub use control::{Control, Curve};
-pub use event::{Action, Alternative, Event, Play, Repeat};
+pub use event::{Action, Alternative, Event, Play, Repeat, Setting};
+pub use events_file::EventsFile;
 pub use expr::{Expr, Function, Operator};
 pub use node::{Argument, Node, Value};
 pub use pattern::{Events, Jitter, Pattern, TimeBase};
 pub use place::Place;
+pub use schema::schema;
 pub use scope::{Scope, Target};
 pub use trigger::{Source, Trigger};
 pub use voice::{Start, Voice};
 
-use crate::text::{Checked, Problem, Problems};
+use crate::text::document;
+use crate::text::field::{Field, Form, Table};
+use crate::text::reader::{Reader, Sink};
+use crate::text::{Checked, Problem, Problems, Span};
 
 /// A patch.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -58,17 +68,156 @@ pub struct Render {
     pub tail: Option<f64>,
 }
 
+/// The format that this version reads and writes.
+pub const FORMAT: &str = "pacinian-patch/1";
+
+/// What a patch may do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Options {
+    /// Whether paths in it may leave its folder.
+    pub allow_outside: bool,
+}
+
+impl Options {
+    /// A path as written, if it may be opened: relative, forward slashes, not leaving the folder unless that is allowed.
+    pub(crate) fn path(self, path: &str, span: &Span, who: &str, sink: &Sink) -> Option<String> {
+        let rooted = path.starts_with('/') || path.starts_with('\\') || path.get(1..2) == Some(":");
+        let leaves = path.split(['/', '\\']).any(|part| part == "..");
+        if path.is_empty() || path.contains('\0') {
+            sink.error(span, format!("a file of {who} has no name"));
+        } else if (rooted || leaves) && !self.allow_outside {
+            sink.error_help(
+                span,
+                format!("{who}: the path \"{path}\" leaves the folder of the patch"),
+                "put the file beside the patch and write its path from there, or allow it with --allow-outside",
+            );
+        } else {
+            return Some(path.into());
+        }
+        None
+    }
+}
+
+/// Its keys.
+pub static TABLE: Table = Table {
+    name: "patch",
+    doc: "Voices are node graphs, patterns are events in time, triggers start either.",
+    fields: &[
+        Field::new("format", Form::Defined("format"), "", "The format and its version.").required(),
+        Field::new("title", Form::Text, "", "What it is called.").required(),
+        Field::new("description", Form::Text, "", "What it is about."),
+        Field::new(
+            "control",
+            Form::Named(&control::TABLE),
+            "",
+            "What MIDI, OSC or a program may move while it plays, by name.",
+        ),
+        Field::new("voice", Form::Named(&voice::TABLE), "", "Voices, by name."),
+        Field::new("shared", Form::One(&SHARED), "", "What runs once for the whole engine."),
+        Field::new("pattern", Form::Named(&pattern::TABLE), "", "Patterns, by name."),
+        Field::new("trigger", Form::Many(&trigger::TABLE), "", "What starts voices and patterns."),
+        Field::new("render", Form::One(&RENDER), "", "How to render it where the person says nothing else."),
+    ],
+    others: None,
+};
+
+/// The keys of `[shared]`.
+pub static SHARED: Table = Table {
+    name: "shared",
+    doc: "What runs once for the whole engine.",
+    fields: &[Field::new("nodes", Form::Defined("nodes"), "", "Nodes that every voice may read.")],
+    others: None,
+};
+
+/// The keys of `[render]`.
+pub static RENDER: Table = Table {
+    name: "render",
+    doc: "How to render the patch where the person says nothing else.",
+    fields: &[
+        Field::new(
+            "duration",
+            Form::any_number(0.0, 1e9),
+            "s",
+            "Length; until everything has ended where nothing is said.",
+        ),
+        Field::new(
+            "seed",
+            Form::any_count(0, u64::MAX),
+            "",
+            "From which all random numbers come; 0 where nothing is said.",
+        ),
+        Field::new(
+            "tail",
+            Form::any_number(0.0, 3600.0),
+            "s",
+            "How long to go on after the last voice has ended.",
+        ),
+    ],
+    others: None,
+};
+
 impl Patch {
     /// Reads a patch from the bytes of a file called `name`.
     ///
     /// # Errors
     /// Every problem of the file at once, each with its place.
     pub fn parse(name: &str, bytes: &[u8]) -> Result<Checked<Self>, Problems> {
-        let _ = bytes;
-        Err(Problems::of_file(name, "patches cannot be read yet"))
+        Self::parse_with(name, bytes, Options::default())
     }
-    /// What is wrong with it as a whole: names that nothing has, cycles, numbers out of range. Spans are those of the parts.
+
+    /// Reads a patch that may do what `options` say.
+    ///
+    /// # Errors
+    /// Every problem of the file at once, each with its place.
+    pub fn parse_with(name: &str, bytes: &[u8], options: Options) -> Result<Checked<Self>, Problems> {
+        document::read(name, bytes, FORMAT, |document, sink| {
+            let reader = Reader::new(&TABLE, document, 0..0, "the patch", sink);
+            let (patch, broken) = Self::read(&reader, options);
+            for problem in patch.problems(&broken) {
+                sink.push(problem);
+            }
+            patch
+        })
+    }
+
+    /// What is wrong with it as a whole: names that nothing has, cycles, patterns that contain themselves. Spans are those of
+    /// the parts.
     pub fn check(&self) -> Vec<Problem> {
-        Vec::new()
+        self.problems(&[])
+    }
+
+    /// The patch, and the names of what is in the file but cannot be read: to name it is no further mistake.
+    fn read(reader: &Reader, options: Options) -> (Self, Vec<String>) {
+        let mut broken = Vec::new();
+        let mut patch = Self {
+            title: reader.text("title").unwrap_or("").into(),
+            description: reader.text("description").unwrap_or("").into(),
+            ..Self::default()
+        };
+        for (name, reader) in reader.named("control", "control") {
+            voice::check_node_name(&name, &reader.span, &reader.who, reader.sink);
+            patch.controls.push(control::read(&name, &reader));
+        }
+        for (name, reader) in reader.named("voice", "voice") {
+            let mut names = Vec::new();
+            patch.voices.push(voice::read(&name, &reader, &options, &mut names));
+            broken.append(&mut names);
+        }
+        if let Some((nodes, _)) = reader.one("shared", "`shared`").and_then(|r| r.table("nodes")) {
+            patch.shared = voice::read_nodes(nodes, "the shared nodes", &options, reader.sink, &mut broken);
+        }
+        for (name, reader) in reader.named("pattern", "pattern") {
+            patch.patterns.push(pattern::read(&name, &reader, &options));
+        }
+        let triggers = reader.many("trigger", |n| format!("trigger {n}"));
+        patch.triggers = triggers.iter().filter_map(trigger::read).collect();
+        if let Some(render) = reader.one("render", "`render`") {
+            patch.render = Render {
+                duration: render.number("duration"),
+                seed: render.count("seed"),
+                tail: render.number("tail"),
+            };
+        }
+        (patch, broken)
     }
 }

@@ -1,9 +1,14 @@
 //! A node of a voice, as written: its type and its parameters.
 
+use super::Options;
 use super::expr::Expr;
-use crate::node::NodeKind;
 use crate::node::kernel::Point;
-use crate::text::Span;
+use crate::node::spec::{Kind, Numeric, Param};
+use crate::node::{NodeKind, REGISTRY};
+use crate::text::field::{Field, Form, Table};
+use crate::text::nearest::listed;
+use crate::text::reader::{At, Reader, Sink, range};
+use crate::text::{Problem, Span};
 
 /// A node, `NAME = { type = "...", ... }`.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,4 +49,228 @@ pub enum Value {
     File(String),
     /// Of `Flag`.
     Flag(bool),
+}
+
+/// The keys of a breakpoint.
+pub static POINT: Table = Table {
+    name: "point",
+    doc: "A breakpoint of an envelope.",
+    fields: &[
+        Field::new(
+            "at",
+            Form::any_number(0.0, 1e6),
+            "s",
+            "Seconds after the onset; later than the point before.",
+        )
+        .required(),
+        Field::new("value", Form::any_number(-1e6, 1e6), "", "Value reached then.").required(),
+        Field::new("shape", Form::Defined("shape"), "", "Shape of the segment that leads here."),
+    ],
+    others: None,
+};
+
+/// Words for the shape of a segment. As a number, 0 is linear, more than 0 starts slowly and less than 0 starts fast: the
+/// share of the way after the share x of the time is (e^(shape x) − 1) / (e^shape − 1).
+pub const SHAPES: &[(&str, f64)] = &[("linear", 0.0), ("slow", 4.0), ("fast", -4.0), ("exponential", -5.0)];
+/// The strongest shape, to either side.
+pub const MOST_SHAPE: f64 = 20.0;
+
+/// Reads `NAME = { type = "...", ... }`; `None` where the type is unknown or a parameter is wrong, which has been reported.
+pub(crate) fn read(
+    name: &str,
+    span: Span,
+    value: At,
+    of: &str,
+    options: &Options,
+    sink: &Sink,
+) -> Option<Node> {
+    let who = format!("node `{name}` of {of}");
+    let Some(entries) = value.table() else {
+        sink.error_help(
+            &value.span(),
+            format!("{who} is {}; it must be a table", value.shown()),
+            "write it as NAME = { type = \"sine\", ... }",
+        );
+        return None;
+    };
+    let Some(word) = entries.get("type").map(At::new) else {
+        sink.error_help(&span, format!("{who} lacks `type`"), "`pacinian nodes` lists the types");
+        return None;
+    };
+    let Some(kind) = word.text().and_then(NodeKind::find) else {
+        let what = format!("{who}: there is no node type {}", word.shown());
+        sink.unknown(&word.span(), what, word.text().unwrap_or(""), REGISTRY.iter().map(|s| s.name));
+        return None;
+    };
+    let spec = kind.spec();
+    let who = format!("{who} ({})", spec.name);
+    let mut fine = true;
+    for (key, value) in entries {
+        let word = key.get_ref();
+        if word != "type" && spec.param(word).is_none() {
+            let span = if key.span().is_empty() { value.span() } else { key.span() };
+            let keys = spec.params.iter().map(|p| p.name);
+            sink.unknown(&span, format!("{who} has no parameter `{word}`"), word, keys);
+            fine = false;
+        }
+    }
+    let mut arguments = Vec::with_capacity(spec.params.len());
+    for param in spec.params {
+        let reading = Reading { param, who: &who, options, sink };
+        let argument = match entries.get(param.name).map(At::new) {
+            Some(value) => reading.given(value).map(|v| Argument { value: v, span: value.span() }),
+            None => reading.absent(&span).map(|v| Argument { value: v, span: span.clone() }),
+        };
+        fine &= argument.is_some();
+        arguments.extend(argument);
+    }
+    fine.then(|| Node { name: name.into(), kind, arguments, span })
+}
+
+struct Reading<'a> {
+    param: &'static Param,
+    who: &'a str,
+    options: &'a Options,
+    sink: &'a Sink,
+}
+
+impl Reading<'_> {
+    fn mistaken<T>(&self, value: &At, wanted: &str) -> Option<T> {
+        let what = format!("`{}` of {} is {}; it must be {wanted}", self.param.name, self.who, value.shown());
+        self.sink.error(&value.span(), what);
+        None
+    }
+
+    fn absent(&self, span: &Span) -> Option<Value> {
+        match self.param.kind {
+            Kind::Signal(n) | Kind::Frequency(n) | Kind::Start(n) if n.default.is_some() => {
+                n.default.map(|x| Value::Expr(Expr::Number(x)))
+            }
+            Kind::Constant(n) if n.default.is_some() => n.default.map(Value::Constant),
+            Kind::Choice(_, place) => Some(Value::Choice(place)),
+            Kind::Flag(on) => Some(Value::Flag(on)),
+            _ => {
+                let what = format!("{} lacks `{}`", self.who, self.param.name);
+                self.sink.push(Problem::error(span, what).help(self.param.doc.to_string()));
+                None
+            }
+        }
+    }
+
+    fn given(&self, value: At) -> Option<Value> {
+        match self.param.kind {
+            Kind::Signal(n) | Kind::Frequency(n) | Kind::Start(n) => {
+                self.expr(&value, Some(n)).map(Value::Expr)
+            }
+            Kind::Constant(n) => match self.expr(&value, Some(n))?.constant() {
+                Some(x) => Some(Value::Constant(x)),
+                None => self.mistaken(&value, "a number, since it cannot move"),
+            },
+            Kind::Signals => {
+                let Some(list) = value.list() else {
+                    return self.mistaken(&value, "a list of numbers, names and expressions");
+                };
+                let list: Vec<At> = list.collect();
+                if list.is_empty() {
+                    return self.mistaken(&value, "a list with something in it");
+                }
+                let read: Vec<Option<Expr>> = list.iter().map(|v| self.expr(v, None)).collect();
+                read.into_iter().collect::<Option<Vec<Expr>>>().map(Value::Signals)
+            }
+            Kind::Choice(words, _) => {
+                let Some(word) = value.text() else { return self.mistaken(&value, &one_of(words)) };
+                let place = words.iter().position(|w| *w == word);
+                if place.is_none() {
+                    let what = format!("`{}` of {} cannot be \"{word}\"", self.param.name, self.who);
+                    self.sink.unknown(&value.span(), what, word, words.iter().copied());
+                }
+                place.map(Value::Choice)
+            }
+            Kind::Flag(_) => match value.value.as_bool() {
+                Some(on) => Some(Value::Flag(on)),
+                None => self.mistaken(&value, "true or false"),
+            },
+            Kind::File => match value.text() {
+                Some(path) => {
+                    let path = self.options.path(path, &value.span(), self.who, self.sink)?;
+                    Some(Value::File(path))
+                }
+                None => self.mistaken(&value, "the path of a WAV file"),
+            },
+            Kind::Points => self.points(&value).map(Value::Points),
+        }
+    }
+
+    fn expr(&self, value: &At, limits: Option<Numeric>) -> Option<Expr> {
+        let expr = match (value.number(), value.text()) {
+            (Some(x), _) => Expr::Number(x),
+            (_, Some(text)) => match Expr::parse(text, &value.span()) {
+                Ok(expr) => expr,
+                Err(mut problem) => {
+                    problem.what = format!("`{}` of {}: {}", self.param.name, self.who, problem.what);
+                    self.sink.push(problem);
+                    return None;
+                }
+            },
+            _ => return self.mistaken(value, "a number, a name or an expression"),
+        };
+        let Some(x) = expr.constant() else { return Some(expr) };
+        let (least, most) = limits.map_or((f64::MIN, f64::MAX), |n| (n.least, n.most));
+        if x.is_finite() && x >= least && x <= most {
+            return Some(expr);
+        }
+        let unit = if self.param.unit.is_empty() { String::new() } else { format!(" {}", self.param.unit) };
+        self.mistaken(value, &format!("{}{unit}", range(least, most)))
+    }
+
+    fn points(&self, value: &At) -> Option<Vec<Point>> {
+        let Some(list) = value.list() else {
+            return self.mistaken(value, "a list of { at, value, shape }");
+        };
+        let mut points: Vec<Point> = Vec::new();
+        let mut fine = true;
+        for (i, value) in list.enumerate() {
+            let who = format!("point {} of `{}` of {}", i + 1, self.param.name, self.who);
+            let Some(entries) = value.table() else {
+                self.sink.error(
+                    &value.span(),
+                    format!("{who} is {}; it must be {{ at, value, shape }}", value.shown()),
+                );
+                fine = false;
+                continue;
+            };
+            let reader = Reader::new(&POINT, entries, value.span(), who.clone(), self.sink);
+            let (at, reached, curve) = (reader.number("at"), reader.number("value"), shape(&reader));
+            let (Some(at), Some(reached), Some(curve)) = (at, reached, curve) else {
+                fine = false;
+                continue;
+            };
+            if let Some(last) = points.last().filter(|last| last.at >= at) {
+                self.sink.error_help(
+                    &reader.span_of("at"),
+                    format!("{who} is at {at} s, the one before it at {} s", last.at),
+                    "every point must be later than the one before; for a jump, leave 1 µs between them",
+                );
+                fine = false;
+            }
+            points.push(Point { at, value: reached, curve });
+        }
+        if points.is_empty() && fine {
+            return self.mistaken(value, "a list with at least one point");
+        }
+        fine.then_some(points)
+    }
+}
+
+fn shape(reader: &Reader) -> Option<f64> {
+    let Some(value) = reader.at("shape") else { return Some(0.0) };
+    if value.number().is_some() {
+        return reader.number_in("shape", &value, -MOST_SHAPE, MOST_SHAPE);
+    }
+    let words: Vec<&str> = SHAPES.iter().map(|(w, _)| *w).collect();
+    reader.word_of("shape", &value, &words).and_then(|i| SHAPES.get(i)).map(|(_, curve)| *curve)
+}
+
+fn one_of(words: &[&str]) -> String {
+    format!("one of {}", listed(words))
 }

@@ -1,7 +1,10 @@
 //! A pattern: events in time.
 
-use super::event::{Event, Repeat};
+use super::Options;
+use super::event::{self, Event, Repeat, Setting};
 use crate::text::Span;
+use crate::text::field::{Field, Form, Table};
+use crate::text::reader::Reader;
 
 /// A pattern, `[pattern.NAME]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,5 +63,117 @@ pub struct Jitter {
     /// Onsets move by up to so much to either side, in the pattern's time, evenly distributed; never before its start.
     pub at: f64,
     /// A field (`level`, `duration` or a voice's own) is multiplied by 1 + u × fraction, u evenly distributed from −1 to 1.
-    pub fractions: Vec<(String, f64)>,
+    pub fractions: Vec<Setting>,
+}
+
+/// Its keys.
+pub static TABLE: Table = Table {
+    name: "pattern",
+    doc: "Events in time.",
+    fields: &[
+        Field::new("time", Form::Word(&["seconds", "beats"]), "", "In what its times are counted."),
+        Field::new("tempo", Form::number(120.0, 1.0, 10_000.0), "1/min", "Beats in a minute."),
+        Field::new("events", Form::Defined("events"), "", "A list of events, or the name of a file of them.")
+            .required(),
+        Field::new("repeat", Form::One(&event::REPEAT), "", "The whole pattern again and again."),
+        Field::new("gain", Form::number(1.0, 0.0, 100.0), "", "Multiplies the level of all it plays."),
+        Field::new("rate", Form::number(1.0, 1e-3, 1e3), "", "2 is twice as fast, durations included."),
+        Field::new(
+            "shuffle",
+            Form::Flag(false),
+            "",
+            "Each time it plays, its onsets stay and what lands on them is permuted.",
+        ),
+        Field::new("jitter", Form::One(&JITTER), "", "Random deviations, drawn for each event each time."),
+    ],
+    others: None,
+};
+
+/// The keys of `jitter`.
+pub static JITTER: Table = Table {
+    name: "jitter",
+    doc: "Random deviations, drawn for each event each time the pattern plays.",
+    fields: &[
+        Field::new(
+            "at",
+            Form::number(0.0, 0.0, 1e9),
+            "s or beats",
+            "Onsets move by up to so much to either side, never before the start.",
+        ),
+        Field::new("level", Form::number(0.0, 0.0, 1.0), "", "The level changes by up to this share of it."),
+        Field::new(
+            "duration",
+            Form::number(0.0, 0.0, 1.0),
+            "",
+            "The duration changes by up to this share of it.",
+        ),
+    ],
+    others: Some(&Field::new(
+        "",
+        Form::number(0.0, 0.0, 1.0),
+        "",
+        "A field changes by up to this share of it.",
+    )),
+};
+
+pub(crate) fn read(name: &str, reader: &Reader, options: &Options) -> Pattern {
+    let beats = reader.word("time") == 1;
+    let tempo = reader.number_or_default("tempo");
+    if reader.has("tempo") && !beats {
+        let what = format!("{} has a tempo but counts in seconds", reader.who);
+        reader.sink.error_help(
+            &reader.span_of("tempo"),
+            what,
+            "write time = \"beats\", or leave the tempo out",
+        );
+    }
+    let events = match reader.at("events").map(|v| (v, v.text())) {
+        Some((value, Some(path))) => {
+            let path = options.path(path, &value.span(), &reader.who, reader.sink).unwrap_or_default();
+            Events::File(path, value.span())
+        }
+        Some((value, None)) => {
+            let mut events = Vec::new();
+            for (i, value) in reader.list("events").into_iter().enumerate() {
+                let who = format!("event {} of {}", i + 1, reader.who);
+                match value.table() {
+                    Some(entries) => {
+                        let reader = Reader::new(&event::TABLE, entries, value.span(), who, reader.sink);
+                        events.extend(event::read(&reader));
+                    }
+                    None => reader.mistaken("events", &value, "a list of tables { at, voice, ... }"),
+                }
+            }
+            if value.list().is_some_and(|l| l.len() == 0) {
+                reader.sink.error(&value.span(), format!("{} has no events", reader.who));
+            }
+            Events::Inline(events)
+        }
+        None => Events::Inline(Vec::new()),
+    };
+    let jitter = reader.one("jitter", format!("`jitter` of {}", reader.who)).map(|jitter| {
+        let mut fractions = Vec::new();
+        for key in ["level", "duration"] {
+            if let Some(value) = jitter.number(key).filter(|v| *v > 0.0) {
+                fractions.push(Setting { name: key.into(), value, span: jitter.span_of(key) });
+            }
+        }
+        for (key, span, value) in jitter.others() {
+            if let Some(value) = jitter.number_in(key, &value, 0.0, 1.0) {
+                fractions.push(Setting { name: key.into(), value, span });
+            }
+        }
+        Jitter { at: jitter.number_or_default("at"), fractions }
+    });
+    Pattern {
+        name: name.into(),
+        time: if beats { TimeBase::Beats(tempo) } else { TimeBase::Seconds },
+        events,
+        repeat: reader.has("repeat").then(|| event::read_repeat(reader)).flatten(),
+        gain: reader.number_or_default("gain"),
+        rate: reader.number_or_default("rate"),
+        shuffle: reader.flag("shuffle"),
+        jitter,
+        span: reader.span.clone(),
+    }
 }

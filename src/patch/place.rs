@@ -1,5 +1,7 @@
 //! Where on the body.
 
+use crate::text::reader::{At, Reader};
+
 /// A place, as written: `"top"`, `3`, `[0.0, -0.2]`. [`crate::rig::Rig::resolve`] finds its tactor.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Place {
@@ -9,4 +11,55 @@ pub enum Place {
     Channel(u32),
     /// Metres; goes to the nearest tactor.
     Position([f64; 3]),
+}
+
+/// The most metres from the origin, along each axis.
+pub const MOST_METRES: f64 = 1000.0;
+
+const WANTED: &str = "a tactor's name, a channel from 1 to 4096 or a position [x, y] or [x, y, z] in metres";
+
+/// Reads the place at a key.
+pub(crate) fn read(reader: &Reader, key: &str) -> Option<Place> {
+    let value = reader.at(key)?;
+    let place = match (value.text(), value.count()) {
+        (Some(name), _) if !name.is_empty() => Some(Place::Name(name.into())),
+        (_, Some(n)) => channel(n).map(Place::Channel),
+        _ => position_of(&value).map(Place::Position),
+    };
+    if place.is_none() {
+        reader.mistaken(key, &value, WANTED);
+    }
+    place
+}
+
+/// Reads the position at a key: two or three coordinates.
+pub(crate) fn read_position(reader: &Reader, key: &str) -> Option<[f64; 3]> {
+    let value = reader.at(key)?;
+    let position = position_of(&value);
+    if position.is_none() {
+        reader.mistaken(key, &value, "a position [x, y] or [x, y, z] in metres, at most 1000 each");
+    }
+    position
+}
+
+fn position_of(value: &At) -> Option<[f64; 3]> {
+    let numbers: Option<Vec<f64>> = value.list()?.map(|v| v.number()).collect();
+    position(&numbers?)
+}
+
+/// A channel number from 1.
+pub(crate) fn channel(n: u64) -> Option<u32> {
+    u32::try_from(n).ok().filter(|n| (1..=crate::rig::MAX_CHANNELS).contains(n))
+}
+
+/// Two or three coordinates within reach.
+pub(crate) fn position(numbers: &[f64]) -> Option<[f64; 3]> {
+    if numbers.iter().any(|x| !x.is_finite() || x.abs() > MOST_METRES) {
+        return None;
+    }
+    match *numbers {
+        [x, y] => Some([x, y, 0.0]),
+        [x, y, z] => Some([x, y, z]),
+        _ => None,
+    }
 }

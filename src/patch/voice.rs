@@ -1,8 +1,13 @@
 //! A voice: a node graph that sounds once for every event.
 
-use super::node::Node;
-use super::place::Place;
+use super::Options;
+use super::event::RESERVED;
+use super::node::{self, Node};
+use super::place::{self, Place};
 use crate::text::Span;
+use crate::text::field::{Field, Form, Table};
+use crate::text::reader::{Reader, Sink, in_order};
+use toml::de::DeTable;
 
 /// A voice, `[voice.NAME]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +28,7 @@ pub struct Voice {
     pub place: Option<Place>,
     /// Level of an event that gives none.
     pub level: f64,
-    /// Duration in seconds (beats in a pattern of beats) of an event that gives none.
+    /// Duration, in seconds, of an event that gives none.
     pub duration: f64,
     /// Further fields of its events with their defaults, in the order of the file; `frequency` is always the first.
     pub fields: Vec<(String, f64)>,
@@ -72,3 +77,131 @@ impl Voice {
 
 /// `event.frequency` where neither the event nor the voice says any, Hz: where the skin feels vibration best.
 pub const DEFAULT_FREQUENCY: f64 = 250.0;
+
+/// Its keys.
+pub static TABLE: Table = Table {
+    name: "voice",
+    doc: "A node graph that sounds once for every event.",
+    fields: &[
+        Field::new("voices", Form::count(8, 1, 4096), "", "How many may sound at once."),
+        Field::new("output", Form::Text, "", "Name of the node that is heard.").required(),
+        Field::new(
+            "start",
+            Form::Word(&["event", "always"]),
+            "",
+            "What starts it: events, or it sounds all the time.",
+        ),
+        Field::new(
+            "tail",
+            Form::any_number(0.0, 3600.0),
+            "s",
+            "How long it sounds on after its envelopes have ended.",
+        ),
+        Field::new(
+            "place",
+            Form::Defined("place"),
+            "",
+            "Where it sounds unless its event says so; the first tactor where nothing is said.",
+        ),
+        Field::new(
+            "defaults",
+            Form::One(&DEFAULTS),
+            "",
+            "Fields of its events: what an event that does not give them has.",
+        ),
+        Field::new("nodes", Form::Defined("nodes"), "", "Its nodes, by name."),
+    ],
+    others: None,
+};
+
+/// The fields of a voice's events.
+pub static DEFAULTS: Table = Table {
+    name: "defaults",
+    doc: "Fields of a voice's events with their defaults. Nodes read them as event.NAME.",
+    fields: &[
+        Field::new("level", Form::number(1.0, 0.0, 100.0), "", "Share of the actuator's rated vibration."),
+        Field::new("duration", Form::number(0.1, 0.0, 1e6), "s", "From onset to release."),
+        Field::new(
+            "frequency",
+            Form::number(DEFAULT_FREQUENCY, -1e6, 1e6),
+            "Hz",
+            "What nodes read as event.frequency.",
+        ),
+    ],
+    others: Some(&Field::new("", Form::any_number(-1e9, 1e9), "", "A field of its own.")),
+};
+
+pub(crate) fn read(name: &str, reader: &Reader, options: &Options, broken: &mut Vec<String>) -> Voice {
+    let mut voice = Voice::new(name, reader.text("output").unwrap_or(""));
+    voice.output_span = reader.span_of("output");
+    voice.voices = reader.count("voices").and_then(|n| u32::try_from(n).ok()).unwrap_or(8);
+    voice.start = if reader.word("start") == 0 { Start::Event } else { Start::Always };
+    voice.tail = reader.number("tail");
+    voice.place = place::read(reader, "place");
+    voice.span = reader.span.clone();
+    if let Some(defaults) = reader.one("defaults", format!("`defaults` of {}", reader.who)) {
+        voice.level = defaults.number_or_default("level");
+        voice.duration = defaults.number_or_default("duration");
+        voice.fields = vec![("frequency".into(), defaults.number_or_default("frequency"))];
+        for (field, span, value) in defaults.others() {
+            if RESERVED.contains(&field) || !is_word(field) {
+                defaults.sink.error_help(
+                    &span,
+                    format!("{} cannot have a field `{field}`", defaults.who),
+                    "a field is a letter, then letters, digits and `_`, and no other key of an event",
+                );
+            }
+            let value = defaults.number_in(field, &value, -1e9, 1e9).unwrap_or(0.0);
+            voice.fields.push((field.into(), value));
+        }
+    }
+    if let Some((nodes, _)) = reader.table("nodes") {
+        voice.nodes = read_nodes(nodes, &reader.who, options, reader.sink, broken);
+    }
+    if voice.nodes.is_empty() && broken.is_empty() && reader.text("output").is_some() {
+        reader.sink.error_help(
+            &reader.span,
+            format!("{} has no nodes", reader.who),
+            &format!("write them under [voice.{name}.nodes]"),
+        );
+        broken.push(voice.output.clone());
+    }
+    voice
+}
+
+/// Reads nodes by name; the names of those that cannot be read go to `broken`.
+pub(crate) fn read_nodes(
+    nodes: &DeTable,
+    of: &str,
+    options: &Options,
+    sink: &Sink,
+    broken: &mut Vec<String>,
+) -> Vec<Node> {
+    let mut read: Vec<Node> = Vec::with_capacity(nodes.len());
+    for (name, span, value) in in_order(nodes) {
+        check_node_name(name, &span, of, sink);
+        match node::read(name, span, value, of, options, sink) {
+            Some(node) => read.push(node),
+            None => broken.push(name.into()),
+        }
+    }
+    read
+}
+
+/// That a node or a control can be named so in an expression.
+pub(crate) fn check_node_name(name: &str, span: &Span, of: &str, sink: &Sink) {
+    let taken = name == "event" || super::Function::find(name).is_some();
+    if taken {
+        let what = format!("{of}: `{name}` has a meaning in expressions, so nothing can be called that");
+        sink.error_help(span, what, "choose another name");
+    } else if !is_word(name) {
+        let what = format!("{of}: the name `{}` cannot be used", name.chars().take(64).collect::<String>());
+        sink.error_help(span, what, "a name is a letter, then letters, digits and `_`, 64 at most");
+    }
+}
+
+fn is_word(name: &str) -> bool {
+    name.len() <= 64
+        && name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}

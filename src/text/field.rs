@@ -1,1 +1,108 @@
-//! Stub.
+//! The keys of a table, described once: the reader checks by it, and the schema is made from it.
+
+/// A kind of table.
+#[derive(Debug)]
+pub struct Table {
+    /// Its name in the schema.
+    pub name: &'static str,
+    /// What it is, in one sentence.
+    pub doc: &'static str,
+    /// Its keys.
+    pub fields: &'static [Field],
+    /// What keys beyond those hold; `None` where there may be none.
+    pub others: Option<&'static Field>,
+}
+
+/// A key of a table.
+#[derive(Debug)]
+pub struct Field {
+    /// The key.
+    pub key: &'static str,
+    /// What may stand there.
+    pub form: Form,
+    /// Whether it must be there.
+    pub required: bool,
+    /// SI unit, or "".
+    pub unit: &'static str,
+    /// One sentence.
+    pub doc: &'static str,
+}
+
+/// What may stand at a key.
+#[derive(Debug)]
+pub enum Form {
+    /// A string.
+    Text,
+    /// A number.
+    Number {
+        /// Where nothing is said.
+        default: Option<f64>,
+        /// The least allowed.
+        least: f64,
+        /// The most allowed.
+        most: f64,
+    },
+    /// A whole number.
+    Count {
+        /// Where nothing is said.
+        default: Option<u64>,
+        /// The least allowed.
+        least: u64,
+        /// The most allowed.
+        most: u64,
+    },
+    /// `true` or `false`, and what holds where nothing is said.
+    Flag(bool),
+    /// One of these words; the first holds where nothing is said.
+    Word(&'static [&'static str]),
+    /// A table.
+    One(&'static Table),
+    /// A list of tables.
+    Many(&'static Table),
+    /// Tables by name.
+    Named(&'static Table),
+    /// What has a reader and a definition of its own, by the name of the definition.
+    Defined(&'static str),
+}
+
+impl Field {
+    /// A key that may be absent.
+    pub const fn new(key: &'static str, form: Form, unit: &'static str, doc: &'static str) -> Self {
+        Self { key, form, required: false, unit, doc }
+    }
+    /// The same, but it must be there.
+    #[must_use]
+    pub const fn required(self) -> Self {
+        Self { required: true, ..self }
+    }
+}
+
+impl Form {
+    /// A number with a default.
+    pub const fn number(default: f64, least: f64, most: f64) -> Self {
+        Self::Number { default: Some(default), least, most }
+    }
+    /// A number without one.
+    pub const fn any_number(least: f64, most: f64) -> Self {
+        Self::Number { default: None, least, most }
+    }
+    /// A whole number with a default.
+    pub const fn count(default: u64, least: u64, most: u64) -> Self {
+        Self::Count { default: Some(default), least, most }
+    }
+    /// A whole number without one.
+    pub const fn any_count(least: u64, most: u64) -> Self {
+        Self::Count { default: None, least, most }
+    }
+}
+
+impl Table {
+    /// The description of a key.
+    pub fn field(&self, key: &str) -> Option<&'static Field> {
+        self.fields.iter().find(|f| f.key == key)
+    }
+    /// All keys.
+    pub fn keys(&self) -> impl Iterator<Item = &'static str> {
+        self.fields.iter().map(|f| f.key)
+    }
+}

@@ -1,0 +1,416 @@
+//! What is wrong with a patch as a whole: names that nothing has, cycles, patterns that contain themselves.
+
+use std::collections::{HashMap, HashSet};
+
+use super::cycle::{chain, cycles};
+use super::{
+    Action, Event, Events, Expr, Node, Patch, Pattern, Play, Scope, Source, Start, Target, Trigger, Value,
+    Voice,
+};
+use crate::node::spec::Kind;
+use crate::text::nearest::{listed, suggest};
+use crate::text::{Problem, Span};
+
+/// The voices and patterns of a patch by name, to check events by; also those of an events file, one by one.
+#[derive(Debug, Clone)]
+pub struct Names<'a> {
+    voices: HashMap<&'a str, &'a Voice>,
+    patterns: HashMap<&'a str, &'a Pattern>,
+    fields: HashSet<&'a str>,
+}
+
+impl<'a> Names<'a> {
+    /// Of a patch.
+    pub fn new(patch: &'a Patch) -> Self {
+        let fields = patch.voices.iter().flat_map(|v| v.fields.iter().map(|(n, _)| n.as_str()));
+        Self {
+            voices: patch.voices.iter().map(|v| (v.name.as_str(), v)).collect(),
+            patterns: patch.patterns.iter().map(|p| (p.name.as_str(), p)).collect(),
+            fields: fields.collect(),
+        }
+    }
+    /// The voice of that name.
+    pub fn voice(&self, name: &str) -> Option<&'a Voice> {
+        self.voices.get(name).copied()
+    }
+    /// The pattern of that name.
+    pub fn pattern(&self, name: &str) -> Option<&'a Pattern> {
+        self.patterns.get(name).copied()
+    }
+    /// Fields that any voice has, other than `level` and `duration`.
+    pub fn fields(&self) -> impl Iterator<Item = &'a str> {
+        self.fields.iter().copied()
+    }
+    /// What is wrong with an event: voices, patterns and fields that there are not.
+    pub fn check_event(&self, event: &Event) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        self.check_action(&event.action, &mut problems);
+        problems
+    }
+
+    fn check_action(&self, action: &Action, problems: &mut Vec<Problem>) {
+        match action {
+            Action::Voice(play) => self.check_play(play, problems),
+            Action::Pattern { pattern, span, .. } => match self.pattern(pattern) {
+                None => {
+                    let help = suggest(pattern, self.patterns.keys().copied());
+                    problems
+                        .push(Problem::error(span, format!("there is no pattern `{pattern}`")).help(help));
+                }
+                Some(inner) if inner.repeat.is_some_and(|r| r.times.is_none()) => {
+                    let what =
+                        format!("pattern `{pattern}` repeats for ever, so no other pattern can play it");
+                    problems.push(
+                        Problem::error(span, what).help("give its `repeat` a number of `times`".to_string()),
+                    );
+                }
+                Some(_) => {}
+            },
+            Action::Marker(_) => {}
+            Action::Choose(alternatives) => {
+                alternatives.iter().for_each(|a| self.check_action(&a.action, problems));
+            }
+        }
+    }
+
+    fn check_play(&self, play: &Play, problems: &mut Vec<Problem>) {
+        let Some(voice) = self.voice(&play.voice) else {
+            let help = suggest(&play.voice, self.voices.keys().copied()).or_else(|| {
+                let pattern = self.patterns.contains_key(play.voice.as_str());
+                pattern.then(|| format!("`{}` is a pattern: pattern = \"{}\"", play.voice, play.voice))
+            });
+            problems
+                .push(Problem::error(&play.span, format!("there is no voice `{}`", play.voice)).help(help));
+            return;
+        };
+        if voice.start == Start::Always {
+            let what = format!("voice `{}` is always on, so no event can start it", voice.name);
+            problems.push(Problem::error(&play.span, what).help("leave out its `start`".to_string()));
+        }
+        for setting in &play.fields {
+            if voice.field(&setting.name).is_none() {
+                problems.push(no_field(voice, &setting.name, &setting.span));
+            }
+        }
+    }
+}
+
+fn no_field(voice: &Voice, field: &str, span: &Span) -> Problem {
+    let own = voice.fields.iter().map(|(n, _)| n.as_str());
+    let help = suggest(field, own.chain(super::event::RESERVED.iter().copied()))
+        .unwrap_or_else(|| format!("declare it with its default under [voice.{}.defaults]", voice.name));
+    Problem::error(span, format!("events of voice `{}` have no field `{field}`", voice.name)).help(help)
+}
+
+impl Patch {
+    /// `broken` are names that are in the file although they are not in the patch.
+    pub(super) fn problems(&self, broken: &[String]) -> Vec<Problem> {
+        let mut check = Check { problems: Vec::new(), broken: broken.iter().map(String::as_str).collect() };
+        check.names(self);
+        let shared = Scope::new(self, None);
+        check.nodes(&self.shared, &shared, None);
+        for voice in &self.voices {
+            check.voice(voice, &Scope::new(self, Some(voice)));
+        }
+        let names = Names::new(self);
+        for pattern in &self.patterns {
+            check.pattern(pattern, &names);
+        }
+        check.nesting(self);
+        for trigger in &self.triggers {
+            check.trigger(trigger, &names, &shared);
+        }
+        check.problems
+    }
+}
+
+struct Check<'a> {
+    problems: Vec<Problem>,
+    broken: HashSet<&'a str>,
+}
+
+impl Check<'_> {
+    fn error(&mut self, span: &Span, what: String, help: impl Into<Option<String>>) {
+        self.problems.push(Problem::error(span, what).help(help));
+    }
+
+    /// Every name means one thing.
+    fn names(&mut self, patch: &Patch) {
+        let voices = patch.voices.iter().map(|v| ("voice", v.name.as_str(), &v.span));
+        let patterns = patch.patterns.iter().map(|p| ("pattern", p.name.as_str(), &p.span));
+        self.unique(voices.chain(patterns), "a trigger or the command line could not tell them apart");
+        let controls = patch.controls.iter().map(|c| ("control", c.name.as_str(), &c.span));
+        let shared = patch.shared.iter().map(|n| ("shared node", n.name.as_str(), &n.span));
+        self.unique(controls.clone().chain(shared.clone()), "nodes could not tell them apart");
+        let outer: HashMap<&str, &str> = controls.chain(shared).map(|(kind, name, _)| (name, kind)).collect();
+        for voice in &patch.voices {
+            let nodes = voice.nodes.iter().map(|n| ("node", n.name.as_str(), &n.span));
+            self.unique(nodes, "nodes could not tell them apart");
+            for node in &voice.nodes {
+                if let Some(kind) = outer.get(node.name.as_str()) {
+                    let what = format!(
+                        "node `{}` of voice `{}` hides the {kind} of that name",
+                        node.name, voice.name
+                    );
+                    self.problems.push(Problem::warning(&node.span, what));
+                }
+            }
+        }
+    }
+
+    fn unique<'b>(&mut self, all: impl Iterator<Item = (&'b str, &'b str, &'b Span)>, why: &str) {
+        let mut kinds: HashMap<&str, &str> = HashMap::new();
+        for (kind, name, span) in all {
+            if let Some(other) = kinds.insert(name, kind) {
+                self.error(span, format!("there is a {other} called `{name}` already"), why.to_string());
+            }
+        }
+    }
+
+    fn voice(&mut self, voice: &Voice, scope: &Scope) {
+        let known = matches!(scope.find(&voice.output), Some(Target::Node(_)));
+        if !known && !voice.output.is_empty() && !self.broken.contains(voice.output.as_str()) {
+            let what =
+                format!("the output of voice `{}` names no node of it: `{}`", voice.name, voice.output);
+            let help = suggest(&voice.output, voice.nodes.iter().map(|n| n.name.as_str()));
+            self.error(&voice.output_span, what, help);
+        }
+        self.nodes(&voice.nodes, scope, Some(voice));
+    }
+
+    /// Arguments, names and cycles of the nodes of a voice, or of the shared ones.
+    fn nodes(&mut self, nodes: &[Node], scope: &Scope, voice: Option<&Voice>) {
+        let mut edges: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
+        for (node, edges) in nodes.iter().zip(&mut edges) {
+            let spec = node.kind.spec();
+            let who = match voice {
+                Some(voice) => format!("node `{}` of voice `{}`", node.name, voice.name),
+                None => format!("shared node `{}`", node.name),
+            };
+            if node.arguments.len() != spec.params.len() {
+                let what = format!(
+                    "{who} has {} arguments, {} wants {}",
+                    node.arguments.len(),
+                    spec.name,
+                    spec.params.len()
+                );
+                self.error(&node.span, what, None);
+                continue;
+            }
+            for (param, argument) in spec.params.iter().zip(&node.arguments) {
+                if !fits(&param.kind, &argument.value) {
+                    let what = format!("`{}` of {who} is not what {} takes there", param.name, spec.name);
+                    self.error(&argument.span, what, param.doc.to_string());
+                }
+                let parts: &[Expr] = match &argument.value {
+                    Value::Expr(expr) => std::slice::from_ref(expr),
+                    Value::Signals(list) => list,
+                    _ => &[],
+                };
+                let starts = matches!(param.kind, Kind::Start(_));
+                // What goes into a delay comes out later, so it may close a loop.
+                let loops = spec.name == "delay" && param.name == "input";
+                let mut seen: Vec<(&str, &Span, bool)> = Vec::new();
+                parts.iter().for_each(|e| e.visit(&mut |name, span, event| seen.push((name, span, event))));
+                for (name, span, event) in seen {
+                    if event {
+                        self.event_field(name, span, &who, voice);
+                        continue;
+                    }
+                    let target = scope.find(name);
+                    if starts && (target.is_some() || !self.broken.contains(name)) {
+                        let what = format!(
+                            "`{}` of {who} cannot follow `{name}`: it is read once, when the voice starts",
+                            param.name
+                        );
+                        self.error(
+                            span,
+                            what,
+                            "use numbers and fields of the event there: event.level".to_string(),
+                        );
+                        continue;
+                    }
+                    match (target, voice) {
+                        (Some(Target::Node(i)), Some(_)) | (Some(Target::Shared(i)), None) if !loops => {
+                            edges.push(i)
+                        }
+                        (Some(_), _) => {}
+                        (None, _) if self.broken.contains(name) => {}
+                        (None, _) => {
+                            let what = format!(
+                                "`{}` of {who} names `{name}`, but there is no such node or control",
+                                param.name
+                            );
+                            let declared = voice
+                                .and_then(|v| v.field(name))
+                                .map(|_| format!("the event's field is `event.{name}`"));
+                            let help = declared.or_else(|| suggest(name, scope.names()));
+                            self.error(span, what, help);
+                        }
+                    }
+                }
+            }
+        }
+        for cycle in cycles(&edges) {
+            let Some(first) = cycle.first().and_then(|&i| nodes.get(i)) else { continue };
+            let of = voice.map_or("the shared nodes".to_string(), |v| format!("voice `{}`", v.name));
+            let name = |i: usize| nodes.get(i).map_or("", |n| n.name.as_str());
+            let what = format!("nodes of {of} read each other in a circle: {}", chain(&cycle, name));
+            let help = "let the loop pass through the input of a `delay`".to_string();
+            self.error(&first.span, what, help);
+        }
+    }
+
+    fn event_field(&mut self, field: &str, span: &Span, who: &str, voice: Option<&Voice>) {
+        match voice {
+            None => self.error(
+                span,
+                format!("{who} reads `event.{field}`, but shared nodes belong to no event"),
+                "read it in a voice, or use a control".to_string(),
+            ),
+            Some(voice) if voice.field(field).is_none() => {
+                let fields = voice.fields.iter().map(|(n, _)| n.as_str());
+                let help = crate::text::nearest::nearest(field, fields.chain(["level", "duration"]))
+                    .map(|name| format!("did you mean `event.{name}`?"))
+                    .unwrap_or_else(|| {
+                        format!("declare it with its default under [voice.{}.defaults]", voice.name)
+                    });
+                self.error(
+                    span,
+                    format!("{who} reads `event.{field}`, but its events have no such field"),
+                    help,
+                );
+            }
+            Some(_) => {}
+        }
+    }
+
+    fn pattern(&mut self, pattern: &Pattern, names: &Names) {
+        if let Events::Inline(events) = &pattern.events {
+            for event in events {
+                self.problems.extend(names.check_event(event));
+            }
+        }
+        for setting in pattern.jitter.iter().flat_map(|j| &j.fractions) {
+            let known = matches!(setting.name.as_str(), "level" | "duration")
+                || names.fields.contains(setting.name.as_str());
+            if !known {
+                let what = format!(
+                    "`jitter` of pattern `{}` names `{}`, a field that no voice has",
+                    pattern.name, setting.name
+                );
+                let help = suggest(&setting.name, names.fields().chain(["at", "level", "duration"]));
+                self.error(&setting.span, what, help);
+            }
+        }
+    }
+
+    /// No pattern contains itself.
+    fn nesting(&mut self, patch: &Patch) {
+        let places: HashMap<&str, usize> =
+            patch.patterns.iter().enumerate().map(|(i, p)| (p.name.as_str(), i)).collect();
+        let edges: Vec<Vec<usize>> = patch
+            .patterns
+            .iter()
+            .map(|pattern| {
+                let Events::Inline(events) = &pattern.events else { return Vec::new() };
+                let actions = events.iter().flat_map(|e| match &e.action {
+                    Action::Choose(list) => list.iter().map(|a| &a.action).collect(),
+                    action => vec![action],
+                });
+                let mut inner: Vec<usize> = actions
+                    .filter_map(|action| match action {
+                        Action::Pattern { pattern, .. } => places.get(pattern.as_str()).copied(),
+                        _ => None,
+                    })
+                    .collect();
+                inner.sort_unstable();
+                inner.dedup();
+                inner
+            })
+            .collect();
+        for cycle in cycles(&edges) {
+            let Some(first) = cycle.first().and_then(|&i| patch.patterns.get(i)) else { continue };
+            let name = |i: usize| patch.patterns.get(i).map_or("", |p| p.name.as_str());
+            let what = format!("pattern `{}` contains itself: {}", first.name, chain(&cycle, name));
+            self.error(&first.span, what, "take one of them out of the other".to_string());
+        }
+    }
+
+    fn trigger(&mut self, trigger: &Trigger, names: &Names, shared: &Scope) {
+        let voice = names.voice(&trigger.play);
+        if voice.is_none() && names.pattern(&trigger.play).is_none() {
+            let all = names.voices.keys().chain(names.patterns.keys()).copied();
+            let help = suggest(&trigger.play, all);
+            self.error(&trigger.play_span, format!("there is no voice or pattern `{}`", trigger.play), help);
+        } else if let Some(voice) = voice.filter(|v| v.start == Start::Always) {
+            self.error(
+                &trigger.play_span,
+                format!("voice `{}` is always on, so no trigger can start it", voice.name),
+                None,
+            );
+        }
+        if let Source::Node { node, .. } = &trigger.on
+            && !matches!(shared.find(node), Some(Target::Shared(_)))
+            && !self.broken.contains(node.as_str())
+        {
+            let what = format!("there is no shared node `{node}` to set off a trigger");
+            self.error(&trigger.on_span, what, suggest(node, shared.names()));
+        }
+        for (field, expr, span) in &trigger.set {
+            match voice {
+                Some(voice) if voice.field(field).is_none() => {
+                    self.problems.push(no_field(voice, field, span))
+                }
+                None if names.pattern(&trigger.play).is_some()
+                    && !["gain", "rate"].contains(&field.as_str()) =>
+                {
+                    let what = format!("a trigger cannot set `{field}` of a pattern");
+                    self.error(span, what, suggest(field, ["gain", "rate"]));
+                }
+                _ => {}
+            }
+            let known = trigger.on.names();
+            let mut unknown = Vec::new();
+            expr.visit(&mut |name, span, event| {
+                if event || !known.contains(&name) {
+                    unknown.push((name, span));
+                }
+            });
+            for (name, span) in unknown {
+                let help = if known.is_empty() {
+                    "it gives nothing to read".into()
+                } else {
+                    format!("it gives {}", listed(known))
+                };
+                self.error(span, format!("`{name}` is nothing that this trigger gives"), help);
+            }
+        }
+    }
+}
+
+/// Whether a value is what a parameter takes. From a file it always is.
+fn fits(kind: &Kind, value: &Value) -> bool {
+    let within = |x: f64, least: f64, most: f64| x.is_finite() && x >= least && x <= most;
+    match (kind, value) {
+        (Kind::Signal(n) | Kind::Frequency(n) | Kind::Start(n), Value::Expr(expr)) => {
+            expr.constant().is_none_or(|x| within(x, n.least, n.most))
+        }
+        (Kind::Constant(n), Value::Constant(x)) => within(*x, n.least, n.most),
+        (Kind::Signals, Value::Signals(list)) => {
+            !list.is_empty() && list.iter().all(|e| e.constant().is_none_or(f64::is_finite))
+        }
+        (Kind::Choice(words, _), Value::Choice(place)) => *place < words.len(),
+        (Kind::Points, Value::Points(points)) => {
+            let finite = points.iter().all(|p| {
+                within(p.at, 0.0, 1e6)
+                    && within(p.value, -1e6, 1e6)
+                    && p.curve.abs() <= super::node::MOST_SHAPE
+            });
+            !points.is_empty() && finite && points.windows(2).all(|w| w[0].at < w[1].at)
+        }
+        (Kind::File, Value::File(path)) => !path.is_empty(),
+        (Kind::Flag(_), Value::Flag(_)) => true,
+        _ => false,
+    }
+}
