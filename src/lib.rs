@@ -3,4 +3,6 @@
 #![warn(missing_docs)]
 
 pub mod dsp;
+#[cfg(feature = "io")]
+pub mod io;
 pub mod node;
