@@ -451,9 +451,11 @@ fn sox_and_libsndfile_read_the_same() {
                 assert_eq!(line("Frames"), frames.to_string(), "{case}: {text}");
                 assert_eq!(line("Channels"), channels.to_string(), "{case}: {text}");
                 assert_eq!(line("Sample Rate"), "8000", "{case}: {text}");
-                // It counts a chunk's pad to its length, against the definition; all other complaints would be ours.
+                // It wants a chunk's pad counted, against the definition, and knows no `fact` in RF64, where it may stand;
+                // all other complaints would be ours.
                 let pad = "*** 'data' chunk should be an even number of bytes in length.";
-                assert!(!text.replace(pad, "").contains("***"), "{case}: {text}");
+                let fact = "*** fact : 4 (unknown marker)";
+                assert!(!text.replace(pad, "").replace(fact, "").contains("***"), "{case}: {text}");
                 assert!(text.contains("Walk"), "{case}: {text}");
             }
         }
