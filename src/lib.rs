@@ -5,6 +5,8 @@
 pub mod dsp;
 pub mod engine;
 pub mod graph;
+#[cfg(feature = "io")]
+pub mod io;
 pub mod node;
 pub mod patch;
 #[cfg(feature = "report")]

@@ -1,0 +1,8 @@
+//! The edges: files in and out. Nothing below this room opens one.
+
+pub mod assets;
+pub mod error;
+pub mod out;
+pub mod resample;
+pub mod text;
+pub mod wav;

@@ -1,0 +1,36 @@
+//! WAV files: a writer for arrays of tactors, and a reader that trusts no header.
+
+mod chunks;
+mod encode;
+mod header;
+mod reader;
+mod writer;
+
+pub use encode::{Encoding, UnknownEncoding};
+pub use reader::{WavInfo, WavReader};
+pub use writer::{WavWriter, Written};
+
+/// What is to be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WavSpec {
+    /// Channels, at least one.
+    pub channels: usize,
+    /// Frames a second.
+    pub rate: u32,
+    /// How a sample is stored.
+    pub encoding: Encoding,
+    /// Of the dither.
+    pub seed: u64,
+    /// Of the piece (`INAM`); none if empty.
+    pub title: String,
+    /// Names of the tactors in the order of the channels, kept as the file's comment (`ICMT`): a line for each, such as
+    /// `3: wrist`. None if empty.
+    pub tactors: Vec<String>,
+}
+
+impl WavSpec {
+    /// A nameless file.
+    pub fn new(channels: usize, rate: u32, encoding: Encoding) -> Self {
+        Self { channels, rate, encoding, seed: 0, title: String::new(), tactors: Vec::new() }
+    }
+}
