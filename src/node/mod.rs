@@ -3,6 +3,8 @@
 //! To add a node, write its file and add its line to the list at the foot of this one.
 
 pub mod asset;
+#[cfg(test)]
+pub(crate) mod harness;
 pub mod kernel;
 pub mod spec;
 
