@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn corrected_jumps_of_every_order_have_the_spectrum_of_the_continuous_ones() {
         let table = Corner::prepare();
-        let limits = [(-104.0, -67.0), (-113.0, -82.0), (-125.0, -96.0), (-120.0, -100.0)];
+        let limits = [(-104.0, -67.0), (-113.0, -82.0), (-125.0, -94.0), (-120.0, -100.0)];
         for (order, (inner, outer)) in limits.into_iter().enumerate() {
             for k in 0..=64 {
                 let ahead = 1.0 + f64::from(k) / 64.0;
