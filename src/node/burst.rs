@@ -97,3 +97,45 @@ impl Twin for Exact {
         Some(!self.course.is_over(self.t))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::node::harness::Bench;
+
+    fn bench(attack: f64, hold: f64, decay: f64, curve: f64) -> Bench {
+        let bench = Bench::new("burst", 7350.0).steady("attack", attack).steady("hold", hold);
+        bench.steady("decay", decay).steady("decay_curve", curve).steady("attack_curve", -curve)
+    }
+
+    #[test]
+    fn it_is_exact_within_the_band_whatever_the_release() {
+        for (attack, hold, decay, curve, limit) in [
+            (0.001, 0.0, 0.05, 0.0, -120.0),
+            (0.002, 0.01, 0.03, -4.0, -105.0),
+            (0.0, 0.001, 0.0, 0.0, -100.0),
+            (0.0005, 0.0, 0.0005, 3.0, -80.0),
+        ] {
+            for age in [-1.0, -1.3, -1.99] {
+                let bench = bench(attack, hold, decay, curve).age(age);
+                let error = bench.band_error_db::<f32>(900, 64);
+                assert!(error < limit, "{attack} {hold} {decay} {curve} {age}: {error}");
+                let released = bench.clone().released(0.0004).kernel::<f32>(900, &[64]);
+                assert_eq!(released, bench.kernel::<f32>(900, &[64]));
+            }
+        }
+    }
+
+    #[test]
+    fn it_ends_by_itself() {
+        let bench = bench(0.01, 0.01, 0.01, -4.0);
+        let end = bench.ends::<f32>(900).unwrap_or(0);
+        assert!((end as f64 - 0.03 * 7350.0 - 12.1).abs() < 0.6, "{end}");
+        assert!(bench.kernel::<f32>(900, &[64])[end..].iter().all(|v| v.to_bits() == 0));
+    }
+
+    #[test]
+    fn blocks_lanes_and_neighbours_do_not_matter() {
+        bench(0.001, 0.004, 0.05, -4.0).check_contract();
+        bench(0.0, 0.0, 0.0, 0.0).check_contract();
+    }
+}

@@ -48,6 +48,12 @@ impl Course {
         let (start, from) = (self.end(), self.last());
         self.pieces.push(Piece { start, end: start + seconds, from, to, curve });
     }
+    /// Falls as e^(−t/time) to `to`, which has the sign of the value before.
+    pub fn fall(&mut self, to: f64, time: f64) {
+        let (start, from) = (self.end(), self.last());
+        let end = start + time * (from / to).ln();
+        self.pieces.push(Piece { start, end, from, to, curve: (to / from).ln() });
+    }
     /// Stays where it is.
     pub fn hold(&mut self, seconds: f64) {
         self.ramp(self.last(), seconds, 0.0);

@@ -195,7 +195,7 @@ mod tests {
             let samples = bench.kernel::<f32>(2000, &[64]);
             let end = bench.ends::<f32>(2000).unwrap_or(usize::MAX);
             let held = if sustain == 0.0 { times[0] + times[1] } else { times[3] + times[2] };
-            assert!((end as f64 - held * 8000.0 - 13.5).abs() < 1.6, "{times:?}: {end}");
+            assert!((end as f64 - held * 8000.0 - 12.1).abs() < 0.6, "{times:?}: {end}");
             assert!(samples[end..].iter().all(|v| v.to_bits() == 0), "{times:?}");
         }
         assert_eq!(Bench::new("envelope", 8000.0).ends::<f32>(4000), None);

@@ -101,3 +101,39 @@ impl Twin for Exact {
         Some(!self.course.is_over(self.t))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::node::harness::Bench;
+
+    fn bench(rise: f64, fall: f64, held: f64) -> Bench {
+        Bench::new("gate", 8000.0).steady("rise", rise).steady("fall", fall).released(held)
+    }
+
+    #[test]
+    fn both_instants_are_exact_within_the_band() {
+        for (rise, fall, held, limit) in
+            [(0.0, 0.0, 0.1, -115.0), (0.0, 0.0, 0.001, -105.0), (0.002, 0.001, 0.05, -115.0), (0.01, 0.0, 0.004, -100.0)]
+        {
+            for age in [-1.0, -1.3, -1.99] {
+                let error = bench(rise, fall, held).age(age).band_error_db::<f32>(1200, 64);
+                assert!(error < limit, "{rise} {fall} {held} {age}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn it_is_one_in_between_and_zero_after() {
+        let bench = bench(0.0, 0.0, 0.1);
+        let samples = bench.kernel::<f32>(900, &[64]);
+        assert!(samples[12..800].iter().all(|v| *v == 1.0));
+        let end = bench.ends::<f32>(900).unwrap_or(0);
+        assert!(samples[end..].iter().all(|v| v.to_bits() == 0) && (810..816).contains(&end), "{end}");
+    }
+
+    #[test]
+    fn blocks_lanes_and_neighbours_do_not_matter() {
+        bench(0.0, 0.0, 0.1).check_contract();
+        bench(0.003, 0.002, 0.0101).check_contract();
+    }
+}

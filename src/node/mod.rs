@@ -104,4 +104,6 @@ registry! {
     Envelope = envelope,
     Burst = burst,
     Gate = gate,
+    Decay = decay,
+    Breakpoints = breakpoints,
 }
