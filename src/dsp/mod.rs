@@ -1,5 +1,6 @@
 //! Blocks that several rooms share.
 
+pub mod corner;
 pub mod isa;
 pub mod lanes;
 pub mod phase;

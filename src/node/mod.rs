@@ -3,7 +3,12 @@
 //! To add a node, write its file and add its line to the list at the foot of this one.
 
 pub mod asset;
+mod course;
+#[cfg(test)]
+pub(crate) mod harness;
 pub mod kernel;
+mod legs;
+mod segment;
 pub mod spec;
 
 use crate::dsp::lanes::Real;
@@ -96,4 +101,9 @@ macro_rules! registry {
 registry! {
     Sine = sine,
     Multiply = multiply,
+    Envelope = envelope,
+    Burst = burst,
+    Gate = gate,
+    Decay = decay,
+    Breakpoints = breakpoints,
 }
