@@ -2,4 +2,7 @@
 
 pub mod lanes;
 pub mod phase;
+pub mod quadrature;
+pub mod random;
 pub mod sine;
+pub mod wavetable;

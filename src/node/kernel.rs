@@ -125,7 +125,8 @@ pub trait Twin: Send {
     /// The value at voice time `t` (seconds, from slightly below zero), called once for every sample in order. `inputs` are the
     /// values at that time, in the order of the parameters (here the whole value, for frequencies too).
     fn step(&mut self, t: f64, inputs: &[f64]) -> f64;
-    /// The voice is released at voice time `t` (seconds), which lies after the last step.
+    /// The voice is released at voice time `t` (seconds). A twin is told before the first step that comes later than one
+    /// sample before `t`, so that it can average a jump over its sample interval.
     fn release(&mut self, t: f64) {
         let _ = t;
     }
