@@ -3,6 +3,8 @@
 //! To add a node, write its file and add its line to the list at the foot of this one.
 
 pub mod asset;
+#[cfg(test)]
+pub(crate) mod harness;
 pub mod kernel;
 pub mod spec;
 
@@ -96,4 +98,13 @@ macro_rules! registry {
 registry! {
     Sine = sine,
     Multiply = multiply,
+    Triangle = triangle,
+    Sawtooth = sawtooth,
+    Pulse = pulse,
+    Add = add,
+    Mix = mix,
+    Scale = scale,
+    Crossfade = crossfade,
+    Clip = clip,
+    Shape = shape,
 }
