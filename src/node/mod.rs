@@ -106,4 +106,13 @@ registry! {
     Gate = gate,
     Decay = decay,
     Breakpoints = breakpoints,
+    Triangle = triangle,
+    Sawtooth = sawtooth,
+    Pulse = pulse,
+    Add = add,
+    Mix = mix,
+    Scale = scale,
+    Crossfade = crossfade,
+    Clip = clip,
+    Shape = shape,
 }
