@@ -66,6 +66,7 @@ impl<R: Real> Core<R> {
                 fields: Vec::new(),
                 defaults: Vec::new(),
                 place: 0,
+                level: 1.0,
                 always: true,
             };
             Bank::new(&instrument, rate, plan.seed, 0)
@@ -100,23 +101,23 @@ impl<R: Real> Core<R> {
 
     /// Starts what sounds from the beginning.
     fn begin(&mut self, plan: &Plan) {
-        let held = |instrument: usize, own: [f64; FIELDS], place| Play {
+        let held = |instrument: usize, own: [f64; FIELDS], place, level| Play {
             instrument: instrument as u32,
             place,
-            level: 1.0,
+            level,
             duration: f64::INFINITY,
             own,
             id: u64::MAX - instrument as u64,
         };
         if let Some(shared) = &mut self.shared {
-            shared.start(&held(0, [0.0; FIELDS], 0), Instant::default(), 0, &[], 0);
+            shared.start(&held(0, [0.0; FIELDS], 0, 1.0), Instant::default(), 0, &[], 0);
         }
         for (i, instrument) in plan.instruments.iter().enumerate().filter(|(_, i)| i.always) {
             let mut own = [0.0; FIELDS];
             for (value, default) in own.iter_mut().zip(&instrument.defaults) {
                 *value = *default;
             }
-            self.play(&held(i, own, instrument.place), Instant::default());
+            self.play(&held(i, own, instrument.place, instrument.level), Instant::default());
         }
     }
 

@@ -96,6 +96,8 @@ pub struct Instrument {
     pub defaults: Vec<f64>,
     /// Its place where an event names none.
     pub place: u32,
+    /// Its level where nothing says another.
+    pub level: f64,
     /// Sounds from the beginning, without an event.
     pub always: bool,
 }

@@ -93,6 +93,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
                     fields: voice.fields.iter().map(|(n, _)| n.as_str().into()).collect(),
                     defaults: voice.fields.iter().map(|(_, x)| *x).collect(),
                     place: place as u32,
+                    level: voice.level,
                     always: voice.start == Start::Always,
                 });
             }

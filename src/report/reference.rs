@@ -43,7 +43,7 @@ pub fn reference(plan: &Plan, events: &[(f64, Play)], seconds: f64, over: usize)
         let play = Play {
             instrument: i as u32,
             place: instrument.place,
-            level: 1.0,
+            level: instrument.level,
             duration: f64::INFINITY,
             own,
             id: u64::MAX - i as u64,

@@ -1,0 +1,282 @@
+//! A patch on a rig, playing: the engine together with the patterns that feed it.
+
+use std::sync::Arc;
+
+use crate::engine::Engine;
+use crate::engine::core::Counters;
+use crate::engine::event::{Event, Play, Source};
+use crate::graph::plan::Plan;
+use crate::graph::scene::{Options, Scene, scene};
+use crate::graph::start::FIELDS;
+use crate::node::asset::Assets;
+use crate::patch::{Patch, Place};
+use crate::rig::Rig;
+use crate::schedule::Instant;
+use crate::score::{EventStream, Score, Timed, What};
+use crate::text::Problem;
+
+/// Opens events files for the score, by their path as written in the patch.
+pub type OpenEvents = Box<dyn FnMut(&str) -> Result<EventStream<'static>, Problem> + Send>;
+
+/// A patch on a rig, playing.
+///
+/// It unrolls patterns as it goes, which may allocate and read files; [`Engine::process`] alone is fit for an audio callback.
+pub struct Player {
+    engine: Engine,
+    plan: Plan,
+    patch: Arc<Patch>,
+    rig: Arc<Rig>,
+    instruments: Vec<Option<u32>>,
+    score: Score<'static>,
+    ahead: Option<Timed>,
+    over: bool,
+    trouble: Option<Problem>,
+    played: u64,
+    record: Option<Vec<(f64, Play)>>,
+}
+
+/// Voices that the program plays have ids from here on, so that they share no random numbers with those of patterns.
+const PROGRAM: u64 = 1 << 62;
+
+impl Player {
+    /// A player for a patch without events files.
+    ///
+    /// # Errors
+    /// Everything that keeps patch and rig from playing together.
+    pub fn new(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -> Result<Self, Vec<Problem>> {
+        let refuse = |path: &str| Err(Problem::of_file(format!("events files are not read here, so not `{path}`")));
+        Self::with_files(patch, rig, options, assets, Box::new(refuse))
+    }
+
+    /// A player that opens events files by `files`.
+    ///
+    /// # Errors
+    /// As [`Player::new`].
+    pub fn with_files(
+        patch: &Patch,
+        rig: &Rig,
+        options: &Options,
+        assets: &dyn Assets,
+        files: OpenEvents,
+    ) -> Result<Self, Vec<Problem>> {
+        let Scene { plan, patterns, instruments } = scene(patch, rig, options, assets)?;
+        let (patch, rig) = (Arc::new(patch.clone()), Arc::new(rig.clone()));
+        let roots: Vec<(usize, f64)> = patterns.iter().map(|&p| (p, 0.0)).collect();
+        let of_rig = Arc::clone(&rig);
+        let places = move |place: Option<&Place>| of_rig.resolve(place).map(|i| i as u32);
+        let score = Score::new(&patch, places, &roots, plan.seed, files).map_err(|p| vec![p])?;
+        let mut player = Self {
+            engine: Engine::new(&plan),
+            plan,
+            patch,
+            rig,
+            instruments,
+            score,
+            ahead: None,
+            over: false,
+            trouble: None,
+            played: 0,
+            record: None,
+        };
+        player.start().map_err(|p| vec![p])?;
+        Ok(player)
+    }
+
+    /// Voices with a trigger `start` sound at the beginning.
+    fn start(&mut self) -> Result<(), Problem> {
+        let patch = Arc::clone(&self.patch);
+        for trigger in patch.triggers.iter().filter(|t| t.on == crate::patch::Source::Start) {
+            if let Some(voice) = patch.voices.iter().find(|v| v.name == trigger.play) {
+                let note = Note { place: trigger.place.clone(), ..Note::default() };
+                self.play_at(0.0, &voice.name, &note)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The engine.
+    pub fn engine(&self) -> &Engine {
+        &self.engine
+    }
+
+    /// What the engine runs.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// What happened so far.
+    pub fn counters(&self) -> Counters {
+        self.engine.counters()
+    }
+
+    /// Seconds computed so far.
+    pub fn seconds(&self) -> f64 {
+        self.engine.clock() as f64 / self.plan.engine_rate()
+    }
+
+    /// Seconds until the last event of the patterns has ended, where that is known beforehand.
+    pub fn length(&self) -> Option<f64> {
+        self.score.length()
+    }
+
+    /// Whether the patterns have ended and nothing sounds or rings any more.
+    pub fn is_over(&self) -> bool {
+        self.over && self.engine.is_silent()
+    }
+
+    /// What stopped the patterns before their end, if something did: an events file with a bad line.
+    pub fn trouble(&self) -> Option<&Problem> {
+        self.trouble.as_ref()
+    }
+
+    /// Keeps what is played from now on, in seconds, for a reference.
+    pub fn record(&mut self) {
+        self.record.get_or_insert_default();
+    }
+
+    /// What was played since [`Player::record`].
+    pub fn recorded(&self) -> &[(f64, Play)] {
+        self.record.as_deref().unwrap_or_default()
+    }
+
+    /// Plays a voice now. Gives an id to release it by.
+    ///
+    /// # Errors
+    /// A voice that the patch does not have or the plan left out, a field it does not declare, a place the rig does not have,
+    /// a number that is not finite, or no room in the engine's queue.
+    pub fn play(&mut self, voice: &str, note: &Note) -> Result<u64, Problem> {
+        self.play_at(self.seconds(), voice, note)
+    }
+
+    /// Plays a voice `at` seconds from the beginning.
+    ///
+    /// # Errors
+    /// As [`Player::play`].
+    pub fn play_at(&mut self, at: f64, voice: &str, note: &Note) -> Result<u64, Problem> {
+        let patch = Arc::clone(&self.patch);
+        let index = patch.voices.iter().position(|v| v.name == voice);
+        let Some((index, instrument)) = index.and_then(|v| Some((v, self.instruments[v]?))) else {
+            let what = if index.is_some() {
+                format!("voice `{voice}` was left out, since nothing starts it; compile with `live`")
+            } else {
+                format!("there is no voice `{voice}`")
+            };
+            return Err(Problem::of_file(what));
+        };
+        let voice = &patch.voices[index];
+        let mut own = [0.0; FIELDS];
+        own.iter_mut().zip(&voice.fields).for_each(|(value, (_, default))| *value = *default);
+        for (name, value) in &note.fields {
+            match voice.fields.iter().position(|(n, _)| n == name) {
+                Some(i) if value.is_finite() => own[i] = *value,
+                Some(_) => return Err(Problem::of_file(format!("`{name}` = {value} is not a number to play"))),
+                None => {
+                    return Err(Problem::of_file(format!("voice `{}` declares no field `{name}`", voice.name)));
+                }
+            }
+        }
+        let level = note.level.unwrap_or(voice.level);
+        let duration = note.duration.unwrap_or(voice.duration);
+        if !level.is_finite() || duration.is_nan() || duration < 0.0 {
+            let what = format!("level {level} for {duration} s cannot be played");
+            return Err(Problem::of_file(what));
+        }
+        let place = note.place.as_ref().or(voice.place.as_ref());
+        let place = self.rig.resolve(place)? as u32;
+        self.played += 1;
+        let id = PROGRAM + self.played;
+        let play = Play { instrument, place, level, duration, own, id };
+        if self.send(at, Source::Program, play) {
+            Ok(id)
+        } else {
+            Err(Problem::of_file("the engine's queue is full; play less at once"))
+        }
+    }
+
+    /// Releases what was played under an id, now.
+    pub fn release(&mut self, id: u64) {
+        let now = Instant { sample: self.engine.clock(), fraction: 0 };
+        self.engine.schedule(now, Source::Program, Event::Release(id));
+    }
+
+    /// Sends a control to a value, now; it arrives after its smoothing. The control's range holds.
+    ///
+    /// # Errors
+    /// A control that the patch does not have or that nothing reads.
+    pub fn set(&mut self, control: &str, value: f64) -> Result<(), Problem> {
+        let index = self.plan.controls.iter().position(|c| &*c.name == control).ok_or_else(|| {
+            let names: Vec<&str> = self.plan.controls.iter().map(|c| &*c.name).collect();
+            Problem::of_file(format!("there is no control `{control}` that moves anything; there is: {}", names.join(", ")))
+        })?;
+        let now = Instant { sample: self.engine.clock(), fraction: 0 };
+        self.engine.schedule(now, Source::Program, Event::Control(index as u32, value));
+        Ok(())
+    }
+
+    /// Fills `output`, interleaved frames of all channels.
+    pub fn process(&mut self, output: &mut [f32]) {
+        // In stretches short enough for the engine's queue to hold what they play.
+        let most = self.plan.channels.max(1) * self.plan.ratio * 256;
+        for part in output.chunks_mut(most) {
+            let samples = part.len() / (self.plan.channels.max(1) * self.plan.ratio) + 2;
+            self.feed(self.engine.clock() + samples as u64);
+            self.engine.process(part);
+        }
+    }
+
+    /// Gives the engine all events before engine sample `until`, as long as it has room.
+    fn feed(&mut self, until: u64) {
+        let until = until as f64 / self.plan.engine_rate();
+        while !self.over && self.engine.room() > 0 {
+            let next = match self.ahead.take().map(Ok).or_else(|| self.score.next()) {
+                Some(Ok(next)) => next,
+                Some(Err(problem)) => {
+                    self.trouble = Some(problem);
+                    self.over = true;
+                    return;
+                }
+                None => {
+                    self.over = true;
+                    return;
+                }
+            };
+            if next.at >= until {
+                self.ahead = Some(next);
+                return;
+            }
+            match next.what {
+                What::Play(note) => {
+                    let Some(instrument) = self.instruments[note.voice] else { continue };
+                    let (place, level, duration, own) = (note.place, note.level, note.duration, note.own);
+                    self.send(next.at, Source::Pattern, Play { instrument, place, level, duration, own, id: next.id });
+                }
+                What::Marker(_) => {
+                    let at = Instant::of_samples(next.at * self.plan.engine_rate());
+                    self.engine.schedule(at, Source::Pattern, Event::Marker(0));
+                }
+            }
+        }
+    }
+
+    fn send(&mut self, at: f64, source: Source, play: Play) -> bool {
+        let taken =
+            self.engine.schedule(Instant::of_samples(at * self.plan.engine_rate()), source, Event::Play(play));
+        if let Some(record) = self.record.as_mut().filter(|_| taken) {
+            record.push((at, play));
+        }
+        taken
+    }
+}
+
+/// What a program may say about a voice that it plays; what it does not say is as the voice has it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Note {
+    /// Share of the rated vibration.
+    pub level: Option<f64>,
+    /// Seconds until the release; infinite to hold it.
+    pub duration: Option<f64>,
+    /// Where.
+    pub place: Option<Place>,
+    /// Fields that the voice declares, `frequency` among them.
+    pub fields: Vec<(String, f64)>,
+}
