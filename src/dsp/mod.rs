@@ -1,8 +1,10 @@
 //! Blocks that several rooms share.
 
+pub mod interleaved;
 pub mod lanes;
 pub mod phase;
 pub mod quadrature;
 pub mod random;
 pub mod sine;
+pub mod svf;
 pub mod wavetable;

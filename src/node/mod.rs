@@ -107,4 +107,12 @@ registry! {
     Crossfade = crossfade,
     Clip = clip,
     Shape = shape,
+    White = white,
+    Pink = pink,
+    BandNoise = band_noise,
+    Lowpass = lowpass,
+    Highpass = highpass,
+    Bandpass = bandpass,
+    Notch = notch,
+    Resonator = resonator,
 }
