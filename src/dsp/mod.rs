@@ -1,5 +1,6 @@
 //! Blocks that several rooms share.
 
+pub mod elementary;
 pub mod interleaved;
 pub mod lanes;
 pub mod phase;

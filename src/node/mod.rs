@@ -107,6 +107,8 @@ registry! {
     Crossfade = crossfade,
     Clip = clip,
     Shape = shape,
+    Function = function,
+    Sweep = sweep,
     White = white,
     Pink = pink,
     BandNoise = band_noise,
@@ -115,4 +117,5 @@ registry! {
     Bandpass = bandpass,
     Notch = notch,
     Resonator = resonator,
+    Follow = follow,
 }
