@@ -1,10 +1,13 @@
 //! Blocks that several rooms share.
 
 pub mod corner;
+pub mod elementary;
+pub mod interleaved;
 pub mod isa;
 pub mod lanes;
 pub mod phase;
 pub mod quadrature;
 pub mod random;
 pub mod sine;
+pub mod svf;
 pub mod wavetable;

@@ -3,7 +3,7 @@
 //! Philox4x32-10 (Salmon, Moraes, Dror, Shaw: "Parallel random numbers: as easy as 1, 2, 3", SC 2011). A stream is the key,
 //! the place in it the counter, so the same seed gives the same bits on every machine and in any order.
 
-use super::lanes::LANES;
+use super::lanes::{LANES, Real};
 
 const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
@@ -94,9 +94,82 @@ pub fn fraction(stream: u64, index: u64) -> f64 {
     f64::from(bits(stream, index)) * (1.0 / 4_294_967_296.0)
 }
 
+/// White noise on eight lanes, each with its own stream from its first sample on.
+#[derive(Debug, Clone)]
+pub struct Source {
+    streams: [u64; LANES],
+    blocks: [u64; LANES],
+    /// Words that are ready, and which row comes next.
+    ready: [[u32; LANES]; 4],
+    slot: usize,
+    /// Where in the row of four a lane began, and the last words it got: it uses them that much later.
+    offset: [usize; LANES],
+    carry: [[u32; LANES]; 4],
+}
+
+impl Default for Source {
+    fn default() -> Self {
+        Self {
+            streams: [0; LANES],
+            blocks: [0; LANES],
+            ready: [[0; LANES]; 4],
+            slot: 0,
+            offset: [0; LANES],
+            carry: [[0; LANES]; 4],
+        }
+    }
+}
+
+impl Source {
+    /// The next number of `lane` is the first of `stream`.
+    pub fn start(&mut self, lane: usize, stream: u64) {
+        self.streams[lane] = stream;
+        self.offset[lane] = self.slot;
+        self.blocks[lane] = 0;
+        if self.slot > 0 {
+            let first = words(stream, 0);
+            for (row, word) in first.into_iter().enumerate() {
+                self.carry[row][lane] = word;
+                if let Some(ready) = self.ready.get_mut(self.slot + row) {
+                    ready[lane] = word;
+                }
+            }
+            self.blocks[lane] = 1;
+        }
+    }
+
+    /// The next number of each lane, uniform in [−1, 1].
+    #[inline(always)]
+    pub fn next<R: Real>(&mut self) -> [R; LANES] {
+        if self.slot == 0 {
+            self.refill();
+        }
+        let mut row = [R::ZERO; LANES];
+        for l in 0..LANES {
+            row[l] = R::of(signed(self.ready[self.slot][l]));
+        }
+        self.slot = (self.slot + 1) % 4;
+        row
+    }
+
+    #[inline(always)]
+    fn refill(&mut self) {
+        let new = rows(&self.streams, &self.blocks);
+        for l in 0..LANES {
+            let late = self.offset[l];
+            for row in 0..4 {
+                self.ready[row][l] =
+                    if row < late { self.carry[4 - late + row][l] } else { new[row - late][l] };
+            }
+            self.blocks[l] = self.blocks[l].wrapping_add(1);
+        }
+        self.carry = new;
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{LANES, bits, philox, rows, stream, uniform, words};
+    use super::{LANES, Source, bits, philox, rows, stream, uniform, words};
 
     /// `kat_vectors` of the authors' Random123 distribution.
     #[test]
@@ -122,6 +195,20 @@ mod tests {
             for (w, row) in rows.iter().enumerate() {
                 assert_eq!(row[l], words(streams[l], blocks[l])[w]);
                 assert_eq!(row[l], bits(streams[l], 4 * blocks[l] + w as u64));
+            }
+        }
+    }
+
+    #[test]
+    fn a_source_plays_each_stream_from_its_start() {
+        let mut source = Source::default();
+        for n in 0..40_u64 {
+            if n < 8 {
+                source.start(n as usize, 100 + n);
+            }
+            let row = source.next::<f64>();
+            for (l, value) in row.iter().enumerate().take(n as usize + 1) {
+                assert_eq!(*value, uniform(100 + l as u64, n - l as u64), "lane {l}, sample {n}");
             }
         }
     }
