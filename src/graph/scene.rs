@@ -26,7 +26,7 @@ pub struct Options {
     pub seed: Option<u64>,
     /// The pattern to play; `None`: those with a trigger `start`, and where there is none, the first.
     pub pattern: Option<String>,
-    /// Whether other triggers than `start` may come, so that what they play must be there.
+    /// Whether a program or a trigger may play any voice at any time, so that all must be there.
     pub live: bool,
 }
 
@@ -173,10 +173,11 @@ fn voices(patch: &Patch, patterns: &[usize], live: bool, left_out: &mut Vec<Left
         patch.voices.iter().enumerate().filter(|(_, v)| v.start == Start::Always).map(|(i, _)| i).collect();
     let mut played = BTreeSet::new();
     let mut open: Vec<usize> = patterns.to_vec();
-    for trigger in patch.triggers.iter().filter(|t| live || t.on == Source::Start) {
-        found.extend(voice(&trigger.play));
-        open.extend(pattern(&trigger.play).filter(|_| live));
+    if live {
+        found.extend(0..patch.voices.len());
+        open.extend(0..patch.patterns.len());
     }
+    found.extend(patch.triggers.iter().filter(|t| t.on == Source::Start).filter_map(|t| voice(&t.play)));
     while let Some(p) = open.pop() {
         if !played.insert(p) {
             continue;

@@ -1,0 +1,65 @@
+//! What the engine computes does not depend on how time is cut into calls, on the instruction set, or on the run.
+
+mod common;
+
+use common::{compiled, play, run, schedule};
+use pacinian::dsp::isa::Isa;
+use pacinian::engine::Engine;
+use pacinian::graph::plan::Precision;
+
+const PATCH: &str = r#"
+[control.strength]
+default = 0.7
+range = [0.0, 1.0]
+[shared.nodes]
+wobble = { type = "sine", frequency = 3 }
+[voice.beat]
+voices = 5
+output = "out"
+[voice.beat.nodes]
+tone = { type = "sawtooth", frequency = "event.frequency + 20 * wobble" }
+rough = { type = "white" }
+hit = { type = "envelope", attack = 0.004, decay = 0.03, sustain = 0.4, release = 0.02 }
+soft = { type = "lowpass", input = "tone + 0.2 * rough", cutoff = "400 + 100 * wobble" }
+out = { type = "multiply", inputs = ["soft", "hit", "strength"] }
+[voice.plain]
+voices = 3
+output = "tone"
+[voice.plain.nodes]
+tone = { type = "sine", frequency = "event.frequency" }
+"#;
+
+fn rendered(isa: Isa, precision: Precision, calls: &[usize]) -> Vec<u32> {
+    let mut plan = compiled(PATCH, 11, 48_000.0).plan;
+    plan.precision = precision;
+    let mut engine = Engine::with_isa(&plan, isa);
+    let mut events = Vec::new();
+    for i in 0..40_u32 {
+        let at = f64::from(i) * 61.37;
+        events.push((at, play(i % 2, i % 11, 40.0 + 13.0 * f64::from(i), 0.002 * f64::from(i % 30), u64::from(i))));
+    }
+    schedule(&mut engine, &events);
+    let output = run(&mut engine, 24_000, calls);
+    assert!(output.iter().all(|x| x.is_finite()));
+    assert!(output.iter().any(|x| *x != 0.0));
+    assert!(engine.counters().stolen > 0, "the scene must steal");
+    output.iter().map(|x| x.to_bits()).collect()
+}
+
+#[test]
+fn any_cut_gives_the_same_bits() {
+    for precision in [Precision::Single, Precision::Double] {
+        let whole = rendered(Isa::detect(), precision, &[24_000]);
+        for calls in [&[1][..], &[7], &[64], &[480], &[3, 1000, 1, 17, 250, 64]] {
+            assert!(rendered(Isa::detect(), precision, calls) == whole, "{precision:?} in calls of {calls:?}");
+        }
+    }
+}
+
+#[test]
+fn any_instruction_set_gives_the_same_bits() {
+    for precision in [Precision::Single, Precision::Double] {
+        let best = rendered(Isa::detect(), precision, &[480]);
+        assert!(rendered(Isa::Baseline, precision, &[480]) == best, "{precision:?}");
+    }
+}
