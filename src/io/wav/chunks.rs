@@ -152,7 +152,7 @@ fn whole(format: Format, start: u64, size: u64) -> Result<Map, Trouble> {
     if size == 0 {
         return file("it holds no samples at all: record it again");
     }
-    if size % block != 0 {
+    if !size.is_multiple_of(block) {
         return file(format!(
             "its {size} bytes of samples are no whole number of frames of {block} bytes: copy it again or write it again"
         ));

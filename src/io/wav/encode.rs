@@ -92,22 +92,8 @@ pub(super) fn encode(
                 tally.non_finite += u64::from(non_finite);
             }
         }
-        Encoding::I24 => {
-            let quantiser = Quantiser { seed, full_scale: 8_388_608.0 };
-            for (bytes, value) in
-                bytes.chunks_exact_mut(3).zip(quantiser.run(channels, first, samples, &mut tally))
-            {
-                bytes.copy_from_slice(&value.to_le_bytes()[..3]);
-            }
-        }
-        Encoding::I16 => {
-            let quantiser = Quantiser { seed, full_scale: 32_768.0 };
-            for (bytes, value) in
-                bytes.chunks_exact_mut(2).zip(quantiser.run(channels, first, samples, &mut tally))
-            {
-                bytes.copy_from_slice(&value.to_le_bytes()[..2]);
-            }
-        }
+        Encoding::I24 => quantise::<3>(channels, seed, first, samples, bytes, &mut tally),
+        Encoding::I16 => quantise::<2>(channels, seed, first, samples, bytes, &mut tally),
     }
     tally
 }
@@ -121,47 +107,40 @@ fn limited(x: f32, clipped: &mut u32, non_finite: &mut u32) -> f32 {
     if finite { x.clamp(-1.0, 1.0) } else { 0.0 }
 }
 
-struct Quantiser {
+/// To integers of so many bytes.
+fn quantise<const BYTES: usize>(
+    channels: usize,
     seed: u64,
-    full_scale: f64,
+    first: u64,
+    samples: &[f32],
+    bytes: &mut [u8],
+    tally: &mut Tally,
+) {
+    let full_scale = f64::from(1_u32 << (8 * BYTES - 1));
+    let frames = samples.chunks_exact(channels).zip(bytes.chunks_exact_mut(BYTES * channels));
+    for (frame, (samples, bytes)) in (first..).zip(frames) {
+        let (mut clipped, mut non_finite) = (0, 0);
+        for (channel, (&x, word)) in (0..).zip(samples.iter().zip(bytes.chunks_exact_mut(BYTES))) {
+            let x = limited(x, &mut clipped, &mut non_finite);
+            let value = if x == 0.0 { 0 } else { dithered(x, full_scale, noise(seed, channel, frame)) };
+            word.copy_from_slice(&value.to_le_bytes()[..BYTES]);
+        }
+        tally.clipped += u64::from(clipped);
+        tally.non_finite += u64::from(non_finite);
+    }
 }
 
-impl Quantiser {
-    fn run<'a>(
-        &'a self,
-        channels: usize,
-        first: u64,
-        samples: &'a [f32],
-        tally: &'a mut Tally,
-    ) -> impl Iterator<Item = i32> + 'a {
-        samples
-            .chunks(channels.max(1))
-            .zip(first..)
-            .flat_map(|(frame, n)| frame.iter().zip(0..).zip(std::iter::repeat(n)))
-            .map(|((&x, channel), n)| {
-                let (mut clipped, mut non_finite) = (0, 0);
-                let x = limited(x, &mut clipped, &mut non_finite);
-                tally.clipped += u64::from(clipped);
-                tally.non_finite += u64::from(non_finite);
-                self.quantise(x, channel, n)
-            })
-    }
-
-    /// To the nearest step after adding noise of triangular density within ±1 step, which makes the mean and the power
-    /// of the error independent of the signal (Lipshitz, Wannamaker & Vanderkooy 1992). Exact zero stays exact zero: it
-    /// has no error to whiten, and a tactor that rests must rest, not hiss at the last bit.
-    #[inline(always)]
-    fn quantise(&self, x: f32, channel: u32, frame: u64) -> i32 {
-        if x == 0.0 {
-            return 0;
-        }
-        let noise = noise(self.seed, channel, frame);
-        let triangular = (f64::from(noise >> 16) - f64::from(noise & 0xFFFF)) / 65_536.0;
-        // One step less at the top: two's complement has no +1.0.
-        (f64::from(x) * self.full_scale + triangular + 0.5)
-            .floor()
-            .clamp(-self.full_scale, self.full_scale - 1.0) as i32
-    }
+/// To the nearest step after adding noise of triangular density within ±1 step, which makes the mean and the power of the
+/// error independent of the signal (Lipshitz, Wannamaker & Vanderkooy 1992). Exact zero is not to be dithered: it has no
+/// error to whiten, and a tactor that rests must rest, not hiss at the last bit.
+#[inline(always)]
+fn dithered(x: f32, full_scale: f64, noise: u32) -> i32 {
+    let triangular = (f64::from(noise >> 16) - f64::from(noise & 0xFFFF)) / 65_536.0;
+    // Above zero, truncation is rounding down.
+    const LIFT: f64 = 16_777_216.0;
+    let steps = (f64::from(x) * full_scale + triangular + 0.5 + LIFT) as i32 - LIFT as i32;
+    // One step less at the top: two's complement has no +1.0.
+    steps.clamp(-(full_scale as i32), full_scale as i32 - 1)
 }
 
 /// Uniform bits of a sample's dither: a function of its place alone. Steele, Lea & Flood's SplitMix64 finaliser (2014) over

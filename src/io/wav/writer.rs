@@ -130,7 +130,7 @@ impl<W: Write + Seek> WavWriter<W> {
     pub fn write(&mut self, interleaved: &[f32]) -> Result<(), FileError> {
         let channels = self.spec.channels;
         self.usable()?;
-        if interleaved.len() % channels != 0 {
+        if !interleaved.len().is_multiple_of(channels) {
             return Err(misuse(format!(
                 "{} samples are no whole number of frames of {channels} channels: write whole frames",
                 interleaved.len()
