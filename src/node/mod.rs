@@ -106,4 +106,5 @@ registry! {
     Gate = gate,
     Decay = decay,
     Breakpoints = breakpoints,
+    Lfo = lfo,
 }
