@@ -173,6 +173,14 @@ mod tests {
         }
     }
 
+    /// Level and swing of a hardly curved segment are huge and cancel, so a run must not go on for long.
+    #[test]
+    fn a_hardly_curved_segment_is_as_exact() {
+        let bench = bench([10.0, 0.0, 0.0, 20.0], [2e-6, 0.0, 0.0], 1.0);
+        let error = error_db(&bench.kernel::<f64>(79_000, &[64])[20..], &bench.twin(79_000, 1)[20..]);
+        assert!(error < -130.0, "{error}");
+    }
+
     #[test]
     fn blocks_lanes_and_neighbours_do_not_matter() {
         bench([0.004, 0.08, 0.02, 0.1], LINEAR, 0.3).check_contract();
