@@ -117,10 +117,7 @@ impl<R: Real> Lanes<R> {
         // `low` and `high` follow `rate` and `phase`.
         let [rate, low, high] = [io.inputs[0], io.inputs[2], io.inputs[3]];
         let (mut angle, step) = (self.phase, self.step);
-        let mut width = [0.0; LANES];
-        for l in 0..LANES {
-            width[l] = width_of(rate.base[l], self.ease[l]);
-        }
+        let mut width: [f64; LANES] = std::array::from_fn(|l| width_of(rate.base[l], self.ease[l]));
         for (frame, out) in io.output.iter_mut().enumerate() {
             let (from, to) = (low.at(frame), high.at(frame));
             if !rate.is_steady() {
