@@ -63,18 +63,21 @@ impl Corner {
                 std::array::from_fn(|k| fit.solve(1.5 + 0.5 * nodes[k]));
             for level in 1..=DEGREE {
                 for k in (level..=DEGREE).rev() {
-                    for tap in 0..TAPS {
-                        difference[k][tap] =
-                            (difference[k][tap] - difference[k - 1][tap]) / (nodes[k] - nodes[k - level]);
+                    let (before, from) = (difference[k - 1], nodes[k] - nodes[k - level]);
+                    for (value, before) in difference[k].iter_mut().zip(before) {
+                        *value = (*value - before) / from;
                     }
                 }
             }
             for k in (0..=DEGREE).rev() {
-                for tap in 0..TAPS {
-                    for p in (1..=DEGREE).rev() {
-                        powers[p][tap] = powers[p - 1][tap] - nodes[k] * powers[p][tap];
+                // Times (x − node), plus the difference.
+                let mut lower = difference[k];
+                for row in powers.iter_mut() {
+                    for (value, lower) in row.iter_mut().zip(&mut lower) {
+                        let old = *value;
+                        *value = *lower - nodes[k] * old;
+                        *lower = old;
                     }
-                    powers[0][tap] = difference[k][tap] - nodes[k] * powers[0][tap];
                 }
             }
         }
@@ -111,9 +114,7 @@ impl Fit {
                     // Tikhonov's term keeps the taps small where the band leaves them free.
                     sum += 1e-12 * GRID as f64;
                 }
-                for k in 0..j {
-                    sum -= factor[i][k] * factor[j][k];
-                }
+                sum -= factor[i][..j].iter().zip(&factor[j]).map(|(a, b)| a * b).sum::<f64>();
                 factor[i][j] = if i == j { sum.sqrt() } else { sum / factor[j][j] };
             }
         }
@@ -250,7 +251,7 @@ impl<R: Real> Corrections<R> {
 
     /// What is added to the next sample.
     #[inline(always)]
-    pub fn next(&mut self) -> [R; LANES] {
+    pub fn next_row(&mut self) -> [R; LANES] {
         self.clock += 1;
         if self.pending == 0 {
             return [R::ZERO; LANES];
@@ -261,12 +262,12 @@ impl<R: Real> Corrections<R> {
         row
     }
 
-    /// Adds what is due to the next `output.len()` samples; the same as [`Corrections::next`] for each.
+    /// Adds what is due to the next `output.len()` samples; the same as [`Corrections::next_row`] for each.
     #[inline(always)]
     pub fn apply(&mut self, output: &mut [[R; LANES]]) {
         let due = self.pending.min(output.len());
         for out in &mut output[..due] {
-            let row = self.next();
+            let row = self.next_row();
             for l in 0..LANES {
                 out[l] += row[l];
             }
@@ -364,12 +365,12 @@ mod tests {
         let table = Corner::prepare();
         for round in 0..40_usize {
             corrections.jump(2, 1.5, 2.0);
-            corrections.next();
+            corrections.next_row();
             corrections.corner(2, 1.25, 1.0);
             corrections.jump(5, 2.0, f64::NAN);
             assert!(!corrections.is_over(2) && corrections.is_over(5));
             for n in 1..TAPS + 1 + round % 5 {
-                let row = corrections.next();
+                let row = corrections.next_row();
                 let jump = if n < TAPS { 2.0 * table.taps(0, 1.5)[n] } else { 0.0 };
                 let corner = if n <= TAPS { table.taps(1, 1.25)[n - 1] } else { 0.0 };
                 for (lane, value) in row.into_iter().enumerate() {
@@ -390,10 +391,10 @@ mod tests {
         many.apply(&mut block[..5]);
         many.apply(&mut block[5..]);
         for row in block {
-            assert_eq!(row, one.next().map(|v| 1.0 + v));
+            assert_eq!(row, one.next_row().map(|v| 1.0 + v));
         }
         one.add(4, 1.1, &[1.0]);
         one.clear(4);
-        assert!(one.is_over(4) && one.next() == [0.0; LANES]);
+        assert!(one.is_over(4) && one.next_row() == [0.0; LANES]);
     }
 }

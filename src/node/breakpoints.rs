@@ -143,7 +143,7 @@ pub struct Exact {
 impl Exact {
     /// For one voice.
     pub fn new(setup: &Setup, _onset: &Onset) -> Self {
-        let number = |v: f64, limit: f64| if v.is_nan() { 0.0 } else { v.max(-limit).min(limit) };
+        let number = |v: f64, limit: f64| if v.is_nan() { 0.0 } else { v.clamp(-limit, limit) };
         let mut legs = Vec::new();
         let mut last = 0.0;
         for Point { at, value, curve } in &setup.points {

@@ -77,8 +77,8 @@ impl Exact {
     /// For one voice.
     pub fn new(setup: &Setup, onset: &Onset) -> Self {
         let number = |i: usize| if onset.start[i].is_nan() { 0.0 } else { onset.start[i] };
-        let time = |i: usize| number(i).max(0.0).min(LONGEST);
-        let curve = |i: usize| number(i).max(-CURVIEST).min(CURVIEST);
+        let time = |i: usize| number(i).clamp(0.0, LONGEST);
+        let curve = |i: usize| number(i).clamp(-CURVIEST, CURVIEST);
         let mut course = Course::new();
         course.ramp(1.0, time(0), curve(3));
         course.hold(time(1));

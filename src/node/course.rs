@@ -20,7 +20,7 @@ impl Piece {
         }
         let share = (t - self.start) / (self.end - self.start);
         let limit = STEEPEST * (self.end - self.start);
-        let curve = self.curve.max(-limit).min(limit);
+        let curve = self.curve.clamp(-limit, limit);
         let way = if curve.abs() < 1e-6 { share } else { (curve * share).exp_m1() / curve.exp_m1() };
         self.from + (self.to - self.from) * way
     }
@@ -69,7 +69,7 @@ impl Course {
             if whole.end.is_finite() {
                 let share = (t - whole.start) / (whole.end - whole.start);
                 let limit = STEEPEST * (whole.end - whole.start);
-                piece.curve = whole.curve.max(-limit).min(limit) * share;
+                piece.curve = whole.curve.clamp(-limit, limit) * share;
             }
         }
         let start = self.end();

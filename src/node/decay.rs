@@ -149,7 +149,7 @@ mod tests {
         // The definition too, the step at its end included.
         let twin = bench.twin(80_000, 1);
         assert!(error_db(&single[20..], &twin[20..]) < -140.0);
-        assert!(bench.ends::<f32>(80_000) == Some((0.5 * 8000.0 * 1e6_f64.ln() + 13.25).ceil() as usize));
+        assert!(bench.ends::<f32>(80_000) == Some((0.5 * 8000.0 * 1e6_f64.ln() + 11.25).ceil() as usize));
     }
 
     #[test]

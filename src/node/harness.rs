@@ -314,7 +314,7 @@ pub fn error_db(kernel: &[f64], twin: &[f64]) -> f64 {
     let energy: f64 = twin.iter().map(|b| b * b).sum();
     match difference {
         d if !d.is_finite() || !energy.is_finite() => f64::INFINITY,
-        d if d == 0.0 => f64::NEG_INFINITY,
+        0.0 => f64::NEG_INFINITY,
         d => 10.0 * (d / energy).log10(),
     }
 }

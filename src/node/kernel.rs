@@ -38,7 +38,7 @@ pub struct Point {
     pub at: f64,
     /// Value reached then.
     pub value: f64,
-    /// Curvature of the segment that leads here; see [`super::curve`].
+    /// Curvature of the segment that leads here; see [`super::envelope`].
     pub curve: f64,
 }
 

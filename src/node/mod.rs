@@ -126,4 +126,5 @@ registry! {
     Notch = notch,
     Resonator = resonator,
     Follow = follow,
+    Lfo = lfo,
 }

@@ -341,3 +341,35 @@ impl<R: Real> Default for Track<R> {
         Self::new()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::node::harness::Bench;
+
+    /// Times over five decades, releases anywhere, all fractions of a sample.
+    #[test]
+    fn any_envelope_is_exact_within_the_band_bounded_and_ends_at_zero() {
+        let mut state = 1_u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for round in 0..60 {
+            let mut bench = Bench::new("envelope", 8000.0).age(-2.0 + 1e-9 + random() * 0.999_999);
+            for time in ["attack", "decay", "release"] {
+                bench = bench.steady(time, 0.03 * 10_f64.powf(-5.0 * random()));
+            }
+            for curve in ["attack_curve", "decay_curve", "release_curve"] {
+                bench = bench.steady(curve, 10.0 * random() - 5.0);
+            }
+            bench = bench.steady("sustain", random()).released(0.05 * random());
+            let samples = bench.kernel::<f32>(1000, &[64]);
+            // Band-limited jumps overshoot, pulses of a fraction of a sample more than others.
+            assert!(samples.iter().all(|v| (-1.0..2.0).contains(v)), "{round}: {samples:?}");
+            let end = bench.ends::<f32>(1000).unwrap_or(usize::MAX);
+            assert!(samples[end..].iter().all(|v| v.to_bits() == 0), "{round}");
+            let error = bench.band_error_db::<f32>(1000, 64);
+            assert!(error < -64.0, "{round}: {error}");
+        }
+    }
+}
