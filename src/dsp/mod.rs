@@ -1,11 +1,13 @@
 //! Blocks that several rooms share.
 
 pub mod elementary;
+pub mod fractional;
 pub mod interleaved;
 pub mod lanes;
 pub mod phase;
 pub mod quadrature;
 pub mod random;
+pub mod recording;
 pub mod sine;
 pub mod svf;
 pub mod wavetable;

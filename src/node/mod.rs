@@ -118,4 +118,7 @@ registry! {
     Notch = notch,
     Resonator = resonator,
     Follow = follow,
+    Delay = delay,
+    Sample = sample,
+    Scan = scan,
 }
