@@ -2,7 +2,7 @@
 //!
 //! T weights for the samples 0 .. T − 1 give the value at a place between them. They minimise the mean square error over the
 //! frequencies up to `band` (least squares: Laakso, Välimäki, Karjalainen, Laine, "Splitting the unit delay", IEEE Signal
-//! Processing Magazine, 1996, III.B), with 1e-11 of that weight on their own size, so that what lies beyond is not amplified much.
+//! Processing Magazine, 1996, III.B), with 1e-13 of that weight on their own size, so that what lies beyond is not amplified much.
 //! They are kept for every 1/512 of a sample, with a straight line between.
 
 use super::lanes::Real;
@@ -24,7 +24,7 @@ impl<R: Real, const T: usize> Fractional<R, T> {
             let angle = std::f64::consts::TAU * band * x;
             2.0 * band * if angle == 0.0 { 1.0 } else { angle.sin() / angle }
         };
-        let inverse = inverse(|j, k| sinc(j as f64 - k as f64) + if j == k { 1e-11 } else { 0.0 }, T);
+        let inverse = inverse(|j, k| sinc(j as f64 - k as f64) + if j == k { 1e-13 } else { 0.0 }, T);
         let rows = (0..count)
             .map(|n| {
                 let place = first + n as f64 / STEPS;

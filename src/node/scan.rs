@@ -16,7 +16,7 @@ pub static SPEC: NodeSpec = NodeSpec {
     summary: "A recorded texture, read at a place that moves: moving over it plays it.",
     detail: "amplitude × the recording at `position` (seconds of the recording). The speed is the difference from the place one sample of the \
              engine earlier; as in `sample`, the faster it is, the lower the band of the copy that is heard, so that nothing folds into \
-             the band, and from 32 times the recorded speed on there is silence. Standing still gives the constant value at that place. With \
+             the band, and from 16 times the recorded speed on there is silence. Standing still gives the constant value at that place. With \
              `loop` the texture repeats without end in both directions; without, there is silence outside.",
     params: &[
         Param { name: "file", kind: Kind::File, unit: "", doc: "A WAV file, relative to the patch." },
@@ -50,7 +50,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 
 fn material(setup: &Setup) -> (Option<Arc<Copies>>, f64, Loop) {
     let Some(asset) = &setup.asset else { return (None, 0.0, None) };
-    let copies = Copies::of(asset, &asset.samples);
+    let copies = Copies::of(asset, &asset.samples, setup.choices.first() == Some(&1));
     let around = (setup.choices.first() == Some(&1) && copies.length > 0).then_some((0, copies.length));
     (Some(copies), asset.rate, around)
 }
@@ -171,8 +171,9 @@ mod tests {
                 .asset(texture(), 16_000.0)
                 .moving("position", 0.1, move |t| reach * (TAU * hertz * t).sin());
             bench.check_contract();
+            // The place itself comes in 24 bits, which is what limits single precision.
             let single = bench.error_db::<f32>(16_000);
-            assert!(single < -85.0, "{reach} s: {single}");
+            assert!(single < 20.0 * (reach * 730.0 * TAU * 6e-8).log10() + 6.0, "{reach} s: {single}");
             let double = bench.error_db::<f64>(16_000);
             assert!(double < -105.0, "{reach} s: {double}");
         }
@@ -180,7 +181,7 @@ mod tests {
 
     #[test]
     fn what_is_too_fast_is_silent() {
-        let bench = Bench::new("scan", 8000.0).asset(texture(), 16_000.0).moving("position", 0.0, |t| 33.0 * t);
+        let bench = Bench::new("scan", 8000.0).asset(texture(), 16_000.0).moving("position", 0.0, |t| 17.0 * t);
         assert!(bench.kernel::<f64>(1000, &[64])[1..].iter().all(|v| *v == 0.0));
         let still = Bench::new("scan", 8000.0).asset(texture(), 16_000.0).steady("position", 0.02);
         let out = still.kernel::<f64>(100, &[64]);
