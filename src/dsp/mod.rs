@@ -2,12 +2,14 @@
 
 pub mod corner;
 pub mod elementary;
+pub mod fractional;
 pub mod interleaved;
 pub mod isa;
 pub mod lanes;
 pub mod phase;
 pub mod quadrature;
 pub mod random;
+pub mod recording;
 pub mod sine;
 pub mod svf;
 pub mod wavetable;

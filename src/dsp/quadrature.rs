@@ -29,39 +29,104 @@ pub fn bend(turns: f64) -> u64 {
 /// Samples from the first to the fourth after the onset, and one.
 const YOUTH: u8 = 6;
 
+/// Integrals of eight lanes, each from its onset.
+#[derive(Debug, Clone)]
+pub struct Rise {
+    past: [[f64; LANES]; 5],
+    /// The first value.
+    first: [f64; LANES],
+    /// Voice time of the next sample, while a lane is young.
+    age: [f64; LANES],
+    /// Samples that were seen, up to [`YOUTH`].
+    seen: [u8; LANES],
+    young: bool,
+    /// The integral so far, while a lane is young.
+    sum: [f64; LANES],
+}
+
+impl Default for Rise {
+    fn default() -> Self {
+        Self {
+            past: [[0.0; LANES]; 5],
+            first: [0.0; LANES],
+            age: [0.0; LANES],
+            seen: [YOUTH; LANES],
+            young: false,
+            sum: [0.0; LANES],
+        }
+    }
+}
+
+impl Rise {
+    /// A voice begins; `age` is the voice time of its first sample.
+    pub fn start(&mut self, lane: usize, age: f64) {
+        self.age[lane] = age;
+        self.seen[lane] = 0;
+        self.young = true;
+        self.sum[lane] = 0.0;
+        for row in &mut self.past {
+            row[lane] = 0.0;
+        }
+    }
+
+    /// By how much the integral rises to the next sample, where the values (a sample) are `d`.
+    #[inline(always)]
+    pub fn step(&mut self, d: &[f64; LANES]) -> [f64; LANES] {
+        let p = &self.past;
+        let mut rise = [0.0; LANES];
+        for l in 0..LANES {
+            rise[l] = (WEIGHTS[0] * d[l] + WEIGHTS[1] * p[0][l])
+                + (WEIGHTS[2] * p[1][l] + WEIGHTS[3] * p[2][l])
+                + (WEIGHTS[4] * p[3][l] + WEIGHTS[5] * p[4][l]);
+        }
+        if self.young {
+            self.grow(d, &mut rise);
+        }
+        let p = &self.past;
+        self.past = [*d, p[0], p[1], p[2], p[3]];
+        rise
+    }
+
+    /// The same for lanes within their first samples. Each of those integrates anew from the onset.
+    fn grow(&mut self, d: &[f64; LANES], rise: &mut [f64; LANES]) {
+        self.young = false;
+        for l in 0..LANES {
+            let seen = self.seen[l];
+            if seen == YOUTH {
+                continue;
+            }
+            if seen == 0 {
+                self.first[l] = d[l];
+            }
+            let p = &self.past;
+            let mut all = [d[l], p[0][l], p[1][l], p[2][l], p[3][l], p[4][l]];
+            all[usize::from(seen)] = self.first[l];
+            let sum =
+                if seen < 2 { d[l] * self.age[l] } else { integral(&all[..=usize::from(seen)], self.age[l]) };
+            let sum = if sum.is_finite() { sum } else { self.sum[l] };
+            rise[l] = sum - self.sum[l];
+            self.sum[l] = sum;
+            self.age[l] += 1.0;
+            self.seen[l] += 1;
+            self.young |= self.seen[l] < YOUTH;
+        }
+    }
+}
+
 /// Phase of eight lanes.
 #[derive(Debug, Clone)]
 pub struct Clockwork {
     /// Phase of the last sample, without modulation of the phase.
     phase: [u64; LANES],
     step: [u64; LANES],
-    past: [[f64; LANES]; 5],
-    /// Voice time of the next sample, while a lane is young.
-    age: [f64; LANES],
-    /// Samples that were computed, up to [`YOUTH`].
-    seen: [u8; LANES],
-    young: bool,
-    /// What the deviation has added so far, while a lane is young.
-    added: [u64; LANES],
-    /// The deviation at the first sample.
-    first: [f64; LANES],
+    deviation: Rise,
     turns_a_hertz: f64,
 }
 
 impl Clockwork {
     /// Eight lanes at phase 0, standing still, at `rate` samples a second.
     pub fn new(rate: f64) -> Self {
-        Self {
-            phase: [0; LANES],
-            step: [0; LANES],
-            past: [[0.0; LANES]; 5],
-            age: [0.0; LANES],
-            seen: [YOUTH; LANES],
-            young: false,
-            added: [0; LANES],
-            first: [0.0; LANES],
-            turns_a_hertz: 1.0 / rate,
-        }
+        Self { phase: [0; LANES], step: [0; LANES], deviation: Rise::default(), turns_a_hertz: 1.0 / rate }
     }
 
     /// A voice begins with `frequency` (Hz), its phase 0 at voice time 0; `age` is the voice time of the next sample.
@@ -69,13 +134,7 @@ impl Clockwork {
         let turns = frequency * self.turns_a_hertz;
         self.step[lane] = phase::turns(turns);
         self.phase[lane] = phase::turns(turns * (age - 1.0));
-        self.age[lane] = age;
-        self.seen[lane] = 0;
-        self.young = true;
-        self.added[lane] = 0;
-        for row in &mut self.past {
-            row[lane] = 0.0;
-        }
+        self.deviation.start(lane, age);
     }
 
     /// Phase of the last sample and step of a lane's known frequency, for loops that hold them in registers.
@@ -91,52 +150,11 @@ impl Clockwork {
         for l in 0..LANES {
             d[l] = hertz[l].wide() * self.turns_a_hertz;
         }
-        if self.young {
-            self.grow(&d);
-        } else {
-            self.integrate(&d);
+        let rise = self.deviation.step(&d);
+        for l in 0..LANES {
+            self.phase[l] = self.phase[l].wrapping_add(self.step[l]).wrapping_add(bend(rise[l]));
         }
         self.phase
-    }
-
-    #[inline(always)]
-    fn integrate(&mut self, d: &[f64; LANES]) {
-        let p = &mut self.past;
-        for l in 0..LANES {
-            let turns = (WEIGHTS[0] * d[l] + WEIGHTS[1] * p[0][l])
-                + (WEIGHTS[2] * p[1][l] + WEIGHTS[3] * p[2][l])
-                + (WEIGHTS[4] * p[3][l] + WEIGHTS[5] * p[4][l]);
-            self.phase[l] = self.phase[l].wrapping_add(self.step[l]).wrapping_add(bend(turns));
-        }
-        *p = [*d, p[0], p[1], p[2], p[3]];
-    }
-
-    /// The same while a lane is within its first samples.
-    fn grow(&mut self, d: &[f64; LANES]) {
-        let before = self.phase;
-        self.integrate(d);
-        self.young = false;
-        for l in 0..LANES {
-            let seen = self.seen[l];
-            if seen == YOUTH {
-                continue;
-            }
-            let p = &self.past;
-            let all = [d[l], p[1][l], p[2][l], p[3][l], p[4][l], self.first[l]];
-            let turns =
-                if seen < 2 { d[l] * self.age[l] } else { integral(&all[..=usize::from(seen)], self.age[l]) };
-            // Each of the first samples integrates anew, so only what is new is added.
-            let now = bend(turns);
-            self.phase[l] =
-                before[l].wrapping_add(self.step[l]).wrapping_add(now).wrapping_sub(self.added[l]);
-            self.added[l] = now;
-            self.age[l] += 1.0;
-            if seen == 0 {
-                self.first[l] = d[l];
-            }
-            self.seen[l] += 1;
-            self.young |= self.seen[l] < YOUTH;
-        }
     }
 }
 
@@ -167,7 +185,7 @@ fn integral(newest_first: &[f64], span: f64) -> f64 {
 /// The same for the twins: turns of one voice, in `f64`.
 #[derive(Debug, Clone, Default)]
 pub struct Turns {
-    turns: f64,
+    total: f64,
     before: Option<f64>,
     /// The newest first.
     past: Vec<f64>,
@@ -177,22 +195,28 @@ pub struct Turns {
 impl Turns {
     /// Turns since the onset at voice time `t` (seconds), where the frequency is `hertz`, without the whole turns.
     pub fn step(&mut self, t: f64, hertz: f64) -> f64 {
+        self.total(t, hertz);
+        self.total -= self.total.floor();
+        self.total
+    }
+
+    /// The same with the whole turns: the integral of anything.
+    pub fn total(&mut self, t: f64, hertz: f64) -> f64 {
         self.past.insert(0, hertz);
         self.past.truncate(6);
         let span = self.before.map_or(0.0, |before| t - before);
         self.before = Some(t);
         if self.past.len() < 3 || t < 1e-6 * span {
-            self.turns = hertz * t;
+            self.total = hertz * t;
         } else if self.after < 4 {
             self.after += 1;
-            self.turns = self.since_onset(t, span);
+            self.total = self.since_onset(t, span);
         } else {
             let weights = [475.0, 1427.0, -798.0, 482.0, -173.0, 27.0];
             let sum: f64 = self.past.iter().zip(weights).map(|(h, w)| h * w).sum();
-            self.turns += sum / 1440.0 * span;
+            self.total += sum / 1440.0 * span;
         }
-        self.turns -= self.turns.floor();
-        self.turns
+        self.total
     }
 
     /// Gauss's rule with three points, over the polynomial through the last samples.

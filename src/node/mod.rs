@@ -127,4 +127,7 @@ registry! {
     Resonator = resonator,
     Follow = follow,
     Lfo = lfo,
+    Delay = delay,
+    Sample = sample,
+    Scan = scan,
 }
