@@ -6,4 +6,5 @@ pub mod dsp;
 pub mod node;
 pub mod patch;
 pub mod rig;
+pub mod score;
 pub mod text;

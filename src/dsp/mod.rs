@@ -2,4 +2,5 @@
 
 pub mod lanes;
 pub mod phase;
+pub mod random;
 pub mod sine;
