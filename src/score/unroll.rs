@@ -11,12 +11,22 @@ use super::walk::Walk;
 use super::{HORIZON, MOST_AT_ONCE, MOST_DEEP, Note, Timed, What, keys};
 use crate::text::Problem;
 
-/// Steps after which something must have happened, and at least [`INSTANT`] seconds must have passed.
-const PATIENCE: u64 = 1 << 24;
-const INSTANT: f64 = 1e-6;
+/// At what a score gives up.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// Steps after which something must have happened, and at least [`INSTANT`] seconds must have passed.
+    pub patience: u64,
+    /// Things under way.
+    pub at_once: usize,
+    /// Numbers that all permutations under way may hold together.
+    pub permuted: usize,
+}
 
-/// Numbers that all permutations under way may hold together.
-const MOST_PERMUTED: usize = 1 << 24;
+impl Limits {
+    pub const DEFAULT: Self = Self { patience: 1 << 24, at_once: MOST_AT_ONCE, permuted: 1 << 24 };
+}
+
+const INSTANT: f64 = 1e-6;
 
 /// No rate or scale goes beyond its inverse or itself, so that no product is not-a-number.
 const EXTREME: f64 = 1e300;
@@ -27,6 +37,7 @@ const LOUDEST: f64 = 1e9;
 /// Patterns being unrolled.
 pub(super) struct Unroll<'a> {
     book: Book<'a>,
+    pub limits: Limits,
     heap: BinaryHeap<Entry<'a>>,
     /// Numbers that all walks hold.
     permuted: usize,
@@ -43,8 +54,17 @@ pub(super) struct Unroll<'a> {
 impl<'a> Unroll<'a> {
     pub fn new(book: Book<'a>, roots: &[(usize, f64)], seed: u64) -> Result<Self, Problem> {
         let heap = BinaryHeap::new();
-        let mut unroll =
-            Self { book, heap, permuted: 0, next_id: 0, steps: 0, mark: -1.0, length: Some(0.0), cut: false };
+        let mut unroll = Self {
+            book,
+            limits: Limits::DEFAULT,
+            heap,
+            permuted: 0,
+            next_id: 0,
+            steps: 0,
+            mark: -1.0,
+            length: Some(0.0),
+            cut: false,
+        };
         for (number, &(index, start)) in (0..).zip(roots) {
             let sheet = unroll.book.sheet(index)?;
             if !(start >= 0.0 && start.is_finite()) {
@@ -95,11 +115,14 @@ impl<'a> Unroll<'a> {
     /// Counts steps that lead nowhere.
     fn patience(&mut self, entry: &Entry) -> Result<(), Problem> {
         self.steps += 1;
-        if self.steps <= PATIENCE {
+        if self.steps <= self.limits.patience {
             return Ok(());
         }
         let sheet = self.book.sheet(entry.playing.sheet)?;
-        let what = format!("pattern `{}` does not get on at {} s: {PATIENCE} steps", sheet.name, entry.time);
+        let what = format!(
+            "pattern `{}` does not get on at {} s: {} steps and no way forward",
+            sheet.name, entry.time, self.limits.patience
+        );
         let help = "its repetitions are too close, or almost none of them plays anything";
         Err(Problem::error(&sheet.span, what).help(help.to_string()))
     }
@@ -109,11 +132,11 @@ impl<'a> Unroll<'a> {
             self.cut = true;
             return Ok(());
         }
-        if self.heap.len() >= MOST_AT_ONCE {
+        if self.heap.len() >= self.limits.at_once {
             let sheet = self.book.sheet(entry.playing.sheet)?;
             let what = format!(
-                "pattern `{}`: more than {MOST_AT_ONCE} things are under way at {} s",
-                sheet.name, entry.time
+                "pattern `{}`: more than {} things are under way at {} s",
+                sheet.name, self.limits.at_once, entry.time
             );
             let help = "let fewer repetitions overlap, and shorten delays and jitter";
             return Err(Problem::error(&sheet.span, what).help(help.to_string()));
@@ -133,7 +156,7 @@ impl<'a> Unroll<'a> {
                 }
                 self.next_round(&playing)?;
                 self.permuted += walk.holds();
-                if self.permuted > MOST_PERMUTED {
+                if self.permuted > self.limits.permuted {
                     let sheet = self.book.sheet(playing.sheet)?;
                     let what = format!("pattern `{}` shuffles too much at once at {time} s", sheet.name);
                     return Err(

@@ -37,7 +37,7 @@ impl<'a> Walk<'a> {
     pub fn new(book: &mut Book<'a>, playing: &Playing) -> Result<Self, Problem> {
         let mut file = None;
         if let Content::File { path, span, long } = &book.sheet(playing.sheet)?.content {
-            file = Some((Lines::name(path, span), *long));
+            file = Some(((path.clone(), span.clone()), *long));
         }
         if let Some(((path, span), long)) = file {
             let mut lines = Lines::open(book, path, span)?;
@@ -64,7 +64,7 @@ impl<'a> Walk<'a> {
                     book.learn(playing.sheet, content);
                 }
                 lines.begin = items.into_iter();
-                lines.step(book)?;
+                lines.step(book);
                 return Ok(Self { source: Source::File(Box::new(lines)) });
             }
             book.sheet(playing.sheet)?.sort(&mut items);
@@ -93,7 +93,14 @@ impl<'a> Walk<'a> {
                 let landed = permuted.as_ref().map_or(Some(*slot), |p| p.get(*slot).map(|i| *i as usize))?;
                 (items.get(*slot)?.at, items.get(landed)?)
             }
-            (Source::File(lines), _) => lines.next.as_ref().map(|item| (item.at, item))?,
+            (Source::File(lines), _) => match lines.next.as_ref()? {
+                Ok(item) => (item.at, item),
+                // It comes up where it stands among the lines.
+                Err(_) => {
+                    let time = (lines.last - sheet.spread()).max(0.0);
+                    return Some(Ahead { number: lines.read, time, exact: false });
+                }
+            },
             (Source::Held { .. }, Content::File { .. }) => return None,
         };
         let spread = sheet.spread();
@@ -114,8 +121,8 @@ impl<'a> Walk<'a> {
                 Ok(Some((Which::Held(landed), item.at)))
             }
             Source::File(lines) => {
-                let Some(item) = lines.next.take() else { return Ok(None) };
-                lines.step(book)?;
+                let Some(item) = lines.next.take().transpose()? else { return Ok(None) };
+                lines.step(book);
                 let at = item.at;
                 Ok(Some((Which::Read(Arc::new(item)), at)))
             }
@@ -132,14 +139,10 @@ struct Lines<'a> {
     rest: EventStream<'a>,
     read: u64,
     last: f64,
-    next: Option<Item>,
+    next: Option<Result<Item, Problem>>,
 }
 
 impl<'a> Lines<'a> {
-    fn name(path: &Arc<str>, span: &Span) -> (Arc<str>, Span) {
-        (path.clone(), span.clone())
-    }
-
     fn open(book: &mut Book<'a>, path: Arc<str>, span: Span) -> Result<Self, Problem> {
         let named =
             |p: Problem| Problem { span: Some(span.clone()), what: format!("{path}: {}", p.what), ..p };
@@ -148,12 +151,11 @@ impl<'a> Lines<'a> {
     }
 
     /// Reads `next`.
-    fn step(&mut self, book: &mut Book<'a>) -> Result<(), Problem> {
+    fn step(&mut self, book: &mut Book<'a>) {
         self.next = match self.begin.next() {
-            Some(item) => Some(item),
-            None => self.take(book)?,
+            Some(item) => Some(Ok(item)),
+            None => self.take(book).transpose(),
         };
-        Ok(())
     }
 
     /// The next event that is not barren.

@@ -4,6 +4,7 @@ use proptest::prelude::{Just, Strategy, prop, prop_oneof, proptest};
 
 use super::{all, beat, choice, event, every, jitter, nested, patch, pattern, refused, score, voice};
 use crate::patch::{Event, Pattern, TimeBase, Voice};
+use crate::score::unroll::Limits;
 use crate::score::{HORIZON, What};
 
 fn extreme() -> impl Strategy<Value = f64> {
@@ -51,7 +52,9 @@ proptest! {
         let deed = nested("q", gains[1], rates[1]);
         let outer = Pattern { rate: rates[2], gain: gains[2], ..pattern("p", vec![event(0.0, deed)]) };
         let mut last = 0.0;
-        for timed in score(&patch(vec![outer, inner]), &[(0, 0.0)], 1).unwrap().take(300) {
+        let mut score = score(&patch(vec![outer, inner]), &[(0, 0.0)], 1).unwrap();
+        score.0.limits = Limits { patience: 10_000, at_once: 2000, permuted: 1000 };
+        for timed in score.take(300) {
             // Too much at once is an error; anything else is well formed.
             let Ok(timed) = timed else { break };
             assert!(timed.at >= last && timed.at <= HORIZON);
