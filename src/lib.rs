@@ -9,8 +9,10 @@ pub mod graph;
 pub mod io;
 pub mod node;
 pub mod patch;
+pub mod player;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod rig;
 pub mod schedule;
+pub mod score;
 pub mod text;

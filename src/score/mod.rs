@@ -1,0 +1,134 @@
+//! The score: the patterns of a patch unrolled in time, as lazily as they are asked for.
+//!
+//! Every playing of a pattern is a cursor that walks the pattern's events, which are sorted once and shared; the cursors
+//! stand in a heap by the time of what they play next. So a repetition without end, a million events or a file longer than
+//! memory cost what is sounding, not what there is. What happens where is a function of the patch, the roots and the
+//! seed alone: every draw is named by the playing, the event and the repetition it is for.
+
+mod book;
+mod entry;
+mod keys;
+mod length;
+mod playing;
+mod sheet;
+#[cfg(test)]
+mod tests;
+mod unroll;
+mod walk;
+
+use std::sync::Arc;
+
+use crate::patch::{Event, Patch, Place};
+use crate::text::Problem;
+
+/// Fields that a voice may declare for its events, `frequency` included.
+pub const FIELDS: usize = 8;
+
+/// Seconds after which a score ends, come what may: some 31 years.
+pub const HORIZON: f64 = 1e9;
+
+/// How deep patterns may play patterns.
+pub const MOST_DEEP: u32 = 64;
+
+/// How many things may be under way at once: playings, repeated events, events that jitter or a delay holds back.
+pub const MOST_AT_ONCE: usize = 1 << 21;
+
+/// The longest events file that is held in memory. What is longer is read anew by every playing, and cannot be shuffled.
+pub const MOST_HELD: usize = 1 << 16;
+
+/// The events of a file, in the order of its lines.
+pub type EventStream<'a> = Box<dyn Iterator<Item = Result<Event, Problem>> + Send + 'a>;
+
+/// What happens, and when.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Timed {
+    /// Seconds, from 0 to [`HORIZON`].
+    pub at: f64,
+    /// Its serial number in the score, from 0.
+    pub id: u64,
+    /// The pattern it comes from, by its place in [`Patch::patterns`].
+    pub pattern: usize,
+    /// Which of that pattern's events it is, from 0, in the order of the file. In a shuffled pattern, the event that landed
+    /// here.
+    pub event: u64,
+    /// Which of the alternatives of a `choose` was drawn, from 0.
+    pub drawn: Option<u32>,
+    /// What happens.
+    pub what: What,
+}
+
+/// What happens.
+#[derive(Debug, Clone, PartialEq)]
+pub enum What {
+    /// A voice sounds.
+    Play(Note),
+    /// A name goes into the log, and a pulse to trigger outputs.
+    Marker(Arc<str>),
+}
+
+/// How a voice sounds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Note {
+    /// The voice, by its place in [`Patch::voices`].
+    pub voice: usize,
+    /// Level: the event's or the voice's, times the gains of all patterns around it. Finite.
+    pub level: f64,
+    /// Seconds from onset to release, from 0 to [`HORIZON`].
+    pub duration: f64,
+    /// Where, as the resolver of places said.
+    pub place: u32,
+    /// The voice's own fields in its order, defaults filled in; 0 past the last.
+    pub own: [f64; FIELDS],
+}
+
+/// The patterns of a patch, unrolled.
+///
+/// It gives what happens in order of time. At the same instant, what stands first in the file comes first, what a nested
+/// pattern plays comes where it is played, and an earlier repetition comes before a later one. After an error it ends.
+pub struct Score<'a>(unroll::Unroll<'a>);
+
+impl<'a> Score<'a> {
+    /// Of the patterns `roots` (by their place in [`Patch::patterns`]), each from its start in seconds.
+    ///
+    /// `places` finds the output for a place; of nothing it is asked for the rig's first tactor. `files` opens an events
+    /// file by its path as written in the patch, and may be called again for every playing; the lines must be in order of
+    /// `at`. Both are called while the score is read, where an events file says so.
+    ///
+    /// # Errors
+    /// A number that cannot be played, a name that nothing has, a pattern that contains itself, patterns nested deeper than
+    /// [`MOST_DEEP`].
+    pub fn new(
+        patch: &Patch,
+        places: impl FnMut(Option<&Place>) -> Result<u32, Problem> + Send + 'a,
+        roots: &[(usize, f64)],
+        seed: u64,
+        files: impl FnMut(&str) -> Result<EventStream<'a>, Problem> + Send + 'a,
+    ) -> Result<Self, Problem> {
+        let book = book::Book::new(patch, roots, Box::new(places), Box::new(files))?;
+        Ok(Self(unroll::Unroll::new(book, roots, seed)?))
+    }
+
+    /// Seconds until the last event has ended, where that is known beforehand: `None` for what repeats without end, comes
+    /// from a file, or depends on draws.
+    pub fn length(&self) -> Option<f64> {
+        self.0.length()
+    }
+
+    /// Whether something was left out so far because it lies past the [`HORIZON`].
+    pub fn cut(&self) -> bool {
+        self.0.cut
+    }
+
+    /// How many things are under way; memory grows with it and with nothing else.
+    pub fn under_way(&self) -> usize {
+        self.0.under_way()
+    }
+}
+
+impl Iterator for Score<'_> {
+    type Item = Result<Timed, Problem>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.0.next()
+    }
+}
