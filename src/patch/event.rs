@@ -65,6 +65,8 @@ pub struct Play {
     pub duration: Option<f64>,
     /// Where; `None`: the voice's place.
     pub place: Option<Place>,
+    /// Where that stands; the event's place where there is none.
+    pub place_span: Span,
     /// Fields that the voice declares, where the event gives them.
     pub fields: Vec<Setting>,
 }
@@ -278,7 +280,15 @@ fn read_action(reader: &Reader) -> Option<Action> {
                     unknown(reader, word, &span);
                 }
             }
-            Some(Action::Voice(Play { voice: name, span, level, duration, place, fields }))
+            Some(Action::Voice(Play {
+                voice: name,
+                span,
+                place_span: reader.span_of("place"),
+                level,
+                duration,
+                place,
+                fields,
+            }))
         }
         "pattern" => Some(Action::Pattern {
             pattern: name,
