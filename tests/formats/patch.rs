@@ -257,6 +257,7 @@ fn every_mistake_is_told_at_its_line() {
         ("events = \"/x.csv\"", &[(10, "leaves the folder of the patch")]),
         ("events = \"C:\\\\x.csv\"", &[(10, "leaves the folder of the patch")]),
         ("events = \"\"", &[(10, "has no name")]),
+        ("events = \"x.csv\"\nshuffle = true", &[(11, "shuffles a file of events")]),
         ("events = [{ at = 0 }]", &[(10, "event 1 of pattern `p` has no voice")]),
         ("events = [{ at = 0, voce = \"beat\" }]", &[(10, "did you mean `voice` instead of `voce`?")]),
         ("events = [{ voice = \"beat\" }]", &[(10, "event 1 of pattern `p` lacks `at`")]),
