@@ -9,6 +9,7 @@ use super::{
 };
 use crate::node::spec::Kind;
 use crate::text::nearest::{listed, suggest};
+use crate::text::reader::Sink;
 use crate::text::{Problem, Span};
 
 /// The voices and patterns of a patch by name, to check events by; also those of an events file, one by one.
@@ -134,6 +135,11 @@ impl Check<'_> {
         self.problems.push(Problem::error(span, what).help(help));
     }
 
+    /// Advice, while anyone still reads it: the many after the first few hundred are only counted.
+    fn suggest<'b>(&self, word: &str, names: impl IntoIterator<Item = &'b str>) -> Option<String> {
+        if self.problems.len() < Sink::MOST { suggest(word, names) } else { None }
+    }
+
     /// Every name means one thing.
     fn names(&mut self, patch: &Patch) {
         let voices = patch.voices.iter().map(|v| ("voice", v.name.as_str(), &v.span));
@@ -172,7 +178,7 @@ impl Check<'_> {
         if !known && !voice.output.is_empty() && !self.broken.contains(voice.output.as_str()) {
             let what =
                 format!("the output of voice `{}` names no node of it: `{}`", voice.name, voice.output);
-            let help = suggest(&voice.output, voice.nodes.iter().map(|n| n.name.as_str()));
+            let help = self.suggest(&voice.output, voice.nodes.iter().map(|n| n.name.as_str()));
             self.error(&voice.output_span, what, help);
         }
         self.nodes(&voice.nodes, scope, Some(voice));
@@ -244,7 +250,7 @@ impl Check<'_> {
                             let declared = voice
                                 .and_then(|v| v.field(name))
                                 .map(|_| format!("the event's field is `event.{name}`"));
-                            let help = declared.or_else(|| suggest(name, scope.names()));
+                            let help = declared.or_else(|| self.suggest(name, scope.names()));
                             self.error(span, what, help);
                         }
                     }
@@ -288,6 +294,9 @@ impl Check<'_> {
     fn pattern(&mut self, pattern: &Pattern, names: &Names) {
         if let Events::Inline(events) = &pattern.events {
             for event in events {
+                if self.problems.len() >= Sink::MOST {
+                    break;
+                }
                 self.problems.extend(names.check_event(event));
             }
         }

@@ -1,4 +1,13 @@
-//! An event: something that happens once, at a time, in a pattern.
+//! An event: something that happens at a time in a pattern. It has exactly one of `voice`, `pattern`, `marker` and `choose`;
+//! [`super::pattern`] says when it sounds and what is drawn.
+//!
+//! ```toml
+//! { at = 0.0, voice = "beat", level = 0.6, duration = 0.1, place = "top", frequency = 50 }
+//! { at = 1.0, voice = "beat", delay = 0.02, repeat = { times = 4, every = 0.25 } }
+//! { at = 2.0, pattern = "walk", gain = 0.5, rate = 2.0 }
+//! { at = 3.0, marker = "trial 1" }
+//! { at = 4.0, choose = [{ voice = "beat", weight = 3 }, { pattern = "walk" }] }
+//! ```
 
 use super::place::{self, Place};
 use crate::text::field::{Field, Form, Table};
@@ -65,6 +74,8 @@ pub struct Play {
     pub duration: Option<f64>,
     /// Where; `None`: the voice's place.
     pub place: Option<Place>,
+    /// Where that stands; the event's place where there is none.
+    pub place_span: Span,
     /// Fields that the voice declares, where the event gives them.
     pub fields: Vec<Setting>,
 }
@@ -278,7 +289,15 @@ fn read_action(reader: &Reader) -> Option<Action> {
                     unknown(reader, word, &span);
                 }
             }
-            Some(Action::Voice(Play { voice: name, span, level, duration, place, fields }))
+            Some(Action::Voice(Play {
+                voice: name,
+                span,
+                place_span: reader.span_of("place"),
+                level,
+                duration,
+                place,
+                fields,
+            }))
         }
         "pattern" => Some(Action::Pattern {
             pattern: name,

@@ -166,7 +166,8 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
         let action = match (voice, marker) {
             (Some(voice), None) => {
                 // A column may concern some voices only; a voice that lacks the field is a mistake where its cell is filled.
-                Action::Voice(Play { voice, span: span.clone(), level, duration, place, fields })
+                let place_span = span.clone();
+                Action::Voice(Play { voice, span: span.clone(), place_span, level, duration, place, fields })
             }
             (None, Some(marker)) => Action::Marker(marker),
             (None, None) => return Err(self.wrong("the event has no voice", None)),

@@ -274,3 +274,93 @@ fn shape(reader: &Reader) -> Option<f64> {
 fn one_of(words: &[&str]) -> String {
     format!("one of {}", listed(words))
 }
+
+#[cfg(test)]
+mod tests {
+    use toml::de::DeTable;
+
+    use super::{Options, Reading, Value};
+    use crate::node::kernel::Point;
+    use crate::node::spec::{Kind, Numeric, Param};
+    use crate::text::reader::{At, Sink};
+
+    /// What a parameter of a kind makes of a value, and the problems.
+    fn read(kind: Kind, source: &str) -> (Option<Value>, Vec<String>) {
+        let param: &'static Param = Box::leak(Box::new(Param { name: "p", kind, unit: "s", doc: "The p." }));
+        let sink = Sink::default();
+        let source = format!("x = {source}");
+        let value = {
+            let document = DeTable::parse(&source).unwrap().into_inner();
+            let reading = Reading { param, who: "n", options: &Options::default(), sink: &sink };
+            match document.get("x").map(At::new).filter(|v| v.text() != Some("absent")) {
+                Some(value) => reading.given(value),
+                None => reading.absent(&(0..0)),
+            }
+        };
+        (value, sink.into_problems("f", &source).list.into_iter().map(|p| p.what).collect())
+    }
+    fn good(kind: Kind, source: &str) -> Value {
+        let (value, problems) = read(kind, source);
+        assert_eq!(problems, Vec::<String>::new(), "{source}");
+        value.unwrap()
+    }
+    fn bad(kind: Kind, source: &str, what: &str) {
+        let (value, problems) = read(kind, source);
+        assert_eq!(value, None, "{source}");
+        assert_eq!(problems.len(), 1, "{source}: {problems:?}");
+        assert!(problems[0].contains(what), "{source}: {problems:?}");
+    }
+
+    #[test]
+    fn constants_choices_and_flags() {
+        let constant = Kind::Constant(Numeric::or(2.0, 0.0, 10.0));
+        assert_eq!(good(constant, "1.5"), Value::Constant(1.5));
+        assert_eq!(good(constant, "\"1 / 4\""), Value::Constant(0.25));
+        assert_eq!(good(constant, "\"absent\""), Value::Constant(2.0));
+        bad(constant, "\"lfo\"", "it cannot move");
+        bad(constant, "11", "it must be a number from 0 to 10 s");
+        bad(Kind::Constant(Numeric::required(0.0, 1.0)), "\"absent\"", "n lacks `p`");
+        let choice = Kind::Choice(&["white", "pink"], 1);
+        assert_eq!(good(choice, "\"white\""), Value::Choice(0));
+        assert_eq!(good(choice, "\"absent\""), Value::Choice(1));
+        bad(choice, "\"pnik\"", "cannot be \"pnik\"");
+        bad(choice, "1", "one of `white` and `pink`");
+        assert_eq!(good(Kind::Flag(true), "false"), Value::Flag(false));
+        assert_eq!(good(Kind::Flag(true), "\"absent\""), Value::Flag(true));
+        bad(Kind::Flag(true), "1", "true or false");
+    }
+
+    #[test]
+    fn breakpoints() {
+        let source = "[{ at = 0, value = 1 }, { at = 0.5, value = 0, shape = \"slow\" }, { at = 1, value = 2, shape = -3 }]";
+        let point = |at, value, curve| Point { at, value, curve };
+        let expected = vec![point(0.0, 1.0, 0.0), point(0.5, 0.0, 4.0), point(1.0, 2.0, -3.0)];
+        assert_eq!(good(Kind::Points, source), Value::Points(expected));
+        bad(Kind::Points, "[]", "at least one point");
+        bad(Kind::Points, "3", "a list of { at, value, shape }");
+        bad(Kind::Points, "[3]", "point 1 of `p` of n is 3");
+        bad(
+            Kind::Points,
+            "[{ at = 1, value = 1 }, { at = 1, value = 2 }]",
+            "point 2 of `p` of n is at 1 s, the one before it at 1 s",
+        );
+        bad(Kind::Points, "[{ at = -1, value = 1 }]", "`at` of point 1");
+        bad(Kind::Points, "[{ at = 1 }]", "lacks `value`");
+        bad(Kind::Points, "[{ at = 1, value = 1, shape = \"lineer\" }]", "cannot be \"lineer\"");
+        bad(Kind::Points, "[{ at = 1, value = 1, shape = 21 }]", "from -20 to 20");
+        bad(Kind::Points, "\"absent\"", "lacks `p`");
+    }
+
+    #[test]
+    fn files_stay_in_their_folder() {
+        assert_eq!(good(Kind::File, "\"sub/hit.wav\""), Value::File("sub/hit.wav".into()));
+        assert_eq!(good(Kind::File, "\"a..b.wav\""), Value::File("a..b.wav".into()));
+        for path in
+            ["../hit.wav", "a/../../hit.wav", "/hit.wav", "C:/hit.wav", "\\\\hit.wav", "a\\\\..\\\\hit.wav"]
+        {
+            bad(Kind::File, &format!("\"{path}\""), "leaves the folder of the patch");
+        }
+        bad(Kind::File, "\"\"", "has no name");
+        bad(Kind::File, "3", "the path of a WAV file");
+    }
+}

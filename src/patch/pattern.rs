@@ -1,4 +1,28 @@
 //! A pattern: events in time.
+//!
+//! # When an event sounds
+//!
+//! Times of a pattern are counted in its own unit (seconds, or beats of its own tempo) and divided by its rate and by the
+//! rates of all events that play it. Playing number k (from 0) of a pattern that repeats begins at k × `every`; repetitions
+//! may overlap. Repetition j of an event has its onset at `at` + `delay` + j × `every` after that. Durations are counted in
+//! the same unit and divided by the same rates; the default duration of a voice is in seconds and is left alone. The level
+//! of an event is multiplied by the gain of its pattern, of the event that plays the pattern, and so on outwards.
+//!
+//! # What is drawn
+//!
+//! All random numbers come from the seed, the pattern, the number of the playing, the event and its repetition, so that one
+//! draw never moves another.
+//!
+//! - `shuffle`: once for each playing, a permutation of the pattern's events is drawn, all equally likely. The onsets (`at`)
+//!   stay in their order; which event lands on which is what changes. An event takes everything but its `at` along.
+//! - `choose`: for each repetition of the event in each playing, one alternative is drawn with probability weight / sum of
+//!   the weights. An event with `choose` has itself only `at`, `delay` and `repeat`; level, place and the rest stand in the
+//!   alternatives, which do not choose again.
+//! - `jitter`: for each repetition of each event in each playing. `at` = a moves the onset by a × u; every other key is a
+//!   share s by which a field is multiplied, 1 + s × u. Each has its own u, evenly distributed from −1 to 1. An onset never
+//!   comes before the start of its playing. Only events that play a voice are moved in level, duration and fields.
+//!
+//! Events at the same instant happen in the order of the list. A file of events is never shuffled.
 
 use super::Options;
 use super::event::{self, Event, Repeat, Setting};
@@ -151,6 +175,15 @@ pub(crate) fn read(name: &str, reader: &Reader, options: &Options) -> Pattern {
         }
         None => Events::Inline(Vec::new()),
     };
+    let shuffle = reader.flag("shuffle");
+    if shuffle && matches!(events, Events::File(..)) {
+        let what = format!("{} shuffles a file of events, which is read as it plays", reader.who);
+        reader.sink.error_help(
+            &reader.span_of("shuffle"),
+            what,
+            "write the events into the patch, or leave out `shuffle`",
+        );
+    }
     let jitter = reader.one("jitter", format!("`jitter` of {}", reader.who)).map(|jitter| {
         let mut fractions = Vec::new();
         for key in ["level", "duration"] {
@@ -172,7 +205,7 @@ pub(crate) fn read(name: &str, reader: &Reader, options: &Options) -> Pattern {
         repeat: reader.has("repeat").then(|| event::read_repeat(reader)).flatten(),
         gain: reader.number_or_default("gain"),
         rate: reader.number_or_default("rate"),
-        shuffle: reader.flag("shuffle"),
+        shuffle,
         jitter,
         span: reader.span.clone(),
     }

@@ -19,14 +19,6 @@ pub fn schema() -> Value {
             "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2,
         }),
     );
-    let words: Vec<&str> = SHAPES.iter().map(|(w, _)| *w).collect();
-    defs.insert(
-        "shape".into(),
-        json!({
-            "oneOf": [{ "enum": words }, number(None, -MOST_SHAPE, MOST_SHAPE)],
-            "default": "linear",
-        }),
-    );
     defs.insert("expression".into(), json!({
         "type": "string",
         "minLength": 1,
@@ -112,7 +104,15 @@ fn parameter(param: &Param, defs: &mut Map<String, Value>) -> (Value, bool) {
             (json!({ "type": "array", "items": item, "minItems": 1 }), true)
         }
         Kind::Choice(words, default) => (json!({ "enum": words, "default": words.get(default) }), false),
-        Kind::Points => (json!({ "type": "array", "items": refer(&POINT, defs), "minItems": 1 }), true),
+        Kind::Points => {
+            let words: Vec<&str> = SHAPES.iter().map(|(w, _)| *w).collect();
+            let strength = number(None, -MOST_SHAPE, MOST_SHAPE);
+            defs.insert(
+                "shape".into(),
+                json!({ "oneOf": [{ "enum": words }, strength], "default": "linear" }),
+            );
+            (json!({ "type": "array", "items": refer(&POINT, defs), "minItems": 1 }), true)
+        }
         Kind::File => (json!({ "type": "string", "minLength": 1 }), true),
         Kind::Flag(default) => (json!({ "type": "boolean", "default": default }), false),
     }

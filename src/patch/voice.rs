@@ -26,6 +26,8 @@ pub struct Voice {
     pub tail: Option<f64>,
     /// Where it sounds unless its event says so; `None`: the rig's first tactor.
     pub place: Option<Place>,
+    /// Where that stands; the voice's place where there is none.
+    pub place_span: Span,
     /// Level of an event that gives none.
     pub level: f64,
     /// Duration, in seconds, of an event that gives none.
@@ -58,6 +60,7 @@ impl Voice {
             start: Start::Event,
             tail: None,
             place: None,
+            place_span: 0..0,
             level: 1.0,
             duration: 0.1,
             fields: vec![("frequency".into(), DEFAULT_FREQUENCY)],
@@ -74,6 +77,9 @@ impl Voice {
         }
     }
 }
+
+/// The most fields, other than `level` and `duration`, that the events of a voice may have.
+pub const MOST_FIELDS: usize = 64;
 
 /// `event.frequency` where neither the event nor the voice says any, Hz: where the skin feels vibration best.
 pub const DEFAULT_FREQUENCY: f64 = 250.0;
@@ -138,6 +144,7 @@ pub(crate) fn read(name: &str, reader: &Reader, options: &Options, broken: &mut 
     voice.start = if reader.word("start") == 0 { Start::Event } else { Start::Always };
     voice.tail = reader.number("tail");
     voice.place = place::read(reader, "place");
+    voice.place_span = reader.span_of("place");
     voice.span = reader.span.clone();
     if let Some(defaults) = reader.one("defaults", format!("`defaults` of {}", reader.who)) {
         voice.level = defaults.number_or_default("level");
@@ -154,11 +161,16 @@ pub(crate) fn read(name: &str, reader: &Reader, options: &Options, broken: &mut 
             let value = defaults.number_in(field, &value, -1e9, 1e9).unwrap_or(0.0);
             voice.fields.push((field.into(), value));
         }
+        if voice.fields.len() > MOST_FIELDS {
+            let what = format!("{} are {}, the most is {MOST_FIELDS}", defaults.who, voice.fields.len());
+            defaults.sink.error(&defaults.span, what);
+            voice.fields.truncate(MOST_FIELDS);
+        }
     }
     if let Some((nodes, _)) = reader.table("nodes") {
         voice.nodes = read_nodes(nodes, &reader.who, options, reader.sink, broken);
     }
-    if voice.nodes.is_empty() && broken.is_empty() && reader.text("output").is_some() {
+    if voice.nodes.is_empty() && broken.is_empty() && !voice.output.is_empty() {
         reader.sink.error_help(
             &reader.span,
             format!("{} has no nodes", reader.who),

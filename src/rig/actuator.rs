@@ -1,6 +1,8 @@
 //! What moves.
 
 use crate::text::Span;
+use crate::text::field::{Field, Form, Table};
+use crate::text::reader::Reader;
 
 /// An actuator, `[actuator.NAME]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +38,12 @@ pub enum Model {
     Lra,
 }
 
+impl Model {
+    /// All, in the order of the words in a file.
+    pub const ALL: [Self; 5] =
+        [Self::Generic, Self::VoiceCoil, Self::InertialMotor, Self::RumbleMotor, Self::Lra];
+}
+
 /// A peaking filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak {
@@ -45,4 +53,64 @@ pub struct Peak {
     pub gain_db: f64,
     /// Frequency over bandwidth.
     pub q: f64,
+}
+
+/// Its keys.
+pub static TABLE: Table = Table {
+    name: "actuator",
+    doc: "What moves.",
+    fields: &[
+        Field::new(
+            "model",
+            Form::Word(&["generic", "voice-coil", "inertial-motor", "rumble-motor", "lra"]),
+            "",
+            "What it is.",
+        ),
+        Field::new("resonance", Form::any_number(1.0, 10_000.0), "Hz", "Its resonance."),
+        Field::new("q", Form::any_number(0.05, 1000.0), "", "Quality of the resonance."),
+        Field::new("rated_volts", Form::any_number(1e-3, 1e4), "V", "What it is made for (peak)."),
+        Field::new("equaliser", Form::Many(&PEAK), "", "Peaking filters that even it out, in order."),
+    ],
+    others: None,
+};
+
+/// The keys of a peaking filter.
+pub static PEAK: Table = Table {
+    name: "peak",
+    doc: "A peaking filter.",
+    fields: &[
+        Field::new("frequency", Form::any_number(1.0, 3000.0), "Hz", "Where it peaks.").required(),
+        Field::new("gain_db", Form::any_number(-40.0, 40.0), "dB", "Gain there.").required(),
+        Field::new("q", Form::number(1.0, 0.05, 100.0), "", "Frequency over bandwidth."),
+    ],
+    others: None,
+};
+
+/// The most peaking filters of one actuator.
+pub const MOST_PEAKS: usize = 16;
+
+pub(crate) fn read(name: &str, reader: &Reader) -> Actuator {
+    let peaks = reader.many("equaliser", |n| format!("filter {n} of {}", reader.who));
+    if peaks.len() > MOST_PEAKS {
+        let what = format!("{} has {} filters, the most is {MOST_PEAKS}", reader.who, peaks.len());
+        reader.sink.error(&reader.span_of("equaliser"), what);
+    }
+    Actuator {
+        name: name.into(),
+        model: Model::ALL.get(reader.word("model")).copied().unwrap_or(Model::Generic),
+        resonance: reader.number("resonance"),
+        q: reader.number("q"),
+        rated_volts: reader.number("rated_volts"),
+        equaliser: peaks
+            .iter()
+            .filter_map(|p| {
+                Some(Peak {
+                    frequency: p.number("frequency")?,
+                    gain_db: p.number("gain_db")?,
+                    q: p.number("q")?,
+                })
+            })
+            .collect(),
+        span: reader.span.clone(),
+    }
 }

@@ -1,6 +1,8 @@
 //! What stands between sound card and actuator.
 
 use crate::text::Span;
+use crate::text::field::{Field, Form, Table};
+use crate::text::reader::Reader;
 
 /// An amplifier, `[amplifier.NAME]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,4 +28,28 @@ pub enum Drive {
     Voltage,
     /// A current.
     Current,
+}
+
+/// Its keys.
+pub static TABLE: Table = Table {
+    name: "amplifier",
+    doc: "What stands between sound card and actuator.",
+    fields: &[
+        Field::new("gain", Form::any_number(-1e4, 1e4), "V/V or A/V", "Output over input.").required(),
+        Field::new("max_volts", Form::any_number(1e-3, 1e4), "V", "The most it can give."),
+        Field::new("drive", Form::Word(&["voltage", "current"]), "", "What it imposes on the actuator."),
+        Field::new("max_amperes", Form::any_number(1e-6, 1e3), "A", "The most it can give."),
+    ],
+    others: None,
+};
+
+pub(crate) fn read(name: &str, reader: &Reader) -> Amplifier {
+    Amplifier {
+        name: name.into(),
+        gain: reader.number_or_default("gain"),
+        max_volts: reader.number("max_volts"),
+        drive: if reader.word("drive") == 0 { Drive::Voltage } else { Drive::Current },
+        max_amperes: reader.number("max_amperes"),
+        span: reader.span.clone(),
+    }
 }

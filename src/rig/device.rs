@@ -1,5 +1,9 @@
 //! The sound card.
 
+use super::MAX_CHANNELS;
+use crate::text::field::{Field, Form, Table};
+use crate::text::reader::Reader;
+
 /// The sound card, `[device]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Device {
@@ -22,4 +26,70 @@ pub enum Coupling {
     Dc,
     /// A first-order high-pass at so many hertz.
     HighPass(f64),
+}
+
+/// Its keys.
+pub static TABLE: Table = Table {
+    name: "device",
+    doc: "The sound card.",
+    fields: &[
+        Field::new(
+            "name",
+            Form::Text,
+            "",
+            "What the system calls it; the default one where nothing is said.",
+        ),
+        Field::new("channels", Form::any_count(1, MAX_CHANNELS as u64), "", "How many channels it has.")
+            .required(),
+        Field::new(
+            "rate",
+            Form::any_number(1000.0, 1e6),
+            "Hz",
+            "Samples a second; whatever is asked for where nothing is said.",
+        ),
+        Field::new(
+            "full_scale_volts",
+            Form::any_number(1e-6, 1e4),
+            "V",
+            "Voltage (peak) at a sample of 1.0; figures in volts are given only where it is known.",
+        ),
+        Field::new(
+            "coupling",
+            Form::Defined("coupling"),
+            "",
+            "What its outputs let through: \"dc\", or { high_pass = 8.0 } for a first-order high-pass (Hz).",
+        ),
+    ],
+    others: None,
+};
+
+/// The keys of a coupling that is not DC.
+pub static COUPLING: Table = Table {
+    name: "high-pass",
+    doc: "A first-order high-pass.",
+    fields: &[Field::new("high_pass", Form::any_number(1e-3, 1000.0), "Hz", "Its corner.").required()],
+    others: None,
+};
+
+pub(crate) fn read(reader: &Reader) -> Device {
+    let coupling = reader.at("coupling").and_then(|value| match (value.text(), value.table()) {
+        (Some("dc"), _) => Some(Coupling::Dc),
+        (_, Some(entries)) => {
+            let who = format!("`coupling` of {}", reader.who);
+            Reader::new(&COUPLING, entries, value.span(), who, reader.sink)
+                .number("high_pass")
+                .map(Coupling::HighPass)
+        }
+        _ => {
+            reader.mistaken("coupling", &value, "\"dc\" or { high_pass = 8.0 }");
+            None
+        }
+    });
+    Device {
+        name: reader.text("name").map(Into::into),
+        channels: reader.count("channels").and_then(|n| u32::try_from(n).ok()).unwrap_or(MAX_CHANNELS),
+        rate: reader.number("rate"),
+        full_scale_volts: reader.number("full_scale_volts"),
+        coupling: coupling.unwrap_or(Coupling::Dc),
+    }
 }

@@ -5,13 +5,20 @@ pub mod amplifier;
 pub mod device;
 pub mod output;
 pub mod resolve;
+pub mod schema;
 
 pub use actuator::{Actuator, Model, Peak};
 pub use amplifier::{Amplifier, Drive};
 pub use device::{Coupling, Device};
 pub use output::{Output, OutputKind};
+pub use schema::schema;
 
-use crate::patch::Place;
+use std::collections::{HashMap, HashSet};
+
+use crate::text::document;
+use crate::text::field::{Field, Form, Table};
+use crate::text::nearest::suggest;
+use crate::text::reader::{Reader, Sink};
 use crate::text::{Checked, Problem, Problems};
 
 /// The most channels a device may have.
@@ -34,28 +41,54 @@ pub struct Rig {
     pub outputs: Vec<Output>,
 }
 
+/// The format that this version reads.
+pub const FORMAT: &str = "pacinian-rig/1";
+
+/// Its keys.
+pub static TABLE: Table = Table {
+    name: "rig",
+    doc: "Hardware: a device, amplifiers, actuators, and where on the body each tactor sits.",
+    fields: &[
+        Field::new("format", Form::Defined("format"), "", "The format and its version.").required(),
+        Field::new("title", Form::Text, "", "What it is called."),
+        Field::new("description", Form::Text, "", "What it is about."),
+        Field::new("device", Form::One(&device::TABLE), "", "The sound card.").required(),
+        Field::new("amplifier", Form::Named(&amplifier::TABLE), "", "Amplifiers, by name."),
+        Field::new("actuator", Form::Named(&actuator::TABLE), "", "Actuators, by name."),
+        Field::new(
+            "tactor",
+            Form::Many(&output::TACTOR),
+            "",
+            "Tactors. With neither tactors nor outputs, there is a line of them, one on each channel.",
+        ),
+        Field::new("output", Form::Many(&output::TABLE), "", "Outputs of any kind."),
+    ],
+    others: None,
+};
+
 impl Rig {
-    /// Reads a rig from the bytes of a file called `name`.
+    /// Reads a rig from the bytes of a file called `name`. A rig with no outputs gets those of [`Rig::default_for`].
     ///
     /// # Errors
     /// Every problem of the file at once, each with its place.
     pub fn parse(name: &str, bytes: &[u8]) -> Result<Checked<Self>, Problems> {
-        let _ = bytes;
-        Err(Problems::of_file(name, "rigs cannot be read yet"))
+        document::read(name, bytes, FORMAT, |document, sink| {
+            let reader = Reader::new(&TABLE, document, 0..0, "the rig", sink);
+            let mut rig = Self::read(&reader);
+            for problem in rig.check() {
+                sink.push(problem);
+            }
+            if !reader.has("tactor") && !reader.has("output") {
+                rig.outputs = line(rig.device.channels);
+            }
+            rig
+        })
     }
-    /// A rig for those who have none: `channels` tactors `t1`, `t2`, ... in a line, 40 mm apart, on channels 1, 2, ...
+
+    /// A rig for those who have none: `channels` tactors `t1`, `t2`, ... in a line, 40 mm apart, on channels 1, 2, ... There are
+    /// at most [`MAX_CHANNELS`].
     pub fn default_for(channels: u32) -> Self {
-        let tactor = |i: u32| Output {
-            name: format!("t{}", i + 1),
-            kind: OutputKind::Vibration,
-            channel: i + 1,
-            position: Some([0.04 * f64::from(i), 0.0, 0.0]),
-            actuator: None,
-            amplifier: None,
-            gain: 1.0,
-            inverted: false,
-            span: 0..0,
-        };
+        let channels = channels.min(MAX_CHANNELS);
         Self {
             title: "A line of tactors".into(),
             description: String::new(),
@@ -68,15 +101,111 @@ impl Rig {
             },
             amplifiers: Vec::new(),
             actuators: Vec::new(),
-            outputs: (0..channels).map(tactor).collect(),
+            outputs: line(channels),
         }
     }
-    /// The output, by its place in [`Rig::outputs`], on which a place sounds; `None` is the first tactor.
-    ///
-    /// # Errors
-    /// Says what the rig lacks and suggests the nearest name.
-    pub fn resolve(&self, place: Option<&Place>) -> Result<usize, Problem> {
-        let _ = place;
-        Ok(0)
+
+    /// The actuator of that name.
+    pub fn actuator(&self, name: &str) -> Option<&Actuator> {
+        self.actuators.iter().find(|a| a.name == name)
     }
+    /// The amplifier of that name.
+    pub fn amplifier(&self, name: &str) -> Option<&Amplifier> {
+        self.amplifiers.iter().find(|a| a.name == name)
+    }
+
+    /// What is wrong with it as a whole: channels that the device lacks or that are taken twice, names that nothing has.
+    pub fn check(&self) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        if self.device.channels == 0 || self.device.channels > MAX_CHANNELS {
+            let what = format!(
+                "the device has {} channels; it may have from 1 to {MAX_CHANNELS}",
+                self.device.channels
+            );
+            problems.push(Problem::of_file(what));
+        }
+        let (mut names, mut channels) = (HashMap::new(), HashMap::new());
+        let actuators: HashSet<&str> = self.actuators.iter().map(|a| a.name.as_str()).collect();
+        let amplifiers: HashSet<&str> = self.amplifiers.iter().map(|a| a.name.as_str()).collect();
+        for output in &self.outputs {
+            if problems.len() >= Sink::MOST {
+                break;
+            }
+            let name = output.name.as_str();
+            if !name.is_empty() && names.insert(name, ()).is_some() {
+                let help = "every output has its own name".to_string();
+                problems.push(
+                    Problem::error(&output.span, format!("there are two outputs called `{name}`")).help(help),
+                );
+            }
+            // 0 stands for a channel that cannot be read, which has been said.
+            if output.channel > self.device.channels {
+                let what = format!(
+                    "output `{name}` is on channel {}, the device has {}",
+                    output.channel, self.device.channels
+                );
+                let help =
+                    "channels count from 1; `channels` of the device says how many there are".to_string();
+                problems.push(Problem::error(&output.channel_span, what).help(help));
+            } else if output.channel > 0
+                && let Some(other) = channels.insert(output.channel, name)
+            {
+                let what = format!("outputs `{other}` and `{name}` are both on channel {}", output.channel);
+                problems.push(Problem::error(&output.channel_span, what));
+            } else if output.channel == 0 && output.span.is_empty() {
+                problems.push(Problem::error(
+                    &output.span,
+                    format!("output `{name}` is on channel 0; channels count from 1"),
+                ));
+            }
+            if let Some(wanted) = output.actuator.as_deref().filter(|n| !actuators.contains(n)) {
+                let what = format!("output `{name}` has an actuator `{wanted}`, which is not there");
+                problems
+                    .push(Problem::error(&output.span, what).help(missing(wanted, "actuator", &actuators)));
+            }
+            if let Some(wanted) = output.amplifier.as_deref().filter(|n| !amplifiers.contains(n)) {
+                let what = format!("output `{name}` has an amplifier `{wanted}`, which is not there");
+                problems.push(Problem::error(&output.span, what).help(missing(
+                    wanted,
+                    "amplifier",
+                    &amplifiers,
+                )));
+            }
+        }
+        problems
+    }
+
+    fn read(reader: &Reader) -> Self {
+        let device = reader.one("device", "the device").map(|r| device::read(&r));
+        let amplifiers = reader.named("amplifier", "amplifier");
+        let actuators = reader.named("actuator", "actuator");
+        let tactors = reader.many("tactor", |n| format!("tactor {n}"));
+        let outputs = reader.many("output", |n| format!("output {n}"));
+        Self {
+            title: reader.text("title").unwrap_or("").into(),
+            description: reader.text("description").unwrap_or("").into(),
+            device: device.unwrap_or(Device {
+                name: None,
+                channels: MAX_CHANNELS,
+                rate: None,
+                full_scale_volts: None,
+                coupling: Coupling::Dc,
+            }),
+            amplifiers: amplifiers.iter().map(|(name, r)| amplifier::read(name, r)).collect(),
+            actuators: actuators.iter().map(|(name, r)| actuator::read(name, r)).collect(),
+            outputs: tactors
+                .iter()
+                .map(|r| output::read(r, true))
+                .chain(outputs.iter().map(|r| output::read(r, false)))
+                .collect(),
+        }
+    }
+}
+
+fn line(channels: u32) -> Vec<Output> {
+    (1..=channels).map(|n| Output::tactor(&format!("t{n}"), n, [0.04 * f64::from(n - 1), 0.0, 0.0])).collect()
+}
+
+fn missing(word: &str, kind: &str, names: &HashSet<&str>) -> String {
+    suggest(word, names.iter().copied()).unwrap_or_else(|| format!("describe it under [{kind}.{word}]"))
 }

@@ -1,6 +1,10 @@
 //! A channel of the device and what hangs on it.
 
-use crate::text::Span;
+use super::MAX_CHANNELS;
+use crate::patch::place;
+use crate::text::field::{Field, Form, Table};
+use crate::text::reader::Reader;
+use crate::text::{Problem, Span};
 
 /// An output, `[[output]]`; `[[tactor]]` is the short form for one of kind vibration.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +27,8 @@ pub struct Output {
     pub inverted: bool,
     /// Where it stands.
     pub span: Span,
+    /// Where its channel stands.
+    pub channel_span: Span,
 }
 
 /// What goes out of an output.
@@ -43,4 +49,145 @@ pub enum OutputKind {
     },
     /// Samples as they come, past the band limit.
     Raw,
+}
+
+impl OutputKind {
+    /// The word for it in a file.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Vibration => "vibration",
+            Self::Drive => "drive",
+            Self::Torque => "torque",
+            Self::Trigger { .. } => "trigger",
+            Self::Raw => "raw",
+        }
+    }
+}
+
+impl Output {
+    /// A plain tactor with neither actuator nor amplifier.
+    pub fn tactor(name: &str, channel: u32, position: [f64; 3]) -> Self {
+        Self {
+            name: name.into(),
+            kind: OutputKind::Vibration,
+            channel,
+            position: Some(position),
+            actuator: None,
+            amplifier: None,
+            gain: 1.0,
+            inverted: false,
+            span: 0..0,
+            channel_span: 0..0,
+        }
+    }
+}
+
+const NAME: Field = Field::new("name", Form::Text, "", "Its name, by which events find it.").required();
+const CHANNEL: Field = Field::new(
+    "channel",
+    Form::any_count(1, MAX_CHANNELS as u64),
+    "",
+    "Channel of the device, from 1, as printed on the card.",
+)
+.required();
+const ACTUATOR: Field = Field::new("actuator", Form::Text, "", "Name of the actuator.");
+const AMPLIFIER: Field = Field::new("amplifier", Form::Text, "", "Name of the amplifier.");
+const GAIN: Field = Field::new("gain", Form::number(1.0, 0.0, 1000.0), "", "Multiplies what goes out.");
+const POLARITY: Field = Field::new(
+    "polarity",
+    Form::Defined("polarity"),
+    "",
+    "1, or -1 or \"invert\" to turn what goes out upside down.",
+);
+const POSITION: Field =
+    Field::new("position", Form::Defined("position"), "m", "Where on the body: [x, y] or [x, y, z].");
+
+/// The keys of a tactor.
+pub static TACTOR: Table = Table {
+    name: "tactor",
+    doc: "An output for vibration.",
+    fields: &[NAME, CHANNEL, POSITION, ACTUATOR, AMPLIFIER, GAIN, POLARITY],
+    others: None,
+};
+
+/// The keys of any output.
+pub static TABLE: Table = Table {
+    name: "output",
+    doc: "A channel of the device and what hangs on it.",
+    fields: &[
+        Field::new(
+            "kind",
+            Form::Word(&["vibration", "drive", "torque", "trigger", "raw"]),
+            "",
+            "What goes out of it.",
+        )
+        .required(),
+        NAME,
+        CHANNEL,
+        POSITION,
+        ACTUATOR,
+        AMPLIFIER,
+        GAIN,
+        POLARITY,
+        Field::new(
+            "marker",
+            Form::Text,
+            "",
+            "For a trigger: the marker that gives a pulse; all of them where nothing is said.",
+        ),
+        Field::new("pulse", Form::number(0.005, 1e-5, 10.0), "s", "For a trigger: length of the pulse."),
+    ],
+    others: None,
+};
+
+pub(crate) fn read(reader: &Reader, is_tactor: bool) -> Output {
+    let kind = match if is_tactor { 0 } else { reader.word("kind") } {
+        1 => OutputKind::Drive,
+        2 => OutputKind::Torque,
+        3 => OutputKind::Trigger {
+            marker: reader.text("marker").map(Into::into),
+            pulse: reader.number_or_default("pulse"),
+        },
+        4 => OutputKind::Raw,
+        _ => OutputKind::Vibration,
+    };
+    if !is_tactor && !matches!(kind, OutputKind::Trigger { .. }) {
+        for key in ["marker", "pulse"].into_iter().filter(|k| reader.has(k)) {
+            let what = format!("{} is of kind {}; only a trigger has `{key}`", reader.who, kind.word());
+            reader.sink.error(&reader.span_of(key), what);
+        }
+    }
+    if matches!(kind, OutputKind::Drive | OutputKind::Torque) {
+        let what = format!(
+            "{} is of kind {}, which is not rendered yet: its channel stays silent",
+            reader.who,
+            kind.word()
+        );
+        reader.sink.push(Problem::warning(&reader.span_of("kind"), what));
+    }
+    let inverted = reader.at("polarity").is_some_and(|value| match (value.number(), value.text()) {
+        (Some(1.0), _) => false,
+        (Some(-1.0), _) | (_, Some("invert")) => true,
+        _ => {
+            reader.mistaken("polarity", &value, "1, -1 or \"invert\"");
+            false
+        }
+    });
+    let name = reader.text("name");
+    if let Some(name) = name {
+        let named = if is_tactor { "tactor" } else { "output" };
+        reader.check_name(name, &reader.span_of("name"), &format!("{named} `{name}`"));
+    }
+    Output {
+        name: name.unwrap_or("").into(),
+        kind,
+        channel: reader.count("channel").and_then(|n| u32::try_from(n).ok()).unwrap_or(0),
+        position: place::read_position(reader, "position"),
+        actuator: reader.text("actuator").map(Into::into),
+        amplifier: reader.text("amplifier").map(Into::into),
+        gain: reader.number_or_default("gain"),
+        inverted,
+        span: reader.span.clone(),
+        channel_span: reader.span_of("channel"),
+    }
 }

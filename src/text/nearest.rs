@@ -2,7 +2,7 @@
 
 /// Advice that names the candidate nearest to `word`, or lists them where they are few; `None` where there is nothing to say.
 pub fn suggest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let mut candidates: Vec<&str> = candidates.into_iter().collect();
+    let mut candidates: Vec<&str> = candidates.into_iter().take(MOST_CANDIDATES + 1).collect();
     if candidates.len() > MOST_CANDIDATES {
         return None;
     }

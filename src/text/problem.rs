@@ -75,14 +75,15 @@ impl Problems {
     }
     /// Line and column of a byte, both from 1; the column counts characters.
     pub fn position(&self, byte: usize) -> (usize, usize) {
-        let mut end = byte.min(self.source.len());
-        while !self.source.is_char_boundary(end) {
-            end -= 1;
-        }
-        let before = self.source.get(..end).unwrap_or("");
-        let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
-        let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
-        (line, column)
+        let before = self.source.as_bytes().get(..byte).unwrap_or(self.source.as_bytes());
+        let line = before.iter().filter(|b| **b == b'\n').count() + 1;
+        let begin = before.iter().rposition(|b| *b == b'\n').map_or(0, |b| b + 1);
+        (line, self.column(begin, byte))
+    }
+    /// The character of a line that begins at `begin` in which a byte lies, from 1.
+    fn column(&self, begin: usize, byte: usize) -> usize {
+        let line = self.source.get(begin..).unwrap_or("");
+        line.char_indices().take_while(|(i, c)| begin + i + c.len_utf8() <= byte).count() + 1
     }
     /// By line; what concerns the whole file first.
     pub(crate) fn sort(&mut self) {
@@ -92,13 +93,17 @@ impl Problems {
 
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let breaks: Vec<usize> =
+            self.source.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
         for (i, problem) in self.list.iter().enumerate() {
             if i > 0 {
                 writeln!(f)?;
             }
             write!(f, "{}:", self.file)?;
             if let Some(span) = &problem.span {
-                let (line, column) = self.position(span.start);
+                let before = breaks.partition_point(|b| *b < span.start);
+                let begin = before.checked_sub(1).and_then(|i| breaks.get(i)).map_or(0, |b| b + 1);
+                let (line, column) = (before + 1, self.column(begin, span.start));
                 write!(f, "{line}:{column}:")?;
             }
             let word = if problem.is_error() { "error" } else { "warning" };

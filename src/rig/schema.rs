@@ -1,0 +1,22 @@
+//! The JSON Schema of rigs, from the same tables by which they are read.
+
+use serde_json::{Map, Value, json};
+
+use super::device::COUPLING;
+use crate::text::schema::{of_file, refer};
+
+/// The JSON Schema (draft 2020-12) of rigs.
+pub fn schema() -> Value {
+    let mut defs = Map::new();
+    defs.insert("format".into(), json!({ "type": "string", "pattern": "^pacinian-rig/1(\\.[0-9]+)?$" }));
+    defs.insert(
+        "position".into(),
+        json!({
+            "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3,
+        }),
+    );
+    defs.insert("polarity".into(), json!({ "enum": [1, -1, "invert"], "default": 1 }));
+    let coupling = refer(&COUPLING, &mut defs);
+    defs.insert("coupling".into(), json!({ "oneOf": [{ "const": "dc" }, coupling], "default": "dc" }));
+    of_file("A pacinian rig", &super::TABLE, defs)
+}

@@ -1,0 +1,174 @@
+//! Rigs.
+
+use pacinian::patch::Patch;
+use pacinian::rig::{Coupling, Drive, Model, OutputKind, Rig};
+
+use super::assert_told;
+
+const HEAD: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 8\n";
+
+/// A rig with everything in it.
+pub const FULL: &str = r#"#:schema ../schema/rig.json
+format = "pacinian-rig/1"
+title = "A belt"
+description = "Two tactors."
+[device]
+name = "card"
+channels = 8
+rate = 48000
+full_scale_volts = 1.4
+coupling = { high_pass = 8.0 }
+[amplifier.class-d]
+gain = 6.0
+max_volts = 5.0
+drive = "current"
+max_amperes = 1.0
+[actuator.exciter]
+model = "inertial-motor"
+resonance = 65.0
+q = 2.0
+rated_volts = 3.0
+equaliser = [{ frequency = 65, gain_db = -6 }]
+[[tactor]]
+name = "top"
+channel = 3
+position = [0.0, 0.2]
+actuator = "exciter"
+amplifier = "class-d"
+gain = 0.5
+polarity = -1
+[[tactor]]
+name = "low"
+channel = 1
+[[output]]
+kind = "trigger"
+name = "sync"
+channel = 8
+marker = "go"
+pulse = 0.01
+[[output]]
+kind = "raw"
+name = "audio"
+channel = 7
+polarity = "invert"
+"#;
+
+#[test]
+fn reads_everything() {
+    let checked = Rig::parse("full.toml", FULL.as_bytes()).unwrap_or_else(|p| panic!("{p}"));
+    assert_eq!(checked.warnings.list, []);
+    let rig = checked.value;
+    assert_eq!((rig.device.channels, rig.device.rate), (8, Some(48000.0)));
+    assert_eq!((rig.device.full_scale_volts, rig.device.coupling), (Some(1.4), Coupling::HighPass(8.0)));
+    let amplifier = rig.amplifier("class-d").unwrap();
+    assert_eq!((amplifier.gain, amplifier.drive, amplifier.max_amperes), (6.0, Drive::Current, Some(1.0)));
+    let exciter = rig.actuator("exciter").unwrap();
+    assert_eq!((exciter.model, exciter.resonance, exciter.q), (Model::InertialMotor, Some(65.0), Some(2.0)));
+    assert_eq!((exciter.equaliser[0].gain_db, exciter.equaliser[0].q), (-6.0, 1.0));
+    let [top, low, sync, audio] = rig.outputs.as_slice() else { panic!("four outputs") };
+    assert_eq!((top.name.as_str(), top.channel, top.gain, top.inverted), ("top", 3, 0.5, true));
+    assert_eq!((top.position, low.position), (Some([0.0, 0.2, 0.0]), None));
+    assert_eq!(sync.kind, OutputKind::Trigger { marker: Some("go".into()), pulse: 0.01 });
+    assert_eq!((&audio.kind, audio.inverted), (&OutputKind::Raw, true));
+}
+
+#[test]
+fn every_mistake_is_told_at_its_line() {
+    let tactor = "[[tactor]]\nname = \"a\"\nchannel = 1\n";
+    let cases: &[(String, &[(usize, &str)])] = &[
+        (
+            "[[tactor]]\nname = \"a\"\nchannel = 9".into(),
+            &[(6, "output `a` is on channel 9, the device has 8")],
+        ),
+        (
+            "[[tactor]]\nname = \"a\"\nchannel = 0".into(),
+            &[(6, "is 0; it must be a whole number from 1 to 4096")],
+        ),
+        ("[[tactor]]\nname = \"a\"\nchannel = 1.5".into(), &[(6, "is 1.5; it must be a whole number")]),
+        ("[[tactor]]\nchannel = 1".into(), &[(4, "tactor 1 lacks `name`")]),
+        ("[[tactor]]\nname = \"a b\"\nchannel = 1".into(), &[(5, "the name of tactor `a b` cannot be used")]),
+        (
+            format!("{tactor}[[tactor]]\nname = \"b\"\nchannel = 1"),
+            &[(9, "outputs `a` and `b` are both on channel 1")],
+        ),
+        (
+            format!("{tactor}[[tactor]]\nname = \"a\"\nchannel = 2"),
+            &[(7, "there are two outputs called `a`")],
+        ),
+        (format!("{tactor}actuator = \"x\""), &[(4, "describe it under [actuator.x]")]),
+        (
+            format!("{tactor}amplifier = \"clas-d\"\n[amplifier.class-d]\ngain = 1"),
+            &[(4, "did you mean `class-d`?")],
+        ),
+        (format!("{tactor}postion = [0, 0]"), &[(7, "did you mean `position`?")]),
+        (format!("{tactor}position = [0, nan]"), &[(7, "a position [x, y]")]),
+        (format!("{tactor}polarity = 2"), &[(7, "it must be 1, -1 or \"invert\"")]),
+        (format!("{tactor}gain = inf"), &[(7, "is inf; it must be")]),
+        ("[actuator.x]\nmodel = \"voice coil\"".into(), &[(5, "did you mean `voice-coil`?")]),
+        (
+            "[actuator.x]\nequaliser = [{ frequency = 60 }]".into(),
+            &[(5, "filter 1 of actuator `x` lacks `gain_db`")],
+        ),
+        (
+            "[amplifier.x]\ndrive = \"power\"".into(),
+            &[(4, "lacks `gain`"), (5, "there are `current` and `voltage`")],
+        ),
+        (
+            "[[output]]\nname = \"a\"\nchannel = 1\nkind = \"raw\"\npulse = 1".into(),
+            &[(8, "only a trigger has `pulse`")],
+        ),
+        ("[[output]]\nname = \"a\"\nchannel = 1".into(), &[(4, "output 1 lacks `kind`")]),
+        ("tactor = 3".into(), &[(4, "the device has no key `tactor`")]),
+    ];
+    for (bad, expected) in cases {
+        let source = format!("{HEAD}{bad}\n");
+        match Rig::parse("bad.toml", source.as_bytes()) {
+            Ok(_) => panic!("accepted:\n{source}"),
+            Err(problems) => assert_told(&source, &problems, expected),
+        }
+    }
+    for (device, fragment) in [
+        ("channels = 0", "from 1 to 4096"),
+        ("channels = 5000", "from 1 to 4096"),
+        ("channels = 2\ncoupling = \"ac\"", "it must be \"dc\" or"),
+        ("channels = 2\ncoupling = { high_pass = 0 }", "`high_pass` of `coupling` of the device"),
+        ("rate = 48000", "the device lacks `channels`"),
+    ] {
+        let source = format!("format = \"pacinian-rig/1\"\n[device]\n{device}\n");
+        let problems = Rig::parse("bad.toml", source.as_bytes()).unwrap_err();
+        assert!(problems.to_string().contains(fragment), "{problems}");
+        assert_eq!(problems.list.len(), 1, "{problems}");
+    }
+}
+
+#[test]
+fn kinds_that_are_not_rendered_are_a_warning() {
+    for kind in ["drive", "torque"] {
+        let source = format!("{HEAD}[[output]]\nname = \"a\"\nchannel = 1\nkind = \"{kind}\"\n");
+        let checked = Rig::parse("w.toml", source.as_bytes()).unwrap();
+        assert_told(&source, &checked.warnings, &[(7, "which is not rendered yet")]);
+    }
+}
+
+#[test]
+fn a_rig_without_tactors_gets_a_line_of_them() {
+    let rig = Rig::parse("r.toml", HEAD.as_bytes()).unwrap().value;
+    assert_eq!(rig.outputs, Rig::default_for(8).outputs);
+    assert_eq!(Rig::default_for(8).check(), []);
+    assert_eq!(rig.outputs[7].position.unwrap()[0], 0.28);
+    assert_eq!(Rig::default_for(u32::MAX).outputs.len(), 4096);
+    assert!(Rig::default_for(0).check()[0].what.contains("0 channels"));
+}
+
+#[test]
+fn places_of_a_patch_are_checked_against_it() {
+    let source = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\noutput = \"o\"\nplace = \"t9\"\n\
+                  nodes.o = { type = \"sine\", frequency = 1 }\n[pattern.p]\nevents = [\n{ at = 0, voice = \"v\", place = \"t2\" },\n\
+                  { at = 0, voice = \"v\", place = 9 },\n{ at = 0, choose = [{ voice = \"v\", place = \"tt1\" }] }]\n";
+    let patch = Patch::parse("p.toml", source.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let list = Rig::default_for(8).check_places(&patch);
+    let problems = pacinian::text::Problems { file: "p.toml".into(), source: source.into(), list };
+    let expected =
+        [(5, "no tactor `t9`"), (10, "no channel 9; the device has 8"), (11, "did you mean `t1`?")];
+    assert_told(source, &problems, &expected);
+}
