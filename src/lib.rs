@@ -3,4 +3,5 @@
 #![warn(missing_docs)]
 
 pub mod dsp;
+pub mod engine;
 pub mod node;

@@ -1,0 +1,3 @@
+//! The run-time.
+
+pub mod vibration;
