@@ -10,10 +10,16 @@ const FRAMES: usize = 64;
 
 fn main() {
     for (channels, rate) in [(24, 48_000.0), (16, 48_000.0), (1024, 48_000.0), (24, 192_000.0)] {
-        for (name, level, limiter) in
-            [("limiter off", 0.3, false), ("level 0.3", 0.3, true), ("level 0.95", 0.95, true), ("level 4", 4.0, true)]
-        {
-            println!("{channels:5} channels {rate:7} Hz  {name:12} {:.3} ns", cost(channels, rate, level, limiter));
+        for (name, level, limiter) in [
+            ("limiter off", 0.3, false),
+            ("level 0.3", 0.3, true),
+            ("level 0.95", 0.95, true),
+            ("level 4", 4.0, true),
+        ] {
+            println!(
+                "{channels:5} channels {rate:7} Hz  {name:12} {:.3} ns",
+                cost(channels, rate, level, limiter)
+            );
         }
     }
 }

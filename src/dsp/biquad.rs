@@ -86,7 +86,8 @@ impl Biquad {
     /// After R. Bristow-Johnson's "Cookbook formulae for audio equalizer biquad filter coefficients".
     /// A value out of range gives [`Biquad::THROUGH`]: the rig's check has refused it before.
     pub fn peaking(frequency: f64, q: f64, gain: f64, rate: f64) -> Self {
-        let sound = frequency > 0.0 && frequency < 0.5 * rate && q > 0.0 && q.is_finite() && gain.abs() <= 60.0;
+        let sound =
+            frequency > 0.0 && frequency < 0.5 * rate && q > 0.0 && q.is_finite() && gain.abs() <= 60.0;
         if !sound {
             return Self::THROUGH;
         }

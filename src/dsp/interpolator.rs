@@ -97,7 +97,8 @@ fn solve(matrix: &mut [f64], right: &mut [f64]) {
         for j in 0..=i {
             let dot: f64 = (0..j).map(|k| matrix[i * n + k] * matrix[j * n + k]).sum();
             let rest = matrix[i * n + j] - dot;
-            matrix[i * n + j] = if i == j { rest.max(f64::MIN_POSITIVE).sqrt() } else { rest / matrix[j * n + j] };
+            matrix[i * n + j] =
+                if i == j { rest.max(f64::MIN_POSITIVE).sqrt() } else { rest / matrix[j * n + j] };
         }
         let dot: f64 = (0..i).map(|k| matrix[i * n + k] * right[k]).sum();
         right[i] = (right[i] - dot) / matrix[i * n + i];

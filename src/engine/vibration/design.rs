@@ -23,12 +23,10 @@ pub(super) struct Section {
     pub a2: f32,
 }
 
-/// Two phases that mirror each other: their sum is worked out from sums of mirrored samples, their difference from
+/// Two phases that mirror each other, the p-th from the start and from the end: their sum is worked out from sums of mirrored samples, their difference from
 /// differences, at half the multiplications. Each coefficient is held eight times, as the loops want it.
 #[derive(Clone, Debug)]
 pub(super) struct Pair {
-    pub near: usize,
-    pub far: usize,
     pub sum: [Row; MAX_TAPS / 2],
     pub difference: [Row; MAX_TAPS / 2],
 }
@@ -78,12 +76,8 @@ fn pairs(fir: &Interpolator, gain: f64) -> Vec<Pair> {
     (0..ratio.div_ceil(2))
         .map(|near| {
             let far = ratio - 1 - near;
-            let mut pair = Pair {
-                near,
-                far,
-                sum: [[0.0; LANES]; MAX_TAPS / 2],
-                difference: [[0.0; LANES]; MAX_TAPS / 2],
-            };
+            let mut pair =
+                Pair { sum: [[0.0; LANES]; MAX_TAPS / 2], difference: [[0.0; LANES]; MAX_TAPS / 2] };
             for k in 0..taps.div_ceil(2) {
                 // Where the window has a middle, the sample stands for its own sum and difference.
                 let (here, mirrored) = (tap(near, k), tap(far, k));

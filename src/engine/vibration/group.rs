@@ -139,13 +139,12 @@ impl Group {
     /// At most [`CHUNK`] samples that end at a grid point or before.
     #[inline(always)]
     fn chunk(&mut self, design: &Design, rows: &mut [Row], out: &mut [f32], place: Place) {
-        let mut peaks = peaks(rows);
+        let (mut peaks, wild) = survey(rows);
         let (mut rows, mut out) = (rows, out);
         if self.asleep {
-            let first = match peaks == [0; LANES] {
-                true => rows.len(),
-                false => rows.iter().position(|row| *row != SILENCE).unwrap_or(rows.len()),
-            };
+            let silent = peaks == SILENCE && !wild;
+            let first = if silent { None } else { rows.iter().position(|row| *row != SILENCE) };
+            let first = first.unwrap_or(rows.len());
             let (before, after) = out.split_at_mut(first * design.fir.ratio * place.channels);
             self.silence(before, place);
             (rows, out) = (&mut rows[first..], after);
@@ -154,35 +153,29 @@ impl Group {
             }
             self.asleep = false;
         }
-        if peaks.iter().any(|&bits| bits > LARGEST.to_bits() as i32) {
+        if wild {
             self.mend(rows);
-            peaks = self::peaks(rows);
+            peaks = survey(rows).0;
         }
         for l in 0..LANES {
-            self.quiet[l] &= peaks[l] == 0;
+            self.quiet[l] &= peaks[l] == 0.0;
         }
         if !self.bells.is_empty() {
             for bell in &mut self.bells {
                 bell.run(rows);
             }
-            peaks = self::peaks(rows);
+            peaks = survey(rows).0;
         }
         let mut line = [SILENCE; MAX_TAPS - 1 + CHUNK];
         line[..MAX_TAPS - 1].copy_from_slice(&self.past);
         self.band_limit(design, rows, peaks, &mut line[MAX_TAPS - 1..][..rows.len()]);
         self.past.copy_from_slice(&line[rows.len()..][..MAX_TAPS - 1]);
         let line = &line[MAX_TAPS - design.fir.taps..MAX_TAPS - 1 + rows.len()];
-        let peak = match design.fir.taps {
-            1 => self.copy(design, line, out, place),
-            4 => up_sample::<4>(design, line, out, place, self.lanes),
-            5 => up_sample::<5>(design, line, out, place, self.lanes),
-            6 => up_sample::<6>(design, line, out, place, self.lanes),
-            7 => up_sample::<7>(design, line, out, place, self.lanes),
-            8 => up_sample::<8>(design, line, out, place, self.lanes),
-            9 => up_sample::<9>(design, line, out, place, self.lanes),
-            10 => up_sample::<10>(design, line, out, place, self.lanes),
-            11 => up_sample::<11>(design, line, out, place, self.lanes),
-            _ => up_sample::<12>(design, line, out, place, self.lanes),
+        let whole = self.lanes == LANES;
+        let peak = if whole {
+            self.reconstruct::<true>(design, line, out, place)
+        } else {
+            self.reconstruct::<false>(design, line, out, place)
         };
         for l in 0..self.lanes {
             self.peak[l] = self.peak[l].max(peak[l]);
@@ -193,21 +186,20 @@ impl Group {
     }
 
     #[inline(always)]
-    fn band_limit(&mut self, design: &Design, rows: &[Row], peaks: [i32; LANES], line: &mut [Row]) {
+    fn band_limit(&mut self, design: &Design, rows: &[Row], peaks: Row, line: &mut [Row]) {
         let sections = &design.sections;
         let Some(limits) = &design.limits else {
             return filter(sections, &mut self.state, rows, line);
         };
-        let sizes = peaks.map(|bits| f32::from_bits(bits as u32));
         let mut done = 0;
         while done < rows.len() {
-            let engaging = self.limiter.listen(limits, &rows[done..], &sizes);
+            let engaging = self.limiter.listen(limits, &rows[done..], &peaks);
             if engaging == Some(0) {
                 self.limiter.engage(limits, &rows[done], &self.state);
             }
             // The row that engaged a lane goes with those behind it, up to the next that does.
             let next = match engaging {
-                Some(0) => self.limiter.listen(limits, &rows[done..], &sizes),
+                Some(0) => self.limiter.listen(limits, &rows[done..], &peaks),
                 other => other,
             };
             let count = next.unwrap_or(rows.len() - done);
@@ -216,23 +208,36 @@ impl Group {
             if !self.limiter.is_engaged() {
                 filter(sections, state, block, to);
             } else if limits.lags == LAGS {
-                self.counts.limited += self.limiter.run::<LAGS>(limits, sections, state, block, to);
+                self.counts.limited += self.limiter.run::<{ LAGS + 1 }>(limits, sections, state, block, to);
             } else {
-                self.counts.limited += self.limiter.run::<LAGS_FAST>(limits, sections, state, block, to);
+                self.counts.limited +=
+                    self.limiter.run::<{ LAGS_FAST + 1 }>(limits, sections, state, block, to);
             }
             done += count;
         }
     }
 
-    /// A ratio of 1: nothing but the band limit's gain.
+    /// Up-samples `line` into the device's frames and returns the peaks. `WHOLE`: all eight lanes are channels.
     #[inline(always)]
-    fn copy(&self, design: &Design, line: &[Row], out: &mut [f32], place: Place) -> Row {
-        let mut peak = SILENCE;
-        for (row, frame) in line.iter().zip(out.chunks_exact_mut(place.channels)) {
-            let y = row.map(|v| v * design.gain);
-            put(frame, place.first, self.lanes, &y, &mut peak);
+    fn reconstruct<const WHOLE: bool>(
+        &self,
+        design: &Design,
+        line: &[Row],
+        out: &mut [f32],
+        place: Place,
+    ) -> Row {
+        match design.fir.taps {
+            1 => copy::<WHOLE>(design, line, out, place, self.lanes),
+            4 => up_sample::<4, WHOLE>(design, line, out, place, self.lanes),
+            5 => up_sample::<5, WHOLE>(design, line, out, place, self.lanes),
+            6 => up_sample::<6, WHOLE>(design, line, out, place, self.lanes),
+            7 => up_sample::<7, WHOLE>(design, line, out, place, self.lanes),
+            8 => up_sample::<8, WHOLE>(design, line, out, place, self.lanes),
+            9 => up_sample::<9, WHOLE>(design, line, out, place, self.lanes),
+            10 => up_sample::<10, WHOLE>(design, line, out, place, self.lanes),
+            11 => up_sample::<11, WHOLE>(design, line, out, place, self.lanes),
+            _ => up_sample::<12, WHOLE>(design, line, out, place, self.lanes),
         }
-        peak
     }
 
     #[cold]
@@ -281,7 +286,13 @@ impl Group {
             let bells = self.bells.iter().flat_map(|bell| &bell.state);
             let dead = self.quiet[l]
                 && self.limiter.rests(l)
-                && self.state.iter().flatten().chain(past.iter()).chain(bells).all(|row| row[l].abs() < FLUSH);
+                && self
+                    .state
+                    .iter()
+                    .flatten()
+                    .chain(past.iter())
+                    .chain(bells)
+                    .all(|row| row[l].abs() < FLUSH);
             if dead {
                 let bells = self.bells.iter_mut().flat_map(|bell| &mut bell.state);
                 for row in self.state.iter_mut().flatten().chain(&mut self.past).chain(bells) {
@@ -312,17 +323,24 @@ impl Bell {
     }
 }
 
-/// Magnitudes as bits, which order as the values do, with infinity and not-a-number on top.
+/// Largest magnitude of each lane, and whether a value may be wild: the exponents of all, or-ed, are all ones if one of
+/// them is not finite (and sometimes if some are above 2, which costs a look and nothing else).
 #[inline(always)]
-fn peaks(rows: &[Row]) -> [i32; LANES] {
-    let mut peak = [0; LANES];
+fn survey(rows: &[Row]) -> (Row, bool) {
+    let mut peak = SILENCE;
+    let mut bits = [0; LANES];
     for row in rows {
         for l in 0..LANES {
-            let size = (row[l].to_bits() & 0x7fff_ffff) as i32;
+            let size = row[l].abs();
             peak[l] = if peak[l] > size { peak[l] } else { size };
+            bits[l] |= row[l].to_bits();
         }
     }
-    peak
+    let mut wild = false;
+    for l in 0..LANES {
+        wild |= bits[l] & 0x7f80_0000 == 0x7f80_0000 || peak[l] > LARGEST;
+    }
+    (peak, wild)
 }
 
 /// One sample through the band limit, without its gain (transposed direct form II).
@@ -349,9 +367,29 @@ fn filter(sections: &Sections, state: &mut Cascade, rows: &[Row], out: &mut [Row
     *state = z;
 }
 
+/// A ratio of 1: nothing but the band limit's gain.
+#[inline(always)]
+fn copy<const WHOLE: bool>(
+    design: &Design,
+    line: &[Row],
+    out: &mut [f32],
+    place: Place,
+    lanes: usize,
+) -> Row {
+    let mut peak = SILENCE;
+    for (row, frame) in line.iter().zip(out.chunks_exact_mut(place.channels)) {
+        let mut y = *row;
+        for value in &mut y {
+            *value *= design.gain;
+        }
+        put::<WHOLE>(frame, place.first, lanes, &y, &mut peak);
+    }
+    peak
+}
+
 /// `line` holds T - 1 samples of the past and then the block. Returns the peaks.
 #[inline(always)]
-fn up_sample<const T: usize>(
+fn up_sample<const T: usize, const WHOLE: bool>(
     design: &Design,
     line: &[Row],
     out: &mut [f32],
@@ -360,16 +398,17 @@ fn up_sample<const T: usize>(
 ) -> Row {
     let mut peak = SILENCE;
     let step = design.fir.ratio * place.channels;
+    let half = T.div_ceil(2);
     for (window, frames) in line.windows(T).zip(out.chunks_exact_mut(step)) {
-        let half = T.div_ceil(2);
         let (mut sum, mut difference) = ([SILENCE; MAX_TAPS / 2], [SILENCE; MAX_TAPS / 2]);
         for k in 0..half {
-            let (here, mirrored) = (&window[k], &window[T - 1 - k]);
             for l in 0..LANES {
-                sum[k][l] = if k == T - 1 - k { here[l] } else { here[l] + mirrored[l] };
-                difference[k][l] = here[l] - mirrored[l];
+                let (here, mirrored) = (window[k][l], window[T - 1 - k][l]);
+                sum[k][l] = if k == T - 1 - k { here } else { here + mirrored };
+                difference[k][l] = here - mirrored;
             }
         }
+        let mut frames = frames.chunks_exact_mut(place.channels);
         for pair in &design.pairs {
             let (mut near, mut far) = (SILENCE, SILENCE);
             for l in 0..LANES {
@@ -382,8 +421,13 @@ fn up_sample<const T: usize>(
                 near[l] = even + odd;
                 far[l] = even - odd;
             }
-            put(&mut frames[pair.near * place.channels..], place.first, lanes, &near, &mut peak);
-            put(&mut frames[pair.far * place.channels..], place.first, lanes, &far, &mut peak);
+            // The pairs run from both ends of the frames to the middle.
+            if let Some(frame) = frames.next() {
+                put::<WHOLE>(frame, place.first, lanes, &near, &mut peak);
+            }
+            if let Some(frame) = frames.next_back() {
+                put::<WHOLE>(frame, place.first, lanes, &far, &mut peak);
+            }
         }
     }
     peak
@@ -391,14 +435,18 @@ fn up_sample<const T: usize>(
 
 /// Writes a row into a device frame and follows its peak.
 #[inline(always)]
-fn put(frame: &mut [f32], first: usize, lanes: usize, row: &Row, peak: &mut Row) {
+fn put<const WHOLE: bool>(frame: &mut [f32], first: usize, lanes: usize, row: &Row, peak: &mut Row) {
     for l in 0..LANES {
         let size = row[l].abs();
         peak[l] = if peak[l] > size { peak[l] } else { size };
     }
-    if lanes == LANES {
-        frame[first..first + LANES].copy_from_slice(row);
+    if WHOLE {
+        if let Some(to) = frame.get_mut(first..).and_then(|rest| rest.first_chunk_mut::<LANES>()) {
+            *to = *row;
+        }
     } else {
-        frame[first..first + lanes].copy_from_slice(&row[..lanes]);
+        for (to, from) in frame[first..].iter_mut().zip(&row[..lanes]) {
+            *to = *from;
+        }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! It scales the band limit's *input*, so that no gain step comes after the band limit, and needs no look-ahead: the
 //! band limit itself delays a sample by about nine, so what a sample will do to the output is known before it is heard.
-//! `ahead[k]` is the output k + 1 samples on if nothing more came in. A new sample u adds h[k] u to it. Where the sum would
+//! `ahead[k]` is the output k samples on if nothing more came in. A new sample u adds h[k] u to it. Where the sum would
 //! pass the ceiling, two things happen. The gain falls by the excess at once, and returns towards 1 with time constant
 //! [`RELEASE`]; and this sample is turned down further, if it must be, to the largest share that keeps every
 //! prediction within the ceiling. The share 0 always does, for the predictions have kept to it before: so the ceiling
@@ -18,14 +18,14 @@
 
 use super::Row;
 use super::design::SECTIONS;
-use super::group::{Cascade, cascade};
+use super::group::{Cascade, Sections, cascade};
 use crate::dsp::elliptic::Elliptic;
 use crate::dsp::lanes::LANES;
 
 /// Predictions, samples ahead, up to 8.2 kHz, and above that. More change nothing: the output has turned by then.
 pub(super) const LAGS: usize = 12;
 pub(super) const LAGS_FAST: usize = 18;
-const MAX_LAGS: usize = LAGS_FAST;
+const MAX_LAGS: usize = LAGS_FAST + 1;
 /// Highest predicted engine sample, of full scale; the device's samples lie up to 3 % above the engine's.
 const CEILING: f64 = 0.972;
 /// Time constant of the gain's return, seconds.
@@ -90,7 +90,7 @@ impl Limits {
 /// The limiter's state on eight lanes.
 #[derive(Debug)]
 pub(super) struct Limiter {
-    /// `ahead[k]`: output k + 1 samples on; the last one is worked out afresh each time.
+    /// `ahead[k]`: output k samples after the next one, without input; the last one is worked out afresh each time.
     ahead: [Row; MAX_LAGS],
     pub gain: Row,
     engaged: [bool; LANES],
@@ -137,7 +137,7 @@ impl Limiter {
         for l in 0..LANES {
             if !self.engaged[l] && row[l].abs() > limits.threshold {
                 (self.engaged[l], self.calm[l]) = (true, 0);
-                for (ahead, free) in self.ahead.iter_mut().zip(&limits.free).take(limits.lags) {
+                for (ahead, free) in self.ahead[1..].iter_mut().zip(&limits.free).take(limits.lags) {
                     let mut sum = 0.0;
                     for (i, weight) in free.iter().enumerate() {
                         sum += weight * state[i / 2][i % 2][l];
@@ -160,12 +160,13 @@ impl Limiter {
         }
     }
 
-    /// Limits `rows` and passes them through the band limit into `out`. Returns how many samples were turned down.
+    /// Limits `rows` and passes them through the band limit into `out`. `N` is the number of lags and one. Returns how
+    /// many samples were turned down.
     #[inline(always)]
     pub fn run<const N: usize>(
         &mut self,
         limits: &Limits,
-        filter: &super::group::Sections,
+        filter: &Sections,
         state: &mut Cascade,
         rows: &[Row],
         out: &mut [Row],
@@ -173,11 +174,12 @@ impl Limiter {
         let mut z = *state;
         let mut gain = self.gain;
         let mut limited = 0;
-        // Two copies that change places, since a sample that is turned down needs the predictions before it.
+        // Two copies that change places, since a sample that is turned down needs the predictions before it. In `old`,
+        // 1 to N - 1 are the outputs after this sample; in `new`, 0 to N - 2 are the same ones with this sample in.
         let (mut one, mut two) = ([[0.0; LANES]; N], [[0.0; LANES]; N]);
         let (mut old, mut new) = (&mut one, &mut two);
-        old[1..N].copy_from_slice(&self.ahead[..N - 1]);
-        let impulse: &[Row; N] = limits.impulse.first_chunk().unwrap_or(&[[0.0; LANES]; N]);
+        old[..N - 1].copy_from_slice(&self.ahead[..N - 1]);
+        let Some(impulse) = limits.impulse.first_chunk::<N>() else { return 0 };
         for (x, y) in rows.iter().zip(out) {
             let mut last = [0.0; LANES];
             for i in 0..2 * SECTIONS {
@@ -185,6 +187,7 @@ impl Limiter {
                     last[l] += limits.last[i][l] * z[i / 2][i % 2][l];
                 }
             }
+            old[N - 1] = last;
             let mut u = [0.0; LANES];
             for l in 0..LANES {
                 let risen = gain[l] + (1.0 - gain[l]) * limits.release;
@@ -192,10 +195,9 @@ impl Limiter {
                 u[l] = gain[l] * x[l];
             }
             let mut peak = [0.0f32; LANES];
-            for k in 0..N {
-                let free = if k + 1 < N { &old[k + 1] } else { &last };
+            for k in 0..N - 1 {
                 for l in 0..LANES {
-                    let sum = free[l] + impulse[k][l] * u[l];
+                    let sum = old[k + 1][l] + impulse[k][l] * u[l];
                     new[k][l] = sum;
                     let size = sum.abs();
                     peak[l] = if peak[l] > size { peak[l] } else { size };
@@ -206,18 +208,17 @@ impl Limiter {
                 over |= size > limits.ceiling;
             }
             if over {
-                limited += turn_down(limits, old, &last, impulse, &peak, &self.engaged, x, &mut gain, &mut u);
-                for k in 0..N {
-                    let free = if k + 1 < N { &old[k + 1] } else { &last };
+                limited += turn_down(limits, old, impulse, &peak, x, &mut gain, &mut u);
+                for k in 0..N - 1 {
                     for l in 0..LANES {
-                        new[k][l] = free[l] + impulse[k][l] * u[l];
+                        new[k][l] = old[k + 1][l] + impulse[k][l] * u[l];
                     }
                 }
             }
             *y = cascade(filter, &mut z, u);
             std::mem::swap(&mut old, &mut new);
         }
-        self.ahead[..N - 1].copy_from_slice(&old[1..N]);
+        self.ahead[..N - 1].copy_from_slice(&old[..N - 1]);
         self.gain = gain;
         *state = z;
         limited
@@ -225,45 +226,43 @@ impl Limiter {
 }
 
 /// Lowers the gain of the lanes whose prediction `peak` passes the ceiling, and their sample `u` further where it must.
-#[expect(clippy::too_many_arguments, reason = "one step of one loop, apart only because it is rare")]
 #[inline(always)]
 fn turn_down<const N: usize>(
     limits: &Limits,
     old: &[Row; N],
-    last: &Row,
     impulse: &[Row; N],
     peak: &Row,
-    engaged: &[bool; LANES],
     x: &Row,
     gain: &mut Row,
     u: &mut Row,
 ) -> u64 {
     let ceiling = limits.ceiling;
-    let mut share = [1.0f32; LANES];
-    let mut wanted = [0.0; LANES];
+    let mut wanted = [0.0f32; LANES];
     for l in 0..LANES {
         let fallen = gain[l] * (ceiling / peak[l]);
-        gain[l] = if peak[l] > ceiling && engaged[l] { fallen } else { gain[l] };
+        gain[l] = if peak[l] > ceiling { fallen } else { gain[l] };
         wanted[l] = gain[l] * x[l];
     }
-    for k in 0..N {
-        let free = if k + 1 < N { &old[k + 1] } else { last };
+    // The least room / step, as a pair, so that one division does.
+    let (mut room, mut step) = ([1.0f32; LANES], [1.0f32; LANES]);
+    for k in 0..N - 1 {
         for l in 0..LANES {
-            let step = impulse[k][l] * wanted[l];
-            let room = if step > 0.0 { ceiling - free[l] } else { ceiling + free[l] };
-            let size = step.abs();
+            let add = impulse[k][l] * wanted[l];
+            let towards = if add < 0.0 { -old[k + 1][l] } else { old[k + 1][l] };
             // Rounding may have left a prediction a hair past the ceiling: then there is no room.
-            let fits = if room <= 0.0 { 0.0 } else { room / size };
-            let tight = if size > room && size > 0.0 { fits } else { 1.0 };
-            share[l] = if share[l] < tight { share[l] } else { tight };
+            let free = ceiling - towards;
+            let free = if free > 0.0 { free } else { 0.0 };
+            let size = add.abs();
+            let tighter = free * step[l] < room[l] * size;
+            room[l] = if tighter { free } else { room[l] };
+            step[l] = if tighter { size } else { step[l] };
         }
     }
     let mut count = 0;
     for l in 0..LANES {
-        if peak[l] > ceiling && engaged[l] {
-            u[l] = share[l] * wanted[l];
-            count += 1;
-        }
+        let held = wanted[l] * (room[l] / step[l]);
+        u[l] = if peak[l] > ceiling { held } else { u[l] };
+        count += u64::from(peak[l] > ceiling);
     }
     count
 }
