@@ -1,9 +1,12 @@
 //! Blocks that several rooms share.
 
+pub mod biquad;
 pub mod corner;
 pub mod elementary;
+pub mod elliptic;
 pub mod fractional;
 pub mod interleaved;
+pub mod interpolator;
 pub mod isa;
 pub mod lanes;
 pub mod phase;

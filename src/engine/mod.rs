@@ -7,6 +7,7 @@ pub mod event;
 pub mod mixer;
 pub mod stage;
 pub mod task;
+pub mod vibration;
 pub mod workspace;
 
 use crate::dsp::isa::Isa;

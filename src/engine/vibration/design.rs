@@ -1,0 +1,90 @@
+//! Coefficients of the stage, computed once in `f64`, laid out for the loops.
+
+use super::limiter::Limits;
+use super::{Options, Refusal, Row};
+use crate::dsp::elliptic::Elliptic;
+use crate::dsp::interpolator::Interpolator;
+use crate::dsp::lanes::LANES;
+
+/// Sections of the band limit.
+pub(super) const SECTIONS: usize = 4;
+/// Longest up-sampling filter, taps a phase.
+pub(super) const MAX_TAPS: usize = 12;
+/// Pass band: ripple (dB) to the edge (Hz); least loss of the stop band (dB), which begins just below 1 kHz.
+const BAND: (f64, f64, f64) = (0.3, 850.0, 66.0);
+/// Rate the engine aims at, Hz.
+const ENGINE: f64 = 8000.0;
+
+/// A section of the band limit: b = (1, b1, 1).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Section {
+    pub b1: f32,
+    pub a1: f32,
+    pub a2: f32,
+}
+
+/// Two phases that mirror each other, the p-th from the start and from the end: their sum is worked out from sums of mirrored samples, their difference from
+/// differences, at half the multiplications. Each coefficient is held eight times, as the loops want it.
+#[derive(Clone, Debug)]
+pub(super) struct Pair {
+    pub sum: [Row; MAX_TAPS / 2],
+    pub difference: [Row; MAX_TAPS / 2],
+}
+
+/// All that does not change while running.
+#[derive(Debug)]
+pub(super) struct Design {
+    pub rate: f64,
+    pub band_limit: Elliptic,
+    pub fir: Interpolator,
+    pub sections: [Section; SECTIONS],
+    pub pairs: Vec<Pair>,
+    /// Gain of the band limit, which runs at the end, folded into the up-sampling.
+    pub gain: f32,
+    pub limits: Option<Limits>,
+}
+
+impl Design {
+    pub fn new(device_rate: f64, options: &Options) -> Result<Self, Refusal> {
+        if !(4..=MAX_TAPS).contains(&options.taps) {
+            return Err(Refusal::Taps(options.taps));
+        }
+        if !(6000.0..=1e6).contains(&device_rate) {
+            return Err(Refusal::Rate(device_rate));
+        }
+        let ratio = ((device_rate / ENGINE).round() as usize).max(1);
+        let rate = device_rate / ratio as f64;
+        let band_limit = Elliptic::low_pass(SECTIONS, BAND.0, BAND.2, BAND.1, rate);
+        let fir = Interpolator::design(options.taps, ratio, rate);
+        let mut sections = [Section { b1: 0.0, a1: 0.0, a2: 0.0 }; SECTIONS];
+        for (section, exact) in sections.iter_mut().zip(&band_limit.sections) {
+            *section = Section { b1: exact.b[1] as f32, a1: exact.a[0] as f32, a2: exact.a[1] as f32 };
+        }
+        let limits = options.limiter.then(|| Limits::new(&band_limit));
+        let pairs = pairs(&fir, band_limit.gain);
+        Ok(Self { rate, gain: band_limit.gain as f32, band_limit, fir, sections, pairs, limits })
+    }
+}
+
+fn pairs(fir: &Interpolator, gain: f64) -> Vec<Pair> {
+    let (taps, ratio) = (fir.taps, fir.ratio);
+    if ratio == 1 {
+        return Vec::new();
+    }
+    // Tap on the k-th oldest of the samples in the window.
+    let tap = |phase: usize, k: usize| gain * fir.response[(taps - 1 - k) * ratio + phase];
+    (0..ratio.div_ceil(2))
+        .map(|near| {
+            let far = ratio - 1 - near;
+            let mut pair =
+                Pair { sum: [[0.0; LANES]; MAX_TAPS / 2], difference: [[0.0; LANES]; MAX_TAPS / 2] };
+            for k in 0..taps.div_ceil(2) {
+                // Where the window has a middle, the sample stands for its own sum and difference.
+                let (here, mirrored) = (tap(near, k), tap(far, k));
+                pair.sum[k] = [((here + mirrored) / 2.0) as f32; LANES];
+                pair.difference[k] = [((here - mirrored) / 2.0) as f32; LANES];
+            }
+            pair
+        })
+        .collect()
+}

@@ -1,0 +1,452 @@
+//! Eight channels of the stage: their state, and the loops over a block.
+
+use super::design::{Design, MAX_TAPS, SECTIONS, Section};
+use super::limiter::{LAGS, LAGS_FAST, Limiter};
+use super::{Counts, GRID, Row};
+use crate::dsp::biquad::Biquad;
+use crate::dsp::isa::Isa;
+use crate::dsp::lanes::LANES;
+
+/// State of the band limit on eight lanes.
+pub(super) type Cascade = [[Row; 2]; SECTIONS];
+/// Its coefficients.
+pub(super) type Sections = [Section; SECTIONS];
+
+/// Input magnitude that is held, 120 dB over full scale; what is not finite lies beyond it.
+const LARGEST: f32 = 1e6;
+/// State below this is flushed to zero; what it could still add to the output is below -130 dB.
+const FLUSH: f32 = 1e-6;
+/// Samples a block is cut into, at most.
+const CHUNK: usize = GRID as usize;
+const SILENCE: Row = [0.0; LANES];
+
+/// Where a group's channels lie in a device frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub channels: usize,
+    pub first: usize,
+}
+
+/// An equaliser's section on eight lanes.
+#[derive(Debug)]
+struct Bell {
+    b: [Row; 3],
+    a: [Row; 2],
+    state: [Row; 2],
+}
+
+/// Eight channels.
+#[derive(Debug)]
+pub(super) struct Group {
+    lanes: usize,
+    bells: Vec<Bell>,
+    state: Cascade,
+    /// Samples of the band limit's output that the up-sampling still needs, oldest first.
+    past: [Row; MAX_TAPS - 1],
+    limiter: Limiter,
+    /// Lanes with no input since the last grid point.
+    quiet: [bool; LANES],
+    asleep: bool,
+    pub peak: Row,
+    pub counts: Counts,
+}
+
+impl Group {
+    pub fn new<'a>(lanes: usize, equaliser: impl Fn(usize) -> &'a [Biquad]) -> Self {
+        let deepest = (0..lanes).map(|l| equaliser(l).len()).max().unwrap_or(0);
+        let bells = (0..deepest)
+            .map(|i| {
+                let section = |l: usize| match l < lanes {
+                    true => equaliser(l).get(i).copied().unwrap_or(Biquad::THROUGH),
+                    false => Biquad::THROUGH,
+                };
+                Bell {
+                    b: std::array::from_fn(|k| std::array::from_fn(|l| section(l).b[k] as f32)),
+                    a: std::array::from_fn(|k| std::array::from_fn(|l| section(l).a[k] as f32)),
+                    state: [SILENCE; 2],
+                }
+            })
+            .collect();
+        Self {
+            lanes,
+            bells,
+            state: [[SILENCE; 2]; SECTIONS],
+            past: [SILENCE; MAX_TAPS - 1],
+            limiter: Limiter::REST,
+            quiet: [true; LANES],
+            asleep: true,
+            peak: SILENCE,
+            counts: Counts::default(),
+        }
+    }
+
+    pub fn sleeps(&self) -> bool {
+        self.asleep
+    }
+
+    pub fn gain(&self, lane: usize) -> f32 {
+        self.limiter.gain[lane]
+    }
+
+    /// Renders a block into this group's channels of `out`.
+    #[expect(clippy::too_many_arguments, reason = "the stage's own arguments, handed on")]
+    pub fn process(
+        &mut self,
+        design: &Design,
+        isa: Isa,
+        rows: &mut [Row],
+        fed: bool,
+        clock: u64,
+        out: &mut [f32],
+        place: Place,
+    ) {
+        let step = design.fir.ratio * place.channels;
+        if self.asleep && !fed {
+            self.silence(out, place);
+            return;
+        }
+        if !fed {
+            rows.fill(SILENCE);
+        }
+        let mut done = 0;
+        while done < rows.len() {
+            let now = clock.wrapping_add(done as u64);
+            let count = ((GRID - now % GRID) as usize).min(rows.len() - done);
+            let ends_on_grid = (now % GRID) as usize + count == CHUNK;
+            let chunk = &mut rows[done..done + count];
+            let frames = &mut out[done * step..(done + count) * step];
+            match isa {
+                Isa::Baseline => self.chunk(design, chunk, frames, place),
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: `Vibration::new` keeps this level only where the machine has AVX2.
+                Isa::Avx2 => unsafe { self.chunk_avx2(design, chunk, frames, place) },
+                #[cfg(not(target_arch = "x86_64"))]
+                Isa::Avx2 => self.chunk(design, chunk, frames, place),
+            }
+            if ends_on_grid {
+                self.settle(design.fir.taps);
+            }
+            done += count;
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn chunk_avx2(&mut self, design: &Design, rows: &mut [Row], out: &mut [f32], place: Place) {
+        self.chunk(design, rows, out, place);
+    }
+
+    /// At most [`CHUNK`] samples that end at a grid point or before.
+    #[inline(always)]
+    fn chunk(&mut self, design: &Design, rows: &mut [Row], out: &mut [f32], place: Place) {
+        let (mut peaks, wild) = survey(rows);
+        let (mut rows, mut out) = (rows, out);
+        if self.asleep {
+            let silent = peaks == SILENCE && !wild;
+            let first = if silent { None } else { rows.iter().position(|row| *row != SILENCE) };
+            let first = first.unwrap_or(rows.len());
+            let (before, after) = out.split_at_mut(first * design.fir.ratio * place.channels);
+            self.silence(before, place);
+            (rows, out) = (&mut rows[first..], after);
+            if rows.is_empty() {
+                return;
+            }
+            self.asleep = false;
+        }
+        if wild {
+            self.mend(rows);
+            peaks = survey(rows).0;
+        }
+        for l in 0..LANES {
+            self.quiet[l] &= peaks[l] == 0.0;
+        }
+        if !self.bells.is_empty() {
+            for bell in &mut self.bells {
+                bell.run(rows);
+            }
+            peaks = survey(rows).0;
+        }
+        let mut line = [SILENCE; MAX_TAPS - 1 + CHUNK];
+        line[..MAX_TAPS - 1].copy_from_slice(&self.past);
+        self.band_limit(design, rows, peaks, &mut line[MAX_TAPS - 1..][..rows.len()]);
+        self.past.copy_from_slice(&line[rows.len()..][..MAX_TAPS - 1]);
+        let line = &line[MAX_TAPS - design.fir.taps..MAX_TAPS - 1 + rows.len()];
+        let whole = self.lanes == LANES;
+        let peak = if whole {
+            self.reconstruct::<true>(design, line, out, place)
+        } else {
+            self.reconstruct::<false>(design, line, out, place)
+        };
+        for l in 0..self.lanes {
+            self.peak[l] = self.peak[l].max(peak[l]);
+        }
+        if peak[..self.lanes].iter().any(|&p| p > 1.0) {
+            self.clamp(out, place);
+        }
+    }
+
+    #[inline(always)]
+    fn band_limit(&mut self, design: &Design, rows: &[Row], peaks: Row, line: &mut [Row]) {
+        let sections = &design.sections;
+        let Some(limits) = &design.limits else {
+            return filter(sections, &mut self.state, rows, line);
+        };
+        let mut done = 0;
+        while done < rows.len() {
+            let engaging = self.limiter.listen(limits, &rows[done..], &peaks);
+            if engaging == Some(0) {
+                self.limiter.engage(limits, &rows[done], &self.state);
+            }
+            // The row that engaged a lane goes with those behind it, up to the next that does.
+            let next = match engaging {
+                Some(0) => self.limiter.listen(limits, &rows[done..], &peaks),
+                other => other,
+            };
+            let count = next.unwrap_or(rows.len() - done);
+            let (block, to) = (&rows[done..done + count], &mut line[done..done + count]);
+            let state = &mut self.state;
+            if !self.limiter.is_engaged() {
+                filter(sections, state, block, to);
+            } else if limits.lags == LAGS {
+                self.counts.limited += self.limiter.run::<{ LAGS + 1 }>(limits, sections, state, block, to);
+            } else {
+                self.counts.limited +=
+                    self.limiter.run::<{ LAGS_FAST + 1 }>(limits, sections, state, block, to);
+            }
+            done += count;
+        }
+    }
+
+    /// Up-samples `line` into the device's frames and returns the peaks. `WHOLE`: all eight lanes are channels.
+    #[inline(always)]
+    fn reconstruct<const WHOLE: bool>(
+        &self,
+        design: &Design,
+        line: &[Row],
+        out: &mut [f32],
+        place: Place,
+    ) -> Row {
+        match design.fir.taps {
+            1 => copy::<WHOLE>(design, line, out, place, self.lanes),
+            4 => up_sample::<4, WHOLE>(design, line, out, place, self.lanes),
+            5 => up_sample::<5, WHOLE>(design, line, out, place, self.lanes),
+            6 => up_sample::<6, WHOLE>(design, line, out, place, self.lanes),
+            7 => up_sample::<7, WHOLE>(design, line, out, place, self.lanes),
+            8 => up_sample::<8, WHOLE>(design, line, out, place, self.lanes),
+            9 => up_sample::<9, WHOLE>(design, line, out, place, self.lanes),
+            10 => up_sample::<10, WHOLE>(design, line, out, place, self.lanes),
+            11 => up_sample::<11, WHOLE>(design, line, out, place, self.lanes),
+            _ => up_sample::<12, WHOLE>(design, line, out, place, self.lanes),
+        }
+    }
+
+    #[cold]
+    fn mend(&mut self, rows: &mut [Row]) {
+        for value in rows.iter_mut().flat_map(|row| &mut row[..self.lanes]) {
+            if !value.is_finite() {
+                *value = 0.0;
+                self.counts.masked += 1;
+            } else if value.abs() > LARGEST {
+                *value = LARGEST.copysign(*value);
+                self.counts.held += 1;
+            }
+        }
+        for value in rows.iter_mut().flat_map(|row| &mut row[self.lanes..]) {
+            *value = 0.0;
+        }
+    }
+
+    #[cold]
+    fn clamp(&mut self, out: &mut [f32], place: Place) {
+        for frame in out.chunks_exact_mut(place.channels) {
+            for value in &mut frame[place.first..place.first + self.lanes] {
+                if value.abs() > 1.0 {
+                    *value = value.clamp(-1.0, 1.0);
+                    self.counts.clamped += 1;
+                }
+            }
+        }
+    }
+
+    fn silence(&self, out: &mut [f32], place: Place) {
+        for frame in out.chunks_exact_mut(place.channels) {
+            frame[place.first..place.first + self.lanes].fill(0.0);
+        }
+    }
+
+    /// At a grid point: flushes lanes that had no input since the last one and have died away; sleeps when all have.
+    fn settle(&mut self, taps: usize) {
+        self.limiter.settle();
+        if self.asleep {
+            return;
+        }
+        let mut silent = true;
+        for l in 0..LANES {
+            let past = &mut self.past[MAX_TAPS - taps..];
+            let bells = self.bells.iter().flat_map(|bell| &bell.state);
+            let dead = self.quiet[l]
+                && self.limiter.rests(l)
+                && self
+                    .state
+                    .iter()
+                    .flatten()
+                    .chain(past.iter())
+                    .chain(bells)
+                    .all(|row| row[l].abs() < FLUSH);
+            if dead {
+                let bells = self.bells.iter_mut().flat_map(|bell| &mut bell.state);
+                for row in self.state.iter_mut().flatten().chain(&mut self.past).chain(bells) {
+                    row[l] = 0.0;
+                }
+            }
+            silent &= dead;
+            self.quiet[l] = true;
+        }
+        self.asleep = silent;
+    }
+}
+
+impl Bell {
+    #[inline(always)]
+    fn run(&mut self, rows: &mut [Row]) {
+        let [mut first, mut second] = self.state;
+        for row in rows {
+            for l in 0..LANES {
+                let x = row[l];
+                let y = self.b[0][l] * x + first[l];
+                first[l] = self.b[1][l] * x - self.a[0][l] * y + second[l];
+                second[l] = self.b[2][l] * x - self.a[1][l] * y;
+                row[l] = y;
+            }
+        }
+        self.state = [first, second];
+    }
+}
+
+/// Largest magnitude of each lane, and whether a value may be wild: the exponents of all, or-ed, are all ones if one of
+/// them is not finite (and sometimes if some are above 2, which costs a look and nothing else).
+#[inline(always)]
+fn survey(rows: &[Row]) -> (Row, bool) {
+    let mut peak = SILENCE;
+    let mut bits = [0; LANES];
+    for row in rows {
+        for l in 0..LANES {
+            let size = row[l].abs();
+            peak[l] = if peak[l] > size { peak[l] } else { size };
+            bits[l] |= row[l].to_bits();
+        }
+    }
+    let mut wild = false;
+    for l in 0..LANES {
+        wild |= bits[l] & 0x7f80_0000 == 0x7f80_0000 || peak[l] > LARGEST;
+    }
+    (peak, wild)
+}
+
+/// One sample through the band limit, without its gain (transposed direct form II).
+#[inline(always)]
+pub(super) fn cascade(sections: &Sections, state: &mut Cascade, x: Row) -> Row {
+    let mut x = x;
+    for (section, [first, second]) in sections.iter().zip(state) {
+        for l in 0..LANES {
+            let y = x[l] + first[l];
+            first[l] = (section.b1 * x[l] + second[l]) - section.a1 * y;
+            second[l] = x[l] - section.a2 * y;
+            x[l] = y;
+        }
+    }
+    x
+}
+
+#[inline(always)]
+fn filter(sections: &Sections, state: &mut Cascade, rows: &[Row], out: &mut [Row]) {
+    let mut z = *state;
+    for (x, y) in rows.iter().zip(out) {
+        *y = cascade(sections, &mut z, *x);
+    }
+    *state = z;
+}
+
+/// A ratio of 1: nothing but the band limit's gain.
+#[inline(always)]
+fn copy<const WHOLE: bool>(
+    design: &Design,
+    line: &[Row],
+    out: &mut [f32],
+    place: Place,
+    lanes: usize,
+) -> Row {
+    let mut peak = SILENCE;
+    for (row, frame) in line.iter().zip(out.chunks_exact_mut(place.channels)) {
+        let mut y = *row;
+        for value in &mut y {
+            *value *= design.gain;
+        }
+        put::<WHOLE>(frame, place.first, lanes, &y, &mut peak);
+    }
+    peak
+}
+
+/// `line` holds T - 1 samples of the past and then the block. Returns the peaks.
+#[inline(always)]
+fn up_sample<const T: usize, const WHOLE: bool>(
+    design: &Design,
+    line: &[Row],
+    out: &mut [f32],
+    place: Place,
+    lanes: usize,
+) -> Row {
+    let mut peak = SILENCE;
+    let step = design.fir.ratio * place.channels;
+    let half = T.div_ceil(2);
+    for (window, frames) in line.windows(T).zip(out.chunks_exact_mut(step)) {
+        let (mut sum, mut difference) = ([SILENCE; MAX_TAPS / 2], [SILENCE; MAX_TAPS / 2]);
+        for k in 0..half {
+            for l in 0..LANES {
+                let (here, mirrored) = (window[k][l], window[T - 1 - k][l]);
+                sum[k][l] = if k == T - 1 - k { here } else { here + mirrored };
+                difference[k][l] = here - mirrored;
+            }
+        }
+        let mut frames = frames.chunks_exact_mut(place.channels);
+        for pair in &design.pairs {
+            let (mut near, mut far) = (SILENCE, SILENCE);
+            for l in 0..LANES {
+                let mut even = pair.sum[0][l] * sum[0][l];
+                let mut odd = pair.difference[0][l] * difference[0][l];
+                for k in 1..half {
+                    even += pair.sum[k][l] * sum[k][l];
+                    odd += pair.difference[k][l] * difference[k][l];
+                }
+                near[l] = even + odd;
+                far[l] = even - odd;
+            }
+            // The pairs run from both ends of the frames to the middle.
+            if let Some(frame) = frames.next() {
+                put::<WHOLE>(frame, place.first, lanes, &near, &mut peak);
+            }
+            if let Some(frame) = frames.next_back() {
+                put::<WHOLE>(frame, place.first, lanes, &far, &mut peak);
+            }
+        }
+    }
+    peak
+}
+
+/// Writes a row into a device frame and follows its peak.
+#[inline(always)]
+fn put<const WHOLE: bool>(frame: &mut [f32], first: usize, lanes: usize, row: &Row, peak: &mut Row) {
+    for l in 0..LANES {
+        let size = row[l].abs();
+        peak[l] = if peak[l] > size { peak[l] } else { size };
+    }
+    if WHOLE {
+        if let Some(to) = frame.get_mut(first..).and_then(|rest| rest.first_chunk_mut::<LANES>()) {
+            *to = *row;
+        }
+    } else {
+        for (to, from) in frame[first..].iter_mut().zip(&row[..lanes]) {
+            *to = *from;
+        }
+    }
+}

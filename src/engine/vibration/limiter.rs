@@ -1,0 +1,268 @@
+//! A limiter that knows the filter behind it.
+//!
+//! It scales the band limit's *input*, so that no gain step comes after the band limit, and needs no look-ahead: the
+//! band limit itself delays a sample by about nine, so what a sample will do to the output is known before it is heard.
+//! `ahead[k]` is the output k samples on if nothing more came in. A new sample u adds h[k] u to it. Where the sum would
+//! pass the ceiling, two things happen. The gain falls by the excess at once, and returns towards 1 with time constant
+//! [`RELEASE`]; and this sample is turned down further, if it must be, to the largest share that keeps every
+//! prediction within the ceiling. The share 0 always does, for the predictions have kept to it before: so the ceiling
+//! holds by induction whatever comes, an input that stops dead included.
+//!
+//! That guarantee has a price: when a sine above 500 Hz stops dead, the band limit rings on above the sine's own
+//! amplitude, so such a sine is held to where its ringing keeps to the ceiling (0.9 at 600 Hz, 0.73 at 800 Hz).
+//!
+//! A channel whose input stays below [`Limits::threshold`] cannot reach the ceiling (threshold times the L1 norm of h
+//! is below it) and is not predicted at all.
+//!
+//! All values are in units of the band limit's sections, before its gain.
+
+use super::Row;
+use super::design::SECTIONS;
+use super::group::{Cascade, Sections, cascade};
+use crate::dsp::elliptic::Elliptic;
+use crate::dsp::lanes::LANES;
+
+/// Predictions, samples ahead, up to 8.2 kHz, and above that. More change nothing: the output has turned by then.
+pub(super) const LAGS: usize = 12;
+pub(super) const LAGS_FAST: usize = 18;
+const MAX_LAGS: usize = LAGS_FAST + 1;
+/// Highest predicted engine sample, of full scale; the device's samples lie up to 3 % above the engine's.
+const CEILING: f64 = 0.972;
+/// Time constant of the gain's return, seconds.
+const RELEASE: f64 = 0.08;
+/// From here the gain snaps to 1.
+const WHOLE: f32 = 0.9999;
+/// Grid periods of quiet input after which predicting stops: old input has decayed by 70 dB or more.
+const CALM: u8 = 8;
+
+/// What the band limit tells the limiter.
+#[derive(Debug)]
+pub(super) struct Limits {
+    pub ceiling: f32,
+    /// Input magnitude that can never lead to the ceiling.
+    pub threshold: f32,
+    release: f32,
+    pub lags: usize,
+    /// Impulse response from lag 1.
+    impulse: [Row; MAX_LAGS],
+    /// `free[k]` times the state is the output k + 1 samples on, without input.
+    free: [[f32; 2 * SECTIONS]; MAX_LAGS],
+    /// The last of them, for the loops.
+    last: [Row; 2 * SECTIONS],
+}
+
+impl Limits {
+    pub fn new(filter: &Elliptic) -> Self {
+        let lags = if filter.rate > 8200.0 { LAGS_FAST } else { LAGS };
+        let run = |state: &mut [[f64; 2]], x: f64| {
+            filter.sections.iter().zip(state).fold(x, |x, (section, state)| section.step(state, x))
+        };
+        let mut state = [[0.0; 2]; SECTIONS];
+        run(&mut state, 1.0);
+        let mut impulse = [[0.0; LANES]; MAX_LAGS];
+        for to in impulse.iter_mut().take(lags) {
+            *to = [run(&mut state, 0.0) as f32; LANES];
+        }
+        let mut state = [[0.0; 2]; SECTIONS];
+        let norm: f64 = (0..4000).map(|n| run(&mut state, if n == 0 { 1.0 } else { 0.0 }).abs()).sum();
+        let mut free = [[0.0; 2 * SECTIONS]; MAX_LAGS];
+        for i in 0..2 * SECTIONS {
+            let mut state = [[0.0; 2]; SECTIONS];
+            state[i / 2][i % 2] = 1.0;
+            run(&mut state, 0.0);
+            for row in free.iter_mut().take(lags) {
+                row[i] = run(&mut state, 0.0) as f32;
+            }
+        }
+        let ceiling = CEILING / filter.gain;
+        Self {
+            ceiling: ceiling as f32,
+            threshold: (0.98 * ceiling / norm) as f32,
+            release: (1.0 - (-1.0 / (RELEASE * filter.rate)).exp()) as f32,
+            lags,
+            impulse,
+            free,
+            last: std::array::from_fn(|i| [free[lags - 1][i]; LANES]),
+        }
+    }
+}
+
+/// The limiter's state on eight lanes.
+#[derive(Debug)]
+pub(super) struct Limiter {
+    /// `ahead[k]`: output k samples after the next one, without input; the last one is worked out afresh each time.
+    ahead: [Row; MAX_LAGS],
+    pub gain: Row,
+    engaged: [bool; LANES],
+    loud: [bool; LANES],
+    calm: [u8; LANES],
+}
+
+impl Limiter {
+    pub const REST: Self = Self {
+        ahead: [[0.0; LANES]; MAX_LAGS],
+        gain: [1.0; LANES],
+        engaged: [false; LANES],
+        loud: [false; LANES],
+        calm: [0; LANES],
+    };
+
+    /// Whether any lane needs predictions.
+    pub fn is_engaged(&self) -> bool {
+        self.engaged.contains(&true)
+    }
+
+    /// Whether `lane` can be put to sleep.
+    pub fn rests(&self, lane: usize) -> bool {
+        !self.engaged[lane]
+    }
+
+    /// Takes note of the input magnitudes of the rows to come. Returns the first row at which a lane has to engage.
+    pub fn listen(&mut self, limits: &Limits, rows: &[Row], peaks: &Row) -> Option<usize> {
+        let mut first = None;
+        for l in 0..LANES {
+            if peaks[l] > limits.threshold {
+                self.loud[l] = true;
+                if !self.engaged[l] {
+                    let at = rows.iter().position(|row| row[l].abs() > limits.threshold);
+                    first = first.into_iter().chain(at).min();
+                }
+            }
+        }
+        first
+    }
+
+    /// Engages the lanes that `row` makes engage; `state` is the band limit's before it.
+    pub fn engage(&mut self, limits: &Limits, row: &Row, state: &Cascade) {
+        for l in 0..LANES {
+            if !self.engaged[l] && row[l].abs() > limits.threshold {
+                (self.engaged[l], self.calm[l]) = (true, 0);
+                for (ahead, free) in self.ahead[1..].iter_mut().zip(&limits.free).take(limits.lags) {
+                    let mut sum = 0.0;
+                    for (i, weight) in free.iter().enumerate() {
+                        sum += weight * state[i / 2][i % 2][l];
+                    }
+                    ahead[l] = sum;
+                }
+            }
+        }
+    }
+
+    /// At a grid point: lanes that have long been quiet need no predictions.
+    pub fn settle(&mut self) {
+        for l in 0..LANES {
+            let calm = !self.loud[l] && self.gain[l] == 1.0;
+            self.calm[l] = if calm { self.calm[l].saturating_add(1) } else { 0 };
+            self.loud[l] = false;
+            if self.calm[l] >= CALM {
+                self.engaged[l] = false;
+            }
+        }
+    }
+
+    /// Limits `rows` and passes them through the band limit into `out`. `N` is the number of lags and one. Returns how
+    /// many samples were turned down.
+    #[inline(always)]
+    pub fn run<const N: usize>(
+        &mut self,
+        limits: &Limits,
+        filter: &Sections,
+        state: &mut Cascade,
+        rows: &[Row],
+        out: &mut [Row],
+    ) -> u64 {
+        let mut z = *state;
+        let mut gain = self.gain;
+        let mut limited = 0;
+        // Two copies that change places, since a sample that is turned down needs the predictions before it. In `old`,
+        // 1 to N - 1 are the outputs after this sample; in `new`, 0 to N - 2 are the same ones with this sample in.
+        let (mut one, mut two) = ([[0.0; LANES]; N], [[0.0; LANES]; N]);
+        let (mut old, mut new) = (&mut one, &mut two);
+        old[..N - 1].copy_from_slice(&self.ahead[..N - 1]);
+        let Some(impulse) = limits.impulse.first_chunk::<N>() else { return 0 };
+        for (x, y) in rows.iter().zip(out) {
+            let mut last = [0.0; LANES];
+            for i in 0..2 * SECTIONS {
+                for l in 0..LANES {
+                    last[l] += limits.last[i][l] * z[i / 2][i % 2][l];
+                }
+            }
+            old[N - 1] = last;
+            let mut u = [0.0; LANES];
+            for l in 0..LANES {
+                let risen = gain[l] + (1.0 - gain[l]) * limits.release;
+                gain[l] = if risen > WHOLE { 1.0 } else { risen };
+                u[l] = gain[l] * x[l];
+            }
+            let mut peak = [0.0f32; LANES];
+            for k in 0..N - 1 {
+                for l in 0..LANES {
+                    let sum = old[k + 1][l] + impulse[k][l] * u[l];
+                    new[k][l] = sum;
+                    let size = sum.abs();
+                    peak[l] = if peak[l] > size { peak[l] } else { size };
+                }
+            }
+            let mut over = false;
+            for size in peak {
+                over |= size > limits.ceiling;
+            }
+            if over {
+                limited += turn_down(limits, old, impulse, &peak, x, &mut gain, &mut u);
+                for k in 0..N - 1 {
+                    for l in 0..LANES {
+                        new[k][l] = old[k + 1][l] + impulse[k][l] * u[l];
+                    }
+                }
+            }
+            *y = cascade(filter, &mut z, u);
+            std::mem::swap(&mut old, &mut new);
+        }
+        self.ahead[..N - 1].copy_from_slice(&old[..N - 1]);
+        self.gain = gain;
+        *state = z;
+        limited
+    }
+}
+
+/// Lowers the gain of the lanes whose prediction `peak` passes the ceiling, and their sample `u` further where it must.
+#[inline(always)]
+fn turn_down<const N: usize>(
+    limits: &Limits,
+    old: &[Row; N],
+    impulse: &[Row; N],
+    peak: &Row,
+    x: &Row,
+    gain: &mut Row,
+    u: &mut Row,
+) -> u64 {
+    let ceiling = limits.ceiling;
+    let mut wanted = [0.0f32; LANES];
+    for l in 0..LANES {
+        let fallen = gain[l] * (ceiling / peak[l]);
+        gain[l] = if peak[l] > ceiling { fallen } else { gain[l] };
+        wanted[l] = gain[l] * x[l];
+    }
+    // The least room / step, as a pair, so that one division does.
+    let (mut room, mut step) = ([1.0f32; LANES], [1.0f32; LANES]);
+    for k in 0..N - 1 {
+        for l in 0..LANES {
+            let add = impulse[k][l] * wanted[l];
+            let towards = if add < 0.0 { -old[k + 1][l] } else { old[k + 1][l] };
+            // Rounding may have left a prediction a hair past the ceiling: then there is no room.
+            let free = ceiling - towards;
+            let free = if free > 0.0 { free } else { 0.0 };
+            let size = add.abs();
+            let tighter = free * step[l] < room[l] * size;
+            room[l] = if tighter { free } else { room[l] };
+            step[l] = if tighter { size } else { step[l] };
+        }
+    }
+    let mut count = 0;
+    for l in 0..LANES {
+        let held = wanted[l] * (room[l] / step[l]);
+        u[l] = if peak[l] > ceiling { held } else { u[l] };
+        count += u64::from(peak[l] > ceiling);
+    }
+    count
+}

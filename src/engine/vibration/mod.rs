@@ -1,0 +1,213 @@
+//! The vibration stage: engine-rate channels in, interleaved device frames out.
+//!
+//! In order, a channel: equaliser, limiter, band limit, up-sampling, and a clamp at full scale that should never act.
+//! Channels run in groups of eight lanes. Everything is decided by engine time, so any split of a run into blocks gives
+//! the same bits; so does every instruction set.
+
+mod design;
+mod group;
+mod limiter;
+#[cfg(test)]
+mod tests;
+
+use crate::dsp::biquad::{Biquad, Complex};
+use crate::dsp::isa::Isa;
+use crate::dsp::lanes::LANES;
+use design::Design;
+use group::Group;
+
+/// One engine sample of eight channels.
+pub type Row = [f32; LANES];
+
+/// Sections of an equaliser, at most.
+pub const MAX_SECTIONS: usize = 8;
+
+/// Engine samples between two looks at what may sleep; on engine time, not on blocks.
+pub const GRID: u64 = 64;
+
+/// What can be chosen about the stage.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Taps a phase of the up-sampling filter, 4 to 12. Images: 4 gives -66 dB, 6 about -98 dB, 8 below -120 dB.
+    pub taps: usize,
+    /// Equaliser sections of each channel at the engine's rate; channels beyond the list have none.
+    pub equalisers: Vec<Vec<Biquad>>,
+    /// Whether the limiter is there.
+    pub limiter: bool,
+    /// Instruction set; what the machine lacks falls back to the baseline.
+    pub isa: Isa,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { taps: 6, equalisers: Vec::new(), limiter: true, isa: Isa::detect() }
+    }
+}
+
+/// Why a stage cannot be built.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refusal {
+    /// Taps out of 4 to 12.
+    Taps(usize),
+    /// Device rate (Hz) out of 6 kHz to 1 MHz.
+    Rate(f64),
+    /// Too many equaliser sections: the channel (from 0), and how many it has.
+    Sections(usize, usize),
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Taps(taps) => write!(f, "{taps} taps a phase; choose 4 to 12"),
+            Self::Rate(rate) => write!(f, "a device rate of {rate} Hz; choose 6,000 to 1,000,000 Hz"),
+            Self::Sections(channel, count) => write!(
+                f,
+                "channel {} has {count} equaliser sections; {MAX_SECTIONS} are the most",
+                channel + 1
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+/// What the stage adds in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Delay {
+    /// Up-sampling, device frames (exact, the same at every frequency).
+    pub fir_frames: f64,
+    /// Band limit: phase delay at 250 Hz, seconds.
+    pub band_limit_phase_250: f64,
+    /// Band limit: group delay at 250 Hz, seconds.
+    pub band_limit_group_250: f64,
+}
+
+/// What the stage has met since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Input samples that were not finite (taken as 0).
+    pub masked: u64,
+    /// Input samples beyond ±1e6, 120 dB over full scale (held there).
+    pub held: u64,
+    /// Device-rate samples that the clamp cut.
+    pub clamped: u64,
+    /// Channel-samples at the engine's rate that the limiter turned down.
+    pub limited: u64,
+}
+
+/// The stage.
+#[derive(Debug)]
+pub struct Vibration {
+    design: Design,
+    groups: Vec<Group>,
+    channels: usize,
+    isa: Isa,
+}
+
+impl Vibration {
+    /// For `channels` at `device_rate` (Hz, 6 kHz to 1 MHz).
+    pub fn new(channels: usize, device_rate: f64, options: &Options) -> Result<Self, Refusal> {
+        let design = Design::new(device_rate, options)?;
+        let sections = |channel: usize| options.equalisers.get(channel).map_or(&[][..], Vec::as_slice);
+        if let Some(channel) = (0..channels).find(|&c| sections(c).len() > MAX_SECTIONS) {
+            return Err(Refusal::Sections(channel, sections(channel).len()));
+        }
+        let groups = (0..channels)
+            .step_by(LANES)
+            .map(|first| Group::new((channels - first).min(LANES), |lane| sections(first + lane)))
+            .collect();
+        Ok(Self { design, groups, channels, isa: options.isa.or_supported() })
+    }
+
+    /// Engine rate, Hz.
+    pub fn rate(&self) -> f64 {
+        self.design.rate
+    }
+
+    /// Device frames to an engine sample.
+    pub fn ratio(&self) -> usize {
+        self.design.fir.ratio
+    }
+
+    /// Channels.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Groups of eight channels, the last one padded.
+    pub fn groups(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// What the stage adds in time.
+    pub fn delay(&self) -> Delay {
+        Delay {
+            fir_frames: self.design.fir.delay(),
+            band_limit_phase_250: self.design.band_limit.phase_delay(250.0),
+            band_limit_group_250: self.design.band_limit.group_delay(250.0),
+        }
+    }
+
+    /// The designed linear response at `frequency` (Hz): band limit and up-sampling, their delays included, without
+    /// equaliser. Device frame m holds time m / device rate, engine sample n falls on frame n × ratio.
+    pub fn response(&self, frequency: f64) -> Complex {
+        self.design.band_limit.response(frequency) * self.design.fir.response(frequency)
+    }
+
+    /// Renders `frames` engine samples, the first of them number `clock` since the start.
+    ///
+    /// `rows` is `groups()` blocks of `frames` rows each, and is spoilt. `fed[g]` false says that block g is all zero
+    /// and need not be looked at; groups beyond the list count as fed. `out` takes `frames × ratio() × channels()`
+    /// values, frame by frame. Where a slice is too short, as many engine samples are rendered as all of them hold;
+    /// returns that number.
+    pub fn process(
+        &mut self,
+        frames: usize,
+        rows: &mut [Row],
+        fed: &[bool],
+        clock: u64,
+        out: &mut [f32],
+    ) -> usize {
+        let step = self.ratio() * self.channels;
+        if step == 0 || frames == 0 {
+            return frames;
+        }
+        if rows.len() < frames * self.groups.len() || out.len() < frames * step {
+            let fit = (rows.len() / self.groups.len()).min(out.len() / step);
+            return if fit == 0 { 0 } else { self.process(fit.min(frames), rows, fed, clock, out) };
+        }
+        let out = &mut out[..frames * step];
+        for (g, (group, block)) in self.groups.iter_mut().zip(rows.chunks_exact_mut(frames)).enumerate() {
+            let place = group::Place { channels: self.channels, first: g * LANES };
+            let fed = fed.get(g).copied().unwrap_or(true);
+            group.process(&self.design, self.isa, block, fed, clock, out, place);
+        }
+        frames
+    }
+
+    /// Largest magnitude of `channel` at the device's rate before the clamp, since the last call of this; 0 for a
+    /// channel that is not there.
+    pub fn take_peak(&mut self, channel: usize) -> f32 {
+        self.groups.get_mut(channel / LANES).map_or(0.0, |g| std::mem::take(&mut g.peak[channel % LANES]))
+    }
+
+    /// Gain the limiter holds on `channel`, 1 when it does nothing.
+    pub fn gain(&self, channel: usize) -> f32 {
+        self.groups.get(channel / LANES).map_or(1.0, |g| g.gain(channel % LANES))
+    }
+
+    /// What was met so far, all channels together.
+    pub fn counts(&self) -> Counts {
+        self.groups.iter().fold(Counts::default(), |sum, g| Counts {
+            masked: sum.masked + g.counts.masked,
+            held: sum.held + g.counts.held,
+            clamped: sum.clamped + g.counts.clamped,
+            limited: sum.limited + g.counts.limited,
+        })
+    }
+
+    /// Whether group `group` sleeps: its state is exactly zero and it costs nothing until it is fed.
+    pub fn sleeps(&self, group: usize) -> bool {
+        self.groups.get(group).is_none_or(Group::sleeps)
+    }
+}
