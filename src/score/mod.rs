@@ -33,10 +33,12 @@ pub const MOST_DEEP: u32 = 64;
 /// How many things may be under way at once: playings, repeated events, events that jitter or a delay holds back.
 pub const MOST_AT_ONCE: usize = 1 << 21;
 
-/// The longest events file that is held in memory. What is longer is read anew by every playing, and cannot be shuffled.
+/// The most events of a file that are held in memory. A longer file is read anew by every playing, through a window of so
+/// many: it cannot be shuffled, and no line of it may stand more than so many lines behind one with a later `at`.
 pub const MOST_HELD: usize = 1 << 16;
 
-/// The events of a file, in the order of its lines.
+/// The events of a file, in the order of its lines. Its problems should name file and line: they come out as they are, at
+/// the place where the patch names the file, after what stands before them if the file is long, else when it is opened.
 pub type EventStream<'a> = Box<dyn Iterator<Item = Result<Event, Problem>> + Send + 'a>;
 
 /// What happens, and when.
@@ -91,8 +93,8 @@ impl<'a> Score<'a> {
     /// Of the patterns `roots` (by their place in [`Patch::patterns`]), each from its start in seconds.
     ///
     /// `places` finds the output for a place; of nothing it is asked for the rig's first tactor. `files` opens an events
-    /// file by its path as written in the patch, and may be called again for every playing; the lines must be in order of
-    /// `at`. Both are called while the score is read, where an events file says so.
+    /// file by its path as written in the patch, and may be called again for every playing.
+    /// Both are called while the score is read, where an events file says so.
     ///
     /// # Errors
     /// A number that cannot be played, a name that nothing has, a pattern that contains itself, patterns nested deeper than

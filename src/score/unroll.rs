@@ -18,12 +18,12 @@ pub(super) struct Limits {
     pub patience: u64,
     /// Things under way.
     pub at_once: usize,
-    /// Numbers that all permutations under way may hold together.
+    /// Numbers of permutations that may be held at once; the windows of long files count for as much.
     pub permuted: usize,
 }
 
 impl Limits {
-    pub const DEFAULT: Self = Self { patience: 1 << 24, at_once: MOST_AT_ONCE, permuted: 1 << 24 };
+    pub const DEFAULT: Self = Self { patience: 1 << 24, at_once: MOST_AT_ONCE, permuted: 1 << 25 };
 }
 
 const INSTANT: f64 = 1e-6;
@@ -39,7 +39,7 @@ pub(super) struct Unroll<'a> {
     book: Book<'a>,
     pub limits: Limits,
     heap: BinaryHeap<Entry<'a>>,
-    /// Numbers that all walks hold.
+    /// What all walks hold, in numbers of permutations.
     permuted: usize,
     next_id: u64,
     /// Steps since `mark`.

@@ -1,13 +1,15 @@
 //! A walk through the events of one playing, in order.
 
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 use std::sync::Arc;
-use std::vec;
 
 use super::book::Book;
 use super::entry::Which;
 use super::playing::Playing;
 use super::sheet::{Content, Item, Sheet};
 use super::{EventStream, MOST_HELD, keys};
+use crate::patch::Event;
 use crate::text::{Problem, Span};
 
 /// A walk through the events of one playing. It stands before an event, or is over.
@@ -33,22 +35,16 @@ pub(super) struct Ahead {
 }
 
 impl<'a> Walk<'a> {
-    /// Of a playing, from its first event. Reads a file's beginning, or all of it.
+    /// Of a playing, from its first event. Reads as much of a file as may be held.
     pub fn new(book: &mut Book<'a>, playing: &Playing) -> Result<Self, Problem> {
         let mut file = None;
         if let Content::File { path, span, long } = &book.sheet(playing.sheet)?.content {
-            file = Some(((path.clone(), span.clone()), *long));
+            file = Some((path.clone(), span.clone(), *long));
         }
-        if let Some(((path, span), long)) = file {
-            let mut lines = Lines::open(book, path, span)?;
-            let mut items = Vec::new();
-            while !long && items.len() <= MOST_HELD {
-                match lines.take(book)? {
-                    Some(item) => items.push(item),
-                    None => break,
-                }
-            }
-            if long || items.len() > MOST_HELD {
+        if let Some((path, span, long)) = file {
+            let mut lines = Lines::open(book, path.clone(), span.clone())?;
+            lines.fill(book);
+            if long || lines.rest.is_some() {
                 let sheet = book.sheet(playing.sheet)?;
                 if sheet.shuffle {
                     let what = format!(
@@ -59,14 +55,15 @@ impl<'a> Walk<'a> {
                         .help("split the file, or shuffle in it".to_string()));
                 }
                 if !long {
-                    let content =
-                        Content::File { path: lines.path.clone(), span: lines.span.clone(), long: true };
-                    book.learn(playing.sheet, content);
+                    book.learn(playing.sheet, Content::File { path, span, long: true });
                 }
-                lines.begin = items.into_iter();
-                lines.step(book);
                 return Ok(Self { source: Source::File(Box::new(lines)) });
             }
+            if let Some(problem) = lines.failed {
+                return Err(problem);
+            }
+            let mut items: Vec<Item> = lines.window.into_iter().map(|Early(item)| item).collect();
+            items.sort_by_key(|item| item.number);
             book.sheet(playing.sheet)?.sort(&mut items);
             book.learn(playing.sheet, Content::Held(Arc::new(items)));
         }
@@ -78,11 +75,12 @@ impl<'a> Walk<'a> {
         Ok(Self { source: Source::Held { slot: 0, permuted } })
     }
 
-    /// How many numbers it holds beside its place.
+    /// How much memory it takes, in numbers of a permutation.
     pub fn holds(&self) -> usize {
         match &self.source {
             Source::Held { permuted: Some(all), .. } => all.len(),
-            Source::Held { .. } | Source::File(_) => 0,
+            Source::Held { .. } => 0,
+            Source::File(_) => NUMBERS_OF_AN_EVENT * MOST_HELD,
         }
     }
 
@@ -93,13 +91,14 @@ impl<'a> Walk<'a> {
                 let landed = permuted.as_ref().map_or(Some(*slot), |p| p.get(*slot).map(|i| *i as usize))?;
                 (items.get(*slot)?.at, items.get(landed)?)
             }
-            (Source::File(lines), _) => match lines.next.as_ref()? {
-                Ok(item) => (item.at, item),
-                // It comes up where it stands among the lines.
-                Err(_) => {
+            (Source::File(lines), _) => match (lines.window.peek(), &lines.failed) {
+                (Some(Early(item)), _) => (item.at, item),
+                // What stood before the bad line has been played.
+                (None, Some(_)) => {
                     let time = (lines.last - sheet.spread()).max(0.0);
                     return Some(Ahead { number: lines.read, time, exact: false });
                 }
+                (None, None) => return None,
             },
             (Source::Held { .. }, Content::File { .. }) => return None,
         };
@@ -121,8 +120,11 @@ impl<'a> Walk<'a> {
                 Ok(Some((Which::Held(landed), item.at)))
             }
             Source::File(lines) => {
-                let Some(item) = lines.next.take().transpose()? else { return Ok(None) };
-                lines.step(book);
+                let Some(Early(item)) = lines.window.pop() else {
+                    return lines.failed.take().map_or(Ok(None), Err);
+                };
+                lines.last = item.at;
+                lines.fill(book);
                 let at = item.at;
                 Ok(Some((Which::Read(Arc::new(item)), at)))
             }
@@ -130,56 +132,86 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Events of a file, one at a time, in order of `at`.
+/// How much memory an event takes, in that of a number of a permutation.
+const NUMBERS_OF_AN_EVENT: usize = size_of::<Item>() / size_of::<u32>();
+
+/// Events of a file in order of `at`, as far as that can be had within a window of [`MOST_HELD`] of them.
 struct Lines<'a> {
     path: Arc<str>,
     span: Span,
-    /// What was read before.
-    begin: vec::IntoIter<Item>,
-    rest: EventStream<'a>,
+    /// What has not been read; `None` at the end, and behind a bad line.
+    rest: Option<EventStream<'a>>,
+    /// What has been read and not been taken.
+    window: BinaryHeap<Early>,
+    /// How many have been read.
     read: u64,
+    /// The `at` that was taken last.
     last: f64,
-    next: Option<Result<Item, Problem>>,
+    /// What is wrong with the line behind all in the window.
+    failed: Option<Problem>,
 }
 
 impl<'a> Lines<'a> {
     fn open(book: &mut Book<'a>, path: Arc<str>, span: Span) -> Result<Self, Problem> {
-        let named =
-            |p: Problem| Problem { span: Some(span.clone()), what: format!("{path}: {}", p.what), ..p };
-        let rest = book.open(&path).map_err(named)?;
-        Ok(Self { path, span, begin: Vec::new().into_iter(), rest, read: 0, last: 0.0, next: None })
+        let rest = book.open(&path).map_err(|p| Problem { span: Some(span.clone()), ..p })?;
+        Ok(Self { path, span, rest: Some(rest), window: BinaryHeap::new(), read: 0, last: 0.0, failed: None })
     }
 
-    /// Reads `next`.
-    fn step(&mut self, book: &mut Book<'a>) {
-        self.next = match self.begin.next() {
-            Some(item) => Some(Ok(item)),
-            None => self.take(book).transpose(),
-        };
-    }
-
-    /// The next event that is not barren.
-    fn take(&mut self, book: &mut Book<'a>) -> Result<Option<Item>, Problem> {
-        loop {
-            let Some(event) = self.rest.next() else { return Ok(None) };
-            let number = self.read;
+    /// Reads until the window is full.
+    fn fill(&mut self, book: &mut Book<'a>) {
+        while let Some(rest) = self.rest.as_mut().filter(|_| self.window.len() <= MOST_HELD) {
+            let Some(event) = rest.next() else {
+                self.rest = None;
+                return;
+            };
+            let event = event.map_err(|p| Problem { span: Some(self.span.clone()), ..p });
+            match event.and_then(|event| self.item(book, &event)) {
+                Ok(item) if book.is_barren(&item.deed) => {}
+                Ok(item) => self.window.push(Early(item)),
+                Err(problem) => {
+                    self.failed = Some(problem);
+                    self.rest = None;
+                }
+            }
             self.read += 1;
-            let item = event.and_then(|event| book.item(&event, number)).map_err(|p| self.at(number, p))?;
-            if item.at < self.last {
-                let what = format!("`at` is {} after {}", item.at, self.last);
-                let help = "sort the lines by `at`; what shall come later can say so by `delay`";
-                return Err(self.at(number, Problem::of_file(what).help(help.to_string())));
-            }
-            self.last = item.at;
-            if !book.is_barren(&item.deed) {
-                return Ok(Some(item));
-            }
         }
     }
 
-    /// The same problem, with the event named, at the place in the patch that names the file.
-    fn at(&self, number: u64, problem: Problem) -> Problem {
-        let what = format!("{}, event {}: {}", self.path, number + 1, problem.what);
-        Problem { span: Some(self.span.clone()), what, ..problem }
+    fn item(&self, book: &mut Book<'a>, event: &Event) -> Result<Item, Problem> {
+        // It stands in the patch where the file is named, since problems have no place in a file that is not at hand.
+        let named = |p: Problem| {
+            let what = format!("{}, event {}: {}", self.path, self.read + 1, p.what);
+            Problem { span: Some(self.span.clone()), what, ..p }
+        };
+        let item = book.item(event, self.read).map_err(named)?;
+        if item.at < self.last {
+            let what = format!("`at` is {}, but what is at {} has been played", item.at, self.last);
+            let help = format!("sort the lines by `at`: none may come more than {MOST_HELD} lines late");
+            return Err(named(Problem::of_file(what).help(help)));
+        }
+        Ok(item)
     }
 }
+
+/// An event; the greatest is the earliest, and among those the first in the file.
+struct Early(Item);
+
+impl Ord for Early {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.0.at.total_cmp(&self.0.at).then_with(|| other.0.number.cmp(&self.0.number))
+    }
+}
+
+impl PartialOrd for Early {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Early {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Early {}

@@ -31,8 +31,8 @@ fn play(patch: &Patch, text: &'static str) -> Result<Vec<crate::score::Timed>, P
 
 #[test]
 fn a_file_plays_as_if_it_stood_in_the_patch() {
-    let text = "0,0,a\n0.5,3,b\n1,0.25,a\n1,0,b\n";
-    let inline = [(0.0, 0.0, "a"), (0.5, 3.0, "b"), (1.0, 0.25, "a"), (1.0, 0.0, "b")];
+    let text = "1,0.25,a\n0,0,a\n0.5,3,b\n1,0,b\n";
+    let inline = [(1.0, 0.25, "a"), (0.0, 0.0, "a"), (0.5, 3.0, "b"), (1.0, 0.0, "b")];
     let inline = inline.map(|(at, delay, v)| Event { delay, ..event(at, voice(v, None, None, &[])) });
     for (shuffle, spread) in [(false, 0.0), (true, 0.0), (false, 1.0), (true, 1.0)] {
         let change = |p: Pattern| {
@@ -91,7 +91,7 @@ fn a_long_file_streams() {
         let unmoved = timed.event as f64 / 8.0;
         late += usize::from((timed.at - unmoved).rem_euclid(100_000.0) == 2.0);
         if count == 100_000 {
-            let most = (100_000 + 100) * 16 + 512;
+            let most = (100_000 + MOST_HELD + 100) * 16 + 512;
             assert!(bytes.load(Ordering::Relaxed) < most, "no more is read than is needed");
         }
     }
@@ -129,16 +129,13 @@ fn what_a_long_file_holds_back_is_bounded() {
 fn bad_lines_are_named() {
     let p = || patch(vec![file("p")]);
     let what = |text| play(&p(), text).unwrap_err();
-    let disorder = what("0,0,a\n2,0,a\n1,0,a\n");
-    assert_eq!(disorder.what, "f.csv, event 3: `at` is 1 after 2");
-    assert_eq!(disorder.span, Some(5..9));
-    assert!(what("0,0,a\nx,0,a\n").what.contains("event 2: bad line x"));
+    assert!(what("0,0,a\nx,0,a\n").what.contains("bad line x"));
     assert!(what("0,0,a\n0,0,a\n0,0,zz\n").what.contains("event 3: there is no voice `zz`"));
     assert!(what("NaN,0,a\n").what.contains("event 1: `at`"));
     assert!(what("0,-1,a\n").what.contains("`delay`"));
     let missing =
         Score::new(&p(), output, &[(0, 0.0)], 0, super::no_files).unwrap().next().unwrap().unwrap_err();
-    assert_eq!(missing.what, "f.csv: no f.csv");
+    assert_eq!((missing.what.as_str(), missing.span), ("no f.csv", Some(5..9)));
 }
 
 #[test]
@@ -157,6 +154,36 @@ fn what_comes_before_a_bad_line_of_a_long_file_is_played() {
     let good = score.by_ref().take_while(Result::is_ok).count();
     assert_eq!(good, 2 * MOST_HELD - 1);
     assert!(score.next().is_none(), "after an error it ends");
+}
+
+/// Plays a file of twice as many lines as can be held, one a second, of which one is late by so many lines.
+fn late_by(lines: usize) -> Vec<Result<crate::score::Timed, Problem>> {
+    let n = 2 * MOST_HELD;
+    let at = move |i: usize| match i {
+        _ if i == n - 10 => n - 10 - lines,
+        _ if i >= n - 10 - lines && i < n - 10 => i + 1,
+        _ => i,
+    };
+    let open =
+        move |_: &str| Ok(Box::new((0..n).map(move |i| Ok(beat(at(i) as f64)))) as EventStream<'static>);
+    Score::new(&patch(vec![file("p")]), output, &[(0, 0.0)], 0, open).unwrap().collect()
+}
+
+#[test]
+fn lines_of_a_long_file_may_be_a_window_late() {
+    let played = late_by(MOST_HELD);
+    assert_eq!(played.len(), 2 * MOST_HELD);
+    for (i, timed) in played.iter().enumerate() {
+        assert_eq!(timed.as_ref().unwrap().at, i as f64);
+    }
+    // One more: all before it is played, then it is named.
+    let played = late_by(MOST_HELD + 1);
+    let (last, good) = played.split_last().unwrap();
+    assert_eq!(good.len(), 2 * MOST_HELD - 10);
+    assert!(good.iter().all(Result::is_ok));
+    let problem = last.as_ref().unwrap_err();
+    assert!(problem.what.starts_with("f.csv, event 131063: `at` is 65525, but"), "{}", problem.what);
+    assert_eq!(problem.span, Some(5..9));
 }
 
 #[test]
