@@ -43,8 +43,14 @@ impl Player {
     ///
     /// # Errors
     /// Everything that keeps patch and rig from playing together.
-    pub fn new(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -> Result<Self, Vec<Problem>> {
-        let refuse = |path: &str| Err(Problem::of_file(format!("events files are not read here, so not `{path}`")));
+    pub fn new(
+        patch: &Patch,
+        rig: &Rig,
+        options: &Options,
+        assets: &dyn Assets,
+    ) -> Result<Self, Vec<Problem>> {
+        let refuse =
+            |path: &str| Err(Problem::of_file(format!("events files are not read here, so not `{path}`")));
         Self::with_files(patch, rig, options, assets, Box::new(refuse))
     }
 
@@ -63,10 +69,10 @@ impl Player {
         let (patch, rig) = (Arc::new(patch.clone()), Arc::new(rig.clone()));
         let roots: Vec<(usize, f64)> = patterns.iter().map(|&p| (p, 0.0)).collect();
         let of_rig = Arc::clone(&rig);
-        let places = move |place: Option<&Place>| of_rig.resolve(place).map(|i| i as u32);
+        let places = move |place: Option<&Place>| of_rig.resolve(place, &(0..0)).map(|i| i as u32);
         let score = Score::new(&patch, places, &roots, plan.seed, files).map_err(|p| vec![p])?;
         let mut player = Self {
-            engine: Engine::new(&plan),
+            engine: Engine::new(&plan).map_err(|refusal| vec![Problem::of_file(refusal.to_string())])?,
             plan,
             patch,
             rig,
@@ -169,9 +175,14 @@ impl Player {
         for (name, value) in &note.fields {
             match voice.fields.iter().position(|(n, _)| n == name) {
                 Some(i) if value.is_finite() => own[i] = *value,
-                Some(_) => return Err(Problem::of_file(format!("`{name}` = {value} is not a number to play"))),
+                Some(_) => {
+                    return Err(Problem::of_file(format!("`{name}` = {value} is not a number to play")));
+                }
                 None => {
-                    return Err(Problem::of_file(format!("voice `{}` declares no field `{name}`", voice.name)));
+                    return Err(Problem::of_file(format!(
+                        "voice `{}` declares no field `{name}`",
+                        voice.name
+                    )));
                 }
             }
         }
@@ -182,7 +193,7 @@ impl Player {
             return Err(Problem::of_file(what));
         }
         let place = note.place.as_ref().or(voice.place.as_ref());
-        let place = self.rig.resolve(place)? as u32;
+        let place = self.rig.resolve(place, &(0..0))? as u32;
         self.played += 1;
         let id = PROGRAM + self.played;
         let play = Play { instrument, place, level, duration, own, id };
@@ -206,7 +217,10 @@ impl Player {
     pub fn set(&mut self, control: &str, value: f64) -> Result<(), Problem> {
         let index = self.plan.controls.iter().position(|c| &*c.name == control).ok_or_else(|| {
             let names: Vec<&str> = self.plan.controls.iter().map(|c| &*c.name).collect();
-            Problem::of_file(format!("there is no control `{control}` that moves anything; there is: {}", names.join(", ")))
+            Problem::of_file(format!(
+                "there is no control `{control}` that moves anything; there is: {}",
+                names.join(", ")
+            ))
         })?;
         let now = Instant { sample: self.engine.clock(), fraction: 0 };
         self.engine.schedule(now, Source::Program, Event::Control(index as u32, value));
@@ -248,7 +262,11 @@ impl Player {
                 What::Play(note) => {
                     let Some(instrument) = self.instruments[note.voice] else { continue };
                     let (place, level, duration, own) = (note.place, note.level, note.duration, note.own);
-                    self.send(next.at, Source::Pattern, Play { instrument, place, level, duration, own, id: next.id });
+                    self.send(
+                        next.at,
+                        Source::Pattern,
+                        Play { instrument, place, level, duration, own, id: next.id },
+                    );
                 }
                 What::Marker(_) => {
                     let at = Instant::of_samples(next.at * self.plan.engine_rate());
@@ -259,8 +277,11 @@ impl Player {
     }
 
     fn send(&mut self, at: f64, source: Source, play: Play) -> bool {
-        let taken =
-            self.engine.schedule(Instant::of_samples(at * self.plan.engine_rate()), source, Event::Play(play));
+        let taken = self.engine.schedule(
+            Instant::of_samples(at * self.plan.engine_rate()),
+            source,
+            Event::Play(play),
+        );
         if let Some(record) = self.record.as_mut().filter(|_| taken) {
             record.push((at, play));
         }

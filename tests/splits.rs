@@ -32,11 +32,14 @@ tone = { type = "sine", frequency = "event.frequency" }
 fn rendered(isa: Isa, precision: Precision, calls: &[usize]) -> Vec<u32> {
     let mut plan = compiled(PATCH, 11, 48_000.0).plan;
     plan.precision = precision;
-    let mut engine = Engine::with_isa(&plan, isa);
+    let mut engine = Engine::with_isa(&plan, isa).unwrap();
     let mut events = Vec::new();
     for i in 0..40_u32 {
         let at = f64::from(i) * 61.37;
-        events.push((at, play(i % 2, i % 11, 40.0 + 13.0 * f64::from(i), 0.002 * f64::from(i % 30), u64::from(i))));
+        events.push((
+            at,
+            play(i % 2, i % 11, 40.0 + 13.0 * f64::from(i), 0.002 * f64::from(i % 30), u64::from(i)),
+        ));
     }
     schedule(&mut engine, &events);
     let output = run(&mut engine, 24_000, calls);
@@ -51,7 +54,10 @@ fn any_cut_gives_the_same_bits() {
     for precision in [Precision::Single, Precision::Double] {
         let whole = rendered(Isa::detect(), precision, &[24_000]);
         for calls in [&[1][..], &[7], &[64], &[480], &[3, 1000, 1, 17, 250, 64]] {
-            assert!(rendered(Isa::detect(), precision, calls) == whole, "{precision:?} in calls of {calls:?}");
+            assert!(
+                rendered(Isa::detect(), precision, calls) == whole,
+                "{precision:?} in calls of {calls:?}"
+            );
         }
     }
 }

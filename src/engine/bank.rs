@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::event::Play;
 use super::mixer::Routes;
 use super::workspace::Workspace;
+use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use crate::dsp::random;
 use crate::graph::Base;
@@ -51,6 +52,7 @@ pub enum Stage {
 
 /// States and lanes of one instrument.
 pub struct Bank<R: Real> {
+    isa: Isa,
     program: Arc<Program>,
     states: Vec<States<R>>,
     /// By group, then steady row.
@@ -75,7 +77,7 @@ pub struct Bank<R: Real> {
 
 impl<R: Real> Bank<R> {
     /// Silent lanes for an instrument, in an engine at `rate` with so many groups of channels.
-    pub fn new(instrument: &Instrument, rate: f64, seed: u64, channel_groups: usize) -> Self {
+    pub fn new(instrument: &Instrument, rate: f64, seed: u64, channel_groups: usize, isa: Isa) -> Self {
         let program = instrument.program.clone();
         // Spare lanes let a voice that makes room fade while the new one already sounds.
         let groups = (instrument.voices + instrument.voices.min(LANES)).div_ceil(LANES);
@@ -87,6 +89,7 @@ impl<R: Real> Bank<R> {
         let enveloped = states.iter().any(|s| s.sounding(0, 0).is_some());
         let rows = program.steady.len();
         let mut bank = Self {
+            isa,
             states,
             steady: vec![[R::ZERO; LANES]; groups * rows],
             bases: vec![[0.0; LANES]; groups * rows],
@@ -174,8 +177,7 @@ impl<R: Real> Bank<R> {
         for &(channel, share) in place {
             self.routes[group].connect(l, channel, share * gain);
         }
-        self.lanes[lane] =
-            Lane { id: play.id, born: at, serial, level: gain.abs(), stage: Stage::Held };
+        self.lanes[lane] = Lane { id: play.id, born: at, serial, level: gain.abs(), stage: Stage::Held };
         self.live[group] |= 1 << l;
         self.sounding += 1;
         lane
@@ -211,17 +213,20 @@ impl<R: Real> Bank<R> {
     }
 
     /// Computes `frames` samples from `clock` on and adds them to the mix at `offset`.
-    #[inline(always)]
     pub fn run(&mut self, work: &mut Workspace<R>, frames: usize, offset: usize, clock: u64) {
         for group in 0..self.live.len() {
             if self.live[group] != 0 {
                 self.run_ops(group, work, frames, clock);
-                self.finish(group, work, frames, offset, clock);
+                match self.isa {
+                    #[cfg(target_arch = "x86_64")]
+                    // SAFETY: an engine holds this level only where `Isa::or_supported` found it on this machine.
+                    Isa::Avx2 => unsafe { self.finish_avx2(group, work, frames, offset, clock) },
+                    _ => self.finish(group, work, frames, offset, clock),
+                }
             }
         }
     }
 
-    #[inline(always)]
     fn run_ops(&mut self, group: usize, work: &mut Workspace<R>, frames: usize, clock: u64) {
         let rows = self.program.steady.len();
         let steady = &self.steady[group * rows..][..rows];
@@ -238,9 +243,26 @@ impl<R: Real> Bank<R> {
                 };
             }
             let count = op.inputs.len().min(INPUTS);
-            states.run(group, &mut Io { inputs: &inputs[..count], output: &mut output[..frames], clock });
+            states.run(
+                self.isa,
+                group,
+                &mut Io { inputs: &inputs[..count], output: &mut output[..frames], clock },
+            );
             work.buffers[op.output as usize] = output;
         }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn finish_avx2(
+        &mut self,
+        group: usize,
+        work: &mut Workspace<R>,
+        frames: usize,
+        offset: usize,
+        clock: u64,
+    ) {
+        self.finish(group, work, frames, offset, clock);
     }
 
     /// Masks what is not finite, fades what fades, notes peaks where a voice may be at its end, and mixes.
@@ -374,7 +396,8 @@ impl<R: Real> Bank<R> {
             .map(|(lane, serial)| (lane, self.loudness(lane), serial))
             .min_by(|a, b| a.1.total_cmp(&b.1).then(a.2.cmp(&b.2)))
             .map(|(lane, ..)| lane);
-        let victim = quietest.or_else(|| of_stage(Stage::Held).min_by_key(|(_, serial)| *serial).map(|(lane, _)| lane));
+        let victim = quietest
+            .or_else(|| of_stage(Stage::Held).min_by_key(|(_, serial)| *serial).map(|(lane, _)| lane));
         if let Some(lane) = victim {
             self.lanes[lane].stage = Stage::Fading(at);
             self.fading[lane / LANES] |= 1 << (lane % LANES);
@@ -396,7 +419,6 @@ impl<R: Real> Bank<R> {
     }
 
     /// Runs all ops of the first group without mixing: for engine-wide programs.
-    #[inline(always)]
     pub fn run_shared(&mut self, work: &mut Workspace<R>, frames: usize, clock: u64) {
         self.run_ops(0, work, frames, clock);
     }

@@ -24,7 +24,16 @@ impl<R: Real> Ramp<R> {
     pub fn new(value: f64, least: f64, most: f64, samples: f64) -> Self {
         let samples = if samples > 1.0 { samples } else { 1.0 };
         let since = Instant::default();
-        Self { from: value, to: value, since, samples, least, most, settled: false, _real: std::marker::PhantomData }
+        Self {
+            from: value,
+            to: value,
+            since,
+            samples,
+            least,
+            most,
+            settled: false,
+            _real: std::marker::PhantomData,
+        }
     }
 
     /// Where it is going.

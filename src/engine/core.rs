@@ -5,6 +5,7 @@ use super::control::Ramp;
 use super::event::{Event, Play, Source};
 use super::stage::Stage;
 use super::task::{Board, Task};
+use super::vibration::Refusal;
 use super::workspace::{BLOCK, Workspace};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
@@ -36,7 +37,6 @@ pub struct Counters {
 
 /// A plan at work.
 pub struct Core<R: Real> {
-    isa: Isa,
     clock: u64,
     rate: f64,
     queue: Queue<Event>,
@@ -47,17 +47,21 @@ pub struct Core<R: Real> {
     controls: Vec<Ramp<R>>,
     work: Workspace<R>,
     latest: Vec<R>,
-    stage: Stage<R>,
+    stage: Stage,
     tasks: Vec<Box<dyn Task>>,
     counters: Counters,
 }
 
 impl<R: Real> Core<R> {
     /// Everything a plan needs, allocated.
-    pub fn new(plan: &Plan, isa: Isa) -> Self {
+    ///
+    /// # Errors
+    /// A rate or a number of taps that the output stage cannot be built for.
+    pub fn new(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
         let rate = plan.engine_rate();
         let groups = plan.channels.div_ceil(LANES);
-        let banks: Vec<_> = plan.instruments.iter().map(|i| Bank::new(i, rate, plan.seed, groups)).collect();
+        let banks: Vec<_> =
+            plan.instruments.iter().map(|i| Bank::new(i, rate, plan.seed, groups, isa)).collect();
         let shared = (!plan.shared_program.ops.is_empty()).then(|| {
             let instrument = Instrument {
                 name: "shared".into(),
@@ -69,18 +73,14 @@ impl<R: Real> Core<R> {
                 level: 1.0,
                 always: true,
             };
-            Bank::new(&instrument, rate, plan.seed, 0)
+            Bank::new(&instrument, rate, plan.seed, 0, isa)
         });
-        let controls = plan
-            .controls
-            .iter()
-            .map(|c| Ramp::new(c.default, c.least, c.most, c.smoothing * rate))
-            .collect();
+        let controls =
+            plan.controls.iter().map(|c| Ramp::new(c.default, c.least, c.most, c.smoothing * rate)).collect();
         let programs = plan.instruments.iter().map(|i| &i.program).chain([&plan.shared_program]);
         let buffers = programs.map(|p| p.buffers).max().unwrap_or(0) + 1;
         let voices: usize = plan.instruments.iter().map(|i| i.voices).sum();
         let mut core = Self {
-            isa,
             clock: 0,
             rate,
             queue: Queue::new(WAITING + 2 * voices),
@@ -91,12 +91,12 @@ impl<R: Real> Core<R> {
             controls,
             work: Workspace::new(buffers, plan.shared.len(), plan.channels),
             latest: vec![R::ZERO; plan.shared.len()],
-            stage: Stage::new(plan, isa),
+            stage: Stage::new(plan, isa)?,
             tasks: Vec::new(),
             counters: Counters::default(),
         };
         core.begin(plan);
-        core
+        Ok(core)
     }
 
     /// Starts what sounds from the beginning.
@@ -126,6 +126,11 @@ impl<R: Real> Core<R> {
         self.tasks.push(task);
     }
 
+    /// Engine samples a second.
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
     /// Engine samples computed so far.
     pub fn clock(&self) -> u64 {
         self.clock
@@ -147,7 +152,7 @@ impl<R: Real> Core<R> {
     }
 
     /// The output stage.
-    pub fn stage(&self) -> &Stage<R> {
+    pub fn stage(&self) -> &Stage {
         &self.stage
     }
 
@@ -208,7 +213,11 @@ impl<R: Real> Core<R> {
         }
         for task in &mut self.tasks {
             if task.beat().is_due(self.clock) {
-                task.run(&mut Board { controls: &mut self.controls, latest: &self.latest, clock: self.clock });
+                task.run(&mut Board {
+                    controls: &mut self.controls,
+                    latest: &self.latest,
+                    clock: self.clock,
+                });
             }
         }
     }
@@ -247,25 +256,11 @@ impl<R: Real> Core<R> {
     }
 
     fn render(&mut self, frames: usize, offset: usize, input: &[Vec<f32>]) {
-        match self.isa {
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: the level was detected on this machine when the engine was made.
-            Isa::Avx2 => unsafe { self.render_avx2(frames, offset, input) },
-            _ => self.render_body(frames, offset, input),
-        }
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn render_avx2(&mut self, frames: usize, offset: usize, input: &[Vec<f32>]) {
-        self.render_body(frames, offset, input);
-    }
-
-    #[inline(always)]
-    fn render_body(&mut self, frames: usize, offset: usize, input: &[Vec<f32>]) {
         for (i, source) in self.sources.iter().enumerate() {
             match *source {
-                Shared::Control(c) => self.controls[c as usize].fill(&mut self.work.shared[i], frames, self.clock),
+                Shared::Control(c) => {
+                    self.controls[c as usize].fill(&mut self.work.shared[i], frames, self.clock)
+                }
                 Shared::Input(channel) => {
                     let rows = &mut self.work.shared[i][..frames];
                     match input.get(channel as usize).and_then(|c| c.get(offset..offset + frames)) {

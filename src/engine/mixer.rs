@@ -89,7 +89,10 @@ impl<R: Real> Routes<R> {
 
 impl<R: Real> Route<R> {
     fn is_diagonal(&self) -> bool {
-        self.gains.iter().enumerate().all(|(l, row)| row.iter().enumerate().all(|(c, g)| l == c || *g == R::ZERO))
+        self.gains
+            .iter()
+            .enumerate()
+            .all(|(l, row)| row.iter().enumerate().all(|(c, g)| l == c || *g == R::ZERO))
     }
 }
 

@@ -12,10 +12,13 @@ pub mod workspace;
 
 use crate::dsp::isa::Isa;
 use crate::graph::plan::{Plan, Precision};
+use crate::node::kernel::LEAD;
 use crate::schedule::Instant;
 use core::{Core, Counters};
 use event::{Event, Source};
+use stage::Stage;
 use task::Task;
+use vibration::Refusal;
 use workspace::BLOCK;
 
 /// A plan at work: give it input frames, get output frames.
@@ -29,6 +32,26 @@ pub struct Engine {
     /// Frames of the last engine sample that are still to be given out.
     carry: Vec<f32>,
     carried: usize,
+}
+
+/// What lies between an event and its effect at the device, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Delay {
+    /// Voices lag behind events, so that jumps can be band-limited around their instant.
+    pub lead: f64,
+    /// The filter that brings the engine's rate to the device's: the same at all frequencies.
+    pub up_sampling: f64,
+    /// Phase delay of the band limit at 250 Hz.
+    pub band_limit_phase: f64,
+    /// Group delay of the band limit at 250 Hz.
+    pub band_limit_group: f64,
+}
+
+impl Delay {
+    /// All of it, for the envelope of a tone of 250 Hz.
+    pub fn total(&self) -> f64 {
+        self.lead + self.up_sampling + self.band_limit_group
+    }
 }
 
 enum AnyCore {
@@ -53,19 +76,42 @@ macro_rules! each {
 
 impl Engine {
     /// An engine for a plan, on the best instruction set of this machine.
-    pub fn new(plan: &Plan) -> Self {
+    ///
+    /// # Errors
+    /// A rate or a number of taps that the output stage cannot be built for.
+    pub fn new(plan: &Plan) -> Result<Self, Refusal> {
         Self::with_isa(plan, Isa::detect())
     }
 
-    /// An engine for a plan on an instruction set, which this machine must have.
-    pub fn with_isa(plan: &Plan, isa: Isa) -> Self {
-        let isa = if isa == Isa::Avx2 { Isa::detect() } else { isa };
+    /// An engine for a plan on an instruction set; the baseline where this machine lacks it.
+    ///
+    /// # Errors
+    /// As [`Engine::new`].
+    pub fn with_isa(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
+        let isa = isa.or_supported();
         let core = match plan.precision {
-            Precision::Single => AnyCore::Single(Box::new(Core::new(plan, isa))),
-            Precision::Double => AnyCore::Double(Box::new(Core::new(plan, isa))),
+            Precision::Single => AnyCore::Single(Box::new(Core::new(plan, isa)?)),
+            Precision::Double => AnyCore::Double(Box::new(Core::new(plan, isa)?)),
         };
         let carry = vec![0.0; plan.ratio * plan.channels];
-        Self { core, channels: plan.channels, ratio: plan.ratio, carried: carry.len(), carry }
+        Ok(Self { core, channels: plan.channels, ratio: plan.ratio, carried: carry.len(), carry })
+    }
+
+    /// Seconds from an event to the middle of what it makes at the device, at 250 Hz.
+    pub fn delay(&self) -> Delay {
+        let rate = each!(self, core => core.rate());
+        let stage = self.stage().vibration().delay();
+        Delay {
+            lead: LEAD / rate,
+            up_sampling: stage.fir_frames / (rate * self.ratio as f64),
+            band_limit_phase: stage.band_limit_phase_250,
+            band_limit_group: stage.band_limit_group_250,
+        }
+    }
+
+    /// The output stage: its design, its response and what it has met.
+    pub fn stage(&self) -> &Stage {
+        each!(self, core => core.stage())
     }
 
     /// Channels of a frame.

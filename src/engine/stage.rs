@@ -1,21 +1,66 @@
-//! placeholder
+//! From the mix to the device: the output stage of each kind of output.
+
+use super::vibration::{Counts, Options, Refusal, Row, Vibration};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use crate::graph::plan::Plan;
 use crate::schedule::Instant;
-/// stage
-pub struct Stage<R> { channels: usize, ratio: usize, _r: std::marker::PhantomData<R> }
-impl<R: Real> Stage<R> {
-    /// new
-    pub fn new(plan: &Plan, _isa: Isa) -> Self { Self { channels: plan.channels, ratio: plan.ratio, _r: std::marker::PhantomData } }
-    /// p
-    pub fn process(&mut self, mix: &[Vec<[R; LANES]>], _fed: &[bool], samples: usize, _clock: u64, out: &mut [f32]) {
-        for n in 0..samples { for p in 0..self.ratio { for c in 0..self.channels {
-            out[(n * self.ratio + p) * self.channels + c] = mix[c / LANES][n][c % LANES].wide() as f32;
-        }}}
+
+/// The output stage.
+pub struct Stage {
+    vibration: Vibration,
+    /// The mix in the stage's own number type, a block for each group of channels.
+    rows: Vec<Row>,
+}
+
+impl Stage {
+    /// The stage of a plan.
+    ///
+    /// # Errors
+    /// A rate or a number of taps that the stage cannot be built for.
+    pub fn new(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
+        let options = Options { taps: plan.taps, isa, ..Options::default() };
+        let vibration = Vibration::new(plan.channels, plan.device_rate, &options)?;
+        let rows = vec![Row::default(); vibration.groups() * super::workspace::BLOCK];
+        Ok(Self { vibration, rows })
     }
-    /// m
+
+    /// What the stage does to vibration outputs.
+    pub fn vibration(&self) -> &Vibration {
+        &self.vibration
+    }
+
+    /// What the stage has met so far.
+    pub fn counts(&self) -> Counts {
+        self.vibration.counts()
+    }
+
+    /// Whether nothing rings in it.
+    pub fn is_asleep(&self) -> bool {
+        (0..self.vibration.groups()).all(|g| self.vibration.sleeps(g))
+    }
+
+    /// A marker at an instant, when `clock` is the next engine sample.
     pub fn mark(&mut self, _name: u32, _at: Instant, _clock: u64) {}
-    /// a
-    pub fn is_asleep(&self) -> bool { true }
+
+    /// Renders `samples` engine samples of the mix, from `clock` on, to interleaved frames of the device.
+    pub fn process<R: Real>(
+        &mut self,
+        mix: &[Vec<[R; LANES]>],
+        fed: &[bool],
+        samples: usize,
+        clock: u64,
+        output: &mut [f32],
+    ) {
+        for ((block, rows), fed) in self.rows.chunks_exact_mut(samples).zip(mix).zip(fed) {
+            if *fed {
+                for (to, from) in block.iter_mut().zip(rows) {
+                    for l in 0..LANES {
+                        to[l] = from[l].wide() as f32;
+                    }
+                }
+            }
+        }
+        self.vibration.process(samples, &mut self.rows, fed, clock, output);
+    }
 }

@@ -53,12 +53,17 @@ pub fn voice(
 ) -> Result<Graph, Vec<Problem>> {
     let fields: Vec<&str> = voice.fields.iter().map(|(name, _)| name.as_str()).collect();
     if fields.len() > FIELDS {
-        let what = format!("voice `{}` declares {} fields; an event carries at most {FIELDS}", voice.name, fields.len());
+        let what = format!(
+            "voice `{}` declares {} fields; an event carries at most {FIELDS}",
+            voice.name,
+            fields.len()
+        );
         return Err(vec![Problem::error(&voice.span, what)]);
     }
     let scope = Scope::new(patch, Some(voice));
     let output = voice.output.clone();
-    let mut builder = Builder { scope, fields, shared: false, assets, wanted, graph: Graph::default(), problems: vec![] };
+    let mut builder =
+        Builder { scope, fields, shared: false, assets, wanted, graph: Graph::default(), problems: vec![] };
     builder.nodes(&voice.nodes);
     match voice.nodes.iter().position(|n| n.name == output) {
         Some(i) => builder.graph.outputs = vec![Wire::node(i as NodeId)],
@@ -81,8 +86,15 @@ pub fn shared(
     wanted: &mut Wanted,
 ) -> Result<Graph, Vec<Problem>> {
     let scope = Scope::new(patch, None);
-    let mut builder =
-        Builder { scope, fields: vec![], shared: true, assets, wanted, graph: Graph::default(), problems: vec![] };
+    let mut builder = Builder {
+        scope,
+        fields: vec![],
+        shared: true,
+        assets,
+        wanted,
+        graph: Graph::default(),
+        problems: vec![],
+    };
     builder.nodes(&patch.shared);
     builder.graph.outputs = outputs.iter().map(|&i| Wire::node(i as NodeId)).collect();
     builder.finish()
@@ -185,7 +197,12 @@ impl Builder<'_> {
     fn split(&mut self, node: &patch::Node, settings: &Arc<Settings>, mut inputs: Vec<Wire>) -> Vec<Wire> {
         let spec = node.kind.spec();
         if !matches!(spec.name, "add" | "multiply") {
-            let what = format!("`{}` has {} inputs; a `{}` takes at most {INPUTS}", node.name, inputs.len(), spec.name);
+            let what = format!(
+                "`{}` has {} inputs; a `{}` takes at most {INPUTS}",
+                node.name,
+                inputs.len(),
+                spec.name
+            );
             self.problems.push(Problem::error(&node.span, what));
             inputs.truncate(INPUTS);
             return inputs;
@@ -244,7 +261,8 @@ impl Builder<'_> {
             [] => None,
             [only] => Some(only),
             _ => {
-                let inputs = moving.into_iter().map(|s| Wire { base: Base::Constant(0.0), signal: Some(s) }).collect();
+                let inputs =
+                    moving.into_iter().map(|s| Wire { base: Base::Constant(0.0), signal: Some(s) }).collect();
                 Some(self.made(owner, "add", None, inputs))
             }
         };
@@ -281,7 +299,8 @@ impl Builder<'_> {
                     }
                 }
                 Term::Moving(signal) if negative => {
-                    let inputs = vec![Wire { base: Base::Constant(0.0), signal: Some(signal) }, Wire::constant(-1.0)];
+                    let inputs =
+                        vec![Wire { base: Base::Constant(0.0), signal: Some(signal) }, Wire::constant(-1.0)];
                     moving.push(self.made(owner, "multiply", None, inputs));
                 }
                 Term::Moving(signal) => moving.push(signal),
@@ -297,7 +316,9 @@ impl Builder<'_> {
                 Some(Target::Node(i)) => Term::Moving(Signal::Node(i as NodeId)),
                 Some(Target::Shared(i)) if self.shared => Term::Moving(Signal::Node(i as NodeId)),
                 Some(Target::Shared(i)) => Term::Moving(Signal::Shared(self.wanted.number(Want::Node(i)))),
-                Some(Target::Control(i)) => Term::Moving(Signal::Shared(self.wanted.number(Want::Control(i)))),
+                Some(Target::Control(i)) => {
+                    Term::Moving(Signal::Shared(self.wanted.number(Want::Control(i))))
+                }
                 None => {
                     self.problems.push(Problem::error(span, format!("nothing here is called `{name}`")));
                     Term::Known(vec![Step::Number(0.0)])
@@ -327,7 +348,15 @@ impl Builder<'_> {
         }
     }
 
-    fn binary(&mut self, owner: &str, step: Binary, node: &str, choice: Option<&str>, a: Term, b: Term) -> Term {
+    fn binary(
+        &mut self,
+        owner: &str,
+        step: Binary,
+        node: &str,
+        choice: Option<&str>,
+        a: Term,
+        b: Term,
+    ) -> Term {
         match (a, b) {
             (Term::Known(mut a), Term::Known(b)) => {
                 a.extend(b);
@@ -352,7 +381,8 @@ impl Builder<'_> {
             Function::Floor => Some((Unary::Floor, "floor")),
             Function::Min | Function::Max | Function::Pow | Function::Clamp => None,
         };
-        let mut next = || if terms.is_empty() { Term::Known(vec![Step::Number(0.0)]) } else { terms.remove(0) };
+        let mut next =
+            || if terms.is_empty() { Term::Known(vec![Step::Number(0.0)]) } else { terms.remove(0) };
         match (unary, function) {
             (Some((step, choice)), _) => match next() {
                 Term::Known(mut steps) => {

@@ -125,8 +125,10 @@ mod tests {
     #[test]
     fn steady_factors_become_the_gain() {
         let sine = || node("sine", vec![Wire::constant(50.0), Wire::constant(0.0), Wire::constant(1.0)]);
-        let graph =
-            folded(vec![sine(), node("multiply", vec![Wire::node(0), Wire::constant(0.5), Wire::start(0)])], 1);
+        let graph = folded(
+            vec![sine(), node("multiply", vec![Wire::node(0), Wire::constant(0.5), Wire::start(0)])],
+            1,
+        );
         assert_eq!(graph.outputs, [Wire::node(0)]);
         assert_eq!(graph.gain, [Base::Start(0), Base::Constant(0.5)]);
 

@@ -109,7 +109,9 @@ pub struct Graph {
 impl Node {
     /// Names its random numbers: the same as long as it keeps its name (FNV-1a of it).
     pub fn stream(&self) -> u64 {
-        self.name.bytes().fold(0xCBF2_9CE4_8422_2325, |hash, b| (hash ^ u64::from(b)).wrapping_mul(0x100_0000_01B3))
+        self.name
+            .bytes()
+            .fold(0xCBF2_9CE4_8422_2325, |hash, b| (hash ^ u64::from(b)).wrapping_mul(0x100_0000_01B3))
     }
     /// What its kernel or its twin is told, at `rate`, in an engine that runs at `engine_rate`.
     pub fn setup(&self, rate: f64, engine_rate: f64) -> Setup {

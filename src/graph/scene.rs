@@ -32,7 +32,15 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { rate: None, ratio: None, precision: Precision::Single, taps: 6, seed: None, pattern: None, live: false }
+        Self {
+            rate: None,
+            ratio: None,
+            precision: Precision::Single,
+            taps: 6,
+            seed: None,
+            pattern: None,
+            live: false,
+        }
     }
 }
 
@@ -55,12 +63,19 @@ pub struct Scene {
 /// # Errors
 /// Everything that keeps the two from playing together: recordings that cannot be read, places the rig does not have, a
 /// rate out of [`RATES`], an unknown pattern.
-pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -> Result<Scene, Vec<Problem>> {
+pub fn scene(
+    patch: &Patch,
+    rig: &Rig,
+    options: &Options,
+    assets: &dyn Assets,
+) -> Result<Scene, Vec<Problem>> {
     let mut problems = Vec::new();
     let device_rate = options.rate.or(rig.device.rate.map(Into::into)).unwrap_or(48_000.0);
     if !RATES.contains(&device_rate) {
         let (least, most) = (RATES.start(), RATES.end());
-        problems.push(Problem::of_file(format!("a rate of {device_rate} Hz is not between {least} and {most} Hz")));
+        problems.push(Problem::of_file(format!(
+            "a rate of {device_rate} Hz is not between {least} and {most} Hz"
+        )));
     }
     let ratio = options.ratio.unwrap_or((device_rate / 8000.0).round() as usize).clamp(1, 96);
     let mut left_out = Vec::new();
@@ -78,7 +93,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
                 continue;
             }
         };
-        let place = rig.resolve(voice.place.as_ref()).unwrap_or_else(|p| {
+        let place = rig.resolve(voice.place.as_ref(), &voice.place_span).unwrap_or_else(|p| {
             problems.push(p);
             0
         });
@@ -97,7 +112,9 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
                     always: voice.start == Start::Always,
                 });
             }
-            Err(_) => problems.push(Problem::error(&voice.span, format!("voice `{}` has a cycle", voice.name))),
+            Err(_) => {
+                problems.push(Problem::error(&voice.span, format!("voice `{}` has a cycle", voice.name)))
+            }
         }
     }
     let (shared, shared_program) = shared(patch, &mut wanted, assets, &mut left_out, &mut problems);
@@ -141,7 +158,9 @@ fn output(output: &rig::Output) -> Output {
     let kind = match output.kind {
         rig::OutputKind::Trigger { .. } => OutputKind::Trigger,
         rig::OutputKind::Raw => OutputKind::Raw,
-        rig::OutputKind::Vibration | rig::OutputKind::Drive | rig::OutputKind::Torque => OutputKind::Vibration,
+        rig::OutputKind::Vibration | rig::OutputKind::Drive | rig::OutputKind::Torque => {
+            OutputKind::Vibration
+        }
     };
     Output { name: output.name.as_str().into(), channel: output.channel.saturating_sub(1), kind }
 }
@@ -199,12 +218,23 @@ fn voices(patch: &Patch, patterns: &[usize], live: bool, left_out: &mut Vec<Left
             }
         }
     }
-    let unused = |kind: &str, name: &str| LeftOut { what: format!("{kind} `{name}`"), why: Why::NeverTriggered };
+    let unused =
+        |kind: &str, name: &str| LeftOut { what: format!("{kind} `{name}`"), why: Why::NeverTriggered };
     left_out.extend(
-        patch.voices.iter().enumerate().filter(|(i, _)| !found.contains(i)).map(|(_, v)| unused("voice", &v.name)),
+        patch
+            .voices
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| !found.contains(i))
+            .map(|(_, v)| unused("voice", &v.name)),
     );
     left_out.extend(
-        patch.patterns.iter().enumerate().filter(|(i, _)| !played.contains(i)).map(|(_, p)| unused("pattern", &p.name)),
+        patch
+            .patterns
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| !played.contains(i))
+            .map(|(_, p)| unused("pattern", &p.name)),
     );
     found
 }
@@ -212,7 +242,9 @@ fn voices(patch: &Patch, patterns: &[usize], live: bool, left_out: &mut Vec<Left
 fn note(owner: &str, pruned: &[Arc<str>], folded: &[Arc<str>], left_out: &mut Vec<LeftOut>) {
     for (names, why) in [(pruned, Why::Pruned), (folded, Why::Folded)] {
         let names: BTreeSet<&str> = names.iter().map(|n| &**n).collect();
-        left_out.extend(names.into_iter().map(|name| LeftOut { what: format!("node `{name}` of `{owner}`"), why }));
+        left_out.extend(
+            names.into_iter().map(|name| LeftOut { what: format!("node `{name}` of `{owner}`"), why }),
+        );
     }
 }
 
@@ -228,7 +260,10 @@ fn shared(
         wanted.list.iter().filter_map(|w| if let Want::Node(i) = w { Some(*i) } else { None }).collect();
     if outputs.is_empty() {
         left_out.extend(
-            patch.shared.iter().map(|n| LeftOut { what: format!("shared node `{}`", n.name), why: Why::NeverRead }),
+            patch
+                .shared
+                .iter()
+                .map(|n| LeftOut { what: format!("shared node `{}`", n.name), why: Why::NeverRead }),
         );
         return (wanted.list.clone(), Program::default());
     }

@@ -234,7 +234,11 @@ impl Bench {
                 })
                 .collect();
             let mut block = vec![[R::of(f64::NAN); LANES]; frames];
-            states.run(0, &mut Io { inputs: &inputs, output: &mut block, clock });
+            states.run(
+                crate::dsp::isa::Isa::detect(),
+                0,
+                &mut Io { inputs: &inputs, output: &mut block, clock },
+            );
             output.extend(block.iter().map(|row| row[lane].wide()));
             if ended.is_none() && states.sounding(0, lane) == Some(false) {
                 ended = Some(output.len());

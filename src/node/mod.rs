@@ -11,6 +11,7 @@ mod legs;
 mod segment;
 pub mod spec;
 
+use crate::dsp::isa::Isa;
 use crate::dsp::lanes::Real;
 use kernel::{Io, Kernel, Onset, Setup, Twin};
 use spec::NodeSpec;
@@ -28,6 +29,27 @@ impl NodeKind {
     pub fn spec(self) -> &'static NodeSpec {
         REGISTRY[self.0]
     }
+}
+
+#[inline]
+fn run_on<R: Real, K: Kernel<R>>(isa: Isa, kernel: &mut K, io: &mut Io<R>) {
+    match isa {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: an engine holds this level only where `Isa::or_supported` found it on this machine.
+        Isa::Avx2 => unsafe { run_avx2(kernel, io) },
+        _ => run_baseline(kernel, io),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn run_avx2<R: Real, K: Kernel<R>>(kernel: &mut K, io: &mut Io<R>) {
+    kernel.run(io);
+}
+
+#[inline(never)]
+fn run_baseline<R: Real, K: Kernel<R>>(kernel: &mut K, io: &mut Io<R>) {
+    kernel.run(io);
 }
 
 macro_rules! registry {
@@ -69,10 +91,10 @@ macro_rules! registry {
             pub fn release(&mut self, group: usize, lane: usize, at: f64) {
                 match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::release(&mut s[group], lane, at)),* }
             }
-            /// See [`Kernel::run`].
-            #[inline(always)]
-            pub fn run(&mut self, group: usize, io: &mut Io<R>) {
-                match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::run(&mut s[group], io)),* }
+            /// See [`Kernel::run`]; `isa` must be one that this machine has.
+            #[inline]
+            pub fn run(&mut self, isa: Isa, group: usize, io: &mut Io<R>) {
+                match self { $($(#[$attr])* Self::$variant(s) => run_on(isa, &mut s[group], io)),* }
             }
             /// See [`Kernel::sounding`].
             pub fn sounding(&self, group: usize, lane: usize) -> Option<bool> {

@@ -32,7 +32,8 @@ pub fn compare(
     let length = reference.channels.first().map_or(0, Vec::len);
     let (mut difference, mut wanted, mut above, mut all) = (0.0, 0.0, 0.0, 0.0);
     let mut planner = RealFftPlanner::<f64>::new();
-    let (low, high) = (planner.plan_fft_forward(length.max(2)), planner.plan_fft_forward((length * ratio).max(2)));
+    let (low, high) =
+        (planner.plan_fft_forward(length.max(2)), planner.plan_fft_forward((length * ratio).max(2)));
     let bins = length as f64 / reference.rate;
     for (c, ideal) in reference.channels.iter().enumerate() {
         let mut is: Vec<f64> = frames.iter().skip(c).step_by(channels).map(|x| f64::from(*x)).collect();
@@ -44,7 +45,8 @@ pub fn compare(
         should.resize(low.len(), 0.0);
         let (mut is_bins, mut should_bins) = (high.make_output_vec(), low.make_output_vec());
         // The lengths are the plans' own, so neither can fail.
-        if high.process(&mut is, &mut is_bins).is_err() || low.process(&mut should, &mut should_bins).is_err() {
+        if high.process(&mut is, &mut is_bins).is_err() || low.process(&mut should, &mut should_bins).is_err()
+        {
             continue;
         }
         for (k, is) in is_bins.iter().enumerate() {

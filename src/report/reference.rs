@@ -77,8 +77,14 @@ fn shared(plan: &Plan, length: usize, fine: f64) -> Vec<Vec<f64>> {
     if plan.shared_program.ops.is_empty() {
         return signals;
     }
-    let play =
-        Play { instrument: 0, place: 0, level: 1.0, duration: f64::INFINITY, own: [0.0; FIELDS], id: u64::MAX };
+    let play = Play {
+        instrument: 0,
+        place: 0,
+        level: 1.0,
+        duration: f64::INFINITY,
+        own: [0.0; FIELDS],
+        id: u64::MAX,
+    };
     let mut voice =
         Voice::new(&plan.shared_program, &play, Instant::default(), plan.seed, plan.engine_rate(), fine);
     for n in 0..length {

@@ -107,7 +107,9 @@ mod tests {
     fn order_is_time_then_source_then_arrival() {
         let mut queue = Queue::new(8);
         let at = Instant::of_samples;
-        for (when, source, name) in [(2.0, 1, 'c'), (1.5, 9, 'b'), (2.0, 0, 'a'), (2.0, 1, 'd'), (0.0, 5, 'z')] {
+        for (when, source, name) in
+            [(2.0, 1, 'c'), (1.5, 9, 'b'), (2.0, 0, 'a'), (2.0, 1, 'd'), (0.0, 5, 'z')]
+        {
             queue.push(at(when), source, name).unwrap();
         }
         let order: String = std::iter::from_fn(|| queue.pop_due(10)).map(|e| e.what).collect();

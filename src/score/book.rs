@@ -140,8 +140,10 @@ impl<'a> Book<'a> {
         if jitter.is_some_and(|j| !(j.at >= 0.0 && j.at.is_finite())) {
             return Err(of("its jitter of `at` must be at least 0".into()));
         }
-        let deviations =
-            |j: &patch::Jitter| Deviations { at: j.at, fractions: j.fractions.iter().cloned().collect() };
+        let deviations = |j: &patch::Jitter| Deviations {
+            at: j.at,
+            fractions: j.fractions.iter().map(|s| (s.name.clone(), s.value)).collect(),
+        };
         let mut sheet = Sheet {
             name: pattern.name.as_str().into(),
             span: pattern.span.clone(),
@@ -235,7 +237,7 @@ impl<'a> Book<'a> {
             return Err(says(what).help(format!("at most {FIELDS} are possible, frequency included")));
         }
         let mut own = Vec::with_capacity(play.fields.len());
-        for (name, value) in &play.fields {
+        for patch::Setting { name, value, .. } in &play.fields {
             let place = (0..).zip(&instrument.fields).find(|(_, n)| *n == name);
             let (place, _) =
                 place.ok_or_else(|| says(format!("voice `{}` has no field `{name}`", instrument.name)))?;

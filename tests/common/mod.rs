@@ -12,7 +12,7 @@ use pacinian::schedule::Instant;
 
 /// A patch from its text, with its first line supplied.
 pub fn patch(text: &str) -> Patch {
-    let text = format!("format = \"pacinian-patch/1\"\n{text}");
+    let text = format!("format = \"pacinian-patch/1\"\ntitle = \"A test\"\n{text}");
     match Patch::parse("test.toml", text.as_bytes()) {
         Ok(checked) => checked.value,
         Err(problems) => panic!("{problems}"),

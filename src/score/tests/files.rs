@@ -229,3 +229,31 @@ fn files_may_play_patterns_that_nothing_else_names() {
         Score::new(&patch, output, &[(0, 0.0)], 0, open).unwrap().map(Result::unwrap).collect();
     assert_eq!(times(&played), [1.5]);
 }
+
+#[test]
+fn a_patch_and_its_events_file_play_as_written() {
+    let text = br#"
+format = "pacinian-patch/1"
+title = "Two"
+[voice.a]
+output = "tone"
+defaults = { depth = 2.0 }
+[voice.a.nodes]
+tone = { type = "sine", frequency = "event.frequency" }
+[pattern.p]
+time = "beats"
+tempo = 60
+events = "f.csv"
+repeat = { every = 4.0, times = 2 }
+"#;
+    let patch = Patch::parse("two.toml", text).unwrap_or_else(|p| panic!("{p}")).value;
+    let open = |path: &str| {
+        let lines = "at,voice,level,frequency\n1,a,0.5,60\n# later\n0.5,a,,\n";
+        Ok(Box::new(crate::patch::EventsFile::new(path, lines.as_bytes(), None)?) as EventStream<'static>)
+    };
+    let played: Vec<_> =
+        Score::new(&patch, output, &[(0, 0.0)], 0, open).unwrap().map(Result::unwrap).collect();
+    assert_eq!(times(&played), [0.5, 1.0, 4.5, 5.0]);
+    let played: Vec<_> = played.iter().map(|t| (super::note(t).level, super::note(t).own[0])).collect();
+    assert_eq!(played, [(1.0, 250.0), (0.5, 60.0), (1.0, 250.0), (0.5, 60.0)]);
+}

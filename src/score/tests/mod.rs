@@ -31,8 +31,20 @@ fn event(at: f64, action: Action) -> Event {
 }
 
 fn voice(name: &str, level: Option<f64>, duration: Option<f64>, fields: &[(&str, f64)]) -> Action {
-    let fields = fields.iter().map(|(n, v)| (n.to_string(), *v)).collect();
-    Action::Voice(Play { voice: name.into(), level, duration, place: None, fields })
+    let fields = fields.iter().map(setting).collect();
+    Action::Voice(Play {
+        voice: name.into(),
+        span: 0..0,
+        level,
+        duration,
+        place: None,
+        place_span: 0..0,
+        fields,
+    })
+}
+
+fn setting((name, value): &(&str, f64)) -> patch::Setting {
+    patch::Setting { name: name.to_string(), value: *value, span: 0..0 }
 }
 
 /// Voice `a`, at full level for 1/8 s.
@@ -41,7 +53,7 @@ fn beat(at: f64) -> Event {
 }
 
 fn nested(name: &str, gain: f64, rate: f64) -> Action {
-    Action::Pattern { pattern: name.into(), gain, rate }
+    Action::Pattern { pattern: name.into(), span: 0..0, gain, rate }
 }
 
 fn choice(all: &[(f64, Action)]) -> Action {
@@ -51,7 +63,7 @@ fn choice(all: &[(f64, Action)]) -> Action {
 }
 
 fn jitter(at: f64, fractions: &[(&str, f64)]) -> patch::Jitter {
-    patch::Jitter { at, fractions: fractions.iter().map(|(n, v)| (n.to_string(), *v)).collect() }
+    patch::Jitter { at, fractions: fractions.iter().map(setting).collect() }
 }
 
 fn every(every: f64, times: impl Into<Option<u64>>) -> Option<Repeat> {

@@ -43,8 +43,8 @@ impl Naive<'_> {
                             let v = &self.patch.voices[voice];
                             let mut own = [0.0; FIELDS];
                             for (slot, (name, default)) in own.iter_mut().zip(&v.fields) {
-                                let given = play.fields.iter().find(|(n, _)| n == name);
-                                *slot = given.map_or(*default, |(_, value)| *value);
+                                let given = play.fields.iter().find(|s| s.name == *name);
+                                *slot = given.map_or(*default, |s| s.value);
                             }
                             let place = match play.place.as_ref().or(v.place.as_ref()) {
                                 Some(Place::Channel(n)) => *n,
