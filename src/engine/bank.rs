@@ -16,7 +16,7 @@ use crate::node::States;
 use crate::node::kernel::{INPUTS, Input, Io, LEAD, Onset};
 use crate::schedule::Instant;
 
-/// Seconds in which a voice that must make room, or that has no envelope, falls silent.
+/// Seconds in which a voice that must make room falls silent, and in which one without an envelope comes and goes.
 pub const FADE: f64 = 0.004;
 
 /// What counts as silence: −120 dB.
@@ -60,6 +60,7 @@ pub struct Bank<R: Real> {
     bases: Vec<[f64; LANES]>,
     lanes: Vec<Lane>,
     live: Vec<u8>,
+    rising: Vec<u8>,
     fading: Vec<u8>,
     ending: Vec<u8>,
     peaks: Vec<[R; LANES]>,
@@ -98,6 +99,7 @@ impl<R: Real> Bank<R> {
                 groups * LANES
             ],
             live: vec![0; groups],
+            rising: vec![0; groups],
             fading: vec![0; groups],
             ending: vec![0; groups],
             peaks: vec![[R::ZERO; LANES]; groups],
@@ -179,6 +181,9 @@ impl<R: Real> Bank<R> {
         }
         self.lanes[lane] = Lane { id: play.id, born: at, serial, level: gain.abs(), stage: Stage::Held };
         self.live[group] |= 1 << l;
+        if !self.enveloped {
+            self.rising[group] |= 1 << l;
+        }
         self.sounding += 1;
         lane
     }
@@ -294,7 +299,7 @@ impl<R: Real> Bank<R> {
         if check != [R::ZERO; LANES] {
             self.masked += mask(block, self.live[group]);
         }
-        if self.fading[group] != 0 {
+        if (self.rising[group] | self.fading[group]) != 0 {
             self.fade(group, block, clock);
         }
         if self.ending[group] != 0 {
@@ -313,8 +318,17 @@ impl<R: Real> Bank<R> {
         }
     }
 
-    fn fade(&self, group: usize, block: &mut [[R; LANES]], clock: u64) {
+    fn fade(&mut self, group: usize, block: &mut [[R; LANES]], clock: u64) {
         for l in 0..LANES {
+            if self.rising[group] & (1 << l) != 0 {
+                let age = self.lanes[group * LANES + l].born.until(clock) - LEAD;
+                for (frame, row) in block.iter_mut().enumerate() {
+                    row[l] *= R::of(1.0 - fade((age + frame as f64) / self.rate));
+                }
+                if age > FADE * self.rate {
+                    self.rising[group] &= !(1 << l);
+                }
+            }
             if let Stage::Fading(since) = self.lanes[group * LANES + l].stage {
                 let age = since.until(clock) - LEAD;
                 for (frame, row) in block.iter_mut().enumerate() {
@@ -367,6 +381,7 @@ impl<R: Real> Bank<R> {
         self.lanes[lane].stage = Stage::Free;
         let keep = !(1 << l);
         self.live[group] &= keep;
+        self.rising[group] &= keep;
         self.fading[group] &= keep;
         self.ending[group] &= keep;
         self.routes[group].disconnect(l);

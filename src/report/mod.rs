@@ -2,7 +2,9 @@
 
 pub mod compare;
 pub mod decimate;
+pub mod measure;
 pub mod reference;
 
 pub use compare::{Comparison, compare};
+pub use measure::{Measured, measure};
 pub use reference::{Reference, reference};

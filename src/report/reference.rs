@@ -6,7 +6,7 @@
 
 use super::decimate::Decimator;
 use crate::dsp::random;
-use crate::engine::bank::fade;
+use crate::engine::bank::{FADE, fade};
 use crate::engine::event::Play;
 use crate::graph::Base;
 use crate::graph::plan::{Plan, Shared};
@@ -109,6 +109,8 @@ struct Voice<'a> {
     writers: Vec<Vec<Option<usize>>>,
     last_writer: Vec<usize>,
     fine: f64,
+    /// Fine samples to an engine sample.
+    over: f64,
     /// Onset in fine samples.
     born: f64,
 }
@@ -136,7 +138,7 @@ impl<'a> Voice<'a> {
         }
         let born = (at.sample as f64 + f64::from(at.fraction) / 4_294_967_296.0) * fine / rate;
         let values = vec![0.0; program.ops.len()];
-        Self { program, twins, steady, values, gain, writers, last_writer, fine, born }
+        Self { program, twins, steady, values, gain, writers, last_writer, fine, over: fine / rate, born }
     }
 
     fn value(&self, feed: Feed, n: i64, shared: &[Vec<f64>]) -> f64 {
@@ -176,12 +178,13 @@ impl<'a> Voice<'a> {
     /// First fine sample, samples, and the gain they all have.
     fn render(mut self, play: &Play, shared: &[Vec<f64>], length: usize) -> (i64, Vec<f64>, f64) {
         let enveloped = self.twins.iter().any(|t| t.sounding().is_some());
-        let first = (self.born - 0.5).ceil() as i64;
+        // As early as the engine, so that filters have met the same.
+        let first = (self.born - LEAD * self.over).floor() as i64 + 1;
         let released = self.born + play.duration * self.fine;
         let (mut samples, mut quiet, mut is_released) = (Vec::new(), 0.0, false);
         for n in first..length as i64 {
-            // A sample stands for half a step to either side, so a release counts from there.
-            if !is_released && released <= n as f64 + 0.5 {
+            // Twins want to know of a release one sample ahead.
+            if !is_released && released <= n as f64 + 1.0 {
                 is_released = true;
                 for twin in &mut self.twins {
                     twin.release(play.duration);
@@ -193,8 +196,9 @@ impl<'a> Voice<'a> {
                 self.twins.iter().all(|t| t.sounding() != Some(true))
             } else {
                 let since = (n as f64 - released) / self.fine;
-                value *= if is_released { fade(since) } else { 1.0 };
-                is_released && since > crate::engine::bank::FADE
+                let age = (n as f64 - self.born) / self.fine;
+                value *= (1.0 - fade(age)) * if is_released { fade(since) } else { 1.0 };
+                is_released && since > FADE
             };
             samples.push(value);
             quiet = if ended && value.abs() < 1e-9 { quiet + 1.0 / self.fine } else { 0.0 };
