@@ -171,7 +171,7 @@ impl Copies {
 #[inline(always)]
 fn heard(speed: f64) -> (usize, f64) {
     let size = speed.abs();
-    if !(size > 1.0) {
+    if size.is_nan() || size <= 1.0 {
         return (0, 0.0);
     }
     if size >= MOST_SPEED {
