@@ -40,8 +40,8 @@ impl<R: Real, const T: usize> Fractional<R, T> {
     pub fn at(&self, place: f64, samples: &[R]) -> R {
         let steps = (place - self.first) * STEPS;
         let steps = if steps > 0.0 { steps } else { 0.0 };
-        let row = (steps as usize).min(self.rows.len() - 2);
-        let (share, [low, high]) = (R::of(steps - row as f64), [&self.rows[row], &self.rows[row + 1]]);
+        let row = (steps as u32 as usize).min(self.rows.len() - 2);
+        let (share, [low, high]) = (R::of(steps - row as u32 as f64), [&self.rows[row], &self.rows[row + 1]]);
         let Some(samples) = samples.first_chunk::<T>() else { return R::ZERO };
         let mut products = [R::ZERO; T];
         for k in 0..T {

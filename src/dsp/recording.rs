@@ -126,6 +126,8 @@ impl Copies {
     }
 
     /// Taps across the seam of a loop.
+    #[cold]
+    #[inline(never)]
     fn gather<R: Real>(&self, taps: &mut [R; TAPS], copy: usize, first: i64, around: Loop, entered: bool) {
         let Some((start, end)) = around else { return };
         let (start, end) = (start as i64, end as i64);

@@ -5,7 +5,6 @@
 //! however cutoff and q move. All of it is in `f64`: in `f32` a cutoff of 5 Hz would leave a rounding error of −90 dB.
 
 use super::lanes::{LANES, Real};
-use super::sine::sine64;
 
 /// The least cutoff, Hz.
 pub const LEAST_CUTOFF: f64 = 1.0;
@@ -18,10 +17,25 @@ const MOST_INPUT: f64 = 1e9;
 /// Below this a state is nothing: −140 dB.
 const NOTHING: f64 = 1e-7;
 
+/// 1 / (2k − 1) 2k and 1 / 2k (2k + 1): from each term of the series to the next.
+const COSINE: [f64; 9] = terms(0.0);
+const SINE: [f64; 9] = terms(1.0);
+
+const fn terms(shift: f64) -> [f64; 9] {
+    let (mut all, mut k) = ([0.0; 9], 1);
+    while k < 9 {
+        let last = 2.0 * k as f64 + shift;
+        all[k] = 1.0 / (last * (last - 1.0));
+        k += 1;
+    }
+    all
+}
+
 /// Eight filters.
 #[derive(Debug, Clone)]
 pub struct Filters {
     rate: f64,
+    half_turn: f64,
     one: [f64; LANES],
     two: [f64; LANES],
     damping: [f64; LANES],
@@ -43,7 +57,14 @@ impl Filters {
     /// Silent filters at `rate` samples a second.
     pub fn new(rate: f64) -> Self {
         let zero = [0.0; LANES];
-        let mut new = Self { rate, one: zero, two: zero, damping: zero, a: [zero; 3] };
+        let mut new = Self {
+            rate,
+            half_turn: std::f64::consts::FRAC_PI_2 / rate,
+            one: zero,
+            two: zero,
+            damping: zero,
+            a: [zero; 3],
+        };
         new.tune(&[1000.0; LANES], &[1.0; LANES]);
         new
     }
@@ -65,16 +86,22 @@ impl Filters {
 
     #[inline(always)]
     fn tune_lane(&mut self, l: usize, cutoff: f64, q: f64) {
-        let turns = within(cutoff, LEAST_CUTOFF, MOST_CUTOFF * self.rate) / self.rate;
-        let k = 1.0 / within(q, Q.0, Q.1);
-        // Half a turn is 2^63; a number of 2^-52 turns becomes a phase without a conversion.
-        let angle = (1.5 + 0.5 * turns).to_bits() << 12;
-        let angle = angle.wrapping_sub(1 << 63);
-        let g = sine64(angle) / sine64(angle.wrapping_add(1 << 62));
-        self.damping[l] = k;
-        self.a[0][l] = 1.0 / (1.0 + g * (g + k));
-        self.a[1][l] = g * self.a[0][l];
-        self.a[2][l] = g * self.a[1][l];
+        // tan 2x = 2 sin x cos x / (cos² x − sin² x) = n / d, x within π/4: two short Taylor series and one division for all.
+        let x = within(cutoff, LEAST_CUTOFF, MOST_CUTOFF * self.rate) * self.half_turn;
+        let q = within(q, Q.0, Q.1);
+        let z = x * x;
+        let (mut sine, mut cosine) = (1.0, 1.0);
+        for k in (1..=8).rev() {
+            cosine = 1.0 - cosine * z * COSINE[k];
+            sine = 1.0 - sine * z * SINE[k];
+        }
+        sine *= x;
+        let (n, d) = (2.0 * sine * cosine, (cosine - sine) * (cosine + sine));
+        let scale = q / (q * (d * d + n * n) + n * d);
+        self.damping[l] = 1.0 / q;
+        self.a[0][l] = d * d * scale;
+        self.a[1][l] = n * d * scale;
+        self.a[2][l] = n * n * scale;
     }
 
     /// The next sample of all lanes.
