@@ -73,35 +73,46 @@ impl Filters {
     pub fn start(&mut self, lane: usize, cutoff: f64, q: f64) {
         self.one[lane] = 0.0;
         self.two[lane] = 0.0;
-        self.tune_lane(lane, cutoff, q);
+        let (damping, a) = self.solve(&[cutoff; LANES], &[q; LANES]);
+        self.damping[lane] = damping[lane];
+        for (row, new) in self.a.iter_mut().zip(&a) {
+            row[lane] = new[lane];
+        }
     }
 
     /// Tunes all lanes, each cutoff limited to 1 Hz to 0.45 of the rate and each q to 0.1 to 1000.
     #[inline(always)]
     pub fn tune(&mut self, cutoff: &[f64; LANES], q: &[f64; LANES]) {
-        for l in 0..LANES {
-            self.tune_lane(l, cutoff[l], q[l]);
-        }
+        (self.damping, self.a) = self.solve(cutoff, q);
     }
 
     #[inline(always)]
-    fn tune_lane(&mut self, l: usize, cutoff: f64, q: f64) {
+    fn solve(&self, cutoff: &[f64; LANES], q: &[f64; LANES]) -> ([f64; LANES], [[f64; LANES]; 3]) {
         // tan 2x = 2 sin x cos x / (cos² x − sin² x) = n / d, x within π/4: two short Taylor series and one division for all.
-        let x = within(cutoff, LEAST_CUTOFF, MOST_CUTOFF * self.rate) * self.half_turn;
-        let q = within(q, Q.0, Q.1);
-        let z = x * x;
-        let (mut sine, mut cosine) = (1.0, 1.0);
-        for k in (1..=8).rev() {
-            cosine = 1.0 - cosine * z * COSINE[k];
-            sine = 1.0 - sine * z * SINE[k];
+        let (most, half_turn) = (MOST_CUTOFF * self.rate, self.half_turn);
+        let (mut x, mut z) = ([0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            x[l] = within(cutoff[l], LEAST_CUTOFF, most) * half_turn;
+            z[l] = x[l] * x[l];
         }
-        sine *= x;
-        let (n, d) = (2.0 * sine * cosine, (cosine - sine) * (cosine + sine));
-        let scale = q / (q * (d * d + n * n) + n * d);
-        self.damping[l] = 1.0 / q;
-        self.a[0][l] = d * d * scale;
-        self.a[1][l] = n * d * scale;
-        self.a[2][l] = n * n * scale;
+        let (mut sine, mut cosine) = ([1.0; LANES], [1.0; LANES]);
+        for k in (1..=8).rev() {
+            for l in 0..LANES {
+                cosine[l] = 1.0 - cosine[l] * z[l] * COSINE[k];
+                sine[l] = 1.0 - sine[l] * z[l] * SINE[k];
+            }
+        }
+        let (mut damping, mut a) = ([0.0; LANES], [[0.0; LANES]; 3]);
+        for l in 0..LANES {
+            let (q, s, c) = (within(q[l], Q.0, Q.1), sine[l] * x[l], cosine[l]);
+            let (n, d) = (2.0 * s * c, (c - s) * (c + s));
+            let scale = q / (q * (d * d + n * n) + n * d);
+            damping[l] = 1.0 / q;
+            a[0][l] = d * d * scale;
+            a[1][l] = n * d * scale;
+            a[2][l] = n * n * scale;
+        }
+        (damping, a)
     }
 
     /// The next sample of all lanes.
