@@ -78,7 +78,8 @@ pub struct Tone<R> {
 
 impl<R: Real> Tables<R> {
     fn new(wave: Wave) -> Self {
-        let limit = |i: usize| -> usize { if i % 2 == 0 { 1 << (i / 2) } else { (3 << (i / 2)) / 2 } };
+        let limit =
+            |i: usize| -> usize { if i.is_multiple_of(2) { 1 << (i / 2) } else { (3 << (i / 2)) / 2 } };
         let (mut points, mut levels) = (Vec::new(), Vec::new());
         for i in 1..=wave.last() {
             // At least 32 points a cycle of the highest harmonic keep the cubic within −115 dB.

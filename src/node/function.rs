@@ -27,7 +27,7 @@ pub static SPEC: NodeSpec = NodeSpec {
     example: r#"depth = { type = "function", op = "max", inputs = ["lfo", 0.2] }"#,
 };
 
-/// The words for `op`, as [`Op::of`] numbers them.
+/// The words for `op`, in the order of the functions.
 pub const OPS: &[&str] = &[
     "subtract", "divide", "min", "max", "abs", "sqrt", "floor", "exp", "log", "sin", "cos", "power", "clamp", "modulo",
 ];
