@@ -28,11 +28,14 @@ pub fn finite(x: f64) -> f64 {
     }
 }
 
+/// The n beyond which 2^n is no larger: just below [`MOST`].
+const MOST_EXPONENT: f64 = 99.657;
+
 /// 2^x, from 0 to [`MOST`].
 #[inline(always)]
 pub fn exp2(x: f64) -> f64 {
-    let x = if x < 99.7 { x } else { 99.7 };
     let x = if x > LEAST_EXPONENT { x } else { LEAST_EXPONENT };
+    let x = if x < MOST_EXPONENT { x } else { MOST_EXPONENT };
     let shifted = x + ROUNDING;
     let y = (x - (shifted - ROUNDING)) * std::f64::consts::LN_2;
     let mut sum = 1.0;
@@ -41,7 +44,7 @@ pub fn exp2(x: f64) -> f64 {
     }
     // The low bits of the shifted number are the whole part.
     let scale = f64::from_bits((shifted.to_bits() << 52).wrapping_add(1023 << 52));
-    if x > LEAST_EXPONENT { finite(sum * scale) } else { 0.0 }
+    if x > LEAST_EXPONENT { sum * scale } else { 0.0 }
 }
 
 const INVERSE: [f64; 14] = {
@@ -87,8 +90,14 @@ pub fn sin(x: f64) -> f64 {
 /// Turns as a phase, without the whole turns; 0 beyond ±2^50.
 #[inline(always)]
 pub fn phase_of(turns: f64) -> u64 {
+    phase::deviation(fraction(turns))
+}
+
+/// What is left of turns without the whole ones, within ±½; 0 beyond ±2^50.
+#[inline(always)]
+pub fn fraction(turns: f64) -> f64 {
     let turns = if turns.abs() < 1.1e15 { turns } else { 0.0 };
-    phase::deviation(turns - ((turns + ROUNDING) - ROUNDING))
+    turns - ((turns + ROUNDING) - ROUNDING)
 }
 
 /// a^b. A base of 0 gives 0 (1 for b = 0); a negative one has a power where b is whole and gives 0 elsewhere.

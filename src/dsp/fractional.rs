@@ -1,6 +1,6 @@
 //! Values between samples, by short filters that are right within a known band.
 //!
-//! T weights for the samples 0 .. T − 1 give the value at a place between them. They minimise the mean square error over the
+//! T weights (a multiple of 8) for the samples 0 .. T − 1 give the value at a place between them. They minimise the mean square error over the
 //! frequencies up to `band` (least squares: Laakso, Välimäki, Karjalainen, Laine, "Splitting the unit delay", IEEE Signal
 //! Processing Magazine, 1996, III.B), with 1e-13 of that weight on their own size, so that what lies beyond is not amplified much.
 //! They are kept for every 1/512 of a sample, with a straight line between.
@@ -40,22 +40,20 @@ impl<R: Real, const T: usize> Fractional<R, T> {
     pub fn at(&self, place: f64, samples: &[R]) -> R {
         let steps = (place - self.first) * STEPS;
         let steps = if steps > 0.0 { steps } else { 0.0 };
-        let row = (steps as usize).min(self.rows.len() - 2);
-        let (share, [low, high]) = (R::of(steps - row as f64), [&self.rows[row], &self.rows[row + 1]]);
+        let row = (steps as u32 as usize).min(self.rows.len() - 2);
+        let (share, [low, high]) = (R::of(steps - row as u32 as f64), [&self.rows[row], &self.rows[row + 1]]);
         let Some(samples) = samples.first_chunk::<T>() else { return R::ZERO };
-        let mut products = [R::ZERO; T];
-        for k in 0..T {
-            products[k] = (low[k] + (high[k] - low[k]) * share) * samples[k];
-        }
-        // Summed by halves: always in the same order, and in vectors.
-        let mut half = T / 2;
-        while half > 0 {
-            for k in 0..half {
-                products[k] += products[k + half];
+        // Eight sums side by side, then by halves: always in the same order.
+        let mut sums = [R::ZERO; 8];
+        for ((low, high), samples) in
+            low.as_chunks::<8>().0.iter().zip(high.as_chunks::<8>().0).zip(samples.as_chunks::<8>().0)
+        {
+            for k in 0..8 {
+                sums[k] += (low[k] + (high[k] - low[k]) * share) * samples[k];
             }
-            half /= 2;
         }
-        products[0]
+        let [a, b, c, d, e, f, g, h] = sums;
+        ((a + e) + (c + g)) + ((b + f) + (d + h))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Phase of oscillators whose frequency moves: the base frequency as an exact 64-bit step, the deviation from it integrated by
 //! the six-point Adams–Moulton rule (Hairer, Nørsett, Wanner: "Solving Ordinary Differential Equations I", III.1).
 //!
-//! phase[n] = phase[n−1] + base + (475 d[n] + 1427 d[n−1] − 798 d[n−2] + 482 d[n−3] − 173 d[n−4] + 27 d[n−5]) / 1440,
+//! φ(n) = φ(n−1) + base + (475 d(n) + 1427 d(n−1) − 798 d(n−2) + 482 d(n−3) − 173 d(n−4) + 27 d(n−5)) / 1440,
 //! with d in turns a sample. A rectangle rule would be half a sample late; with this one, at 8 kHz, modulation by 250 Hz of
 //! index 5 comes out within −100 dB of the integral.
 //!
@@ -11,7 +11,7 @@
 use super::lanes::{LANES, Real};
 use super::phase;
 
-/// Weights of d[n], d[n−1], ... d[n−5].
+/// Weights of d(n), d(n−1), ... d(n−5).
 pub const WEIGHTS: [f64; 6] =
     [475.0 / 1440.0, 1427.0 / 1440.0, -798.0 / 1440.0, 482.0 / 1440.0, -173.0 / 1440.0, 27.0 / 1440.0];
 

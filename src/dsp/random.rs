@@ -140,7 +140,7 @@ impl Source {
 
     /// The next number of each lane, uniform in [−1, 1].
     #[inline(always)]
-    pub fn next<R: Real>(&mut self) -> [R; LANES] {
+    pub fn draw<R: Real>(&mut self) -> [R; LANES] {
         if self.slot == 0 {
             self.refill();
         }
@@ -206,7 +206,7 @@ mod tests {
             if n < 8 {
                 source.start(n as usize, 100 + n);
             }
-            let row = source.next::<f64>();
+            let row = source.draw::<f64>();
             for (l, value) in row.iter().enumerate().take(n as usize + 1) {
                 assert_eq!(*value, uniform(100 + l as u64, n - l as u64), "lane {l}, sample {n}");
             }

@@ -126,6 +126,8 @@ impl Copies {
     }
 
     /// Taps across the seam of a loop.
+    #[cold]
+    #[inline(never)]
     fn gather<R: Real>(&self, taps: &mut [R; TAPS], copy: usize, first: i64, around: Loop, entered: bool) {
         let Some((start, end)) = around else { return };
         let (start, end) = (start as i64, end as i64);
@@ -171,7 +173,7 @@ impl Copies {
 #[inline(always)]
 fn heard(speed: f64) -> (usize, f64) {
     let size = speed.abs();
-    if !(size > 1.0) {
+    if size.is_nan() || size <= 1.0 {
         return (0, 0.0);
     }
     if size >= MOST_SPEED {

@@ -5,7 +5,6 @@
 //! however cutoff and q move. All of it is in `f64`: in `f32` a cutoff of 5 Hz would leave a rounding error of −90 dB.
 
 use super::lanes::{LANES, Real};
-use super::sine::sine64;
 
 /// The least cutoff, Hz.
 pub const LEAST_CUTOFF: f64 = 1.0;
@@ -18,10 +17,25 @@ const MOST_INPUT: f64 = 1e9;
 /// Below this a state is nothing: −140 dB.
 const NOTHING: f64 = 1e-7;
 
+/// 1 / (2k − 1) 2k and 1 / 2k (2k + 1): from each term of the series to the next.
+const COSINE: [f64; 9] = terms(0.0);
+const SINE: [f64; 9] = terms(1.0);
+
+const fn terms(shift: f64) -> [f64; 9] {
+    let (mut all, mut k) = ([0.0; 9], 1);
+    while k < 9 {
+        let last = 2.0 * k as f64 + shift;
+        all[k] = 1.0 / (last * (last - 1.0));
+        k += 1;
+    }
+    all
+}
+
 /// Eight filters.
 #[derive(Debug, Clone)]
 pub struct Filters {
     rate: f64,
+    half_turn: f64,
     one: [f64; LANES],
     two: [f64; LANES],
     damping: [f64; LANES],
@@ -43,7 +57,14 @@ impl Filters {
     /// Silent filters at `rate` samples a second.
     pub fn new(rate: f64) -> Self {
         let zero = [0.0; LANES];
-        let mut new = Self { rate, one: zero, two: zero, damping: zero, a: [zero; 3] };
+        let mut new = Self {
+            rate,
+            half_turn: std::f64::consts::FRAC_PI_2 / rate,
+            one: zero,
+            two: zero,
+            damping: zero,
+            a: [zero; 3],
+        };
         new.tune(&[1000.0; LANES], &[1.0; LANES]);
         new
     }
@@ -52,29 +73,46 @@ impl Filters {
     pub fn start(&mut self, lane: usize, cutoff: f64, q: f64) {
         self.one[lane] = 0.0;
         self.two[lane] = 0.0;
-        self.tune_lane(lane, cutoff, q);
+        let (damping, a) = self.solve(&[cutoff; LANES], &[q; LANES]);
+        self.damping[lane] = damping[lane];
+        for (row, new) in self.a.iter_mut().zip(&a) {
+            row[lane] = new[lane];
+        }
     }
 
     /// Tunes all lanes, each cutoff limited to 1 Hz to 0.45 of the rate and each q to 0.1 to 1000.
     #[inline(always)]
     pub fn tune(&mut self, cutoff: &[f64; LANES], q: &[f64; LANES]) {
-        for l in 0..LANES {
-            self.tune_lane(l, cutoff[l], q[l]);
-        }
+        (self.damping, self.a) = self.solve(cutoff, q);
     }
 
     #[inline(always)]
-    fn tune_lane(&mut self, l: usize, cutoff: f64, q: f64) {
-        let turns = within(cutoff, LEAST_CUTOFF, MOST_CUTOFF * self.rate) / self.rate;
-        let k = 1.0 / within(q, Q.0, Q.1);
-        // Half a turn is 2^63; a number of 2^-52 turns becomes a phase without a conversion.
-        let angle = (1.5 + 0.5 * turns).to_bits() << 12;
-        let angle = angle.wrapping_sub(1 << 63);
-        let g = sine64(angle) / sine64(angle.wrapping_add(1 << 62));
-        self.damping[l] = k;
-        self.a[0][l] = 1.0 / (1.0 + g * (g + k));
-        self.a[1][l] = g * self.a[0][l];
-        self.a[2][l] = g * self.a[1][l];
+    fn solve(&self, cutoff: &[f64; LANES], q: &[f64; LANES]) -> ([f64; LANES], [[f64; LANES]; 3]) {
+        // tan 2x = 2 sin x cos x / (cos² x − sin² x) = n / d, x within π/4: two short Taylor series and one division for all.
+        let (most, half_turn) = (MOST_CUTOFF * self.rate, self.half_turn);
+        let (mut x, mut z) = ([0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            x[l] = within(cutoff[l], LEAST_CUTOFF, most) * half_turn;
+            z[l] = x[l] * x[l];
+        }
+        let (mut sine, mut cosine) = ([1.0; LANES], [1.0; LANES]);
+        for k in (1..=8).rev() {
+            for l in 0..LANES {
+                cosine[l] = 1.0 - cosine[l] * z[l] * COSINE[k];
+                sine[l] = 1.0 - sine[l] * z[l] * SINE[k];
+            }
+        }
+        let (mut damping, mut a) = ([0.0; LANES], [[0.0; LANES]; 3]);
+        for l in 0..LANES {
+            let (q, s, c) = (within(q[l], Q.0, Q.1), sine[l] * x[l], cosine[l]);
+            let (n, d) = (2.0 * s * c, (c - s) * (c + s));
+            let scale = q / (q * (d * d + n * n) + n * d);
+            damping[l] = 1.0 / q;
+            a[0][l] = d * d * scale;
+            a[1][l] = n * d * scale;
+            a[2][l] = n * n * scale;
+        }
+        (damping, a)
     }
 
     /// The next sample of all lanes.

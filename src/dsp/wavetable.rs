@@ -57,48 +57,42 @@ impl Wave {
     }
 }
 
-/// Points of one level: value and slope of the table with fewer harmonics, then of the one with more.
-#[derive(Debug)]
-struct Level<R> {
-    points: Vec<[R; 4]>,
-    /// The number of points (without the last, which repeats the first) is 2^bits.
-    bits: u32,
-}
-
-/// All levels of a wave.
+/// All levels of a wave, one after the other.
 #[derive(Debug)]
 pub struct Tables<R> {
-    levels: Vec<Level<R>>,
+    /// Value and slope of the table with fewer harmonics, then of the one with more.
+    points: Vec<[R; 4]>,
+    /// Of each level, its first point; the number of its points (without the last, which repeats the first) is 2 to the second.
+    levels: Vec<(u32, u32)>,
     most: f64,
 }
 
 /// Which level, how much of its richer table, and how much of all.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Tone<R> {
-    level: usize,
+    first: u32,
+    bits: u32,
     rich: R,
     gain: R,
 }
 
 impl<R: Real> Tables<R> {
     fn new(wave: Wave) -> Self {
-        let limit = |i: usize| -> usize { if i % 2 == 0 { 1 << (i / 2) } else { (3 << (i / 2)) / 2 } };
-        let levels = (1..=wave.last())
-            .map(|i| {
-                // At least 32 points a cycle of the highest harmonic keep the cubic within −115 dB.
-                let count = (32 * limit(i)).next_power_of_two().max(512);
-                let [poor, rich] = [limit(i - 1), limit(i)].map(|k| series(wave, k, count));
-                let mut points: Vec<[R; 4]> = poor
-                    .iter()
-                    .zip(&rich)
-                    .map(|(p, r)| [R::of(p[0]), R::of(p[1]), R::of(r[0]), R::of(r[1])])
-                    .collect();
-                points.push(points[0]);
-                Level { points, bits: count.trailing_zeros() }
-            })
-            .collect();
+        let limit =
+            |i: usize| -> usize { if i.is_multiple_of(2) { 1 << (i / 2) } else { (3 << (i / 2)) / 2 } };
+        let (mut points, mut levels) = (Vec::new(), Vec::new());
+        for i in 1..=wave.last() {
+            // At least 32 points a cycle of the highest harmonic keep the cubic within −115 dB.
+            let count = (32 * limit(i)).next_power_of_two().max(512);
+            let first = points.len();
+            let [poor, rich] = [limit(i - 1), limit(i)].map(|k| series(wave, k, count));
+            let both = poor.iter().zip(&rich);
+            points.extend(both.map(|(p, r)| [R::of(p[0]), R::of(p[1]), R::of(r[0]), R::of(r[1])]));
+            points.push(points[first]);
+            levels.push((first as u32, count.trailing_zeros()));
+        }
         let next = wave.last() + 1;
-        Self { levels, most: (3 << (next / 2)) as f64 / 2.0 * (1.0 - 1e-12) }
+        Self { points, levels, most: (3 << (next / 2)) as f64 / 2.0 * (1.0 - 1e-12) }
     }
 
     /// The tone at `share`, B / |frequency| (infinite at 0 Hz).
@@ -112,16 +106,17 @@ impl<R: Real> Tables<R> {
         let bits = share.to_bits();
         let place = (bits >> 51) as usize - (1023 << 1);
         let rich = f64::from_bits((bits << 1 & 0x000F_FFFF_FFFF_FFFF) | 1.0_f64.to_bits()) - 1.0;
-        Tone { level: place.saturating_sub(1), rich: R::of(rich), gain: R::of(gain) }
+        let (first, bits) = self.levels[place.saturating_sub(1).min(self.levels.len() - 1)];
+        Tone { first, bits, rich: R::of(rich), gain: R::of(gain) }
     }
 
     /// The wave at a phase.
     #[inline(always)]
     pub fn at(&self, tone: Tone<R>, phase: u64) -> R {
-        let level = &self.levels[tone.level];
-        let place = (phase >> (64 - level.bits)) as usize;
-        let x = R::of(((phase << level.bits) >> 40) as f64 * (1.0 / 16_777_216.0));
-        let (a, b) = (&level.points[place], &level.points[place + 1]);
+        // A phase of `bits` bits is a place; without a shift by 64, which a tone that was never set would ask for.
+        let place = tone.first as usize + (phase >> 1 >> (63 - tone.bits)) as usize;
+        let x = R::of(((phase << tone.bits) >> 40) as u32 as i32 as f64 * (1.0 / 16_777_216.0));
+        let Some([a, b]) = self.points.get(place..).and_then(|p| p.first_chunk()) else { return R::ZERO };
         let mix = |k: usize| {
             let [left, right] = [a, b].map(|p| p[k] + (p[k + 2] - p[k]) * tone.rich);
             (left, right)

@@ -87,7 +87,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
                     self.scale[l] = ratio(low[l], high[l], self.rate).sqrt();
                 }
             }
-            let (noise, gain) = (self.source.next::<f64>(), amplitude.at(frame));
+            let (noise, gain) = (self.source.draw::<f64>(), amplitude.at(frame));
             let now = self.above.step(&noise);
             let mut high = [0.0; LANES];
             for l in 0..LANES {

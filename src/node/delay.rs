@@ -41,14 +41,17 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 const TAPS: usize = 8;
+const GAP: usize = 3 * TAPS;
 /// Full accuracy to 0.16 of the rate.
 const BAND: f64 = 0.16;
 
 /// Eight lines.
 #[derive(Debug)]
 pub struct Lanes<R> {
-    /// By lane: a ring, followed by its first samples again so that taps are always side by side.
-    lines: Vec<Vec<R>>,
+    /// By lane: a ring, followed by its first samples again so that taps are always side by side. Lanes are a little more than a
+    /// power of two apart, or all their places would share a few lines of the cache.
+    lines: Vec<R>,
+    stride: usize,
     /// Place in the ring of the next sample.
     next: usize,
     mask: usize,
@@ -63,7 +66,8 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         let most = (longest * setup.rate).max(1.0);
         let length = (most as usize + 2 * TAPS).next_power_of_two();
         Self {
-            lines: vec![vec![R::ZERO; length + TAPS]; LANES],
+            lines: vec![R::ZERO; (length + GAP) * LANES],
+            stride: length + GAP,
             next: 0,
             mask: length - 1,
             table: Fractional::new(3.0, 7.0, BAND),
@@ -73,7 +77,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     }
 
     fn start(&mut self, lane: usize, _onset: &Onset) {
-        self.lines[lane].fill(R::ZERO);
+        self.lines[lane * self.stride..][..self.stride].fill(R::ZERO);
     }
 
     #[inline(always)]
@@ -88,7 +92,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
                 // Taps from `newest` samples back to seven more, with the place between the middle ones where there is room.
                 let newest = (back as usize).max(4) - 3;
                 let oldest = self.next.wrapping_sub(newest + TAPS - 1) & self.mask;
-                let line = &mut self.lines[l];
+                let line = &mut self.lines[l * self.stride..][..self.stride];
                 out[l] = self.table.at(newest as f64 + 7.0 - back, &line[oldest..]);
                 let x = if row[l].is_finite() { row[l] } else { R::ZERO };
                 line[self.next] = x;

@@ -27,7 +27,7 @@ pub static SPEC: NodeSpec = NodeSpec {
     example: r#"depth = { type = "function", op = "max", inputs = ["lfo", 0.2] }"#,
 };
 
-/// The words for `op`, as [`Op::of`] numbers them.
+/// The words for `op`, in the order of the functions.
 pub const OPS: &[&str] = &[
     "subtract", "divide", "min", "max", "abs", "sqrt", "floor", "exp", "log", "sin", "cos", "power", "clamp", "modulo",
 ];
@@ -206,11 +206,11 @@ mod tests {
     #[test]
     fn a_number_always_comes_out() {
         let wild = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -1.0, 3e38, -3e38, 1e-45];
-        for op in 0..OPS.len() {
+        for (op, name) in OPS.iter().enumerate() {
             for a in wild {
                 for b in wild {
                     let bench = Bench::new("function", 8000.0).choice("op", op).signal(a, |_| 0.0).signal(b, |_| 0.0);
-                    assert!(bench.kernel::<f32>(1, &[1])[0].is_finite(), "{} of {a} and {b}", OPS[op]);
+                    assert!(bench.kernel::<f32>(1, &[1])[0].is_finite(), "{name} of {a} and {b}");
                 }
             }
             assert!(Bench::new("function", 8000.0).choice("op", op).kernel::<f32>(1, &[1])[0].is_finite());

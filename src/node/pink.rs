@@ -87,7 +87,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     fn run(&mut self, io: &mut Io<R>) {
         let amplitude = io.inputs[0];
         for (frame, out) in io.output.iter_mut().enumerate() {
-            let (mut noise, gain) = (self.source.next::<f64>(), amplitude.at(frame));
+            let (mut noise, gain) = (self.source.draw::<f64>(), amplitude.at(frame));
             for (n, state) in self.states.iter_mut().enumerate() {
                 for l in 0..LANES {
                     let inner = noise[l] + self.poles[n] * state[l];

@@ -2,7 +2,7 @@
 
 use super::kernel::{Io, Kernel, Onset, Setup, Twin};
 use super::spec::{Family, Kind, NodeSpec, Numeric, Param};
-use crate::dsp::elementary::{exp2, phase_of};
+use crate::dsp::elementary::{exp2, fraction};
 use crate::dsp::lanes::{LANES, Real};
 use crate::dsp::quadrature::bend;
 
@@ -60,7 +60,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 #[derive(Debug)]
 pub struct Lanes<R> {
     exponential: bool,
-    rate: f64,
+    period: f64,
     /// Voice time of the next sample, in samples; whole samples are counted, so it stays exact.
     age: [f64; LANES],
     count: [f64; LANES],
@@ -82,7 +82,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         let zero = [0.0; LANES];
         Self {
             exponential: setup.choices.first() == Some(&1),
-            rate: setup.rate,
+            period: 1.0 / setup.rate,
             age: zero,
             count: zero,
             duration: zero,
@@ -129,7 +129,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         for (frame, out) in io.output.iter_mut().enumerate() {
             let (shift, gain) = (phase.at(frame), amplitude.at(frame));
             for l in 0..LANES {
-                let t = (self.count[l] + self.age[l]) / self.rate;
+                let t = (self.count[l] + self.age[l]) * self.period;
                 let before = if t < 0.0 { t } else { 0.0 };
                 let after = if t > self.duration[l] { t - self.duration[l] } else { 0.0 };
                 let within = t - before - after;
@@ -139,7 +139,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
                 }
                 let turns = if after > 0.0 { self.end[l] } else { turns };
                 let turns = turns + before * self.from[l] + after * self.to[l];
-                out[l] = R::sine(phase_of(turns).wrapping_add(bend(shift[l].wide()))) * gain[l];
+                out[l] = R::sine(bend(fraction(turns)).wrapping_add(bend(shift[l].wide()))) * gain[l];
                 self.count[l] += 1.0;
             }
         }

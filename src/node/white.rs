@@ -43,7 +43,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     fn run(&mut self, io: &mut Io<R>) {
         let amplitude = io.inputs[0];
         for (frame, out) in io.output.iter_mut().enumerate() {
-            let (noise, gain) = (self.source.next::<R>(), amplitude.at(frame));
+            let (noise, gain) = (self.source.draw::<R>(), amplitude.at(frame));
             for l in 0..LANES {
                 out[l] = noise[l] * gain[l];
             }
