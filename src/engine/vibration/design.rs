@@ -26,6 +26,7 @@ pub(super) struct Section {
 /// Two phases that mirror each other, the p-th from the start and from the end: their sum is worked out from sums of mirrored samples, their difference from
 /// differences, at half the multiplications. Each coefficient is held eight times, as the loops want it.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub(super) struct Pair {
     pub sum: [Row; MAX_TAPS / 2],
     pub difference: [Row; MAX_TAPS / 2],

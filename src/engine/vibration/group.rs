@@ -35,8 +35,13 @@ struct Bell {
     state: [Row; 2],
 }
 
+/// The band limit's output, past and present, on whole cache lines.
+#[repr(align(64))]
+struct Line([Row; MAX_TAPS - 1 + CHUNK]);
+
 /// Eight channels.
 #[derive(Debug)]
+#[repr(align(64))]
 pub(super) struct Group {
     lanes: usize,
     bells: Vec<Bell>,
@@ -166,7 +171,8 @@ impl Group {
             }
             peaks = survey(rows).0;
         }
-        let mut line = [SILENCE; MAX_TAPS - 1 + CHUNK];
+        let mut line = Line([SILENCE; MAX_TAPS - 1 + CHUNK]);
+        let line = &mut line.0;
         line[..MAX_TAPS - 1].copy_from_slice(&self.past);
         self.band_limit(design, rows, peaks, &mut line[MAX_TAPS - 1..][..rows.len()]);
         self.past.copy_from_slice(&line[rows.len()..][..MAX_TAPS - 1]);
@@ -408,7 +414,9 @@ fn up_sample<const T: usize, const WHOLE: bool>(
                 difference[k][l] = here - mirrored;
             }
         }
-        let mut frames = frames.chunks_exact_mut(place.channels);
+        let frames = &mut frames[place.first..];
+        // The pairs run from both ends of the frames to the middle.
+        let (mut first, mut last) = (0, (design.fir.ratio - 1) * place.channels);
         for pair in &design.pairs {
             let (mut near, mut far) = (SILENCE, SILENCE);
             for l in 0..LANES {
@@ -421,32 +429,27 @@ fn up_sample<const T: usize, const WHOLE: bool>(
                 near[l] = even + odd;
                 far[l] = even - odd;
             }
-            // The pairs run from both ends of the frames to the middle.
-            if let Some(frame) = frames.next() {
-                put::<WHOLE>(frame, place.first, lanes, &near, &mut peak);
-            }
-            if let Some(frame) = frames.next_back() {
-                put::<WHOLE>(frame, place.first, lanes, &far, &mut peak);
-            }
+            put::<WHOLE>(frames, first, lanes, &near, &mut peak);
+            put::<WHOLE>(frames, last, lanes, &far, &mut peak);
+            first += place.channels;
+            last = last.wrapping_sub(place.channels);
         }
     }
     peak
 }
 
-/// Writes a row into a device frame and follows its peak.
+/// Writes a row at `at` and follows its peak.
 #[inline(always)]
-fn put<const WHOLE: bool>(frame: &mut [f32], first: usize, lanes: usize, row: &Row, peak: &mut Row) {
+fn put<const WHOLE: bool>(frames: &mut [f32], at: usize, lanes: usize, row: &Row, peak: &mut Row) {
     for l in 0..LANES {
         let size = row[l].abs();
         peak[l] = if peak[l] > size { peak[l] } else { size };
     }
     if WHOLE {
-        if let Some(to) = frame.get_mut(first..).and_then(|rest| rest.first_chunk_mut::<LANES>()) {
-            *to = *row;
+        if let Some(to) = frames.get_mut(at..at.wrapping_add(LANES)) {
+            to.copy_from_slice(row);
         }
-    } else {
-        for (to, from) in frame[first..].iter_mut().zip(&row[..lanes]) {
-            *to = *from;
-        }
+    } else if let Some(to) = frames.get_mut(at..at.wrapping_add(lanes)) {
+        to.copy_from_slice(&row[..lanes]);
     }
 }

@@ -87,6 +87,10 @@ impl Limits {
     }
 }
 
+/// Predictions on whole cache lines.
+#[repr(align(64))]
+struct Ring<const N: usize>([Row; N]);
+
 /// The limiter's state on eight lanes.
 #[derive(Debug)]
 pub(super) struct Limiter {
@@ -176,8 +180,8 @@ impl Limiter {
         let mut limited = 0;
         // Two copies that change places, since a sample that is turned down needs the predictions before it. In `old`,
         // 1 to N - 1 are the outputs after this sample; in `new`, 0 to N - 2 are the same ones with this sample in.
-        let (mut one, mut two) = ([[0.0; LANES]; N], [[0.0; LANES]; N]);
-        let (mut old, mut new) = (&mut one, &mut two);
+        let (mut one, mut two) = (Ring([[0.0; LANES]; N]), Ring([[0.0; LANES]; N]));
+        let (mut old, mut new) = (&mut one.0, &mut two.0);
         old[..N - 1].copy_from_slice(&self.ahead[..N - 1]);
         let Some(impulse) = limits.impulse.first_chunk::<N>() else { return 0 };
         for (x, y) in rows.iter().zip(out) {

@@ -25,6 +25,9 @@ pub const MAX_SECTIONS: usize = 8;
 /// Engine samples between two looks at what may sleep; on engine time, not on blocks.
 pub const GRID: u64 = 64;
 
+/// Values of output to write in one turn: 32 KiB.
+const NEAR: usize = 8192;
+
 /// What can be chosen about the stage.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -176,11 +179,17 @@ impl Vibration {
             let fit = (rows.len() / self.groups.len()).min(out.len() / step);
             return if fit == 0 { 0 } else { self.process(fit.min(frames), rows, fed, clock, out) };
         }
-        let out = &mut out[..frames * step];
-        for (g, (group, block)) in self.groups.iter_mut().zip(rows.chunks_exact_mut(frames)).enumerate() {
-            let place = group::Place { channels: self.channels, first: g * LANES };
-            let fed = fed.get(g).copied().unwrap_or(true);
-            group.process(&self.design, self.isa, block, fed, clock, out, place);
+        // Short turns, so that the frames that the groups write between each other stay in the cache.
+        let turn = (NEAR / step).clamp(32, GRID as usize);
+        for (n, out) in out[..frames * step].chunks_mut(turn * step).enumerate() {
+            let (from, count) = (n * turn, out.len() / step);
+            let blocks = rows.chunks_exact_mut(frames).map(|block| &mut block[from..from + count]);
+            for (g, (group, block)) in self.groups.iter_mut().zip(blocks).enumerate() {
+                let place = group::Place { channels: self.channels, first: g * LANES };
+                let fed = fed.get(g).copied().unwrap_or(true);
+                let now = clock.wrapping_add(from as u64);
+                group.process(&self.design, self.isa, block, fed, now, out, place);
+            }
         }
         frames
     }
