@@ -291,7 +291,6 @@ impl Group {
             let past = &mut self.past[MAX_TAPS - taps..];
             let bells = self.bells.iter().flat_map(|bell| &bell.state);
             let dead = self.quiet[l]
-                && self.limiter.rests(l)
                 && self
                     .state
                     .iter()
@@ -304,6 +303,7 @@ impl Group {
                 for row in self.state.iter_mut().flatten().chain(&mut self.past).chain(bells) {
                     row[l] = 0.0;
                 }
+                self.limiter.rest(l);
             }
             silent &= dead;
             self.quiet[l] = true;
@@ -349,15 +349,18 @@ fn survey(rows: &[Row]) -> (Row, bool) {
     (peak, wild)
 }
 
-/// One sample through the band limit, without its gain (transposed direct form II).
+/// One sample through the band limit, without its gain. It is the transposed direct form II with its second state
+/// replaced by the sum of both, and coefficients counted from a double integrator's: single precision then keeps the
+/// error 10 dB or more below that of the plain form.
 #[inline(always)]
 pub(super) fn cascade(sections: &Sections, state: &mut Cascade, x: Row) -> Row {
     let mut x = x;
-    for (section, [first, second]) in sections.iter().zip(state) {
+    for (section, [first, both]) in sections.iter().zip(state) {
         for l in 0..LANES {
             let y = x[l] + first[l];
-            first[l] = (section.b1 * x[l] + second[l]) - section.a1 * y;
-            second[l] = x[l] - section.a2 * y;
+            let drive = both[l] + section.zeros * x[l];
+            first[l] = (first[l] + drive) - section.poles * y;
+            both[l] = drive - section.pull * y;
             x[l] = y;
         }
     }

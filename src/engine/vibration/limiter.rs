@@ -68,7 +68,8 @@ impl Limits {
         let mut free = [[0.0; 2 * SECTIONS]; MAX_LAGS];
         for i in 0..2 * SECTIONS {
             let mut state = [[0.0; 2]; SECTIONS];
-            state[i / 2][i % 2] = 1.0;
+            // The loops hold a section's first state and the sum of both: one of the first alone is less one of the second.
+            state[i / 2] = if i % 2 == 0 { [1.0, -1.0] } else { [0.0, 1.0] };
             run(&mut state, 0.0);
             for row in free.iter_mut().take(lags) {
                 row[i] = run(&mut state, 0.0) as f32;
@@ -116,9 +117,9 @@ impl Limiter {
         self.engaged.contains(&true)
     }
 
-    /// Whether `lane` can be put to sleep.
-    pub fn rests(&self, lane: usize) -> bool {
-        !self.engaged[lane]
+    /// Puts `lane`, which is silent, back to where it began.
+    pub fn rest(&mut self, lane: usize) {
+        (self.gain[lane], self.engaged[lane], self.calm[lane]) = (1.0, false, 0);
     }
 
     /// Takes note of the input magnitudes of the rows to come. Returns the first row at which a lane has to engage.

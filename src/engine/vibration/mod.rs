@@ -161,8 +161,8 @@ impl Vibration {
     ///
     /// `rows` is `groups()` blocks of `frames` rows each, and is spoilt. `fed[g]` false says that block g is all zero
     /// and need not be looked at; groups beyond the list count as fed. `out` takes `frames × ratio() × channels()`
-    /// values, frame by frame. Where a slice is too short, as many engine samples are rendered as all of them hold;
-    /// returns that number.
+    /// values, frame by frame. Returns the number of engine samples rendered: fewer than `frames` where `out` is too
+    /// short, none where `rows` is.
     pub fn process(
         &mut self,
         frames: usize,
@@ -175,15 +175,12 @@ impl Vibration {
         if step == 0 || frames == 0 {
             return frames;
         }
-        if rows.len() < frames * self.groups.len() || out.len() < frames * step {
-            let fit = (rows.len() / self.groups.len()).min(out.len() / step);
-            return if fit == 0 { 0 } else { self.process(fit.min(frames), rows, fed, clock, out) };
-        }
+        let count = if rows.len() < frames * self.groups.len() { 0 } else { frames.min(out.len() / step) };
         // Short turns, so that the frames that the groups write between each other stay in the cache.
         let turn = (NEAR / step).clamp(32, GRID as usize);
-        for (n, out) in out[..frames * step].chunks_mut(turn * step).enumerate() {
-            let (from, count) = (n * turn, out.len() / step);
-            let blocks = rows.chunks_exact_mut(frames).map(|block| &mut block[from..from + count]);
+        for (n, out) in out[..count * step].chunks_mut(turn * step).enumerate() {
+            let (from, to) = (n * turn, n * turn + out.len() / step);
+            let blocks = rows.chunks_exact_mut(frames).map(|block| &mut block[from..to]);
             for (g, (group, block)) in self.groups.iter_mut().zip(blocks).enumerate() {
                 let place = group::Place { channels: self.channels, first: g * LANES };
                 let fed = fed.get(g).copied().unwrap_or(true);
@@ -191,7 +188,7 @@ impl Vibration {
                 group.process(&self.design, self.isa, block, fed, now, out, place);
             }
         }
-        frames
+        count
     }
 
     /// Largest magnitude of `channel` at the device's rate before the clamp, since the last call of this; 0 for a
