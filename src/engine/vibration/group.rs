@@ -36,8 +36,13 @@ struct Bell {
 }
 
 /// The band limit's output, past and present, on whole cache lines.
+#[derive(Debug)]
 #[repr(align(64))]
-struct Line([Row; MAX_TAPS - 1 + CHUNK]);
+pub(super) struct Line(pub [Row; MAX_TAPS - 1 + CHUNK]);
+
+impl Line {
+    pub const EMPTY: Self = Self([SILENCE; MAX_TAPS - 1 + CHUNK]);
+}
 
 /// Eight channels.
 #[derive(Debug)]
@@ -104,6 +109,7 @@ impl Group {
         clock: u64,
         out: &mut [f32],
         place: Place,
+        line: &mut Line,
     ) {
         let step = design.fir.ratio * place.channels;
         if self.asleep && !fed {
@@ -121,12 +127,12 @@ impl Group {
             let chunk = &mut rows[done..done + count];
             let frames = &mut out[done * step..(done + count) * step];
             match isa {
-                Isa::Baseline => self.chunk(design, chunk, frames, place),
+                Isa::Baseline => self.chunk(design, chunk, frames, place, line),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: `Vibration::new` keeps this level only where the machine has AVX2.
-                Isa::Avx2 => unsafe { self.chunk_avx2(design, chunk, frames, place) },
+                Isa::Avx2 => unsafe { self.chunk_avx2(design, chunk, frames, place, line) },
                 #[cfg(not(target_arch = "x86_64"))]
-                Isa::Avx2 => self.chunk(design, chunk, frames, place),
+                Isa::Avx2 => self.chunk(design, chunk, frames, place, line),
             }
             if ends_on_grid {
                 self.settle(design.fir.taps);
@@ -137,13 +143,20 @@ impl Group {
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn chunk_avx2(&mut self, design: &Design, rows: &mut [Row], out: &mut [f32], place: Place) {
-        self.chunk(design, rows, out, place);
+    fn chunk_avx2(
+        &mut self,
+        design: &Design,
+        rows: &mut [Row],
+        out: &mut [f32],
+        place: Place,
+        line: &mut Line,
+    ) {
+        self.chunk(design, rows, out, place, line);
     }
 
     /// At most [`CHUNK`] samples that end at a grid point or before.
     #[inline(always)]
-    fn chunk(&mut self, design: &Design, rows: &mut [Row], out: &mut [f32], place: Place) {
+    fn chunk(&mut self, design: &Design, rows: &mut [Row], out: &mut [f32], place: Place, line: &mut Line) {
         let (mut peaks, wild) = survey(rows);
         let (mut rows, mut out) = (rows, out);
         if self.asleep {
@@ -171,7 +184,6 @@ impl Group {
             }
             peaks = survey(rows).0;
         }
-        let mut line = Line([SILENCE; MAX_TAPS - 1 + CHUNK]);
         let line = &mut line.0;
         line[..MAX_TAPS - 1].copy_from_slice(&self.past);
         self.band_limit(design, rows, peaks, &mut line[MAX_TAPS - 1..][..rows.len()]);

@@ -14,7 +14,7 @@ use crate::dsp::biquad::{Biquad, Complex};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::LANES;
 use design::Design;
-use group::Group;
+use group::{Group, Line};
 
 /// One engine sample of eight channels.
 pub type Row = [f32; LANES];
@@ -25,8 +25,8 @@ pub const MAX_SECTIONS: usize = 8;
 /// Engine samples between two looks at what may sleep; on engine time, not on blocks.
 pub const GRID: u64 = 64;
 
-/// Values of output to write in one turn: 32 KiB.
-const NEAR: usize = 8192;
+/// Values of output to write in one turn, about: 64 KiB.
+const NEAR: usize = 16_384;
 
 /// What can be chosen about the stage.
 #[derive(Clone, Debug)]
@@ -105,6 +105,7 @@ pub struct Vibration {
     groups: Vec<Group>,
     channels: usize,
     isa: Isa,
+    line: Box<Line>,
 }
 
 impl Vibration {
@@ -119,7 +120,7 @@ impl Vibration {
             .step_by(LANES)
             .map(|first| Group::new((channels - first).min(LANES), |lane| sections(first + lane)))
             .collect();
-        Ok(Self { design, groups, channels, isa: options.isa.or_supported() })
+        Ok(Self { design, groups, channels, isa: options.isa.or_supported(), line: Box::new(Line::EMPTY) })
     }
 
     /// Engine rate, Hz.
@@ -177,7 +178,7 @@ impl Vibration {
         }
         let count = if rows.len() < frames * self.groups.len() { 0 } else { frames.min(out.len() / step) };
         // Short turns, so that the frames that the groups write between each other stay in the cache.
-        let turn = (NEAR / step).clamp(32, GRID as usize);
+        let turn = if GRID as usize * step <= NEAR { GRID as usize } else { GRID as usize / 2 };
         for (n, out) in out[..count * step].chunks_mut(turn * step).enumerate() {
             let (from, to) = (n * turn, n * turn + out.len() / step);
             let blocks = rows.chunks_exact_mut(frames).map(|block| &mut block[from..to]);
@@ -185,7 +186,7 @@ impl Vibration {
                 let place = group::Place { channels: self.channels, first: g * LANES };
                 let fed = fed.get(g).copied().unwrap_or(true);
                 let now = clock.wrapping_add(from as u64);
-                group.process(&self.design, self.isa, block, fed, now, out, place);
+                group.process(&self.design, self.isa, block, fed, now, out, place, &mut self.line);
             }
         }
         count
