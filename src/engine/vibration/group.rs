@@ -35,13 +35,22 @@ struct Bell {
     state: [Row; 2],
 }
 
-/// The band limit's output, past and present, on whole cache lines.
+/// Room that the groups use in turn.
 #[derive(Debug)]
 #[repr(align(64))]
-pub(super) struct Line(pub [Row; MAX_TAPS - 1 + CHUNK]);
+pub(super) struct Scratch {
+    /// The band limit's output, past and present.
+    line: [Row; MAX_TAPS - 1 + CHUNK],
+    /// Device frames of eight channels, for a group that has fewer.
+    frames: Vec<f32>,
+}
 
-impl Line {
-    pub const EMPTY: Self = Self([SILENCE; MAX_TAPS - 1 + CHUNK]);
+impl Scratch {
+    /// For a stage of `channels` whose engine samples make `ratio` frames.
+    pub fn new(channels: usize, ratio: usize) -> Self {
+        let padded = if channels % LANES == 0 { 0 } else { CHUNK * ratio * LANES };
+        Self { line: [SILENCE; MAX_TAPS - 1 + CHUNK], frames: vec![0.0; padded] }
+    }
 }
 
 /// Eight channels.
@@ -109,7 +118,7 @@ impl Group {
         clock: u64,
         out: &mut [f32],
         place: Place,
-        line: &mut Line,
+        scratch: &mut Scratch,
     ) {
         let step = design.fir.ratio * place.channels;
         if self.asleep && !fed {
@@ -127,12 +136,12 @@ impl Group {
             let chunk = &mut rows[done..done + count];
             let frames = &mut out[done * step..(done + count) * step];
             match isa {
-                Isa::Baseline => self.chunk(design, chunk, frames, place, line),
+                Isa::Baseline => self.chunk(design, chunk, frames, place, scratch),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: `Vibration::new` keeps this level only where the machine has AVX2.
-                Isa::Avx2 => unsafe { self.chunk_avx2(design, chunk, frames, place, line) },
+                Isa::Avx2 => unsafe { self.chunk_avx2(design, chunk, frames, place, scratch) },
                 #[cfg(not(target_arch = "x86_64"))]
-                Isa::Avx2 => self.chunk(design, chunk, frames, place, line),
+                Isa::Avx2 => self.chunk(design, chunk, frames, place, scratch),
             }
             if ends_on_grid {
                 self.settle(design.fir.taps);
@@ -149,14 +158,21 @@ impl Group {
         rows: &mut [Row],
         out: &mut [f32],
         place: Place,
-        line: &mut Line,
+        scratch: &mut Scratch,
     ) {
-        self.chunk(design, rows, out, place, line);
+        self.chunk(design, rows, out, place, scratch);
     }
 
     /// At most [`CHUNK`] samples that end at a grid point or before.
     #[inline(always)]
-    fn chunk(&mut self, design: &Design, rows: &mut [Row], out: &mut [f32], place: Place, line: &mut Line) {
+    fn chunk(
+        &mut self,
+        design: &Design,
+        rows: &mut [Row],
+        out: &mut [f32],
+        place: Place,
+        scratch: &mut Scratch,
+    ) {
         let (mut peaks, wild) = survey(rows);
         let (mut rows, mut out) = (rows, out);
         if self.asleep {
@@ -184,21 +200,47 @@ impl Group {
             }
             peaks = survey(rows).0;
         }
-        let line = &mut line.0;
+        let Scratch { line, frames } = scratch;
         line[..MAX_TAPS - 1].copy_from_slice(&self.past);
-        self.band_limit(design, rows, peaks, &mut line[MAX_TAPS - 1..][..rows.len()]);
-        self.past.copy_from_slice(&line[rows.len()..][..MAX_TAPS - 1]);
-        let line = &line[MAX_TAPS - design.fir.taps..MAX_TAPS - 1 + rows.len()];
-        let whole = self.lanes == LANES;
-        let peak = if whole {
-            self.reconstruct::<true>(design, line, out, place)
+        if self.lanes == LANES {
+            self.render(design, rows, peaks, line, out, place);
         } else {
-            self.reconstruct::<false>(design, line, out, place)
+            // The loops always write eight channels; these go by way of a frame that has them.
+            let frames = &mut frames[..rows.len() * design.fir.ratio * LANES];
+            self.render(design, rows, peaks, line, frames, Place { channels: LANES, first: 0 });
+            for (to, from) in out.chunks_exact_mut(place.channels).zip(frames.chunks_exact(LANES)) {
+                to[place.first..][..self.lanes].copy_from_slice(&from[..self.lanes]);
+            }
+        }
+        self.past.copy_from_slice(&line[rows.len()..][..MAX_TAPS - 1]);
+    }
+
+    /// Limits, filters and up-samples `rows` into eight channels of `out`.
+    #[inline(always)]
+    fn render(
+        &mut self,
+        design: &Design,
+        rows: &[Row],
+        peaks: Row,
+        line: &mut [Row; MAX_TAPS - 1 + CHUNK],
+        out: &mut [f32],
+        place: Place,
+    ) {
+        let predicted = match &design.limits {
+            Some(limits) => self.limiter.is_engaged() || limits.engage(&peaks),
+            None => false,
         };
-        for l in 0..self.lanes {
+        let line = &mut line[MAX_TAPS - design.fir.taps..MAX_TAPS - 1 + rows.len()];
+        let peak = if predicted {
+            self.band_limit(design, rows, peaks, &mut line[design.fir.taps - 1..]);
+            self.reconstruct::<false>(design, rows, line, out, place)
+        } else {
+            self.reconstruct::<true>(design, rows, line, out, place)
+        };
+        for l in 0..LANES {
             self.peak[l] = self.peak[l].max(peak[l]);
         }
-        if peak[..self.lanes].iter().any(|&p| p > 1.0) {
+        if peak.iter().any(|&p| p > 1.0) {
             self.clamp(out, place);
         }
     }
@@ -206,9 +248,7 @@ impl Group {
     #[inline(always)]
     fn band_limit(&mut self, design: &Design, rows: &[Row], peaks: Row, line: &mut [Row]) {
         let sections = &design.sections;
-        let Some(limits) = &design.limits else {
-            return filter(sections, &mut self.state, rows, line);
-        };
+        let Some(limits) = &design.limits else { return };
         let mut done = 0;
         while done < rows.len() {
             let engaging = self.limiter.listen(limits, &rows[done..], &peaks);
@@ -235,26 +275,29 @@ impl Group {
         }
     }
 
-    /// Up-samples `line` into the device's frames and returns the peaks. `WHOLE`: all eight lanes are channels.
+    /// Up-samples `line` into the device's frames and returns the peaks. `FILTER`: first passes `rows` through the band
+    /// limit into `line`, in the same loop, which hides the filter's latency.
     #[inline(always)]
-    fn reconstruct<const WHOLE: bool>(
-        &self,
+    fn reconstruct<const FILTER: bool>(
+        &mut self,
         design: &Design,
-        line: &[Row],
+        rows: &[Row],
+        line: &mut [Row],
         out: &mut [f32],
         place: Place,
     ) -> Row {
+        let state = &mut self.state;
         match design.fir.taps {
-            1 => copy::<WHOLE>(design, line, out, place, self.lanes),
-            4 => up_sample::<4, WHOLE>(design, line, out, place, self.lanes),
-            5 => up_sample::<5, WHOLE>(design, line, out, place, self.lanes),
-            6 => up_sample::<6, WHOLE>(design, line, out, place, self.lanes),
-            7 => up_sample::<7, WHOLE>(design, line, out, place, self.lanes),
-            8 => up_sample::<8, WHOLE>(design, line, out, place, self.lanes),
-            9 => up_sample::<9, WHOLE>(design, line, out, place, self.lanes),
-            10 => up_sample::<10, WHOLE>(design, line, out, place, self.lanes),
-            11 => up_sample::<11, WHOLE>(design, line, out, place, self.lanes),
-            _ => up_sample::<12, WHOLE>(design, line, out, place, self.lanes),
+            1 => copy::<FILTER>(design, state, rows, line, out, place),
+            4 => up_sample::<4, FILTER>(design, state, rows, line, out, place),
+            5 => up_sample::<5, FILTER>(design, state, rows, line, out, place),
+            6 => up_sample::<6, FILTER>(design, state, rows, line, out, place),
+            7 => up_sample::<7, FILTER>(design, state, rows, line, out, place),
+            8 => up_sample::<8, FILTER>(design, state, rows, line, out, place),
+            9 => up_sample::<9, FILTER>(design, state, rows, line, out, place),
+            10 => up_sample::<10, FILTER>(design, state, rows, line, out, place),
+            11 => up_sample::<11, FILTER>(design, state, rows, line, out, place),
+            _ => up_sample::<12, FILTER>(design, state, rows, line, out, place),
         }
     }
 
@@ -277,7 +320,7 @@ impl Group {
     #[cold]
     fn clamp(&mut self, out: &mut [f32], place: Place) {
         for frame in out.chunks_exact_mut(place.channels) {
-            for value in &mut frame[place.first..place.first + self.lanes] {
+            for value in &mut frame[place.first..place.first + LANES] {
                 if value.abs() > 1.0 {
                     *value = value.clamp(-1.0, 1.0);
                     self.counts.clamped += 1;
@@ -390,37 +433,47 @@ fn filter(sections: &Sections, state: &mut Cascade, rows: &[Row], out: &mut [Row
 
 /// A ratio of 1: nothing but the band limit's gain.
 #[inline(always)]
-fn copy<const WHOLE: bool>(
+fn copy<const FILTER: bool>(
     design: &Design,
-    line: &[Row],
+    state: &mut Cascade,
+    rows: &[Row],
+    line: &mut [Row],
     out: &mut [f32],
     place: Place,
-    lanes: usize,
 ) -> Row {
+    if FILTER {
+        filter(&design.sections, state, rows, line);
+    }
     let mut peak = SILENCE;
     for (row, frame) in line.iter().zip(out.chunks_exact_mut(place.channels)) {
         let mut y = *row;
         for value in &mut y {
             *value *= design.gain;
         }
-        put::<WHOLE>(frame, place.first, lanes, &y, &mut peak);
+        put(frame, place.first, &y, &mut peak);
     }
     peak
 }
 
 /// `line` holds T - 1 samples of the past and then the block. Returns the peaks.
 #[inline(always)]
-fn up_sample<const T: usize, const WHOLE: bool>(
+fn up_sample<const T: usize, const FILTER: bool>(
     design: &Design,
-    line: &[Row],
+    state: &mut Cascade,
+    rows: &[Row],
+    line: &mut [Row],
     out: &mut [f32],
     place: Place,
-    lanes: usize,
 ) -> Row {
     let mut peak = SILENCE;
+    let mut z = *state;
     let step = design.fir.ratio * place.channels;
     let half = T.div_ceil(2);
-    for (window, frames) in line.windows(T).zip(out.chunks_exact_mut(step)) {
+    for (n, (x, frames)) in rows.iter().zip(out.chunks_exact_mut(step)).enumerate() {
+        let Some(window) = line.get_mut(n..).and_then(|rest| rest.first_chunk_mut::<T>()) else { break };
+        if FILTER {
+            window[T - 1] = cascade(&design.sections, &mut z, *x);
+        }
         let (mut sum, mut difference) = ([SILENCE; MAX_TAPS / 2], [SILENCE; MAX_TAPS / 2]);
         for k in 0..half {
             for l in 0..LANES {
@@ -444,27 +497,26 @@ fn up_sample<const T: usize, const WHOLE: bool>(
                 near[l] = even + odd;
                 far[l] = even - odd;
             }
-            put::<WHOLE>(frames, first, lanes, &near, &mut peak);
-            put::<WHOLE>(frames, last, lanes, &far, &mut peak);
+            put(frames, first, &near, &mut peak);
+            put(frames, last, &far, &mut peak);
             first += place.channels;
             last = last.wrapping_sub(place.channels);
         }
+    }
+    if FILTER {
+        *state = z;
     }
     peak
 }
 
 /// Writes a row at `at` and follows its peak.
 #[inline(always)]
-fn put<const WHOLE: bool>(frames: &mut [f32], at: usize, lanes: usize, row: &Row, peak: &mut Row) {
+fn put(frames: &mut [f32], at: usize, row: &Row, peak: &mut Row) {
     for l in 0..LANES {
         let size = row[l].abs();
         peak[l] = if peak[l] > size { peak[l] } else { size };
     }
-    if WHOLE {
-        if let Some(to) = frames.get_mut(at..at.wrapping_add(LANES)) {
-            to.copy_from_slice(row);
-        }
-    } else if let Some(to) = frames.get_mut(at..at.wrapping_add(lanes)) {
-        to.copy_from_slice(&row[..lanes]);
+    if let Some(to) = frames.get_mut(at..at.wrapping_add(LANES)) {
+        to.copy_from_slice(row);
     }
 }

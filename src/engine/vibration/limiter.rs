@@ -88,6 +88,14 @@ impl Limits {
     }
 }
 
+impl Limits {
+    /// Whether input of these magnitudes makes a lane engage.
+    #[inline(always)]
+    pub fn engage(&self, peaks: &Row) -> bool {
+        peaks.iter().any(|&peak| peak > self.threshold)
+    }
+}
+
 /// Predictions on whole cache lines.
 #[repr(align(64))]
 struct Ring<const N: usize>([Row; N]);

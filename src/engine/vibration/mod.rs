@@ -14,7 +14,7 @@ use crate::dsp::biquad::{Biquad, Complex};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::LANES;
 use design::Design;
-use group::{Group, Line};
+use group::{Group, Scratch};
 
 /// One engine sample of eight channels.
 pub type Row = [f32; LANES];
@@ -105,7 +105,7 @@ pub struct Vibration {
     groups: Vec<Group>,
     channels: usize,
     isa: Isa,
-    line: Box<Line>,
+    scratch: Box<Scratch>,
 }
 
 impl Vibration {
@@ -120,7 +120,8 @@ impl Vibration {
             .step_by(LANES)
             .map(|first| Group::new((channels - first).min(LANES), |lane| sections(first + lane)))
             .collect();
-        Ok(Self { design, groups, channels, isa: options.isa.or_supported(), line: Box::new(Line::EMPTY) })
+        let scratch = Box::new(Scratch::new(channels, design.fir.ratio));
+        Ok(Self { design, groups, channels, isa: options.isa.or_supported(), scratch })
     }
 
     /// Engine rate, Hz.
@@ -186,7 +187,7 @@ impl Vibration {
                 let place = group::Place { channels: self.channels, first: g * LANES };
                 let fed = fed.get(g).copied().unwrap_or(true);
                 let now = clock.wrapping_add(from as u64);
-                group.process(&self.design, self.isa, block, fed, now, out, place, &mut self.line);
+                group.process(&self.design, self.isa, block, fed, now, out, place, &mut self.scratch);
             }
         }
         count
