@@ -15,17 +15,21 @@ const BAND: (f64, f64, f64) = (0.3, 850.0, 66.0);
 /// Rate the engine aims at, Hz.
 const ENGINE: f64 = 8000.0;
 
-/// A section of the band limit: b = (1, b1, 1).
+/// A section of the band limit, b = (1, b1, 1), in numbers that are small and lose little by rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Section {
-    pub b1: f32,
-    pub a1: f32,
-    pub a2: f32,
+    /// 2 + b1.
+    pub zeros: f32,
+    /// 2 + a1.
+    pub poles: f32,
+    /// 1 + a1 + a2.
+    pub pull: f32,
 }
 
 /// Two phases that mirror each other, the p-th from the start and from the end: their sum is worked out from sums of mirrored samples, their difference from
 /// differences, at half the multiplications. Each coefficient is held eight times, as the loops want it.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub(super) struct Pair {
     pub sum: [Row; MAX_TAPS / 2],
     pub difference: [Row; MAX_TAPS / 2],
@@ -56,9 +60,11 @@ impl Design {
         let rate = device_rate / ratio as f64;
         let band_limit = Elliptic::low_pass(SECTIONS, BAND.0, BAND.2, BAND.1, rate);
         let fir = Interpolator::design(options.taps, ratio, rate);
-        let mut sections = [Section { b1: 0.0, a1: 0.0, a2: 0.0 }; SECTIONS];
+        let mut sections = [Section { zeros: 0.0, poles: 0.0, pull: 0.0 }; SECTIONS];
         for (section, exact) in sections.iter_mut().zip(&band_limit.sections) {
-            *section = Section { b1: exact.b[1] as f32, a1: exact.a[0] as f32, a2: exact.a[1] as f32 };
+            let [a1, a2] = exact.a;
+            let pull = (1.0 + a1 + a2) as f32;
+            *section = Section { zeros: (2.0 + exact.b[1]) as f32, poles: (2.0 + a1) as f32, pull };
         }
         let limits = options.limiter.then(|| Limits::new(&band_limit));
         let pairs = pairs(&fir, band_limit.gain);

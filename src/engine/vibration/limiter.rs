@@ -68,7 +68,8 @@ impl Limits {
         let mut free = [[0.0; 2 * SECTIONS]; MAX_LAGS];
         for i in 0..2 * SECTIONS {
             let mut state = [[0.0; 2]; SECTIONS];
-            state[i / 2][i % 2] = 1.0;
+            // The loops hold a section's first state and the sum of both: one of the first alone is less one of the second.
+            state[i / 2] = if i % 2 == 0 { [1.0, -1.0] } else { [0.0, 1.0] };
             run(&mut state, 0.0);
             for row in free.iter_mut().take(lags) {
                 row[i] = run(&mut state, 0.0) as f32;
@@ -86,6 +87,18 @@ impl Limits {
         }
     }
 }
+
+impl Limits {
+    /// Whether input of these magnitudes makes a lane engage.
+    #[inline(always)]
+    pub fn engage(&self, peaks: &Row) -> bool {
+        peaks.iter().any(|&peak| peak > self.threshold)
+    }
+}
+
+/// Predictions on whole cache lines.
+#[repr(align(64))]
+struct Ring<const N: usize>([Row; N]);
 
 /// The limiter's state on eight lanes.
 #[derive(Debug)]
@@ -112,9 +125,9 @@ impl Limiter {
         self.engaged.contains(&true)
     }
 
-    /// Whether `lane` can be put to sleep.
-    pub fn rests(&self, lane: usize) -> bool {
-        !self.engaged[lane]
+    /// Puts `lane`, which is silent, back to where it began.
+    pub fn rest(&mut self, lane: usize) {
+        (self.gain[lane], self.engaged[lane], self.calm[lane]) = (1.0, false, 0);
     }
 
     /// Takes note of the input magnitudes of the rows to come. Returns the first row at which a lane has to engage.
@@ -176,8 +189,8 @@ impl Limiter {
         let mut limited = 0;
         // Two copies that change places, since a sample that is turned down needs the predictions before it. In `old`,
         // 1 to N - 1 are the outputs after this sample; in `new`, 0 to N - 2 are the same ones with this sample in.
-        let (mut one, mut two) = ([[0.0; LANES]; N], [[0.0; LANES]; N]);
-        let (mut old, mut new) = (&mut one, &mut two);
+        let (mut one, mut two) = (Ring([[0.0; LANES]; N]), Ring([[0.0; LANES]; N]));
+        let (mut old, mut new) = (&mut one.0, &mut two.0);
         old[..N - 1].copy_from_slice(&self.ahead[..N - 1]);
         let Some(impulse) = limits.impulse.first_chunk::<N>() else { return 0 };
         for (x, y) in rows.iter().zip(out) {

@@ -14,7 +14,7 @@ use crate::dsp::biquad::{Biquad, Complex};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::LANES;
 use design::Design;
-use group::Group;
+use group::{Group, Scratch};
 
 /// One engine sample of eight channels.
 pub type Row = [f32; LANES];
@@ -24,6 +24,9 @@ pub const MAX_SECTIONS: usize = 8;
 
 /// Engine samples between two looks at what may sleep; on engine time, not on blocks.
 pub const GRID: u64 = 64;
+
+/// Values of output to write in one turn, about: 64 KiB.
+const NEAR: usize = 16_384;
 
 /// What can be chosen about the stage.
 #[derive(Clone, Debug)]
@@ -102,6 +105,7 @@ pub struct Vibration {
     groups: Vec<Group>,
     channels: usize,
     isa: Isa,
+    scratch: Box<Scratch>,
 }
 
 impl Vibration {
@@ -116,7 +120,8 @@ impl Vibration {
             .step_by(LANES)
             .map(|first| Group::new((channels - first).min(LANES), |lane| sections(first + lane)))
             .collect();
-        Ok(Self { design, groups, channels, isa: options.isa.or_supported() })
+        let scratch = Box::new(Scratch::new(channels, design.fir.ratio));
+        Ok(Self { design, groups, channels, isa: options.isa.or_supported(), scratch })
     }
 
     /// Engine rate, Hz.
@@ -158,8 +163,8 @@ impl Vibration {
     ///
     /// `rows` is `groups()` blocks of `frames` rows each, and is spoilt. `fed[g]` false says that block g is all zero
     /// and need not be looked at; groups beyond the list count as fed. `out` takes `frames × ratio() × channels()`
-    /// values, frame by frame. Where a slice is too short, as many engine samples are rendered as all of them hold;
-    /// returns that number.
+    /// values, frame by frame. Returns the number of engine samples rendered: fewer than `frames` where `out` is too
+    /// short, none where `rows` is.
     pub fn process(
         &mut self,
         frames: usize,
@@ -172,17 +177,20 @@ impl Vibration {
         if step == 0 || frames == 0 {
             return frames;
         }
-        if rows.len() < frames * self.groups.len() || out.len() < frames * step {
-            let fit = (rows.len() / self.groups.len()).min(out.len() / step);
-            return if fit == 0 { 0 } else { self.process(fit.min(frames), rows, fed, clock, out) };
+        let count = if rows.len() < frames * self.groups.len() { 0 } else { frames.min(out.len() / step) };
+        // Short turns, so that the frames that the groups write between each other stay in the cache.
+        let turn = if GRID as usize * step <= NEAR { GRID as usize } else { GRID as usize / 2 };
+        for (n, out) in out[..count * step].chunks_mut(turn * step).enumerate() {
+            let (from, to) = (n * turn, n * turn + out.len() / step);
+            let blocks = rows.chunks_exact_mut(frames).map(|block| &mut block[from..to]);
+            for (g, (group, block)) in self.groups.iter_mut().zip(blocks).enumerate() {
+                let place = group::Place { channels: self.channels, first: g * LANES };
+                let fed = fed.get(g).copied().unwrap_or(true);
+                let now = clock.wrapping_add(from as u64);
+                group.process(&self.design, self.isa, block, fed, now, out, place, &mut self.scratch);
+            }
         }
-        let out = &mut out[..frames * step];
-        for (g, (group, block)) in self.groups.iter_mut().zip(rows.chunks_exact_mut(frames)).enumerate() {
-            let place = group::Place { channels: self.channels, first: g * LANES };
-            let fed = fed.get(g).copied().unwrap_or(true);
-            group.process(&self.design, self.isa, block, fed, clock, out, place);
-        }
-        frames
+        count
     }
 
     /// Largest magnitude of `channel` at the device's rate before the clamp, since the last call of this; 0 for a
