@@ -32,7 +32,8 @@ mod tests {
         let step = increment(250.1, 8000.0);
         let phase = step.wrapping_mul(8000 * 3600);
         let exact = 250.1_f64 * 3600.0;
-        let error = phase as f64 / 2f64.powi(64) - (exact - exact.floor());
+        let error = phase as f64 / 2f64.powi(64) - exact;
+        let error = error - error.round();
         assert!(error.abs() < 1e-8, "{error}");
     }
 

@@ -10,7 +10,7 @@ use crate::dsp::lanes::{LANES, Real};
 use crate::dsp::random;
 use crate::graph::Base;
 use crate::graph::plan::Instrument;
-use crate::graph::program::{Feed, Program};
+use crate::graph::program::{Feed, OpInput, Program};
 use crate::graph::start::Fields;
 use crate::node::States;
 use crate::node::kernel::{INPUTS, Input, Io, LEAD, Onset};
@@ -238,21 +238,35 @@ impl<R: Real> Bank<R> {
         let bases = &self.bases[group * rows..][..rows];
         for (op, states) in self.program.ops.iter().zip(&mut self.states) {
             let mut output = std::mem::take(&mut work.buffers[op.output as usize]);
-            let mut inputs = [Input { rows: &steady[..1], step: 0, base: &bases[0] }; INPUTS];
-            for (slot, input) in inputs.iter_mut().zip(&op.inputs) {
-                slot.base = &bases[input.base as usize];
-                (slot.rows, slot.step) = match input.feed {
+            let input = |input: &OpInput| {
+                let (rows, step) = match input.feed {
                     Feed::Steady(row) => (&steady[row as usize..=row as usize], 0),
                     Feed::Buffer(b) => (&work.buffers[b as usize][..frames], 1),
                     Feed::Shared(s) => (&work.shared[s as usize][..frames], 1),
                 };
+                Input { rows, step, base: &bases[input.base as usize] }
+            };
+            let out = &mut output[..frames];
+            // Most ops have few inputs, and a short list is made sooner than a long one.
+            match op.inputs[..] {
+                [] => states.run(self.isa, group, &mut Io { inputs: &[], output: out, clock }),
+                [ref a] => states.run(self.isa, group, &mut Io { inputs: &[input(a)], output: out, clock }),
+                [ref a, ref b] => {
+                    states.run(self.isa, group, &mut Io { inputs: &[input(a), input(b)], output: out, clock });
+                }
+                [ref a, ref b, ref c] => {
+                    let inputs = [input(a), input(b), input(c)];
+                    states.run(self.isa, group, &mut Io { inputs: &inputs, output: out, clock });
+                }
+                [ref first, ..] => {
+                    let mut inputs = [input(first); INPUTS];
+                    for (slot, of) in inputs.iter_mut().zip(&op.inputs) {
+                        *slot = input(of);
+                    }
+                    let count = op.inputs.len().min(INPUTS);
+                    states.run(self.isa, group, &mut Io { inputs: &inputs[..count], output: out, clock });
+                }
             }
-            let count = op.inputs.len().min(INPUTS);
-            states.run(
-                self.isa,
-                group,
-                &mut Io { inputs: &inputs[..count], output: &mut output[..frames], clock },
-            );
             work.buffers[op.output as usize] = output;
         }
     }

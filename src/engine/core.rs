@@ -180,12 +180,14 @@ impl<R: Real> Core<R> {
         taken
     }
 
-    /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames.
-    pub fn advance(&mut self, samples: usize, input: &[Vec<f32>], output: &mut [f32]) {
+    /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames. The
+    /// frames of the first samples go to `output`, as far as it reaches, and the rest to `carry`.
+    pub fn advance(&mut self, samples: usize, input: &[Vec<f32>], output: &mut [f32], carry: &mut [f32]) {
+        let samples = samples.min(BLOCK);
         self.work.clear_mix();
         let begin = self.clock;
         let mut done = 0;
-        while done < samples.min(BLOCK) {
+        while done < samples {
             self.run_due();
             let left = (samples - done) as u64;
             let next = self.queue.next().unwrap_or(u64::MAX).min((self.clock / GRID + 1) * GRID);
@@ -198,7 +200,11 @@ impl<R: Real> Core<R> {
             self.clock += frames as u64;
             done += frames;
         }
-        self.stage.process(&self.work.mix, &self.work.fed, samples, begin, output);
+        let whole = self.stage.fits(output).min(samples);
+        self.stage.process(&self.work.mix, &self.work.fed, 0..whole, begin, output);
+        if whole < samples {
+            self.stage.process(&self.work.mix, &self.work.fed, whole..samples, begin, carry);
+        }
     }
 
     /// Events, tasks and housekeeping that are due before the next sample.

@@ -170,18 +170,18 @@ impl Engine {
         if step == 0 {
             return;
         }
-        while output.len() >= step {
-            let samples = (output.len() / step).min(BLOCK);
-            let (now, later) = output.split_at_mut(samples * step);
-            each!(mut self, core => core.advance(samples, &[], now));
+        let mut carry = std::mem::take(&mut self.carry);
+        while !output.is_empty() {
+            let samples = output.len().div_ceil(step).min(BLOCK);
+            let whole = (output.len() / step).min(samples);
+            let (now, later) = output.split_at_mut((samples * step).min(output.len()));
+            each!(mut self, core => core.advance(samples, &[], &mut now[..whole * step], &mut carry));
+            if whole < samples {
+                self.carried = now.len() - whole * step;
+                now[whole * step..].copy_from_slice(&carry[..self.carried]);
+            }
             output = later;
         }
-        if !output.is_empty() {
-            let mut carry = std::mem::take(&mut self.carry);
-            each!(mut self, core => core.advance(1, &[], &mut carry));
-            self.carry = carry;
-            self.carried = output.len();
-            output.copy_from_slice(&self.carry[..self.carried]);
-        }
+        self.carry = carry;
     }
 }

@@ -1,0 +1,188 @@
+//! Run time of whole scenes, as CPU time of this thread, beside a peer on the same scene in the same run.
+//!
+//! `cargo bench --bench engine` prints a table. Every figure is the median of many windows; peer and engine take turns, so that
+//! a change of the machine's speed meets both.
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use cpu_time::ThreadTime;
+use pacinian::engine::Engine;
+use pacinian::engine::event::{Event, Play, Source};
+use pacinian::graph::plan::Plan;
+use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::start::FIELDS;
+use pacinian::node::asset::NoAssets;
+use pacinian::patch::Patch;
+use pacinian::rig::Rig;
+use pacinian::schedule::Instant;
+
+const RATE: f64 = 48_000.0;
+const BLOCK: usize = 64;
+
+/// Median CPU nanoseconds a call of each of `work` takes, taking turns.
+fn turns(work: &mut [&mut dyn FnMut()], calls: usize) -> Vec<f64> {
+    let mut times = vec![Vec::new(); work.len()];
+    for _ in 0..41 {
+        for (work, times) in work.iter_mut().zip(&mut times) {
+            let begin = ThreadTime::now();
+            for _ in 0..calls {
+                work();
+            }
+            times.push(begin.elapsed().as_nanos() as f64 / calls as f64);
+        }
+    }
+    times
+        .into_iter()
+        .map(|mut t| {
+            t.sort_by(f64::total_cmp);
+            t[t.len() / 2]
+        })
+        .collect()
+}
+
+fn plan(voice: &str, voices: usize, channels: u32) -> Plan {
+    let text = format!(
+        "format = \"pacinian-patch/1\"\ntitle = \"A bench\"\n[voice.v]\nvoices = {voices}\noutput = \"out\"\n[voice.v.nodes]\n{voice}"
+    );
+    let patch = Patch::parse("bench.toml", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let options = Options { rate: Some(RATE), live: true, ..Options::default() };
+    scene(&patch, &Rig::default_for(channels), &options, &NoAssets).unwrap_or_else(|p| panic!("{p:?}")).plan
+}
+
+const SINE: &str = r#"tone = { type = "sine", frequency = "event.frequency" }
+hit = { type = "envelope", attack = 0.01, decay = 0.1, sustain = 0.7, release = 0.05 }
+out = { type = "multiply", inputs = ["tone", "hit"] }"#;
+
+fn start(engine: &mut Engine, voices: usize, channels: usize, level: f64) {
+    for i in 0..voices {
+        let mut own = [0.0; FIELDS];
+        own[0] = 60.0 + 700.0 * i as f64 / voices as f64;
+        let play = Play {
+            instrument: 0,
+            place: (i % channels) as u32,
+            level,
+            duration: f64::INFINITY,
+            own,
+            id: i as u64,
+        };
+        assert!(engine.schedule(Instant::default(), Source::Program, Event::Play(play)));
+    }
+}
+
+fn engine(voices: usize, channels: usize, level: f64) -> Engine {
+    let mut engine = Engine::new(&plan(SINE, voices, channels as u32)).unwrap();
+    start(&mut engine, voices, channels, level);
+    let mut warm = vec![0.0; 4800 * channels];
+    engine.process(&mut warm);
+    engine
+}
+
+/// The same scene in fundsp's `Net`: 32 sines by envelopes, placed on 16 outputs.
+fn net(voices: usize, channels: usize, level: f32) -> fundsp::net::Net {
+    use fundsp::prelude32::{envelope, pass, sine_hz};
+    let mut net = fundsp::net::Net::new(0, channels);
+    let mut sums: Vec<Option<fundsp::net::NodeId>> = vec![None; channels];
+    for i in 0..voices {
+        let hertz = 60.0 + 700.0 * i as f32 / voices as f32;
+        let shape = move |t: f32| level * if t < 0.01 { t / 0.01 } else if t < 0.11 { 1.0 - 3.0 * (t - 0.01) } else { 0.7 };
+        let voice = net.push(Box::new(sine_hz(hertz) * envelope(shape)));
+        let channel = i % channels;
+        sums[channel] = Some(match sums[channel] {
+            None => voice,
+            Some(before) => {
+                let sum = net.push(Box::new(pass() + pass()));
+                net.connect(before, 0, sum, 0);
+                net.connect(voice, 0, sum, 1);
+                sum
+            }
+        });
+    }
+    for (channel, node) in sums.into_iter().enumerate() {
+        if let Some(node) = node {
+            net.connect_output(node, 0, channel);
+        }
+    }
+    net.set_sample_rate(RATE);
+    net.allocate();
+    net
+}
+
+use fundsp::audiounit::AudioUnit;
+use fundsp::buffer::BufferVec;
+
+fn against_net() {
+    let (voices, channels) = (32, 16);
+    let mut ours = engine(voices, channels, 0.45);
+    let mut frames = vec![0.0; BLOCK * channels];
+    let mut net = net(voices, channels, 0.45);
+    let input = BufferVec::new(0);
+    let mut output = BufferVec::new(channels);
+    let mut sum = 0.0;
+    let times = turns(
+        &mut [
+            &mut || {
+                ours.process(&mut frames);
+                sum += black_box(frames[5]);
+            },
+            &mut || {
+                net.process(BLOCK, &input.buffer_ref(), &mut output.buffer_mut());
+                black_box(&output);
+            },
+        ],
+        400,
+    );
+    let frame = |ns: f64| ns / BLOCK as f64;
+    println!(
+        "32 voices, sine x envelope, 16 outputs      pacinian {:6.2} ns a frame   fundsp Net {:6.2}   ratio {:.1}",
+        frame(times[0]),
+        frame(times[1]),
+        times[1] / times[0]
+    );
+}
+
+fn channel_samples(voices: usize, channels: usize, level: f64, block: usize, name: &str) {
+    let mut engine = engine(voices, channels, level);
+    let mut frames = vec![0.0; block * channels];
+    let times = turns(
+        &mut [&mut || {
+            engine.process(&mut frames);
+            black_box(&frames);
+        }],
+        (2_500_000 / (channels * block)).max(2),
+    );
+    let second = times[0] / block as f64 * RATE;
+    println!(
+        "{name:43} {:6.3} ns a channel-sample   {:.0} x real time",
+        times[0] / (block * channels) as f64,
+        1e9 / second
+    );
+}
+
+fn asleep() {
+    let plan = plan(SINE, 256, 16);
+    let mut silent = Engine::new(&plan).unwrap();
+    let mut busy = Engine::new(&plan).unwrap();
+    start(&mut busy, 256, 16, 0.05);
+    let mut frames = vec![0.0; BLOCK * 16];
+    let mut other = frames.clone();
+    let times = turns(&mut [&mut || silent.process(&mut frames), &mut || busy.process(&mut other)], 200);
+    println!(
+        "256 voices, none sounding / all sounding    {:6.2} / {:.2} ns a frame   {:.2} %",
+        times[0] / BLOCK as f64,
+        times[1] / BLOCK as f64,
+        100.0 * times[0] / times[1]
+    );
+}
+
+fn main() {
+    // Cargo passes --bench; a filter is not offered.
+    let begin = std::time::Instant::now();
+    against_net();
+    channel_samples(24, 24, 0.3, BLOCK, "24 channels, sine x ASR, level 0.3");
+    channel_samples(24, 24, 0.3, 4096, "the same in blocks of 4,096");
+    channel_samples(24, 24, 0.95, 4096, "the same at level 0.95");
+    channel_samples(1024, 1024, 0.3, BLOCK, "1,024 voices on 1,024 channels");
+    asleep();
+    eprintln!("{:.0} s", begin.elapsed().max(Duration::from_secs(1)).as_secs_f64());
+}
