@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod decimate;
+pub mod plot;
 pub mod reference;
 
 pub use compare::{Comparison, compare};
