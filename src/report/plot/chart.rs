@@ -2,7 +2,8 @@
 
 use super::axis::{Scale, nice};
 use super::colour::Ink;
-use super::svg::{Anchor, Path, Svg, Type, width};
+use super::path::Path;
+use super::svg::{Anchor, Svg, Type, width};
 
 /// One direction of a chart.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -9,9 +9,11 @@ mod collector;
 mod colour;
 mod extremes;
 mod panel;
+mod path;
 mod picture;
 mod spectrum;
 mod svg;
+mod wave;
 
 pub use chart::{Axis, Chart, Point, Series};
 pub use collector::{Collector, ROWS};

@@ -2,8 +2,9 @@
 
 use super::axis::{Scale, signed};
 use super::colour::Ink;
+use super::path::Path;
 use super::spectrum::Spectrum;
-use super::svg::{Anchor, Path, Svg, Type};
+use super::svg::{Anchor, Svg, Type};
 
 /// The engine's limit, hertz.
 const LIMIT: f64 = 1000.0;

@@ -4,7 +4,8 @@ use super::axis::{Scale, nice, short};
 use super::collector::{Collector, ROWS};
 use super::colour::Ink;
 use super::panel;
-use super::svg::{Anchor, Path, Svg, Type, width};
+use super::svg::{Anchor, Svg, Type, width};
+use super::wave::{self, Place};
 
 /// What a picture says above, and how it is drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,59 +168,16 @@ impl Collector {
             let said = if peak > 0.0 { level(f64::from(peak)) } else { "silent".into() };
             svg.text(at.width - MARGIN, below, Type::new(size.min(11.0), Anchor::End, Ink::Dim), &said);
             if peak > 0.0 {
-                self.draw_wave(svg, index, &time, middle, 0.46 * at.row / full);
+                let ink = Ink::Row { index, of: self.rows.len() };
+                if let Some(row) = self.rows.get(index) {
+                    // The more rows, the fewer columns, for the file's sake.
+                    let pixels = (at.right - at.left) * (24.0 / self.rows.len() as f64).clamp(0.4, 1.0);
+                    let place = Place { time: &time, rate: self.rate, middle, unit: 0.46 * at.row / full };
+                    wave::draw(svg, row, &place, ink, pixels);
+                }
             }
         }
         svg.line([at.left, at.bottom, at.right, at.bottom], Ink::Axis, 1.0, 0.0);
-    }
-
-    /// One row's signal: a line while samples are far apart, else the area between least and greatest.
-    fn draw_wave(&self, svg: &mut Svg, index: usize, time: &Scale, middle: f64, unit: f64) {
-        let Some(row) = self.rows.get(index) else { return };
-        let ink = Ink::Row { index, of: self.rows.len() };
-        let pixels = (time.at(self.seconds()) - time.at(0.0)).max(1.0);
-        // The more rows, the fewer columns, for the file's sake.
-        let share = (24.0 / self.rows.len() as f64).clamp(0.4, 1.0);
-        let line = self.frames as f64 <= 2.0 * pixels * share;
-        let (samples, columns) = row.at_most((pixels * share * if line { 2.0 } else { 1.0 }) as usize);
-        let y = |sample: f32| middle - f64::from(sample) * unit;
-        let x = |column: usize, part: f64| time.at((column as f64 + part) * samples as f64 / self.rate);
-        let mut path = Path::default();
-        if line && samples == 1 {
-            columns.iter().enumerate().for_each(|(i, [_, sample])| path.to(x(i, 0.0), y(*sample)));
-            if columns.len() == 1 {
-                path.to(time.at(self.seconds()), y(self.peaks.get(index).copied().unwrap_or(0.0)));
-            }
-            svg.stroke(&path, ink, 1.2);
-            return;
-        }
-        // Neighbours meet: a column reaches as far as the one before it, or a steep line would fall into pieces.
-        let met: Vec<[f32; 2]> = columns
-            .iter()
-            .enumerate()
-            .map(|(i, [low, high])| match i.checked_sub(1).and_then(|i| columns.get(i)) {
-                Some([low_before, high_before]) => [low.min(*high_before), high.max(*low_before)],
-                None => [*low, *high],
-            })
-            .collect();
-        // Out along the greatest, back along the least; a stretch of silence is left to the base line.
-        let mut from = 0;
-        while from < met.len() {
-            let Some(begin) = met.iter().skip(from).position(|c| *c != [0.0; 2]).map(|n| n + from) else {
-                break;
-            };
-            let end = met.iter().skip(begin).position(|c| *c == [0.0; 2]).map_or(met.len(), |n| n + begin);
-            let mut shape = Path::default();
-            for (i, [_, high]) in met.iter().enumerate().take(end).skip(begin) {
-                shape.to(x(i, 0.5), y(*high));
-            }
-            for (i, [low, _]) in met.iter().enumerate().take(end).skip(begin).rev() {
-                shape.to(x(i, 0.5), y(*low));
-            }
-            path.append(shape);
-            from = end;
-        }
-        svg.area(&path, ink, 1.0, 0.7);
     }
 }
 
@@ -248,70 +206,6 @@ mod tests {
     fn texts(svg: &str) -> Vec<String> {
         let document = roxmltree::Document::parse(svg).unwrap_or_else(|e| panic!("{e} in\n{svg}"));
         document.descendants().filter(|n| n.is_text()).filter_map(|n| n.text()).map(str::to_string).collect()
-    }
-
-    /// The corners of a path of relative steps.
-    fn corners(data: &str) -> Vec<(f64, f64)> {
-        let (mut at, mut begin, mut corners) = ((0.0, 0.0), (0.0, 0.0), Vec::new());
-        for piece in data.split_inclusive(|c: char| c.is_ascii_alphabetic()).collect::<Vec<_>>().windows(2) {
-            let letter = piece[0].chars().last().unwrap();
-            let numbers = piece[1].trim_end_matches(|c: char| c.is_ascii_alphabetic()).replace('-', " -");
-            let numbers: Vec<f64> = numbers.split_whitespace().map(|n| n.parse().unwrap()).collect();
-            let steps: Vec<(f64, f64)> = match letter {
-                'h' => numbers.iter().map(|n| (*n, 0.0)).collect(),
-                'v' => numbers.iter().map(|n| (0.0, *n)).collect(),
-                'z' => {
-                    at = begin;
-                    continue;
-                }
-                _ => numbers.chunks(2).map(|n| (n[0], n[1])).collect(),
-            };
-            for (dx, dy) in steps {
-                at = if letter == 'M' { (dx, dy) } else { (at.0 + dx, at.1 + dy) };
-                if letter == 'M' {
-                    begin = at;
-                }
-                corners.push(at);
-            }
-        }
-        corners
-    }
-
-    /// The corners of the only path in the colour of row 0.
-    fn row_0(svg: &str) -> Vec<(f64, f64)> {
-        let document = roxmltree::Document::parse(svg).unwrap();
-        let class = |n: &roxmltree::Node| {
-            n.attribute("class").unwrap_or_default().split(' ').any(|c| c == "f0" || c == "s0")
-        };
-        let path = document.descendants().find(|n| n.has_tag_name("path") && class(n)).expect("a row");
-        corners(path.attribute("d").unwrap())
-    }
-
-    #[test]
-    fn a_row_shows_the_extremes_where_they_are() {
-        for length in [1500, 4001, 60_000, 1_000_000] {
-            let mut signal = vec![0.01; length];
-            (signal[length / 4], signal[length / 2]) = (0.8, -0.4);
-            let mut collector = Collector::new(&names(1), 8000.0, None);
-            collector.push(&signal);
-            let corners = row_0(&collector.svg(&Style::new("")));
-            let by = |at: fn(&(f64, f64)) -> f64, greater: bool| {
-                let order = |a: &&(f64, f64), b: &&(f64, f64)| at(a).total_cmp(&at(b));
-                *if greater { corners.iter().max_by(order) } else { corners.iter().min_by(order) }.unwrap()
-            };
-            let (high, low) = (by(|c| c.1, false), by(|c| c.1, true));
-            let (left, right) = (by(|c| c.0, false).0, by(|c| c.0, true).0);
-            // 1.2 of amplitude, in a row of 150 pixels of which ±0.8 takes 92 %.
-            assert!((low.1 - high.1 - 1.2 * 0.46 * 150.0 / 0.8).abs() < 0.2, "{length}: {high:?} {low:?}");
-            assert!(
-                (high.0 - left - 0.25 * (right - left)).abs() < 2.0,
-                "{length}: {high:?} of {left} to {right}"
-            );
-            assert!(
-                (low.0 - left - 0.5 * (right - left)).abs() < 2.0,
-                "{length}: {low:?} of {left} to {right}"
-            );
-        }
     }
 
     #[test]
