@@ -78,9 +78,12 @@ pub(super) fn draw(
     if nyquist > LIMIT {
         let at = x.at(LIMIT);
         svg.line([at, top, at, bottom], Ink::Limit, 1.2, 4.0);
-        let label = Type { bold: true, ..Type::new(11.5, Anchor::Start, Ink::Limit) };
-        svg.text(at + 7.0, top + 15.0, label, "1 kHz");
-        svg.text(at + 7.0, top + 30.0, dim(Anchor::Start), &above(spectrum));
+        // Beside the line, on the side that has room.
+        let (beside, anchor) =
+            if right - at > 200.0 { (at + 7.0, Anchor::Start) } else { (at - 7.0, Anchor::End) };
+        let label = Type { bold: true, ..Type::new(11.5, anchor, Ink::Limit) };
+        svg.text(beside, top + 15.0, label, "1 kHz");
+        svg.text(beside, top + 30.0, dim(anchor), &above(spectrum));
     }
     svg.text(right, top - 14.0, dim(Anchor::End), &meaning(spectrum, sounding));
 }
@@ -90,6 +93,7 @@ fn above(spectrum: &Spectrum) -> String {
     match spectrum.above(LIMIT) {
         None => "silent".into(),
         Some(db) if db < -200.0 => "power above: none".into(),
+        Some(db) if db > -0.05 => "power above: 0.0 dB of the total".into(),
         Some(db) => format!("power above: {} dB of the total", signed(format!("{db:.1}"))),
     }
 }
