@@ -196,7 +196,7 @@ mod tests {
     fn the_same_rate_changes_nothing_and_short_recordings_are_whole() {
         let x = sine(100.0, 16_000.0, 0.1);
         assert_eq!(resample(&x, 16_000.0, 16_000.0).unwrap(), x);
-        assert_eq!(resample(&[], 48_000.0, 16_000.0).unwrap(), []);
+        assert_eq!(resample(&[], 48_000.0, 16_000.0).unwrap(), Vec::<f32>::new());
         assert_eq!(resample(&[1.0], 8_000.0, 16_000.0).unwrap().len(), 2);
         assert_eq!(resample(&[1.0; 4], 48_000.0, 16_000.0).unwrap().len(), 2);
     }

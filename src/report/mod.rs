@@ -3,6 +3,7 @@
 pub mod compare;
 pub mod decimate;
 pub mod measure;
+pub mod plot;
 pub mod reference;
 
 pub use compare::{Comparison, compare};

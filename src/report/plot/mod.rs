@@ -1,0 +1,21 @@
+//! Pictures as SVG: what every tactor did, the spectrum, and small charts.
+//!
+//! A picture is text of a few hundred kilobytes, the same for the same input, with real text in it and, where the reader prefers
+//! it, light on dark.
+
+mod axis;
+mod chart;
+mod collector;
+mod colour;
+mod extremes;
+mod panel;
+mod path;
+mod picture;
+mod spectrum;
+mod svg;
+mod wave;
+
+pub use chart::{Axis, Chart, Point, Series};
+pub use collector::{Collector, ROWS};
+pub use picture::Style;
+pub use spectrum::Spectrum;
