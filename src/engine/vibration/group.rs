@@ -231,11 +231,23 @@ impl Group {
             None => false,
         };
         let line = &mut line[MAX_TAPS - design.fir.taps..MAX_TAPS - 1 + rows.len()];
-        let peak = if predicted {
-            self.band_limit(design, rows, peaks, &mut line[design.fir.taps - 1..]);
-            self.reconstruct::<false>(design, rows, line, out, place)
+        let recent = &mut line[design.fir.taps - 1..];
+        if predicted {
+            self.limit(design, rows, peaks, recent);
         } else {
-            self.reconstruct::<true>(design, rows, line, out, place)
+            filter(&design.sections, &mut self.state, rows, recent);
+        }
+        let peak = match design.fir.taps {
+            1 => copy(design, line, out, place),
+            4 => up_sample::<4>(design, line, out, place),
+            5 => up_sample::<5>(design, line, out, place),
+            6 => up_sample::<6>(design, line, out, place),
+            7 => up_sample::<7>(design, line, out, place),
+            8 => up_sample::<8>(design, line, out, place),
+            9 => up_sample::<9>(design, line, out, place),
+            10 => up_sample::<10>(design, line, out, place),
+            11 => up_sample::<11>(design, line, out, place),
+            _ => up_sample::<12>(design, line, out, place),
         };
         for l in 0..LANES {
             self.peak[l] = self.peak[l].max(peak[l]);
@@ -245,8 +257,9 @@ impl Group {
         }
     }
 
+    /// Passes `rows` through limiter and band limit into `line`.
     #[inline(always)]
-    fn band_limit(&mut self, design: &Design, rows: &[Row], peaks: Row, line: &mut [Row]) {
+    fn limit(&mut self, design: &Design, rows: &[Row], peaks: Row, line: &mut [Row]) {
         let sections = &design.sections;
         let Some(limits) = &design.limits else { return };
         let mut done = 0;
@@ -272,32 +285,6 @@ impl Group {
                     self.limiter.run::<{ LAGS_FAST + 1 }>(limits, sections, state, block, to);
             }
             done += count;
-        }
-    }
-
-    /// Up-samples `line` into the device's frames and returns the peaks. `FILTER`: first passes `rows` through the band
-    /// limit into `line`, in the same loop, which hides the filter's latency.
-    #[inline(always)]
-    fn reconstruct<const FILTER: bool>(
-        &mut self,
-        design: &Design,
-        rows: &[Row],
-        line: &mut [Row],
-        out: &mut [f32],
-        place: Place,
-    ) -> Row {
-        let state = &mut self.state;
-        match design.fir.taps {
-            1 => copy::<FILTER>(design, state, rows, line, out, place),
-            4 => up_sample::<4, FILTER>(design, state, rows, line, out, place),
-            5 => up_sample::<5, FILTER>(design, state, rows, line, out, place),
-            6 => up_sample::<6, FILTER>(design, state, rows, line, out, place),
-            7 => up_sample::<7, FILTER>(design, state, rows, line, out, place),
-            8 => up_sample::<8, FILTER>(design, state, rows, line, out, place),
-            9 => up_sample::<9, FILTER>(design, state, rows, line, out, place),
-            10 => up_sample::<10, FILTER>(design, state, rows, line, out, place),
-            11 => up_sample::<11, FILTER>(design, state, rows, line, out, place),
-            _ => up_sample::<12, FILTER>(design, state, rows, line, out, place),
         }
     }
 
@@ -409,17 +396,20 @@ fn survey(rows: &[Row]) -> (Row, bool) {
 /// error 10 dB or more below that of the plain form.
 #[inline(always)]
 pub(super) fn cascade(sections: &Sections, state: &mut Cascade, x: Row) -> Row {
-    let mut x = x;
-    for (section, [first, both]) in sections.iter().zip(state) {
-        for l in 0..LANES {
-            let y = x[l] + first[l];
-            let drive = both[l] + section.zeros * x[l];
+    let mut out = x;
+    // Lanes outside, sections inside: the other way round the compiler splits the rows in halves.
+    for l in 0..LANES {
+        let mut x = out[l];
+        for (section, [first, both]) in sections.iter().zip(state.iter_mut()) {
+            let y = x + first[l];
+            let drive = both[l] + section.zeros * x;
             first[l] = (first[l] + drive) - section.poles * y;
             both[l] = drive - section.pull * y;
-            x[l] = y;
+            x = y;
         }
+        out[l] = x;
     }
-    x
+    out
 }
 
 #[inline(always)]
@@ -433,17 +423,7 @@ fn filter(sections: &Sections, state: &mut Cascade, rows: &[Row], out: &mut [Row
 
 /// A ratio of 1: nothing but the band limit's gain.
 #[inline(always)]
-fn copy<const FILTER: bool>(
-    design: &Design,
-    state: &mut Cascade,
-    rows: &[Row],
-    line: &mut [Row],
-    out: &mut [f32],
-    place: Place,
-) -> Row {
-    if FILTER {
-        filter(&design.sections, state, rows, line);
-    }
+fn copy(design: &Design, line: &[Row], out: &mut [f32], place: Place) -> Row {
     let mut peak = SILENCE;
     for (row, frame) in line.iter().zip(out.chunks_exact_mut(place.channels)) {
         let mut y = *row;
@@ -457,23 +437,11 @@ fn copy<const FILTER: bool>(
 
 /// `line` holds T - 1 samples of the past and then the block. Returns the peaks.
 #[inline(always)]
-fn up_sample<const T: usize, const FILTER: bool>(
-    design: &Design,
-    state: &mut Cascade,
-    rows: &[Row],
-    line: &mut [Row],
-    out: &mut [f32],
-    place: Place,
-) -> Row {
+fn up_sample<const T: usize>(design: &Design, line: &[Row], out: &mut [f32], place: Place) -> Row {
     let mut peak = SILENCE;
-    let mut z = *state;
     let step = design.fir.ratio * place.channels;
     let half = T.div_ceil(2);
-    for (n, (x, frames)) in rows.iter().zip(out.chunks_exact_mut(step)).enumerate() {
-        let Some(window) = line.get_mut(n..).and_then(|rest| rest.first_chunk_mut::<T>()) else { break };
-        if FILTER {
-            window[T - 1] = cascade(&design.sections, &mut z, *x);
-        }
+    for (window, frames) in line.windows(T).zip(out.chunks_exact_mut(step)) {
         let (mut sum, mut difference) = ([SILENCE; MAX_TAPS / 2], [SILENCE; MAX_TAPS / 2]);
         for k in 0..half {
             for l in 0..LANES {
@@ -502,9 +470,6 @@ fn up_sample<const T: usize, const FILTER: bool>(
             first += place.channels;
             last = last.wrapping_sub(place.channels);
         }
-    }
-    if FILTER {
-        *state = z;
     }
     peak
 }
