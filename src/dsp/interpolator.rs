@@ -35,7 +35,7 @@ impl Interpolator {
         let half = length.div_ceil(2);
         let high = rate * ratio as f64;
         // Tap k sits at ±(k + first) samples of the raised rate; the middle one of an odd length counts once.
-        let first = if length % 2 == 0 { 0.5 } else { 0.0 };
+        let first = if length.is_multiple_of(2) { 0.5 } else { 0.0 };
         let at = |k: usize| k as f64 + first;
         let count = |k: usize| if at(k) == 0.0 { 1.0 } else { 2.0 };
         let mut bands = vec![(0.0, CONTENT, PASS_WEIGHT)];

@@ -1,24 +1,17 @@
-//! Eight channels of the stage: their state, and the loops over a block.
+//! Eight channels of the stage: their state, and their way through a block.
 
-use super::design::{Design, MAX_TAPS, SECTIONS, Section};
+use super::design::{Design, MAX_TAPS, SECTIONS};
 use super::limiter::{LAGS, LAGS_FAST, Limiter};
+use super::loops::{Cascade, LARGEST, SILENCE, copy, filter, survey, up_sample};
 use super::{Counts, GRID, Row};
 use crate::dsp::biquad::Biquad;
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::LANES;
 
-/// State of the band limit on eight lanes.
-pub(super) type Cascade = [[Row; 2]; SECTIONS];
-/// Its coefficients.
-pub(super) type Sections = [Section; SECTIONS];
-
-/// Input magnitude that is held, 120 dB over full scale; what is not finite lies beyond it.
-const LARGEST: f32 = 1e6;
 /// State below this is flushed to zero; what it could still add to the output is below -130 dB.
 const FLUSH: f32 = 1e-6;
 /// Samples a block is cut into, at most.
 const CHUNK: usize = GRID as usize;
-const SILENCE: Row = [0.0; LANES];
 
 /// Where a group's channels lie in a device frame.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +41,7 @@ pub(super) struct Scratch {
 impl Scratch {
     /// For a stage of `channels` whose engine samples make `ratio` frames.
     pub fn new(channels: usize, ratio: usize) -> Self {
-        let padded = if channels % LANES == 0 { 0 } else { CHUNK * ratio * LANES };
+        let padded = if channels.is_multiple_of(LANES) { 0 } else { CHUNK * ratio * LANES };
         Self { line: [SILENCE; MAX_TAPS - 1 + CHUNK], frames: vec![0.0; padded] }
     }
 }
@@ -191,8 +184,8 @@ impl Group {
             self.mend(rows);
             peaks = survey(rows).0;
         }
-        for l in 0..LANES {
-            self.quiet[l] &= peaks[l] == 0.0;
+        for (quiet, peak) in self.quiet.iter_mut().zip(peaks) {
+            *quiet &= peak == 0.0;
         }
         if !self.bells.is_empty() {
             for bell in &mut self.bells {
@@ -231,22 +224,35 @@ impl Group {
             None => false,
         };
         let line = &mut line[MAX_TAPS - design.fir.taps..MAX_TAPS - 1 + rows.len()];
-        let peak = if predicted {
-            self.band_limit(design, rows, peaks, &mut line[design.fir.taps - 1..]);
-            self.reconstruct::<false>(design, rows, line, out, place)
+        let recent = &mut line[design.fir.taps - 1..];
+        if predicted {
+            self.limit(design, rows, peaks, recent);
         } else {
-            self.reconstruct::<true>(design, rows, line, out, place)
+            filter(&design.sections, &mut self.state, rows, recent);
+        }
+        let peak = match design.fir.taps {
+            1 => copy(design, line, out, place),
+            4 => up_sample::<4>(design, line, out, place),
+            5 => up_sample::<5>(design, line, out, place),
+            6 => up_sample::<6>(design, line, out, place),
+            7 => up_sample::<7>(design, line, out, place),
+            8 => up_sample::<8>(design, line, out, place),
+            9 => up_sample::<9>(design, line, out, place),
+            10 => up_sample::<10>(design, line, out, place),
+            11 => up_sample::<11>(design, line, out, place),
+            _ => up_sample::<12>(design, line, out, place),
         };
-        for l in 0..LANES {
-            self.peak[l] = self.peak[l].max(peak[l]);
+        for (held, peak) in self.peak.iter_mut().zip(peak) {
+            *held = held.max(peak);
         }
         if peak.iter().any(|&p| p > 1.0) {
             self.clamp(out, place);
         }
     }
 
+    /// Passes `rows` through limiter and band limit into `line`.
     #[inline(always)]
-    fn band_limit(&mut self, design: &Design, rows: &[Row], peaks: Row, line: &mut [Row]) {
+    fn limit(&mut self, design: &Design, rows: &[Row], peaks: Row, line: &mut [Row]) {
         let sections = &design.sections;
         let Some(limits) = &design.limits else { return };
         let mut done = 0;
@@ -272,32 +278,6 @@ impl Group {
                     self.limiter.run::<{ LAGS_FAST + 1 }>(limits, sections, state, block, to);
             }
             done += count;
-        }
-    }
-
-    /// Up-samples `line` into the device's frames and returns the peaks. `FILTER`: first passes `rows` through the band
-    /// limit into `line`, in the same loop, which hides the filter's latency.
-    #[inline(always)]
-    fn reconstruct<const FILTER: bool>(
-        &mut self,
-        design: &Design,
-        rows: &[Row],
-        line: &mut [Row],
-        out: &mut [f32],
-        place: Place,
-    ) -> Row {
-        let state = &mut self.state;
-        match design.fir.taps {
-            1 => copy::<FILTER>(design, state, rows, line, out, place),
-            4 => up_sample::<4, FILTER>(design, state, rows, line, out, place),
-            5 => up_sample::<5, FILTER>(design, state, rows, line, out, place),
-            6 => up_sample::<6, FILTER>(design, state, rows, line, out, place),
-            7 => up_sample::<7, FILTER>(design, state, rows, line, out, place),
-            8 => up_sample::<8, FILTER>(design, state, rows, line, out, place),
-            9 => up_sample::<9, FILTER>(design, state, rows, line, out, place),
-            10 => up_sample::<10, FILTER>(design, state, rows, line, out, place),
-            11 => up_sample::<11, FILTER>(design, state, rows, line, out, place),
-            _ => up_sample::<12, FILTER>(design, state, rows, line, out, place),
         }
     }
 
@@ -381,142 +361,5 @@ impl Bell {
             }
         }
         self.state = [first, second];
-    }
-}
-
-/// Largest magnitude of each lane, and whether a value may be wild: the exponents of all, or-ed, are all ones if one of
-/// them is not finite (and sometimes if some are above 2, which costs a look and nothing else).
-#[inline(always)]
-fn survey(rows: &[Row]) -> (Row, bool) {
-    let mut peak = SILENCE;
-    let mut bits = [0; LANES];
-    for row in rows {
-        for l in 0..LANES {
-            let size = row[l].abs();
-            peak[l] = if peak[l] > size { peak[l] } else { size };
-            bits[l] |= row[l].to_bits();
-        }
-    }
-    let mut wild = false;
-    for l in 0..LANES {
-        wild |= bits[l] & 0x7f80_0000 == 0x7f80_0000 || peak[l] > LARGEST;
-    }
-    (peak, wild)
-}
-
-/// One sample through the band limit, without its gain. It is the transposed direct form II with its second state
-/// replaced by the sum of both, and coefficients counted from a double integrator's: single precision then keeps the
-/// error 10 dB or more below that of the plain form.
-#[inline(always)]
-pub(super) fn cascade(sections: &Sections, state: &mut Cascade, x: Row) -> Row {
-    let mut x = x;
-    for (section, [first, both]) in sections.iter().zip(state) {
-        for l in 0..LANES {
-            let y = x[l] + first[l];
-            let drive = both[l] + section.zeros * x[l];
-            first[l] = (first[l] + drive) - section.poles * y;
-            both[l] = drive - section.pull * y;
-            x[l] = y;
-        }
-    }
-    x
-}
-
-#[inline(always)]
-fn filter(sections: &Sections, state: &mut Cascade, rows: &[Row], out: &mut [Row]) {
-    let mut z = *state;
-    for (x, y) in rows.iter().zip(out) {
-        *y = cascade(sections, &mut z, *x);
-    }
-    *state = z;
-}
-
-/// A ratio of 1: nothing but the band limit's gain.
-#[inline(always)]
-fn copy<const FILTER: bool>(
-    design: &Design,
-    state: &mut Cascade,
-    rows: &[Row],
-    line: &mut [Row],
-    out: &mut [f32],
-    place: Place,
-) -> Row {
-    if FILTER {
-        filter(&design.sections, state, rows, line);
-    }
-    let mut peak = SILENCE;
-    for (row, frame) in line.iter().zip(out.chunks_exact_mut(place.channels)) {
-        let mut y = *row;
-        for value in &mut y {
-            *value *= design.gain;
-        }
-        put(frame, place.first, &y, &mut peak);
-    }
-    peak
-}
-
-/// `line` holds T - 1 samples of the past and then the block. Returns the peaks.
-#[inline(always)]
-fn up_sample<const T: usize, const FILTER: bool>(
-    design: &Design,
-    state: &mut Cascade,
-    rows: &[Row],
-    line: &mut [Row],
-    out: &mut [f32],
-    place: Place,
-) -> Row {
-    let mut peak = SILENCE;
-    let mut z = *state;
-    let step = design.fir.ratio * place.channels;
-    let half = T.div_ceil(2);
-    for (n, (x, frames)) in rows.iter().zip(out.chunks_exact_mut(step)).enumerate() {
-        let Some(window) = line.get_mut(n..).and_then(|rest| rest.first_chunk_mut::<T>()) else { break };
-        if FILTER {
-            window[T - 1] = cascade(&design.sections, &mut z, *x);
-        }
-        let (mut sum, mut difference) = ([SILENCE; MAX_TAPS / 2], [SILENCE; MAX_TAPS / 2]);
-        for k in 0..half {
-            for l in 0..LANES {
-                let (here, mirrored) = (window[k][l], window[T - 1 - k][l]);
-                sum[k][l] = if k == T - 1 - k { here } else { here + mirrored };
-                difference[k][l] = here - mirrored;
-            }
-        }
-        let frames = &mut frames[place.first..];
-        // The pairs run from both ends of the frames to the middle.
-        let (mut first, mut last) = (0, (design.fir.ratio - 1) * place.channels);
-        for pair in &design.pairs {
-            let (mut near, mut far) = (SILENCE, SILENCE);
-            for l in 0..LANES {
-                let mut even = pair.sum[0][l] * sum[0][l];
-                let mut odd = pair.difference[0][l] * difference[0][l];
-                for k in 1..half {
-                    even += pair.sum[k][l] * sum[k][l];
-                    odd += pair.difference[k][l] * difference[k][l];
-                }
-                near[l] = even + odd;
-                far[l] = even - odd;
-            }
-            put(frames, first, &near, &mut peak);
-            put(frames, last, &far, &mut peak);
-            first += place.channels;
-            last = last.wrapping_sub(place.channels);
-        }
-    }
-    if FILTER {
-        *state = z;
-    }
-    peak
-}
-
-/// Writes a row at `at` and follows its peak.
-#[inline(always)]
-fn put(frames: &mut [f32], at: usize, row: &Row, peak: &mut Row) {
-    for l in 0..LANES {
-        let size = row[l].abs();
-        peak[l] = if peak[l] > size { peak[l] } else { size };
-    }
-    if let Some(to) = frames.get_mut(at..at.wrapping_add(LANES)) {
-        to.copy_from_slice(row);
     }
 }

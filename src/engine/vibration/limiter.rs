@@ -15,10 +15,11 @@
 //! is below it) and is not predicted at all.
 //!
 //! All values are in units of the band limit's sections, before its gain.
+#![allow(clippy::needless_range_loop, reason = "several rows run under one lane index")]
 
 use super::Row;
 use super::design::SECTIONS;
-use super::group::{Cascade, Sections, cascade};
+use super::loops::{Cascade, Sections, cascade};
 use crate::dsp::elliptic::Elliptic;
 use crate::dsp::lanes::LANES;
 

@@ -7,6 +7,7 @@
 mod design;
 mod group;
 mod limiter;
+mod loops;
 #[cfg(test)]
 mod tests;
 

@@ -190,7 +190,6 @@ fn single_precision_follows_the_double_precision_definition() {
             total += exact * exact;
         }
         let decibel = 10.0 * (error / total).log10();
-        println!("signal {c}: {decibel:.1} dB");
         assert!(decibel < -122.0, "signal {c}: {decibel}");
     }
 }
@@ -209,7 +208,6 @@ fn hostile_signals_keep_to_full_scale_and_to_the_band() {
                 assert!(out.iter().all(|v| v.abs() <= 1.0), "{name} × {level} at {rate}");
                 assert!(peak < 1.05, "{name} × {level} at {rate}: {peak} before the clamp");
                 let leak = above(&out, 1000.0, rate);
-                println!("{rate} {name} × {level}: peak {peak:.3}, {leak:.1} dB, {:?}", chain.counts());
                 // Forty decibels over full scale is no music: there only the peak is promised.
                 assert!(leak < -60.0 || level > 4.0, "{name} × {level} at {rate}: {leak} dB");
             }
@@ -236,6 +234,9 @@ fn what_needs_no_limiter_passes_to_the_bit() {
         assert!(bits(&got) == bits(&plain), "{hertz}");
     }
 }
+
+/// Gives the length of the next block.
+type Cut = Box<dyn FnMut() -> usize>;
 
 /// Nineteen channels with noise, pauses, onsets and overload.
 fn scene() -> Vec<Vec<f32>> {
@@ -267,7 +268,7 @@ fn any_split_and_any_instruction_set_give_the_same_bits() {
             let whole = run(&mut stage(19, rate, &options), &scene(), || 6000);
             assert!(whole.iter().all(|v| v.abs() <= 1.0));
             let mut random = random(9);
-            let mut cuts: [(&str, Box<dyn FnMut() -> usize>); 4] = [
+            let mut cuts: [(&str, Cut); 4] = [
                 ("1", Box::new(|| 1)),
                 ("7", Box::new(|| 7)),
                 ("64", Box::new(|| 64)),
@@ -302,8 +303,8 @@ fn silence_becomes_exact_zero_and_sleeps_until_the_exact_sample() {
     let mut chain = stage(9, 48_000.0, &Options::default());
     assert!(chain.sleeps(0) && chain.sleeps(1));
     let mut burst = vec![vec![0.0; 8000]; 9];
-    for n in 0..400 {
-        burst[2][n] = (TAU * 250.0 / 8000.0 * n as f64).sin() as f32 * 2.0;
+    for (n, x) in burst[2].iter_mut().take(400).enumerate() {
+        *x = (TAU * 250.0 / 8000.0 * n as f64).sin() as f32 * 2.0;
     }
     burst[2][7001] = 0.5;
     let out = run(&mut chain, &burst, || 100);
