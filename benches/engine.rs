@@ -85,7 +85,16 @@ fn net(voices: usize, channels: usize, level: f32) -> fundsp::net::Net {
     let mut sums: Vec<Option<fundsp::net::NodeId>> = vec![None; channels];
     for i in 0..voices {
         let hertz = 60.0 + 700.0 * i as f32 / voices as f32;
-        let shape = move |t: f32| level * if t < 0.01 { t / 0.01 } else if t < 0.11 { 1.0 - 3.0 * (t - 0.01) } else { 0.7 };
+        let shape = move |t: f32| {
+            level
+                * if t < 0.01 {
+                    t / 0.01
+                } else if t < 0.11 {
+                    1.0 - 3.0 * (t - 0.01)
+                } else {
+                    0.7
+                }
+        };
         let voice = net.push(Box::new(sine_hz(hertz) * envelope(shape)));
         let channel = i % channels;
         sums[channel] = Some(match sums[channel] {
@@ -111,10 +120,10 @@ fn net(voices: usize, channels: usize, level: f32) -> fundsp::net::Net {
 use fundsp::audiounit::AudioUnit;
 use fundsp::buffer::BufferVec;
 
-fn against_net() {
+fn against_net(block: usize) {
     let (voices, channels) = (32, 16);
     let mut ours = engine(voices, channels, 0.45);
-    let mut frames = vec![0.0; BLOCK * channels];
+    let mut frames = vec![0.0; block * channels];
     let mut net = net(voices, channels, 0.45);
     let input = BufferVec::new(0);
     let mut output = BufferVec::new(channels);
@@ -126,15 +135,17 @@ fn against_net() {
                 sum += black_box(frames[5]);
             },
             &mut || {
-                net.process(BLOCK, &input.buffer_ref(), &mut output.buffer_mut());
-                black_box(&output);
+                for _ in 0..block / BLOCK {
+                    net.process(BLOCK, &input.buffer_ref(), &mut output.buffer_mut());
+                    black_box(&output);
+                }
             },
         ],
-        400,
+        25_600 / block,
     );
-    let frame = |ns: f64| ns / BLOCK as f64;
+    let frame = |ns: f64| ns / block as f64;
     println!(
-        "32 voices, sine x envelope, 16 outputs      pacinian {:6.2} ns a frame   fundsp Net {:6.2}   ratio {:.1}",
+        "32 voices on 16 outputs, blocks of {block:5}     pacinian {:6.2} ns a frame   fundsp Net {:6.2}   ratio {:.1}",
         frame(times[0]),
         frame(times[1]),
         times[1] / times[0]
@@ -176,14 +187,20 @@ fn asleep() {
 }
 
 fn main() {
-    if std::env::args().any(|a| a == "only24") {
+    let begin = std::time::Instant::now();
+    if let Some(which) = std::env::args().nth(1).filter(|w| w.starts_with("only")) {
         for _ in 0..20 {
-            channel_samples(24, 24, 0.3, 4096, "24");
+            match which.as_str() {
+                "only24" => channel_samples(24, 24, 0.3, 4096, "24"),
+                "only16" => channel_samples(32, 16, 0.3, 64, "16"),
+                "only1024" => channel_samples(1024, 1024, 0.3, 64, "1024"),
+                _ => asleep(),
+            }
         }
         return;
     }
-    let begin = std::time::Instant::now();
-    against_net();
+    against_net(64);
+    against_net(4096);
     channel_samples(24, 24, 0.3, BLOCK, "24 channels, sine x ASR, level 0.3");
     channel_samples(24, 24, 0.3, 4096, "the same in blocks of 4,096");
     channel_samples(24, 24, 0.95, 4096, "the same at level 0.95");

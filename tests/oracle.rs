@@ -29,40 +29,70 @@ fn some(duration: f64) -> Vec<(f64, Play)> {
 #[test]
 fn report() {
     for (name, nodes) in [
-        ("sine x 10 ms", r#"t = { type = "sine", frequency = "event.frequency" }
+        (
+            "sine x 10 ms",
+            r#"t = { type = "sine", frequency = "event.frequency" }
             e = { type = "envelope", attack = 0.01, decay = 0.02, sustain = 0.5, release = 0.01 }
-            o = "#),
-        ("sine x 1 ms", r#"t = { type = "sine", frequency = "event.frequency" }
+            o = "#,
+        ),
+        (
+            "sine x 1 ms",
+            r#"t = { type = "sine", frequency = "event.frequency" }
             e = { type = "envelope", attack = 0.001, decay = 0.001, sustain = 0.5, release = 0.001 }
-            o = "#),
-        ("sine x gate", r#"t = { type = "sine", frequency = "event.frequency" }
+            o = "#,
+        ),
+        (
+            "sine x gate",
+            r#"t = { type = "sine", frequency = "event.frequency" }
             e = { type = "gate" }
-            o = "#),
-        ("saw x 5 ms", r#"t = { type = "sawtooth", frequency = "event.frequency" }
+            o = "#,
+        ),
+        (
+            "saw x 5 ms",
+            r#"t = { type = "sawtooth", frequency = "event.frequency" }
             e = { type = "envelope" }
-            o = "#),
-        ("pulse x gate", r#"t = { type = "pulse", frequency = "event.frequency" }
+            o = "#,
+        ),
+        (
+            "pulse x gate",
+            r#"t = { type = "pulse", frequency = "event.frequency" }
             e = { type = "gate" }
-            o = "#),
-        ("noise x 5 ms", r#"t = { type = "white" }
+            o = "#,
+        ),
+        (
+            "noise x 5 ms",
+            r#"t = { type = "white" }
             e = { type = "envelope" }
-            o = "#),
-        ("fm", r#"m = { type = "sine", frequency = 50, amplitude = 500 }
+            o = "#,
+        ),
+        (
+            "fm",
+            r#"m = { type = "sine", frequency = 50, amplitude = 500 }
             t = { type = "sine", frequency = "event.frequency + m" }
             e = { type = "envelope" }
-            o = "#),
-        ("lowpass", r#"s = { type = "sawtooth", frequency = "event.frequency" }
+            o = "#,
+        ),
+        (
+            "lowpass",
+            r#"s = { type = "sawtooth", frequency = "event.frequency" }
             t = { type = "lowpass", input = "s", cutoff = 300 }
             e = { type = "envelope" }
-            o = "#),
-        ("plain2", r#"t = { type = "sine", frequency = "event.frequency" }
+            o = "#,
+        ),
+        (
+            "plain2",
+            r#"t = { type = "sine", frequency = "event.frequency" }
             e = { type = "add", inputs = [1.0] }
-            o = "#),
+            o = "#,
+        ),
     ] {
         for rate in [48_000.0, 44_100.0] {
             let nodes = format!("{nodes}{{ type = \"multiply\", inputs = [\"t\", \"e\"] }}");
             let m = measured(&nodes, "o", rate, &some(0.13));
-            println!("{name:14} {rate} error {:7.1} dB  above 1 kHz {:7.1} dB", m.comparison.error_db, m.comparison.above_db);
+            println!(
+                "{name:14} {rate} error {:7.1} dB  above 1 kHz {:7.1} dB",
+                m.comparison.error_db, m.comparison.above_db
+            );
         }
     }
 }

@@ -48,10 +48,12 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// Sine of a phase in turns (2^64 is one turn).
     fn sine(phase: u64) -> Self;
+    /// Rows in single precision: themselves, or else copies in `scratch`, which must be as long.
+    fn singles<'a>(rows: &'a mut [[Self; LANES]], scratch: &'a mut [[f32; LANES]]) -> &'a mut [[f32; LANES]];
 }
 
 macro_rules! real {
-    ($t:ty, $sine:path) => {
+    ($t:ty, $sine:path, $singles:path) => {
         impl Real for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -91,9 +93,29 @@ macro_rules! real {
             fn sine(phase: u64) -> Self {
                 $sine(phase)
             }
+            #[inline(always)]
+            fn singles<'a>(
+                rows: &'a mut [[Self; LANES]],
+                scratch: &'a mut [[f32; LANES]],
+            ) -> &'a mut [[f32; LANES]] {
+                $singles(rows, scratch)
+            }
         }
     };
 }
 
-real!(f32, sine::sine32);
-real!(f64, sine::sine64);
+fn same<'a>(rows: &'a mut [[f32; LANES]], _scratch: &'a mut [[f32; LANES]]) -> &'a mut [[f32; LANES]] {
+    rows
+}
+
+fn rounded<'a>(rows: &'a mut [[f64; LANES]], scratch: &'a mut [[f32; LANES]]) -> &'a mut [[f32; LANES]] {
+    for (to, from) in scratch.iter_mut().zip(rows.iter()) {
+        for l in 0..LANES {
+            to[l] = from[l] as f32;
+        }
+    }
+    scratch
+}
+
+real!(f32, sine::sine32, same);
+real!(f64, sine::sine64, rounded);

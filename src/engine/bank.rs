@@ -252,7 +252,11 @@ impl<R: Real> Bank<R> {
                 [] => states.run(self.isa, group, &mut Io { inputs: &[], output: out, clock }),
                 [ref a] => states.run(self.isa, group, &mut Io { inputs: &[input(a)], output: out, clock }),
                 [ref a, ref b] => {
-                    states.run(self.isa, group, &mut Io { inputs: &[input(a), input(b)], output: out, clock });
+                    states.run(
+                        self.isa,
+                        group,
+                        &mut Io { inputs: &[input(a), input(b)], output: out, clock },
+                    );
                 }
                 [ref a, ref b, ref c] => {
                     let inputs = [input(a), input(b), input(c)];
@@ -304,13 +308,7 @@ impl<R: Real> Bank<R> {
             None => return,
         };
         let block = &mut values[..frames];
-        let mut check = [R::ZERO; LANES];
-        for row in block.iter() {
-            for l in 0..LANES {
-                check[l] += row[l] - row[l];
-            }
-        }
-        if check != [R::ZERO; LANES] {
+        if !is_finite(block) {
             self.masked += mask(block, self.live[group]);
         }
         if (self.rising[group] | self.fading[group]) != 0 {
@@ -463,6 +461,27 @@ impl<R: Real> Bank<R> {
 pub fn fade(seconds: f64) -> f64 {
     let x = (seconds / FADE).clamp(0.0, 1.0);
     1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x))
+}
+
+/// Whether all values are finite: x − x is 0 for those, and not-a-number for others. Several sums at once, since one would
+/// wait for itself.
+#[inline(always)]
+fn is_finite<R: Real>(block: &[[R; LANES]]) -> bool {
+    let mut check = [[R::ZERO; LANES]; 4];
+    let (four, rest) = block.as_chunks::<4>();
+    for rows in four {
+        for (check, row) in check.iter_mut().zip(rows) {
+            for l in 0..LANES {
+                check[l] += row[l] - row[l];
+            }
+        }
+    }
+    for row in rest {
+        for l in 0..LANES {
+            check[0][l] += row[l] - row[l];
+        }
+    }
+    check == [[R::ZERO; LANES]; 4]
 }
 
 /// Makes what is not finite 0; how many samples of live lanes that were.

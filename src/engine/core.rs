@@ -180,11 +180,10 @@ impl<R: Real> Core<R> {
         taken
     }
 
-    /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames. The
-    /// frames of the first samples go to `output`, as far as it reaches, and the rest to `carry`.
-    pub fn advance(&mut self, samples: usize, input: &[Vec<f32>], output: &mut [f32], carry: &mut [f32]) {
+    /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames.
+    pub fn advance(&mut self, samples: usize, input: &[Vec<f32>], output: &mut [f32]) {
         let samples = samples.min(BLOCK);
-        self.work.clear_mix();
+        self.work.clear_mix(samples);
         let begin = self.clock;
         let mut done = 0;
         while done < samples {
@@ -200,11 +199,7 @@ impl<R: Real> Core<R> {
             self.clock += frames as u64;
             done += frames;
         }
-        let whole = self.stage.fits(output).min(samples);
-        self.stage.process(&self.work.mix, &self.work.fed, 0..whole, begin, output);
-        if whole < samples {
-            self.stage.process(&self.work.mix, &self.work.fed, whole..samples, begin, carry);
-        }
+        self.stage.process(&mut self.work.mix, &self.work.fed, samples, begin, output);
     }
 
     /// Events, tasks and housekeeping that are due before the next sample.

@@ -61,8 +61,7 @@ impl<R: Real> Routes<R> {
     pub fn mix(&self, rows: &[[R; LANES]], work: &mut Workspace<R>, offset: usize) {
         for route in &self.list {
             let group = route.channels as usize;
-            work.fed[group] = true;
-            let sums = &mut work.mix[group][offset..offset + rows.len()];
+            let sums = work.channels(group, offset, rows.len());
             if route.diagonal {
                 let mut gain = [R::ZERO; LANES];
                 for l in 0..LANES {
@@ -110,16 +109,18 @@ mod tests {
         routes.connect(2, 2, 7.0);
         routes.disconnect(2);
         let mut work = Workspace::new(0, 0, 24);
+        work.clear_mix(10);
         let rows = [[1.0, 10.0, 100.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 3];
         routes.mix(&rows, &mut work, 5);
         assert_eq!(work.fed, [true, false, true]);
         for frame in 5..8 {
-            assert_eq!(work.mix[0][frame], [0.0, 0.0, 0.0, 10.5, 0.0, 0.0, 0.0, 0.0]);
-            assert_eq!(work.mix[2][frame][1], 20.0);
+            assert_eq!(work.mix[frame], [0.0, 0.0, 0.0, 10.5, 0.0, 0.0, 0.0, 0.0]);
+            assert_eq!(work.mix[20 + frame][1], 20.0);
         }
-        assert_eq!(work.mix[0][8], [0.0; LANES]);
-        work.clear_mix();
-        assert!(work.mix.iter().flatten().flatten().all(|x| *x == 0.0));
+        assert_eq!(work.mix[8], [0.0; LANES]);
+        work.clear_mix(10);
+        assert_eq!(work.fed, [false; 3]);
+        assert_eq!(work.channels(0, 0, 10), [[0.0; LANES]; 10]);
     }
 
     #[test]
@@ -137,7 +138,7 @@ mod tests {
             }
             let mut work = Workspace::new(0, 0, 8);
             routes.mix(&rows, &mut work, 0);
-            work.mix.remove(0)
+            work.mix
         };
         for (a, b) in mix(false).iter().zip(&mix(true)) {
             assert_eq!(a[1..], b[1..]);

@@ -10,6 +10,8 @@ pub mod task;
 pub mod vibration;
 pub mod workspace;
 
+use std::ops::Range;
+
 use crate::dsp::isa::Isa;
 use crate::graph::plan::{Plan, Precision};
 use crate::node::kernel::LEAD;
@@ -29,9 +31,10 @@ pub struct Engine {
     core: AnyCore,
     channels: usize,
     ratio: usize,
-    /// Frames of the last engine sample that are still to be given out.
+    /// A block whose last engine sample was not wanted whole.
     carry: Vec<f32>,
-    carried: usize,
+    /// What of it is still to be given out.
+    carried: Range<usize>,
 }
 
 /// What lies between an event and its effect at the device, in seconds.
@@ -93,8 +96,8 @@ impl Engine {
             Precision::Single => AnyCore::Single(Box::new(Core::new(plan, isa)?)),
             Precision::Double => AnyCore::Double(Box::new(Core::new(plan, isa)?)),
         };
-        let carry = vec![0.0; plan.ratio * plan.channels];
-        Ok(Self { core, channels: plan.channels, ratio: plan.ratio, carried: carry.len(), carry })
+        let carry = vec![0.0; BLOCK * plan.ratio * plan.channels];
+        Ok(Self { core, channels: plan.channels, ratio: plan.ratio, carry, carried: 0..0 })
     }
 
     /// Seconds from an event to the middle of what it makes at the device, at 250 Hz.
@@ -161,27 +164,29 @@ impl Engine {
         let (mut output, rest) = output.split_at_mut(whole);
         rest.fill(0.0);
 
-        let taken = output.len().min(self.carry.len() - self.carried);
-        output[..taken].copy_from_slice(&self.carry[self.carried..][..taken]);
-        self.carried += taken;
+        let taken = output.len().min(self.carried.len());
+        output[..taken].copy_from_slice(&self.carry[self.carried.clone()][..taken]);
+        self.carried.start += taken;
         output = &mut output[taken..];
 
         let step = self.ratio * self.channels;
         if step == 0 {
             return;
         }
-        let mut carry = std::mem::take(&mut self.carry);
         while !output.is_empty() {
             let samples = output.len().div_ceil(step).min(BLOCK);
-            let whole = (output.len() / step).min(samples);
             let (now, later) = output.split_at_mut((samples * step).min(output.len()));
-            each!(mut self, core => core.advance(samples, &[], &mut now[..whole * step], &mut carry));
-            if whole < samples {
-                self.carried = now.len() - whole * step;
-                now[whole * step..].copy_from_slice(&carry[..self.carried]);
+            if now.len() == samples * step {
+                each!(mut self, core => core.advance(samples, &[], now));
+            } else {
+                // The last frames of the last sample are for the next call. One more copy costs less than one more block.
+                let mut carry = std::mem::take(&mut self.carry);
+                each!(mut self, core => core.advance(samples, &[], &mut carry[..samples * step]));
+                now.copy_from_slice(&carry[..now.len()]);
+                self.carry = carry;
+                self.carried = now.len()..samples * step;
             }
             output = later;
         }
-        self.carry = carry;
     }
 }

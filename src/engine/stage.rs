@@ -1,7 +1,5 @@
 //! From the mix to the device: the output stage of each kind of output.
 
-use std::ops::Range;
-
 use super::vibration::{Counts, Options, Refusal, Row, Vibration};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
@@ -11,7 +9,7 @@ use crate::schedule::Instant;
 /// The output stage.
 pub struct Stage {
     vibration: Vibration,
-    /// The mix in the stage's own number type, a block for each group of channels.
+    /// The mix in single precision.
     rows: Vec<Row>,
 }
 
@@ -45,33 +43,16 @@ impl Stage {
     /// A marker at an instant, when `clock` is the next engine sample.
     pub fn mark(&mut self, _name: u32, _at: Instant, _clock: u64) {}
 
-    /// Whole engine samples whose frames fit into `output`.
-    pub fn fits(&self, output: &[f32]) -> usize {
-        output.len() / (self.vibration.ratio() * self.vibration.channels()).max(1)
-    }
-
-    /// Renders a range of the mix, whose first engine sample is `begin`, to interleaved frames of the device.
+    /// Renders `samples` engine samples of the mix, from `clock` on, to interleaved frames of the device.
     pub fn process<R: Real>(
         &mut self,
-        mix: &[Vec<[R; LANES]>],
+        mix: &mut [[R; LANES]],
         fed: &[bool],
-        range: Range<usize>,
-        begin: u64,
+        samples: usize,
+        clock: u64,
         output: &mut [f32],
     ) {
-        if range.is_empty() {
-            return;
-        }
-        let samples = range.len();
-        for ((block, rows), fed) in self.rows.chunks_exact_mut(samples).zip(mix).zip(fed) {
-            if *fed {
-                for (to, from) in block.iter_mut().zip(&rows[range.clone()]) {
-                    for l in 0..LANES {
-                        to[l] = from[l].wide() as f32;
-                    }
-                }
-            }
-        }
-        self.vibration.process(samples, &mut self.rows, fed, begin + range.start as u64, output);
+        let rows = R::singles(mix, &mut self.rows);
+        self.vibration.process(samples, rows, fed, clock, output);
     }
 }

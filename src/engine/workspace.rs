@@ -15,8 +15,10 @@ pub struct Workspace<R> {
     pub buffers: Vec<Rows<R>>,
     /// Engine-wide signals, the same value in all lanes.
     pub shared: Vec<Rows<R>>,
-    /// The sum of all voices: a group of eight channels each.
-    pub mix: Vec<Rows<R>>,
+    /// The sum of all voices: for each group of eight channels, `stride` rows.
+    pub mix: Rows<R>,
+    /// Rows of a group in the mix: the samples of the block that is being computed.
+    pub stride: usize,
     /// For each group of channels: whether a voice has written to it since it was last cleared.
     pub fed: Vec<bool>,
 }
@@ -26,15 +28,29 @@ impl<R: Real> Workspace<R> {
     pub fn new(buffers: usize, shared: usize, channels: usize) -> Self {
         let rows = |n: usize| (0..n).map(|_| vec![[R::ZERO; LANES]; BLOCK]).collect();
         let groups = channels.div_ceil(LANES);
-        Self { buffers: rows(buffers), shared: rows(shared), mix: rows(groups), fed: vec![false; groups] }
+        Self {
+            buffers: rows(buffers),
+            shared: rows(shared),
+            mix: vec![[R::ZERO; LANES]; groups * BLOCK],
+            stride: BLOCK,
+            fed: vec![false; groups],
+        }
     }
 
-    /// Silence in all groups of channels that were fed.
-    pub fn clear_mix(&mut self) {
-        for (rows, fed) in self.mix.iter_mut().zip(&mut self.fed) {
-            if std::mem::take(fed) {
-                rows.fill([R::ZERO; LANES]);
-            }
+    /// Silence in the mix, for a block of `samples`.
+    pub fn clear_mix(&mut self, samples: usize) {
+        self.stride = samples.clamp(1, BLOCK);
+        // What no voice feeds is not looked at, and is cleared by the first that does.
+        self.fed.fill(false);
+    }
+
+    /// The rows of a group of channels, from `offset` on; silence if nothing fed them in this block.
+    #[inline(always)]
+    pub fn channels(&mut self, group: usize, offset: usize, frames: usize) -> &mut [[R; LANES]] {
+        let rows = &mut self.mix[group * self.stride..][..self.stride];
+        if !std::mem::replace(&mut self.fed[group], true) {
+            rows.fill([R::ZERO; LANES]);
         }
+        &mut rows[offset..offset + frames]
     }
 }

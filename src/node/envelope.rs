@@ -245,7 +245,7 @@ mod tests {
             states.start(0, 3, &onset(age));
             last.clear();
             for _ in 0..3 {
-                states.run(0, &mut Io { inputs: &[], output: &mut block, clock: 0 });
+                states.run(crate::dsp::isa::Isa::detect(), 0, &mut Io { inputs: &[], output: &mut block, clock: 0 });
                 last.extend(block.iter().map(|row| f64::from(row[3])));
             }
         }
