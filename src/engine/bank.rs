@@ -31,8 +31,10 @@ pub struct Lane {
     pub born: Instant,
     /// Its order among all voices.
     pub serial: u64,
-    /// The event's level.
+    /// How loud it may be: the event's level times what folding made gain.
     pub level: f64,
+    /// The event.
+    pub play: Play,
     /// What it is doing.
     pub stage: Stage,
 }
@@ -95,7 +97,14 @@ impl<R: Real> Bank<R> {
             steady: vec![[R::ZERO; LANES]; groups * rows],
             bases: vec![[0.0; LANES]; groups * rows],
             lanes: vec![
-                Lane { id: 0, born: Instant::default(), serial: 0, level: 0.0, stage: Stage::Free };
+                Lane {
+                    id: 0,
+                    born: Instant::default(),
+                    serial: 0,
+                    level: 0.0,
+                    play: Play::default(),
+                    stage: Stage::Free
+                };
                 groups * LANES
             ],
             live: vec![0; groups],
@@ -148,44 +157,126 @@ impl<R: Real> Bank<R> {
         }
         let lane = self.free_lane();
         let (group, l) = (lane / LANES, lane % LANES);
-        let fields = Fields { level: play.level, duration: play.duration, own: play.own };
-        let program = Arc::clone(&self.program);
-        let rows = program.steady.len();
-        for (row, base) in program.steady.iter().enumerate() {
-            if let Base::Start(id) = *base {
-                let value = program.starts[id as usize].value(&fields);
-                self.bases[group * rows + row][l] = value;
-                self.steady[group * rows + row][l] = R::of(value);
-            }
-        }
+        self.lanes[lane] =
+            Lane { id: play.id, born: at, serial, level: 0.0, play: *play, stage: Stage::Held };
+        self.work_out(lane);
         let age = at.until(clock) - LEAD;
-        for (op, states) in program.ops.iter().zip(&mut self.states) {
-            let mut start = [0.0; INPUTS];
-            for (value, input) in start.iter_mut().zip(&op.inputs) {
-                *value = self.bases[group * rows + input.base as usize][l];
-            }
-            let stream = random::stream(self.seed, play.id, op.node.stream());
-            let inputs = op.inputs.len().min(INPUTS);
-            let onset = Onset { age, stream, start: &start[..inputs], duration: play.duration };
-            states.start(group, l, &onset);
+        for op in 0..self.states.len() {
+            self.start_op(op, lane, age, play.duration);
         }
-        let gain = program.gain.iter().fold(play.level, |gain, base| {
-            gain * match *base {
-                Base::Constant(x) => x,
-                Base::Start(id) => program.starts[id as usize].value(&fields),
-            }
-        });
-        let gain = if gain.is_finite() { gain } else { 0.0 };
-        for &(channel, share) in place {
-            self.routes[group].connect(l, channel, share * gain);
-        }
-        self.lanes[lane] = Lane { id: play.id, born: at, serial, level: gain.abs(), stage: Stage::Held };
+        self.place(lane, place);
         self.live[group] |= 1 << l;
         if !self.enveloped {
             self.rising[group] |= 1 << l;
         }
         self.sounding += 1;
         lane
+    }
+
+    /// Steady rows of a lane, from its event.
+    fn work_out(&mut self, lane: usize) {
+        let (group, l) = (lane / LANES, lane % LANES);
+        let play = self.lanes[lane].play;
+        let fields = Fields { level: play.level, duration: play.duration, own: play.own };
+        let rows = self.program.steady.len();
+        for (row, base) in self.program.steady.iter().enumerate() {
+            if let Base::Start(id) = *base {
+                let value = self.program.starts[id as usize].value(&fields);
+                self.bases[group * rows + row][l] = value;
+                self.steady[group * rows + row][l] = R::of(value);
+            }
+        }
+    }
+
+    /// Sends a lane to the channels of `place`, with the gain of its event.
+    fn place(&mut self, lane: usize, place: &[(u32, f64)]) {
+        let (group, l) = (lane / LANES, lane % LANES);
+        let play = self.lanes[lane].play;
+        let fields = Fields { level: play.level, duration: play.duration, own: play.own };
+        let gain = self.program.gain.iter().fold(play.level, |gain, base| {
+            gain * match *base {
+                Base::Constant(x) => x,
+                Base::Start(id) => self.program.starts[id as usize].value(&fields),
+            }
+        });
+        let gain = if gain.is_finite() { gain } else { 0.0 };
+        for &(channel, share) in place {
+            self.routes[group].connect(l, channel, share * gain);
+        }
+        self.lanes[lane].level = gain.abs();
+    }
+
+    /// Takes over the voices of an old bank of the same size: its lanes, and the states of the ops that `ops` names. Ops
+    /// without a counterpart begin now. The old bank is left empty.
+    pub fn adopt(&mut self, old: &mut Self, ops: &[Option<usize>], places: &[Vec<(u32, f64)>]) {
+        if self.lanes.len() != old.lanes.len() {
+            return;
+        }
+        self.take_states(old, ops);
+        std::mem::swap(&mut self.lanes, &mut old.lanes);
+        std::mem::swap(&mut self.live, &mut old.live);
+        std::mem::swap(&mut self.rising, &mut old.rising);
+        std::mem::swap(&mut self.fading, &mut old.fading);
+        std::mem::swap(&mut self.ending, &mut old.ending);
+        std::mem::swap(&mut self.peaks, &mut old.peaks);
+        std::mem::swap(&mut self.sounding, &mut old.sounding);
+        (self.masked, self.stolen) = (old.masked, old.stolen);
+        for lane in 0..self.lanes.len() {
+            let voice = self.lanes[lane];
+            if voice.stage == Stage::Free {
+                continue;
+            }
+            self.work_out(lane);
+            self.place(lane, places.get(voice.play.place as usize).map_or(&[][..], |p| p));
+            let missing = ops.iter().enumerate().filter(|(_, from)| from.is_none());
+            for (op, _) in missing {
+                // As if the voice began here, so that what is new comes in gently.
+                self.start_op(op, lane, -LEAD + 1.0, voice.play.duration);
+            }
+        }
+    }
+
+    /// Lets voices that were started before the engine took over begin now.
+    pub fn begin_at(&mut self, now: Instant) {
+        for lane in self.lanes.iter_mut().filter(|lane| lane.stage != Stage::Free) {
+            lane.born = now;
+        }
+    }
+
+    /// Swaps in the states of an old program's ops.
+    pub fn take_states(&mut self, old: &mut Self, ops: &[Option<usize>]) {
+        for (states, from) in self.states.iter_mut().zip(ops) {
+            if let Some(from) = from.and_then(|i| old.states.get_mut(i))
+                && states.matches(from)
+            {
+                std::mem::swap(states, from);
+            }
+        }
+    }
+
+    /// Lets all voices fall silent from `at` on.
+    pub fn fade_all(&mut self, at: Instant) {
+        for lane in 0..self.lanes.len() {
+            if matches!(self.lanes[lane].stage, Stage::Held | Stage::Released) {
+                self.lanes[lane].stage = Stage::Fading(at);
+                self.fading[lane / LANES] |= 1 << (lane % LANES);
+                self.sounding -= 1;
+            }
+        }
+    }
+
+    /// Starts one op of a lane at a voice time (samples).
+    fn start_op(&mut self, op: usize, lane: usize, age: f64, duration: f64) {
+        let (group, l) = (lane / LANES, lane % LANES);
+        let rows = self.program.steady.len();
+        let of = &self.program.ops[op];
+        let mut start = [0.0; INPUTS];
+        for (value, input) in start.iter_mut().zip(&of.inputs) {
+            *value = self.bases[group * rows + input.base as usize][l];
+        }
+        let stream = random::stream(self.seed, self.lanes[lane].id, of.node.stream());
+        let onset = Onset { age, stream, start: &start[..of.inputs.len().min(INPUTS)], duration };
+        self.states[op].start(group, l, &onset);
     }
 
     /// Releases the voice of that id on `lane`, if it is still there.

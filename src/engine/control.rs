@@ -51,6 +51,14 @@ impl<R: Real> Ramp<R> {
         }
     }
 
+    /// Goes on as `other`, within its own range.
+    pub fn follow(&mut self, other: &Self) {
+        (self.from, self.since) = (other.from, other.since);
+        self.to = other.to.clamp(self.least, self.most);
+        self.samples = other.samples;
+        self.settled = false;
+    }
+
     fn value(&self, age: f64) -> f64 {
         let x = age / self.samples;
         if x >= 1.0 {

@@ -2,7 +2,9 @@
 
 use super::bank::Bank;
 use super::control::Ramp;
+use super::declick::Declick;
 use super::event::{Event, Play, Source};
+use super::handover::Inheritance;
 use super::stage::Stage;
 use super::task::{Board, Task};
 use super::vibration::Refusal;
@@ -47,6 +49,7 @@ pub struct Core<R: Real> {
     controls: Vec<Ramp<R>>,
     work: Workspace<R>,
     latest: Vec<R>,
+    declick: Declick<R>,
     stage: Stage,
     tasks: Vec<Box<dyn Task>>,
     counters: Counters,
@@ -91,6 +94,7 @@ impl<R: Real> Core<R> {
             controls,
             work: Workspace::new(buffers, plan.shared.len(), plan.channels),
             latest: vec![R::ZERO; plan.shared.len()],
+            declick: Declick::new(groups),
             stage: Stage::new(plan, isa)?,
             tasks: Vec::new(),
             counters: Counters::default(),
@@ -181,34 +185,122 @@ impl<R: Real> Core<R> {
     }
 
     /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames.
-    pub fn advance(&mut self, samples: usize, input: &[Vec<f32>], output: &mut [f32]) {
+    /// The voices of an old core that fades out are added.
+    pub fn advance(
+        &mut self,
+        samples: usize,
+        input: &[Vec<f32>],
+        output: &mut [f32],
+        mut leaving: Option<&mut Self>,
+    ) {
         let samples = samples.min(BLOCK);
         self.work.clear_mix(samples);
+        if let Some(old) = &mut leaving {
+            old.work.clear_mix(samples);
+        }
         let begin = self.clock;
         let mut done = 0;
         while done < samples {
             self.run_due();
+            if let Some(old) = &mut leaving {
+                old.settle();
+            }
             let left = (samples - done) as u64;
             let next = self.queue.next().unwrap_or(u64::MAX).min((self.clock / GRID + 1) * GRID);
             let next = self.tasks.iter().fold(next, |next, t| next.min(t.beat().next(self.clock + 1)));
             let frames = (next - self.clock).min(left) as usize;
             self.render(frames, done, input);
+            if let Some(old) = &mut leaving {
+                old.sound(frames, done);
+                old.clock += frames as u64;
+            }
             for (latest, rows) in self.latest.iter_mut().zip(&self.work.shared) {
                 *latest = rows[frames - 1][0];
             }
             self.clock += frames as u64;
             done += frames;
         }
+        if let Some(old) = leaving {
+            self.work.add_mix(&old.work);
+        }
+        self.declick.apply(&mut self.work, samples, begin, self.rate);
         self.stage.process(&mut self.work.mix, &self.work.fed, samples, begin, output);
     }
 
-    /// Events, tasks and housekeeping that are due before the next sample.
-    fn run_due(&mut self) {
+    /// Housekeeping, on its grid.
+    fn settle(&mut self) {
         if self.clock.is_multiple_of(GRID) {
             for bank in self.banks.iter_mut().chain(&mut self.shared) {
                 bank.settle(self.clock);
             }
         }
+    }
+
+    /// Takes the place of `old`: what `inheritance` names goes on here, and the rest fades out there.
+    pub fn adopt(&mut self, old: &mut Self, inheritance: &Inheritance) {
+        self.clock = old.clock;
+        self.counters = old.counters;
+        std::mem::swap(&mut self.stage, &mut old.stage);
+        std::mem::swap(&mut self.tasks, &mut old.tasks);
+        std::mem::swap(&mut self.declick, &mut old.declick);
+        if !inheritance.unchanged {
+            self.declick.arm();
+        }
+        for (ramp, from) in self.controls.iter_mut().zip(&inheritance.controls) {
+            if let Some(from) = from.and_then(|i| old.controls.get(i)) {
+                ramp.follow(from);
+            }
+        }
+        if let (Some(new), Some(old)) = (&mut self.shared, &mut old.shared) {
+            new.take_states(old, &inheritance.shared);
+        }
+        let now = Instant { sample: self.clock, fraction: 0 };
+        for (bank, from) in self.banks.iter_mut().zip(&inheritance.instruments) {
+            match from.as_ref().and_then(|(from, ops)| Some((old.banks.get_mut(*from)?, ops))) {
+                Some((old, ops)) => bank.adopt(old, ops, &self.places),
+                None => bank.begin_at(now),
+            }
+        }
+        std::mem::swap(&mut self.queue, &mut old.queue);
+        let instrument = |old: u32| {
+            let of_old = |i: &Option<(usize, _)>| i.as_ref().is_some_and(|(from, _)| *from == old as usize);
+            inheritance.instruments.iter().position(of_old).map(|new| new as u32)
+        };
+        let control =
+            |old: u32| inheritance.controls.iter().position(|c| *c == Some(old as usize)).map(|c| c as u32);
+        let counters = &mut self.counters;
+        self.queue.edit(|event| {
+            let kept = match event {
+                Event::Play(play) => instrument(play.instrument).map(|i| play.instrument = i),
+                Event::End { instrument: of, .. } => instrument(*of).map(|i| *of = i),
+                Event::Control(of, _) => control(*of).map(|c| *of = c),
+                Event::Release(_) | Event::ReleaseAll | Event::Marker(_) => Some(()),
+            };
+            counters.dropped += u64::from(kept.is_none() && matches!(event, Event::Play(_)));
+            kept.is_some()
+        });
+        // What stays behind hears the signals as they were.
+        for (rows, latest) in old.work.shared.iter_mut().zip(&old.latest) {
+            rows.fill([*latest; LANES]);
+        }
+        old.banks.iter_mut().for_each(|bank| bank.fade_all(now));
+    }
+
+    /// Whether no voice sounds or fades.
+    pub fn is_idle(&self) -> bool {
+        self.banks.iter().all(Bank::is_idle)
+    }
+
+    /// Computes all voices and mixes them.
+    fn sound(&mut self, frames: usize, offset: usize) {
+        for bank in &mut self.banks {
+            bank.run(&mut self.work, frames, offset, self.clock);
+        }
+    }
+
+    /// Events, tasks and housekeeping that are due before the next sample.
+    fn run_due(&mut self) {
+        self.settle();
         while let Some(entry) = self.queue.pop_due(self.clock) {
             self.handle(entry.at, entry.what);
         }
@@ -299,8 +391,6 @@ impl<R: Real> Core<R> {
                 }
             }
         }
-        for bank in &mut self.banks {
-            bank.run(&mut self.work, frames, offset, self.clock);
-        }
+        self.sound(frames, offset);
     }
 }

@@ -3,7 +3,7 @@
 use crate::graph::start::FIELDS;
 
 /// A voice is to sound.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Play {
     /// The instrument, by its place in the plan.
     pub instrument: u32,

@@ -3,7 +3,10 @@
 pub mod bank;
 pub mod control;
 pub mod core;
+pub mod declick;
 pub mod event;
+pub mod exchange;
+pub mod handover;
 pub mod mixer;
 pub mod stage;
 pub mod task;
@@ -18,6 +21,7 @@ use crate::node::kernel::LEAD;
 use crate::schedule::Instant;
 use core::{Core, Counters};
 use event::{Event, Source};
+use handover::Handover;
 use stage::Stage;
 use task::Task;
 use vibration::Refusal;
@@ -160,6 +164,28 @@ impl Engine {
 
     /// Fills `output`, interleaved frames of all channels. Samples beyond the last whole frame become 0.
     pub fn process(&mut self, output: &mut [f32]) {
+        self.process_with(output, None);
+    }
+
+    /// Becomes the engine of `new`, which becomes the old one that fades out. Both must be of the same precision, which
+    /// [`handover::prepare`] sees to; otherwise nothing happens.
+    fn adopt(&mut self, new: &mut Handover) {
+        let Handover { engine, inheritance } = new;
+        match (&mut self.core, &mut engine.core) {
+            (AnyCore::Single(old), AnyCore::Single(new)) => new.adopt(old, inheritance),
+            (AnyCore::Double(old), AnyCore::Double(new)) => new.adopt(old, inheritance),
+            _ => return,
+        }
+        std::mem::swap(&mut self.core, &mut engine.core);
+    }
+
+    /// For an old engine: whether all its voices have faded.
+    fn is_gone(&self) -> bool {
+        each!(self, core => core.is_idle())
+    }
+
+    /// As [`Engine::process`], with the voices of an old engine that fade out.
+    fn process_with(&mut self, output: &mut [f32], mut leaving: Option<&mut Engine>) {
         let whole = output.len() - output.len() % self.channels.max(1);
         let (mut output, rest) = output.split_at_mut(whole);
         rest.fill(0.0);
@@ -177,16 +203,29 @@ impl Engine {
             let samples = output.len().div_ceil(step).min(BLOCK);
             let (now, later) = output.split_at_mut((samples * step).min(output.len()));
             if now.len() == samples * step {
-                each!(mut self, core => core.advance(samples, &[], now));
+                self.advance(samples, now, leaving.as_deref_mut());
             } else {
                 // The last frames of the last sample are for the next call. One more copy costs less than one more block.
                 let mut carry = std::mem::take(&mut self.carry);
-                each!(mut self, core => core.advance(samples, &[], &mut carry[..samples * step]));
+                self.advance(samples, &mut carry[..samples * step], leaving.as_deref_mut());
                 now.copy_from_slice(&carry[..now.len()]);
                 self.carry = carry;
                 self.carried = now.len()..samples * step;
             }
             output = later;
+        }
+    }
+
+    fn advance(&mut self, samples: usize, output: &mut [f32], leaving: Option<&mut Engine>) {
+        match (&mut self.core, leaving.map(|old| &mut old.core)) {
+            (AnyCore::Single(core), Some(AnyCore::Single(old))) => {
+                core.advance(samples, &[], output, Some(old))
+            }
+            (AnyCore::Double(core), Some(AnyCore::Double(old))) => {
+                core.advance(samples, &[], output, Some(old))
+            }
+            (AnyCore::Single(core), _) => core.advance(samples, &[], output, None),
+            (AnyCore::Double(core), _) => core.advance(samples, &[], output, None),
         }
     }
 }

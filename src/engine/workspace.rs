@@ -53,4 +53,18 @@ impl<R: Real> Workspace<R> {
         }
         &mut rows[offset..offset + frames]
     }
+
+    /// Adds another mix of the same block.
+    pub fn add_mix(&mut self, other: &Self) {
+        for group in 0..self.fed.len().min(other.fed.len()) {
+            if other.fed[group] {
+                let rows = &other.mix[group * other.stride..][..other.stride];
+                for (sum, row) in self.channels(group, 0, other.stride).iter_mut().zip(rows) {
+                    for l in 0..LANES {
+                        sum[l] += row[l];
+                    }
+                }
+            }
+        }
+    }
 }

@@ -82,7 +82,7 @@ pub struct Control {
 }
 
 /// A voice of the patch.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Instrument {
     /// Its name in the patch.
     pub name: Arc<str>,

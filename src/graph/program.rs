@@ -7,7 +7,7 @@ use super::start::StartProgram;
 use super::{Base, Graph, Node, Signal, Wire};
 
 /// Ops in order, and where their values stand.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Program {
     /// In the order in which they run.
     pub ops: Vec<Op>,
@@ -24,7 +24,7 @@ pub struct Program {
 }
 
 /// A node, ready to run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Op {
     /// What it is; its wires are resolved in `inputs`.
     pub node: Arc<Node>,

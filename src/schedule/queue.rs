@@ -78,9 +78,11 @@ impl<T> Queue<T> {
         if self.next()? <= clock { self.heap.pop() } else { None }
     }
 
-    /// Forgets all entries that `keep` does not want.
-    pub fn retain(&mut self, keep: impl FnMut(&Entry<T>) -> bool) {
-        self.heap.retain(keep);
+    /// Changes what waits, in no particular order, and forgets what `keep` says no to. Times stay. Allocates nothing.
+    pub fn edit(&mut self, mut keep: impl FnMut(&mut T) -> bool) {
+        let mut entries = std::mem::take(&mut self.heap).into_vec();
+        entries.retain_mut(|entry| keep(&mut entry.what));
+        self.heap = BinaryHeap::from(entries);
     }
 
     /// Entries waiting.
@@ -114,6 +116,21 @@ mod tests {
         }
         let order: String = std::iter::from_fn(|| queue.pop_due(10)).map(|e| e.what).collect();
         assert_eq!(order, "zbacd");
+    }
+
+    #[test]
+    fn what_waits_can_be_changed() {
+        let mut queue = Queue::new(4);
+        for (at, what) in [(3.0, 3), (1.0, 1), (2.0, 2)] {
+            queue.push(Instant::of_samples(at), 0, what).unwrap();
+        }
+        queue.edit(|what| {
+            *what *= 10;
+            *what != 20
+        });
+        assert_eq!(queue.pop_due(9).map(|e| e.what), Some(10));
+        assert_eq!(queue.pop_due(9).map(|e| e.what), Some(30));
+        assert!(queue.is_empty());
     }
 
     #[test]

@@ -1,0 +1,155 @@
+//! From one plan to the next while it sounds.
+//!
+//! The control thread compares the two plans, allocates everything the new one needs and says which part of the old goes
+//! where ([`prepare`]). The audio thread swaps pointers ([`super::core::Core::adopt`]): voices that still exist keep sounding with
+//! their states, controls keep their values, waiting events keep their times. Voices that have no counterpart fall silent within
+//! [`super::bank::FADE`] in the old engine, which then goes back to the control thread to be freed.
+
+use std::fmt;
+
+use super::Engine;
+use crate::graph::plan::{Instrument, Plan};
+use crate::graph::program::Program;
+
+/// What a new plan takes over from an old one.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Inheritance {
+    /// For each instrument of the new plan: the old one, and for each op the old op.
+    pub instruments: Vec<Option<(usize, Vec<Option<usize>>)>>,
+    /// For each op of the shared program: the old op.
+    pub shared: Vec<Option<usize>>,
+    /// For each control: the old control.
+    pub controls: Vec<Option<usize>>,
+    /// Whether both plans compute the same, so that nothing can jump.
+    pub unchanged: bool,
+}
+
+/// A new engine with what it takes over, ready for the audio thread.
+pub struct Handover {
+    /// The engine of the new plan.
+    pub(super) engine: Engine,
+    /// What it takes over.
+    pub(super) inheritance: Inheritance,
+}
+
+/// Why a plan cannot follow another without a new beginning.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Mismatch {
+    /// The device differs: rate, channels, or the output stage's filters.
+    Device,
+    /// The number type of the lanes differs.
+    Precision,
+    /// The new plan cannot be built at all.
+    Refused(String),
+}
+
+impl fmt::Display for Mismatch {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Device => {
+                f.write_str("the new rig has another rate, other channels or another filter; start anew")
+            }
+            Self::Precision => f.write_str("the new plan computes with other numbers; start anew"),
+            Self::Refused(why) => f.write_str(why),
+        }
+    }
+}
+
+impl std::error::Error for Mismatch {}
+
+/// Makes a new engine ready to follow one that runs `old`. For the control thread: it allocates.
+///
+/// # Errors
+/// Plans that differ in what cannot change while it sounds.
+pub fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
+    if (old.device_rate, old.ratio, old.channels, old.taps)
+        != (new.device_rate, new.ratio, new.channels, new.taps)
+    {
+        return Err(Mismatch::Device);
+    }
+    if old.precision != new.precision {
+        return Err(Mismatch::Precision);
+    }
+    let engine = Engine::new(new).map_err(|why| Mismatch::Refused(why.to_string()))?;
+    let instruments = new
+        .instruments
+        .iter()
+        .map(|instrument| {
+            let (i, same) = old.instruments.iter().enumerate().find(|(_, o)| is_same(o, instrument))?;
+            Some((i, ops(&same.program, &instrument.program)))
+        })
+        .collect();
+    let controls = new.controls.iter().map(|c| old.controls.iter().position(|o| o.name == c.name)).collect();
+    let shared = ops(&old.shared_program, &new.shared_program);
+    let unchanged = old.instruments == new.instruments
+        && old.shared_program == new.shared_program
+        && old.shared == new.shared
+        && old.places == new.places;
+    Ok(Handover { engine, inheritance: Inheritance { instruments, shared, controls, unchanged } })
+}
+
+/// Whether the voices of one may go on as voices of the other: the same name, pool and event fields.
+fn is_same(old: &Instrument, new: &Instrument) -> bool {
+    old.name == new.name && old.voices == new.voices && old.fields == new.fields && old.always == new.always
+}
+
+/// For each new op the old op of the same name, type and settings that has not been given away.
+fn ops(old: &Program, new: &Program) -> Vec<Option<usize>> {
+    let mut given = vec![false; old.ops.len()];
+    new.ops
+        .iter()
+        .map(|op| {
+            let node = &op.node;
+            let found = old.ops.iter().enumerate().position(|(i, o)| {
+                let other = &o.node;
+                !given[i]
+                    && (&other.name, other.kind) == (&node.name, node.kind)
+                    && other.settings == node.settings
+                    && other.inputs.len() == node.inputs.len()
+            })?;
+            given[found] = true;
+            Some(found)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Mismatch, prepare};
+    use crate::graph::scene::{Options, scene};
+    use crate::node::asset::NoAssets;
+    use crate::patch::Patch;
+    use crate::rig::Rig;
+
+    fn plan(nodes: &str, channels: u32) -> super::Plan {
+        let text = format!(
+            "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\noutput = \"out\"\n[voice.v.nodes]\n{nodes}"
+        );
+        let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let options = Options { live: true, ..Options::default() };
+        scene(&patch, &Rig::default_for(channels), &options, &NoAssets).unwrap().plan
+    }
+
+    #[test]
+    fn what_keeps_its_name_and_type_is_taken_over() {
+        let sine = r#"tone = { type = "sine", frequency = 60 }"#;
+        let old = plan(&format!("{sine}\nout = {{ type = \"multiply\", inputs = [\"tone\", \"tone\"] }}"), 4);
+        let new = plan(
+            &format!(
+                "{sine}\nhit = {{ type = \"envelope\" }}\nout = {{ type = \"multiply\", inputs = [\"tone\", \"hit\"] }}"
+            ),
+            4,
+        );
+        let handover = prepare(&old, &new).unwrap_or_else(|e| panic!("{e}"));
+        let (instrument, ops) = handover.inheritance.instruments[0].clone().unwrap();
+        assert_eq!(instrument, 0);
+        let names: Vec<_> = new.instruments[0].program.ops.iter().map(|o| o.node.name.to_string()).collect();
+        for (name, from) in names.iter().zip(&ops) {
+            assert_eq!(from.is_some(), name != "hit", "{name}");
+        }
+        assert!(matches!(
+            prepare(&old, &plan(sine.replace("tone", "out").as_str(), 5)),
+            Err(Mismatch::Device)
+        ));
+    }
+}

@@ -1,0 +1,112 @@
+//! The audio thread neither allocates nor frees.
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use common::{compiled, play};
+use pacinian::engine::event::{Event, Source};
+use pacinian::engine::exchange::exchange;
+use pacinian::schedule::Instant;
+
+thread_local! {
+    static COUNT: Cell<Option<u64>> = const { Cell::new(None) };
+}
+
+struct Counting;
+
+fn count() {
+    // A thread that is ending has no counter any more, and is not counted.
+    let _ = COUNT.try_with(|c| c.set(c.get().map(|n| n + 1)));
+}
+
+// SAFETY: every call goes to the system's allocator unchanged; counting touches a thread-local number only.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promise, handed on.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        count();
+        // SAFETY: the caller's promise, handed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promise, handed on.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// Allocations and frees of this thread while `work` runs.
+fn counted(work: impl FnOnce()) -> u64 {
+    COUNT.with(|c| c.set(Some(0)));
+    work();
+    COUNT.with(|c| c.replace(None)).unwrap_or(0)
+}
+
+const PATCH: &str = r#"
+[control.strength]
+default = 0.7
+range = [0.0, 1.0]
+[shared.nodes]
+wobble = { type = "lfo", rate = 3 }
+[voice.beat]
+voices = 24
+output = "out"
+[voice.beat.nodes]
+tone = { type = "sawtooth", frequency = "event.frequency + 20 * wobble" }
+rough = { type = "white" }
+hit = { type = "envelope", attack = 0.004, decay = 0.03, sustain = 0.4, release = 0.02 }
+soft = { type = "lowpass", input = "tone + 0.2 * rough", cutoff = "400 + 100 * wobble" }
+echo = { type = "delay", input = "soft", time = 0.01, longest = 0.05 }
+out = { type = "multiply", inputs = ["soft + 0.5 * echo", "hit", "strength"] }
+[voice.plain]
+output = "tone"
+[voice.plain.nodes]
+tone = { type = "sine", frequency = "event.frequency" }
+"#;
+
+#[test]
+fn the_counter_counts() {
+    assert!(counted(|| drop(std::hint::black_box(vec![0_u8; 10]))) >= 2);
+}
+
+#[test]
+fn a_hundred_thousand_events_and_a_hundred_plans() {
+    let first = compiled(PATCH, 16, 48_000.0).plan;
+    let second = compiled(&PATCH.replace("time = 0.01", "time = 0.02"), 16, 48_000.0).plan;
+    let (mut director, mut stagehand) = exchange(&first).unwrap();
+    let mut frames = vec![0.0; 480 * 16];
+    let (mut total, mut sent, mut events) = (0, 0_u32, 0_u32);
+    while events < 100_000 || sent < 100 {
+        if events.is_multiple_of(1000)
+            && director.send(if sent.is_multiple_of(2) { &second } else { &first }).unwrap()
+        {
+            sent += 1;
+        }
+        let begin = events;
+        total += counted(|| {
+            for i in begin..begin + 100 {
+                let clock = stagehand.engine().clock();
+                let at =
+                    Instant { sample: clock + u64::from(i % 80), fraction: i.wrapping_mul(2_654_435_761) };
+                let event = match i % 10 {
+                    0 => Event::Control(0, f64::from(i % 7) / 7.0),
+                    1 => Event::Release(u64::from(i - 1)),
+                    _ => Event::Play(play(i % 2, i % 16, 40.0 + f64::from(i % 300), 0.003, u64::from(i))),
+                };
+                stagehand.engine().schedule(at, Source::Program, event);
+            }
+            stagehand.process(&mut frames);
+        });
+        events += 100;
+    }
+    assert_eq!(total, 0, "allocations and frees in {events} events and {sent} plans");
+    assert!(stagehand.engine().counters().started > 70_000);
+}
