@@ -2,6 +2,7 @@
 
 pub mod assets;
 pub mod error;
+pub mod events;
 pub mod out;
 pub mod resample;
 pub mod text;

@@ -1,0 +1,98 @@
+//! Why a command ends without success.
+
+use super::problems;
+use super::terminal::Terminal;
+use pacinian::io::error::FileError;
+use pacinian::text::{Problem, Problems};
+
+/// Why a command ends without success: everything there is to say, and an exit code.
+#[derive(Debug, Default)]
+pub struct Failure {
+    parts: Vec<(u8, Part)>,
+}
+
+#[derive(Debug)]
+enum Part {
+    /// Of a file, each with its place.
+    Problems(Problems),
+    /// A sentence, and what to do.
+    Said(String, Option<String>),
+    /// It has been told elsewhere, or nobody listens.
+    Nothing,
+}
+
+impl Failure {
+    /// One sentence.
+    pub fn said(code: u8, what: impl Into<String>) -> Self {
+        Self { parts: vec![(code, Part::Said(what.into(), None))] }
+    }
+
+    /// What was asked for does not make sense.
+    pub fn usage(what: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { parts: vec![(2, Part::Said(what.into(), Some(help.into())))] }
+    }
+
+    /// The same with another exit code.
+    pub fn with_code(mut self, code: u8) -> Self {
+        self.parts.iter_mut().for_each(|part| part.0 = code);
+        self
+    }
+
+    /// What has been told already.
+    pub fn told(code: u8) -> Self {
+        Self { parts: vec![(code, Part::Nothing)] }
+    }
+
+    /// Nobody reads what is written, which is their right.
+    pub fn unread() -> Self {
+        Self::told(0)
+    }
+
+    /// Problems of a file.
+    pub fn of(code: u8, problems: Problems) -> Self {
+        Self { parts: vec![(code, Part::Problems(problems))] }
+    }
+
+    /// Adds another.
+    pub fn join(&mut self, other: Self) {
+        self.parts.extend(other.parts);
+    }
+
+    /// That of the first part.
+    pub fn code(&self) -> u8 {
+        self.parts.first().map_or(1, |(code, _)| *code)
+    }
+
+    /// Everything, on standard error.
+    pub fn show(&self, terminal: &Terminal) {
+        for (_, part) in &self.parts {
+            match part {
+                Part::Problems(list) => terminal.note(&problems::shown(list, terminal)),
+                Part::Said(what, help) => {
+                    let problem = Problem::of_file(what.as_str()).help(help.clone());
+                    terminal.note(&problems::sentence(&problem, terminal));
+                }
+                Part::Nothing => {}
+            }
+        }
+    }
+
+    /// All problems, those without a file under an empty name.
+    pub fn problems(&self) -> Vec<Problems> {
+        let list = self.parts.iter().filter_map(|(_, part)| match part {
+            Part::Problems(list) => Some(list.clone()),
+            Part::Said(what, help) => Some(Problems {
+                list: vec![Problem::of_file(what.as_str()).help(help.clone())],
+                ..Problems::default()
+            }),
+            Part::Nothing => None,
+        });
+        list.collect()
+    }
+}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        Self::said(error.exit_code(), error.message)
+    }
+}

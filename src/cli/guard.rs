@@ -1,0 +1,35 @@
+//! What happens when the program is wrong about itself.
+
+use std::io::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
+
+/// The exit code of a bug, `EX_SOFTWARE` of `sysexits.h`.
+const BUG: u8 = 70;
+
+/// Runs `work`. A panic in it is told as the bug it is; files that are being written are completed as far as they are.
+pub fn guarded(work: impl FnOnce() -> u8) -> u8 {
+    set_hook(Box::new(|info| {
+        let place = info.location().map(ToString::to_string).unwrap_or_default();
+        let what = info.payload_as_str().unwrap_or("no more is known");
+        // Where nobody can be told, nobody is.
+        let _ = writeln!(
+            std::io::stderr(),
+            "error: this is a bug in pacinian {}, not in your files: {what} ({place})\n  \
+             help: please report it, with this message, the command, and the patch and rig if you may share them: {}",
+            env!("CARGO_PKG_VERSION"),
+            "the project's issue tracker"
+        );
+    }));
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or(BUG)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::guarded;
+
+    #[test]
+    fn a_panic_is_a_bug_and_has_its_code() {
+        assert_eq!(guarded(|| panic!("out of cheese")), 70);
+        assert_eq!(guarded(|| 3), 3);
+    }
+}

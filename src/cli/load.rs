@@ -1,0 +1,352 @@
+//! A patch and a rig from the command line, with everything that is wrong with them.
+
+use super::failure::Failure;
+use clap::{Args, ValueEnum};
+use pacinian::graph::plan::Precision;
+use pacinian::graph::scene::{Options, scene};
+use pacinian::io::{assets::Folder, events, text};
+use pacinian::node::asset::{Asset, Assets};
+use pacinian::patch::{self, Action, Events, Patch, Place};
+use pacinian::player::Player;
+use pacinian::rig::{MAX_CHANNELS, Rig};
+use pacinian::text::{Checked, Problem, Problems, nearest};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What is played on what, and how.
+#[derive(Debug, Clone, Args)]
+pub struct Scene {
+    /// The patch, a TOML file: what is felt, and when
+    pub patch: PathBuf,
+    /// The rig, a TOML file: which tactor hangs on which channel [default: a line of 8 tactors, t1 to t8]
+    #[arg(long, value_name = "RIG")]
+    pub rig: Option<PathBuf>,
+    /// The pattern to play [default: those that a trigger starts, else the first]
+    #[arg(long, value_name = "NAME")]
+    pub pattern: Option<String>,
+    /// Samples a second [default: what the rig says, else 48000]
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(6_000..=768_000))]
+    pub rate: Option<u32>,
+    /// The seed of everything random [default: what the patch says, else 0]
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Number type that voices are computed in
+    #[arg(long, value_name = "TYPE", value_enum, default_value_t = Number::F32)]
+    pub precision: Number,
+    /// Taps a phase of the filter that brings the engine's rate to the device's, 4 to 12
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u8).range(4..=12))]
+    pub taps: u8,
+    /// Lets recordings and events files lie outside the patch's folder
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+/// A number type.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Number {
+    /// 32 bits
+    F32,
+    /// 64 bits
+    F64,
+}
+
+/// A patch on a rig, checked.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The patch.
+    pub patch: Arc<Patch>,
+    /// The rig.
+    pub rig: Rig,
+    /// How to compile them.
+    pub options: Options,
+    /// Warnings of all files.
+    pub warnings: Vec<Problems>,
+    /// Events of each events file, by its path in the patch.
+    pub surveyed: Vec<(String, u64)>,
+    /// Every file that was read.
+    pub files: Vec<PathBuf>,
+    source: Problems,
+    folder: Arc<Folder>,
+}
+
+impl Scene {
+    /// Reads and checks everything. With `all`, also what never sounds.
+    ///
+    /// # Errors
+    /// All problems of patch, rig, recordings and events files at once.
+    pub fn load(&self, all: bool) -> Result<Loaded, Failure> {
+        let mut failure = Failure::default();
+        let mut warnings = Vec::new();
+        let mut keep = |failure: &mut Failure, code, result: Result<Checked<_>, Problems>| match result {
+            Ok(checked) => {
+                warnings.push(checked.warnings);
+                Some(checked.value)
+            }
+            Err(problems) => {
+                failure.join(Failure::of(code, problems));
+                None
+            }
+        };
+        let may = patch::Options { allow_outside: self.allow_outside };
+        let (name, bytes) = read(&self.patch, &mut failure);
+        let patch = bytes.as_ref().and_then(|bytes| {
+            let parsed = Patch::parse_with(&name, bytes, may);
+            keep(
+                &mut failure,
+                65,
+                parsed.map(|c| Checked { value: Either::Patch(c.value), warnings: c.warnings }),
+            )
+        });
+        let rig = self.rig.as_ref().map(|path| {
+            let (name, bytes) = read(path, &mut failure);
+            let parsed = Rig::parse(&name, &bytes?);
+            keep(
+                &mut failure,
+                78,
+                parsed.map(|c| Checked { value: Either::Rig(c.value), warnings: c.warnings }),
+            )
+        });
+        let (Some(Either::Patch(patch)), rig) = (patch, rig) else { return Err(failure) };
+        let rig = match rig {
+            Some(Some(Either::Rig(rig))) => Some(rig),
+            Some(_) => return Err(failure),
+            None => None,
+        };
+        warnings.retain(|w| !w.list.is_empty());
+        let source = String::from_utf8(bytes.unwrap_or_default()).unwrap_or_default();
+        let source = Problems { file: name, source, list: Vec::new() };
+        self.join(patch, rig, source, warnings, all)
+    }
+
+    /// What is wrong with patch and rig together.
+    fn join(
+        &self,
+        patch: Patch,
+        given: Option<Rig>,
+        source: Problems,
+        warnings: Vec<Problems>,
+        all: bool,
+    ) -> Result<Loaded, Failure> {
+        let by_default = given.is_none();
+        let rig = given.unwrap_or_else(|| Rig::default_for(channels(&patch)));
+        self.check_words(&patch)?;
+        let rate = self.rate.map(f64::from).or(rig.device.rate).unwrap_or(48_000.0);
+        if rate.fract() != 0.0 {
+            let what = format!("the rig's device has a rate of {rate} Hz, which no WAV file can say");
+            return Err(Failure::usage(what, format!("give a whole number: --rate {rate:.0}")));
+        }
+        let engine_rate = rate / (rate / 8000.0).round().max(1.0);
+        let root = self.patch.parent().unwrap_or(Path::new(""));
+        // Twice the engine's rate, so that a recording may be played at half its speed and keep its band.
+        let folder = Folder::new(root).allow_outside(self.allow_outside).at_rate(2.0 * engine_rate);
+        let folder = Arc::new(folder);
+        let options = Options {
+            rate: Some(rate),
+            precision: match self.precision {
+                Number::F32 => Precision::Single,
+                Number::F64 => Precision::Double,
+            },
+            taps: usize::from(self.taps),
+            seed: self.seed,
+            pattern: self.pattern.clone(),
+            ..Options::default()
+        };
+        let watched = Watched { folder: &folder, seen: Mutex::default() };
+        let mut problems = rig.check_places(&patch);
+        let live = Options { live: true, ..options.clone() };
+        problems.extend(
+            scene(&patch, &rig, if all { &live } else { &options }, &watched).err().unwrap_or_default(),
+        );
+
+        let mut surveyed = Vec::new();
+        let mut seen = watched.seen.into_inner().unwrap_or_else(PoisonError::into_inner);
+        for pattern in &patch.patterns {
+            let Events::File(path, span) = &pattern.events else { continue };
+            if surveyed.iter().any(|(p, _)| p == path) {
+                continue;
+            }
+            match events::survey(&folder, path, &patch, |place| rig.resolve(Some(place), &(0..0)).err()) {
+                Ok(survey) => {
+                    surveyed.push((path.clone(), survey.events));
+                    seen.paths.extend(folder.resolve(path));
+                    let at = |p: Problem| Problem { span: Some(span.clone()), ..p };
+                    problems.extend(survey.problems.into_iter().map(at));
+                }
+                Err(error) => {
+                    problems.push(Problem::error(span, error.message.as_str()));
+                    seen.failures.push((error.message.clone(), error.exit_code()));
+                }
+            }
+        }
+        if by_default {
+            problems.iter_mut().for_each(advise_a_rig);
+        }
+        let mut loaded = Loaded {
+            patch: Arc::new(patch),
+            rig,
+            options,
+            warnings,
+            surveyed,
+            files: seen.paths,
+            source,
+            folder,
+        };
+        loaded.files.extend([Some(self.patch.clone()), self.rig.clone()].into_iter().flatten());
+        if problems.iter().any(Problem::is_error) {
+            Err(loaded.refuse(problems, &seen.failures))
+        } else {
+            Ok(loaded)
+        }
+    }
+
+    /// Words of the command line that must fit the patch.
+    fn check_words(&self, patch: &Patch) -> Result<(), Failure> {
+        let Some(name) = &self.pattern else { return Ok(()) };
+        let names = || patch.patterns.iter().map(|p| p.name.as_str());
+        if names().any(|n| n == name) {
+            return Ok(());
+        }
+        let help = nearest::suggest(name, names()).unwrap_or_else(|| "see `pacinian check`".into());
+        Err(Failure::usage(format!("the patch has no pattern `{name}`"), help))
+    }
+}
+
+impl Loaded {
+    /// A player at its beginning.
+    ///
+    /// # Errors
+    /// What only shows when the engine is built.
+    pub fn player(&self) -> Result<Player, Failure> {
+        let folder = Arc::clone(&self.folder);
+        let files = Box::new(move |path: &str| events::open(&folder, path));
+        Player::with_files(&self.patch, &self.rig, &self.options, &*self.folder, files)
+            .map_err(|problems| self.refuse(problems, &[]))
+    }
+
+    /// Problems of the patch, with its source.
+    pub fn refuse(&self, list: Vec<Problem>, files: &[(String, u8)]) -> Failure {
+        let mut problems = self.source.clone();
+        for problem in list {
+            let is_known = |p: &Problem| (&p.span, &p.what) == (&problem.span, &problem.what);
+            if !problems.list.iter().any(is_known) {
+                problems.list.push(problem);
+            }
+        }
+        problems.list.sort_by_key(|p| p.span.as_ref().map_or(0, |s| s.start + 1));
+        // A file that is not there is that, as long as nothing is wrong with the patch itself.
+        let code =
+            |p: &Problem| files.iter().find(|(m, _)| p.what.contains(m.as_str())).map_or(65, |(_, c)| *c);
+        let codes: Vec<u8> = problems.list.iter().filter(|p| p.is_error()).map(code).collect();
+        let code = if codes.contains(&65) { 65 } else { codes.first().copied().unwrap_or(65) };
+        Failure::of(code, problems)
+    }
+
+    /// Name of the patch as the person wrote it.
+    pub fn name(&self) -> &str {
+        &self.source.file
+    }
+
+    /// Names of the outputs in the order of the channels; "" where nothing hangs.
+    pub fn tactors(&self) -> Vec<String> {
+        let mut names = vec![String::new(); self.rig.device.channels as usize];
+        for output in &self.rig.outputs {
+            if let Some(name) = names.get_mut((output.channel as usize).wrapping_sub(1)) {
+                name.clone_from(&output.name);
+            }
+        }
+        names
+    }
+}
+
+/// What [`Scene::load`] reads.
+enum Either {
+    Patch(Patch),
+    Rig(Rig),
+}
+
+/// Recordings of a folder, and what became of them.
+struct Watched<'a> {
+    folder: &'a Folder,
+    seen: Mutex<Seen>,
+}
+
+#[derive(Debug, Default)]
+struct Seen {
+    paths: Vec<PathBuf>,
+    failures: Vec<(String, u8)>,
+}
+
+impl Assets for Watched<'_> {
+    fn load(&self, path: &str, channel: usize) -> Result<Arc<Asset>, String> {
+        let result = self.folder.recording(path, channel);
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        match &result {
+            Ok(_) => seen.paths.extend(self.folder.resolve(path)),
+            Err(error) => seen.failures.push((error.message.clone(), error.exit_code())),
+        }
+        result.map_err(|error| error.message)
+    }
+}
+
+fn read(path: &Path, failure: &mut Failure) -> (String, Option<Vec<u8>>) {
+    let bytes = match text::read(path) {
+        Ok(bytes) => Some(bytes),
+        Err(error) => {
+            failure.join(error.into());
+            None
+        }
+    };
+    (path.display().to_string(), bytes)
+}
+
+/// As many as the patch names, by number or as `t12`, and 8 at least.
+fn channels(patch: &Patch) -> u32 {
+    let of_place = |place: &Place| match place {
+        Place::Channel(channel) => *channel,
+        Place::Name(name) => name.strip_prefix('t').and_then(|n| n.parse().ok()).unwrap_or(0),
+        Place::Position(_) => 0,
+    };
+    let of_action = |action: &Action| match action {
+        Action::Voice(play) => play.place.as_ref().map_or(0, of_place),
+        Action::Pattern { .. } | Action::Marker(_) | Action::Choose(_) => 0,
+    };
+    let voices = patch.voices.iter().filter_map(|v| v.place.as_ref()).map(of_place);
+    let triggers = patch.triggers.iter().filter_map(|t| t.place.as_ref()).map(of_place);
+    let events = patch.patterns.iter().flat_map(|p| match &p.events {
+        Events::Inline(events) => events.as_slice(),
+        Events::File(..) => &[],
+    });
+    let events = events.map(|event| match &event.action {
+        Action::Choose(list) => list.iter().map(|a| of_action(&a.action)).max().unwrap_or(0),
+        action => of_action(action),
+    });
+    let most = voices.chain(triggers).chain(events).filter(|n| *n <= MAX_CHANNELS).max().unwrap_or(0);
+    most.max(8)
+}
+
+/// A place that the rig lacks is no wonder where nobody named a rig.
+fn advise_a_rig(problem: &mut Problem) {
+    if problem.what.contains("the rig has no tactor `") {
+        problem.help =
+            Some("name the rig that has it with --rig; without, there are `t1`, `t2`, ... in a line".into());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::channels;
+    use pacinian::patch::{Patch, Place, Voice};
+
+    #[test]
+    fn the_default_rig_is_as_large_as_the_patch_needs() {
+        let with = |place| Patch {
+            voices: vec![Voice { place: Some(place), ..Voice::new("v", "o") }],
+            ..Patch::default()
+        };
+        assert_eq!(channels(&with(Place::Channel(3))), 8);
+        assert_eq!(channels(&with(Place::Channel(17))), 17);
+        assert_eq!(channels(&with(Place::Name("t12".into()))), 12);
+        assert_eq!(channels(&with(Place::Name("t99999".into()))), 8);
+        assert_eq!(channels(&with(Place::Name("top".into()))), 8);
+    }
+}

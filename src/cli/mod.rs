@@ -1,0 +1,96 @@
+//! The command line: one file a subcommand, each a thin use of the library.
+
+mod check;
+mod failure;
+mod guard;
+mod load;
+mod nodes;
+mod paint;
+mod perform;
+mod plan;
+mod problems;
+mod progress;
+mod render;
+mod schema;
+mod stop;
+mod summary;
+mod table;
+mod terminal;
+
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use failure::Failure;
+use terminal::{Terminal, When};
+
+/// Plays the skin the way a synthesizer plays the ear.
+#[derive(Debug, Parser)]
+#[command(
+    name = "pacinian",
+    version,
+    about = "Vibrotactile synthesis: plays the skin the way a synthesizer plays the ear",
+    long_about = "Vibrotactile synthesis: plays the skin the way a synthesizer plays the ear.\n\n\
+        A patch (a TOML file) says what is felt and when; a rig (another) says which tactor hangs on which channel. \
+        pacinian checks them, and renders them to a WAV file with a channel for each tactor.",
+    after_help = "Begin here:\n  pacinian check PATCH            see what is wrong with a patch, or what it will run\n  \
+        pacinian render PATCH -o x.wav  render it\n  pacinian nodes                  what patches are made of\n\n\
+        Exit codes: 0 all is well, 2 the command line, 65 the patch, 66 a file that is not there, 70 a bug in pacinian,\n\
+        73 and 74 a file that cannot be written, 77 no permission, 78 the rig, 130 stopped by Ctrl-C, 143 stopped by SIGTERM.",
+    disable_help_subcommand = true,
+    propagate_version = true
+)]
+struct Cli {
+    /// Colours: always, never, or auto, which asks NO_COLOR, CLICOLOR_FORCE, FORCE_COLOR and the terminal
+    #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t = When::Auto, hide_possible_values = true)]
+    color: When,
+    /// Problems one a line, FILE:LINE:COLUMN, as when they do not go to a terminal
+    #[arg(long, global = true)]
+    plain: bool,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Check(check::Check),
+    Render(render::Render),
+    Nodes(nodes::Nodes),
+    Schema(schema::Schema),
+}
+
+/// Runs the program; gives its exit code.
+pub fn main() -> u8 {
+    guard::guarded(run)
+}
+
+fn run() -> u8 {
+    let wish = terminal::wish(std::env::args_os());
+    let command = Cli::command().color(Terminal::new(wish, false).clap());
+    let cli = match command.try_get_matches().and_then(|m| Cli::from_arg_matches(&m)) {
+        Ok(cli) => cli,
+        Err(error) => return terminal::usage(&error),
+    };
+    let terminal = Terminal::new(cli.color, cli.plain);
+    let result: Result<(), Failure> = match &cli.command {
+        Command::Check(check) => check.run(&terminal),
+        Command::Render(render) => render.run(&terminal),
+        Command::Nodes(nodes) => nodes.run(&terminal),
+        Command::Schema(schema) => schema.run(&terminal),
+    };
+    match result {
+        Ok(()) => 0,
+        Err(failure) => {
+            failure.show(&terminal);
+            failure.code()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Cli;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,172 @@
+//! A patch on a rig, played to its end.
+
+use super::failure::Failure;
+use super::load::Loaded;
+use super::plan::{is_endless, playing};
+use super::progress::Progress;
+use super::stop::Stop;
+use super::terminal::Terminal;
+use pacinian::player::Player;
+use std::time::{Duration, Instant};
+
+/// How long to play.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Until {
+    /// So many seconds.
+    Seconds(f64),
+    /// Until nothing plays or rings any more, and so many seconds.
+    Over(f64),
+}
+
+/// What was met on the way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Performed {
+    /// Frames of all channels.
+    pub frames: u64,
+    /// Largest magnitude of each channel.
+    pub peaks: Vec<f32>,
+    /// Wall time.
+    pub run_time: Duration,
+    /// The exit code to end with, where somebody stopped it.
+    pub stopped: Option<u8>,
+}
+
+/// Frames of a block, where there are few channels.
+const BLOCK: usize = 4096;
+
+/// Samples of a block, at most.
+const MOST: usize = 1 << 19;
+
+impl Until {
+    /// As the command line says, else the patch, else until it is over.
+    ///
+    /// # Errors
+    /// When it would never be over, or when nothing plays at all.
+    pub fn of(loaded: &Loaded, player: &Player, asked: Option<f64>) -> Result<Self, Failure> {
+        let patch = &loaded.patch;
+        if let Some(seconds) = asked.or(patch.render.duration) {
+            return Ok(Self::Seconds(seconds));
+        }
+        let playing = playing(loaded);
+        let always = player.plan().instruments.iter().find(|i| i.always);
+        let endless = playing.iter().filter_map(|&i| patch.patterns.get(i)).find(|p| is_endless(p));
+        let who = match (endless, always) {
+            (Some(pattern), _) => format!("pattern `{}` repeats without end", pattern.name),
+            (_, Some(voice)) => format!("voice `{}` is always on", voice.name),
+            (None, None) if player.plan().instruments.is_empty() => {
+                let what = format!("{}: nothing in this patch plays by itself", loaded.name());
+                return Err(Failure::usage(
+                    what,
+                    "give it a [pattern], a [[trigger]] with on = \"start\", or a voice with start = \"always\"",
+                )
+                .with_code(65));
+            }
+            (None, None) => return Ok(Self::Over(patch.render.tail.unwrap_or(0.0))),
+        };
+        let example = player.length().map_or(10.0, f64::ceil);
+        Err(Failure::usage(
+            format!("{}: {who}, so it has no length of its own", loaded.name()),
+            format!(
+                "say how many seconds: --duration {example}, or duration = {example} under [render] in the patch"
+            ),
+        ))
+    }
+
+    fn expected(self, player: &Player) -> Option<f64> {
+        match self {
+            Self::Seconds(seconds) => Some(seconds),
+            Self::Over(tail) => player.length().map(|length| length + tail),
+        }
+    }
+}
+
+/// Plays, and gives each block of interleaved frames to `sink`.
+///
+/// # Errors
+/// What `sink` says.
+pub fn perform<E>(
+    player: &mut Player,
+    until: Until,
+    stop: &Stop,
+    terminal: &Terminal,
+    mut sink: impl FnMut(&[f32]) -> Result<(), E>,
+) -> Result<Performed, (E, u64)> {
+    let (channels, rate) = (player.plan().channels, player.plan().device_rate);
+    let block = BLOCK.min(MOST / channels.max(1)).max(64);
+    let mut buffer = vec![0.0; block * channels];
+    let mut peaks = Peaks::new(channels);
+    let progress = Progress::new(terminal, until.expected(player));
+    let begin = Instant::now();
+    let mut frames = 0_u64;
+    let mut end = match until {
+        Until::Seconds(seconds) => Some((seconds * rate).round() as u64),
+        Until::Over(_) => None,
+    };
+    let mut stopped = None;
+    loop {
+        if let (None, Until::Over(tail), true) = (end, until, player.is_over()) {
+            end = Some(frames + (tail * rate).round() as u64);
+        }
+        stopped = stopped.or_else(|| stop.asked());
+        let left = end.map_or(block, |end| end.saturating_sub(frames).min(block as u64) as usize);
+        if left == 0 || stopped.is_some() {
+            break;
+        }
+        let part = &mut buffer[..left * channels];
+        player.process(part);
+        peaks.take(part);
+        sink(part).map_err(|error| (error, frames))?;
+        frames += left as u64;
+        progress.at(frames as f64 / rate);
+        if player.trouble().is_some() {
+            break;
+        }
+    }
+    Ok(Performed { frames, peaks: peaks.finish(), run_time: begin.elapsed(), stopped })
+}
+
+/// Largest magnitudes, by channel; several frames side by side, so that the loop is a wide one.
+struct Peaks {
+    wide: Vec<f32>,
+    channels: usize,
+}
+
+impl Peaks {
+    fn new(channels: usize) -> Self {
+        Self { wide: vec![0.0; channels * 32_usize.div_ceil(channels.max(1))], channels }
+    }
+
+    fn take(&mut self, frames: &[f32]) {
+        for part in frames.chunks(self.wide.len().max(1)) {
+            for (peak, sample) in self.wide.iter_mut().zip(part) {
+                let size = sample.abs();
+                *peak = if size > *peak { size } else { *peak };
+            }
+        }
+    }
+
+    fn finish(&self) -> Vec<f32> {
+        let of = |c| self.wide.iter().skip(c).step_by(self.channels).copied().fold(0.0, f32::max);
+        (0..self.channels).map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Peaks;
+
+    #[test]
+    fn peaks_are_those_of_their_channel() {
+        for channels in [1, 3, 16, 50] {
+            let mut peaks = Peaks::new(channels);
+            let mut frames = vec![0.25; channels * 100];
+            frames[42 * channels] = -0.75;
+            frames[77 * channels + channels - 1] = 0.875;
+            frames.chunks(channels * 9).for_each(|part| peaks.take(part));
+            let mut expected = vec![0.25; channels];
+            expected[0] = 0.75;
+            expected[channels - 1] = 0.875;
+            assert_eq!(peaks.finish(), expected, "{channels}");
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! Problems, shown to people (with the lines they are about) and to programs.
+
+use super::paint::Paint;
+use super::terminal::Terminal;
+use miette::{
+    Diagnostic, LabeledSpan, MietteHandler, MietteHandlerOpts, NamedSource, ReportHandler, SourceCode,
+};
+use pacinian::text::{Problem, Problems, Severity};
+use serde::Serialize;
+use std::fmt;
+use std::sync::Arc;
+
+/// A source longer than this is not shown line by line.
+const LONG_SOURCE: usize = 1 << 20;
+/// Nor is a line longer than this.
+const LONG_LINE: usize = 400;
+
+/// All problems of a file, as text.
+pub fn shown(problems: &Problems, terminal: &Terminal) -> String {
+    let mut text = String::new();
+    if terminal.pictured {
+        let source = Arc::new(clean(&problems.source));
+        let handler = handler(terminal.err);
+        for problem in &problems.list {
+            let picture = Picture::new(problems, problem, &source);
+            text += Debugged { handler: &handler, picture: &picture }.to_string().trim_start_matches('\n');
+            text.push('\n');
+        }
+    } else {
+        text = clean(&problems.to_string());
+        text.push('\n');
+    }
+    text
+}
+
+/// One that belongs to no file.
+pub fn sentence(problem: &Problem, terminal: &Terminal) -> String {
+    let word = match problem.severity {
+        Severity::Error => terminal.err.red("error"),
+        Severity::Warning => terminal.err.yellow("warning"),
+    };
+    let help = problem.help.as_ref().map_or(String::new(), |help| format!("  help: {}\n", clean(help)));
+    format!("{word}: {}\n{help}", clean(&problem.what))
+}
+
+/// How many there are: "2 errors and 1 warning".
+pub fn counted(all: &[Problems]) -> String {
+    let list = || all.iter().flat_map(|p| &p.list);
+    let errors = list().filter(|p| p.is_error()).count();
+    let warnings = list().count() - errors;
+    let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
+    match (errors, warnings) {
+        (_, 0) => word(errors, "error"),
+        (0, _) => word(warnings, "warning"),
+        _ => format!("{} and {}", word(errors, "error"), word(warnings, "warning")),
+    }
+}
+
+/// A problem, for programs.
+#[derive(Debug, Serialize)]
+pub struct Listed {
+    severity: &'static str,
+    file: Option<String>,
+    line: Option<usize>,
+    column: Option<usize>,
+    message: String,
+    help: Option<String>,
+}
+
+/// All problems, for programs.
+pub fn listed(all: &[Problems]) -> Vec<Listed> {
+    let mut list = Vec::new();
+    for problems in all {
+        for problem in &problems.list {
+            let place = span(problems, problem).map(|span| problems.position(span.start));
+            list.push(Listed {
+                severity: if problem.is_error() { "error" } else { "warning" },
+                file: Some(problems.file.clone()).filter(|f| !f.is_empty()),
+                line: place.map(|p| p.0),
+                column: place.map(|p| p.1),
+                message: problem.what.clone(),
+                help: problem.help.clone(),
+            });
+        }
+    }
+    list
+}
+
+/// Where it stands, if it stands in the source.
+fn span(problems: &Problems, problem: &Problem) -> Option<std::ops::Range<usize>> {
+    problem.span.clone().filter(|s| !problems.source.is_empty() && *s != (0..0))
+}
+
+/// Without what would move a terminal's cursor or change its colours; no byte moves.
+fn clean(text: &str) -> String {
+    let shown = |c: char| match c {
+        '\n' | '\t' => c,
+        '\r' => ' ',
+        _ if c.is_ascii_control() => '?',
+        // Those of two bytes.
+        _ if c.is_control() => '·',
+        _ => c,
+    };
+    text.chars().map(shown).collect()
+}
+
+fn handler(paint: Paint) -> MietteHandler {
+    let options = MietteHandlerOpts::new().terminal_links(false).force_graphical(true).unicode(true);
+    options.color(paint.0).context_lines(1).break_words(false).build()
+}
+
+/// A problem as miette sees it.
+#[derive(Debug)]
+struct Picture {
+    problem: Problem,
+    what: String,
+    source: Option<(NamedSource<Arc<String>>, std::ops::Range<usize>)>,
+}
+
+impl Picture {
+    fn new(problems: &Problems, problem: &Problem, source: &Arc<String>) -> Self {
+        let place = span(problems, problem).filter(|_| source.len() <= LONG_SOURCE);
+        let place = place.filter(|span| line_length(source, span.start) <= LONG_LINE);
+        let what = match (&place, span(problems, problem)) {
+            (Some(_), _) => clean(&problem.what),
+            (None, Some(span)) => {
+                let (line, column) = problems.position(span.start);
+                format!("{}:{line}:{column}: {}", clean(&problems.file), clean(&problem.what))
+            }
+            (None, None) => format!("{}: {}", clean(&problems.file), clean(&problem.what)),
+        };
+        let source = place.map(|span| (NamedSource::new(clean(&problems.file), Arc::clone(source)), span));
+        Self { problem: problem.clone(), what, source }
+    }
+}
+
+fn line_length(source: &str, at: usize) -> usize {
+    let at = at.min(source.len());
+    let bytes = source.as_bytes();
+    let before = bytes[..at].iter().rev().take_while(|b| **b != b'\n').count();
+    before + bytes[at..].iter().take_while(|b| **b != b'\n').count()
+}
+
+impl fmt::Display for Picture {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.what)
+    }
+}
+
+impl std::error::Error for Picture {}
+
+impl Diagnostic for Picture {
+    fn severity(&self) -> Option<miette::Severity> {
+        Some(if self.problem.is_error() { miette::Severity::Error } else { miette::Severity::Warning })
+    }
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.problem.help.as_ref().map(|help| Box::new(clean(help)) as Box<dyn fmt::Display>)
+    }
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source.as_ref().map(|(source, _)| source as &dyn SourceCode)
+    }
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let (source, span) = self.source.as_ref()?;
+        let text = source.inner();
+        let start = span.start.min(text.len());
+        // A table of many lines is pointed at by its first.
+        let line = text.get(start..).map_or(0, |rest| rest.find('\n').unwrap_or(rest.len()));
+        let length = span.end.saturating_sub(start).min(line).max(usize::from(line > 0));
+        Some(Box::new(std::iter::once(LabeledSpan::new(None, start, length))))
+    }
+}
+
+struct Debugged<'a> {
+    handler: &'a MietteHandler,
+    picture: &'a Picture,
+}
+
+impl fmt::Display for Debugged<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.handler.debug(self.picture, f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{clean, counted, listed, shown};
+    use crate::cli::paint::Paint;
+    use crate::cli::terminal::Terminal;
+    use pacinian::text::{Problem, Problems};
+
+    fn problems() -> Problems {
+        let list = vec![
+            Problem::error(&(4..7), "no \x1b[31mx").help("write y".to_string()),
+            Problem::of_file("all of it"),
+            Problem::error(&(8..500), "beyond"),
+        ];
+        Problems { file: "f.toml".into(), source: "abc\nxyz\x1b\nend".into(), list }
+    }
+
+    fn terminal(pictured: bool) -> Terminal {
+        Terminal { out: Paint(false), err: Paint(false), lively: false, pictured }
+    }
+
+    #[test]
+    fn pictures_show_the_line_and_nothing_that_moves_a_cursor() {
+        let text = shown(&problems(), &terminal(true));
+        for wanted in
+            ["no ?[31mx", "[f.toml:2:1]", "2 │ xyz?", "help: write y", "f.toml: all of it", "beyond"]
+        {
+            assert!(text.contains(wanted), "{wanted}: {text}");
+        }
+        assert!(!text.contains('\x1b'));
+        assert!(!shown(&problems(), &terminal(false)).contains('\x1b'));
+    }
+
+    #[test]
+    fn very_long_lines_are_not_drawn() {
+        let source = "[".repeat(10_000);
+        let list = vec![Problem::error(&(64..65), "too deep")];
+        let text = shown(&Problems { file: "f".into(), source, list }, &terminal(true));
+        assert!(text.len() < 200 && text.contains("f:1:65: too deep"), "{text}");
+    }
+
+    #[test]
+    fn programs_get_line_and_column() {
+        let list = serde_json::to_value(listed(&[problems()])).unwrap();
+        assert_eq!((&list[0]["line"], &list[0]["column"]), (&2.into(), &1.into()));
+        assert!(list[1]["line"].is_null());
+        assert_eq!(counted(&[problems()]), "3 errors");
+        assert_eq!(clean("µ\r\n\u{85}b"), "µ \n·b");
+    }
+}

@@ -1,0 +1,44 @@
+//! Ctrl-C and its kin: the first asks to come to an end, the second means it.
+
+use super::failure::Failure;
+use signal_hook::consts::signal::{SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Whether somebody has asked to stop.
+#[derive(Debug, Clone, Default)]
+pub struct Stop {
+    signal: Arc<AtomicUsize>,
+}
+
+impl Stop {
+    /// Listens from now on.
+    ///
+    /// # Errors
+    /// When the system does not let the program listen.
+    pub fn listen() -> Result<Self, Failure> {
+        let stop = Self::default();
+        let again = Arc::new(AtomicBool::new(false));
+        #[cfg(unix)]
+        let signals = [SIGINT, SIGTERM, signal_hook::consts::signal::SIGHUP];
+        #[cfg(not(unix))]
+        let signals = [SIGINT, SIGTERM];
+        for signal in signals {
+            // In this order: the second of them ends the program before it is noted as the first.
+            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))
+                .and_then(|_| flag::register(signal, Arc::clone(&again)))
+                .and_then(|_| flag::register_usize(signal, Arc::clone(&stop.signal), signal as usize))
+                .map_err(|error| Failure::said(71, format!("Ctrl-C cannot be listened to ({error})")))?;
+        }
+        Ok(stop)
+    }
+
+    /// The exit code to end with, if somebody has asked: 130 for Ctrl-C, 143 for SIGTERM.
+    pub fn asked(&self) -> Option<u8> {
+        match self.signal.load(Ordering::Relaxed) {
+            0 => None,
+            signal => Some(u8::try_from(128 + signal).unwrap_or(130)),
+        }
+    }
+}

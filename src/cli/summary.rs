@@ -1,0 +1,169 @@
+//! What a rendering turned out to be.
+
+use super::paint::Paint;
+use super::perform::Performed;
+use super::plan::{Left, left_out, left_out_text};
+use super::table::{Table, dbfs, grouped, hertz, many};
+use pacinian::io::wav::{Encoding, Written};
+use pacinian::player::Player;
+use serde::Serialize;
+
+/// What a rendering turned out to be.
+#[derive(Debug, Serialize)]
+pub struct Summary {
+    file: String,
+    /// Whether it went to its end.
+    complete: bool,
+    format: String,
+    rate: f64,
+    channels: usize,
+    frames: u64,
+    seconds: f64,
+    bytes: u64,
+    rf64: bool,
+    /// Largest magnitude by channel.
+    peaks: Vec<Peak>,
+    run_time_seconds: f64,
+    times_real_time: f64,
+    voices_started: u64,
+    voices_stolen: u64,
+    /// Channel-samples at the engine's rate that the limiter turned down.
+    limited: u64,
+    /// Samples that the clamp at full scale cut.
+    clamped: u64,
+    /// Samples that were no numbers and became 0.
+    masked: u64,
+    events_dropped: u64,
+    events_late: u64,
+    left_out: Vec<Left>,
+    #[serde(skip)]
+    left_out_text: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Peak {
+    channel: usize,
+    name: String,
+    peak: f32,
+    /// Decibels of full scale; null for silence.
+    dbfs: Option<f64>,
+}
+
+/// Channels listed one by one, at most.
+const SHOWN: usize = 32;
+
+impl Summary {
+    /// Of a file that was written.
+    pub fn new(
+        file: String,
+        format: Encoding,
+        player: &Player,
+        performed: &Performed,
+        written: &Written,
+        names: &[String],
+    ) -> Self {
+        let plan = player.plan();
+        let (counters, counts) = (player.counters(), player.engine().stage().counts());
+        let seconds = written.frames as f64 / plan.device_rate;
+        let run_time = performed.run_time.as_secs_f64();
+        let peak = |(i, peak): (usize, &f32)| Peak {
+            channel: i + 1,
+            name: names.get(i).cloned().unwrap_or_default(),
+            peak: *peak,
+            dbfs: (*peak > 0.0).then(|| 20.0 * f64::from(*peak).log10()),
+        };
+        Self {
+            file,
+            complete: performed.stopped.is_none() && player.trouble().is_none(),
+            format: format.to_string(),
+            rate: plan.device_rate,
+            channels: plan.channels,
+            frames: written.frames,
+            seconds,
+            bytes: written.bytes,
+            rf64: written.rf64,
+            peaks: performed.peaks.iter().enumerate().map(peak).collect(),
+            run_time_seconds: run_time,
+            times_real_time: if run_time > 0.0 { seconds / run_time } else { 0.0 },
+            voices_started: counters.started,
+            voices_stolen: counters.stolen,
+            limited: counts.limited,
+            clamped: counts.clamped + written.clipped,
+            masked: counters.masked + counts.masked + written.non_finite,
+            events_dropped: counters.dropped,
+            events_late: counters.late,
+            left_out: left_out(&plan.left_out),
+            left_out_text: left_out_text(&plan.left_out),
+        }
+    }
+
+    /// As lines for people.
+    pub fn text(&self, paint: Paint) -> String {
+        let mut table = Table::default();
+        let rf64 = if self.rf64 { " (RF64)" } else { "" };
+        let form = format!("{}, {}", self.format, hertz(self.rate));
+        table.row(["channels".into(), format!("{}, {form}{rf64}", self.channels)]);
+        table.row(["length".into(), format!("{:.3} s, {}", self.seconds, size(self.bytes))]);
+        let speed = format!("{:.0} x real time", self.times_real_time);
+        table.row(["run time".into(), format!("{:.3} s of wall time, {speed}", self.run_time_seconds)]);
+        let voices =
+            format!("{} started, {} stolen", grouped(self.voices_started), grouped(self.voices_stolen));
+        table.row(["voices".into(), voices]);
+        table.row(["limiter".into(), acted(self.limited, "sample turned down", "samples turned down")]);
+        for (name, count, one, more) in [
+            ("clamp", self.clamped, "sample cut at full scale", "samples cut at full scale"),
+            (
+                "masked",
+                self.masked,
+                "sample that was no number became 0",
+                "samples that were no numbers became 0",
+            ),
+            ("dropped", self.events_dropped, "event found no room", "events found no room"),
+            ("late", self.events_late, "event came after its time", "events came after their time"),
+        ] {
+            if count > 0 {
+                table.row([name.into(), paint.yellow(&acted(count, one, more))]);
+            }
+        }
+        let mut text = format!("{}\n{}", paint.bold(&self.file), table.text());
+        text += &format!("\n{}\n{}", paint.bold("peaks"), self.peak_lines());
+        if !self.left_out_text.is_empty() {
+            text += &format!("\n{}\n{}", paint.bold("left out, and why"), self.left_out_text);
+        }
+        text
+    }
+
+    fn peak_lines(&self) -> String {
+        let mut table = Table::default();
+        let silent = self.peaks.iter().filter(|p| p.dbfs.is_none()).count();
+        let heard = || self.peaks.iter().filter(|p| p.dbfs.is_some());
+        for peak in heard().take(SHOWN) {
+            table.row([peak.channel.to_string(), peak.name.clone(), format!("{:>11}", dbfs(peak.peak))]);
+        }
+        let mut text = table.text();
+        let more = heard().count().saturating_sub(SHOWN);
+        if more > 0 {
+            text += &format!("  and {more} more; --json shows all\n");
+        }
+        if silent > 0 {
+            text += &format!("  {} of {} silent\n", silent, many(self.channels, "channel"));
+        }
+        text
+    }
+}
+
+fn acted(count: u64, one: &str, more: &str) -> String {
+    match count {
+        0 => "did nothing".into(),
+        1 => format!("1 {one}"),
+        _ => format!("{} {more}", grouped(count)),
+    }
+}
+
+fn size(bytes: u64) -> String {
+    match bytes as f64 {
+        b if b < 1e6 => format!("{:.1} kB", b / 1e3),
+        b if b < 1e9 => format!("{:.1} MB", b / 1e6),
+        b => format!("{:.2} GB", b / 1e9),
+    }
+}

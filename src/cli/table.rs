@@ -1,0 +1,96 @@
+//! Aligned text.
+
+/// Rows of cells, the columns aligned to the left and two blanks apart, each line indented by two.
+#[derive(Debug, Default)]
+pub struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Adds a row.
+    pub fn row<I: IntoIterator<Item = S>, S: Into<String>>(&mut self, cells: I) {
+        self.rows.push(cells.into_iter().map(Into::into).collect());
+    }
+
+    /// The lines.
+    pub fn text(&self) -> String {
+        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let width =
+            |c: usize| self.rows.iter().filter_map(|r| r.get(c)).map(|x| length(x)).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..columns).map(width).collect();
+        let mut text = String::new();
+        for row in &self.rows {
+            let mut line = String::from("  ");
+            for (cell, width) in row.iter().zip(&widths) {
+                line += cell;
+                line += &" ".repeat(width - length(cell) + 2);
+            }
+            text += line.trim_end();
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// Characters that take room.
+fn length(text: &str) -> usize {
+    let (mut count, mut hidden) = (0, false);
+    for c in text.chars() {
+        match (hidden, c) {
+            (false, '\x1b') => hidden = true,
+            (true, 'm') => hidden = false,
+            (true, _) => {}
+            (false, _) => count += 1,
+        }
+    }
+    count
+}
+
+/// A whole number with its thousands apart.
+pub fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A rate in hertz: whole where it is.
+pub fn hertz(rate: f64) -> String {
+    if rate.fract() == 0.0 && rate >= 0.0 { grouped(rate as u64) + " Hz" } else { format!("{rate:.3} Hz") }
+}
+
+/// "1 voice", "2 voices".
+pub fn many(n: usize, word: &str) -> String {
+    format!("{} {word}{}", grouped(n as u64), if n == 1 { "" } else { "s" })
+}
+
+/// Decibels of full scale.
+pub fn dbfs(peak: f32) -> String {
+    if peak > 0.0 { format!("{:.1} dBFS", 20.0 * f64::from(peak).log10()) } else { "silent".into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Table, dbfs, grouped, hertz};
+
+    #[test]
+    fn columns_line_up_whatever_their_colour() {
+        let mut table = Table::default();
+        table.row(["a", "bb", "c"]);
+        table.row(["\x1b[1määä\x1b[0m", "b", "c"]);
+        table.row(["x"]);
+        assert_eq!(table.text(), "  a    bb  c\n  \x1b[1määä\x1b[0m  b   c\n  x\n");
+    }
+
+    #[test]
+    fn numbers() {
+        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1,000", "1,234,567"]);
+        assert_eq!([hertz(48_000.0), hertz(7350.5)], ["48,000 Hz", "7350.500 Hz"]);
+        assert_eq!([dbfs(1.0), dbfs(0.5), dbfs(0.0)], ["0.0 dBFS", "-6.0 dBFS", "silent"]);
+    }
+}

@@ -1,0 +1,135 @@
+//! Events files from the patch's folder: streamed for the score, or read through once to find what is wrong with them.
+
+use super::assets::Folder;
+use super::error::FileError;
+use crate::patch::check::Names;
+use crate::patch::{Action, Event, EventsFile, Patch, Place};
+use crate::score::EventStream;
+use crate::text::Problem;
+use std::collections::HashSet;
+use std::fs::File;
+use std::io::BufReader;
+
+/// What reading an events file through found out.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Survey {
+    /// Events that can be played.
+    pub events: u64,
+    /// Places that they name: each tactor and channel once.
+    pub places: Vec<Place>,
+    /// Bad lines, at most [`MOST_PROBLEMS`]; their texts name file and line.
+    pub problems: Vec<Problem>,
+}
+
+/// After so many bad lines the file is read no further.
+pub const MOST_PROBLEMS: usize = 50;
+
+/// Opens an events file for [`crate::player::Player::with_files`]. What its lines name is left to the score.
+///
+/// # Errors
+/// When it is not in the folder or cannot be read, and when its columns are wrong.
+pub fn open(folder: &Folder, path: &str) -> Result<EventStream<'static>, Problem> {
+    let file = file(folder, path).map_err(|error| Problem::of_file(error.message))?;
+    Ok(Box::new(EventsFile::new(path, BufReader::new(file), None)?))
+}
+
+/// Reads an events file through. Each place is shown to `resolve` once, which says what is wrong with it.
+///
+/// # Errors
+/// When it is not in the folder or cannot be read; bad lines are in the survey.
+pub fn survey(
+    folder: &Folder,
+    path: &str,
+    patch: &Patch,
+    mut resolve: impl FnMut(&Place) -> Option<Problem>,
+) -> Result<Survey, FileError> {
+    let file = file(folder, path)?;
+    let mut survey = Survey::default();
+    let mut reader = match EventsFile::new(path, BufReader::new(file), Some(Names::new(patch))) {
+        Ok(reader) => reader,
+        Err(problem) => {
+            survey.problems.push(problem);
+            return Ok(survey);
+        }
+    };
+    let (mut names, mut channels) = (HashSet::new(), HashSet::new());
+    while let Some(event) = reader.next() {
+        if survey.problems.len() >= MOST_PROBLEMS {
+            survey.problems.push(Problem::of_file(format!("{path}: too many bad lines to look at more")));
+            break;
+        }
+        let event = match event {
+            Ok(event) => event,
+            Err(problem) => {
+                survey.problems.push(problem);
+                continue;
+            }
+        };
+        survey.events += 1;
+        let Some(place) = place(&event) else { continue };
+        let is_new = match place {
+            Place::Name(name) => names.len() < MOST_NAMES && names.insert(name.clone()),
+            Place::Channel(channel) => channels.insert(*channel),
+            Place::Position(_) => false,
+        };
+        if is_new {
+            survey.places.push(place.clone());
+            survey.problems.extend(resolve(place).map(|problem| {
+                let what = format!("{path}:{}: {}", reader.line(), problem.what);
+                Problem::of_file(what).help(problem.help)
+            }));
+        }
+    }
+    Ok(survey)
+}
+
+/// More names than this no rig has, so one of them has been complained about.
+const MOST_NAMES: usize = 2 * crate::rig::MAX_CHANNELS as usize;
+
+fn place(event: &Event) -> Option<&Place> {
+    if let Action::Voice(play) = &event.action { play.place.as_ref() } else { None }
+}
+
+fn file(folder: &Folder, path: &str) -> Result<File, FileError> {
+    let real = folder.resolve(path)?;
+    if real.is_dir() {
+        return Err(FileError::folder(&real));
+    }
+    File::open(&real).map_err(|error| FileError::reading(&real, &error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{open, survey};
+    use crate::io::assets::Folder;
+    use crate::patch::{Patch, Place};
+    use crate::rig::Rig;
+
+    const PATCH: &[u8] = b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"s\"\nnodes.s = { type = \"sine\" }\n";
+
+    #[test]
+    fn every_bad_line_and_every_place_is_found() {
+        let folder = std::env::temp_dir().join(format!("pacinian-events-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let text = "at,voice,place\n0,a,t1\n1,b,t1\n2,a,nowhere\nx,a,\n3,a,nowhere\n4,a,2\n5,a,0.1 0.2\n";
+        std::fs::write(folder.join("w.csv"), text).unwrap();
+        let patch = Patch::parse("p", PATCH).unwrap().value;
+        let rig = Rig::default_for(2);
+        let files = Folder::new(&folder);
+        let found = survey(&files, "w.csv", &patch, |p| rig.resolve(Some(p), &(0..0)).err()).unwrap();
+        let lines: Vec<&str> = found.problems.iter().map(|p| p.what.split(": ").next().unwrap()).collect();
+        assert_eq!(lines, ["w.csv:3", "w.csv:4", "w.csv:5"], "{:?}", found.problems);
+        let places = [Place::Name("t1".into()), Place::Name("nowhere".into()), Place::Channel(2)];
+        assert_eq!((found.events, found.places.as_slice()), (5, &places[..]));
+
+        assert_eq!(
+            open(&files, "w.csv").unwrap().filter(Result::is_ok).count(),
+            6,
+            "names are not its business"
+        );
+        assert_eq!(survey(&files, "none.csv", &patch, |_| None).unwrap_err().exit_code(), 66);
+        assert_eq!(survey(&files, "../w.csv", &patch, |_| None).unwrap_err().exit_code(), 65);
+        assert!(open(&files, ".").is_err());
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
