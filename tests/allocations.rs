@@ -103,7 +103,7 @@ fn a_hundred_thousand_events_and_a_hundred_plans() {
                 };
                 stagehand.engine().schedule(at, Source::Program, event);
             }
-            stagehand.process(&mut frames);
+            stagehand.process(&[], &mut frames);
         });
         events += 100;
     }

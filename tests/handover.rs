@@ -42,7 +42,7 @@ fn run(first: &Plan, calls: usize, mut change: impl FnMut(usize) -> Option<Plan>
         if let Some(plan) = change(n) {
             director.send(&plan).unwrap();
         }
-        stagehand.process(part);
+        stagehand.process(&[], part);
     }
     output
 }
@@ -89,7 +89,7 @@ fn no_more_than_two_are_under_way() {
     assert!(!director.send(&plan).unwrap());
     let mut frames = vec![0.0; 4 * 480];
     for _ in 0..4 {
-        stagehand.process(&mut frames);
+        stagehand.process(&[], &mut frames);
     }
     assert_eq!(director.collect(), 0);
     assert!(director.send(&plan).unwrap());

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::core::GRID;
 use super::event::Play;
 use super::mixer::Routes;
 use super::workspace::Workspace;
@@ -33,6 +34,8 @@ pub struct Lane {
     pub serial: u64,
     /// How loud it may be: the event's level times what folding made gain.
     pub level: f64,
+    /// Engine samples it has been silent since its envelopes ended.
+    pub quiet: u64,
     /// The event.
     pub play: Play,
     /// What it is doing.
@@ -60,6 +63,8 @@ pub struct Bank<R: Real> {
     /// By group, then steady row.
     steady: Vec<[R; LANES]>,
     bases: Vec<[f64; LANES]>,
+    /// By group, then late buffer: what it held one sample ago.
+    late: Vec<[R; LANES]>,
     lanes: Vec<Lane>,
     live: Vec<u8>,
     rising: Vec<u8>,
@@ -68,6 +73,8 @@ pub struct Bank<R: Real> {
     peaks: Vec<[R; LANES]>,
     routes: Vec<Routes<R>>,
     voices: usize,
+    /// Engine samples of silence before a voice that has ended is let go.
+    tail: u64,
     sounding: usize,
     enveloped: bool,
     rate: f64,
@@ -96,12 +103,14 @@ impl<R: Real> Bank<R> {
             states,
             steady: vec![[R::ZERO; LANES]; groups * rows],
             bases: vec![[0.0; LANES]; groups * rows],
+            late: vec![[R::ZERO; LANES]; groups * program.late.len()],
             lanes: vec![
                 Lane {
                     id: 0,
                     born: Instant::default(),
                     serial: 0,
                     level: 0.0,
+                    quiet: 0,
                     play: Play::default(),
                     stage: Stage::Free
                 };
@@ -114,6 +123,7 @@ impl<R: Real> Bank<R> {
             peaks: vec![[R::ZERO; LANES]; groups],
             routes: (0..groups).map(|_| Routes::new(channel_groups)).collect(),
             voices: instrument.voices,
+            tail: (instrument.tail.clamp(0.0, 3600.0) * rate) as u64,
             sounding: 0,
             enveloped,
             rate,
@@ -158,9 +168,12 @@ impl<R: Real> Bank<R> {
         let lane = self.free_lane();
         let (group, l) = (lane / LANES, lane % LANES);
         self.lanes[lane] =
-            Lane { id: play.id, born: at, serial, level: 0.0, play: *play, stage: Stage::Held };
+            Lane { id: play.id, born: at, serial, level: 0.0, quiet: 0, play: *play, stage: Stage::Held };
         self.work_out(lane);
         let age = at.until(clock) - LEAD;
+        for row in &mut self.late[group * self.program.late.len()..][..self.program.late.len()] {
+            row[l] = R::ZERO;
+        }
         for op in 0..self.states.len() {
             self.start_op(op, lane, age, play.duration);
         }
@@ -310,6 +323,12 @@ impl<R: Real> Bank<R> {
 
     /// Computes `frames` samples from `clock` on and adds them to the mix at `offset`.
     pub fn run(&mut self, work: &mut Workspace<R>, frames: usize, offset: usize, clock: u64) {
+        if !self.program.late.is_empty() && frames > 1 {
+            for frame in 0..frames {
+                self.run(work, 1, offset + frame, clock + frame as u64);
+            }
+            return;
+        }
         for group in 0..self.live.len() {
             if self.live[group] != 0 {
                 self.run_ops(group, work, frames, clock);
@@ -327,6 +346,7 @@ impl<R: Real> Bank<R> {
         let rows = self.program.steady.len();
         let steady = &self.steady[group * rows..][..rows];
         let bases = &self.bases[group * rows..][..rows];
+        let late = &self.late[group * self.program.late.len()..][..self.program.late.len()];
         for (op, states) in self.program.ops.iter().zip(&mut self.states) {
             let mut output = std::mem::take(&mut work.buffers[op.output as usize]);
             let input = |input: &OpInput| {
@@ -334,6 +354,7 @@ impl<R: Real> Bank<R> {
                     Feed::Steady(row) => (&steady[row as usize..=row as usize], 0),
                     Feed::Buffer(b) => (&work.buffers[b as usize][..frames], 1),
                     Feed::Shared(s) => (&work.shared[s as usize][..frames], 1),
+                    Feed::Late(i) => (&late[i as usize..=i as usize], 0),
                 };
                 Input { rows, step, base: &bases[input.base as usize] }
             };
@@ -363,6 +384,10 @@ impl<R: Real> Bank<R> {
                 }
             }
             work.buffers[op.output as usize] = output;
+        }
+        let late = &mut self.late[group * self.program.late.len()..][..self.program.late.len()];
+        for (row, buffer) in late.iter_mut().zip(&self.program.late) {
+            *row = work.buffers[*buffer as usize][frames - 1];
         }
     }
 
@@ -396,7 +421,7 @@ impl<R: Real> Bank<R> {
                 work.buffers[own][..frames].fill(self.steady[group * rows + *row as usize]);
                 std::mem::take(&mut work.buffers[own])
             }
-            None => return,
+            Some(Feed::Late(_)) | None => return,
         };
         let block = &mut values[..frames];
         if !is_finite(block) {
@@ -457,11 +482,15 @@ impl<R: Real> Bank<R> {
                     Stage::Fading(since) => since.until(clock) - LEAD > FADE * self.rate,
                     Stage::Held | Stage::Released => {
                         let bit = 1 << l;
-                        let silent = self.ending[group] & bit != 0 && self.peaks[group][l] < R::of(SILENCE);
+                        if self.ending[group] & bit != 0 && self.peaks[group][l] < R::of(SILENCE) {
+                            self.lanes[lane].quiet += GRID;
+                        } else {
+                            self.lanes[lane].quiet = 0;
+                        }
                         if self.has_ended(group, l) {
                             self.ending[group] |= bit;
                         }
-                        silent
+                        self.lanes[lane].quiet > self.tail
                     }
                 };
                 if over {
@@ -536,7 +565,7 @@ impl<R: Real> Bank<R> {
         self.program.outputs[index]
     }
 
-    /// Runs all ops of the first group without mixing: for engine-wide programs.
+    /// Runs all ops of the first group without mixing: for engine-wide programs, which have no loops.
     pub fn run_shared(&mut self, work: &mut Workspace<R>, frames: usize, clock: u64) {
         self.run_ops(0, work, frames, clock);
     }

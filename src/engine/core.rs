@@ -73,6 +73,7 @@ impl<R: Real> Core<R> {
                 fields: Vec::new(),
                 defaults: Vec::new(),
                 place: 0,
+                tail: 0.0,
                 level: 1.0,
                 always: true,
             };
@@ -383,6 +384,7 @@ impl<R: Real> Core<R> {
                         }
                     }
                     Feed::Steady(s) => rows.fill([shared.steady_value(s); LANES]),
+                    Feed::Late(_) => {}
                     Feed::Shared(s) => {
                         let value = std::mem::take(&mut signals[s as usize]);
                         signals[i][..frames].copy_from_slice(&value[..frames]);

@@ -76,8 +76,8 @@ impl Stagehand {
         &mut self.engine
     }
 
-    /// Takes a new plan if one has come, and computes. Neither allocates nor frees.
-    pub fn process(&mut self, output: &mut [f32]) {
+    /// Takes a new plan if one has come, and computes as [`Engine::process_input`]. Neither allocates nor frees.
+    pub fn process(&mut self, input: &[f32], output: &mut [f32]) {
         if self.leaving.is_none()
             && let Some(mut new) = self.new.try_pop()
         {
@@ -85,8 +85,8 @@ impl Stagehand {
             self.leaving = Some(new);
         }
         match &mut self.leaving {
-            Some(old) => self.engine.process_with(output, Some(&mut old.engine)),
-            None => self.engine.process_with(output, None),
+            Some(old) => self.engine.process_with(input, output, Some(&mut old.engine)),
+            None => self.engine.process_with(input, output, None),
         }
         if self.leaving.as_ref().is_some_and(|old| old.engine.is_gone())
             && let Some(old) = self.leaving.take()

@@ -7,6 +7,7 @@ pub mod declick;
 pub mod event;
 pub mod exchange;
 pub mod handover;
+pub mod listener;
 pub mod mixer;
 pub mod stage;
 pub mod task;
@@ -16,12 +17,13 @@ pub mod workspace;
 use std::ops::Range;
 
 use crate::dsp::isa::Isa;
-use crate::graph::plan::{Plan, Precision};
+use crate::graph::plan::{Plan, Precision, Shared};
 use crate::node::kernel::LEAD;
 use crate::schedule::Instant;
 use core::{Core, Counters};
 use event::{Event, Source};
 use handover::Handover;
+use listener::Listener;
 use stage::Stage;
 use task::Task;
 use vibration::Refusal;
@@ -39,6 +41,9 @@ pub struct Engine {
     carry: Vec<f32>,
     /// What of it is still to be given out.
     carried: Range<usize>,
+    listener: Listener,
+    /// By input channel: the engine samples of the block at hand.
+    heard: Vec<Vec<f32>>,
 }
 
 /// What lies between an event and its effect at the device, in seconds.
@@ -101,7 +106,14 @@ impl Engine {
             Precision::Double => AnyCore::Double(Box::new(Core::new(plan, isa)?)),
         };
         let carry = vec![0.0; BLOCK * plan.ratio * plan.channels];
-        Ok(Self { core, channels: plan.channels, ratio: plan.ratio, carry, carried: 0..0 })
+        let inputs = plan
+            .shared
+            .iter()
+            .filter_map(|s| if let Shared::Input(c) = s { Some(*c as usize + 1) } else { None });
+        let inputs = inputs.max().unwrap_or(0);
+        let listener = Listener::new(inputs, plan.taps, plan.ratio, plan.engine_rate());
+        let heard = vec![Vec::with_capacity(BLOCK); inputs];
+        Ok(Self { core, channels: plan.channels, ratio: plan.ratio, carry, carried: 0..0, listener, heard })
     }
 
     /// Seconds from an event to the middle of what it makes at the device, at 250 Hz.
@@ -164,7 +176,23 @@ impl Engine {
 
     /// Fills `output`, interleaved frames of all channels. Samples beyond the last whole frame become 0.
     pub fn process(&mut self, output: &mut [f32]) {
-        self.process_with(output, None);
+        self.process_with(&[], output, None);
+    }
+
+    /// As [`Engine::process`], with what came in during the same frames: interleaved frames of
+    /// [`Engine::input_channels`]. Missing frames count as silence.
+    pub fn process_input(&mut self, input: &[f32], output: &mut [f32]) {
+        self.process_with(input, output, None);
+    }
+
+    /// Channels of an input frame: as many as the plan listens to.
+    pub fn input_channels(&self) -> usize {
+        self.listener.channels()
+    }
+
+    /// Seconds by which what comes in is late at the nodes that read it.
+    pub fn input_delay(&self) -> f64 {
+        self.listener.delay() / (each!(self, core => core.rate()) * self.ratio as f64)
     }
 
     /// Becomes the engine of `new`, which becomes the old one that fades out. Both must be of the same precision, which
@@ -185,7 +213,7 @@ impl Engine {
     }
 
     /// As [`Engine::process`], with the voices of an old engine that fade out.
-    fn process_with(&mut self, output: &mut [f32], mut leaving: Option<&mut Engine>) {
+    fn process_with(&mut self, input: &[f32], output: &mut [f32], mut leaving: Option<&mut Engine>) {
         let whole = output.len() - output.len() % self.channels.max(1);
         let (mut output, rest) = output.split_at_mut(whole);
         rest.fill(0.0);
@@ -199,8 +227,14 @@ impl Engine {
         if step == 0 {
             return;
         }
+        // The frames just given out of the carry have their input too.
+        let mut frames = input.chunks(self.listener.channels().max(1));
+        let mut left = taken / self.channels;
+        self.hear(&mut frames, &mut left, 0);
+        left = output.len() / self.channels;
         while !output.is_empty() {
             let samples = output.len().div_ceil(step).min(BLOCK);
+            self.hear(&mut frames, &mut left, samples);
             let (now, later) = output.split_at_mut((samples * step).min(output.len()));
             if now.len() == samples * step {
                 self.advance(samples, now, leaving.as_deref_mut());
@@ -214,18 +248,37 @@ impl Engine {
             }
             output = later;
         }
+        self.hear(&mut frames, &mut left, 0);
+    }
+
+    /// Hears frames until `samples` engine samples are known; for 0, all that are left, none of which makes one.
+    fn hear(&mut self, frames: &mut std::slice::Chunks<f32>, left: &mut usize, samples: usize) {
+        if self.heard.is_empty() {
+            return;
+        }
+        self.heard.iter_mut().for_each(Vec::clear);
+        while *left > 0 && (samples == 0 || self.heard[0].len() < samples) {
+            *left -= 1;
+            let heard = &mut self.heard;
+            self.listener.hear(frames.next(), |channel, value| {
+                // Never more than a block: capacity for that was taken when the engine was made.
+                if heard[channel].len() < BLOCK {
+                    heard[channel].push(value);
+                }
+            });
+        }
     }
 
     fn advance(&mut self, samples: usize, output: &mut [f32], leaving: Option<&mut Engine>) {
         match (&mut self.core, leaving.map(|old| &mut old.core)) {
             (AnyCore::Single(core), Some(AnyCore::Single(old))) => {
-                core.advance(samples, &[], output, Some(old))
+                core.advance(samples, &self.heard, output, Some(old))
             }
             (AnyCore::Double(core), Some(AnyCore::Double(old))) => {
-                core.advance(samples, &[], output, Some(old))
+                core.advance(samples, &self.heard, output, Some(old))
             }
-            (AnyCore::Single(core), _) => core.advance(samples, &[], output, None),
-            (AnyCore::Double(core), _) => core.advance(samples, &[], output, None),
+            (AnyCore::Single(core), _) => core.advance(samples, &self.heard, output, None),
+            (AnyCore::Double(core), _) => core.advance(samples, &self.heard, output, None),
         }
     }
 }

@@ -29,6 +29,11 @@ pub fn fold(mut graph: Graph, order: &[NodeId]) -> Graph {
 }
 
 fn substitute(wire: &mut Wire, same: &[Option<Wire>]) {
+    if let Some(Signal::Late(id)) = wire.signal
+        && let Some(known @ Wire { base: Base::Constant(_), signal: None }) = same[id as usize]
+    {
+        *wire = known;
+    }
     let Some(Signal::Node(id)) = wire.signal else { return };
     if let Some(other) = same[id as usize] {
         *wire = match (wire.base, other) {
@@ -75,7 +80,7 @@ pub fn take_gain(graph: &mut Graph) {
     let wire = Signal::Node(id);
     let read_elsewhere = graph.nodes.iter().flat_map(|n| &n.inputs).chain(&graph.outputs[1..]);
     if graph.nodes[id as usize].kind.spec().name != "multiply"
-        || read_elsewhere.into_iter().any(|w| w.signal == Some(wire))
+        || read_elsewhere.into_iter().any(|w| w.signal == Some(wire) || w.signal == Some(Signal::Late(id)))
     {
         return;
     }

@@ -2,6 +2,7 @@
 
 pub mod build;
 pub mod fold;
+pub mod late;
 pub mod order;
 pub mod plan;
 pub mod program;
@@ -44,6 +45,8 @@ pub enum Base {
 pub enum Signal {
     /// A node of the same graph.
     Node(NodeId),
+    /// A node of the same graph, one sample ago.
+    Late(NodeId),
     /// An engine-wide signal: a control, an audio input, or a shared node, by its place in the plan's list.
     Shared(u32),
 }

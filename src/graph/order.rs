@@ -16,8 +16,13 @@ pub fn depth_first(graph: &Graph) -> Result<Vec<NodeId>, Vec<NodeId>> {
     let mut mark = vec![NEW; graph.nodes.len()];
     let mut order = Vec::with_capacity(graph.nodes.len());
     let mut stack: Vec<(NodeId, u32)> = Vec::new();
-    for output in &graph.outputs {
-        let Some(Signal::Node(root)) = output.signal else { continue };
+    let roots = graph.outputs.iter().filter_map(|wire| match wire.signal {
+        Some(Signal::Node(id) | Signal::Late(id)) => Some(id),
+        _ => None,
+    });
+    // What is needed one sample later is needed too, but in no particular order.
+    let mut roots: std::collections::VecDeque<NodeId> = roots.collect();
+    while let Some(root) = roots.pop_front() {
         if mark[root as usize] == NEW {
             mark[root as usize] = OPEN;
             stack.push((root, 0));
@@ -26,7 +31,14 @@ pub fn depth_first(graph: &Graph) -> Result<Vec<NodeId>, Vec<NodeId>> {
             let node = &graph.nodes[*id as usize];
             if let Some(wire) = node.inputs.get(*next as usize) {
                 *next += 1;
-                let Some(Signal::Node(from)) = wire.signal else { continue };
+                let from = match wire.signal {
+                    Some(Signal::Node(from)) => from,
+                    Some(Signal::Late(from)) => {
+                        roots.push_back(from);
+                        continue;
+                    }
+                    _ => continue,
+                };
                 match mark[from as usize] {
                     NEW => {
                         mark[from as usize] = OPEN;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::order::depth_first;
 use super::program::{Program, program};
-use super::{Graph, NodeId, fold, prune};
+use super::{Graph, NodeId, fold, late, prune};
 
 /// The number type of the lanes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -96,6 +96,8 @@ pub struct Instrument {
     pub defaults: Vec<f64>,
     /// Its place where an event names none.
     pub place: u32,
+    /// Seconds of silence after its envelopes have ended before it counts as over: what a delay may still bring.
+    pub tail: f64,
     /// Its level where nothing says another.
     pub level: f64,
     /// Sounds from the beginning, without an event.
@@ -175,11 +177,12 @@ pub struct Compiled {
 }
 
 /// Runs all passes over a graph. Where a mixer takes the first output (`mixed`), steady factors of it become its gain.
+/// `rate` is the engine's, Hz.
 ///
 /// # Errors
 /// The nodes of a loop.
-pub fn compile(graph: Graph, mixed: bool) -> Result<Compiled, Vec<NodeId>> {
-    let order = depth_first(&graph)?;
+pub fn compile(mut graph: Graph, mixed: bool, rate: f64) -> Result<Compiled, Vec<NodeId>> {
+    let order = late::open(&mut graph, rate)?;
     let (graph, pruned) = prune::prune(graph, &order);
     let needed = graph.nodes.len();
     let order: Vec<NodeId> = (0..needed as NodeId).collect();

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::start::StartProgram;
-use super::{Base, Graph, Node, Signal, Wire};
+use super::{Base, Graph, Node, NodeId, Signal, Wire};
 
 /// Ops in order, and where their values stand.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -21,6 +21,8 @@ pub struct Program {
     pub outputs: Vec<Feed>,
     /// Factors of the first output, worked out at the onset.
     pub gain: Vec<Base>,
+    /// Buffers whose last row is wanted one sample later. Where there are any, the program runs sample by sample.
+    pub late: Vec<u32>,
 }
 
 /// A node, ready to run.
@@ -52,6 +54,8 @@ pub enum Feed {
     Buffer(u32),
     /// An engine-wide signal.
     Shared(u32),
+    /// The row that a late buffer held one sample ago, by its place in [`Program::late`].
+    Late(u32),
 }
 
 /// The program of a graph whose nodes all stand after what they read (see [`super::prune`]).
@@ -62,8 +66,17 @@ pub fn program(graph: Graph) -> Program {
 
     let mut uses = vec![0_u32; nodes.len()];
     for wire in nodes.iter().flat_map(|n| &n.inputs).chain(&outputs) {
-        if let Some(Signal::Node(id)) = wire.signal {
+        // What is wanted a sample later is never given back.
+        if let Some(Signal::Node(id) | Signal::Late(id)) = wire.signal {
             uses[id as usize] += 1;
+        }
+    }
+    let mut late_nodes: Vec<NodeId> = Vec::new();
+    for wire in nodes.iter().flat_map(|n| &n.inputs) {
+        if let Some(Signal::Late(id)) = wire.signal
+            && !late_nodes.contains(&id)
+        {
+            late_nodes.push(id);
         }
     }
     let mut buffer_of = vec![0_u32; nodes.len()];
@@ -80,7 +93,7 @@ pub fn program(graph: Graph) -> Program {
                 .nth(i)
                 .is_some_and(|p| matches!(p.kind, crate::node::spec::Kind::Frequency(_)));
             let base = rows.row(wire.base);
-            let feed = feed(wire, if frequency { 0 } else { base }, &buffer_of);
+            let feed = feed(wire, if frequency { 0 } else { base }, &buffer_of, &late_nodes);
             inputs.push(OpInput { base, feed });
         }
         // The output may not share a buffer with an input, so it is chosen before these are given back.
@@ -103,14 +116,16 @@ pub fn program(graph: Graph) -> Program {
         .iter()
         .map(|wire| {
             let base = rows.row(wire.base);
-            feed(wire, base, &buffer_of)
+            feed(wire, base, &buffer_of, &late_nodes)
         })
         .collect();
-    Program { ops, steady: rows.list, starts, buffers: buffers as usize, outputs, gain }
+    let late = late_nodes.iter().map(|id| buffer_of[*id as usize]).collect();
+    Program { ops, steady: rows.list, starts, buffers: buffers as usize, outputs, gain, late }
 }
 
-fn feed(wire: &Wire, steady: u32, buffer_of: &[u32]) -> Feed {
+fn feed(wire: &Wire, steady: u32, buffer_of: &[u32], late: &[NodeId]) -> Feed {
     match wire.signal {
+        Some(Signal::Late(id)) => Feed::Late(late.iter().position(|l| *l == id).unwrap_or(0) as u32),
         Some(Signal::Node(id)) => Feed::Buffer(buffer_of[id as usize]),
         Some(Signal::Shared(index)) => Feed::Shared(index),
         None => Feed::Steady(steady),

@@ -16,7 +16,7 @@ pub fn prune(mut graph: Graph, order: &[NodeId]) -> (Graph, Vec<Arc<str>>) {
     let mut old: Vec<_> = std::mem::take(&mut graph.nodes).into_iter().map(Some).collect();
     graph.nodes = order.iter().filter_map(|&id| old[id as usize].take()).collect();
     for wire in graph.nodes.iter_mut().flat_map(|n| &mut n.inputs).chain(&mut graph.outputs) {
-        if let Some(Signal::Node(id)) = &mut wire.signal {
+        if let Some(Signal::Node(id) | Signal::Late(id)) = &mut wire.signal {
             *id = place[*id as usize];
         }
     }

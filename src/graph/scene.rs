@@ -97,19 +97,20 @@ pub fn scene(
             problems.push(p);
             0
         });
-        match compile(graph, true) {
+        match compile(graph, true, device_rate / ratio as f64) {
             Ok(compiled) => {
                 note(&voice.name, &compiled.pruned, &compiled.folded, &mut left_out);
                 of_voice[v] = Some(instruments.len() as u32);
                 instruments.push(Instrument {
                     name: voice.name.as_str().into(),
-                    program: compiled.program,
                     voices: voice.voices as usize,
                     fields: voice.fields.iter().map(|(n, _)| n.as_str().into()).collect(),
                     defaults: voice.fields.iter().map(|(_, x)| *x).collect(),
                     place: place as u32,
+                    tail: voice.tail.unwrap_or_else(|| tail(&compiled.program)),
                     level: voice.level,
                     always: voice.start == Start::Always,
+                    program: compiled.program,
                 });
             }
             Err(_) => {
@@ -117,7 +118,8 @@ pub fn scene(
             }
         }
     }
-    let (shared, shared_program) = shared(patch, &mut wanted, assets, &mut left_out, &mut problems);
+    let (shared, shared_program) =
+        shared(patch, &mut wanted, assets, device_rate / ratio as f64, &mut left_out, &mut problems);
     let (shared, controls) = controls(patch, shared, &mut left_out);
     if !problems.is_empty() {
         return Err(problems);
@@ -239,6 +241,12 @@ fn voices(patch: &Patch, patterns: &[usize], live: bool, left_out: &mut Vec<Left
     found
 }
 
+/// How long a voice's delays may be silent and still bring something: their longest times, one after the other.
+fn tail(program: &Program) -> f64 {
+    let delays = program.ops.iter().filter(|op| op.node.kind.spec().name == "delay");
+    delays.filter_map(|op| op.node.settings.constants.first()).sum()
+}
+
 fn note(owner: &str, pruned: &[Arc<str>], folded: &[Arc<str>], left_out: &mut Vec<LeftOut>) {
     for (names, why) in [(pruned, Why::Pruned), (folded, Why::Folded)] {
         let names: BTreeSet<&str> = names.iter().map(|n| &**n).collect();
@@ -253,6 +261,7 @@ fn shared(
     patch: &Patch,
     wanted: &mut Wanted,
     assets: &dyn Assets,
+    rate: f64,
     left_out: &mut Vec<LeftOut>,
     problems: &mut Vec<Problem>,
 ) -> (Vec<Want>, Program) {
@@ -274,7 +283,11 @@ fn shared(
             return (wanted.list.clone(), Program::default());
         }
     };
-    match compile(graph, false) {
+    match compile(graph, false, rate) {
+        Ok(compiled) if !compiled.program.late.is_empty() => {
+            problems.push(Problem::of_file("the shared nodes have a loop; loops may stand in voices only"));
+            (wanted.list.clone(), Program::default())
+        }
         Ok(compiled) => {
             note("shared", &compiled.pruned, &compiled.folded, left_out);
             (wanted.list.clone(), compiled.program)

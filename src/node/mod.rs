@@ -152,4 +152,5 @@ registry! {
     Delay = delay,
     Sample = sample,
     Scan = scan,
+    Input = input,
 }

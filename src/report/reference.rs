@@ -4,6 +4,8 @@
 //! then brought down to the engine's rate by a filter that leaves 0 to 1 kHz alone. Nothing of the engine takes part: no lanes, no
 //! blocks, no corrections, no output stage.
 
+use std::collections::VecDeque;
+
 use super::decimate::Decimator;
 use crate::dsp::random;
 use crate::engine::bank::{FADE, fade};
@@ -54,7 +56,7 @@ pub fn reference(plan: &Plan, events: &[(f64, Play)], seconds: f64, over: usize)
         let Some(instrument) = plan.instruments.get(play.instrument as usize) else { continue };
         let at = Instant::of_samples(at * rate);
         let voice = Voice::new(&instrument.program, &play, at, plan.seed, rate, fine);
-        let (first, samples, gain) = voice.render(&play, &shared, length * over);
+        let (first, samples, gain) = voice.render(&play, &shared, length * over, instrument.tail + QUIET);
         for &(channel, share) in plan.places.get(play.place as usize).into_iter().flatten() {
             if let Some(low) = channels.get_mut(channel as usize) {
                 decimator.add(&samples, first, gain * share, low);
@@ -108,6 +110,8 @@ struct Voice<'a> {
     /// Which op each input reads, by op and input; ops that write the same buffer make the buffer's number useless here.
     writers: Vec<Vec<Option<usize>>>,
     last_writer: Vec<usize>,
+    /// For each late buffer, its values of the last engine sample, oldest first.
+    past: Vec<VecDeque<f64>>,
     fine: f64,
     /// Fine samples to an engine sample.
     over: f64,
@@ -138,14 +142,16 @@ impl<'a> Voice<'a> {
         }
         let born = (at.sample as f64 + f64::from(at.fraction) / 4_294_967_296.0) * fine / rate;
         let values = vec![0.0; program.ops.len()];
-        Self { program, twins, steady, values, gain, writers, last_writer, fine, over: fine / rate, born }
+        let over = fine / rate;
+        let past = vec![VecDeque::from(vec![0.0; over as usize]); program.late.len()];
+        Self { program, twins, steady, values, gain, writers, last_writer, past, fine, over, born }
     }
 
     fn value(&self, feed: Feed, n: i64, shared: &[Vec<f64>]) -> f64 {
         match feed {
             Feed::Steady(row) => self.steady[row as usize],
             Feed::Shared(s) => shared[s as usize].get(n.max(0) as usize).copied().unwrap_or(0.0),
-            Feed::Buffer(_) => 0.0,
+            Feed::Buffer(_) | Feed::Late(_) => 0.0,
         }
     }
 
@@ -156,14 +162,22 @@ impl<'a> Voice<'a> {
             let params = op.node.kind.spec().params.iter().filter(|p| p.kind.is_input());
             let mut kinds = params.map(|p| matches!(p.kind, Kind::Frequency(_)));
             for (k, input) in op.inputs.iter().enumerate() {
-                let value = match self.writers[i][k] {
-                    Some(writer) => self.values[writer],
-                    None => self.value(input.feed, n, shared),
+                let value = match (self.writers[i][k], input.feed) {
+                    (Some(writer), _) => self.values[writer],
+                    (None, Feed::Late(slot)) => self.past[slot as usize].front().copied().unwrap_or(0.0),
+                    (None, feed) => self.value(feed, n, shared),
                 };
                 let frequency = kinds.next().unwrap_or(false);
                 inputs[k] = if frequency { value + self.steady[input.base as usize] } else { value };
             }
             self.values[i] = self.twins[i].step(t, &inputs[..op.inputs.len()]);
+        }
+        // One sample of the engine late, as the program has it.
+        for (past, buffer) in self.past.iter_mut().zip(&self.program.late) {
+            past.push_back(self.values[self.last_writer[*buffer as usize]]);
+            if past.len() > self.over as usize {
+                past.pop_front();
+            }
         }
     }
 
@@ -176,7 +190,7 @@ impl<'a> Voice<'a> {
     }
 
     /// First fine sample, samples, and the gain they all have.
-    fn render(mut self, play: &Play, shared: &[Vec<f64>], length: usize) -> (i64, Vec<f64>, f64) {
+    fn render(mut self, play: &Play, shared: &[Vec<f64>], length: usize, tail: f64) -> (i64, Vec<f64>, f64) {
         let enveloped = self.twins.iter().any(|t| t.sounding().is_some());
         // As early as the engine, so that filters have met the same.
         let first = (self.born - LEAD * self.over).floor() as i64 + 1;
@@ -202,7 +216,7 @@ impl<'a> Voice<'a> {
             };
             samples.push(value);
             quiet = if ended && value.abs() < 1e-9 { quiet + 1.0 / self.fine } else { 0.0 };
-            if quiet > QUIET {
+            if quiet > tail {
                 break;
             }
         }
