@@ -76,43 +76,52 @@ impl Scene {
     /// All problems of patch, rig, recordings and events files at once.
     pub fn load(&self, all: bool) -> Result<Loaded, Failure> {
         let mut failure = Failure::default();
+        let patch = read(&self.patch, &mut failure);
+        let rig = self.rig.as_ref().map(|path| read(path, &mut failure));
+        self.understand(patch, rig, failure, all)
+    }
+
+    /// A scene from texts that are at hand; nothing is read from the disk but what they name.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn of_texts(patch: (&str, &str), rig: (&str, &str)) -> Result<Loaded, Failure> {
+        let scene = Self {
+            patch: patch.0.into(),
+            rig: None,
+            pattern: None,
+            rate: None,
+            seed: None,
+            precision: Number::F32,
+            taps: 6,
+            allow_outside: false,
+        };
+        let text = |(name, text): (&str, &str)| Text { name: name.into(), bytes: Some(text.into()) };
+        scene.understand(text(patch), Some(text(rig)), Failure::default(), false)
+    }
+
+    fn understand(
+        &self,
+        patch: Text,
+        rig: Option<Text>,
+        mut failure: Failure,
+        all: bool,
+    ) -> Result<Loaded, Failure> {
         let mut warnings = Vec::new();
-        let mut keep = |failure: &mut Failure, code, result: Result<Checked<_>, Problems>| match result {
-            Ok(checked) => {
-                warnings.push(checked.warnings);
-                Some(checked.value)
-            }
-            Err(problems) => {
-                failure.join(Failure::of(code, problems));
-                None
-            }
-        };
+        let Text { name, bytes } = patch;
         let may = patch::Options { allow_outside: self.allow_outside };
-        let (name, bytes) = read(&self.patch, &mut failure);
-        let patch = bytes.as_ref().and_then(|bytes| {
-            let parsed = Patch::parse_with(&name, bytes, may);
-            keep(
-                &mut failure,
-                65,
-                parsed.map(|c| Checked { value: Either::Patch(c.value), warnings: c.warnings }),
-            )
-        });
-        let rig = self.rig.as_ref().map(|path| {
-            let (name, bytes) = read(path, &mut failure);
+        let parsed = bytes.as_ref().map(|bytes| Patch::parse_with(&name, bytes, may));
+        let patch = parsed.and_then(|parsed| sound(parsed, 65, &mut warnings, &mut failure));
+        let given = rig.map(|Text { name, bytes }| {
             let parsed = Rig::parse(&name, &bytes?);
-            keep(
-                &mut failure,
-                78,
-                parsed.map(|c| Checked { value: Either::Rig(c.value), warnings: c.warnings }),
-            )
+            sound(parsed, 78, &mut warnings, &mut failure)
         });
-        let (Some(Either::Patch(patch)), rig) = (patch, rig) else { return Err(failure) };
-        let rig = match rig {
-            Some(Some(Either::Rig(rig))) => Some(rig),
-            Some(_) => return Err(failure),
-            None => None,
+        let (patch, rig) = match (patch, given) {
+            (Some(patch), None) => (patch, None),
+            (Some(patch), Some(Some(rig))) => (patch, Some(rig)),
+            _ => return Err(failure),
         };
-        warnings.retain(|w| !w.list.is_empty());
+        warnings.retain(|w: &Problems| !w.list.is_empty());
         let source = String::from_utf8(bytes.unwrap_or_default()).unwrap_or_default();
         let source = Problems { file: name, source, list: Vec::new() };
         self.join(patch, rig, source, warnings, all)
@@ -258,10 +267,29 @@ impl Loaded {
     }
 }
 
-/// What [`Scene::load`] reads.
-enum Either {
-    Patch(Patch),
-    Rig(Rig),
+/// A file as it was read.
+struct Text {
+    name: String,
+    bytes: Option<Vec<u8>>,
+}
+
+/// What was parsed, if it could be; warnings and failures go where they belong.
+fn sound<T>(
+    parsed: Result<Checked<T>, Problems>,
+    code: u8,
+    warnings: &mut Vec<Problems>,
+    failure: &mut Failure,
+) -> Option<T> {
+    match parsed {
+        Ok(checked) => {
+            warnings.push(checked.warnings);
+            Some(checked.value)
+        }
+        Err(problems) => {
+            failure.join(Failure::of(code, problems));
+            None
+        }
+    }
 }
 
 /// Recordings of a folder, and what became of them.
@@ -288,15 +316,15 @@ impl Assets for Watched<'_> {
     }
 }
 
-fn read(path: &Path, failure: &mut Failure) -> (String, Option<Vec<u8>>) {
-    let bytes = match text::read(path) {
-        Ok(bytes) => Some(bytes),
+fn read(path: &Path, failure: &mut Failure) -> Text {
+    let name = path.display().to_string();
+    match text::read(path) {
+        Ok(bytes) => Text { name, bytes: Some(bytes) },
         Err(error) => {
             failure.join(error.into());
-            None
+            Text { name, bytes: None }
         }
-    };
-    (path.display().to_string(), bytes)
+    }
 }
 
 /// As many as the patch names, by number or as `t12`, and 8 at least.

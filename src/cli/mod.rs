@@ -39,10 +39,10 @@ use terminal::{Terminal, When};
 )]
 struct Cli {
     /// Colours: always, never, or auto, which asks NO_COLOR, CLICOLOR_FORCE, FORCE_COLOR and the terminal
-    #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t = When::Auto, hide_possible_values = true)]
+    #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t = When::Auto, hide_possible_values = true, help_heading = "Terminal")]
     color: When,
     /// Problems one a line, FILE:LINE:COLUMN, as when they do not go to a terminal
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = "Terminal")]
     plain: bool,
     #[command(subcommand)]
     command: Command,

@@ -72,7 +72,8 @@ impl Until {
         ))
     }
 
-    fn expected(self, player: &Player) -> Option<f64> {
+    /// The length that it will turn out to have, as far as that is known.
+    pub fn expected(self, player: &Player) -> Option<f64> {
         match self {
             Self::Seconds(seconds) => Some(seconds),
             Self::Over(tail) => player.length().map(|length| length + tail),

@@ -4,11 +4,12 @@ use super::load::Loaded;
 use super::paint::Paint;
 use super::table::{Table, hertz, many};
 use pacinian::graph::plan::{LeftOut, OutputKind, Plan, Precision};
-use pacinian::patch::{Events, Pattern, Source};
+use pacinian::patch::{Action, Events, Patch, Pattern, Source};
 use pacinian::player::Player;
 use pacinian::score::Score;
 use pacinian::text::Problem;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// What will run.
 #[derive(Debug, Serialize)]
@@ -77,7 +78,10 @@ struct OutputReport {
 #[derive(Debug, Serialize)]
 struct PatternReport {
     name: String,
+    /// From the beginning.
     plays: bool,
+    /// Within one that plays.
+    nested: bool,
     endless: bool,
     seconds: Option<f64>,
     file: Option<String>,
@@ -232,10 +236,14 @@ impl PlanReport {
             let length = match p.seconds {
                 _ if p.endless => "without end".into(),
                 Some(seconds) => format!("{seconds:.2} s"),
-                None => "as long as it turns out".into(),
+                None => "length is drawn or read".into(),
             };
             let from = p.file.as_ref().map_or(String::new(), |file| format!(" from {file}"));
-            let plays = if p.plays { "plays" } else { "waits" };
+            let plays = match (p.plays, p.nested) {
+                (true, _) => "plays",
+                (false, true) => "within",
+                (false, false) => "does not play",
+            };
             table.row([p.name.clone(), plays.into(), length, many(p.events as usize, "event") + &from]);
         }
         table.text()
@@ -286,6 +294,7 @@ fn voices(plan: &Plan) -> Vec<VoiceReport> {
 fn patterns(loaded: &Loaded) -> Vec<PatternReport> {
     let patch = &loaded.patch;
     let playing = playing(loaded);
+    let reached = reached(patch, &playing);
     let report = |(i, pattern): (usize, &Pattern)| {
         let refuse = |path: &str| Err(Problem::of_file(path));
         let score = Score::new(patch, |_| Ok(0), &[(i, 0.0)], 0, refuse);
@@ -299,6 +308,7 @@ fn patterns(loaded: &Loaded) -> Vec<PatternReport> {
         PatternReport {
             name: pattern.name.clone(),
             plays: playing.contains(&i),
+            nested: reached.contains(&i),
             endless: is_endless(pattern),
             seconds: score.ok().and_then(|s| s.length()),
             file,
@@ -306,6 +316,27 @@ fn patterns(loaded: &Loaded) -> Vec<PatternReport> {
         }
     };
     patch.patterns.iter().enumerate().map(report).collect()
+}
+
+/// Patterns that those in `playing` play, they among them.
+fn reached(patch: &Patch, playing: &[usize]) -> BTreeSet<usize> {
+    let find = |name: &str| patch.patterns.iter().position(|p| p.name == name);
+    let (mut found, mut open) = (BTreeSet::new(), playing.to_vec());
+    while let Some(index) = open.pop() {
+        let Some(pattern) = patch.patterns.get(index).filter(|_| found.insert(index)) else { continue };
+        let Events::Inline(events) = &pattern.events else { continue };
+        let mut visit = |action: &Action| match action {
+            Action::Pattern { pattern, .. } => open.extend(find(pattern)),
+            Action::Voice(_) | Action::Marker(_) | Action::Choose(_) => {}
+        };
+        for event in events {
+            visit(&event.action);
+            if let Action::Choose(list) = &event.action {
+                list.iter().for_each(|a| visit(&a.action));
+            }
+        }
+    }
+    found
 }
 
 /// Whether it repeats for ever.

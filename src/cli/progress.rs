@@ -43,6 +43,16 @@ impl Progress {
     }
 }
 
+impl Progress {
+    /// What is being done, at so much of the total.
+    pub fn says(&self, what: &str, at: f64) {
+        let Some(bar) = &self.bar else { return };
+        bar.set_message(what.to_string());
+        bar.set_position((at * STEPS) as u64);
+        bar.tick();
+    }
+}
+
 impl Drop for Progress {
     fn drop(&mut self) {
         if let Some(bar) = &self.bar {

@@ -10,7 +10,8 @@ use super::summary::Summary;
 use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::wav::{Encoding, WavSpec, WavWriter};
-use pacinian::text::Problem;
+use pacinian::player::Player;
+use pacinian::text::{Problem, Severity};
 use std::path::{Path, PathBuf};
 
 /// Renders a patch to a WAV file with a channel for each tactor
@@ -69,64 +70,93 @@ impl Render {
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
-        let (summary, ending) =
-            write_wav(&loaded, &self.output, self.format, self.duration, terminal, |_| {})?;
-        terminal.print(&if self.json { json(&summary) } else { summary.text(terminal.out) })?;
-        ending
+        let wav = Wav { output: &self.output, format: self.format, duration: self.duration, record: false };
+        let rendered = wav.write(&loaded, terminal, |_| {})?;
+        let summary = &rendered.summary;
+        terminal.print(&if self.json { json(summary) } else { summary.text(terminal.out) })?;
+        rendered.ending
     }
 }
 
-/// Renders to a WAV file, showing each block to `also`. The second result is why it ended early, if it did.
-///
-/// # Errors
-/// When there is no file, or no complete one for want of room.
-pub fn write_wav(
-    loaded: &Loaded,
-    output: &Path,
-    format: Encoding,
-    duration: Option<f64>,
-    terminal: &Terminal,
-    mut also: impl FnMut(&[f32]),
-) -> Result<(Summary, Result<(), Failure>), Failure> {
-    check_output(output, loaded)?;
-    let mut player = loaded.player()?;
-    let until = Until::of(loaded, &player, duration)?;
-    let names = loaded.tactors();
-    let rate = player.plan().device_rate as u32;
-    let mut spec = WavSpec::new(player.plan().channels, rate, format);
-    spec.seed = player.plan().seed;
-    spec.title.clone_from(&loaded.patch.title);
-    spec.tactors.clone_from(&names);
-    let stop = Stop::listen()?;
-    let mut writer = WavWriter::create(output, spec)?;
-    let shown = output.display().to_string();
-    let performed = perform(&mut player, until, &stop, terminal, |block| {
-        also(block);
-        writer.write(block)
-    });
-    let performed = performed.map_err(|(error, frames)| {
-        let mut failure = Failure::from(error);
-        if frames > 0 {
-            let seconds = frames as f64 / f64::from(rate);
-            failure.join(Failure::said(74, format!("`{shown}` plays, but ends before {seconds:.1} s")));
+/// A WAV file to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct Wav<'a> {
+    /// Where.
+    pub output: &'a Path,
+    /// How samples are stored.
+    pub format: Encoding,
+    /// Seconds, where somebody said so.
+    pub duration: Option<f64>,
+    /// Whether the player keeps what it plays.
+    pub record: bool,
+}
+
+/// A WAV file that was written.
+pub struct Rendered {
+    /// What it turned out to be.
+    pub summary: Summary,
+    /// Why it ended early, if it did.
+    pub ending: Result<(), Failure>,
+    /// The player at its end.
+    pub player: Player,
+}
+
+impl Wav<'_> {
+    /// Renders, showing each block to `also`.
+    ///
+    /// # Errors
+    /// When there is no file, or no complete one for want of room.
+    pub fn write(
+        self,
+        loaded: &Loaded,
+        terminal: &Terminal,
+        mut also: impl FnMut(&[f32]),
+    ) -> Result<Rendered, Failure> {
+        let Self { output, format, duration, record } = self;
+        check_output(output, loaded)?;
+        let mut player = loaded.player()?;
+        if record {
+            player.record();
         }
-        failure
-    })?;
-    let written = writer.finish()?;
-    let seconds = written.frames as f64 / f64::from(rate);
-    let ending = if let Some(code) = performed.stopped {
-        let problem = Problem {
-            severity: pacinian::text::Severity::Warning,
-            ..Problem::of_file(format!("stopped; `{shown}` is complete up to {seconds:.3} s"))
+        let until = Until::of(loaded, &player, duration)?;
+        let names = loaded.tactors();
+        let rate = player.plan().device_rate as u32;
+        let mut spec = WavSpec::new(player.plan().channels, rate, format);
+        spec.seed = player.plan().seed;
+        spec.title.clone_from(&loaded.patch.title);
+        spec.tactors.clone_from(&names);
+        let stop = Stop::listen()?;
+        let mut writer = WavWriter::create(output, spec)?;
+        let shown = output.display().to_string();
+        let performed = perform(&mut player, until, &stop, terminal, |block| {
+            also(block);
+            writer.write(block)
+        });
+        let performed = performed.map_err(|(error, frames)| {
+            let mut failure = Failure::from(error);
+            if frames > 0 {
+                let seconds = frames as f64 / f64::from(rate);
+                failure.join(Failure::said(74, format!("`{shown}` plays, but ends before {seconds:.1} s")));
+            }
+            failure
+        })?;
+        let written = writer.finish()?;
+        let seconds = written.frames as f64 / f64::from(rate);
+        let ending = if let Some(code) = performed.stopped {
+            let problem = Problem {
+                severity: Severity::Warning,
+                ..Problem::of_file(format!("stopped; `{shown}` is complete up to {seconds:.3} s"))
+            };
+            terminal.note(&problems::sentence(&problem, terminal));
+            Err(Failure::told(code))
+        } else if let Some(trouble) = player.trouble() {
+            let mut failure = loaded.refuse(vec![trouble.clone()], &[]);
+            failure.join(Failure::said(65, format!("`{shown}` holds the {seconds:.3} s before that")));
+            Err(failure)
+        } else {
+            Ok(())
         };
-        terminal.note(&problems::sentence(&problem, terminal));
-        Err(Failure::told(code))
-    } else if let Some(trouble) = player.trouble() {
-        let mut failure = loaded.refuse(vec![trouble.clone()], &[]);
-        failure.join(Failure::said(65, format!("`{shown}` holds the {seconds:.3} s before that")));
-        Err(failure)
-    } else {
-        Ok(())
-    };
-    Ok((Summary::new(shown, format, &player, &performed, &written, &names), ending))
+        let summary = Summary::new(shown, format, &player, &performed, &written, &names);
+        Ok(Rendered { summary, ending, player })
+    }
 }
