@@ -268,9 +268,11 @@ impl Player {
                         Play { instrument, place, level, duration, own, id: next.id },
                     );
                 }
-                What::Marker(_) => {
+                What::Marker(name) => {
+                    let number =
+                        self.plan.markers.iter().position(|m| *m == name).map_or(u32::MAX, |i| i as u32);
                     let at = Instant::of_samples(next.at * self.plan.engine_rate());
-                    self.engine.schedule(at, Source::Pattern, Event::Marker(0));
+                    self.engine.schedule(at, Source::Pattern, Event::Marker(number));
                 }
             }
         }

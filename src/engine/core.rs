@@ -331,7 +331,7 @@ impl<R: Real> Core<R> {
                     ramp.send(value, at);
                 }
             }
-            Event::Marker(name) => self.stage.mark(name, at, self.clock),
+            Event::Marker(name) => self.stage.mark(name, at),
         }
     }
 

@@ -39,7 +39,8 @@ pub enum Event {
     Control(u32, f64),
     /// Release everything.
     ReleaseAll,
-    /// Put a pulse on the trigger outputs.
+    /// Put a pulse on the trigger outputs that listen to this marker, by its place in
+    /// [`crate::graph::plan::Plan::markers`]; to one that is not there only outputs for all markers listen.
     Marker(u32),
 }
 

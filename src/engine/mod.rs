@@ -11,6 +11,7 @@ pub mod listener;
 pub mod mixer;
 pub mod stage;
 pub mod task;
+pub mod triggers;
 pub mod vibration;
 pub mod workspace;
 

@@ -1,5 +1,6 @@
 //! From the mix to the device: the output stage of each kind of output.
 
+use super::triggers::Triggers;
 use super::vibration::{Counts, Options, Refusal, Row, Vibration};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
@@ -11,6 +12,7 @@ pub struct Stage {
     vibration: Vibration,
     /// The mix in single precision.
     rows: Vec<Row>,
+    triggers: Triggers,
 }
 
 impl Stage {
@@ -22,7 +24,8 @@ impl Stage {
         let options = Options { taps: plan.taps, isa, ..Options::default() };
         let vibration = Vibration::new(plan.channels, plan.device_rate, &options)?;
         let rows = vec![Row::default(); vibration.groups() * super::workspace::BLOCK];
-        Ok(Self { vibration, rows })
+        let triggers = Triggers::new(plan, &vibration);
+        Ok(Self { vibration, rows, triggers })
     }
 
     /// What the stage does to vibration outputs.
@@ -37,11 +40,13 @@ impl Stage {
 
     /// Whether nothing rings in it.
     pub fn is_asleep(&self) -> bool {
-        (0..self.vibration.groups()).all(|g| self.vibration.sleeps(g))
+        self.triggers.is_idle() && (0..self.vibration.groups()).all(|g| self.vibration.sleeps(g))
     }
 
-    /// A marker at an instant, when `clock` is the next engine sample.
-    pub fn mark(&mut self, _name: u32, _at: Instant, _clock: u64) {}
+    /// A marker at an instant.
+    pub fn mark(&mut self, marker: u32, at: Instant) {
+        self.triggers.mark(marker, at);
+    }
 
     /// Renders `samples` engine samples of the mix, from `clock` on, to interleaved frames of the device.
     pub fn process<R: Real>(
@@ -54,5 +59,6 @@ impl Stage {
     ) {
         let rows = R::singles(mix, &mut self.rows);
         self.vibration.process(samples, rows, fed, clock, output);
+        self.triggers.write(clock, samples, output);
     }
 }

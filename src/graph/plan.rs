@@ -44,6 +44,8 @@ pub struct Plan {
     pub places: Vec<Vec<(u32, f64)>>,
     /// Kind and equaliser of each channel that something may feed.
     pub outputs: Vec<Output>,
+    /// Names of the markers that some output listens to.
+    pub markers: Vec<Arc<str>>,
     /// What was left out, and why.
     pub left_out: Vec<LeftOut>,
 }
@@ -116,14 +118,19 @@ pub struct Output {
 }
 
 /// What is done to a channel on its way out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OutputKind {
     /// Limited and band-limited.
     Vibration,
-    /// Brought to the device's rate and clamped, no more.
-    Raw,
-    /// Pulses of markers, at the device's rate.
-    Trigger,
+    /// Pulses at markers.
+    Trigger {
+        /// The marker, by its place in [`Plan::markers`]; `None`: all.
+        marker: Option<u32>,
+        /// Length of a pulse, seconds.
+        pulse: f64,
+    },
+    /// Zero.
+    Silent,
 }
 
 /// Something that is not built or not run.

@@ -126,6 +126,8 @@ pub fn scene(
     }
     let silent = rig.outputs.iter().filter(|o| is_not_rendered(o));
     left_out.extend(silent.map(|o| LeftOut { what: format!("output `{}`", o.name), why: Why::NotRendered }));
+    let mut markers = Vec::new();
+    let outputs = rig.outputs.iter().map(|o| output(o, &mut markers)).collect();
     let plan = Plan {
         device_rate,
         ratio,
@@ -138,7 +140,8 @@ pub fn scene(
         controls,
         instruments,
         places: rig.outputs.iter().map(place).collect(),
-        outputs: rig.outputs.iter().map(output).collect(),
+        outputs,
+        markers,
         left_out,
     };
     Ok(Scene { plan, patterns, instruments: of_voice })
@@ -153,16 +156,23 @@ fn place(output: &rig::Output) -> Vec<(u32, f64)> {
 }
 
 fn is_not_rendered(output: &rig::Output) -> bool {
-    matches!(output.kind, rig::OutputKind::Drive | rig::OutputKind::Torque)
+    matches!(output.kind, rig::OutputKind::Drive | rig::OutputKind::Torque | rig::OutputKind::Raw)
 }
 
-fn output(output: &rig::Output) -> Output {
-    let kind = match output.kind {
-        rig::OutputKind::Trigger { .. } => OutputKind::Trigger,
-        rig::OutputKind::Raw => OutputKind::Raw,
-        rig::OutputKind::Vibration | rig::OutputKind::Drive | rig::OutputKind::Torque => {
-            OutputKind::Vibration
+fn output(output: &rig::Output, markers: &mut Vec<Arc<str>>) -> Output {
+    let kind = match &output.kind {
+        rig::OutputKind::Trigger { marker, pulse } => {
+            let number = |name: &String| {
+                let place = markers.iter().position(|m| **m == **name).unwrap_or_else(|| {
+                    markers.push(name.as_str().into());
+                    markers.len() - 1
+                });
+                place as u32
+            };
+            OutputKind::Trigger { marker: marker.as_ref().map(number), pulse: *pulse }
         }
+        rig::OutputKind::Vibration => OutputKind::Vibration,
+        rig::OutputKind::Drive | rig::OutputKind::Torque | rig::OutputKind::Raw => OutputKind::Silent,
     };
     Output { name: output.name.as_str().into(), channel: output.channel.saturating_sub(1), kind }
 }
