@@ -1,4 +1,45 @@
 //! pacinian plays the skin the way a synthesizer plays the ear.
+//!
+//! A **patch** says what is felt and when: voices are node graphs, patterns are events in time. A **rig** says which actuator hangs on
+//! which channel, and where on the body it sits. The two are compiled into a plan, and an engine runs the plan: from an audio
+//! callback, or straight into a buffer. All vibration is band-limited to 1 kHz, in engine samples of about 8 kHz.
+//!
+//! ```
+//! use pacinian::{node::asset::NoAssets, patch::Patch, player::{Note, Player}, rig::Rig};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let text = std::fs::read("patches/04-heartbeat.toml")?;
+//! let patch = Patch::parse("04-heartbeat.toml", &text)?.value;
+//! let rig = Rig::default_for(8);
+//! let options = pacinian::graph::scene::Options { live: true, ..Default::default() };
+//! let mut player = Player::new(&patch, &rig, &options, &NoAssets).map_err(|problems| problems[0].what.clone())?;
+//! let voice = patch.voices[0].name.as_str();
+//! player.play(voice, &Note { level: Some(0.5), ..Note::default() }).map_err(|problem| problem.what)?;
+//! let mut second = vec![0.0; 48_000 * player.engine().channels()];
+//! player.process(&mut second); // interleaved frames; `player.set("name", value)` moves a control
+//! # assert!(second.iter().any(|x| *x != 0.0));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! From one's own audio callback, drive [`engine::Engine::process`]: it neither allocates nor locks, and what it computes does not
+//! depend on how long the calls are. [`engine::exchange`] lets another plan follow while it sounds.
+//!
+//! The rooms, from the street to the cellar; each uses those below it and none above:
+//!
+//! | room | holds |
+//! |---|---|
+//! | `io` | WAV files, recordings, texts; with the feature `io` |
+//! | `report` | the scene reference, error against run time, pictures; with the feature `report` |
+//! | [`player`] | patterns and engine together |
+//! | [`engine`] | voices, events, mix, output stage, hand-over of plans |
+//! | [`graph`] | a node graph and the passes that turn it into a plan |
+//! | [`score`] | patterns unrolled in time |
+//! | [`patch`], [`rig`] | what people write, and its checks |
+//! | [`text`] | problems that point at their line, schemas |
+//! | [`node`] | the node library, one file a node |
+//! | [`schedule`] | the sample clock |
+//! | [`dsp`] | blocks that several rooms share |
 
 #![warn(missing_docs)]
 
