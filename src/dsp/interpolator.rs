@@ -60,11 +60,8 @@ impl Interpolator {
                 gram[i * half + j] = 0.5 * count(i) * count(j) * sum;
             }
         }
-        let ridge = RIDGE * (0..half).map(|i| gram[i * half + i]).sum::<f64>() / half as f64;
-        for i in 0..half {
-            gram[i * half + i] += ridge;
-        }
-        solve(&mut gram, &mut right);
+        let mean = (0..half).map(|i| gram[i * half + i]).sum::<f64>() / half as f64;
+        let right = regular(&gram, &right, RIDGE * mean);
         let response = (0..length)
             .map(|n| {
                 let from_middle = (n as f64 - (length - 1) as f64 / 2.0).abs();
@@ -90,15 +87,34 @@ impl Interpolator {
     }
 }
 
-/// Solves the symmetric positive system in place (Cholesky; only the lower triangle is read).
-fn solve(matrix: &mut [f64], right: &mut [f64]) {
+/// Solves the system with `ridge`, or with the least tenfold of it that keeps it regular in spite of rounding.
+fn regular(matrix: &[f64], right: &[f64], ridge: f64) -> Vec<f64> {
+    let n = right.len();
+    let mut ridge = ridge;
+    for _ in 0..8 {
+        let (mut with, mut found) = (matrix.to_vec(), right.to_vec());
+        for i in 0..n {
+            with[i * n + i] += ridge;
+        }
+        if solve(&mut with, &mut found) {
+            return found;
+        }
+        ridge *= 10.0;
+    }
+    right.to_vec()
+}
+
+/// Solves the symmetric positive system in place (Cholesky; only the lower triangle is read). Says whether rounding left it positive.
+fn solve(matrix: &mut [f64], right: &mut [f64]) -> bool {
     let n = right.len();
     for i in 0..n {
         for j in 0..=i {
             let dot: f64 = (0..j).map(|k| matrix[i * n + k] * matrix[j * n + k]).sum();
             let rest = matrix[i * n + j] - dot;
-            matrix[i * n + j] =
-                if i == j { rest.max(f64::MIN_POSITIVE).sqrt() } else { rest / matrix[j * n + j] };
+            if i == j && rest <= 0.0 {
+                return false;
+            }
+            matrix[i * n + j] = if i == j { rest.sqrt() } else { rest / matrix[j * n + j] };
         }
         let dot: f64 = (0..i).map(|k| matrix[i * n + k] * right[k]).sum();
         right[i] = (right[i] - dot) / matrix[i * n + i];
@@ -107,6 +123,7 @@ fn solve(matrix: &mut [f64], right: &mut [f64]) {
         let dot: f64 = (i + 1..n).map(|k| matrix[k * n + i] * right[k]).sum();
         right[i] = (right[i] - dot) / matrix[i * n + i];
     }
+    true
 }
 
 #[cfg(test)]
@@ -131,6 +148,7 @@ mod tests {
     fn ripple_and_images_stay_small_at_every_ratio() {
         for (taps, worst) in [(4, -66.0), (6, -95.0), (8, -120.0), (12, -140.0)] {
             for (ratio, rate) in [(6, 8000.0), (6, 7350.0), (11, 8018.2), (12, 8000.0), (24, 8000.0)] {
+                assert!(Interpolator::design(taps, ratio, rate).response.iter().all(|h| h.is_finite()));
                 let (ripple, image) = figures(taps, ratio, rate);
                 assert!(ripple < 0.02 && image < worst, "{taps} taps, {ratio} at {rate}: {ripple} {image}");
             }

@@ -23,6 +23,9 @@ pub const FADE: f64 = 0.004;
 /// What counts as silence: −120 dB.
 const SILENCE: f64 = 1e-6;
 
+/// The largest gain of a voice: 120 dB over full scale, where the output stage holds its input as well.
+const LOUDEST: f64 = 1e6;
+
 /// A voice on its lane.
 #[derive(Debug, Clone, Copy)]
 pub struct Lane {
@@ -212,7 +215,7 @@ impl<R: Real> Bank<R> {
                 Base::Start(id) => self.program.starts[id as usize].value(&fields),
             }
         });
-        let gain = if gain.is_finite() { gain } else { 0.0 };
+        let gain = if gain.is_finite() { gain.clamp(-LOUDEST, LOUDEST) } else { 0.0 };
         for &(channel, share) in place {
             self.routes[group].connect(l, channel, share * gain);
         }

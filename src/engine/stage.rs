@@ -21,7 +21,7 @@ impl Stage {
     /// # Errors
     /// A rate or a number of taps that the stage cannot be built for.
     pub fn new(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
-        let options = Options { taps: plan.taps, isa, ..Options::default() };
+        let options = Options { taps: plan.taps, ratio: Some(plan.ratio), isa, ..Options::default() };
         let vibration = Vibration::new(plan.channels, plan.device_rate, &options)?;
         let rows = vec![Row::default(); vibration.groups() * super::workspace::BLOCK];
         let triggers = Triggers::new(plan, &vibration);

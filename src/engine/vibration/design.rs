@@ -56,8 +56,12 @@ impl Design {
         if !(6000.0..=1e6).contains(&device_rate) {
             return Err(Refusal::Rate(device_rate));
         }
-        let ratio = ((device_rate / ENGINE).round() as usize).max(1);
+        let usual = (device_rate / ENGINE).round() as usize;
+        let ratio = options.ratio.unwrap_or(usual).max(1);
         let rate = device_rate / ratio as f64;
+        if !(6000.0..=12_000.0).contains(&rate) {
+            return Err(Refusal::EngineRate(rate));
+        }
         let band_limit = Elliptic::low_pass(SECTIONS, BAND.0, BAND.2, BAND.1, rate);
         let fir = Interpolator::design(options.taps, ratio, rate);
         let mut sections = [Section { zeros: 0.0, poles: 0.0, pull: 0.0 }; SECTIONS];

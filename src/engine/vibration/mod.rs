@@ -34,6 +34,8 @@ const NEAR: usize = 16_384;
 pub struct Options {
     /// Taps a phase of the up-sampling filter, 4 to 12. Images: 4 gives -66 dB, 6 about -98 dB, 8 below -120 dB.
     pub taps: usize,
+    /// Device frames for each engine sample; `None`: so many that the engine runs at about 8 kHz.
+    pub ratio: Option<usize>,
     /// Equaliser sections of each channel at the engine's rate; channels beyond the list have none.
     pub equalisers: Vec<Vec<Biquad>>,
     /// Whether the limiter is there.
@@ -44,7 +46,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { taps: 6, equalisers: Vec::new(), limiter: true, isa: Isa::detect() }
+        Self { taps: 6, ratio: None, equalisers: Vec::new(), limiter: true, isa: Isa::detect() }
     }
 }
 
@@ -55,6 +57,8 @@ pub enum Refusal {
     Taps(usize),
     /// Device rate (Hz) out of 6 kHz to 1 MHz.
     Rate(f64),
+    /// Engine rate (Hz), that of the device over the ratio, out of 6 to 12 kHz.
+    EngineRate(f64),
     /// Too many equaliser sections: the channel (from 0), and how many it has.
     Sections(usize, usize),
 }
@@ -64,6 +68,9 @@ impl std::fmt::Display for Refusal {
         match self {
             Self::Taps(taps) => write!(f, "{taps} taps a phase; choose 4 to 12"),
             Self::Rate(rate) => write!(f, "a device rate of {rate} Hz; choose 6,000 to 1,000,000 Hz"),
+            Self::EngineRate(rate) => {
+                write!(f, "an engine rate of {rate} Hz; choose a ratio that gives 6,000 to 12,000 Hz")
+            }
             Self::Sections(channel, count) => write!(
                 f,
                 "channel {} has {count} equaliser sections; {MAX_SECTIONS} are the most",
