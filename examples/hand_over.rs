@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         if n == 100 && !director.send(&second)? {
             return Err("two plans are still under way".into());
         }
-        stagehand.process(block);
+        stagehand.process(&[], block);
     }
 
     let (before, after) = frames.split_at(48_000);

@@ -5,7 +5,7 @@
 //! Times of a pattern are counted in its own unit (seconds, or beats of its own tempo) and divided by its rate and by the
 //! rates of all events that play it. Playing number k (from 0) of a pattern that repeats begins at k × `every`; repetitions
 //! may overlap. Repetition j of an event has its onset at `at` + `delay` + j × `every` after that. Durations are counted in
-//! the same unit and divided by the same rates; the default duration of a voice is in seconds and is left alone. The level
+//! the same unit and divided by the same rates; the default duration of a voice counts in the same unit. The level
 //! of an event is multiplied by the gain of its pattern, of the event that plays the pattern, and so on outwards.
 //!
 //! # What is drawn
