@@ -97,9 +97,8 @@ fn nothing_above_1_khz_and_nothing_above_full_scale() {
             assert!(peak > 0.05, "{name} x {level} at {rate} Hz: peak {peak}");
             assert!(above < -60.0, "{name} x {level} at {rate} Hz: {above} dB above 1 kHz");
             assert!(peak <= 1.0, "{name} x {level} at {rate} Hz: peak {peak}");
-            // Twelve decibels over, the limiter may leave the clamp a few samples.
-            let allowed = if level > 1.0 { 40 } else { 0 };
-            assert!(counts.clamped <= allowed, "{name} x {level} at {rate} Hz: {counts:?}");
+            // Where the limiter works hard it leaves the clamp a few frames; a scene within its ceiling, none.
+            assert!(counts.clamped <= counts.limited / 10, "{name} x {level} at {rate} Hz: {counts:?}");
         }
     }
 }

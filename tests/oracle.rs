@@ -49,6 +49,7 @@ fn compared(plan: &Plan, events: &[(f64, Play)], wrong: f64) -> Comparison {
     let ideal = reference(plan, events, seconds, OVER);
     let delay = engine.delay();
     assert_eq!(engine.counters().stolen, 0, "the reference knows no stealing");
+    assert_eq!(engine.stage().counts().limited, 0, "the reference knows no limiter");
     compare(
         &frames,
         &ideal,
@@ -128,6 +129,13 @@ t = { type = "sine", frequency = "event.frequency + 40 * d" }"#;
     for (name, tone, envelope, most) in [
         ("filtered sawtooth, gate", SOFT, r#"type = "gate""#, -45.0),
         ("jump of frequency", jump, r#"type = "envelope""#, -40.0),
+        ("pink noise", r#"t = { type = "pink" }"#, r#"type = "envelope""#, -40.0),
+        (
+            "noise of a band",
+            r#"t = { type = "band_noise", low = 80, high = 250 }"#,
+            r#"type = "envelope", attack = 0.03"#,
+            -50.0,
+        ),
         ("rise of frequency", rise, r#"type = "envelope""#, ORDINARY),
     ] {
         let found = compared(&scene(tone, envelope, 48_000.0), &dozen(0.13), 0.0);
