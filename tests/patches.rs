@@ -181,7 +181,8 @@ fn every_patch_says_what_it_is() {
         let patch = patch(&path);
         assert!(patch.description.len() > 20, "{} lacks a description", name(&path));
         assert!(titles.insert(patch.title.clone()), "two patches are called {}", patch.title);
-        let comments: usize = text.lines().filter_map(|line| line.split_once("# ")).map(|(_, c)| c.len()).sum();
+        let comments: usize =
+            text.lines().filter_map(|line| line.split_once("# ")).map(|(_, c)| c.len()).sum();
         assert!(comments >= 250, "{} teaches nothing: {comments} characters of comments", name(&path));
     }
     assert!(titles.len() >= 17, "{titles:?}");
@@ -206,10 +207,9 @@ fn the_patches_together_use_most_nodes() {
         let nodes = patch.voices.iter().flat_map(|v| &v.nodes).chain(&patch.shared);
         used.extend(nodes.map(|node: &pacinian::patch::Node| node.kind.spec().name));
     }
-    for kind in
-        ["sine", "pulse", "band_noise", "sweep", "envelope", "burst", "decay", "breakpoints"]
-            .into_iter()
-            .chain(["lfo", "sample", "scan", "add", "multiply", "lowpass", "resonator", "delay", "follow"])
+    for kind in ["sine", "pulse", "band_noise", "sweep", "envelope", "burst", "decay", "breakpoints"]
+        .into_iter()
+        .chain(["lfo", "sample", "scan", "add", "multiply", "lowpass", "resonator", "delay", "follow"])
     {
         assert!(NodeKind::find(kind).is_some() && used.contains(kind), "no patch shows `{kind}`");
     }
