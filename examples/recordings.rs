@@ -17,8 +17,8 @@ const RATE: f64 = 8000.0;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).map_or_else(|| std::env::temp_dir().join("pacinian"), PathBuf::from);
     std::fs::create_dir_all(&folder)?;
-    write(&folder, "corduroy", "Corduroy", &corduroy())?;
-    write(&folder, "felt", "Felt", &felt())?;
+    write(&folder, "corduroy", "Corduroy", &around(&corduroy()))?;
+    write(&folder, "felt", "Felt", &around(&felt()))?;
     write(&folder, "groove", "Groove", &groove())?;
     Ok(())
 }
@@ -46,6 +46,13 @@ impl Dice {
         self.0 ^= self.0 << 17;
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
+}
+
+/// What repeats, with 50 ms of its end before it and 50 ms of its beginning after it: so that at both ends of the loop, which lie
+/// within, a filter finds what it would find going round.
+fn around(samples: &[f64]) -> Vec<f64> {
+    let more = (0.05 * RATE) as usize;
+    [&samples[samples.len() - more..], samples, &samples[..more]].concat()
 }
 
 /// Cloth with ridges: 64 of them in 1.6 s, each a push and a pull of the skin, no two alike. Its end fits its beginning.
