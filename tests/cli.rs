@@ -370,7 +370,7 @@ fn the_command_line_is_checked() {
     scratch.run(&["render", "good.toml", "-o", "."]).fails(73, &["is a folder"]);
     scratch.run(&["render", "good.toml", "-o", "no/where.wav"]).fails(73, &["folder is not there"]);
     assert!(scratch.run(&["--version"]).succeeds().out.contains(env!("CARGO_PKG_VERSION")));
-    for command in ["check", "render", "nodes", "schema"] {
+    for command in ["demo", "check", "render", "plot", "error", "nodes", "schema"] {
         let help = scratch.run(&[command, "--help"]);
         assert!(help.succeeds().out.contains(&format!("Example:\n  pacinian {command}")), "{command}");
     }
@@ -462,4 +462,42 @@ fn what_is_stopped_or_killed_leaves_a_file_that_plays() {
         }
         std::fs::remove_file(&path).unwrap();
     }
+}
+
+#[test]
+fn the_demo_needs_nothing_and_is_exact() {
+    let scratch = Scratch::new("demo");
+    let run = scratch.run(&["demo", "-o", "new/folder", "--json"]);
+    let answer = run.succeeds().json();
+    let (spec, samples) = scratch.wav("new/folder/pacinian-demo.wav");
+    assert_eq!(spec.channels, 16);
+    assert_eq!(samples.len() as u64 / 16, answer["frames"].as_u64().unwrap());
+    let svg = std::fs::read_to_string(scratch.0.join("new/folder/pacinian-demo.svg")).unwrap();
+    assert!(svg.contains("<svg") && svg.contains(">d4<"));
+    assert!(answer["peaks"].as_array().unwrap().iter().all(|p| p["peak"].as_f64().unwrap() > 0.1));
+    assert!(answer["error_db"].as_f64().unwrap() < -80.0, "{}", answer["error_db"]);
+    assert!(answer["above_db"].as_f64().unwrap() < -60.0, "{}", answer["above_db"]);
+    assert_eq!((&answer["limited"], &answer["voices_stolen"]), (&0.into(), &0.into()));
+    scratch.run(&["demo", "-o", "good.toml"]).fails(73, &["good.toml"]);
+}
+
+#[test]
+fn pictures_and_errors() {
+    let scratch = Scratch::new("plot");
+    scratch.run(&["plot", "good.toml", "-o", "x.svg", "--duration", "0.5"]).succeeds();
+    let svg = std::fs::read_to_string(scratch.0.join("x.svg")).unwrap();
+    assert!(svg.contains("A test") && svg.contains(">t8<"));
+    let out = scratch.run(&["plot", "good.toml", "-o", "-", "--duration", "0.5"]);
+    assert_eq!(out.succeeds().out, svg);
+    scratch.run(&["plot", "good.toml", "-o", "x.png"]).fails(2, &["SVG", "`x.svg`"]);
+    scratch.run(&["plot", "good.toml", "-o", "good.toml"]).fails(2, &["`good.toml`"]);
+
+    let csv = scratch.run(&["error", "good.toml", "--compare-taps", "4,8", "--csv"]);
+    let lines: Vec<&str> = csv.succeeds().out.lines().collect();
+    assert_eq!(lines.len(), 5, "{lines:?}");
+    let of = |n: usize, cell: usize| lines[n].split(',').nth(cell).unwrap().parse::<f64>().unwrap();
+    assert!((1..5).all(|n| of(n, 2) < -80.0), "{lines:?}");
+    assert!(of(2, 3) < of(1, 3) - 10.0, "8 taps leave less above 1 kHz than 4: {lines:?}");
+    let json = scratch.run(&["error", "good.toml", "--only", "--json"]).succeeds().json();
+    assert_eq!(json["settings"].as_array().unwrap().len(), 1);
 }
