@@ -10,14 +10,15 @@ const BUG: u8 = 70;
 pub fn guarded(work: impl FnOnce() -> u8) -> u8 {
     set_hook(Box::new(|info| {
         let place = info.location().map(ToString::to_string).unwrap_or_default();
-        let what = info.payload_as_str().unwrap_or("no more is known");
+        let payload = info.payload();
+        let text = payload.downcast_ref::<String>().map(String::as_str);
+        let what = text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no more is known");
         // Where nobody can be told, nobody is.
         let _ = writeln!(
             std::io::stderr(),
             "error: this is a bug in pacinian {}, not in your files: {what} ({place})\n  \
-             help: please report it, with this message, the command, and the patch and rig if you may share them: {}",
+             help: please report it with this message, the command and, if you may share them, the patch and the rig",
             env!("CARGO_PKG_VERSION"),
-            "the project's issue tracker"
         );
     }));
     catch_unwind(AssertUnwindSafe(work)).unwrap_or(BUG)

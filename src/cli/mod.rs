@@ -1,6 +1,8 @@
 //! The command line: one file a subcommand, each a thin use of the library.
 
 mod check;
+mod demo;
+mod error;
 mod failure;
 mod guard;
 mod load;
@@ -8,6 +10,7 @@ mod nodes;
 mod paint;
 mod perform;
 mod plan;
+mod plot;
 mod problems;
 mod progress;
 mod render;
@@ -30,7 +33,8 @@ use terminal::{Terminal, When};
     long_about = "Vibrotactile synthesis: plays the skin the way a synthesizer plays the ear.\n\n\
         A patch (a TOML file) says what is felt and when; a rig (another) says which tactor hangs on which channel. \
         pacinian checks them, and renders them to a WAV file with a channel for each tactor.",
-    after_help = "Begin here:\n  pacinian check PATCH            see what is wrong with a patch, or what it will run\n  \
+    after_help = "Begin here:\n  pacinian demo                   a WAV file and a picture, no hardware needed\n  \
+        pacinian check PATCH            see what is wrong with a patch, or what it will run\n  \
         pacinian render PATCH -o x.wav  render it\n  pacinian nodes                  what patches are made of\n\n\
         Exit codes: 0 all is well, 2 the command line, 65 the patch, 66 a file that is not there, 70 a bug in pacinian,\n\
         73 and 74 a file that cannot be written, 77 no permission, 78 the rig, 130 stopped by Ctrl-C, 143 stopped by SIGTERM.",
@@ -50,8 +54,11 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Demo(demo::Demo),
     Check(check::Check),
     Render(render::Render),
+    Plot(plot::Plot),
+    Error(error::Error),
     Nodes(nodes::Nodes),
     Schema(schema::Schema),
 }
@@ -70,6 +77,9 @@ fn run() -> u8 {
     };
     let terminal = Terminal::new(cli.color, cli.plain);
     let result: Result<(), Failure> = match &cli.command {
+        Command::Demo(demo) => demo.run(&terminal),
+        Command::Plot(plot) => plot.run(&terminal),
+        Command::Error(error) => error.run(&terminal),
         Command::Check(check) => check.run(&terminal),
         Command::Render(render) => render.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),

@@ -105,7 +105,7 @@ mod tests {
     use crate::patch::{Patch, Place};
     use crate::rig::Rig;
 
-    const PATCH: &[u8] = b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"s\"\nnodes.s = { type = \"sine\" }\n";
+    const PATCH: &[u8] = b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"s\"\nnodes.s = { type = \"white\" }\n";
 
     #[test]
     fn every_bad_line_and_every_place_is_found() {

@@ -1,0 +1,87 @@
+//! `pacinian demo`.
+
+use super::check::json;
+use super::error::{decibels, measured, reservation};
+use super::failure::Failure;
+use super::load::Scene;
+use super::plot::{collector, style};
+use super::progress::Progress;
+use super::render::Wav;
+use super::summary::Summary;
+use super::terminal::Terminal;
+use clap::Args;
+use pacinian::io::error::FileError;
+use pacinian::io::out;
+use pacinian::io::wav::Encoding;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Renders a built-in showcase on 16 tactors: a WAV file, a picture, and how exact it is
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  pacinian demo -o /tmp\n\n\
+    No hardware is needed. The patch and the rig are patches/demo.toml and rigs/demo.toml of the project.")]
+pub struct Demo {
+    /// The folder to write pacinian-demo.wav and pacinian-demo.svg to; made where it is not there
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    output: PathBuf,
+    /// The summary as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Answer {
+    #[serde(flatten)]
+    summary: Summary,
+    picture: String,
+    error_db: Option<f64>,
+    above_db: Option<f64>,
+}
+
+const PATCH: (&str, &str) = ("patches/demo.toml", include_str!("../../patches/demo.toml"));
+const RIG: (&str, &str) = ("rigs/demo.toml", include_str!("../../rigs/demo.toml"));
+
+impl Demo {
+    /// Runs it.
+    pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
+        let loaded = Scene::of_texts(PATCH, RIG)?;
+        if !self.output.as_os_str().is_empty() {
+            std::fs::create_dir_all(&self.output).map_err(|e| FileError::creating(&self.output, &e))?;
+        }
+        let (wav_path, svg_path) =
+            (self.output.join("pacinian-demo.wav"), self.output.join("pacinian-demo.svg"));
+        let mut picture = collector(&loaded, None);
+        let wav = Wav { output: &wav_path, format: Encoding::F32, duration: None, record: true };
+        let rendered = wav.write(&loaded, terminal, |block| picture.push(block))?;
+        out::write(&svg_path, picture.svg(&style(&loaded)).as_bytes())?;
+        rendered.ending?;
+        let player = rendered.player;
+        let progress = Progress::new(terminal, None);
+        progress.says("measuring the error against the reference", 0.0);
+        let error = measured(player.plan(), player.recorded(), picture.seconds())?.comparison;
+        drop(progress);
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        let answer = Answer {
+            summary: rendered.summary,
+            picture: svg_path.display().to_string(),
+            error_db: finite(error.error_db),
+            above_db: finite(error.above_db),
+        };
+        if self.json {
+            return terminal.print(&json(&answer));
+        }
+        let paint = terminal.out;
+        let mut text = answer.summary.text(paint);
+        text += &format!("\n{}\n", paint.bold("error"));
+        text +=
+            &format!("  {} of the vibration, 0 to 1 kHz, against the reference\n", decibels(answer.error_db));
+        text += &format!("  {} of it lies above 1 kHz\n", decibels(answer.above_db));
+        if let Some(reservation) = reservation(&player) {
+            text += &format!("  {}\n", paint.yellow(&reservation));
+        }
+        text += &format!("\n{}\n  what every tactor did, and the spectrum\n", paint.bold(&answer.picture));
+        text += "\nNow open the picture in a browser. `pacinian nodes` shows what patches are made of; in the project's folder,\n\
+            `pacinian check patches/demo.toml --rig rigs/demo.toml` shows what this one runs.\n";
+        terminal.print(&text)
+    }
+}

@@ -1,0 +1,217 @@
+//! `pacinian error`.
+
+use super::check::json;
+use super::failure::Failure;
+use super::load::{Loaded, Number, Scene};
+use super::perform::{Until, perform};
+use super::plan::precision;
+use super::progress::Progress;
+use super::render::seconds;
+use super::stop::Stop;
+use super::table::Table;
+use super::terminal::Terminal;
+use clap::Args;
+use pacinian::engine::event::Play;
+use pacinian::graph::plan::{Plan, Precision};
+use pacinian::player::Player;
+use pacinian::report::{Measured, measure};
+use serde::Serialize;
+
+/// Measures error against the reference and run time, for several settings
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  pacinian error heartbeat.toml --rig vest.toml\n\n\
+    The reference computes every node from its definition, in 64 bits, at 16 times the engine's rate, and goes through the\n\
+    same designed response. The error is the power of the difference from 0 to 1 kHz, as a share of the reference's, after\n\
+    the delay that the engine reports is taken out. The reference is slow: some seconds for each setting.")]
+pub struct Error {
+    #[command(flatten)]
+    scene: Scene,
+    /// Numbers of taps to compare, with both number types
+    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [4, 6, 8], value_parser = clap::value_parser!(u8).range(4..=12))]
+    compare_taps: Vec<u8>,
+    /// Measures the one setting that --precision and --taps say
+    #[arg(long)]
+    only: bool,
+    /// Seconds to measure [default: what the patch says, else until everything is over]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    duration: Option<f64>,
+    /// As JSON
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+    /// As comma-separated values
+    #[arg(long)]
+    csv: bool,
+}
+
+/// One setting, measured.
+#[derive(Debug, Serialize)]
+pub struct Row {
+    precision: &'static str,
+    taps: usize,
+    /// Decibels; null where both are silent.
+    error_db: Option<f64>,
+    /// Power above 1 kHz, decibels of all; null where there is none.
+    above_db: Option<f64>,
+    run_time_seconds: f64,
+    times_real_time: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Answer {
+    seconds: f64,
+    voices_stolen: u64,
+    limited: u64,
+    settings: Vec<Row>,
+}
+
+/// The most that is kept in memory for a comparison, bytes.
+const MOST: f64 = 2e9;
+
+impl Error {
+    /// Runs it.
+    pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
+        let mut loaded = self.scene.load(false)?;
+        let mut player = loaded.player()?;
+        let until = Until::of(&loaded, &player, self.duration)?;
+        player.record();
+        let stop = Stop::listen()?;
+        let (channels, rate) = (player.plan().channels as f64, player.plan().device_rate);
+        let mut room = MOST / (channels * 8.0);
+        let performed = perform(&mut player, until, &stop, terminal, |block| {
+            room -= block.len() as f64 / channels;
+            if room > 0.0 { Ok(()) } else { Err(too_long(rate, channels)) }
+        })
+        .map_err(|(failure, _)| failure)?;
+        if let Some(code) = performed.stopped {
+            return Err(Failure::told(code));
+        }
+        if let Some(trouble) = player.trouble() {
+            return Err(loaded.refuse(vec![trouble.clone()], &[]));
+        }
+        let seconds = performed.frames as f64 / rate;
+        let settings = self.settings();
+        let progress = Progress::new(terminal, Some(settings.len() as f64));
+        let mut rows = Vec::new();
+        for (i, (number, taps)) in settings.iter().enumerate() {
+            progress.says(&format!("{} with {taps} taps", precision(*number)), i as f64);
+            loaded.options.precision = *number;
+            loaded.options.taps = usize::from(*taps);
+            let other = loaded.player()?;
+            rows.push(Row::new(other.plan(), &measured(other.plan(), player.recorded(), seconds)?));
+            if let Some(code) = stop.asked() {
+                return Err(Failure::told(code));
+            }
+        }
+        drop(progress);
+        let answer = Answer {
+            seconds,
+            voices_stolen: player.counters().stolen,
+            limited: player.engine().stage().counts().limited,
+            settings: rows,
+        };
+        terminal.print(&match (self.json, self.csv) {
+            (true, _) => json(&answer),
+            (_, true) => csv(&answer.settings),
+            _ => text(&answer, &loaded, terminal),
+        })
+    }
+
+    fn settings(&self) -> Vec<(Precision, u8)> {
+        let own = match self.scene.precision {
+            Number::F32 => Precision::Single,
+            Number::F64 => Precision::Double,
+        };
+        if self.only {
+            return vec![(own, self.scene.taps)];
+        }
+        let both = [Precision::Single, Precision::Double];
+        both.iter().flat_map(|p| self.compare_taps.iter().map(|taps| (*p, *taps))).collect()
+    }
+}
+
+/// Error and run time of a plan that plays these events.
+///
+/// # Errors
+/// A plan that no engine can be built for.
+pub fn measured(plan: &Plan, events: &[(f64, Play)], seconds: f64) -> Result<Measured, Failure> {
+    measure(plan, events, seconds).map_err(|refusal| Failure::said(2, refusal.to_string()))
+}
+
+/// What keeps the error from saying much, if something does.
+pub fn reservation(player: &Player) -> Option<String> {
+    let (stolen, limited) = (player.counters().stolen, player.engine().stage().counts().limited);
+    match (stolen, limited) {
+        (0, 0) => None,
+        (0, _) => Some("the limiter acted, which the reference does not model".into()),
+        _ => Some("voices were stolen, which the reference does not model".into()),
+    }
+}
+
+fn too_long(rate: f64, channels: f64) -> Failure {
+    let seconds = (MOST / (channels * 8.0) / rate).floor();
+    let what = format!("more than {seconds} s of so many channels do not fit into memory for a comparison");
+    Failure::usage(what, "measure a part of it with --duration")
+}
+
+impl Row {
+    fn new(plan: &Plan, m: &Measured) -> Self {
+        let run_time_seconds = m.run_time.as_secs_f64();
+        Self {
+            precision: precision(plan.precision),
+            taps: plan.taps,
+            error_db: Some(m.comparison.error_db).filter(|x| x.is_finite()),
+            above_db: Some(m.comparison.above_db).filter(|x| x.is_finite()),
+            run_time_seconds,
+            times_real_time: m.seconds / run_time_seconds.max(1e-9),
+        }
+    }
+}
+
+/// "-97.3 dB".
+pub fn decibels(level: Option<f64>) -> String {
+    level.map_or("none".into(), |x| format!("{x:.1} dB"))
+}
+
+fn text(answer: &Answer, loaded: &Loaded, terminal: &Terminal) -> String {
+    let paint = terminal.out;
+    let mut table = Table::default();
+    let heads = ["type", "taps", "error to 1 kHz", "above 1 kHz", "run time (wall)", "x real time"];
+    table.row(heads.map(|head| paint.dim(head)));
+    for row in &answer.settings {
+        table.row([
+            row.precision.into(),
+            row.taps.to_string(),
+            decibels(row.error_db),
+            decibels(row.above_db),
+            format!("{:.4} s", row.run_time_seconds),
+            format!("{:.0}", row.times_real_time),
+        ]);
+    }
+    let mut text = format!("{}: {:.3} s\n{}", paint.bold(loaded.name()), answer.seconds, table.text());
+    if answer.voices_stolen > 0 {
+        text += &paint
+            .yellow("  voices were stolen, which the reference does not model: the error says little\n");
+    }
+    if answer.limited > 0 {
+        text +=
+            &paint.yellow("  the limiter acted, which the reference does not model: the error says little\n");
+    }
+    text
+}
+
+fn csv(rows: &[Row]) -> String {
+    let mut text = String::from("precision,taps,error_db,above_db,run_time_s,times_real_time\n");
+    let cell = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.3}"));
+    for row in rows {
+        text += &format!(
+            "{},{},{},{},{:.6},{:.1}\n",
+            row.precision,
+            row.taps,
+            cell(row.error_db),
+            cell(row.above_db),
+            row.run_time_seconds,
+            row.times_real_time
+        );
+    }
+    text
+}

@@ -1,0 +1,107 @@
+//! `pacinian plot`.
+
+use super::failure::Failure;
+use super::load::{Loaded, Scene};
+use super::perform::{Until, perform};
+use super::problems;
+use super::render::{check_output, seconds};
+use super::stop::Stop;
+use super::terminal::Terminal;
+use clap::Args;
+use pacinian::io::out;
+use pacinian::report::plot::{Collector, Style};
+use std::path::{Path, PathBuf};
+
+/// Draws what every tactor does over time, and the spectrum, as SVG
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  pacinian plot heartbeat.toml --rig vest.toml -o heartbeat.svg\n\n\
+    The patch is rendered for it, but no WAV file is written. The spectrum shows the limit of 1 kHz.")]
+pub struct Plot {
+    #[command(flatten)]
+    scene: Scene,
+    /// The SVG file to write; one that is there is replaced; - for standard output
+    #[arg(short, long, value_name = "FILE.svg")]
+    output: PathBuf,
+    /// Seconds to draw [default: what the patch says, else until everything is over]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    duration: Option<f64>,
+    /// Width of the picture in pixels, 500 to 4000
+    #[arg(long, value_name = "PX", default_value_t = 1200, value_parser = clap::value_parser!(u16).range(500..=4000))]
+    width: u16,
+    /// Dark on light, whatever the reader's system prefers
+    #[arg(long)]
+    light: bool,
+}
+
+impl Plot {
+    /// Runs it.
+    pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
+        let loaded = self.scene.load(false)?;
+        for warnings in &loaded.warnings {
+            terminal.note(&problems::shown(warnings, terminal));
+        }
+        let to_stdout = self.output.as_os_str() == "-";
+        if !to_stdout {
+            check_picture(&self.output, &loaded)?;
+        }
+        let mut player = loaded.player()?;
+        let until = Until::of(&loaded, &player, self.duration)?;
+        let mut collector = collector(&loaded, until.expected(&player));
+        let stop = Stop::listen()?;
+        let performed = perform(&mut player, until, &stop, terminal, |block| {
+            collector.push(block);
+            Ok::<(), Failure>(())
+        })
+        .map_err(|(failure, _)| failure)?;
+        let mut style = style(&loaded);
+        style.width = f64::from(self.width);
+        style.dark = !self.light;
+        let svg = collector.svg(&style);
+        if to_stdout {
+            terminal.print(&svg)?;
+        } else {
+            out::write(&self.output, svg.as_bytes())?;
+            let shown = terminal.out.bold(&self.output.display().to_string());
+            let rows = super::table::many(collector.peaks().len(), "channel");
+            terminal.print(&format!("{shown}: {rows}, {:.3} s\n", collector.seconds()))?;
+        }
+        match (performed.stopped, player.trouble()) {
+            (Some(code), _) => Err(Failure::told(code)),
+            (None, Some(trouble)) => Err(loaded.refuse(vec![trouble.clone()], &[])),
+            (None, None) => Ok(()),
+        }
+    }
+}
+
+/// Refuses what is no picture that can be drawn here, and what [`check_output`] refuses.
+fn check_picture(output: &Path, loaded: &Loaded) -> Result<(), Failure> {
+    check_output(output, loaded)?;
+    match output.extension().and_then(|e| e.to_str()) {
+        Some(other @ ("png" | "pdf" | "jpg" | "jpeg" | "gif" | "wav")) => Err(Failure::usage(
+            format!("pictures are SVG, not {other}"),
+            format!(
+                "name it `{}`; browsers, Inkscape and LaTeX read SVG",
+                output.with_extension("svg").display()
+            ),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// A collector of all channels of a scene, by their names.
+pub fn collector(loaded: &Loaded, expected: Option<f64>) -> Collector {
+    let name = |(i, name): (usize, String)| if name.is_empty() { format!("channel {}", i + 1) } else { name };
+    let names: Vec<String> = loaded.tactors().into_iter().enumerate().map(name).collect();
+    Collector::new(&names, loaded.options.rate.unwrap_or(48_000.0), expected)
+}
+
+/// The words of a picture.
+pub fn style(loaded: &Loaded) -> Style {
+    let mut style = Style::new(&loaded.patch.title);
+    style.subtitle = if loaded.rig.title.is_empty() {
+        loaded.name().to_string()
+    } else {
+        format!("{} on {}", loaded.name(), loaded.rig.title)
+    };
+    style
+}
