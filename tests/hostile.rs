@@ -81,7 +81,7 @@ fn node(spec: &NodeSpec, wires: &[usize], word: usize) -> String {
             Kind::Points => {
                 "[{ at = 0, value = 1e6 }, { at = 0.01, value = -1e6 }, { at = 1e6, value = 1 }]".into()
             }
-            Kind::Flag(_) => (word % 2 == 0).to_string(),
+            Kind::Flag(_) => (word.is_multiple_of(2)).to_string(),
             Kind::File => return String::new(),
         };
         let _ = write!(text, ", {} = {value}", param.name);

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// Renders a built-in showcase on 16 tactors: a WAV file, a picture, and how exact it is
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  pacinian demo -o /tmp\n\n\
-    No hardware is needed. The patch and the rig are patches/demo.toml and rigs/demo.toml of the project.")]
+    No hardware is needed. The patch and the rig are patches/demo.toml and rigs/demo-16.toml of the project.")]
 pub struct Demo {
     /// The folder to write pacinian-demo.wav and pacinian-demo.svg to; made where it is not there
     #[arg(short, long, value_name = "DIR", default_value = ".")]
@@ -39,7 +39,7 @@ struct Answer {
 }
 
 const PATCH: (&str, &str) = ("patches/demo.toml", include_str!("../../patches/demo.toml"));
-const RIG: (&str, &str) = ("rigs/demo.toml", include_str!("../../rigs/demo.toml"));
+const RIG: (&str, &str) = ("rigs/demo-16.toml", include_str!("../../rigs/demo-16.toml"));
 
 impl Demo {
     /// Runs it.
@@ -81,7 +81,7 @@ impl Demo {
         }
         text += &format!("\n{}\n  what every tactor did, and the spectrum\n", paint.bold(&answer.picture));
         text += "\nNow open the picture in a browser. `pacinian nodes` shows what patches are made of; in the project's folder,\n\
-            `pacinian check patches/demo.toml --rig rigs/demo.toml` shows what this one runs.\n";
+            `pacinian check patches/demo.toml --rig rigs/demo-16.toml` shows what this one runs.\n";
         terminal.print(&text)
     }
 }

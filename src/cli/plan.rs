@@ -273,8 +273,8 @@ pub fn precision(precision: Precision) -> &'static str {
 fn kind(kind: OutputKind) -> &'static str {
     match kind {
         OutputKind::Vibration => "vibration",
-        OutputKind::Raw => "raw",
-        OutputKind::Trigger => "trigger",
+        OutputKind::Silent => "not rendered, stays at zero",
+        OutputKind::Trigger { .. } => "trigger",
     }
 }
 

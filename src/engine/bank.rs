@@ -589,6 +589,7 @@ pub fn fade(seconds: f64) -> f64 {
 /// Whether all values are finite: x − x is 0 for those, and not-a-number for others. Several sums at once, since one would
 /// wait for itself.
 #[inline(always)]
+#[allow(clippy::eq_op)]
 fn is_finite<R: Real>(block: &[[R; LANES]]) -> bool {
     let mut check = [[R::ZERO; LANES]; 4];
     let (four, rest) = block.as_chunks::<4>();

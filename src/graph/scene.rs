@@ -70,7 +70,7 @@ pub fn scene(
     assets: &dyn Assets,
 ) -> Result<Scene, Vec<Problem>> {
     let mut problems = Vec::new();
-    let device_rate = options.rate.or(rig.device.rate.map(Into::into)).unwrap_or(48_000.0);
+    let device_rate = options.rate.or(rig.device.rate).unwrap_or(48_000.0);
     if !RATES.contains(&device_rate) {
         let (least, most) = (RATES.start(), RATES.end());
         problems.push(Problem::of_file(format!(

@@ -264,7 +264,8 @@ fn any_split_and_any_instruction_set_give_the_same_bits() {
     ];
     for taps in [4, 5, 6, 8, 12] {
         for rate in [48_000.0, 88_200.0, 8000.0] {
-            let options = Options { taps, equalisers: equalisers.clone(), limiter: true, isa: Isa::Baseline };
+            let equalisers = equalisers.clone();
+            let options = Options { taps, equalisers, isa: Isa::Baseline, ..Options::default() };
             let whole = run(&mut stage(19, rate, &options), &scene(), || 6000);
             assert!(whole.iter().all(|v| v.abs() <= 1.0));
             let mut random = random(9);
