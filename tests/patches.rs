@@ -153,6 +153,7 @@ fn every_patch_plays_to_its_end_and_is_what_it_should_be() {
     let wanted = std::env::var("PATCH").unwrap_or_default();
     let mut all = files("patches", "toml");
     all.retain(|path| name(path).contains(&wanted));
+    assert!(!all.is_empty(), "no patch has `{wanted}` in its name");
     // The longest first: it is the last in the folder.
     all.reverse();
     let (next, faults) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
