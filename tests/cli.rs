@@ -473,7 +473,7 @@ fn the_demo_needs_nothing_and_is_exact() {
     assert_eq!(spec.channels, 16);
     assert_eq!(samples.len() as u64 / 16, answer["frames"].as_u64().unwrap());
     let svg = std::fs::read_to_string(scratch.0.join("new/folder/pacinian-demo.svg")).unwrap();
-    assert!(svg.contains("<svg") && svg.contains(">d4<"));
+    assert!(svg.contains("<svg") && svg.contains(">r4c4<"));
     assert!(answer["peaks"].as_array().unwrap().iter().all(|p| p["peak"].as_f64().unwrap() > 0.1));
     assert!(answer["error_db"].as_f64().unwrap() < -80.0, "{}", answer["error_db"]);
     assert!(answer["above_db"].as_f64().unwrap() < -60.0, "{}", answer["above_db"]);
