@@ -40,11 +40,15 @@ struct Answer {
 
 const PATCH: (&str, &str) = ("patches/demo.toml", include_str!("../../patches/demo.toml"));
 const RIG: (&str, &str) = ("rigs/demo-16.toml", include_str!("../../rigs/demo-16.toml"));
+const RECORDINGS: &[(&str, &[u8])] = &[
+    ("recordings/corduroy.wav", include_bytes!("../../patches/recordings/corduroy.wav")),
+    ("recordings/felt.wav", include_bytes!("../../patches/recordings/felt.wav")),
+];
 
 impl Demo {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let loaded = Scene::of_texts(PATCH, RIG)?;
+        let loaded = Scene::of_texts(PATCH, RIG, RECORDINGS)?;
         if !self.output.as_os_str().is_empty() {
             std::fs::create_dir_all(&self.output).map_err(|e| FileError::creating(&self.output, &e))?;
         }

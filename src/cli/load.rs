@@ -39,6 +39,9 @@ pub struct Scene {
     /// Lets recordings and events files lie outside the patch's folder
     #[arg(long)]
     pub allow_outside: bool,
+    /// Recordings that need no disk.
+    #[arg(skip)]
+    pub held: &'static [(&'static str, &'static [u8])],
 }
 
 /// A number type.
@@ -81,11 +84,15 @@ impl Scene {
         self.understand(patch, rig, failure, all)
     }
 
-    /// A scene from texts that are at hand; nothing is read from the disk but what they name.
+    /// A scene from texts and recordings that are at hand; nothing else is read from the disk but what they name.
     ///
     /// # Errors
     /// As [`Scene::load`].
-    pub fn of_texts(patch: (&str, &str), rig: (&str, &str)) -> Result<Loaded, Failure> {
+    pub fn of_texts(
+        patch: (&str, &str),
+        rig: (&str, &str),
+        held: &'static [(&'static str, &'static [u8])],
+    ) -> Result<Loaded, Failure> {
         let scene = Self {
             patch: patch.0.into(),
             rig: None,
@@ -95,6 +102,7 @@ impl Scene {
             precision: Number::F32,
             taps: 6,
             allow_outside: false,
+            held,
         };
         let text = |(name, text): (&str, &str)| Text { name: name.into(), bytes: Some(text.into()) };
         scene.understand(text(patch), Some(text(rig)), Failure::default(), false)
@@ -147,7 +155,8 @@ impl Scene {
         let engine_rate = rate / (rate / 8000.0).round().max(1.0);
         let root = self.patch.parent().unwrap_or(Path::new(""));
         // Twice the engine's rate, so that a recording may be played at half its speed and keep its band.
-        let folder = Folder::new(root).allow_outside(self.allow_outside).at_rate(2.0 * engine_rate);
+        let folder =
+            Folder::new(root).allow_outside(self.allow_outside).at_rate(2.0 * engine_rate).holding(self.held);
         let folder = Arc::new(folder);
         let options = Options {
             rate: Some(rate),

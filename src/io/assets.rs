@@ -5,6 +5,7 @@ use super::resample::resample;
 use super::wav::WavReader;
 use crate::node::asset::{Asset, Assets};
 use std::collections::HashMap;
+use std::io::{Cursor, Read, Seek};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -17,6 +18,7 @@ pub struct Folder {
     root: PathBuf,
     allow_outside: bool,
     rate: Option<f64>,
+    held: &'static [(&'static str, &'static [u8])],
     loaded: Mutex<HashMap<(PathBuf, usize), Arc<Asset>>>,
 }
 
@@ -26,12 +28,18 @@ impl Folder {
         let root = root.as_ref();
         // The folder of `patch.toml` is ``, by which the current one is meant.
         let root = if root.as_os_str().is_empty() { Path::new(".") } else { root };
-        Self { root: root.to_owned(), allow_outside: false, rate: None, loaded: Mutex::default() }
+        Self { root: root.to_owned(), allow_outside: false, rate: None, held: &[], loaded: Mutex::default() }
     }
 
     /// Whether paths may leave the folder.
     pub fn allow_outside(mut self, allow: bool) -> Self {
         self.allow_outside = allow;
+        self
+    }
+
+    /// Files that need no disk, by their path as a patch says it.
+    pub fn holding(mut self, files: &'static [(&'static str, &'static [u8])]) -> Self {
+        self.held = files;
         self
     }
 
@@ -75,21 +83,32 @@ impl Folder {
     /// # Errors
     /// As [`resolve`](Self::resolve) and [`WavReader`], and when its rate is not from 1 to 384 kHz.
     pub fn recording(&self, path: &str, channel: usize) -> Result<Arc<Asset>, FileError> {
-        let real = self.resolve(path)?;
+        let held = self.held.iter().find(|(name, _)| *name == path);
+        let real = if held.is_some() { PathBuf::from(path) } else { self.resolve(path)? };
         let key = (real, channel);
         if let Some(asset) = self.loaded.lock().unwrap_or_else(PoisonError::into_inner).get(&key) {
             return Ok(Arc::clone(asset));
         }
-        let asset = Arc::new(self.load_file(&key.0, channel)?);
+        let asset = match held {
+            Some((_, bytes)) => {
+                self.load_from(WavReader::new(Cursor::new(*bytes), path)?, &key.0, channel)?
+            }
+            None => self.load_from(WavReader::open(&key.0)?, &key.0, channel)?,
+        };
+        let asset = Arc::new(asset);
         self.loaded.lock().unwrap_or_else(PoisonError::into_inner).insert(key, Arc::clone(&asset));
         Ok(asset)
     }
 
-    fn load_file(&self, path: &Path, channel: usize) -> Result<Asset, FileError> {
+    fn load_from<R: Read + Seek>(
+        &self,
+        mut reader: WavReader<R>,
+        path: &Path,
+        channel: usize,
+    ) -> Result<Asset, FileError> {
         let malformed = |what: String| {
             FileError::new(FileErrorKind::Malformed, format!("`{}` cannot be used: {what}", path.display()))
         };
-        let mut reader = WavReader::open(path)?;
         let rate = reader.info().rate;
         if !RATES.contains(&rate) {
             return Err(malformed(format!(
