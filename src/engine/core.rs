@@ -180,8 +180,9 @@ impl<R: Real> Core<R> {
         taken
     }
 
-    /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames.
-    pub fn advance(&mut self, samples: usize, input: &[Vec<f32>], output: &mut [f32]) {
+    /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames. Where
+    /// `output` has no room for the last of them, it goes to `rest`.
+    pub fn advance(&mut self, samples: usize, input: &[Vec<f32>], output: &mut [f32], rest: &mut [f32]) {
         let samples = samples.min(BLOCK);
         self.work.clear_mix(samples);
         let begin = self.clock;
@@ -199,7 +200,7 @@ impl<R: Real> Core<R> {
             self.clock += frames as u64;
             done += frames;
         }
-        self.stage.process(&mut self.work.mix, &self.work.fed, samples, begin, output);
+        self.stage.process(&mut self.work.mix, &self.work.fed, samples, begin, output, rest);
     }
 
     /// Events, tasks and housekeeping that are due before the next sample.

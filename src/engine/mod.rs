@@ -31,7 +31,7 @@ pub struct Engine {
     core: AnyCore,
     channels: usize,
     ratio: usize,
-    /// A block whose last engine sample was not wanted whole.
+    /// The frames of an engine sample that was not wanted whole.
     carry: Vec<f32>,
     /// What of it is still to be given out.
     carried: Range<usize>,
@@ -96,7 +96,7 @@ impl Engine {
             Precision::Single => AnyCore::Single(Box::new(Core::new(plan, isa)?)),
             Precision::Double => AnyCore::Double(Box::new(Core::new(plan, isa)?)),
         };
-        let carry = vec![0.0; BLOCK * plan.ratio * plan.channels];
+        let carry = vec![0.0; plan.ratio * plan.channels];
         Ok(Self { core, channels: plan.channels, ratio: plan.ratio, carry, carried: 0..0 })
     }
 
@@ -176,15 +176,13 @@ impl Engine {
         while !output.is_empty() {
             let samples = output.len().div_ceil(step).min(BLOCK);
             let (now, later) = output.split_at_mut((samples * step).min(output.len()));
-            if now.len() == samples * step {
-                each!(mut self, core => core.advance(samples, &[], now));
-            } else {
-                // The last frames of the last sample are for the next call. One more copy costs less than one more block.
-                let mut carry = std::mem::take(&mut self.carry);
-                each!(mut self, core => core.advance(samples, &[], &mut carry[..samples * step]));
-                now.copy_from_slice(&carry[..now.len()]);
-                self.carry = carry;
-                self.carried = now.len()..samples * step;
+            each!(mut self, core => core.advance(samples, &[], now, &mut self.carry));
+            if now.len() < samples * step {
+                // The last frames of the last sample are for the next call.
+                let begin = (samples - 1) * step;
+                let over = now.len() - begin;
+                now[begin..].copy_from_slice(&self.carry[..over]);
+                self.carried = over..step;
             }
             output = later;
         }

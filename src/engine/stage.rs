@@ -43,7 +43,8 @@ impl Stage {
     /// A marker at an instant, when `clock` is the next engine sample.
     pub fn mark(&mut self, _name: u32, _at: Instant, _clock: u64) {}
 
-    /// Renders `samples` engine samples of the mix, from `clock` on, to interleaved frames of the device.
+    /// Renders `samples` engine samples of the mix, from `clock` on, to interleaved frames of the device. The
+    /// sample after those for which `output` has room goes to `rest`.
     pub fn process<R: Real>(
         &mut self,
         mix: &mut [[R; LANES]],
@@ -51,8 +52,9 @@ impl Stage {
         samples: usize,
         clock: u64,
         output: &mut [f32],
+        rest: &mut [f32],
     ) {
         let rows = R::singles(mix, &mut self.rows);
-        self.vibration.process(samples, rows, fed, clock, output);
+        self.vibration.process_with_rest(samples, rows, fed, clock, output, rest);
     }
 }
