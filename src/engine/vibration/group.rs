@@ -159,12 +159,12 @@ impl Group {
             let (frames, later) = target.split(count * step);
             target = later;
             match isa {
-                Isa::Baseline => self.chunk(design, chunk, frames, scratch),
+                Isa::Baseline => self.chunk_baseline(design, chunk, frames, scratch),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: `Vibration::new` keeps this level only where the machine has AVX2.
                 Isa::Avx2 => unsafe { self.chunk_avx2(design, chunk, frames, scratch) },
                 #[cfg(not(target_arch = "x86_64"))]
-                Isa::Avx2 => self.chunk(design, chunk, frames, scratch),
+                Isa::Avx2 => self.chunk_baseline(design, chunk, frames, scratch),
             }
             if ends_on_grid {
                 self.settle(design.fir.taps);
@@ -176,6 +176,11 @@ impl Group {
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn chunk_avx2(&mut self, design: &Design, rows: &mut [Row], target: Target<'_>, scratch: &mut Scratch) {
+        self.chunk(design, rows, target, scratch);
+    }
+
+    #[inline(never)]
+    fn chunk_baseline(&mut self, design: &Design, rows: &mut [Row], target: Target<'_>, scratch: &mut Scratch) {
         self.chunk(design, rows, target, scratch);
     }
 
