@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::event::Play;
 use super::mixer::Routes;
-use super::workspace::{Bus, Workspace};
+use super::workspace::{Bus, Rows, Workspace};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use crate::dsp::random;
@@ -259,32 +259,26 @@ impl<R: Real> Bank<R> {
             let Some((output, after)) = rest.split_first_mut() else { continue };
             let (before, after) = (&*before, &*after);
             let output = &mut output[..frames];
-            let input = |input: &OpInput| {
-                let (rows, step) = match input.feed {
-                    Feed::Steady(row) => (&steady[row as usize..=row as usize], 0),
-                    Feed::Buffer(b) => {
-                        let rows = before.get(b as usize).unwrap_or_else(|| &after[(b - op.output - 1) as usize]);
-                        (&rows[..frames], 1)
-                    }
-                    Feed::Shared(s) => (&shared[s as usize][..frames], 1),
-                };
-                Input { rows, step, base: &bases[input.base as usize] }
-            };
+            let sources = Sources { steady, bases, before, after, shared, frames };
             // Most ops have few inputs, and a short list is made sooner than a long one.
             match op.inputs[..] {
                 [] => states.run(isa, group, &mut Io { inputs: &[], output, clock }),
-                [ref a] => states.run(isa, group, &mut Io { inputs: &[input(a)], output, clock }),
+                [ref a] => states.run(isa, group, &mut Io { inputs: &[sources.input(a)], output, clock }),
                 [ref a, ref b] => {
-                    states.run(isa, group, &mut Io { inputs: &[input(a), input(b)], output, clock });
+                    states.run(
+                        isa,
+                        group,
+                        &mut Io { inputs: &[sources.input(a), sources.input(b)], output, clock },
+                    );
                 }
                 [ref a, ref b, ref c] => {
-                    let inputs = [input(a), input(b), input(c)];
+                    let inputs = [sources.input(a), sources.input(b), sources.input(c)];
                     states.run(isa, group, &mut Io { inputs: &inputs, output, clock });
                 }
                 [ref first, ..] => {
-                    let mut inputs = [input(first); INPUTS];
+                    let mut inputs = [sources.input(first); INPUTS];
                     for (slot, of) in inputs.iter_mut().zip(&op.inputs) {
-                        *slot = input(of);
+                        *slot = sources.input(of);
                     }
                     let inputs = &inputs[..op.inputs.len().min(INPUTS)];
                     states.run(isa, group, &mut Io { inputs, output, clock });
@@ -455,6 +449,36 @@ impl<R: Real> Bank<R> {
     /// A value of the first lane's steady row.
     pub fn steady_value(&self, row: u32) -> R {
         self.steady[row as usize][0]
+    }
+}
+
+/// Where an op finds its inputs.
+struct Sources<'a, R> {
+    steady: &'a [[R; LANES]],
+    bases: &'a [[f64; LANES]],
+    /// Buffers below the one it writes, and above.
+    before: &'a [Rows<R>],
+    after: &'a [Rows<R>],
+    shared: &'a [Rows<R>],
+    frames: usize,
+}
+
+impl<'a, R: Real> Sources<'a, R> {
+    /// Built where it is wanted: a copy would wait for the parts to be written.
+    #[inline(always)]
+    fn input(&self, input: &OpInput) -> Input<'a, R> {
+        let base = &self.bases[input.base as usize];
+        let rows = match input.feed {
+            Feed::Steady(row) => {
+                return Input { rows: &self.steady[row as usize..=row as usize], step: 0, base };
+            }
+            Feed::Shared(s) => &self.shared[s as usize],
+            Feed::Buffer(b) => match self.before.get(b as usize) {
+                Some(rows) => rows,
+                None => &self.after[b as usize - self.before.len() - 1],
+            },
+        };
+        Input { rows: &rows[..self.frames], step: 1, base }
     }
 }
 

@@ -195,6 +195,12 @@ impl Vibration {
         let room = whole + usize::from(rest.len() >= step);
         let count = if rows.len() < frames * self.groups.len() { 0 } else { frames.min(room) };
         let rest = if count > whole { &mut rest[..step] } else { &mut [] };
+        let still = |(g, group): (usize, &Group)| group.sleeps() && fed.get(g) == Some(&false);
+        if count > 0 && self.groups.iter().enumerate().all(still) {
+            out[..count.min(whole) * step].fill(0.0);
+            rest.fill(0.0);
+            return count;
+        }
         // Short turns, so that the frames that the groups write between each other stay in the cache.
         let turn = if GRID as usize * step <= NEAR { GRID as usize } else { GRID as usize / 2 };
         let mut from = 0;
