@@ -96,9 +96,7 @@ pub(super) fn up_sample<const T: usize, const P: usize>(
     let step = design.fir.ratio * channels;
     let known = design.pairs.first_chunk::<P>();
     let line = &mut line[MAX_TAPS - T..];
-    for k in 0..T - 1 {
-        line[k] = past[k];
-    }
+    line[..T - 1].copy_from_slice(&past[..T - 1]);
     let (mut left, rest) = (&mut *target.out, &mut *target.rest);
     let mut last = Some(rest);
     for window in line.windows(T) {
@@ -136,9 +134,7 @@ pub(super) fn up_sample<const T: usize, const P: usize>(
         }
     }
     let end = line.len() - (T - 1);
-    for k in 0..T - 1 {
-        past[k] = line[end + k];
-    }
+    past[..T - 1].copy_from_slice(&line[end..]);
     peak
 }
 
