@@ -4,14 +4,20 @@
 //! a change of the machine's speed meets both.
 
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
+use pacinian::dsp::isa::Isa;
 use pacinian::engine::Engine;
+use pacinian::engine::bank::Bank;
 use pacinian::engine::event::{Event, Play, Source};
-use pacinian::graph::plan::Plan;
+use pacinian::engine::workspace::Workspace;
+use pacinian::graph::plan::{Plan, compile};
 use pacinian::graph::scene::{Options, scene};
 use pacinian::graph::start::FIELDS;
+use pacinian::graph::{Graph, Node, Wire};
+use pacinian::node::NodeKind;
 use pacinian::node::asset::NoAssets;
 use pacinian::patch::Patch;
 use pacinian::rig::Rig;
@@ -71,7 +77,11 @@ fn start(engine: &mut Engine, voices: usize, channels: usize, level: f64) {
 }
 
 fn engine(voices: usize, channels: usize, level: f64) -> Engine {
-    let mut engine = Engine::new(&plan(SINE, voices, channels as u32)).unwrap();
+    engine_on(Isa::detect(), voices, channels, level)
+}
+
+fn engine_on(isa: Isa, voices: usize, channels: usize, level: f64) -> Engine {
+    let mut engine = Engine::with_isa(&plan(SINE, voices, channels as u32), isa).unwrap();
     start(&mut engine, voices, channels, level);
     let mut warm = vec![0.0; 4800 * channels];
     engine.process(&mut warm);
@@ -120,9 +130,9 @@ fn net(voices: usize, channels: usize, level: f32) -> fundsp::net::Net {
 use fundsp::audiounit::AudioUnit;
 use fundsp::buffer::BufferVec;
 
-fn against_net(block: usize) {
+fn against_net(isa: Isa, block: usize) {
     let (voices, channels) = (32, 16);
-    let mut ours = engine(voices, channels, 0.45);
+    let mut ours = engine_on(isa, voices, channels, 0.45);
     let mut frames = vec![0.0; block * channels];
     let mut net = net(voices, channels, 0.45);
     let input = BufferVec::new(0);
@@ -145,7 +155,7 @@ fn against_net(block: usize) {
     );
     let frame = |ns: f64| ns / block as f64;
     println!(
-        "32 voices on 16 outputs, blocks of {block:5}     pacinian {:6.2} ns a frame   fundsp Net {:6.2}   ratio {:.1}",
+        "32 voices on 16 outputs, {isa:8?}, blocks of {block:5}  pacinian {:6.2} ns a frame   fundsp Net {:6.2}   ratio {:.1}",
         frame(times[0]),
         frame(times[1]),
         times[1] / times[0]
@@ -186,6 +196,81 @@ fn asleep() {
     );
 }
 
+/// The same without the output stage.
+fn asleep_without_stage() {
+    let plan = plan(SINE, 256, 16);
+    let rate = plan.engine_rate();
+    let pool = |sounding: usize| {
+        let mut bank = Bank::<f32>::new(&plan.instruments[0], rate, plan.seed, 2, Isa::detect());
+        for i in 0..sounding {
+            let mut own = [0.0; FIELDS];
+            own[0] = 60.0 + 2.0 * i as f64;
+            let id = i as u64;
+            let play = Play { instrument: 0, place: 0, level: 0.05, duration: f64::INFINITY, own, id };
+            bank.start(&play, Instant::default(), 0, &[(i as u32 % 16, 1.0)], id);
+        }
+        (bank, Workspace::new(plan.instruments[0].program.buffers + 1, 0, 16), 0)
+    };
+    let samples = 10;
+    let run = |(bank, work, clock): &mut (Bank<f32>, Workspace<f32>, u64)| {
+        work.clear_mix(samples);
+        bank.run(work, samples, 0, *clock);
+        black_box(&work.mix);
+        *clock += samples as u64;
+        if clock.is_multiple_of(320) {
+            bank.settle(*clock);
+        }
+    };
+    let (mut silent, mut busy) = (pool(0), pool(256));
+    let times = turns(&mut [&mut || run(&mut silent), &mut || run(&mut busy)], 400);
+    let frame = |ns: f64| ns / (samples * plan.ratio) as f64;
+    println!(
+        "the same, voices and mix alone              {:6.2} / {:.2} ns a frame   {:.2} %",
+        frame(times[0]),
+        frame(times[1]),
+        100.0 * times[0] / times[1]
+    );
+}
+
+/// Compiles a mixer of 512 nodes, and a chain that would overflow a stack that followed it.
+fn compiling() {
+    let node = |name: &str, inputs| Node {
+        name: "node".into(),
+        kind: NodeKind::find(name).unwrap(),
+        settings: Arc::default(),
+        inputs,
+    };
+    let sine = |hertz| node("sine", vec![Wire::constant(hertz), Wire::constant(0.0), Wire::constant(1.0)]);
+    let mut nodes = vec![sine(50.0)];
+    for i in 0..255 {
+        let last = nodes.len() as u32 - 1;
+        nodes.push(sine(60.0 + f64::from(i)));
+        nodes.push(node("multiply", vec![Wire::node(last), Wire::node(last + 1)]));
+    }
+    nodes.push(node("clip", vec![Wire::node(510), Wire::constant(-1.0), Wire::constant(1.0)]));
+    let graph = |nodes: &[Node]| Graph {
+        nodes: nodes.to_vec(),
+        outputs: vec![Wire::node(nodes.len() as u32 - 1)],
+        ..Graph::default()
+    };
+    let mut chain = vec![sine(50.0)];
+    for i in 0..199_999 {
+        chain.push(node("multiply", vec![Wire::node(i), Wire::node(i)]));
+    }
+    for (nodes, turns) in [(&nodes, 101), (&chain, 3)] {
+        let mut times = Vec::new();
+        for _ in 0..turns {
+            let graph = graph(nodes);
+            let begin = ThreadTime::now();
+            let compiled = compile(graph, true, 8_000.0);
+            times.push(begin.elapsed().as_secs_f64());
+            assert_eq!(black_box(compiled).map(|c| c.program.ops.len()), Ok(nodes.len()));
+        }
+        times.sort_by(f64::total_cmp);
+        println!("compiling {:7} nodes                     {:8.3} ms", nodes.len(), 1e3 * times[turns / 2]);
+    }
+}
+
 fn main() {
     let begin = std::time::Instant::now();
     if let Some(which) = std::env::args().nth(1).filter(|w| w.starts_with("only")) {
@@ -199,12 +284,16 @@ fn main() {
         }
         return;
     }
-    against_net(64);
-    against_net(4096);
+    for block in [64, 4096] {
+        against_net(Isa::detect(), block);
+    }
+    against_net(Isa::Baseline, 64);
     channel_samples(24, 24, 0.3, BLOCK, "24 channels, sine x ASR, level 0.3");
     channel_samples(24, 24, 0.3, 4096, "the same in blocks of 4,096");
     channel_samples(24, 24, 0.95, 4096, "the same at level 0.95");
     channel_samples(1024, 1024, 0.3, BLOCK, "1,024 voices on 1,024 channels");
     asleep();
+    asleep_without_stage();
+    compiling();
     eprintln!("{:.0} s", begin.elapsed().max(Duration::from_secs(1)).as_secs_f64());
 }

@@ -46,6 +46,8 @@ pub trait Real:
     fn floor(self) -> Self;
     /// Neither infinite nor not-a-number.
     fn is_finite(self) -> bool;
+    /// Whether all values are finite.
+    fn all_finite(rows: &[[Self; LANES]]) -> bool;
     /// Sine of a phase in turns (2^64 is one turn).
     fn sine(phase: u64) -> Self;
     /// Rows in single precision: themselves, or else copies in `scratch`, which must be as long.
@@ -88,6 +90,22 @@ macro_rules! real {
             #[inline(always)]
             fn is_finite(self) -> bool {
                 self.is_finite()
+            }
+            #[inline(always)]
+            fn all_finite(rows: &[[Self; LANES]]) -> bool {
+                // The exponents of all, or-ed, are all ones if one of them is not finite; seldom otherwise.
+                let exponent = <$t>::INFINITY.to_bits();
+                let mut bits = [0; LANES];
+                for row in rows {
+                    for l in 0..LANES {
+                        bits[l] |= row[l].to_bits();
+                    }
+                }
+                let mut wild = false;
+                for l in 0..LANES {
+                    wild |= bits[l] & exponent == exponent;
+                }
+                !wild || rows.iter().flatten().all(|x| x.is_finite())
             }
             #[inline(always)]
             fn sine(phase: u64) -> Self {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::core::GRID;
 use super::event::Play;
 use super::mixer::Routes;
-use super::workspace::Workspace;
+use super::workspace::{Bus, Rows, Workspace};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use crate::dsp::random;
@@ -80,6 +80,8 @@ pub struct Bank<R: Real> {
     tail: u64,
     sounding: usize,
     enveloped: bool,
+    /// Ops that say whether a voice still sounds.
+    deciding: Vec<usize>,
     rate: f64,
     seed: u64,
     /// Samples that were not finite and were masked.
@@ -99,7 +101,8 @@ impl<R: Real> Bank<R> {
             .iter()
             .map(|op| States::new(op.node.kind, &op.node.setup(rate, rate), groups))
             .collect();
-        let enveloped = states.iter().any(|s| s.sounding(0, 0).is_some());
+        let deciding: Vec<_> = (0..states.len()).filter(|op| states[*op].sounding(0, 0).is_some()).collect();
+        let enveloped = !deciding.is_empty();
         let rows = program.steady.len();
         let mut bank = Self {
             isa,
@@ -129,6 +132,7 @@ impl<R: Real> Bank<R> {
             tail: (instrument.tail.clamp(0.0, 3600.0) * rate) as u64,
             sounding: 0,
             enveloped,
+            deciding,
             rate,
             seed,
             masked: 0,
@@ -332,61 +336,68 @@ impl<R: Real> Bank<R> {
             }
             return;
         }
+        match self.isa {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: an engine holds this level only where `Isa::or_supported` found it on this machine.
+            Isa::Avx2 => unsafe { self.run_avx2(work, frames, offset, clock) },
+            _ => self.run_groups(work, frames, offset, clock),
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn run_avx2(&mut self, work: &mut Workspace<R>, frames: usize, offset: usize, clock: u64) {
+        self.run_groups(work, frames, offset, clock);
+    }
+
+    #[inline(always)]
+    fn run_groups(&mut self, work: &mut Workspace<R>, frames: usize, offset: usize, clock: u64) {
         for group in 0..self.live.len() {
             if self.live[group] != 0 {
                 self.run_ops(group, work, frames, clock);
-                match self.isa {
-                    #[cfg(target_arch = "x86_64")]
-                    // SAFETY: an engine holds this level only where `Isa::or_supported` found it on this machine.
-                    Isa::Avx2 => unsafe { self.finish_avx2(group, work, frames, offset, clock) },
-                    _ => self.finish(group, work, frames, offset, clock),
-                }
+                self.finish(group, work, frames, offset, clock);
             }
         }
     }
 
+    #[inline(always)]
     fn run_ops(&mut self, group: usize, work: &mut Workspace<R>, frames: usize, clock: u64) {
         let rows = self.program.steady.len();
         let steady = &self.steady[group * rows..][..rows];
         let bases = &self.bases[group * rows..][..rows];
         let late = &self.late[group * self.program.late.len()..][..self.program.late.len()];
+        let (isa, shared) = (self.isa, &work.shared);
         for (op, states) in self.program.ops.iter().zip(&mut self.states) {
-            let mut output = std::mem::take(&mut work.buffers[op.output as usize]);
-            let input = |input: &OpInput| {
-                let (rows, step) = match input.feed {
-                    Feed::Steady(row) => (&steady[row as usize..=row as usize], 0),
-                    Feed::Buffer(b) => (&work.buffers[b as usize][..frames], 1),
-                    Feed::Shared(s) => (&work.shared[s as usize][..frames], 1),
-                    Feed::Late(i) => (&late[i as usize..=i as usize], 0),
-                };
-                Input { rows, step, base: &bases[input.base as usize] }
-            };
-            let out = &mut output[..frames];
+            // An op never reads what it writes.
+            let (before, rest) = work.buffers.split_at_mut(op.output as usize);
+            let Some((output, after)) = rest.split_first_mut() else { continue };
+            let (before, after) = (&*before, &*after);
+            let output = &mut output[..frames];
+            let sources = Sources { steady, bases, late, before, after, shared, frames };
             // Most ops have few inputs, and a short list is made sooner than a long one.
             match op.inputs[..] {
-                [] => states.run(self.isa, group, &mut Io { inputs: &[], output: out, clock }),
-                [ref a] => states.run(self.isa, group, &mut Io { inputs: &[input(a)], output: out, clock }),
+                [] => states.run(isa, group, &mut Io { inputs: &[], output, clock }),
+                [ref a] => states.run(isa, group, &mut Io { inputs: &[sources.input(a)], output, clock }),
                 [ref a, ref b] => {
                     states.run(
-                        self.isa,
+                        isa,
                         group,
-                        &mut Io { inputs: &[input(a), input(b)], output: out, clock },
+                        &mut Io { inputs: &[sources.input(a), sources.input(b)], output, clock },
                     );
                 }
                 [ref a, ref b, ref c] => {
-                    let inputs = [input(a), input(b), input(c)];
-                    states.run(self.isa, group, &mut Io { inputs: &inputs, output: out, clock });
+                    let inputs = [sources.input(a), sources.input(b), sources.input(c)];
+                    states.run(isa, group, &mut Io { inputs: &inputs, output, clock });
                 }
                 [ref first, ..] => {
-                    let mut inputs = [input(first); INPUTS];
+                    let mut inputs = [sources.input(first); INPUTS];
                     for (slot, of) in inputs.iter_mut().zip(&op.inputs) {
-                        *slot = input(of);
+                        *slot = sources.input(of);
                     }
-                    let count = op.inputs.len().min(INPUTS);
-                    states.run(self.isa, group, &mut Io { inputs: &inputs[..count], output: out, clock });
+                    let inputs = &inputs[..op.inputs.len().min(INPUTS)];
+                    states.run(isa, group, &mut Io { inputs, output, clock });
                 }
             }
-            work.buffers[op.output as usize] = output;
         }
         let late = &mut self.late[group * self.program.late.len()..][..self.program.late.len()];
         for (row, buffer) in late.iter_mut().zip(&self.program.late) {
@@ -394,40 +405,27 @@ impl<R: Real> Bank<R> {
         }
     }
 
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn finish_avx2(
-        &mut self,
-        group: usize,
-        work: &mut Workspace<R>,
-        frames: usize,
-        offset: usize,
-        clock: u64,
-    ) {
-        self.finish(group, work, frames, offset, clock);
-    }
-
     /// Masks what is not finite, fades what fades, notes peaks where a voice may be at its end, and mixes.
     #[inline(always)]
     fn finish(&mut self, group: usize, work: &mut Workspace<R>, frames: usize, offset: usize, clock: u64) {
         let rows = self.program.steady.len();
+        let Workspace { buffers, shared, mix, stride, fed } = work;
         // The last buffer of the workspace is the mixer's own.
-        let own = work.buffers.len() - 1;
-        let mut values = match self.program.outputs.first() {
-            Some(Feed::Buffer(b)) => std::mem::take(&mut work.buffers[*b as usize]),
+        let own = buffers.len() - 1;
+        let at = match self.program.outputs.first() {
+            Some(Feed::Buffer(b)) => *b as usize,
             Some(Feed::Shared(s)) => {
-                let (buffers, shared) = (&mut work.buffers, &work.shared);
                 buffers[own][..frames].copy_from_slice(&shared[*s as usize][..frames]);
-                std::mem::take(&mut buffers[own])
+                own
             }
             Some(Feed::Steady(row)) => {
-                work.buffers[own][..frames].fill(self.steady[group * rows + *row as usize]);
-                std::mem::take(&mut work.buffers[own])
+                buffers[own][..frames].fill(self.steady[group * rows + *row as usize]);
+                own
             }
             Some(Feed::Late(_)) | None => return,
         };
-        let block = &mut values[..frames];
-        if !is_finite(block) {
+        let block = &mut buffers[at][..frames];
+        if !R::all_finite(block) {
             self.masked += mask(block, self.live[group]);
         }
         if (self.rising[group] | self.fading[group]) != 0 {
@@ -442,13 +440,10 @@ impl<R: Real> Bank<R> {
             }
             self.peaks[group] = peak;
         }
-        self.routes[group].mix(block, work, offset);
-        match self.program.outputs.first() {
-            Some(Feed::Buffer(b)) => work.buffers[*b as usize] = values,
-            _ => work.buffers[own] = values,
-        }
+        self.routes[group].mix(block, &mut Bus { rows: mix, stride: *stride, fed }, offset);
     }
 
+    #[cold]
     fn fade(&mut self, group: usize, block: &mut [[R; LANES]], clock: u64) {
         for l in 0..LANES {
             if self.rising[group] & (1 << l) != 0 {
@@ -505,7 +500,7 @@ impl<R: Real> Bank<R> {
     }
 
     fn has_ended(&self, group: usize, lane: usize) -> bool {
-        self.enveloped && self.states.iter().all(|s| s.sounding(group, lane) != Some(true))
+        self.enveloped && self.deciding.iter().all(|op| self.states[*op].sounding(group, lane) != Some(true))
     }
 
     fn free(&mut self, lane: usize) {
@@ -579,6 +574,38 @@ impl<R: Real> Bank<R> {
     }
 }
 
+/// Where an op finds its inputs.
+struct Sources<'a, R> {
+    steady: &'a [[R; LANES]],
+    bases: &'a [[f64; LANES]],
+    late: &'a [[R; LANES]],
+    /// Buffers below the one it writes, and above.
+    before: &'a [Rows<R>],
+    after: &'a [Rows<R>],
+    shared: &'a [Rows<R>],
+    frames: usize,
+}
+
+impl<'a, R: Real> Sources<'a, R> {
+    /// Built where it is wanted: a copy would wait for the parts to be written.
+    #[inline(always)]
+    fn input(&self, input: &OpInput) -> Input<'a, R> {
+        let base = &self.bases[input.base as usize];
+        let rows = match input.feed {
+            Feed::Steady(row) => {
+                return Input { rows: &self.steady[row as usize..=row as usize], step: 0, base };
+            }
+            Feed::Late(i) => return Input { rows: &self.late[i as usize..=i as usize], step: 0, base },
+            Feed::Shared(s) => &self.shared[s as usize],
+            Feed::Buffer(b) => match self.before.get(b as usize) {
+                Some(rows) => rows,
+                None => &self.after[b as usize - self.before.len() - 1],
+            },
+        };
+        Input { rows: &rows[..self.frames], step: 1, base }
+    }
+}
+
 /// Gain of a voice that falls silent, `seconds` after it began to: 1 − (10 x³ − 15 x⁴ + 6 x⁵) over [`FADE`], whose slope and
 /// curvature are 0 at both ends.
 pub fn fade(seconds: f64) -> f64 {
@@ -586,29 +613,8 @@ pub fn fade(seconds: f64) -> f64 {
     1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x))
 }
 
-/// Whether all values are finite: x − x is 0 for those, and not-a-number for others. Several sums at once, since one would
-/// wait for itself.
-#[inline(always)]
-#[allow(clippy::eq_op)]
-fn is_finite<R: Real>(block: &[[R; LANES]]) -> bool {
-    let mut check = [[R::ZERO; LANES]; 4];
-    let (four, rest) = block.as_chunks::<4>();
-    for rows in four {
-        for (check, row) in check.iter_mut().zip(rows) {
-            for l in 0..LANES {
-                check[l] += row[l] - row[l];
-            }
-        }
-    }
-    for row in rest {
-        for l in 0..LANES {
-            check[0][l] += row[l] - row[l];
-        }
-    }
-    check == [[R::ZERO; LANES]; 4]
-}
-
 /// Makes what is not finite 0; how many samples of live lanes that were.
+#[cold]
 fn mask<R: Real>(block: &mut [[R; LANES]], live: u8) -> u64 {
     let mut count = 0;
     for row in block {

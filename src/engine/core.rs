@@ -185,13 +185,14 @@ impl<R: Real> Core<R> {
         taken
     }
 
-    /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames.
-    /// The voices of an old core that fades out are added.
+    /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames. Where
+    /// `output` has no room for the last of them, it goes to `rest`. The voices of an old core that fades out are added.
     pub fn advance(
         &mut self,
         samples: usize,
         input: &[Vec<f32>],
         output: &mut [f32],
+        rest: &mut [f32],
         mut leaving: Option<&mut Self>,
     ) {
         let samples = samples.min(BLOCK);
@@ -225,7 +226,7 @@ impl<R: Real> Core<R> {
             self.work.add_mix(&old.work);
         }
         self.declick.apply(&mut self.work, samples, begin, self.rate);
-        self.stage.process(&mut self.work.mix, &self.work.fed, samples, begin, output);
+        self.stage.process(&mut self.work.mix, &self.work.fed, samples, begin, output, rest);
     }
 
     /// Housekeeping, on its grid.

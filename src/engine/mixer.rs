@@ -1,6 +1,6 @@
 //! From lanes to channels: for a group of lanes, the gains with which they reach the channels they sound on.
 
-use super::workspace::Workspace;
+use super::workspace::Bus;
 use crate::dsp::lanes::{LANES, Real};
 
 /// Where a group of lanes goes: a matrix for each group of eight channels that at least one lane reaches.
@@ -15,8 +15,8 @@ struct Route<R> {
     channels: u32,
     /// The lanes that reach it.
     lanes: u8,
-    /// Whether each lane reaches only the channel of its own number, so that a row times a row does.
-    diagonal: bool,
+    /// Where each lane reaches only the channel of its own number, so that a row times a row does: the gains of those.
+    diagonal: Option<[R; LANES]>,
     /// By lane, then channel.
     gains: [[R; LANES]; LANES],
 }
@@ -36,14 +36,14 @@ impl<R: Real> Routes<R> {
             None if self.list.len() < self.list.capacity() => {
                 let at = self.list.partition_point(|r| r.channels < group);
                 let gains = [[R::ZERO; LANES]; LANES];
-                self.list.insert(at, Route { channels: group, lanes: 0, diagonal: true, gains });
+                self.list.insert(at, Route { channels: group, lanes: 0, diagonal: None, gains });
                 &mut self.list[at]
             }
             None => return,
         };
         route.lanes |= 1 << lane;
         route.gains[lane][c] += R::of(gain);
-        route.diagonal = route.is_diagonal();
+        route.diagonal = route.diagonal();
     }
 
     /// Takes `lane` off all channels.
@@ -51,34 +51,49 @@ impl<R: Real> Routes<R> {
         for route in &mut self.list {
             route.lanes &= !(1 << lane);
             route.gains[lane] = [R::ZERO; LANES];
-            route.diagonal = route.is_diagonal();
+            route.diagonal = route.diagonal();
         }
         self.list.retain(|r| r.lanes != 0);
     }
 
     /// Adds the lanes' rows to the channels. The order of the sum is that of the lanes.
     #[inline(always)]
-    pub fn mix(&self, rows: &[[R; LANES]], work: &mut Workspace<R>, offset: usize) {
+    pub fn mix(&self, rows: &[[R; LANES]], bus: &mut Bus<'_, R>, offset: usize) {
         for route in &self.list {
             let group = route.channels as usize;
-            let sums = work.channels(group, offset, rows.len());
-            if route.diagonal {
-                let mut gain = [R::ZERO; LANES];
-                for l in 0..LANES {
-                    gain[l] = route.gains[l][l];
-                }
-                for (sum, row) in sums.iter_mut().zip(rows) {
-                    for l in 0..LANES {
-                        sum[l] += row[l] * gain[l];
+            if let Some(gain) = route.diagonal {
+                // An unknown stride keeps the compiler to one row at a time: it would take eight and shuffle them. And rows
+                // are copied before they are written, for it does not know that they lie apart.
+                let step = std::hint::black_box(1);
+                if let Some(sums) = bus.fresh(group, rows.len()) {
+                    for (frame, sum) in sums.iter_mut().enumerate() {
+                        let mut row = rows[frame * step];
+                        for l in 0..LANES {
+                            // As if added to silence: never -0.
+                            row[l] = R::ZERO + row[l] * gain[l];
+                        }
+                        *sum = row;
+                    }
+                } else {
+                    for (frame, sum) in bus.channels(group, offset, rows.len()).iter_mut().enumerate() {
+                        let (row, mut new) = (rows[frame * step], *sum);
+                        for l in 0..LANES {
+                            new[l] += row[l] * gain[l];
+                        }
+                        *sum = new;
                     }
                 }
             } else {
+                let step = std::hint::black_box(1);
+                let sums = bus.channels(group, offset, rows.len());
                 for lane in (0..LANES).filter(|lane| route.lanes & (1 << lane) != 0) {
                     let gain = route.gains[lane];
-                    for (sum, row) in sums.iter_mut().zip(rows) {
+                    for (frame, sum) in sums.iter_mut().enumerate() {
+                        let (value, mut new) = (rows[frame * step][lane], *sum);
                         for c in 0..LANES {
-                            sum[c] += row[lane] * gain[c];
+                            new[c] += value * gain[c];
                         }
+                        *sum = new;
                     }
                 }
             }
@@ -87,18 +102,26 @@ impl<R: Real> Routes<R> {
 }
 
 impl<R: Real> Route<R> {
-    fn is_diagonal(&self) -> bool {
-        self.gains
-            .iter()
-            .enumerate()
-            .all(|(l, row)| row.iter().enumerate().all(|(c, g)| l == c || *g == R::ZERO))
+    fn diagonal(&self) -> Option<[R; LANES]> {
+        let mut gain = [R::ZERO; LANES];
+        for (lane, row) in self.gains.iter().enumerate() {
+            for (channel, &to) in row.iter().enumerate() {
+                if lane == channel {
+                    gain[lane] = to;
+                } else if to != R::ZERO {
+                    return None;
+                }
+            }
+        }
+        Some(gain)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Routes, Workspace};
+    use super::Routes;
     use crate::dsp::lanes::LANES;
+    use crate::engine::workspace::Workspace;
 
     #[test]
     fn lanes_arrive_where_they_are_sent() {
@@ -111,7 +134,7 @@ mod tests {
         let mut work = Workspace::new(0, 0, 24);
         work.clear_mix(10);
         let rows = [[1.0, 10.0, 100.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 3];
-        routes.mix(&rows, &mut work, 5);
+        routes.mix(&rows, &mut work.bus(), 5);
         assert_eq!(work.fed, [true, false, true]);
         for frame in 5..8 {
             assert_eq!(work.mix[frame], [0.0, 0.0, 0.0, 10.5, 0.0, 0.0, 0.0, 0.0]);
@@ -137,7 +160,7 @@ mod tests {
                 routes.connect(7, 0, 1e-3);
             }
             let mut work = Workspace::new(0, 0, 8);
-            routes.mix(&rows, &mut work, 0);
+            routes.mix(&rows, &mut work.bus(), 0);
             work.mix
         };
         for (a, b) in mix(false).iter().zip(&mix(true)) {

@@ -38,7 +38,7 @@ pub struct Engine {
     core: AnyCore,
     channels: usize,
     ratio: usize,
-    /// A block whose last engine sample was not wanted whole.
+    /// The frames of an engine sample that was not wanted whole.
     carry: Vec<f32>,
     /// What of it is still to be given out.
     carried: Range<usize>,
@@ -106,7 +106,7 @@ impl Engine {
             Precision::Single => AnyCore::Single(Box::new(Core::new(plan, isa)?)),
             Precision::Double => AnyCore::Double(Box::new(Core::new(plan, isa)?)),
         };
-        let carry = vec![0.0; BLOCK * plan.ratio * plan.channels];
+        let carry = vec![0.0; plan.ratio * plan.channels];
         let inputs = plan
             .shared
             .iter()
@@ -237,15 +237,13 @@ impl Engine {
             let samples = output.len().div_ceil(step).min(BLOCK);
             self.hear(&mut frames, &mut left, samples);
             let (now, later) = output.split_at_mut((samples * step).min(output.len()));
-            if now.len() == samples * step {
-                self.advance(samples, now, leaving.as_deref_mut());
-            } else {
-                // The last frames of the last sample are for the next call. One more copy costs less than one more block.
-                let mut carry = std::mem::take(&mut self.carry);
-                self.advance(samples, &mut carry[..samples * step], leaving.as_deref_mut());
-                now.copy_from_slice(&carry[..now.len()]);
-                self.carry = carry;
-                self.carried = now.len()..samples * step;
+            self.advance(samples, now, leaving.as_deref_mut());
+            if now.len() < samples * step {
+                // The last frames of the last sample are for the next call.
+                let begin = (samples - 1) * step;
+                let over = now.len() - begin;
+                now[begin..].copy_from_slice(&self.carry[..over]);
+                self.carried = over..step;
             }
             output = later;
         }
@@ -271,15 +269,16 @@ impl Engine {
     }
 
     fn advance(&mut self, samples: usize, output: &mut [f32], leaving: Option<&mut Engine>) {
+        let (heard, rest) = (&self.heard, &mut self.carry);
         match (&mut self.core, leaving.map(|old| &mut old.core)) {
             (AnyCore::Single(core), Some(AnyCore::Single(old))) => {
-                core.advance(samples, &self.heard, output, Some(old))
+                core.advance(samples, heard, output, rest, Some(old))
             }
             (AnyCore::Double(core), Some(AnyCore::Double(old))) => {
-                core.advance(samples, &self.heard, output, Some(old))
+                core.advance(samples, heard, output, rest, Some(old))
             }
-            (AnyCore::Single(core), _) => core.advance(samples, &self.heard, output, None),
-            (AnyCore::Double(core), _) => core.advance(samples, &self.heard, output, None),
+            (AnyCore::Single(core), _) => core.advance(samples, heard, output, rest, None),
+            (AnyCore::Double(core), _) => core.advance(samples, heard, output, rest, None),
         }
     }
 }

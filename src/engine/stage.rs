@@ -48,7 +48,8 @@ impl Stage {
         self.triggers.mark(marker, at);
     }
 
-    /// Renders `samples` engine samples of the mix, from `clock` on, to interleaved frames of the device.
+    /// Renders `samples` engine samples of the mix, from `clock` on, to interleaved frames of the device. The
+    /// sample after those for which `output` has room goes to `rest`.
     pub fn process<R: Real>(
         &mut self,
         mix: &mut [[R; LANES]],
@@ -56,9 +57,10 @@ impl Stage {
         samples: usize,
         clock: u64,
         output: &mut [f32],
+        rest: &mut [f32],
     ) {
         let rows = R::singles(mix, &mut self.rows);
-        self.vibration.process(samples, rows, fed, clock, output);
-        self.triggers.write(clock, samples, output);
+        self.vibration.process_with_rest(samples, rows, fed, clock, output, rest);
+        self.triggers.write(clock, samples, output, rest);
     }
 }

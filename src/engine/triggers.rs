@@ -74,14 +74,18 @@ impl Triggers {
         }
     }
 
-    /// Writes the pulses into the frames of `samples` engine samples from `clock` on.
-    pub fn write(&mut self, clock: u64, samples: usize, frames: &mut [f32]) {
+    /// Writes the pulses into the frames of `samples` engine samples from `clock` on; those of the last one lie in `rest`
+    /// where `frames` has no room for it.
+    pub fn write(&mut self, clock: u64, samples: usize, frames: &mut [f32], rest: &mut [f32]) {
+        let whole = frames.len() / (self.ratio * self.channels).max(1) * self.ratio;
         let (first, count) = (clock.saturating_mul(self.ratio as u64), (samples * self.ratio) as u64);
         for output in &mut self.outputs {
             for &(begin, end) in &output.pulses[..output.count] {
                 let from = begin.saturating_sub(first).min(count) as usize;
                 let to = end.saturating_sub(first).min(count) as usize;
-                for frame in frames.chunks_exact_mut(self.channels).take(to).skip(from) {
+                let before = frames.chunks_exact_mut(self.channels).take(whole);
+                let after = rest.chunks_exact_mut(self.channels);
+                for frame in before.chain(after).take(to).skip(from) {
                     if let Some(value) = frame.get_mut(output.channel) {
                         *value = 1.0;
                     }

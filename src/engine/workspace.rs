@@ -44,11 +44,17 @@ impl<R: Real> Workspace<R> {
         self.fed.fill(false);
     }
 
+    /// The mix.
+    pub fn bus(&mut self) -> Bus<'_, R> {
+        Bus { rows: &mut self.mix, stride: self.stride, fed: &mut self.fed }
+    }
+
     /// The rows of a group of channels, from `offset` on; silence if nothing fed them in this block.
     #[inline(always)]
     pub fn channels(&mut self, group: usize, offset: usize, frames: usize) -> &mut [[R; LANES]] {
-        let rows = &mut self.mix[group * self.stride..][..self.stride];
-        if !std::mem::replace(&mut self.fed[group], true) {
+        let Self { mix, fed, stride, .. } = self;
+        let rows = &mut mix[group * *stride..][..*stride];
+        if !std::mem::replace(&mut fed[group], true) {
             rows.fill([R::ZERO; LANES]);
         }
         &mut rows[offset..offset + frames]
@@ -66,5 +72,38 @@ impl<R: Real> Workspace<R> {
                 }
             }
         }
+    }
+}
+
+/// The mix, apart from the rest of the workspace.
+#[derive(Debug)]
+pub struct Bus<'a, R> {
+    /// As [`Workspace::mix`].
+    pub rows: &'a mut [[R; LANES]],
+    /// As [`Workspace::stride`].
+    pub stride: usize,
+    /// As [`Workspace::fed`].
+    pub fed: &'a mut [bool],
+}
+
+impl<R: Real> Bus<'_, R> {
+    /// As [`Workspace::channels`].
+    #[inline(always)]
+    pub fn channels(&mut self, group: usize, offset: usize, frames: usize) -> &mut [[R; LANES]] {
+        let rows = &mut self.rows[group * self.stride..][..self.stride];
+        if !std::mem::replace(&mut self.fed[group], true) {
+            rows.fill([R::ZERO; LANES]);
+        }
+        &mut rows[offset..offset + frames]
+    }
+
+    /// All rows of a group of channels, if nothing fed them in this block and all of them are now written.
+    #[inline(always)]
+    pub fn fresh(&mut self, group: usize, frames: usize) -> Option<&mut [[R; LANES]]> {
+        if self.fed[group] || frames != self.stride {
+            return None;
+        }
+        self.fed[group] = true;
+        Some(&mut self.rows[group * frames..][..frames])
     }
 }

@@ -25,6 +25,15 @@ impl<R: Real> Kernel<R> for Lanes<R> {
 
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
+        if let [first, second] = io.inputs {
+            for (frame, out) in io.output.iter_mut().enumerate() {
+                let (a, b) = (first.at(frame), second.at(frame));
+                for l in 0..LANES {
+                    out[l] = a[l] * b[l];
+                }
+            }
+            return;
+        }
         let Some((first, others)) = io.inputs.split_first() else { return };
         for (frame, out) in io.output.iter_mut().enumerate() {
             *out = first.at(frame);

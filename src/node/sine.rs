@@ -58,18 +58,21 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         let [frequency, phase, amplitude] = [io.inputs[0], io.inputs[1], io.inputs[2]];
         if frequency.is_steady() && phase.is_steady() {
             let (hands, &step) = self.clock.hands();
-            let (mut angle, mut shift) = (*hands, [0; LANES]);
+            let (mut angle, mut shift) = ([0; LANES], [0; LANES]);
             for l in 0..LANES {
                 shift[l] = bend(phase.base[l]);
+                angle[l] = hands[l].wrapping_add(shift[l]);
             }
             for (frame, out) in io.output.iter_mut().enumerate() {
                 let gain = amplitude.at(frame);
                 for l in 0..LANES {
                     angle[l] = angle[l].wrapping_add(step[l]);
-                    out[l] = R::sine(angle[l].wrapping_add(shift[l])) * gain[l];
+                    out[l] = R::sine(angle[l]) * gain[l];
                 }
             }
-            *hands = angle;
+            for l in 0..LANES {
+                hands[l] = angle[l].wrapping_sub(shift[l]);
+            }
         } else {
             for (frame, out) in io.output.iter_mut().enumerate() {
                 let (turns, gain) = (phase.at(frame), amplitude.at(frame));

@@ -20,6 +20,35 @@ pub(super) struct Place {
     pub first: usize,
 }
 
+/// Where a group writes: whole engine samples, and one more where there is a rest.
+#[derive(Debug)]
+pub(super) struct Target<'a> {
+    pub out: &'a mut [f32],
+    pub rest: &'a mut [f32],
+    pub place: Place,
+}
+
+impl<'a> Target<'a> {
+    /// The part of the first so many values, and the part of the others.
+    #[inline(always)]
+    fn split(self, values: usize) -> (Target<'a>, Target<'a>) {
+        let Self { out, rest, place } = self;
+        if values <= out.len() {
+            let (now, later) = out.split_at_mut(values);
+            (Target { out: now, rest: &mut [], place }, Target { out: later, rest, place })
+        } else {
+            (Target { out, rest, place }, Target { out: &mut [], rest: &mut [], place })
+        }
+    }
+
+    /// All frames.
+    #[inline(always)]
+    fn frames(&mut self) -> impl Iterator<Item = &mut [f32]> {
+        let channels = self.place.channels;
+        self.out.chunks_exact_mut(channels).chain(self.rest.chunks_exact_mut(channels))
+    }
+}
+
 /// An equaliser's section on eight lanes.
 #[derive(Debug)]
 struct Bell {
@@ -102,6 +131,7 @@ impl Group {
 
     /// Renders a block into this group's channels of `out`.
     #[expect(clippy::too_many_arguments, reason = "the stage's own arguments, handed on")]
+    #[inline]
     pub fn process(
         &mut self,
         design: &Design,
@@ -109,13 +139,12 @@ impl Group {
         rows: &mut [Row],
         fed: bool,
         clock: u64,
-        out: &mut [f32],
-        place: Place,
+        mut target: Target<'_>,
         scratch: &mut Scratch,
     ) {
-        let step = design.fir.ratio * place.channels;
+        let step = design.fir.ratio * target.place.channels;
         if self.asleep && !fed {
-            self.silence(out, place);
+            self.silence(&mut target);
             return;
         }
         if !fed {
@@ -123,18 +152,19 @@ impl Group {
         }
         let mut done = 0;
         while done < rows.len() {
-            let now = clock.wrapping_add(done as u64);
-            let count = ((GRID - now % GRID) as usize).min(rows.len() - done);
-            let ends_on_grid = (now % GRID) as usize + count == CHUNK;
+            let now = clock.wrapping_add(done as u64) % GRID;
+            let count = ((GRID - now) as usize).min(rows.len() - done);
+            let ends_on_grid = now as usize + count == CHUNK;
             let chunk = &mut rows[done..done + count];
-            let frames = &mut out[done * step..(done + count) * step];
+            let (frames, later) = target.split(count * step);
+            target = later;
             match isa {
-                Isa::Baseline => self.chunk(design, chunk, frames, place, scratch),
+                Isa::Baseline => self.chunk_baseline(design, chunk, frames, scratch),
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: `Vibration::new` keeps this level only where the machine has AVX2.
-                Isa::Avx2 => unsafe { self.chunk_avx2(design, chunk, frames, place, scratch) },
+                Isa::Avx2 => unsafe { self.chunk_avx2(design, chunk, frames, scratch) },
                 #[cfg(not(target_arch = "x86_64"))]
-                Isa::Avx2 => self.chunk(design, chunk, frames, place, scratch),
+                Isa::Avx2 => self.chunk_baseline(design, chunk, frames, scratch),
             }
             if ends_on_grid {
                 self.settle(design.fir.taps);
@@ -145,37 +175,36 @@ impl Group {
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn chunk_avx2(
+    fn chunk_avx2(&mut self, design: &Design, rows: &mut [Row], target: Target<'_>, scratch: &mut Scratch) {
+        self.chunk(design, rows, target, scratch);
+    }
+
+    #[inline(never)]
+    fn chunk_baseline(
         &mut self,
         design: &Design,
         rows: &mut [Row],
-        out: &mut [f32],
-        place: Place,
+        target: Target<'_>,
         scratch: &mut Scratch,
     ) {
-        self.chunk(design, rows, out, place, scratch);
+        self.chunk(design, rows, target, scratch);
     }
 
     /// At most [`CHUNK`] samples that end at a grid point or before.
     #[inline(always)]
-    fn chunk(
-        &mut self,
-        design: &Design,
-        rows: &mut [Row],
-        out: &mut [f32],
-        place: Place,
-        scratch: &mut Scratch,
-    ) {
+    fn chunk(&mut self, design: &Design, rows: &mut [Row], target: Target<'_>, scratch: &mut Scratch) {
         let (mut peaks, wild) = survey(rows);
-        let (mut rows, mut out) = (rows, out);
+        let (mut rows, mut target) = (rows, target);
         if self.asleep {
             let silent = peaks == SILENCE && !wild;
             let first = if silent { None } else { rows.iter().position(|row| *row != SILENCE) };
             let first = first.unwrap_or(rows.len());
-            let (before, after) = out.split_at_mut(first * design.fir.ratio * place.channels);
-            self.silence(before, place);
-            (rows, out) = (&mut rows[first..], after);
+            let values = first * design.fir.ratio * target.place.channels;
+            let (mut before, after) = target.split(values);
+            self.silence(&mut before);
+            (rows, target) = (&mut rows[first..], after);
             if rows.is_empty() {
+                self.silence(&mut target);
                 return;
             }
             self.asleep = false;
@@ -194,59 +223,55 @@ impl Group {
             peaks = survey(rows).0;
         }
         let Scratch { line, frames } = scratch;
-        line[..MAX_TAPS - 1].copy_from_slice(&self.past);
-        if self.lanes == LANES {
-            self.render(design, rows, peaks, line, out, place);
-        } else {
-            // The loops always write eight channels; these go by way of a frame that has them.
-            let frames = &mut frames[..rows.len() * design.fir.ratio * LANES];
-            self.render(design, rows, peaks, line, frames, Place { channels: LANES, first: 0 });
-            for (to, from) in out.chunks_exact_mut(place.channels).zip(frames.chunks_exact(LANES)) {
-                to[place.first..][..self.lanes].copy_from_slice(&from[..self.lanes]);
-            }
-        }
-        self.past.copy_from_slice(&line[rows.len()..][..MAX_TAPS - 1]);
-    }
-
-    /// Limits, filters and up-samples `rows` into eight channels of `out`.
-    #[inline(always)]
-    fn render(
-        &mut self,
-        design: &Design,
-        rows: &[Row],
-        peaks: Row,
-        line: &mut [Row; MAX_TAPS - 1 + CHUNK],
-        out: &mut [f32],
-        place: Place,
-    ) {
         let predicted = match &design.limits {
             Some(limits) => self.limiter.is_engaged() || limits.engage(&peaks),
             None => false,
         };
-        let line = &mut line[MAX_TAPS - design.fir.taps..MAX_TAPS - 1 + rows.len()];
-        let recent = &mut line[design.fir.taps - 1..];
+        let recent = &mut line[MAX_TAPS - 1..][..rows.len()];
         if predicted {
             self.limit(design, rows, peaks, recent);
         } else {
             filter(&design.sections, &mut self.state, rows, recent);
         }
-        let peak = match design.fir.taps {
-            1 => copy(design, line, out, place),
-            4 => up_sample::<4>(design, line, out, place),
-            5 => up_sample::<5>(design, line, out, place),
-            6 => up_sample::<6>(design, line, out, place),
-            7 => up_sample::<7>(design, line, out, place),
-            8 => up_sample::<8>(design, line, out, place),
-            9 => up_sample::<9>(design, line, out, place),
-            10 => up_sample::<10>(design, line, out, place),
-            11 => up_sample::<11>(design, line, out, place),
-            _ => up_sample::<12>(design, line, out, place),
-        };
-        for (held, peak) in self.peak.iter_mut().zip(peak) {
-            *held = held.max(peak);
+        let line = &mut line[..MAX_TAPS - 1 + rows.len()];
+        if self.lanes == LANES {
+            self.spread(design, line, &mut target);
+        } else {
+            // The loops always write eight channels; these go by way of a frame that has them.
+            let out = &mut frames[..rows.len() * design.fir.ratio * LANES];
+            let place = Place { channels: LANES, first: 0 };
+            self.spread(design, line, &mut Target { out, rest: &mut [], place });
+            let (first, lanes) = (target.place.first, self.lanes);
+            for (to, from) in target.frames().zip(frames.chunks_exact(LANES)) {
+                to[first..][..lanes].copy_from_slice(&from[..lanes]);
+            }
         }
-        if peak.iter().any(|&p| p > 1.0) {
-            self.clamp(out, place);
+    }
+
+    /// Up-samples `line`, in front of which there is room for the past, into eight channels of the target.
+    #[inline(always)]
+    fn spread(&mut self, design: &Design, line: &mut [Row], target: &mut Target<'_>) {
+        let past = &mut self.past;
+        let peak = match (design.fir.taps, design.fir.ratio) {
+            (1, _) => copy(design, line, target),
+            (6, 6) => up_sample::<6, 3>(design, line, past, target),
+            (4, _) => up_sample::<4, 0>(design, line, past, target),
+            (5, _) => up_sample::<5, 0>(design, line, past, target),
+            (6, _) => up_sample::<6, 0>(design, line, past, target),
+            (7, _) => up_sample::<7, 0>(design, line, past, target),
+            (8, _) => up_sample::<8, 0>(design, line, past, target),
+            (9, _) => up_sample::<9, 0>(design, line, past, target),
+            (10, _) => up_sample::<10, 0>(design, line, past, target),
+            (11, _) => up_sample::<11, 0>(design, line, past, target),
+            _ => up_sample::<12, 0>(design, line, past, target),
+        };
+        let mut over = false;
+        for (held, peak) in self.peak.iter_mut().zip(peak) {
+            *held = if *held > peak { *held } else { peak };
+            over |= peak > 1.0;
+        }
+        if over {
+            self.clamp(target);
         }
     }
 
@@ -298,9 +323,10 @@ impl Group {
     }
 
     #[cold]
-    fn clamp(&mut self, out: &mut [f32], place: Place) {
-        for frame in out.chunks_exact_mut(place.channels) {
-            for value in &mut frame[place.first..place.first + LANES] {
+    fn clamp(&mut self, target: &mut Target<'_>) {
+        let first = target.place.first;
+        for frame in target.frames() {
+            for value in &mut frame[first..first + LANES] {
                 if value.abs() > 1.0 {
                     *value = value.clamp(-1.0, 1.0);
                     self.counts.clamped += 1;
@@ -309,9 +335,14 @@ impl Group {
         }
     }
 
-    fn silence(&self, out: &mut [f32], place: Place) {
-        for frame in out.chunks_exact_mut(place.channels) {
-            frame[place.first..place.first + self.lanes].fill(0.0);
+    fn silence(&self, target: &mut Target<'_>) {
+        let (first, lanes) = (target.place.first, self.lanes);
+        for frame in target.frames() {
+            // Eight at a time without a call for each frame.
+            match frame[first..first + lanes].first_chunk_mut::<LANES>() {
+                Some(row) => *row = SILENCE,
+                None => frame[first..first + lanes].fill(0.0),
+            }
         }
     }
 
@@ -321,9 +352,13 @@ impl Group {
         if self.asleep {
             return;
         }
+        if !self.quiet[..self.lanes].contains(&true) {
+            self.quiet = [true; LANES];
+            return;
+        }
         let mut silent = true;
         for l in 0..LANES {
-            let past = &mut self.past[MAX_TAPS - taps..];
+            let past = &self.past[..taps - 1];
             let bells = self.bells.iter().flat_map(|bell| &bell.state);
             let dead = self.quiet[l]
                 && self

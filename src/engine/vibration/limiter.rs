@@ -132,18 +132,21 @@ impl Limiter {
     }
 
     /// Takes note of the input magnitudes of the rows to come. Returns the first row at which a lane has to engage.
+    #[inline(always)]
     pub fn listen(&mut self, limits: &Limits, rows: &[Row], peaks: &Row) -> Option<usize> {
-        let mut first = None;
+        let mut news = false;
         for l in 0..LANES {
-            if peaks[l] > limits.threshold {
-                self.loud[l] = true;
-                if !self.engaged[l] {
-                    let at = rows.iter().position(|row| row[l].abs() > limits.threshold);
-                    first = first.into_iter().chain(at).min();
-                }
-            }
+            let loud = peaks[l] > limits.threshold;
+            self.loud[l] |= loud;
+            news |= loud & !self.engaged[l];
         }
-        first
+        if news { self.engaging(limits, rows, peaks) } else { None }
+    }
+
+    #[cold]
+    fn engaging(&self, limits: &Limits, rows: &[Row], peaks: &Row) -> Option<usize> {
+        let idle = (0..LANES).filter(|&l| peaks[l] > limits.threshold && !self.engaged[l]);
+        idle.filter_map(|l| rows.iter().position(|row| row[l].abs() > limits.threshold)).min()
     }
 
     /// Engages the lanes that `row` makes engage; `state` is the band limit's before it.

@@ -2,8 +2,8 @@
 #![allow(clippy::needless_range_loop, reason = "several rows run under one lane index")]
 
 use super::Row;
-use super::design::{Design, MAX_TAPS, SECTIONS, Section};
-use super::group::Place;
+use super::design::{Design, MAX_TAPS, Pair, SECTIONS, Section};
+use super::group::Target;
 use crate::dsp::lanes::LANES;
 
 /// State of the band limit on eight lanes: each section's first state, and the sum of both.
@@ -68,9 +68,11 @@ pub(super) fn filter(sections: &Sections, state: &mut Cascade, rows: &[Row], out
 
 /// A ratio of 1: nothing but the band limit's gain.
 #[inline(always)]
-pub(super) fn copy(design: &Design, line: &[Row], out: &mut [f32], place: Place) -> Row {
+pub(super) fn copy(design: &Design, line: &[Row], target: &mut Target<'_>) -> Row {
     let mut peak = SILENCE;
-    for (row, frame) in line.iter().zip(out.chunks_exact_mut(place.channels)) {
+    let Target { out, rest, place } = target;
+    let frames = out.chunks_exact_mut(place.channels).chain(rest.chunks_exact_mut(place.channels));
+    for (row, frame) in line[MAX_TAPS - 1..].iter().zip(frames) {
         let mut y = *row;
         for value in &mut y {
             *value *= design.gain;
@@ -80,43 +82,93 @@ pub(super) fn copy(design: &Design, line: &[Row], out: &mut [f32], place: Place)
     peak
 }
 
-/// `line` holds T - 1 samples of the past and then the block. Returns the peaks.
+/// `line` holds room for the past, which is in `past`, and then the block. `P` is the number of pairs where it is known
+/// to be half the ratio, else 0. Returns the peaks.
 #[inline(always)]
-pub(super) fn up_sample<const T: usize>(design: &Design, line: &[Row], out: &mut [f32], place: Place) -> Row {
+pub(super) fn up_sample<const T: usize, const P: usize>(
+    design: &Design,
+    line: &mut [Row],
+    past: &mut [Row; MAX_TAPS - 1],
+    target: &mut Target<'_>,
+) -> Row {
     let mut peak = SILENCE;
-    let step = design.fir.ratio * place.channels;
-    let half = T.div_ceil(2);
-    for (window, frames) in line.windows(T).zip(out.chunks_exact_mut(step)) {
-        let (mut sum, mut difference) = ([SILENCE; MAX_TAPS / 2], [SILENCE; MAX_TAPS / 2]);
-        for k in 0..half {
-            for l in 0..LANES {
-                let (here, mirrored) = (window[k][l], window[T - 1 - k][l]);
-                sum[k][l] = if k == T - 1 - k { here } else { here + mirrored };
-                difference[k][l] = here - mirrored;
+    let channels = target.place.channels;
+    let step = design.fir.ratio * channels;
+    let known = design.pairs.first_chunk::<P>();
+    let line = &mut line[MAX_TAPS - T..];
+    line[..T - 1].copy_from_slice(&past[..T - 1]);
+    let (mut left, rest) = (&mut *target.out, &mut *target.rest);
+    let mut last = Some(rest);
+    for window in line.windows(T) {
+        let frames = if left.len() >= step {
+            let (now, later) = left.split_at_mut(step);
+            left = later;
+            now
+        } else {
+            match last.take() {
+                Some(rest) if rest.len() >= step => rest,
+                _ => break,
             }
-        }
-        let frames = &mut frames[place.first..];
-        // The pairs run from both ends of the frames to the middle.
-        let (mut first, mut last) = (0, (design.fir.ratio - 1) * place.channels);
-        for pair in &design.pairs {
-            let (mut near, mut far) = (SILENCE, SILENCE);
-            for l in 0..LANES {
-                let mut even = pair.sum[0][l] * sum[0][l];
-                let mut odd = pair.difference[0][l] * difference[0][l];
-                for k in 1..half {
-                    even += pair.sum[k][l] * sum[k][l];
-                    odd += pair.difference[k][l] * difference[k][l];
+        };
+        let frames = &mut frames[target.place.first..];
+        let (sum, difference) = fold::<T>(window);
+        match known {
+            Some(pairs) if P > 0 => {
+                for (p, pair) in pairs.iter().enumerate() {
+                    let (near, far) = pair_of::<T>(pair, &sum, &difference);
+                    put(frames, p * channels, &near, &mut peak);
+                    put(frames, (2 * P - 1 - p) * channels, &far, &mut peak);
                 }
-                near[l] = even + odd;
-                far[l] = even - odd;
             }
-            put(frames, first, &near, &mut peak);
-            put(frames, last, &far, &mut peak);
-            first += place.channels;
-            last = last.wrapping_sub(place.channels);
+            _ => {
+                // The pairs run from both ends of the frames to the middle.
+                let (mut first, mut last) = (0, step - channels);
+                for pair in &design.pairs {
+                    let (near, far) = pair_of::<T>(pair, &sum, &difference);
+                    put(frames, first, &near, &mut peak);
+                    put(frames, last, &far, &mut peak);
+                    first += channels;
+                    last = last.wrapping_sub(channels);
+                }
+            }
         }
     }
+    let end = line.len() - (T - 1);
+    past[..T - 1].copy_from_slice(&line[end..]);
     peak
+}
+
+type Half = [Row; MAX_TAPS / 2];
+
+/// Sums and differences of what mirrors each other in the window.
+#[inline(always)]
+fn fold<const T: usize>(window: &[Row]) -> (Half, Half) {
+    let (mut sum, mut difference) = ([SILENCE; MAX_TAPS / 2], [SILENCE; MAX_TAPS / 2]);
+    for k in 0..T.div_ceil(2) {
+        for l in 0..LANES {
+            let (here, mirrored) = (window[k][l], window[T - 1 - k][l]);
+            sum[k][l] = if k == T - 1 - k { here } else { here + mirrored };
+            difference[k][l] = here - mirrored;
+        }
+    }
+    (sum, difference)
+}
+
+/// Two frames at the same distance from both ends.
+#[inline(always)]
+fn pair_of<const T: usize>(pair: &Pair, sum: &Half, difference: &Half) -> (Row, Row) {
+    let (mut near, mut far) = (SILENCE, SILENCE);
+    for l in 0..LANES {
+        let mut even = pair.sum[0][l] * sum[0][l];
+        let mut odd = pair.difference[0][l] * difference[0][l];
+        for k in 1..T.div_ceil(2) {
+            even += pair.sum[k][l] * sum[k][l];
+            odd += pair.difference[k][l] * difference[k][l];
+        }
+        near[l] = even + odd;
+        far[l] = even - odd;
+    }
+    (near, far)
 }
 
 /// Writes a row at `at` and follows its peak.

@@ -15,7 +15,7 @@ use crate::dsp::biquad::{Biquad, Complex};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::LANES;
 use design::Design;
-use group::{Group, Scratch};
+use group::{Group, Place, Scratch, Target};
 
 /// One engine sample of eight channels.
 pub type Row = [f32; LANES];
@@ -181,22 +181,49 @@ impl Vibration {
         clock: u64,
         out: &mut [f32],
     ) -> usize {
+        self.process_with_rest(frames, rows, fed, clock, out, &mut [])
+    }
+
+    /// The same; the engine sample after those for which `out` has room goes to `rest`, if that can hold one.
+    pub fn process_with_rest(
+        &mut self,
+        frames: usize,
+        rows: &mut [Row],
+        fed: &[bool],
+        clock: u64,
+        out: &mut [f32],
+        rest: &mut [f32],
+    ) -> usize {
         let step = self.ratio() * self.channels;
         if step == 0 || frames == 0 {
             return frames;
         }
-        let count = if rows.len() < frames * self.groups.len() { 0 } else { frames.min(out.len() / step) };
+        let whole = if out.len() >= frames * step { frames } else { out.len() / step };
+        let room = whole + usize::from(rest.len() >= step);
+        let count = if rows.len() < frames * self.groups.len() { 0 } else { frames.min(room) };
+        let rest = if count > whole { &mut rest[..step] } else { &mut [] };
+        let still = |(g, group): (usize, &Group)| group.sleeps() && fed.get(g) == Some(&false);
+        if count > 0 && self.groups.iter().enumerate().all(still) {
+            out[..count.min(whole) * step].fill(0.0);
+            rest.fill(0.0);
+            return count;
+        }
         // Short turns, so that the frames that the groups write between each other stay in the cache.
         let turn = if GRID as usize * step <= NEAR { GRID as usize } else { GRID as usize / 2 };
-        for (n, out) in out[..count * step].chunks_mut(turn * step).enumerate() {
-            let (from, to) = (n * turn, n * turn + out.len() / step);
-            let blocks = rows.chunks_exact_mut(frames).map(|block| &mut block[from..to]);
-            for (g, (group, block)) in self.groups.iter_mut().zip(blocks).enumerate() {
-                let place = group::Place { channels: self.channels, first: g * LANES };
+        let mut from = 0;
+        while from < count {
+            let to = (from + turn).min(count);
+            let out = &mut out[from * step..to.min(whole) * step];
+            let rest = if to > whole { &mut *rest } else { &mut [] };
+            for (g, group) in self.groups.iter_mut().enumerate() {
+                let block = &mut rows[g * frames + from..g * frames + to];
+                let place = Place { channels: self.channels, first: g * LANES };
                 let fed = fed.get(g).copied().unwrap_or(true);
                 let now = clock.wrapping_add(from as u64);
-                group.process(&self.design, self.isa, block, fed, now, out, place, &mut self.scratch);
+                let to = Target { out, rest, place };
+                group.process(&self.design, self.isa, block, fed, now, to, &mut self.scratch);
             }
+            from = to;
         }
         count
     }
