@@ -96,7 +96,10 @@ macro_rules! real {
                 // The exponents of all, or-ed, are all ones if one of them is not finite; seldom otherwise.
                 let exponent = <$t>::INFINITY.to_bits();
                 let mut bits = [0; LANES];
-                for row in rows {
+                // An unknown stride keeps the compiler to one row at a time: it would take eight and shuffle them.
+                let step = std::hint::black_box(1);
+                for frame in 0..rows.len() {
+                    let row = &rows[frame * step];
                     for l in 0..LANES {
                         bits[l] |= row[l].to_bits();
                     }

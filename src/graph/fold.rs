@@ -3,6 +3,7 @@
 //! - An arithmetic node whose inputs are all numbers becomes a number (its twin says which).
 //! - Numbers among the inputs of `multiply` and `add` become one; a product with 0 is 0; with one input left the node is gone.
 //! - Numbers and onset values that multiply a voice's output become its gain, which the mixer applies anyway.
+//! - What multiplies an oscillator becomes its amplitude, which the oscillator applies anyway.
 
 use super::{Base, Graph, Node, NodeId, Signal, Wire};
 use crate::node::kernel::Onset;
@@ -94,11 +95,53 @@ pub fn take_gain(graph: &mut Graph) {
     }
 }
 
+/// Lets oscillators of amplitude 1 that nothing but a product of two reads take the other factor as their amplitude, and
+/// stand for the product.
+pub fn take_amplitudes(graph: &mut Graph) {
+    let mut readers = vec![0_u32; graph.nodes.len()];
+    let mut late = vec![false; graph.nodes.len()];
+    for wire in graph.nodes.iter().flat_map(|n| &n.inputs).chain(&graph.outputs) {
+        match wire.signal {
+            Some(Signal::Node(id)) => readers[id as usize] += 1,
+            Some(Signal::Late(id)) => late[id as usize] = true,
+            _ => {}
+        }
+    }
+    let mut stands: Vec<Option<NodeId>> = vec![None; graph.nodes.len()];
+    for id in 0..graph.nodes.len() {
+        let &[a, b] = &graph.nodes[id].inputs[..] else { continue };
+        if graph.nodes[id].kind.spec().name != "multiply" || late[id] {
+            continue;
+        }
+        let oscillator = |wire: Wire| {
+            let Some(Signal::Node(tone)) = wire.signal else { return None };
+            let node = &graph.nodes[tone as usize];
+            let spec = node.kind.spec();
+            let mut inputs = spec.params.iter().filter(|p| p.kind.is_input());
+            let at = inputs.position(|p| spec.family == Family::Oscillator && p.name == "amplitude")?;
+            let alone = readers[tone as usize] == 1 && !late[tone as usize];
+            (alone && node.inputs.get(at) == Some(&Wire::constant(1.0))).then_some((tone, at))
+        };
+        let taken = oscillator(a).map(|tone| (tone, b)).or_else(|| oscillator(b).map(|tone| (tone, a)));
+        if let Some(((tone, at), factor)) = taken {
+            graph.nodes[tone as usize].inputs[at] = factor;
+            stands[id] = Some(tone);
+        }
+    }
+    for wire in graph.nodes.iter_mut().flat_map(|n| &mut n.inputs).chain(&mut graph.outputs) {
+        while let Some(Signal::Node(id)) = wire.signal
+            && let Some(tone) = stands[id as usize]
+        {
+            wire.signal = Some(Signal::Node(tone));
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::order::depth_first;
     use super::super::{Base, Graph, Node, Settings, Wire};
-    use super::{fold, take_gain};
+    use super::{fold, take_amplitudes, take_gain};
     use crate::node::NodeKind;
 
     fn node(kind: &str, inputs: Vec<Wire>) -> Node {
@@ -139,6 +182,35 @@ mod tests {
 
         let nothing = folded(vec![sine(), node("multiply", vec![Wire::node(0), Wire::constant(0.0)])], 1);
         assert_eq!((nothing.nodes.len(), nothing.outputs[0]), (0, Wire::constant(0.0)));
+    }
+
+    /// Ring modulation by an envelope: the second oscillator takes the first, and stands for the product's readers.
+    #[test]
+    fn factors_of_an_oscillator_become_its_amplitude() {
+        let sine = || node("sine", vec![Wire::constant(50.0), Wire::constant(0.0), Wire::constant(1.0)]);
+        let product = |a, b| node("multiply", vec![Wire::node(a), Wire::node(b)]);
+        let hit = node("gate", vec![]);
+        let taken = |nodes: Vec<Node>, outputs: Vec<Wire>| {
+            let mut graph = Graph { nodes, outputs, ..Graph::default() };
+            take_amplitudes(&mut graph);
+            let order = depth_first(&graph).unwrap();
+            super::super::prune::prune(graph, &order).0
+        };
+        let nodes = vec![sine(), sine(), hit.clone(), product(1, 2), product(0, 3)];
+        let graph = taken(nodes, vec![Wire::node(4)]);
+        let kinds: Vec<_> = graph.nodes.iter().map(|n| n.kind.spec().name).collect();
+        assert_eq!(kinds, ["gate", "sine", "sine"], "{graph:?}");
+        let amplitudes: Vec<_> = graph.nodes[1..].iter().map(|n| n.inputs[2]).collect();
+        assert_eq!((amplitudes, &graph.outputs[..]), (vec![Wire::node(0), Wire::node(1)], &[Wire::node(2)][..]));
+
+        // What is heard elsewhere, or has an amplitude already, stays what it is.
+        let heard = taken(vec![sine(), hit.clone(), product(0, 1)], vec![Wire::node(2), Wire::node(0)]);
+        assert_eq!(heard.nodes.len(), 3);
+        let mut own = sine();
+        own.inputs[2] = Wire::constant(0.5);
+        assert_eq!(taken(vec![own, hit.clone(), product(0, 1)], vec![Wire::node(2)]).nodes.len(), 3);
+        let squared = taken(vec![sine(), product(0, 0)], vec![Wire::node(1)]);
+        assert_eq!(squared.nodes.len(), 2);
     }
 
     #[test]

@@ -197,6 +197,7 @@ pub fn compile(mut graph: Graph, mixed: bool, rate: f64) -> Result<Compiled, Vec
     if mixed {
         fold::take_gain(&mut graph);
     }
+    fold::take_amplitudes(&mut graph);
     let order = depth_first(&graph)?;
     let (graph, folded) = prune::prune(graph, &order);
     Ok(Compiled { program: program(graph), pruned, folded })

@@ -197,14 +197,55 @@ impl Limiter {
         let (mut old, mut new) = (&mut one.0, &mut two.0);
         old[..N - 1].copy_from_slice(&self.ahead[..N - 1]);
         let Some(impulse) = limits.impulse.first_chunk::<N>() else { return 0 };
-        for (x, y) in rows.iter().zip(out) {
-            let mut last = [0.0; LANES];
-            for i in 0..2 * SECTIONS {
-                for l in 0..LANES {
-                    last[l] += limits.last[i][l] * z[i / 2][i % 2][l];
+        let mut done = 0;
+        while done < rows.len() {
+            // As long as no gain is lowered, two samples at a time: half the traffic of predictions.
+            if gain == [1.0; LANES] {
+                let (pairs, _) = rows[done..].as_chunks::<2>();
+                let mut passed = 0;
+                for (x, y) in pairs.iter().zip(out[done..].chunks_exact_mut(2)) {
+                    let mut after = z;
+                    old[N - 1] = rest(limits, &after);
+                    let first = cascade(filter, &mut after, x[0]);
+                    let last = rest(limits, &after);
+                    let second = cascade(filter, &mut after, x[1]);
+                    let mut peak = [0.0f32; LANES];
+                    let mut before = [0.0; LANES];
+                    for l in 0..LANES {
+                        before[l] = old[1][l] + impulse[0][l] * x[0][l];
+                        peak[l] = before[l].abs();
+                    }
+                    for k in 1..N {
+                        let mut sum = last;
+                        for l in 0..LANES {
+                            if k < N - 1 {
+                                sum[l] = old[k + 1][l] + impulse[k][l] * x[0][l];
+                            }
+                            let size = sum[l].abs();
+                            // The last prediction is the second sample's alone.
+                            peak[l] = if k == N - 1 || peak[l] > size { peak[l] } else { size };
+                            let sum = sum[l] + impulse[k - 1][l] * x[1][l];
+                            new[k - 1][l] = sum;
+                            let size = sum.abs();
+                            peak[l] = if peak[l] > size { peak[l] } else { size };
+                        }
+                    }
+                    let mut over = false;
+                    for size in peak {
+                        over |= size > limits.ceiling;
+                    }
+                    if over {
+                        break;
+                    }
+                    (y[0], y[1], z) = (first, second, after);
+                    std::mem::swap(&mut old, &mut new);
+                    passed += 2;
                 }
+                done += passed;
             }
-            old[N - 1] = last;
+            let (Some(x), Some(y)) = (rows.get(done), out.get_mut(done)) else { break };
+            done += 1;
+            old[N - 1] = rest(limits, &z);
             let mut u = [0.0; LANES];
             for l in 0..LANES {
                 let risen = gain[l] + (1.0 - gain[l]) * limits.release;
@@ -240,6 +281,18 @@ impl Limiter {
         *state = z;
         limited
     }
+}
+
+/// The last prediction, which no sample has moved yet.
+#[inline(always)]
+fn rest(limits: &Limits, z: &Cascade) -> Row {
+    let mut last = [0.0; LANES];
+    for i in 0..2 * SECTIONS {
+        for l in 0..LANES {
+            last[l] += limits.last[i][l] * z[i / 2][i % 2][l];
+        }
+    }
+    last
 }
 
 /// Lowers the gain of the lanes whose prediction `peak` passes the ceiling, and their sample `u` further where it must.
