@@ -375,27 +375,18 @@ impl<R: Real> Bank<R> {
             let output = &mut output[..frames];
             let sources = Sources { steady, bases, late, before, after, shared, frames };
             // Most ops have few inputs, and a short list is made sooner than a long one.
-            match op.inputs[..] {
-                [] => states.run(isa, group, &mut Io { inputs: &[], output, clock }),
-                [ref a] => states.run(isa, group, &mut Io { inputs: &[sources.input(a)], output, clock }),
-                [ref a, ref b] => {
-                    states.run(
-                        isa,
-                        group,
-                        &mut Io { inputs: &[sources.input(a), sources.input(b)], output, clock },
-                    );
-                }
-                [ref a, ref b, ref c] => {
-                    let inputs = [sources.input(a), sources.input(b), sources.input(c)];
-                    states.run(isa, group, &mut Io { inputs: &inputs, output, clock });
-                }
-                [ref first, ..] => {
+            let mut run = |inputs: &[Input<'_, R>]| states.run(isa, group, &mut Io { inputs, output, clock });
+            match op.inputs[..op.running.min(INPUTS)] {
+                [] => run(&[]),
+                [ref a] => run(&[sources.input(a)]),
+                [ref a, ref b] => run(&[sources.input(a), sources.input(b)]),
+                [ref a, ref b, ref c] => run(&[sources.input(a), sources.input(b), sources.input(c)]),
+                [ref first, ref others @ ..] => {
                     let mut inputs = [sources.input(first); INPUTS];
-                    for (slot, of) in inputs.iter_mut().zip(&op.inputs) {
+                    for (slot, of) in inputs[1..].iter_mut().zip(others) {
                         *slot = sources.input(of);
                     }
-                    let inputs = &inputs[..op.inputs.len().min(INPUTS)];
-                    states.run(isa, group, &mut Io { inputs, output, clock });
+                    run(&inputs[..=others.len()]);
                 }
             }
         }
@@ -485,7 +476,7 @@ impl<R: Real> Bank<R> {
                         } else {
                             self.lanes[lane].quiet = 0;
                         }
-                        if self.has_ended(group, l) {
+                        if self.ending[group] & bit == 0 && self.has_ended(group, l) {
                             self.ending[group] |= bit;
                         }
                         self.lanes[lane].quiet > self.tail

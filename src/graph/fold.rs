@@ -201,7 +201,10 @@ mod tests {
         let kinds: Vec<_> = graph.nodes.iter().map(|n| n.kind.spec().name).collect();
         assert_eq!(kinds, ["gate", "sine", "sine"], "{graph:?}");
         let amplitudes: Vec<_> = graph.nodes[1..].iter().map(|n| n.inputs[2]).collect();
-        assert_eq!((amplitudes, &graph.outputs[..]), (vec![Wire::node(0), Wire::node(1)], &[Wire::node(2)][..]));
+        assert_eq!(
+            (amplitudes, &graph.outputs[..]),
+            (vec![Wire::node(0), Wire::node(1)], &[Wire::node(2)][..])
+        );
 
         // What is heard elsewhere, or has an amplitude already, stays what it is.
         let heard = taken(vec![sine(), hit.clone(), product(0, 1)], vec![Wire::node(2), Wire::node(0)]);

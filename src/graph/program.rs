@@ -32,6 +32,8 @@ pub struct Op {
     pub node: Arc<Node>,
     /// In the order of its parameters.
     pub inputs: Vec<OpInput>,
+    /// How many of them its kernel is given while it runs; the rest are read at the onset.
+    pub running: usize,
     /// The buffer it writes.
     pub output: u32,
 }
@@ -110,7 +112,8 @@ pub fn program(graph: Graph) -> Program {
                 }
             }
         }
-        ops.push(Op { node: Arc::new(node), inputs, output });
+        let running = node.kind.spec().running(inputs.len());
+        ops.push(Op { node: Arc::new(node), inputs, running, output });
     }
     let outputs = outputs
         .iter()

@@ -226,7 +226,7 @@ impl Bench {
                     rows[i].push(row);
                 }
             }
-            let inputs: Vec<Input<R>> = (0..rows.len())
+            let inputs: Vec<Input<R>> = (0..self.kind.spec().running(rows.len()))
                 .map(|i| Input {
                     rows: &rows[i],
                     step: usize::from(self.drives[i].part.is_some()),

@@ -84,7 +84,7 @@ impl<'a, R: Real> Input<'a, R> {
 /// What a kernel works on for one block.
 #[derive(Debug)]
 pub struct Io<'a, R> {
-    /// In the order of the parameters.
+    /// In the order of the parameters, up to the last that may move while it runs: the rest came with the [`Onset`].
     pub inputs: &'a [Input<'a, R>],
     /// One row a frame; holds old values on entry.
     pub output: &'a mut [[R; LANES]],

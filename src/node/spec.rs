@@ -103,6 +103,19 @@ impl Kind {
 }
 
 impl NodeSpec {
+    /// How many of `inputs` a kernel is given while it runs: all up to the last that may move then.
+    pub fn running(&self, inputs: usize) -> usize {
+        let mut last = 0;
+        for (i, param) in self.params.iter().filter(|p| p.kind.is_input()).enumerate() {
+            match param.kind {
+                Kind::Start(_) => {}
+                Kind::Signals => last = inputs,
+                _ => last = i + 1,
+            }
+        }
+        last.min(inputs)
+    }
+
     /// The parameter of that name, with its place in `params`.
     pub fn param(&self, name: &str) -> Option<(usize, &'static Param)> {
         self.params.iter().enumerate().find(|(_, p)| p.name == name)

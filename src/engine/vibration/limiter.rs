@@ -286,13 +286,18 @@ impl Limiter {
 /// The last prediction, which no sample has moved yet.
 #[inline(always)]
 fn rest(limits: &Limits, z: &Cascade) -> Row {
-    let mut last = [0.0; LANES];
-    for i in 0..2 * SECTIONS {
+    // Two sums, since one would wait for itself.
+    let mut last = [[0.0; LANES]; 2];
+    for i in 0..SECTIONS {
         for l in 0..LANES {
-            last[l] += limits.last[i][l] * z[i / 2][i % 2][l];
+            last[0][l] += limits.last[2 * i][l] * z[i][0][l];
+            last[1][l] += limits.last[2 * i + 1][l] * z[i][1][l];
         }
     }
-    last
+    for l in 0..LANES {
+        last[0][l] += last[1][l];
+    }
+    last[0]
 }
 
 /// Lowers the gain of the lanes whose prediction `peak` passes the ceiling, and their sample `u` further where it must.
