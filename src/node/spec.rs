@@ -105,13 +105,18 @@ impl Kind {
 impl NodeSpec {
     /// How many of `inputs` a kernel is given while it runs: all up to the last that may move then.
     pub fn running(&self, inputs: usize) -> usize {
-        let mut last = 0;
-        for (i, param) in self.params.iter().filter(|p| p.kind.is_input()).enumerate() {
+        let (mut all, mut last) = (0, 0);
+        for param in self.params.iter().filter(|p| p.kind.is_input()) {
+            all += 1;
             match param.kind {
                 Kind::Start(_) => {}
-                Kind::Signals => last = inputs,
-                _ => last = i + 1,
+                Kind::Signals => return inputs,
+                _ => last = all,
             }
+        }
+        // What comes from outside is no parameter.
+        if inputs > all {
+            return inputs;
         }
         last.min(inputs)
     }
