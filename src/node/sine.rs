@@ -46,7 +46,7 @@ pub struct Lanes<R> {
 
 impl<R: Real> Kernel<R> for Lanes<R> {
     fn new(setup: &Setup) -> Self {
-        Self { clock: Clockwork::new(setup.rate), _real: std::marker::PhantomData }
+        Self { clock: Clockwork::new(setup.rate).of_what_begins(setup.begins), _real: std::marker::PhantomData }
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {
@@ -93,8 +93,8 @@ pub struct Exact {
 
 impl Exact {
     /// For one voice.
-    pub fn new(_setup: &Setup, _onset: &Onset) -> Self {
-        Self { turns: Turns::default() }
+    pub fn new(setup: &Setup, onset: &Onset) -> Self {
+        Self { turns: Turns::new(onset.start[0], setup.begins) }
     }
 }
 
