@@ -192,13 +192,14 @@ t = {{ type = "multiply", inputs = ["c", "f"] }}"#
     )
 }
 
-/// As [`holds`], at one rate of the device, and all of them are printed before one fails.
+/// As [`holds`], without the power above the band, and all of them are printed before one fails.
 fn remembers(sets: &[(&str, &str, &str)], most: f64) {
     let mut worst = f64::NEG_INFINITY;
     for (name, tone, envelope) in sets {
-        let found = compared(&scene(tone, envelope, 48_000.0), &dozen(0.13), 0.0);
-        println!("{name:28}: error {:7.1} dB", found.error_db);
-        worst = worst.max(found.error_db);
+        let [found, other] = [48_000.0, 44_100.0]
+            .map(|rate| compared(&scene(tone, envelope, rate), &dozen(0.13), 0.0).error_db);
+        println!("{name:28}: error {found:7.1} dB, at 44.1 kHz {other:7.1} dB");
+        worst = worst.max(found).max(other);
     }
     assert!(worst < most, "{worst} dB");
 }

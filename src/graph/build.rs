@@ -116,7 +116,8 @@ fn multiplied_out(expr: &Expr) -> Option<(Operator, Expr, Expr)> {
     let Expr::Binary(Operator::Multiply, a, b) = expr else { return None };
     [(a, b), (b, a)].into_iter().find_map(|(factor, sum)| match &**sum {
         Expr::Binary(operator @ (Operator::Add | Operator::Subtract), x, y) if is_steady(factor) => {
-            let times = |part: &Expr| Expr::Binary(Operator::Multiply, factor.clone(), Box::new(part.clone()));
+            let times =
+                |part: &Expr| Expr::Binary(Operator::Multiply, factor.clone(), Box::new(part.clone()));
             Some((*operator, times(x), times(y)))
         }
         _ => None,

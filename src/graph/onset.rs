@@ -228,7 +228,10 @@ mod tests {
         let sum = node("add", vec![Wire::node(0), Wire::node(1)]);
         let filter = node("highpass", vec![Wire::node(2), number(100.0), number(0.7)]);
         let (_, reads) = after(vec![sine(number(50.0)), decay, sum, filter]);
-        assert_eq!((&reads[2][..], reads[3][0].as_str()), (&["multiply".to_string(), "decay".into()][..], "add"));
+        assert_eq!(
+            (&reads[2][..], reads[3][0].as_str()),
+            (&["multiply".to_string(), "decay".into()][..], "add")
+        );
     }
 
     #[test]
@@ -238,7 +241,12 @@ mod tests {
         let product = |tone| node("multiply", vec![Wire::node(tone), Wire::node(0)]);
         let (graph, reads) = after(vec![decay(), sine(moved), product(1)]);
         assert!(graph.nodes[1].settings.begins && reads.len() == 3);
-        let (graph, reads) = after(vec![sine(number(5.0)), decay(), sine(moved), node("multiply", vec![Wire::node(1), Wire::node(2)])]);
+        let (graph, reads) = after(vec![
+            sine(number(5.0)),
+            decay(),
+            sine(moved),
+            node("multiply", vec![Wire::node(1), Wire::node(2)]),
+        ]);
         assert!(!graph.nodes[2].settings.begins && reads.len() == 4);
         let sum = node("add", vec![Wire::node(0), Wire::node(1)]);
         let moved = Wire { base: number(50.0).base, ..Wire::node(2) };

@@ -65,8 +65,16 @@ impl Bench {
             }
         }
         let inputs = drives.len();
-        let setup =
-            Setup { rate, engine_rate: rate, constants, choices, points: Vec::new(), asset: None, inputs, begins: false };
+        let setup = Setup {
+            rate,
+            engine_rate: rate,
+            constants,
+            choices,
+            points: Vec::new(),
+            asset: None,
+            inputs,
+            begins: false,
+        };
         Self { kind, setup, stream: 7, age: -1.6, release: None, drives, frequency }
     }
 
