@@ -14,7 +14,7 @@ pub static SPEC: NodeSpec = NodeSpec {
     summary: "How strong a signal is at the moment.",
     detail: "With e the envelope and r the size of the input (its absolute value, or its square for `rms`, of whose e the root comes out): \
              de/dt = (r − e) / τ, τ = attack where r > e and release elsewhere. The input is heard one sample of the engine (0.125 ms) late: then a polynomial \
-             goes through six samples, four before and one after the way from one to the next, and is read eight times on it; r is the mean of \
+             goes through six samples, and is read eight times on the way from the third newest to the second; r is the mean of \
              two readings. So the envelope of 250 Hz comes out within −80 dB, that of 700 Hz within −60 dB. Times are limited to 0 (at once) to 100 s; an input that is not a number counts as 0. Below \
              −140 dB it is 0.",
     params: &[
