@@ -17,6 +17,9 @@ use crate::node::{NodeKind, twin};
 
 /// Works on a voice's graph whose nodes stand after what they read. New nodes come after them, and are read by them.
 pub fn begin(graph: &mut Graph) {
+    if !graph.nodes.iter().any(matters) {
+        return;
+    }
     let mut begun = Vec::with_capacity(graph.nodes.len());
     for node in &graph.nodes {
         begun.push(begins(node, &begun));
@@ -50,6 +53,15 @@ pub fn begin(graph: &mut Graph) {
         } else {
             graph.outputs[0] = work.gated(graph, output);
         }
+    }
+}
+
+/// Whether there could be something to do on account of a node: one with memory, one that ends a voice, or a frequency that moves.
+fn matters(node: &Node) -> bool {
+    match node.kind.spec().family {
+        Family::Filter | Family::Envelope => true,
+        Family::Oscillator => node.inputs.iter().any(|wire| wire.signal.is_some()),
+        _ => false,
     }
 }
 
