@@ -118,30 +118,90 @@ fn hard_scenes() {
     );
 }
 
-/// Where a jump meets what has memory, the engine's samples show: a filter behind a source that begins abruptly, and a
-/// frequency that jumps. These bounds are what holds today; the hard set's is the aim.
+/// What has memory, as an ordinary scene has it: filters of oscillators and of noise, a frequency that an envelope moves, a follower.
 #[test]
-fn abrupt_input_of_what_has_memory() {
+fn memory() {
+    let rise = r#"d = { type = "burst", attack = 0.005, decay = 0.05 }
+t = { type = "sine", frequency = "event.frequency * (1 + 0.4 * d)" }"#;
+    let hiss = r#"n = { type = "white" }
+t = { type = "lowpass", input = "n", cutoff = 300 }"#;
+    let short = r#"type = "envelope""#;
+    remembers(
+        &[
+            ("filtered sawtooth, 5 ms", SOFT, short),
+            ("rise of frequency, 5 ms", rise, short),
+            ("pink noise, 5 ms", r#"t = { type = "pink" }"#, short),
+            ("noise of a band, 5 ms", r#"t = { type = "band_noise", low = 80, high = 250 }"#, short),
+            ("filtered noise, 5 ms", hiss, short),
+            ("followed, 5 ms", &followed("0.3 * event.frequency"), short),
+        ],
+        ORDINARY,
+    );
+}
+
+/// Where a jump meets what has memory: a filter behind a source that begins abruptly, a frequency that jumps, noise that begins.
+#[test]
+fn jumps_before_what_has_memory() {
     let jump = r#"d = { type = "decay", time = 0.02 }
 t = { type = "sine", frequency = "event.frequency + 40 * d" }"#;
-    let rise = r#"d = { type = "burst", attack = 0.005, decay = 0.05 }
-t = { type = "sine", frequency = "event.frequency + 40 * d" }"#;
-    for (name, tone, envelope, most) in [
-        ("filtered sawtooth, gate", SOFT, r#"type = "gate""#, -45.0),
-        ("jump of frequency", jump, r#"type = "envelope""#, -40.0),
-        ("pink noise", r#"t = { type = "pink" }"#, r#"type = "envelope""#, -40.0),
-        (
-            "noise of a band",
-            r#"t = { type = "band_noise", low = 80, high = 250 }"#,
-            r#"type = "envelope", attack = 0.03"#,
-            -50.0,
-        ),
-        ("rise of frequency", rise, r#"type = "envelope""#, ORDINARY),
-    ] {
-        let found = compared(&scene(tone, envelope, 48_000.0), &dozen(0.13), 0.0);
-        println!("{name:28}: error {:7.1} dB", found.error_db);
-        assert!(found.error_db < most, "{name}: {found:?}");
+    let share = r#"d = { type = "decay", time = 0.02 }
+t = { type = "sawtooth", frequency = "event.frequency * (0.8 + 0.4 * d)" }"#;
+    let both = r#"d = { type = "decay", time = 0.02 }
+m = { type = "sine", frequency = 30, phase = 0.25, amplitude = 20 }
+t = { type = "sine", frequency = "event.frequency + 40 * d + m" }"#;
+    let edge = r#"s = { type = "sawtooth", frequency = "event.frequency", phase = 0.4 }
+t = { type = "lowpass", input = "s", cutoff = 300 }"#;
+    let high = r#"s = { type = "sine", frequency = "event.frequency", phase = 0.25 }
+t = { type = "highpass", input = "s", cutoff = 100 }"#;
+    let sum = r#"d = { type = "decay", time = 0.02 }
+s = { type = "sine", frequency = "event.frequency", phase = 0.2 }
+t = { type = "bandpass", input = "s + d", frequency = 150, q = 2 }"#;
+    let struck = r#"d = { type = "decay", time = 0.005 }
+n = { type = "band_noise", low = 100, high = 500, amplitude = "d" }
+t = { type = "resonator", input = "n", frequency = "event.frequency", decay = 0.1 }"#;
+    let echo = r#"s = { type = "sine", frequency = "event.frequency", phase = 0.25 }
+t = { type = "delay", input = "s", time = 0.0203, longest = 0.03 }"#;
+    let gate = r#"type = "gate""#;
+    let short = r#"type = "envelope""#;
+    remembers(
+        &[
+            ("filtered sawtooth, gate", SOFT, gate),
+            ("filtered edge, gate", edge, gate),
+            ("high-pass of a cosine, 5 ms", high, short),
+            ("filtered sum, gate", sum, gate),
+            ("delayed cosine, gate", echo, gate),
+            ("struck resonator, 5 ms", struck, short),
+            ("jump of frequency, 5 ms", jump, short),
+            ("jump of frequency, gate", jump, gate),
+            ("jump of a share, 5 ms", share, short),
+            ("jump and vibrato, 5 ms", both, short),
+            ("noise of a band, gate", r#"t = { type = "band_noise", low = 80, high = 250 }"#, gate),
+            ("followed, gate", &followed("event.frequency"), gate),
+        ],
+        HARD,
+    );
+}
+
+/// A tone as loud as another one is at the moment.
+fn followed(frequency: &str) -> String {
+    format!(
+        r#"s = {{ type = "sine", frequency = "{frequency}" }}
+f = {{ type = "follow", input = "s", attack = 0.002, release = 0.03 }}
+c = {{ type = "sine", frequency = 120 }}
+t = {{ type = "multiply", inputs = ["c", "f"] }}"#
+    )
+}
+
+/// As [`holds`], without the power above the band, and all of them are printed before one fails.
+fn remembers(sets: &[(&str, &str, &str)], most: f64) {
+    let mut worst = f64::NEG_INFINITY;
+    for (name, tone, envelope) in sets {
+        let [found, other] = [48_000.0, 44_100.0]
+            .map(|rate| compared(&scene(tone, envelope, rate), &dozen(0.13), 0.0).error_db);
+        println!("{name:28}: error {found:7.1} dB, at 44.1 kHz {other:7.1} dB");
+        worst = worst.max(found).max(other);
     }
+    assert!(worst < most, "{worst} dB");
 }
 
 /// A gate of less than a sample, and of nothing at all.

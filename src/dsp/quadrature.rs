@@ -5,8 +5,12 @@
 //! with d in turns a sample. A rectangle rule would be half a sample late; with this one, at 8 kHz, modulation by 250 Hz of
 //! index 5 comes out within −100 dB of the integral.
 //!
-//! The integral begins at the onset, which lies between samples: at the first four samples after it the deviation is
-//! integrated from the onset to the sample through the polynomial of the last samples, six at most.
+//! The integral begins at the onset, which lies between samples. A deviation that runs through the onset, as that of an
+//! oscillator does, is at the first four samples after it integrated from the onset to the sample through the polynomial
+//! of the last samples, six at most. One that *begins* at the onset, as an envelope does, may jump there, band-limited: then
+//! no polynomial goes through it, and none is needed, since before the onset it is 0 but for the correction, which is part
+//! of it. The rule's weights sum to 1 and it is exact for a line, so over the samples of a correction the integral is that of
+//! the jump at its instant.
 
 use super::lanes::{LANES, Real};
 use super::phase;
@@ -42,6 +46,8 @@ pub struct Rise {
     young: bool,
     /// The integral so far, while a lane is young.
     sum: [f64; LANES],
+    /// Whether all that comes counts, from the first sample on.
+    all: bool,
 }
 
 impl Default for Rise {
@@ -53,16 +59,23 @@ impl Default for Rise {
             seen: [YOUTH; LANES],
             young: false,
             sum: [0.0; LANES],
+            all: false,
         }
     }
 }
 
 impl Rise {
+    /// Of what is 0 before the onset, if `begins`: all of it counts, also what comes before the onset.
+    pub fn of_what_begins(mut self, begins: bool) -> Self {
+        self.all = begins;
+        self
+    }
+
     /// A voice begins; `age` is the voice time of its first sample.
     pub fn start(&mut self, lane: usize, age: f64) {
         self.age[lane] = age;
-        self.seen[lane] = 0;
-        self.young = true;
+        self.seen[lane] = if self.all { YOUTH } else { 0 };
+        self.young |= !self.all;
         self.sum[lane] = 0.0;
         for row in &mut self.past {
             row[lane] = 0.0;
@@ -129,6 +142,12 @@ impl Clockwork {
         Self { phase: [0; LANES], step: [0; LANES], deviation: Rise::default(), turns_a_hertz: 1.0 / rate }
     }
 
+    /// See [`Rise::of_what_begins`].
+    pub fn of_what_begins(mut self, begins: bool) -> Self {
+        self.deviation = self.deviation.of_what_begins(begins);
+        self
+    }
+
     /// A voice begins with `frequency` (Hz), its phase 0 at voice time 0; `age` is the voice time of the next sample.
     pub fn start(&mut self, lane: usize, frequency: f64, age: f64) {
         let turns = frequency * self.turns_a_hertz;
@@ -190,9 +209,18 @@ pub struct Turns {
     /// The newest first.
     past: Vec<f64>,
     after: u32,
+    /// For what begins at the onset: the frequency apart from what moves, and the integral of that.
+    base: Option<f64>,
+    moved: f64,
 }
 
 impl Turns {
+    /// Of a frequency that is `base` (Hz) and what moves it. If that `begins`, it is 0 before the onset, and all of it
+    /// counts; a sample of it stands for the interval around it, as the rule has it.
+    pub fn new(base: f64, begins: bool) -> Self {
+        Self { base: begins.then_some(base), ..Self::default() }
+    }
+
     /// Turns since the onset at voice time `t` (seconds), where the frequency is `hertz`, without the whole turns.
     pub fn step(&mut self, t: f64, hertz: f64) -> f64 {
         self.total(t, hertz);
@@ -202,21 +230,28 @@ impl Turns {
 
     /// The same with the whole turns: the integral of anything.
     pub fn total(&mut self, t: f64, hertz: f64) -> f64 {
-        self.past.insert(0, hertz);
+        self.past.insert(0, hertz - self.base.unwrap_or(0.0));
         self.past.truncate(6);
         let span = self.before.map_or(0.0, |before| t - before);
         self.before = Some(t);
-        if self.past.len() < 3 || t < 1e-6 * span {
+        if let Some(base) = self.base {
+            self.moved += self.rule() * span;
+            self.total = base * t + self.moved;
+        } else if self.past.len() < 3 || t < 1e-6 * span {
             self.total = hertz * t;
         } else if self.after < 4 {
             self.after += 1;
             self.total = self.since_onset(t, span);
         } else {
-            let weights = [475.0, 1427.0, -798.0, 482.0, -173.0, 27.0];
-            let sum: f64 = self.past.iter().zip(weights).map(|(h, w)| h * w).sum();
-            self.total += sum / 1440.0 * span;
+            self.total += self.rule() * span;
         }
         self.total
+    }
+
+    /// The mean over the last interval.
+    fn rule(&self) -> f64 {
+        let weights = [475.0, 1427.0, -798.0, 482.0, -173.0, 27.0];
+        self.past.iter().zip(weights).map(|(h, w)| h * w).sum::<f64>() / 1440.0
     }
 
     /// Gauss's rule with three points, over the polynomial through the last samples.

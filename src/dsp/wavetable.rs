@@ -187,11 +187,11 @@ pub struct Player<R: Real> {
 }
 
 impl<R: Real> Player<R> {
-    /// Silent lanes at `rate` samples a second.
-    pub fn new(wave: Wave, rate: f64) -> Self {
+    /// Silent lanes at `rate` samples a second; `begins` as in [`Clockwork::of_what_begins`].
+    pub fn new(wave: Wave, rate: f64, begins: bool) -> Self {
         Self {
             tables: wave.tables(),
-            clock: Clockwork::new(rate),
+            clock: Clockwork::new(rate).of_what_begins(begins),
             known: [0.0; LANES],
             steady: [Tone::default(); LANES],
             turns: [0.0; LANES],

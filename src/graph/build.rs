@@ -110,6 +110,31 @@ struct Builder<'a> {
     problems: Vec<Problem>,
 }
 
+/// A known factor times a sum or a difference, as two products: `event.frequency * (1 + 0.1 * wobble)` is a known frequency and
+/// what moves it.
+fn multiplied_out(expr: &Expr) -> Option<(Operator, Expr, Expr)> {
+    let Expr::Binary(Operator::Multiply, a, b) = expr else { return None };
+    [(a, b), (b, a)].into_iter().find_map(|(factor, sum)| match &**sum {
+        Expr::Binary(operator @ (Operator::Add | Operator::Subtract), x, y) if is_steady(factor) => {
+            let times =
+                |part: &Expr| Expr::Binary(Operator::Multiply, factor.clone(), Box::new(part.clone()));
+            Some((*operator, times(x), times(y)))
+        }
+        _ => None,
+    })
+}
+
+/// Whether an expression names nothing that could move.
+fn is_steady(expr: &Expr) -> bool {
+    match expr {
+        Expr::Number(_) | Expr::Event(..) => true,
+        Expr::Name(..) => false,
+        Expr::Negate(a) => is_steady(a),
+        Expr::Binary(_, a, b) => is_steady(a) && is_steady(b),
+        Expr::Call(_, arguments) => arguments.iter().all(is_steady),
+    }
+}
+
 /// What an expression amounts to.
 enum Term {
     /// Known when the voice starts.
@@ -277,6 +302,11 @@ impl Builder<'_> {
         known: &mut Vec<Step>,
         moving: &mut Vec<Signal>,
     ) {
+        if let Some((operator, a, b)) = multiplied_out(expr) {
+            let second = negative != (operator == Operator::Subtract);
+            self.summands(owner, &a, negative, known, moving);
+            return self.summands(owner, &b, second, known, moving);
+        }
         match expr {
             Expr::Binary(Operator::Add, a, b) => {
                 self.summands(owner, a, negative, known, moving);

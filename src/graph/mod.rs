@@ -1,8 +1,9 @@
-//! A checked node graph and the passes that turn it into a [`plan::Plan`]: prune, fold, order. Each pass is one pure function.
+//! A checked node graph and the passes that turn it into a [`plan::Plan`]: prune, fold, onset, order. Each pass is one pure function.
 
 pub mod build;
 pub mod fold;
 pub mod late;
+pub mod onset;
 pub mod order;
 pub mod plan;
 pub mod program;
@@ -81,6 +82,8 @@ pub struct Settings {
     pub points: Vec<Point>,
     /// The recording.
     pub asset: Option<Arc<Asset>>,
+    /// See [`Setup::begins`].
+    pub begins: bool,
 }
 
 /// A node with its wires.
@@ -126,6 +129,7 @@ impl Node {
             points: self.settings.points.clone(),
             asset: self.settings.asset.clone(),
             inputs: self.inputs.len(),
+            begins: self.settings.begins,
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::order::depth_first;
 use super::program::{Program, program};
-use super::{Graph, NodeId, fold, late, prune};
+use super::{Graph, NodeId, fold, late, onset, prune};
 
 /// The number type of the lanes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -183,7 +183,8 @@ pub struct Compiled {
     pub folded: Vec<Arc<str>>,
 }
 
-/// Runs all passes over a graph. Where a mixer takes the first output (`mixed`), steady factors of it become its gain.
+/// Runs all passes over a graph. Where it is that of a voice, whose first output a mixer takes (`mixed`), steady factors of it
+/// become its gain, and what was there before the onset is kept out.
 /// `rate` is the engine's, Hz.
 ///
 /// # Errors
@@ -196,6 +197,7 @@ pub fn compile(mut graph: Graph, mixed: bool, rate: f64) -> Result<Compiled, Vec
     let mut graph = fold::fold(graph, &order);
     if mixed {
         fold::take_gain(&mut graph);
+        onset::begin(&mut graph);
     }
     fold::take_amplitudes(&mut graph);
     let order = depth_first(&graph)?;

@@ -65,8 +65,16 @@ impl Bench {
             }
         }
         let inputs = drives.len();
-        let setup =
-            Setup { rate, engine_rate: rate, constants, choices, points: Vec::new(), asset: None, inputs };
+        let setup = Setup {
+            rate,
+            engine_rate: rate,
+            constants,
+            choices,
+            points: Vec::new(),
+            asset: None,
+            inputs,
+            begins: false,
+        };
         Self { kind, setup, stream: 7, age: -1.6, release: None, drives, frequency }
     }
 
@@ -111,6 +119,11 @@ impl Bench {
     /// Sets the breakpoints.
     pub fn points(mut self, points: &[Point]) -> Self {
         self.setup.points = points.to_vec();
+        self
+    }
+    /// What moves a frequency is 0 before the onset.
+    pub fn begins(mut self) -> Self {
+        self.setup.begins = true;
         self
     }
     /// Sets the recording.

@@ -29,6 +29,9 @@ pub struct Setup {
     pub asset: Option<Arc<Asset>>,
     /// How many inputs it has.
     pub inputs: usize,
+    /// Whether what moves a frequency is 0 before the onset, as an envelope is (see [`crate::graph::onset`]). Then it may jump
+    /// there, and all of it counts; otherwise it runs through the onset, and counts from there on.
+    pub begins: bool,
 }
 
 /// One breakpoint.

@@ -126,6 +126,7 @@ registry! {
     Envelope = envelope,
     Burst = burst,
     Gate = gate,
+    Onset = onset,
     Decay = decay,
     Breakpoints = breakpoints,
     Triangle = triangle,

@@ -49,7 +49,7 @@ pub struct Lanes<R: Real>(Player<R>);
 
 impl<R: Real> Kernel<R> for Lanes<R> {
     fn new(setup: &Setup) -> Self {
-        Self(Player::new(Wave::Sawtooth, setup.rate))
+        Self(Player::new(Wave::Sawtooth, setup.rate, setup.begins))
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {
@@ -85,8 +85,9 @@ pub struct Exact {
 
 impl Exact {
     /// For one voice.
-    pub fn new(setup: &Setup, _onset: &Onset) -> Self {
-        Self { turns: Turns::default(), series: Additive::new(Wave::Sawtooth, setup.rate, setup.engine_rate) }
+    pub fn new(setup: &Setup, onset: &Onset) -> Self {
+        let turns = Turns::new(onset.start[0], setup.begins);
+        Self { turns, series: Additive::new(Wave::Sawtooth, setup.rate, setup.engine_rate) }
     }
 }
 

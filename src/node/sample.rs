@@ -16,7 +16,8 @@ pub static SPEC: NodeSpec = NodeSpec {
     summary: "Plays a recording, at any speed and in both directions.",
     detail: "amplitude × the recording at start + ∫ speed dt; the integral is 0 at the onset, and a moving speed is integrated as the frequency of \
              `sine` is. Outside the recording there is silence. With `loop`, what would go beyond `loop_end` goes on at \
-             `loop_start`, and once well inside, what would go before `loop_start` goes on at `loop_end`; both are moved to the nearest sample of the \
+             `loop_start`, and once well inside, what would go before `loop_start` goes on at `loop_end`; played backwards \
+             at a steady speed from `loop_start` or before, it starts at `loop_end`; both are moved to the nearest sample of the \
              recording at twice the engine's rate. Values between samples come from 16 taps, within −110 dB to 1 kHz. Faster than 1, \
              it changes to copies of lower bands (half the band up to 1.75, and so on), so that nothing folds into the band; from 16 on \
              it is silent.",
@@ -120,12 +121,17 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {
-        self.origin[lane] = onset.start[0] * self.asset_rate;
+        let origin = onset.start[0] * self.asset_rate;
+        let (origin, entered) = match self.around {
+            Some((start, end)) if onset.start[1] < 0.0 && origin <= start as f64 => (end as f64, true),
+            _ => (origin, false),
+        };
+        self.origin[lane] = origin;
         self.count[lane] = onset.age;
         self.moved[lane] = 0.0;
         self.rise.start(lane, onset.age);
         self.speed[lane] = onset.start[1];
-        self.entered[lane] = false;
+        self.entered[lane] = entered;
     }
 
     #[inline(always)]
@@ -185,21 +191,29 @@ pub struct Exact {
     asset_rate: f64,
     around: Loop,
     entered: bool,
+    /// Samples of the recording between `start` and where it really starts.
+    ahead: f64,
     run: Turns,
 }
 
 impl Exact {
     /// For one voice.
-    pub fn new(setup: &Setup, _onset: &Onset) -> Self {
+    pub fn new(setup: &Setup, onset: &Onset) -> Self {
         let (copies, asset_rate, around) = material(setup);
-        Self { copies, asset_rate, around, entered: false, run: Turns::default() }
+        let mut new = Self { copies, asset_rate, around, entered: false, ahead: 0.0, run: Turns::default() };
+        if let Some((first, end)) = around {
+            let start = onset.start[0] * asset_rate;
+            new.entered = onset.start[1] < 0.0 && start <= first as f64;
+            new.ahead = if new.entered { end as f64 - start } else { 0.0 };
+        }
+        new
     }
 }
 
 impl Twin for Exact {
     fn step(&mut self, t: f64, inputs: &[f64]) -> f64 {
         let Some(copies) = &self.copies else { return 0.0 };
-        let mut place = (inputs[0] + self.run.total(t, inputs[1])) * self.asset_rate;
+        let mut place = (inputs[0] + self.run.total(t, inputs[1])) * self.asset_rate + self.ahead;
         if let Some((start, end)) = self.around {
             let (start, end) = (start as f64, end as f64);
             self.entered |= place >= end.min(start + 64.0);
@@ -272,6 +286,26 @@ mod tests {
             // Skips the silence before the recording.
             let error = error_db(&out[100..], &exact[100..]);
             assert!(error < -80.0, "{speed}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_loop_that_runs_backwards_starts_at_its_end() {
+        let sine: Vec<f32> = (0..4000).map(|n| (TAU * f64::from(n) / 40.0).sin() as f32).collect();
+        for (first, end, start) in [(0.0, 0.0, 0.0), (0.05, 0.2, 0.05), (0.05, 0.2, 0.01)] {
+            let bench = Bench::new("sample", 8000.0)
+                .asset(sine.clone(), 16_000.0)
+                .choice("loop", 1)
+                .constant("loop_start", first)
+                .constant("loop_end", end)
+                .steady("start", start)
+                .steady("speed", -1.0);
+            bench.check_contract();
+            // 400 Hz: both ends lie at phase 0.
+            let exact: Vec<f64> = (0..8000).map(|n| -(TAU * 400.0 * (-1.6 + f64::from(n)) / 8000.0).sin()).collect();
+            let error = error_db(&bench.kernel::<f32>(8000, &[64]), &exact);
+            assert!(error < -80.0, "{first} {end} {start}: {error}");
+            assert!(bench.error_db::<f32>(8000) < -110.0);
         }
     }
 

@@ -43,7 +43,7 @@ pub struct Lanes<R: Real>(Player<R>);
 
 impl<R: Real> Kernel<R> for Lanes<R> {
     fn new(setup: &Setup) -> Self {
-        Self(Player::new(Wave::Triangle, setup.rate))
+        Self(Player::new(Wave::Triangle, setup.rate, setup.begins))
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {
@@ -77,8 +77,9 @@ pub struct Exact {
 
 impl Exact {
     /// For one voice.
-    pub fn new(setup: &Setup, _onset: &Onset) -> Self {
-        Self { turns: Turns::default(), series: Additive::new(Wave::Triangle, setup.rate, setup.engine_rate) }
+    pub fn new(setup: &Setup, onset: &Onset) -> Self {
+        let turns = Turns::new(onset.start[0], setup.begins);
+        Self { turns, series: Additive::new(Wave::Triangle, setup.rate, setup.engine_rate) }
     }
 }
 

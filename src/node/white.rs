@@ -11,7 +11,7 @@ pub static SPEC: NodeSpec = NodeSpec {
     family: Family::Noise,
     summary: "White noise.",
     detail: "One number a sample of the engine, uniform in ±amplitude (RMS amplitude / √3), from the stream of the node in the voice: the same seed \
-             gives the same noise. The sequence begins with the voice's first sample; between samples it is band-limited.",
+             gives the same noise. The sequence begins with the voice's first sample, one to two samples ahead of the onset; between samples it is band-limited.",
     params: &[
         Param {
             name: "amplitude",
@@ -52,6 +52,10 @@ impl<R: Real> Kernel<R> for Lanes<R> {
 }
 
 /// White noise as a function of time, for the twins: the engine's sequence through a sinc in the window cosh 12√(1 − x²) / cosh 12, of 64 samples on each side.
+///
+/// Numbers before the voice's first are 0, as they are for the filters of the engine, whose memory is empty then. So noise that
+/// begins has its band's own rise, which begins [`REACH`] samples before the first number; a twin that filters it must have
+/// been asked for all of that.
 #[derive(Debug)]
 pub struct Sequence {
     stream: u64,
@@ -59,7 +63,8 @@ pub struct Sequence {
     rate: f64,
 }
 
-const REACH: i64 = 64;
+/// Samples of the engine by which the noise begins before its first number, and ends after its last.
+pub const REACH: i64 = 64;
 
 impl Sequence {
     /// For one voice; `onset.age` tells where the engine's samples lie.

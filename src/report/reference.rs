@@ -15,6 +15,7 @@ use crate::graph::plan::{Plan, Shared};
 use crate::graph::program::{Feed, Program};
 use crate::graph::start::{FIELDS, Fields};
 use crate::node::kernel::{LEAD, Onset, Twin};
+use crate::node::white::REACH;
 use crate::node::{spec::Kind, twin};
 use crate::schedule::Instant;
 
@@ -29,6 +30,9 @@ pub struct Reference {
 
 /// Seconds a voice must have been silent after its envelopes ended before the reference leaves it.
 const QUIET: f64 = 0.1;
+
+/// How long before its first number band-limited noise begins, in samples of the engine.
+const NOISE_AHEAD: f64 = REACH as f64;
 
 /// What should sound when `events` (in seconds from the start) are played on a plan for `seconds`, computed at `over` times the
 /// engine's rate. Voices that had to make room for others are not modelled, nor are inputs or moved controls.
@@ -192,8 +196,9 @@ impl<'a> Voice<'a> {
     /// First fine sample, samples, and the gain they all have.
     fn render(mut self, play: &Play, shared: &[Vec<f64>], length: usize, tail: f64) -> (i64, Vec<f64>, f64) {
         let enveloped = self.twins.iter().any(|t| t.sounding().is_some());
-        // As early as the engine, so that filters have met the same.
-        let first = (self.born - LEAD * self.over).floor() as i64 + 1;
+        // Noise is band-limited, so it begins before its first number, and so does what filters it. All else is 0 before the
+        // onset where it is kept.
+        let first = (self.born - (LEAD + NOISE_AHEAD) * self.over).floor() as i64 + 1;
         let released = self.born + play.duration * self.fine;
         let (mut samples, mut quiet, mut is_released) = (Vec::new(), 0.0, false);
         for n in first..length as i64 {
