@@ -1,5 +1,6 @@
 //! What a patch on a rig will run, and what was left out: for people and for programs.
 
+use super::input::InputReport;
 use super::load::Loaded;
 use super::paint::Paint;
 use super::table::{Table, hertz, many};
@@ -26,6 +27,8 @@ pub struct PlanReport {
     voices: Vec<VoiceReport>,
     shared: SharedReport,
     controls: Vec<ControlReport>,
+    /// What the patch listens to; null where that is nothing.
+    input: Option<InputReport>,
     channels: usize,
     outputs: Vec<OutputReport>,
     patterns: Vec<PatternReport>,
@@ -148,6 +151,7 @@ impl PlanReport {
                     smoothing: c.smoothing,
                 })
                 .collect(),
+            input: InputReport::of(loaded, player),
             channels: plan.channels,
             outputs: plan
                 .outputs
@@ -181,6 +185,9 @@ impl PlanReport {
                 d.total, d.voices, d.up_sampling, d.band_limit
             ),
         ]);
+        if let Some(input) = &self.input {
+            facts.row(["input".into(), input.text()]);
+        }
         facts.row(["seed".into(), self.seed.to_string()]);
         let mut text = facts.text();
         let mut section = |title: &str, lines: String| {

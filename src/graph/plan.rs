@@ -55,6 +55,15 @@ impl Plan {
     pub fn engine_rate(&self) -> f64 {
         self.device_rate / self.ratio as f64
     }
+
+    /// Channels of the input that something listens to, from 0, in ascending order.
+    pub fn inputs(&self) -> Vec<usize> {
+        let heard = |shared: &Shared| if let Shared::Input(c) = shared { Some(*c as usize) } else { None };
+        let mut inputs: Vec<usize> = self.shared.iter().filter_map(heard).collect();
+        inputs.sort_unstable();
+        inputs.dedup();
+        inputs
+    }
 }
 
 /// An engine-wide signal.
