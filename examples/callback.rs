@@ -15,7 +15,6 @@ use pacinian::node::asset::NoAssets;
 use pacinian::patch::Patch;
 use pacinian::rig::Rig;
 use pacinian::schedule::Instant;
-use pacinian::text::{Problem, Problems};
 use ringbuf::HeapRb;
 use ringbuf::traits::{Consumer, Producer, Split};
 
@@ -44,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // `live`: all voices are built, since nobody knows beforehand which ones the program will play.
     let options = Options { live: true, ..Options::default() };
     let rig = Rig::default_for(CHANNELS as u32);
-    let plan = scene(&patch, &rig, &options, &NoAssets).map_err(said)?.plan;
+    let plan = scene(&patch, &rig, &options, &NoAssets)?.plan;
 
     let few = perform(&plan, &[480])?;
     let many = perform(&plan, &[1, 64, 7, 333, 128])?;
@@ -100,8 +99,4 @@ fn perform(plan: &Plan, lengths: &[usize]) -> Result<Vec<f32>, Box<dyn Error>> {
 
 fn peak(samples: &[f32]) -> f32 {
     samples.iter().fold(0.0, |peak, x| peak.max(x.abs()))
-}
-
-fn said(list: Vec<Problem>) -> Problems {
-    Problems { file: "keys.toml".into(), source: PATCH.into(), list }
 }

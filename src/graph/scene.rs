@@ -9,7 +9,7 @@ use super::program::Program;
 use crate::node::asset::Assets;
 use crate::patch::{Action, Events, Patch, Source, Start};
 use crate::rig::{self, Rig};
-use crate::text::Problem;
+use crate::text::{Problem, Problems};
 
 /// What may be chosen about a rendering.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,12 +63,7 @@ pub struct Scene {
 /// # Errors
 /// Everything that keeps the two from playing together: recordings that cannot be read, places the rig does not have, a
 /// rate out of [`RATES`], an unknown pattern.
-pub fn scene(
-    patch: &Patch,
-    rig: &Rig,
-    options: &Options,
-    assets: &dyn Assets,
-) -> Result<Scene, Vec<Problem>> {
+pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -> Result<Scene, Problems> {
     let mut problems = Vec::new();
     let device_rate = options.rate.or(rig.device.rate).unwrap_or(48_000.0);
     if !RATES.contains(&device_rate) {
@@ -122,7 +117,7 @@ pub fn scene(
         shared(patch, &mut wanted, assets, device_rate / ratio as f64, &mut left_out, &mut problems);
     let (shared, controls) = controls(patch, shared, &mut left_out);
     if !problems.is_empty() {
-        return Err(problems);
+        return Err(patch.origin.problems(problems));
     }
     let silent = rig.outputs.iter().filter(|o| is_not_rendered(o));
     left_out.extend(silent.map(|o| LeftOut { what: format!("output `{}`", o.name), why: Why::NotRendered }));
