@@ -587,6 +587,23 @@ fn what_cannot_be_heard_is_said() {
 }
 
 #[test]
+fn equalisers_are_shown() {
+    let scratch = Scratch::new("equaliser");
+    scratch.write(
+        "rig.toml",
+        "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\n[actuator.coil]\n\
+         equaliser = [{ frequency = 200, gain_db = -6, q = 2 }]\n[[tactor]]\nname = \"a\"\nchannel = 1\n\
+         [[tactor]]\nname = \"t2\"\nchannel = 2\nactuator = \"coil\"\n",
+    );
+    let run = scratch.run(&["check", "good.toml", "--rig", "rig.toml"]);
+    assert!(run.succeeds().out.contains("equaliser -6 dB at 200 Hz (q 2)"), "{}", run.out);
+    let plan = scratch.run(&["check", "good.toml", "--rig", "rig.toml", "--json"]).succeeds().json();
+    let outputs = &plan["plan"]["outputs"];
+    assert_eq!(outputs[0]["equaliser"].as_array().unwrap().len(), 0);
+    assert_eq!(outputs[1]["equaliser"][0]["gain_db"], -6.0);
+}
+
+#[test]
 fn pictures_and_errors() {
     let scratch = Scratch::new("plot");
     scratch.run(&["plot", "good.toml", "-o", "x.svg", "--duration", "0.5"]).succeeds();

@@ -21,7 +21,8 @@ impl Stage {
     /// # Errors
     /// A rate or a number of taps that the stage cannot be built for.
     pub fn new(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
-        let options = Options { taps: plan.taps, ratio: Some(plan.ratio), isa, ..Options::default() };
+        let (taps, equalisers) = (plan.taps, plan.equalisers());
+        let options = Options { taps, ratio: Some(plan.ratio), equalisers, isa, ..Options::default() };
         let vibration = Vibration::new(plan.channels, plan.device_rate, &options)?;
         let rows = vec![Row::default(); vibration.groups() * super::workspace::BLOCK];
         let triggers = Triggers::new(plan, &vibration);

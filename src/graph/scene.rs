@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::build::{self, Want, Wanted};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
+use crate::dsp::biquad::Biquad;
 use crate::node::asset::Assets;
 use crate::patch::{Action, Events, Patch, Source, Start};
 use crate::rig::{self, Rig};
@@ -116,13 +117,17 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     let (shared, shared_program) =
         shared(patch, &mut wanted, assets, device_rate / ratio as f64, &mut left_out, &mut problems);
     let (shared, controls) = controls(patch, shared, &mut left_out);
+    let mut markers = Vec::new();
+    let outputs: Vec<Output> = rig
+        .outputs
+        .iter()
+        .map(|o| output(o, rig, device_rate / ratio as f64, &mut markers, &mut problems))
+        .collect();
     if !problems.is_empty() {
         return Err(patch.origin.problems(problems));
     }
     let silent = rig.outputs.iter().filter(|o| is_not_rendered(o));
     left_out.extend(silent.map(|o| LeftOut { what: format!("output `{}`", o.name), why: Why::NotRendered }));
-    let mut markers = Vec::new();
-    let outputs = rig.outputs.iter().map(|o| output(o, &mut markers)).collect();
     let plan = Plan {
         device_rate,
         ratio,
@@ -154,7 +159,13 @@ fn is_not_rendered(output: &rig::Output) -> bool {
     matches!(output.kind, rig::OutputKind::Drive | rig::OutputKind::Torque | rig::OutputKind::Raw)
 }
 
-fn output(output: &rig::Output, markers: &mut Vec<Arc<str>>) -> Output {
+fn output(
+    output: &rig::Output,
+    rig: &Rig,
+    rate: f64,
+    markers: &mut Vec<Arc<str>>,
+    problems: &mut Vec<Problem>,
+) -> Output {
     let kind = match &output.kind {
         rig::OutputKind::Trigger { marker, pulse } => {
             let number = |name: &String| {
@@ -169,7 +180,32 @@ fn output(output: &rig::Output, markers: &mut Vec<Arc<str>>) -> Output {
         rig::OutputKind::Vibration => OutputKind::Vibration,
         rig::OutputKind::Drive | rig::OutputKind::Torque | rig::OutputKind::Raw => OutputKind::Silent,
     };
-    Output { name: output.name.as_str().into(), channel: output.channel.saturating_sub(1), kind }
+    let actuator = output.actuator.as_ref().and_then(|name| rig.actuator(name));
+    let equaliser = match (kind, actuator) {
+        (OutputKind::Vibration, Some(actuator)) => equaliser(actuator, rate, problems),
+        _ => Vec::new(),
+    };
+    Output { name: output.name.as_str().into(), channel: output.channel.saturating_sub(1), kind, equaliser }
+}
+
+/// The sections of an actuator's equaliser at the engine's rate.
+fn equaliser(actuator: &rig::Actuator, rate: f64, problems: &mut Vec<Problem>) -> Vec<Biquad> {
+    let section = |peak: &rig::Peak| {
+        if peak.frequency >= 0.5 * rate {
+            let what = format!(
+                "actuator `{}` has a filter at {} Hz; at an engine rate of {rate} Hz they end below {} Hz",
+                actuator.name,
+                peak.frequency,
+                0.5 * rate
+            );
+            let problem = Problem::of_file(what).help("what vibrates stays below 1000 Hz".to_string());
+            if !problems.contains(&problem) {
+                problems.push(problem);
+            }
+        }
+        Biquad::peaking(peak.frequency, peak.q, peak.gain_db, rate)
+    };
+    actuator.equaliser.iter().map(section).collect()
 }
 
 fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Vec<usize> {

@@ -76,7 +76,7 @@ impl Take<'_> {
             ideal,
             plan.ratio,
             delay.lead + delay.up_sampling + delay.band_limit_phase,
-            &|hertz| designed(&engine, hertz),
+            &|channel, hertz| designed(&engine, channel, hertz),
         );
         let (seconds, stolen) = (samples as f64 / rate, engine.counters().stolen);
         Ok(Measured { comparison, seconds, run_time, stolen })
@@ -104,10 +104,10 @@ pub fn measure(plan: &Plan, events: &[(f64, Play)], seconds: f64) -> Result<Meas
     take.measure(plan, &take.reference(plan))
 }
 
-/// The output stage's designed response without the delay that the engine reports for it.
-pub fn designed(engine: &Engine, hertz: f64) -> Complex64 {
+/// The output stage's designed response on a channel (from 0) without the delay that the engine reports for it.
+pub fn designed(engine: &Engine, channel: usize, hertz: f64) -> Complex64 {
     let delay = engine.delay();
-    let response = engine.stage().vibration().response(hertz);
+    let response = engine.stage().vibration().response(channel, hertz);
     let phase = std::f64::consts::TAU * hertz * (delay.up_sampling + delay.band_limit_phase);
     Complex64::new(response.re, response.im) * Complex64::cis(phase)
 }
