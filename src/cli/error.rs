@@ -15,6 +15,7 @@ use pacinian::engine::vibration::Refusal;
 use pacinian::graph::plan::{Plan, Precision};
 use pacinian::player::Player;
 use pacinian::report::{Measured, Reference, Take};
+use pacinian::rig::OutputKind;
 use serde::Serialize;
 
 /// Measures error against the reference and run time, for several settings
@@ -205,6 +206,9 @@ fn text(answer: &Answer, loaded: &Loaded, terminal: &Terminal) -> String {
     if answer.voices_stolen > 0 {
         text += &paint
             .yellow("  voices were stolen, which the reference does not model: the error says little\n");
+    }
+    if loaded.rig.outputs.iter().any(|o| o.kind == OutputKind::Raw) {
+        text += &paint.yellow("  raw outputs are not band-limited: what they have above 1 kHz counts, too\n");
     }
     if answer.limited > 0 {
         text +=

@@ -294,6 +294,7 @@ pub fn precision(precision: Precision) -> &'static str {
 fn kind(kind: OutputKind) -> &'static str {
     match kind {
         OutputKind::Vibration => "vibration",
+        OutputKind::Raw => "raw: no limiter, no band limit",
         OutputKind::Silent => "not rendered, stays at zero",
         OutputKind::Trigger { .. } => "trigger",
     }

@@ -9,6 +9,7 @@ pub mod exchange;
 pub mod handover;
 pub mod listener;
 pub mod mixer;
+pub mod raw;
 pub mod stage;
 pub mod task;
 pub mod triggers;

@@ -153,6 +153,8 @@ pub enum OutputKind {
         /// Length of a pulse, seconds.
         pulse: f64,
     },
+    /// The mix as it is.
+    Raw,
     /// Zero.
     Silent,
 }

@@ -156,7 +156,7 @@ fn place(output: &rig::Output) -> Vec<(u32, f64)> {
 }
 
 fn is_not_rendered(output: &rig::Output) -> bool {
-    matches!(output.kind, rig::OutputKind::Drive | rig::OutputKind::Torque | rig::OutputKind::Raw)
+    matches!(output.kind, rig::OutputKind::Drive | rig::OutputKind::Torque)
 }
 
 fn output(
@@ -178,7 +178,8 @@ fn output(
             OutputKind::Trigger { marker: marker.as_ref().map(number), pulse: *pulse }
         }
         rig::OutputKind::Vibration => OutputKind::Vibration,
-        rig::OutputKind::Drive | rig::OutputKind::Torque | rig::OutputKind::Raw => OutputKind::Silent,
+        rig::OutputKind::Raw => OutputKind::Raw,
+        rig::OutputKind::Drive | rig::OutputKind::Torque => OutputKind::Silent,
     };
     let actuator = output.actuator.as_ref().and_then(|name| rig.actuator(name));
     let equaliser = match (kind, actuator) {

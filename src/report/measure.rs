@@ -107,7 +107,7 @@ pub fn measure(plan: &Plan, events: &[(f64, Play)], seconds: f64) -> Result<Meas
 /// The output stage's designed response on a channel (from 0) without the delay that the engine reports for it.
 pub fn designed(engine: &Engine, channel: usize, hertz: f64) -> Complex64 {
     let delay = engine.delay();
-    let response = engine.stage().vibration().response(channel, hertz);
+    let response = engine.stage().response(channel, hertz);
     let phase = std::f64::consts::TAU * hertz * (delay.up_sampling + delay.band_limit_phase);
     Complex64::new(response.re, response.im) * Complex64::cis(phase)
 }
