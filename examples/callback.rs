@@ -8,6 +8,7 @@ use std::error::Error;
 
 use pacinian::engine::Engine;
 use pacinian::engine::event::{Event, Play, Source};
+use pacinian::engine::guard::Guard;
 use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::graph::start::FIELDS;
@@ -76,12 +77,16 @@ fn perform(plan: &Plan, lengths: &[usize]) -> Result<Vec<f32>, Box<dyn Error>> {
     let at = Instant::of_samples(0.9 * rate);
     hand.try_push((at, Event::Control(strength, 0.25))).map_err(|_| "the ring is full")?;
 
-    // What a sound card would call.
+    // What a sound card would call. Nothing in it panics; should it do so after all, the guard makes it silence.
+    let mut guard = Guard::default();
+    let fault = guard.fault();
     let mut callback = move |output: &mut [f32]| {
-        while let Some((at, event)) = ear.try_pop() {
-            engine.schedule(at, Source::Program, event);
-        }
-        engine.process(output);
+        guard.call(output, |output| {
+            while let Some((at, event)) = ear.try_pop() {
+                engine.schedule(at, Source::Program, event);
+            }
+            engine.process(output);
+        });
     };
 
     let mut heard = vec![0.0; 2 * SECOND * CHANNELS];
@@ -94,6 +99,7 @@ fn perform(plan: &Plan, lengths: &[usize]) -> Result<Vec<f32>, Box<dyn Error>> {
         }
         rest = later;
     }
+    assert!(!fault.is_latched());
     Ok(heard)
 }
 

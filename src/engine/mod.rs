@@ -6,6 +6,7 @@ pub mod core;
 pub mod declick;
 pub mod event;
 pub mod exchange;
+pub mod guard;
 pub mod handover;
 pub mod listener;
 pub mod mixer;
