@@ -245,7 +245,8 @@ fn recordings_and_events_files() {
         "[voice.s]\noutput = \"s\"\nstart = \"always\"\nnodes.s = { type = \"sample\", file = \"a.wav\" }\n";
     scratch.write("sample.toml", with(player));
     let check = |name: &str| scratch.run(&["check", name]);
-    check("sample.toml").fails(66, &["sample.toml:12:", "a.wav", "is not there"]);
+    check("sample.toml")
+        .fails(66, &["sample.toml:12:", "`a.wav` is not there", "counts from the patch's folder"]);
     scratch.write("a.wav", "RIFF");
     check("sample.toml").fails(65, &["a.wav"]);
     let whole = {
