@@ -558,7 +558,9 @@ fn what_cannot_be_heard_is_said() {
     scratch.write("l.toml", format!("{HEAD}{LISTENER}"));
     let run = scratch.run(&["check", "l.toml"]);
     assert!(run.succeeds().out.contains("channel 2: silence; --input FILE.wav"), "{}", run.out);
-    scratch.run(&["render", "l.toml", "-o", "x.wav"]).fails(2, &["voice `v` is always on", "--duration"]);
+    scratch
+        .run(&["render", "l.toml", "-o", "x.wav"])
+        .fails(2, &["voice `v` is always on", "--input FILE.wav", "--duration 10,"]);
 
     scratch.sound("mono.wav", 8_000, 1);
     let run = scratch.run(&["check", "l.toml", "--input", "mono.wav"]);

@@ -68,11 +68,16 @@ impl Until {
         if let Some(seconds) = input {
             return Ok(Self::Seconds(seconds));
         }
-        let example = player.length().map_or(10.0, f64::ceil);
+        let example = player.length().filter(|length| *length > 0.0).map_or(10.0, f64::ceil);
+        let hear = if player.plan().inputs().is_empty() {
+            ""
+        } else {
+            "give it something to hear: --input FILE.wav; or "
+        };
         Err(Failure::usage(
             format!("{}: {who}, so it has no length of its own", loaded.name()),
             format!(
-                "say how many seconds: --duration {example}, or duration = {example} under [render] in the patch"
+                "{hear}say how many seconds: --duration {example}, or duration = {example} under [render] in the patch"
             ),
         ))
     }

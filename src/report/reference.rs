@@ -37,7 +37,7 @@ pub fn reference(plan: &Plan, events: &[(f64, Play)], seconds: f64, over: usize)
     reference_hearing(plan, events, &[], seconds, over)
 }
 
-/// As [`reference`], with the channels of an audio input at the device's rate, from their beginning.
+/// As [`reference()`], with the channels of an audio input at the device's rate, from their beginning.
 pub fn reference_hearing(
     plan: &Plan,
     events: &[(f64, Play)],
