@@ -100,10 +100,13 @@ mod tests {
         engine.add_task(Box::new(Faulty(200)));
         let mut guard = Guard::default();
         let fault = guard.fault();
-        let (mut output, mut expected) = ([0.0; 960], [0.0; 960]);
+        let (mut output, mut expected, mut calls) = ([0.0; 960], [0.0; 960], 0);
         for call in 0..10 {
             output.fill(f32::NAN);
-            guard.call(&mut output, |output| engine.process(output));
+            guard.call(&mut output, |output| {
+                calls += 1;
+                engine.process(output);
+            });
             plain.process(&mut expected);
             assert_eq!(fault.is_latched(), call >= 2, "call {call}");
             match call {
@@ -111,7 +114,7 @@ mod tests {
                 _ => assert!(output.iter().all(|x| *x == 0.0), "call {call}"),
             }
         }
-        assert_eq!(engine.clock() / 64, 200 / 64, "what has failed is left alone");
+        assert_eq!(calls, 3, "what has failed is left alone");
         // What one guard has caught is no other's business.
         let mut other = Guard::default();
         other.call(&mut output, |output| plain.process(output));
