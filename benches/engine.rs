@@ -53,7 +53,7 @@ fn plan(voice: &str, voices: usize, channels: u32) -> Plan {
     );
     let patch = Patch::parse("bench.toml", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
     let options = Options { rate: Some(RATE), live: true, ..Options::default() };
-    scene(&patch, &Rig::default_for(channels), &options, &NoAssets).unwrap_or_else(|p| panic!("{p:?}")).plan
+    scene(&patch, &Rig::default_for(channels), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan
 }
 
 const SINE: &str = r#"tone = { type = "sine", frequency = "event.frequency" }

@@ -12,7 +12,6 @@ use pacinian::patch::Patch;
 use pacinian::player::Player;
 use pacinian::report::measure;
 use pacinian::rig::Rig;
-use pacinian::text::{Problem, Problems};
 
 const PATCH: &str = r#"
 format = "pacinian-patch/1"
@@ -38,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rig = Rig::default_for(2);
 
     // What the pattern plays, written down once, so that every setting plays the same.
-    let mut player = Player::new(&patch, &rig, &Options::default(), &NoAssets).map_err(said)?;
+    let mut player = Player::new(&patch, &rig, &Options::default(), &NoAssets)?;
     player.record();
     let mut block = vec![0.0_f32; 2 * 480];
     while !player.is_over() {
@@ -49,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, precision) in [("f32", Precision::Single), ("f64", Precision::Double)] {
         for taps in [4, 6, 8] {
             let options = Options { precision, taps, ..Options::default() };
-            let plan = scene(&patch, &rig, &options, &NoAssets).map_err(said)?.plan;
+            let plan = scene(&patch, &rig, &options, &NoAssets)?.plan;
             let measured = measure(&plan, player.recorded(), player.seconds())?;
             let (error, above) = (measured.comparison.error_db, measured.comparison.above_db);
             let speed = measured.seconds / measured.run_time.as_secs_f64();
@@ -58,8 +57,4 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
-}
-
-fn said(list: Vec<Problem>) -> Problems {
-    Problems { file: "taps.toml".into(), source: PATCH.into(), list }
 }

@@ -14,7 +14,7 @@ use pacinian::node::asset::NoAssets;
 use pacinian::patch::Patch;
 use pacinian::rig::Rig;
 use pacinian::schedule::Instant;
-use pacinian::text::{Problem, Problems};
+use pacinian::text::Problems;
 
 const PATCH: &str = r#"
 format = "pacinian-patch/1"
@@ -70,8 +70,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn compiled(text: &str) -> Result<Plan, Problems> {
     let patch = Patch::parse("hum.toml", text.as_bytes())?.value;
     let options = Options { live: true, ..Options::default() };
-    let said = |list: Vec<Problem>| Problems { file: "hum.toml".into(), source: text.into(), list };
-    Ok(scene(&patch, &Rig::default_for(1), &options, &NoAssets).map_err(said)?.plan)
+    Ok(scene(&patch, &Rig::default_for(1), &options, &NoAssets)?.plan)
 }
 
 fn peak(samples: &[f32]) -> f32 {

@@ -5,7 +5,6 @@ use pacinian::node::asset::NoAssets;
 use pacinian::patch::Patch;
 use pacinian::player::{Note, Player};
 use pacinian::rig::Rig;
-use pacinian::text::Problems;
 
 const PATCH: &str = r#"
 format = "pacinian-patch/1"
@@ -22,8 +21,8 @@ felt = { type = "multiply", inputs = ["tone", "hit"] }
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let patch = Patch::parse("hello.toml", PATCH.as_bytes())?.value;
     let options = Options { live: true, ..Options::default() };
-    let mut player = Player::new(&patch, &Rig::default_for(2), &options, &NoAssets).map_err(said)?;
-    player.play("tap", &Note::default()).map_err(|problem| said(vec![problem]))?;
+    let mut player = Player::new(&patch, &Rig::default_for(2), &options, &NoAssets)?;
+    player.play("tap", &Note::default())?;
     let mut frames = vec![0.0_f32; 2 * 12_000];
     player.process(&mut frames);
 
@@ -31,9 +30,4 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("a tap of {:.2} of full scale, then silence: {}", peak, player.is_over());
     assert!(peak > 0.5 && player.is_over());
     Ok(())
-}
-
-/// Problems found after parsing stand in no file that could be shown, so they are said alone.
-fn said(list: Vec<pacinian::text::Problem>) -> Problems {
-    Problems { file: "hello.toml".into(), source: PATCH.into(), list }
 }

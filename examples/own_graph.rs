@@ -54,7 +54,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             always: false,
         }],
         places: vec![vec![(0, 0.8)]],
-        outputs: vec![Output { name: "wrist".into(), channel: 0, kind: OutputKind::Vibration }],
+        outputs: vec![Output {
+            name: "wrist".into(),
+            channel: 0,
+            kind: OutputKind::Vibration,
+            equaliser: Vec::new(),
+        }],
         markers: Vec::new(),
         left_out: Vec::new(),
     };
@@ -71,7 +76,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let second = &frames[12_000..60_000];
     let cycles = second.windows(2).filter(|w| w[0] < 0.0 && w[1] >= 0.0).count();
     let peak = second.iter().fold(0.0_f32, |peak, x| peak.max(x.abs()));
-    let response = engine.stage().vibration().response(120.0);
+    let response = engine.stage().vibration().response(0, 120.0);
     let wanted = 0.8 * response.re.hypot(response.im);
     println!("{cycles} cycles in a second, peak {peak:.4} where the design says {wanted:.4}");
     assert!(cycles == 120 && (f64::from(peak) - wanted).abs() < 1e-3);

@@ -11,7 +11,6 @@ use pacinian::node::asset::NoAssets;
 use pacinian::patch::Patch;
 use pacinian::player::Player;
 use pacinian::rig::Rig;
-use pacinian::text::{Problem, Problems};
 
 const PATCH: &str = r#"
 format = "pacinian-patch/1"
@@ -44,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let patch = Patch::parse("arm.toml", PATCH.as_bytes())?.value;
     let rig = Rig::default_for(CHANNELS as u32);
-    let mut player = Player::new(&patch, &rig, &Options::default(), &NoAssets).map_err(said)?;
+    let mut player = Player::new(&patch, &rig, &Options::default(), &NoAssets)?;
     let rate = player.plan().device_rate as u32;
     let mut writer = WavWriter::create(&path, WavSpec::new(CHANNELS, rate, Encoding::F32))?;
     let mut block = vec![0.0_f32; CHANNELS * 480];
@@ -80,8 +79,4 @@ fn started(player: &Player) -> u64 {
 
 fn peak(samples: &[f32]) -> f32 {
     samples.iter().fold(0.0, |peak, x| peak.max(x.abs()))
-}
-
-fn said(list: Vec<Problem>) -> Problems {
-    Problems { file: "arm.toml".into(), source: PATCH.into(), list }
 }

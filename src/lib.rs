@@ -12,9 +12,9 @@
 //! let patch = Patch::parse("04-heartbeat.toml", &text)?.value;
 //! let rig = Rig::default_for(8);
 //! let options = pacinian::graph::scene::Options { live: true, ..Default::default() };
-//! let mut player = Player::new(&patch, &rig, &options, &NoAssets).map_err(|problems| problems[0].what.clone())?;
+//! let mut player = Player::new(&patch, &rig, &options, &NoAssets)?;
 //! let voice = patch.voices[0].name.as_str();
-//! player.play(voice, &Note { level: Some(0.5), ..Note::default() }).map_err(|problem| problem.what)?;
+//! player.play(voice, &Note { level: Some(0.5), ..Note::default() })?;
 //! let mut second = vec![0.0; 48_000 * player.engine().channels()];
 //! player.process(&mut second); // interleaved frames; `player.set("name", value)` moves a control
 //! # assert!(second.iter().any(|x| *x != 0.0));

@@ -13,7 +13,7 @@ use crate::patch::{Patch, Place};
 use crate::rig::Rig;
 use crate::schedule::Instant;
 use crate::score::{EventStream, Score, Timed, What};
-use crate::text::Problem;
+use crate::text::{Problem, Problems};
 
 /// Opens events files for the score, by their path as written in the patch.
 pub type OpenEvents = Box<dyn FnMut(&str) -> Result<EventStream<'static>, Problem> + Send>;
@@ -43,12 +43,7 @@ impl Player {
     ///
     /// # Errors
     /// Everything that keeps patch and rig from playing together.
-    pub fn new(
-        patch: &Patch,
-        rig: &Rig,
-        options: &Options,
-        assets: &dyn Assets,
-    ) -> Result<Self, Vec<Problem>> {
+    pub fn new(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -> Result<Self, Problems> {
         let refuse =
             |path: &str| Err(Problem::of_file(format!("events files are not read here, so not `{path}`")));
         Self::with_files(patch, rig, options, assets, Box::new(refuse))
@@ -64,15 +59,17 @@ impl Player {
         options: &Options,
         assets: &dyn Assets,
         files: OpenEvents,
-    ) -> Result<Self, Vec<Problem>> {
+    ) -> Result<Self, Problems> {
         let Scene { plan, patterns, instruments } = scene(patch, rig, options, assets)?;
         let (patch, rig) = (Arc::new(patch.clone()), Arc::new(rig.clone()));
         let roots: Vec<(usize, f64)> = patterns.iter().map(|&p| (p, 0.0)).collect();
         let of_rig = Arc::clone(&rig);
         let places = move |place: Option<&Place>| of_rig.resolve(place, &(0..0)).map(|i| i as u32);
-        let score = Score::new(&patch, places, &roots, plan.seed, files).map_err(|p| vec![p])?;
+        let score = Score::new(&patch, places, &roots, plan.seed, files)
+            .map_err(|p| patch.origin.problems(vec![p]))?;
         let mut player = Self {
-            engine: Engine::new(&plan).map_err(|refusal| vec![Problem::of_file(refusal.to_string())])?,
+            engine: Engine::new(&plan)
+                .map_err(|r| patch.origin.problems(vec![Problem::of_file(r.to_string())]))?,
             plan,
             patch,
             rig,
@@ -84,7 +81,7 @@ impl Player {
             played: 0,
             record: None,
         };
-        player.start().map_err(|p| vec![p])?;
+        player.start().map_err(|p| player.patch.origin.problems(vec![p]))?;
         Ok(player)
     }
 
@@ -229,12 +226,19 @@ impl Player {
 
     /// Fills `output`, interleaved frames of all channels.
     pub fn process(&mut self, output: &mut [f32]) {
+        self.process_input(&[], output);
+    }
+
+    /// As [`Player::process`], with what came in during the same frames: interleaved frames of [`Engine::input_channels`]. Missing
+    /// frames count as silence.
+    pub fn process_input(&mut self, input: &[f32], output: &mut [f32]) {
         // In stretches short enough for the engine's queue to hold what they play.
-        let most = self.plan.channels.max(1) * self.plan.ratio * 256;
-        for part in output.chunks_mut(most) {
+        let frames = self.plan.ratio * 256;
+        let mut heard = input.chunks(frames * self.engine.input_channels().max(1));
+        for part in output.chunks_mut(self.plan.channels.max(1) * frames) {
             let samples = part.len() / (self.plan.channels.max(1) * self.plan.ratio) + 2;
             self.feed(self.engine.clock() + samples as u64);
-            self.engine.process(part);
+            self.engine.process_input(heard.next().unwrap_or_default(), part);
         }
     }
 

@@ -71,7 +71,7 @@ fn voice(nodes: &str) -> String {
 fn above(engine: &Engine, frames: &[f32], rate: f64, ratio: usize) -> f64 {
     let channels = engine.channels();
     let nothing = silent_reference(channels, frames.len() / channels / ratio, rate / ratio as f64);
-    compare(frames, &nothing, ratio, 0.0, &|_| 1.0.into()).above_db
+    compare(frames, &nothing, ratio, 0.0, &|_, _| 1.0.into()).above_db
 }
 
 #[test]

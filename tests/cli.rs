@@ -245,7 +245,8 @@ fn recordings_and_events_files() {
         "[voice.s]\noutput = \"s\"\nstart = \"always\"\nnodes.s = { type = \"sample\", file = \"a.wav\" }\n";
     scratch.write("sample.toml", with(player));
     let check = |name: &str| scratch.run(&["check", name]);
-    check("sample.toml").fails(66, &["sample.toml:12:", "a.wav", "is not there"]);
+    check("sample.toml")
+        .fails(66, &["sample.toml:12:", "`a.wav` is not there", "counts from the patch's folder"]);
     scratch.write("a.wav", "RIFF");
     check("sample.toml").fails(65, &["a.wav"]);
     let whole = {
@@ -479,6 +480,130 @@ fn the_demo_needs_nothing_and_is_exact() {
     assert!(answer["above_db"].as_f64().unwrap() < -60.0, "{}", answer["above_db"]);
     assert_eq!((&answer["limited"], &answer["voices_stolen"]), (&0.into(), &0.into()));
     scratch.run(&["demo", "-o", "good.toml"]).fails(73, &["good.toml"]);
+}
+
+const LISTENER: &str = "[shared.nodes]\near = { type = \"input\", channel = 2 }\n\
+    [voice.v]\nstart = \"always\"\noutput = \"o\"\nplace = 3\n[voice.v.nodes]\non = { type = \"gate\" }\n\
+    o = { type = \"multiply\", inputs = [\"ear\", \"on\"] }\n";
+
+impl Scratch {
+    /// A second of silence on channel 1 and of 100 Hz on channel 2, or channel 1 alone.
+    fn sound(&self, name: &str, rate: u32, channels: u16) {
+        let spec = hound::WavSpec {
+            channels,
+            sample_rate: rate,
+            bits_per_sample: 16,
+            sample_format: hound::SampleFormat::Int,
+        };
+        let mut wav = hound::WavWriter::create(self.0.join(name), spec).unwrap();
+        for n in 0..rate {
+            let tone = (std::f64::consts::TAU * 100.0 * f64::from(n) / f64::from(rate)).sin();
+            for x in [0.0, 0.5 * tone].iter().take(channels.into()) {
+                wav.write_sample((x * 32_767.0) as i16).unwrap();
+            }
+        }
+        wav.finalize().unwrap();
+    }
+}
+
+#[test]
+fn what_a_file_brings_in_is_felt() {
+    let scratch = Scratch::new("input");
+    scratch.write("l.toml", format!("{HEAD}{LISTENER}"));
+    scratch.sound("in.wav", 22_050, 2);
+    let render = ["render", "l.toml", "--input", "in.wav", "-o", "x.wav", "--json"];
+    let summary = scratch.run(&render).succeeds().json();
+    let (_, samples) = scratch.wav("x.wav");
+    assert_eq!(samples.len(), 8 * 48_000, "as long as what is heard");
+    let late = 1e-3 * summary["input"]["delay_ms"].as_f64().unwrap();
+    let plan = scratch.run(&["check", "l.toml", "--input", "in.wav", "--json"]).succeeds().json();
+    let delay = &plan["plan"]["delay_ms"];
+    // The band limit delays a tone of 100 Hz by what it delays the envelope of one, within its passband.
+    let stage = 1e-3 * (delay["up_sampling"].as_f64().unwrap() + delay["band_limit"].as_f64().unwrap());
+    let (mut wrong, mut wanted) = (0.0, 0.0);
+    for n in 12_000..36_000 {
+        let exact = 0.5 * (std::f64::consts::TAU * 100.0 * (f64::from(n) / 48_000.0 - late - stage)).sin();
+        wrong += (f64::from(samples[8 * n as usize + 2]) - exact).powi(2);
+        wanted += exact * exact;
+    }
+    assert!(wrong < 0.01 * wanted, "{}", wrong / wanted);
+    assert!(samples.iter().enumerate().all(|(i, x)| i % 8 == 2 || *x == 0.0));
+
+    let plot = scratch.run(&["plot", "l.toml", "--input", "in.wav", "-o", "x.svg"]);
+    assert!(plot.succeeds().out.contains("1.000 s"), "{}", plot.out);
+    let longer = scratch.run(&["render", "l.toml", "--input", "in.wav", "-o", "x.wav", "--duration", "1.5"]);
+    assert!(longer.succeeds().out.contains("channel 2 of in.wav"), "{}", longer.out);
+    let (_, samples) = scratch.wav("x.wav");
+    assert!(samples[8 * 50_000..].iter().all(|x| x.abs() < 1e-4), "silence after its end");
+    // The reference hears it too: a tone that is only let through is exact to the rounding of 32 bits.
+    let error = scratch.run(&[
+        "error",
+        "l.toml",
+        "--input",
+        "in.wav",
+        "--duration",
+        "1.2",
+        "--compare-taps",
+        "6,8",
+        "--json",
+    ]);
+    for row in error.succeeds().json()["settings"].as_array().unwrap() {
+        assert!(row["error_db"].as_f64().unwrap() < -90.0, "{row}");
+    }
+}
+
+#[test]
+fn what_cannot_be_heard_is_said() {
+    let scratch = Scratch::new("unheard");
+    scratch.write("l.toml", format!("{HEAD}{LISTENER}"));
+    let run = scratch.run(&["check", "l.toml"]);
+    assert!(run.succeeds().out.contains("channel 2: silence; --input FILE.wav"), "{}", run.out);
+    scratch
+        .run(&["render", "l.toml", "-o", "x.wav"])
+        .fails(2, &["voice `v` is always on", "--input FILE.wav", "--duration 10,"]);
+
+    scratch.sound("mono.wav", 8_000, 1);
+    let run = scratch.run(&["check", "l.toml", "--input", "mono.wav"]);
+    run.succeeds();
+    for word in ["mono.wav: warning", "channel 2", "has 1 channel", "silence"] {
+        assert!(run.err.contains(word), "{word}: {}", run.err);
+    }
+    assert!(run.out.contains("1 warning"), "{}", run.out);
+    let run = scratch.run(&["render", "l.toml", "--input", "mono.wav", "-o", "x.wav"]);
+    assert!(run.succeeds().out.contains("channel 2: silence"), "{}", run.out);
+    assert!(scratch.wav("x.wav").1.iter().all(|x| *x == 0.0));
+    let run = scratch.run(&["check", "good.toml", "--input", "mono.wav"]);
+    assert!(run.succeeds().err.contains("nothing in this patch listens"), "{}", run.err);
+
+    let with = |input: &str| scratch.run(&["render", "l.toml", "-o", "y.wav", "--input", input]);
+    with("none.wav").fails(66, &["`none.wav` is not there", "check the path"]);
+    with(".").fails(66, &["is a folder"]);
+    with("good.toml").fails(65, &["`good.toml`", "no WAV file"]);
+    scratch.sound("slow.wav", 500, 2);
+    with("slow.wav").fails(65, &["`slow.wav`", "500 Hz", "convert it"]);
+    assert!(!scratch.0.join("y.wav").exists());
+    scratch
+        .run(&["render", "l.toml", "-o", "mono.wav", "--input", "mono.wav"])
+        .fails(2, &["`mono.wav` is read for this rendering"]);
+    scratch.write("bad.toml", "format = \"pacinian-patch/1\"\ntitle = 3\n");
+    scratch.run(&["check", "bad.toml", "--input", "none.wav"]).fails(65, &["bad.toml:2:"]);
+}
+
+#[test]
+fn equalisers_are_shown() {
+    let scratch = Scratch::new("equaliser");
+    scratch.write(
+        "rig.toml",
+        "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\n[actuator.coil]\n\
+         equaliser = [{ frequency = 200, gain_db = -6, q = 2 }]\n[[tactor]]\nname = \"a\"\nchannel = 1\n\
+         [[tactor]]\nname = \"t2\"\nchannel = 2\nactuator = \"coil\"\n",
+    );
+    let run = scratch.run(&["check", "good.toml", "--rig", "rig.toml"]);
+    assert!(run.succeeds().out.contains("equaliser -6 dB at 200 Hz (q 2)"), "{}", run.out);
+    let plan = scratch.run(&["check", "good.toml", "--rig", "rig.toml", "--json"]).succeeds().json();
+    let outputs = &plan["plan"]["outputs"];
+    assert_eq!(outputs[0]["equaliser"].as_array().unwrap().len(), 0);
+    assert_eq!(outputs[1]["equaliser"][0]["gain_db"], -6.0);
 }
 
 #[test]

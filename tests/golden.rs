@@ -141,14 +141,14 @@ fn engine_and_reference_meet_them() {
         assert_eq!(golden.channels[0].len(), today.channels[0].len(), "{}: length", scene.name);
         assert!(golden.channels.iter().all(|c| c.iter().any(|x| x.abs() > 0.05)), "{}: silent", scene.name);
 
-        let twins = compare(&reference_as_frames(&today), &golden, 1, 0.0, &|_| 1.0.into());
+        let twins = compare(&reference_as_frames(&today), &golden, 1, 0.0, &|_, _| 1.0.into());
         let delay = engine.delay();
         let found = compare(
             &frames,
             &golden,
             plan.ratio,
             delay.lead + delay.up_sampling + delay.band_limit_phase,
-            &|hertz| designed(&engine, hertz),
+            &|channel, hertz| designed(&engine, channel, hertz),
         );
         println!("{}: engine {:.1} dB, reference {:.1} dB", scene.name, found.error_db, twins.error_db);
         assert!(twins.error_db < -120.0, "{}: the reference has changed: {twins:?}", scene.name);

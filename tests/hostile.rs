@@ -476,7 +476,7 @@ fn a_loop_through_a_delay_sounds_or_is_refused() {
         }
         Err(problems) => {
             assert!(
-                problems.iter().any(|p| p.what.contains("cycle") || p.what.contains("circle")),
+                problems.list.iter().any(|p| p.what.contains("cycle") || p.what.contains("circle")),
                 "{problems:?}"
             );
         }

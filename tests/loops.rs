@@ -90,3 +90,33 @@ fn input_passes_through_with_the_reported_delay() {
         assert!((f64::from(whole[n]) - exact).abs() < 0.02, "frame {n}: {} for {exact}", whole[n]);
     }
 }
+
+/// What a scene should have been does not depend on number type and taps, but for the filter of an input, which has as many.
+#[cfg(feature = "report")]
+#[test]
+fn settings_share_their_reference() {
+    use pacinian::graph::plan::{Plan, Precision};
+    use pacinian::report::Take;
+    let sound: Vec<f32> = (0..9_600).map(|n| (f64::from(n) * 0.05).sin() as f32 * 0.5).collect();
+    let events = [(0.01, play(0, 0, 100.0, 0.02, 1))];
+    let with = |plan: &Plan, precision, taps| Plan { precision, taps, ..plan.clone() };
+
+    let plan = compiled(ECHO, 1, 48_000.0).plan;
+    let take = Take { events: &events, input: &[], seconds: 0.2 };
+    let one = take.reference(&with(&plan, Precision::Single, 4));
+    assert!(one.channels[0].iter().any(|x| x.abs() > 0.1));
+    assert_eq!(one, take.reference(&with(&plan, Precision::Double, 12)));
+
+    let plan = compiled(LISTENING, 1, 48_000.0).plan;
+    let input = [Vec::new(), sound];
+    let take = Take { events: &[], input: &input, seconds: 0.2 };
+    let one = take.reference(&with(&plan, Precision::Single, 4));
+    assert!(one.channels[0].iter().any(|x| x.abs() > 0.1));
+    assert_eq!(one, take.reference(&with(&plan, Precision::Double, 4)));
+    assert_ne!(one, take.reference(&with(&plan, Precision::Single, 12)));
+    for taps in [4, 12] {
+        let plan = with(&plan, Precision::Double, taps);
+        let found = take.measure(&plan, &take.reference(&plan)).unwrap().comparison;
+        assert!(found.error_db < -60.0, "{taps} taps: {found:?}");
+    }
+}

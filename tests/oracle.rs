@@ -55,7 +55,7 @@ fn compared(plan: &Plan, events: &[(f64, Play)], wrong: f64) -> Comparison {
         &ideal,
         plan.ratio,
         delay.lead + delay.up_sampling + delay.band_limit_phase + wrong,
-        &|hertz| designed(&engine, hertz),
+        &|channel, hertz| designed(&engine, channel, hertz),
     )
 }
 
@@ -256,14 +256,14 @@ fn the_reference_converges() {
         let events = dozen(0.05);
         let [coarse, fine] = [8, 32].map(|over| reference(&plan, &events, 1.2, over));
         let frames = reference_as_frames(&coarse);
-        let found = compare(&frames, &fine, 1, 0.0, &|_| 1.0.into());
+        let found = compare(&frames, &fine, 1, 0.0, &|_, _| 1.0.into());
         println!("{name:28} 8 against 32 times: {:7.1} dB", found.error_db);
         assert!(found.error_db < most, "{name}: {found:?}");
         // And the comparison is no formality: against silence all of it is error.
-        let nothing = compare(&vec![0.0; frames.len()], &fine, 1, 0.0, &|_| 1.0.into());
+        let nothing = compare(&vec![0.0; frames.len()], &fine, 1, 0.0, &|_, _| 1.0.into());
         assert!(nothing.error_db.abs() < 1e-9);
         assert_eq!(
-            compare(&[], &silent_reference(4, 100, 8000.0), 1, 0.0, &|_| 1.0.into()).error_db,
+            compare(&[], &silent_reference(4, 100, 8000.0), 1, 0.0, &|_, _| 1.0.into()).error_db,
             f64::NEG_INFINITY
         );
     }

@@ -11,11 +11,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use pacinian::graph::scene::Options;
 use pacinian::io::assets::Folder;
+use pacinian::io::input::Input;
 use pacinian::io::wav::WavReader;
 use pacinian::node::NodeKind;
 use pacinian::patch::{EventsFile, Patch};
 use pacinian::player::{OpenEvents, Player};
-use pacinian::report::{Measured, measure};
+use pacinian::report::{Measured, Take};
 use pacinian::rig::Rig;
 
 /// Power of the difference from the scene reference within 1 kHz, dB.
@@ -61,6 +62,14 @@ fn rig_of(path: &Path) -> Rig {
     asked.map_or_else(|| Rig::default_for(8), |asked| rig(&root().join(asked.trim())))
 }
 
+/// What a patch hears, as it asks in a line `# input: PATH`.
+fn input_of(path: &Path, player: &Player) -> Option<Input> {
+    let text = fs::read_to_string(path).unwrap();
+    let asked = text.lines().find_map(|line| line.strip_prefix("# input: "))?;
+    let plan = player.plan();
+    Some(Input::open(&root().join(asked.trim()), plan.device_rate, &plan.inputs()).unwrap())
+}
+
 fn player(path: &Path) -> Player {
     let options = Options { rate: Some(48_000.0), ..Options::default() };
     let folder = path.parent().unwrap().to_path_buf();
@@ -74,7 +83,7 @@ fn player(path: &Path) -> Player {
     let problems = rig.check_places(&patch);
     assert!(problems.is_empty(), "{}: {problems:?}", name(path));
     Player::with_files(&patch, &rig, &options, &recordings, events)
-        .unwrap_or_else(|problems| panic!("{}: {problems:?}", name(path)))
+        .unwrap_or_else(|problems| panic!("{problems}"))
 }
 
 /// What a patch came to.
@@ -93,8 +102,16 @@ fn played(path: &Path) -> Result<Played, String> {
     let channels = player.plan().channels;
     let mut peaks = vec![0.0_f32; channels];
     let mut frames = vec![0.0; 4800 * channels];
-    while !player.is_over() {
-        player.process(&mut frames);
+    let input = input_of(path, &player);
+    let ears = player.engine().input_channels();
+    let mut heard = vec![0.0; 4800 * ears];
+    // A patch that listens is over when there is no more to be heard.
+    let ends = input.as_ref().map_or(f64::INFINITY, Input::seconds);
+    while !player.is_over() && player.seconds() < ends {
+        if let Some(input) = &input {
+            input.fill((player.seconds() * 48_000.0).round() as u64, ears, &mut heard);
+        }
+        player.process_input(&heard, &mut frames);
         for (i, x) in frames.iter().enumerate() {
             peaks[i % channels] = peaks[i % channels].max(x.abs());
         }
@@ -121,7 +138,9 @@ fn played(path: &Path) -> Result<Played, String> {
     fault(most > 0.97, format!("its peak is {most}"));
     fault(most < 0.2, format!("its peak is only {most}"));
     fault(seconds < 3.0, format!("it lasts only {seconds} s"));
-    let measured = measure(player.plan(), player.recorded(), seconds).unwrap();
+    let channels = input.as_ref().map_or(&[][..], Input::channels);
+    let take = Take { events: player.recorded(), input: channels, seconds };
+    let measured = take.measure(player.plan(), &take.reference(player.plan())).unwrap();
     fault(
         measured.comparison.error_db > MOST_ERROR,
         format!("it differs from the reference by {:.1} dB", measured.comparison.error_db),
@@ -210,7 +229,18 @@ fn the_patches_together_use_most_nodes() {
     }
     for kind in ["sine", "pulse", "band_noise", "sweep", "envelope", "burst", "decay", "breakpoints"]
         .into_iter()
-        .chain(["lfo", "sample", "scan", "add", "multiply", "lowpass", "resonator", "delay", "follow"])
+        .chain([
+            "input",
+            "lfo",
+            "sample",
+            "scan",
+            "add",
+            "multiply",
+            "lowpass",
+            "resonator",
+            "delay",
+            "follow",
+        ])
     {
         assert!(NodeKind::find(kind).is_some() && used.contains(kind), "no patch shows `{kind}`");
     }

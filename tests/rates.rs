@@ -39,7 +39,7 @@ fn wrong_turns(engine: &Engine, frames: &[f32], from: u64, rate: f64) -> Vec<f64
                 .map(|(n, x)| x * (PI * (n as f64 + 0.5) / length as f64).sin().powi(4))
                 .collect();
             let (re, im) = moments(&windowed, hertz, rate)[0];
-            let response = engine.stage().vibration().response(hertz);
+            let response = engine.stage().vibration().response(0, hertz);
             let begun = (hertz * (from as f64 / rate - engine.delay().lead)).fract();
             let wrong = im.atan2(re) / TAU + 0.25 - begun - response.im.atan2(response.re) / TAU;
             (wrong + 0.5).rem_euclid(1.0) - 0.5
@@ -100,7 +100,7 @@ fn onsets_keep_their_instant() {
         for at in [0.0, 0.01, 0.012_345_678, 0.3 - 1e-5] {
             let (engine, frames) = rendered(&plan, &[(at, play(0, 0, 0.0, 0.01, 1))], 0.1);
             let [(zeroth, _), (first, _)] = moments(&channel(&frames, 1, 0), 0.0, rate);
-            let response = engine.stage().vibration().response(1.0);
+            let response = engine.stage().vibration().response(0, 1.0);
             let stage = -response.im.atan2(response.re) / TAU;
             let wrong = first / zeroth - (at + 0.002 + engine.delay().lead + stage);
             assert!(wrong.abs() < 1e-6, "a click at {at} s is {wrong} s late at {rate} Hz");

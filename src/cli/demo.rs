@@ -1,7 +1,7 @@
 //! `pacinian demo`.
 
 use super::check::json;
-use super::error::{decibels, measured, reservation};
+use super::error::{decibels, refused, reservation};
 use super::failure::Failure;
 use super::load::Scene;
 use super::plot::{collector, style};
@@ -13,6 +13,7 @@ use clap::Args;
 use pacinian::io::error::FileError;
 use pacinian::io::out;
 use pacinian::io::wav::Encoding;
+use pacinian::report::measure;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -62,7 +63,7 @@ impl Demo {
         let player = rendered.player;
         let progress = Progress::new(terminal, None);
         progress.says("measuring the error against the reference", 0.0);
-        let error = measured(player.plan(), player.recorded(), picture.seconds())?.comparison;
+        let error = measure(player.plan(), player.recorded(), picture.seconds()).map_err(refused)?.comparison;
         drop(progress);
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         let answer = Answer {

@@ -11,10 +11,11 @@ use super::stop::Stop;
 use super::table::Table;
 use super::terminal::Terminal;
 use clap::Args;
-use pacinian::engine::event::Play;
+use pacinian::engine::vibration::Refusal;
 use pacinian::graph::plan::{Plan, Precision};
 use pacinian::player::Player;
-use pacinian::report::{Measured, measure};
+use pacinian::report::{Measured, Reference, Take};
+use pacinian::rig::OutputKind;
 use serde::Serialize;
 
 /// Measures error against the reference and run time, for several settings
@@ -22,7 +23,8 @@ use serde::Serialize;
 #[command(after_help = "Example:\n  pacinian error heartbeat.toml --rig vest.toml\n\n\
     The reference computes every node from its definition, in 64 bits, at 16 times the engine's rate, and goes through the\n\
     same designed response. The error is the power of the difference from 0 to 1 kHz, as a share of the reference's, after\n\
-    the delay that the engine reports is taken out. The reference is slow: some seconds for each setting.")]
+    the delay that the engine reports is taken out. It hears the same --input, through the designed response of the filter\n\
+    that brings it to the engine's rate. The reference is slow: it may take some seconds.")]
 pub struct Error {
     #[command(flatten)]
     scene: Scene,
@@ -77,7 +79,7 @@ impl Error {
         let stop = Stop::listen()?;
         let (channels, rate) = (player.plan().channels as f64, player.plan().device_rate);
         let mut room = MOST / (channels * 8.0);
-        let performed = perform(&mut player, until, &stop, terminal, |block| {
+        let performed = perform(&mut player, loaded.input.as_deref(), until, &stop, terminal, |block| {
             room -= block.len() as f64 / channels;
             if room > 0.0 { Ok(()) } else { Err(too_long(rate, channels)) }
         })
@@ -91,13 +93,29 @@ impl Error {
         let seconds = performed.frames as f64 / rate;
         let settings = self.settings();
         let progress = Progress::new(terminal, Some(settings.len() as f64));
+        let input = loaded.input.clone();
+        let take = Take {
+            events: player.recorded(),
+            input: input.as_ref().map_or(&[], |input| input.channels()),
+            seconds,
+        };
+        let mut ideals: Vec<(u8, Reference)> = Vec::new();
         let mut rows = Vec::new();
         for (i, (number, taps)) in settings.iter().enumerate() {
             progress.says(&format!("{} with {taps} taps", precision(*number)), i as f64);
             loaded.options.precision = *number;
             loaded.options.taps = usize::from(*taps);
             let other = loaded.player()?;
-            rows.push(Row::new(other.plan(), &measured(other.plan(), player.recorded(), seconds)?));
+            let plan = other.plan();
+            // Settings share what they should come to, but for the filter of an input, which has as many taps as the output's.
+            let ideal = match ideals.iter().position(|(of, _)| input.is_none() || of == taps) {
+                Some(known) => known,
+                None => {
+                    ideals.push((*taps, take.reference(plan)));
+                    ideals.len() - 1
+                }
+            };
+            rows.push(Row::new(plan, &take.measure(plan, &ideals[ideal].1).map_err(refused)?));
             if let Some(code) = stop.asked() {
                 return Err(Failure::told(code));
             }
@@ -129,12 +147,9 @@ impl Error {
     }
 }
 
-/// Error and run time of a plan that plays these events.
-///
-/// # Errors
 /// A plan that no engine can be built for.
-pub fn measured(plan: &Plan, events: &[(f64, Play)], seconds: f64) -> Result<Measured, Failure> {
-    measure(plan, events, seconds).map_err(|refusal| Failure::said(2, refusal.to_string()))
+pub fn refused(refusal: Refusal) -> Failure {
+    Failure::said(2, refusal.to_string())
 }
 
 /// What keeps the error from saying much, if something does.
@@ -191,6 +206,9 @@ fn text(answer: &Answer, loaded: &Loaded, terminal: &Terminal) -> String {
     if answer.voices_stolen > 0 {
         text += &paint
             .yellow("  voices were stolen, which the reference does not model: the error says little\n");
+    }
+    if loaded.rig.outputs.iter().any(|o| o.kind == OutputKind::Raw) {
+        text += &paint.yellow("  raw outputs are not band-limited: what they have above 1 kHz counts, too\n");
     }
     if answer.limited > 0 {
         text +=

@@ -58,6 +58,11 @@ impl Failure {
         self.parts.extend(other.parts);
     }
 
+    /// Whether nothing failed.
+    pub fn is_none(&self) -> bool {
+        self.parts.is_empty()
+    }
+
     /// That of the first part.
     pub fn code(&self) -> u8 {
         self.parts.first().map_or(1, |(code, _)| *code)

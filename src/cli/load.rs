@@ -4,12 +4,12 @@ use super::failure::Failure;
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::io::{assets::Folder, events, text};
+use pacinian::io::{assets::Folder, events, input::Input, text};
 use pacinian::node::asset::{Asset, Assets};
 use pacinian::patch::{self, Action, Events, Patch, Place};
 use pacinian::player::Player;
 use pacinian::rig::{MAX_CHANNELS, Rig};
-use pacinian::text::{Checked, Problem, Problems, nearest};
+use pacinian::text::{Checked, Problem, Problems, Severity, nearest};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -36,6 +36,9 @@ pub struct Scene {
     /// Taps a phase of the filter that brings the engine's rate to the device's, 4 to 12
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u8).range(4..=12))]
     pub taps: u8,
+    /// What the patch's `input` nodes hear, a WAV file of any rate [default: silence]
+    #[arg(long, value_name = "FILE.wav")]
+    pub input: Option<PathBuf>,
     /// Lets recordings and events files lie outside the patch's folder
     #[arg(long)]
     pub allow_outside: bool,
@@ -68,6 +71,10 @@ pub struct Loaded {
     pub surveyed: Vec<(String, u64)>,
     /// Every file that was read.
     pub files: Vec<PathBuf>,
+    /// What the `input` nodes hear.
+    pub input: Option<Arc<Input>>,
+    /// Its name as the person wrote it.
+    pub input_name: Option<String>,
     source: Problems,
     folder: Arc<Folder>,
 }
@@ -101,6 +108,7 @@ impl Scene {
             seed: None,
             precision: Number::F32,
             taps: 6,
+            input: None,
             allow_outside: false,
             held,
         };
@@ -172,9 +180,12 @@ impl Scene {
         let watched = Watched { folder: &folder, seen: Mutex::default() };
         let mut problems = rig.check_places(&patch);
         let live = Options { live: true, ..options.clone() };
-        problems.extend(
-            scene(&patch, &rig, if all { &live } else { &options }, &watched).err().unwrap_or_default(),
-        );
+        let mut listened = Vec::new();
+        match scene(&patch, &rig, if all { &live } else { &options }, &watched) {
+            Ok(scene) => listened = scene.plan.inputs(),
+            Err(more) => problems.extend(more.list),
+        }
+        let heard = self.input.as_ref().map(|path| Input::open(path, rate, &listened)).transpose();
 
         let mut surveyed = Vec::new();
         let mut seen = watched.seen.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -206,15 +217,23 @@ impl Scene {
             warnings,
             surveyed,
             files: seen.paths,
+            input: None,
+            input_name: self.input.as_ref().map(|path| path.display().to_string()),
             source,
             folder,
         };
-        loaded.files.extend([Some(self.patch.clone()), self.rig.clone()].into_iter().flatten());
+        let read = [Some(self.patch.clone()), self.rig.clone(), self.input.clone()];
+        loaded.files.extend(read.into_iter().flatten());
+        let mut failure = Failure::default();
         if problems.iter().any(Problem::is_error) {
-            Err(loaded.refuse(problems, &seen.failures))
-        } else {
-            Ok(loaded)
+            failure.join(loaded.refuse(problems, &seen.failures));
         }
+        match heard {
+            Ok(heard) if failure.is_none() => loaded.hear(heard, &listened),
+            Ok(_) => {}
+            Err(error) => failure.join(error.into()),
+        }
+        if failure.is_none() { Ok(loaded) } else { Err(failure) }
     }
 
     /// Words of the command line that must fit the patch.
@@ -230,6 +249,30 @@ impl Scene {
 }
 
 impl Loaded {
+    /// Takes an input, and warns of what of it cannot be heard.
+    fn hear(&mut self, input: Option<Input>, listened: &[usize]) {
+        let (Some(input), Some(name)) = (input, &self.input_name) else { return };
+        let missing: Vec<usize> = input.missing().map(|c| c + 1).collect();
+        let (what, help) = if listened.is_empty() {
+            ("nothing in this patch listens to it".to_string(), "see `pacinian nodes input`")
+        } else if missing.is_empty() {
+            (String::new(), "")
+        } else {
+            let has = super::table::many(input.file_channels(), "channel");
+            let lacking = super::input::named(&missing);
+            (
+                format!("the patch listens to {lacking}, the file has {has}; what is missing is silence"),
+                "choose another `channel` in the patch or a file that has it",
+            )
+        };
+        if !what.is_empty() {
+            let warning =
+                Problem { severity: Severity::Warning, ..Problem::of_file(what).help(help.to_string()) };
+            self.warnings.push(Problems { file: name.clone(), source: String::new(), list: vec![warning] });
+        }
+        self.input = Some(Arc::new(input));
+    }
+
     /// A player at its beginning.
     ///
     /// # Errors
@@ -238,7 +281,7 @@ impl Loaded {
         let folder = Arc::clone(&self.folder);
         let files = Box::new(move |path: &str| events::open(&folder, path));
         Player::with_files(&self.patch, &self.rig, &self.options, &*self.folder, files)
-            .map_err(|problems| self.refuse(problems, &[]))
+            .map_err(|problems| self.refuse(problems.list, &[]))
     }
 
     /// Problems of the patch, with its source.

@@ -5,6 +5,7 @@ mod demo;
 mod error;
 mod failure;
 mod guard;
+mod input;
 mod load;
 mod nodes;
 mod paint;

@@ -6,6 +6,7 @@ use super::plan::{is_endless, playing};
 use super::progress::Progress;
 use super::stop::Stop;
 use super::terminal::Terminal;
+use pacinian::io::input::Input;
 use pacinian::player::Player;
 use std::time::{Duration, Instant};
 
@@ -38,7 +39,7 @@ const BLOCK: usize = 4096;
 const MOST: usize = 1 << 19;
 
 impl Until {
-    /// As the command line says, else the patch, else until it is over.
+    /// As the command line says, else the patch, else until it is over, or the input where it never would be.
     ///
     /// # Errors
     /// When it would never be over, or when nothing plays at all.
@@ -47,6 +48,7 @@ impl Until {
         if let Some(seconds) = asked.or(patch.render.duration) {
             return Ok(Self::Seconds(seconds));
         }
+        let input = loaded.input.as_ref().map(|input| input.seconds() + patch.render.tail.unwrap_or(0.0));
         let playing = playing(loaded);
         let always = player.plan().instruments.iter().find(|i| i.always);
         let endless = playing.iter().filter_map(|&i| patch.patterns.get(i)).find(|p| is_endless(p));
@@ -63,11 +65,19 @@ impl Until {
             }
             (None, None) => return Ok(Self::Over(patch.render.tail.unwrap_or(0.0))),
         };
-        let example = player.length().map_or(10.0, f64::ceil);
+        if let Some(seconds) = input {
+            return Ok(Self::Seconds(seconds));
+        }
+        let example = player.length().filter(|length| *length > 0.0).map_or(10.0, f64::ceil);
+        let hear = if player.plan().inputs().is_empty() {
+            ""
+        } else {
+            "give it something to hear: --input FILE.wav; or "
+        };
         Err(Failure::usage(
             format!("{}: {who}, so it has no length of its own", loaded.name()),
             format!(
-                "say how many seconds: --duration {example}, or duration = {example} under [render] in the patch"
+                "{hear}say how many seconds: --duration {example}, or duration = {example} under [render] in the patch"
             ),
         ))
     }
@@ -81,12 +91,13 @@ impl Until {
     }
 }
 
-/// Plays, and gives each block of interleaved frames to `sink`.
+/// Plays, hears `input`, and gives each block of interleaved frames to `sink`.
 ///
 /// # Errors
 /// What `sink` says.
 pub fn perform<E>(
     player: &mut Player,
+    input: Option<&Input>,
     until: Until,
     stop: &Stop,
     terminal: &Terminal,
@@ -95,6 +106,8 @@ pub fn perform<E>(
     let (channels, rate) = (player.plan().channels, player.plan().device_rate);
     let block = BLOCK.min(MOST / channels.max(1)).max(64);
     let mut buffer = vec![0.0; block * channels];
+    let ears = player.engine().input_channels();
+    let mut heard = vec![0.0; input.map_or(0, |_| block * ears)];
     let mut peaks = Peaks::new(channels);
     let progress = Progress::new(terminal, until.expected(player));
     let begin = Instant::now();
@@ -114,7 +127,11 @@ pub fn perform<E>(
             break;
         }
         let part = &mut buffer[..left * channels];
-        player.process(part);
+        let heard = &mut heard[..input.map_or(0, |_| left * ears)];
+        if let Some(input) = input {
+            input.fill(frames, ears, heard);
+        }
+        player.process_input(heard, part);
         peaks.take(part);
         sink(part).map_err(|error| (error, frames))?;
         frames += left as u64;

@@ -1,11 +1,13 @@
 //! What a patch on a rig will run, and what was left out: for people and for programs.
 
+use super::input::InputReport;
 use super::load::Loaded;
 use super::paint::Paint;
 use super::table::{Table, hertz, many};
 use pacinian::graph::plan::{LeftOut, OutputKind, Plan, Precision};
 use pacinian::patch::{Action, Events, Patch, Pattern, Source};
 use pacinian::player::Player;
+use pacinian::rig::Peak;
 use pacinian::score::Score;
 use pacinian::text::Problem;
 use serde::Serialize;
@@ -26,6 +28,8 @@ pub struct PlanReport {
     voices: Vec<VoiceReport>,
     shared: SharedReport,
     controls: Vec<ControlReport>,
+    /// What the patch listens to; null where that is nothing.
+    input: Option<InputReport>,
     channels: usize,
     outputs: Vec<OutputReport>,
     patterns: Vec<PatternReport>,
@@ -73,6 +77,14 @@ struct OutputReport {
     channel: u32,
     name: String,
     kind: &'static str,
+    equaliser: Vec<PeakReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct PeakReport {
+    frequency: f64,
+    gain_db: f64,
+    q: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -148,6 +160,7 @@ impl PlanReport {
                     smoothing: c.smoothing,
                 })
                 .collect(),
+            input: InputReport::of(loaded, player),
             channels: plan.channels,
             outputs: plan
                 .outputs
@@ -156,6 +169,7 @@ impl PlanReport {
                     channel: o.channel + 1,
                     name: o.name.to_string(),
                     kind: kind(o.kind),
+                    equaliser: if o.equaliser.is_empty() { Vec::new() } else { peaks(loaded, &o.name) },
                 })
                 .collect(),
             patterns: patterns(loaded),
@@ -181,6 +195,9 @@ impl PlanReport {
                 d.total, d.voices, d.up_sampling, d.band_limit
             ),
         ]);
+        if let Some(input) = &self.input {
+            facts.row(["input".into(), input.text()]);
+        }
         facts.row(["seed".into(), self.seed.to_string()]);
         let mut text = facts.text();
         let mut section = |title: &str, lines: String| {
@@ -252,7 +269,11 @@ impl PlanReport {
     fn channel_lines(&self) -> String {
         let mut table = Table::default();
         for output in self.outputs.iter().take(SHOWN) {
-            table.row([output.channel.to_string(), output.name.clone(), output.kind.to_string()]);
+            let peak = |p: &PeakReport| format!("{:+} dB at {} (q {})", p.gain_db, hertz(p.frequency), p.q);
+            let peaks: Vec<String> = output.equaliser.iter().map(peak).collect();
+            let equaliser =
+                if peaks.is_empty() { String::new() } else { format!("equaliser {}", peaks.join(", ")) };
+            table.row([output.channel.to_string(), output.name.clone(), output.kind.into(), equaliser]);
         }
         let more = self.outputs.len().saturating_sub(SHOWN);
         if more > 0 {
@@ -273,9 +294,18 @@ pub fn precision(precision: Precision) -> &'static str {
 fn kind(kind: OutputKind) -> &'static str {
     match kind {
         OutputKind::Vibration => "vibration",
+        OutputKind::Raw => "raw: no limiter, no band limit",
         OutputKind::Silent => "not rendered, stays at zero",
         OutputKind::Trigger { .. } => "trigger",
     }
+}
+
+/// The equaliser of an output.
+fn peaks(loaded: &Loaded, name: &str) -> Vec<PeakReport> {
+    let output = loaded.rig.outputs.iter().find(|o| o.name == name);
+    let actuator = output.and_then(|o| loaded.rig.actuator(o.actuator.as_deref()?));
+    let report = |p: &Peak| PeakReport { frequency: p.frequency, gain_db: p.gain_db, q: p.q };
+    actuator.map_or(Vec::new(), |a| a.equaliser.iter().map(report).collect())
 }
 
 fn voices(plan: &Plan) -> Vec<VoiceReport> {

@@ -48,7 +48,7 @@ impl Plot {
         let until = Until::of(&loaded, &player, self.duration)?;
         let mut collector = collector(&loaded, until.expected(&player));
         let stop = Stop::listen()?;
-        let performed = perform(&mut player, until, &stop, terminal, |block| {
+        let performed = perform(&mut player, loaded.input.as_deref(), until, &stop, terminal, |block| {
             collector.push(block);
             Ok::<(), Failure>(())
         })

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  pacinian render heartbeat.toml --rig vest.toml -o heartbeat.wav\n\n\
     The file plays at any time, also while it is written and when the program is stopped: Ctrl-C completes it as far as it is.\n\
-    It ends when the patterns are over and nothing rings any more; patterns without end need --duration.")]
+    It ends when the patterns are over and nothing rings any more; patterns without end need --duration or --input.")]
 pub struct Render {
     #[command(flatten)]
     scene: Scene,
@@ -119,16 +119,15 @@ impl Wav<'_> {
             player.record();
         }
         let until = Until::of(loaded, &player, duration)?;
-        let names = loaded.tactors();
         let rate = player.plan().device_rate as u32;
         let mut spec = WavSpec::new(player.plan().channels, rate, format);
         spec.seed = player.plan().seed;
         spec.title.clone_from(&loaded.patch.title);
-        spec.tactors.clone_from(&names);
+        spec.tactors = loaded.tactors();
         let stop = Stop::listen()?;
         let mut writer = WavWriter::create(output, spec)?;
         let shown = output.display().to_string();
-        let performed = perform(&mut player, until, &stop, terminal, |block| {
+        let performed = perform(&mut player, loaded.input.as_deref(), until, &stop, terminal, |block| {
             also(block);
             writer.write(block)
         });
@@ -156,7 +155,7 @@ impl Wav<'_> {
         } else {
             Ok(())
         };
-        let summary = Summary::new(shown, format, &player, &performed, &written, &names);
+        let summary = Summary::new(loaded, shown, format, &player, &performed, &written);
         Ok(Rendered { summary, ending, player })
     }
 }

@@ -1,5 +1,7 @@
 //! What a rendering turned out to be.
 
+use super::input::InputReport;
+use super::load::Loaded;
 use super::paint::Paint;
 use super::perform::Performed;
 use super::plan::{Left, left_out, left_out_text};
@@ -21,6 +23,8 @@ pub struct Summary {
     seconds: f64,
     bytes: u64,
     rf64: bool,
+    /// What the patch listens to; null where that is nothing.
+    input: Option<InputReport>,
     /// Largest magnitude by channel.
     peaks: Vec<Peak>,
     run_time_seconds: f64,
@@ -55,14 +59,14 @@ const SHOWN: usize = 32;
 impl Summary {
     /// Of a file that was written.
     pub fn new(
+        loaded: &Loaded,
         file: String,
         format: Encoding,
         player: &Player,
         performed: &Performed,
         written: &Written,
-        names: &[String],
     ) -> Self {
-        let plan = player.plan();
+        let (plan, names) = (player.plan(), loaded.tactors());
         let (counters, counts) = (player.counters(), player.engine().stage().counts());
         let seconds = written.frames as f64 / plan.device_rate;
         let run_time = performed.run_time.as_secs_f64();
@@ -82,6 +86,7 @@ impl Summary {
             seconds,
             bytes: written.bytes,
             rf64: written.rf64,
+            input: InputReport::of(loaded, player),
             peaks: performed.peaks.iter().enumerate().map(peak).collect(),
             run_time_seconds: run_time,
             times_real_time: if run_time > 0.0 { seconds / run_time } else { 0.0 },
@@ -106,6 +111,9 @@ impl Summary {
         table.row(["length".into(), format!("{:.3} s, {}", self.seconds, size(self.bytes))]);
         let speed = format!("{:.0} x real time", self.times_real_time);
         table.row(["run time".into(), format!("{:.3} s of wall time, {speed}", self.run_time_seconds)]);
+        if let Some(input) = &self.input {
+            table.row(["input".into(), input.text()]);
+        }
         let voices =
             format!("{} started, {} stolen", grouped(self.voices_started), grouped(self.voices_stolen));
         table.row(["voices".into(), voices]);

@@ -69,6 +69,9 @@ impl Div for Complex {
     }
 }
 
+/// Sections of an equaliser, at most, wherever one is described or built.
+pub const MOST_SECTIONS: usize = 16;
+
 /// A second-order section, (b0 + b1 z⁻¹ + b2 z⁻²) / (1 + a1 z⁻¹ + a2 z⁻²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Biquad {

@@ -37,6 +37,8 @@ pub struct Handover {
 pub enum Mismatch {
     /// The device differs: rate, channels, or the output stage's filters.
     Device,
+    /// What hangs on the channels differs: kinds of outputs, equalisers, markers.
+    Outputs,
     /// The number type of the lanes differs.
     Precision,
     /// The new plan cannot be built at all.
@@ -49,6 +51,7 @@ impl fmt::Display for Mismatch {
             Self::Device => {
                 f.write_str("the new rig has another rate, other channels or another filter; start anew")
             }
+            Self::Outputs => f.write_str("the new rig has other outputs or other equalisers; start anew"),
             Self::Precision => f.write_str("the new plan computes with other numbers; start anew"),
             Self::Refused(why) => f.write_str(why),
         }
@@ -66,6 +69,13 @@ pub fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
         != (new.device_rate, new.ratio, new.channels, new.taps)
     {
         return Err(Mismatch::Device);
+    }
+    // The output stage goes on as it is.
+    let hanging = |plan: &Plan| -> Vec<_> {
+        plan.outputs.iter().map(|o| (o.channel, o.kind, o.equaliser.clone())).collect()
+    };
+    if hanging(old) != hanging(new) || old.markers != new.markers {
+        return Err(Mismatch::Outputs);
     }
     if old.precision != new.precision {
         return Err(Mismatch::Precision);

@@ -6,9 +6,11 @@ pub mod core;
 pub mod declick;
 pub mod event;
 pub mod exchange;
+pub mod guard;
 pub mod handover;
 pub mod listener;
 pub mod mixer;
+pub mod raw;
 pub mod stage;
 pub mod task;
 pub mod triggers;
@@ -18,7 +20,7 @@ pub mod workspace;
 use std::ops::Range;
 
 use crate::dsp::isa::Isa;
-use crate::graph::plan::{Plan, Precision, Shared};
+use crate::graph::plan::{Plan, Precision};
 use crate::node::kernel::LEAD;
 use crate::schedule::Instant;
 use core::{Core, Counters};
@@ -107,11 +109,7 @@ impl Engine {
             Precision::Double => AnyCore::Double(Box::new(Core::new(plan, isa)?)),
         };
         let carry = vec![0.0; plan.ratio * plan.channels];
-        let inputs = plan
-            .shared
-            .iter()
-            .filter_map(|s| if let Shared::Input(c) = s { Some(*c as usize + 1) } else { None });
-        let inputs = inputs.max().unwrap_or(0);
+        let inputs = plan.inputs().last().map_or(0, |channel| channel + 1);
         let listener = Listener::new(inputs, plan.taps, plan.ratio, plan.engine_rate());
         let heard = vec![Vec::with_capacity(BLOCK); inputs];
         Ok(Self { core, channels: plan.channels, ratio: plan.ratio, carry, carried: 0..0, listener, heard })

@@ -1,7 +1,9 @@
 //! From the mix to the device: the output stage of each kind of output.
 
+use super::raw::Raw;
 use super::triggers::Triggers;
 use super::vibration::{Counts, Options, Refusal, Row, Vibration};
+use crate::dsp::biquad::Complex;
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use crate::graph::plan::Plan;
@@ -13,6 +15,7 @@ pub struct Stage {
     /// The mix in single precision.
     rows: Vec<Row>,
     triggers: Triggers,
+    raw: Raw,
 }
 
 impl Stage {
@@ -21,11 +24,12 @@ impl Stage {
     /// # Errors
     /// A rate or a number of taps that the stage cannot be built for.
     pub fn new(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
-        let options = Options { taps: plan.taps, ratio: Some(plan.ratio), isa, ..Options::default() };
+        let (taps, equalisers) = (plan.taps, plan.equalisers());
+        let options = Options { taps, ratio: Some(plan.ratio), equalisers, isa, ..Options::default() };
         let vibration = Vibration::new(plan.channels, plan.device_rate, &options)?;
         let rows = vec![Row::default(); vibration.groups() * super::workspace::BLOCK];
         let triggers = Triggers::new(plan, &vibration);
-        Ok(Self { vibration, rows, triggers })
+        Ok(Self { vibration, rows, triggers, raw: Raw::new(plan) })
     }
 
     /// What the stage does to vibration outputs.
@@ -35,12 +39,25 @@ impl Stage {
 
     /// What the stage has met so far.
     pub fn counts(&self) -> Counts {
-        self.vibration.counts()
+        let (mut counts, raw) = (self.vibration.counts(), self.raw.counts());
+        counts.masked += raw.masked;
+        counts.clamped += raw.clamped;
+        counts
+    }
+
+    /// The designed linear response of a channel (from 0) at `frequency` (Hz), delays included.
+    pub fn response(&self, channel: usize, frequency: f64) -> Complex {
+        match self.raw.has(channel) {
+            true => self.raw.response(frequency),
+            false => self.vibration.response(channel, frequency),
+        }
     }
 
     /// Whether nothing rings in it.
     pub fn is_asleep(&self) -> bool {
-        self.triggers.is_idle() && (0..self.vibration.groups()).all(|g| self.vibration.sleeps(g))
+        self.triggers.is_idle()
+            && self.raw.is_idle()
+            && (0..self.vibration.groups()).all(|g| self.vibration.sleeps(g))
     }
 
     /// A marker at an instant.
@@ -60,7 +77,9 @@ impl Stage {
         rest: &mut [f32],
     ) {
         let rows = R::singles(mix, &mut self.rows);
+        self.raw.take(rows, fed, samples);
         self.vibration.process_with_rest(samples, rows, fed, clock, output, rest);
+        self.raw.write(samples, output, rest);
         self.triggers.write(clock, samples, output, rest);
     }
 }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
+use crate::dsp::biquad::Biquad;
+
 use super::order::depth_first;
 use super::program::{Program, program};
 use super::{Graph, NodeId, fold, late, onset, prune};
@@ -42,7 +44,7 @@ pub struct Plan {
     pub instruments: Vec<Instrument>,
     /// Gain rows: a place as channels (from 0) with gains.
     pub places: Vec<Vec<(u32, f64)>>,
-    /// Kind and equaliser of each channel that something may feed.
+    /// What hangs on each channel that something may feed.
     pub outputs: Vec<Output>,
     /// Names of the markers that some output listens to.
     pub markers: Vec<Arc<str>>,
@@ -54,6 +56,26 @@ impl Plan {
     /// Samples a second of the engine.
     pub fn engine_rate(&self) -> f64 {
         self.device_rate / self.ratio as f64
+    }
+
+    /// Channels of the input that something listens to, from 0, in ascending order.
+    pub fn inputs(&self) -> Vec<usize> {
+        let heard = |shared: &Shared| if let Shared::Input(c) = shared { Some(*c as usize) } else { None };
+        let mut inputs: Vec<usize> = self.shared.iter().filter_map(heard).collect();
+        inputs.sort_unstable();
+        inputs.dedup();
+        inputs
+    }
+
+    /// Sections of the equaliser of each channel.
+    pub fn equalisers(&self) -> Vec<Vec<Biquad>> {
+        let mut all = vec![Vec::new(); self.channels];
+        for output in &self.outputs {
+            if let Some(sections) = all.get_mut(output.channel as usize) {
+                sections.clone_from(&output.equaliser);
+            }
+        }
+        all
     }
 }
 
@@ -115,12 +137,14 @@ pub struct Output {
     pub channel: u32,
     /// What is done to it.
     pub kind: OutputKind,
+    /// The sections of its equaliser at the engine's rate; for vibration.
+    pub equaliser: Vec<Biquad>,
 }
 
 /// What is done to a channel on its way out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OutputKind {
-    /// Limited and band-limited.
+    /// Equalised, limited and band-limited.
     Vibration,
     /// Pulses at markers.
     Trigger {
@@ -129,6 +153,8 @@ pub enum OutputKind {
         /// Length of a pulse, seconds.
         pulse: f64,
     },
+    /// The mix as it is.
+    Raw,
     /// Zero.
     Silent,
 }

@@ -6,10 +6,11 @@ use std::sync::Arc;
 use super::build::{self, Want, Wanted};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
+use crate::dsp::biquad::Biquad;
 use crate::node::asset::Assets;
 use crate::patch::{Action, Events, Patch, Source, Start};
 use crate::rig::{self, Rig};
-use crate::text::Problem;
+use crate::text::{Problem, Problems};
 
 /// What may be chosen about a rendering.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,12 +64,7 @@ pub struct Scene {
 /// # Errors
 /// Everything that keeps the two from playing together: recordings that cannot be read, places the rig does not have, a
 /// rate out of [`RATES`], an unknown pattern.
-pub fn scene(
-    patch: &Patch,
-    rig: &Rig,
-    options: &Options,
-    assets: &dyn Assets,
-) -> Result<Scene, Vec<Problem>> {
+pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -> Result<Scene, Problems> {
     let mut problems = Vec::new();
     let device_rate = options.rate.or(rig.device.rate).unwrap_or(48_000.0);
     if !RATES.contains(&device_rate) {
@@ -121,13 +117,17 @@ pub fn scene(
     let (shared, shared_program) =
         shared(patch, &mut wanted, assets, device_rate / ratio as f64, &mut left_out, &mut problems);
     let (shared, controls) = controls(patch, shared, &mut left_out);
+    let mut markers = Vec::new();
+    let outputs: Vec<Output> = rig
+        .outputs
+        .iter()
+        .map(|o| output(o, rig, device_rate / ratio as f64, &mut markers, &mut problems))
+        .collect();
     if !problems.is_empty() {
-        return Err(problems);
+        return Err(patch.origin.problems(problems));
     }
     let silent = rig.outputs.iter().filter(|o| is_not_rendered(o));
     left_out.extend(silent.map(|o| LeftOut { what: format!("output `{}`", o.name), why: Why::NotRendered }));
-    let mut markers = Vec::new();
-    let outputs = rig.outputs.iter().map(|o| output(o, &mut markers)).collect();
     let plan = Plan {
         device_rate,
         ratio,
@@ -156,10 +156,16 @@ fn place(output: &rig::Output) -> Vec<(u32, f64)> {
 }
 
 fn is_not_rendered(output: &rig::Output) -> bool {
-    matches!(output.kind, rig::OutputKind::Drive | rig::OutputKind::Torque | rig::OutputKind::Raw)
+    matches!(output.kind, rig::OutputKind::Drive | rig::OutputKind::Torque)
 }
 
-fn output(output: &rig::Output, markers: &mut Vec<Arc<str>>) -> Output {
+fn output(
+    output: &rig::Output,
+    rig: &Rig,
+    rate: f64,
+    markers: &mut Vec<Arc<str>>,
+    problems: &mut Vec<Problem>,
+) -> Output {
     let kind = match &output.kind {
         rig::OutputKind::Trigger { marker, pulse } => {
             let number = |name: &String| {
@@ -172,9 +178,35 @@ fn output(output: &rig::Output, markers: &mut Vec<Arc<str>>) -> Output {
             OutputKind::Trigger { marker: marker.as_ref().map(number), pulse: *pulse }
         }
         rig::OutputKind::Vibration => OutputKind::Vibration,
-        rig::OutputKind::Drive | rig::OutputKind::Torque | rig::OutputKind::Raw => OutputKind::Silent,
+        rig::OutputKind::Raw => OutputKind::Raw,
+        rig::OutputKind::Drive | rig::OutputKind::Torque => OutputKind::Silent,
     };
-    Output { name: output.name.as_str().into(), channel: output.channel.saturating_sub(1), kind }
+    let actuator = output.actuator.as_ref().and_then(|name| rig.actuator(name));
+    let equaliser = match (kind, actuator) {
+        (OutputKind::Vibration, Some(actuator)) => equaliser(actuator, rate, problems),
+        _ => Vec::new(),
+    };
+    Output { name: output.name.as_str().into(), channel: output.channel.saturating_sub(1), kind, equaliser }
+}
+
+/// The sections of an actuator's equaliser at the engine's rate.
+fn equaliser(actuator: &rig::Actuator, rate: f64, problems: &mut Vec<Problem>) -> Vec<Biquad> {
+    let section = |peak: &rig::Peak| {
+        if peak.frequency >= 0.5 * rate {
+            let what = format!(
+                "actuator `{}` has a filter at {} Hz; at an engine rate of {rate} Hz they end below {} Hz",
+                actuator.name,
+                peak.frequency,
+                0.5 * rate
+            );
+            let problem = Problem::of_file(what).help("what vibrates stays below 1000 Hz".to_string());
+            if !problems.contains(&problem) {
+                problems.push(problem);
+            }
+        }
+        Biquad::peaking(peak.frequency, peak.q, peak.gain_db, rate)
+    };
+    actuator.equaliser.iter().map(section).collect()
 }
 
 fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Vec<usize> {

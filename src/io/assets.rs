@@ -68,7 +68,17 @@ impl Folder {
             return Err(outside());
         }
         let joined = self.root.join(path);
-        let real = joined.canonicalize().map_err(|error| FileError::reading(&joined, &error))?;
+        let real = joined.canonicalize().map_err(|error| {
+            let mut error = FileError::reading(&joined, &error);
+            if error.kind == FileErrorKind::Missing {
+                error.message = format!(
+                    "`{}` is not there: check the path, which counts from the patch's folder `{}`",
+                    path,
+                    self.root.display()
+                );
+            }
+            error
+        })?;
         if !self.allow_outside {
             let root = self.root.canonicalize().map_err(|error| FileError::reading(&self.root, &error))?;
             if !real.starts_with(root) {
@@ -110,13 +120,7 @@ impl Folder {
             FileError::new(FileErrorKind::Malformed, format!("`{}` cannot be used: {what}", path.display()))
         };
         let rate = reader.info().rate;
-        if !RATES.contains(&rate) {
-            return Err(malformed(format!(
-                "its rate of {rate} Hz is not from {} to {}: convert it, such as to 16000 Hz",
-                RATES.start(),
-                RATES.end()
-            )));
-        }
+        check_rate(path, rate)?;
         let samples = reader.channel(channel)?;
         match self.rate {
             Some(wanted) => {
@@ -126,6 +130,20 @@ impl Folder {
             None => Ok(Asset { samples, rate: f64::from(rate) }),
         }
     }
+}
+
+/// Refuses a rate (Hz) that no recording for the skin has.
+pub(super) fn check_rate(path: &Path, rate: u32) -> Result<(), FileError> {
+    if RATES.contains(&rate) {
+        return Ok(());
+    }
+    let message = format!(
+        "`{}` cannot be used: its rate of {rate} Hz is not from {} to {}: convert it, such as to 16000 Hz",
+        path.display(),
+        RATES.start(),
+        RATES.end()
+    );
+    Err(FileError::new(FileErrorKind::Malformed, message))
 }
 
 impl Assets for Folder {
@@ -242,7 +260,12 @@ mod tests {
         slow.write(&[0.1]).unwrap();
         slow.finish().unwrap();
         for (path, channel, kind, words) in [
-            ("none.wav", 1, FileErrorKind::Missing, "is not there"),
+            (
+                "none.wav",
+                1,
+                FileErrorKind::Missing,
+                "`none.wav` is not there: check the path, which counts from the patch's folder",
+            ),
             ("sub", 1, FileErrorKind::Missing, "is a folder"),
             ("", 1, FileErrorKind::Missing, "is a folder"),
             ("notes.wav", 1, FileErrorKind::Malformed, "no WAV file"),

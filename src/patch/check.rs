@@ -8,7 +8,7 @@ use super::{
     Voice,
 };
 use crate::node::spec::Kind;
-use crate::text::nearest::{listed, suggest};
+use crate::text::nearest::{did_you_mean, listed, suggest};
 use crate::text::reader::Sink;
 use crate::text::{Problem, Span};
 
@@ -135,9 +135,17 @@ impl Check<'_> {
         self.problems.push(Problem::error(span, what).help(help));
     }
 
-    /// Advice, while anyone still reads it: the many after the first few hundred are only counted.
+    /// Advice about the name of a node, while anyone still reads it: the many after the first few hundred are only counted.
     fn suggest<'b>(&self, word: &str, names: impl IntoIterator<Item = &'b str>) -> Option<String> {
-        if self.problems.len() < Sink::MOST { suggest(word, names) } else { None }
+        if self.problems.len() >= Sink::MOST {
+            return None;
+        }
+        if self.broken.is_empty() {
+            return suggest(word, names);
+        }
+        // What cannot be read may be what is meant; and without it, a list of all there is would be none.
+        let names = names.into_iter().map(|name| -> &str { name });
+        did_you_mean(word, names.chain(self.broken.iter().copied()))
     }
 
     /// Every name means one thing.
@@ -364,7 +372,8 @@ impl Check<'_> {
             && !self.broken.contains(node.as_str())
         {
             let what = format!("there is no shared node `{node}` to set off a trigger");
-            self.error(&trigger.on_span, what, suggest(node, shared.names()));
+            let help = self.suggest(node, shared.names());
+            self.error(&trigger.on_span, what, help);
         }
         for (field, expr, span) in &trigger.set {
             match voice {

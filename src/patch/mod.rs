@@ -34,7 +34,7 @@ pub use voice::{Start, Voice};
 use crate::text::document;
 use crate::text::field::{Field, Form, Table};
 use crate::text::reader::{Reader, Sink};
-use crate::text::{Checked, Problem, Problems, Span};
+use crate::text::{Checked, Origin, Problem, Problems, Span};
 
 /// A patch.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -55,6 +55,8 @@ pub struct Patch {
     pub triggers: Vec<Trigger>,
     /// How to render it where the person says nothing else.
     pub render: Render,
+    /// The file that it was read from.
+    pub origin: Origin,
 }
 
 /// Defaults for rendering.
@@ -177,6 +179,12 @@ impl Patch {
                 sink.push(problem);
             }
             patch
+        })
+        .map(|mut checked| {
+            // It could be read, so it is text.
+            let source = std::str::from_utf8(bytes).unwrap_or_default();
+            checked.value.origin = Origin { file: name.into(), source: source.into() };
+            checked
         })
     }
 

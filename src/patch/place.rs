@@ -2,7 +2,7 @@
 
 use crate::text::reader::{At, Reader};
 
-/// A place, as written: `"top"`, `3`, `[0.0, -0.2]`. [`crate::rig::Rig::resolve`] finds its tactor.
+/// A place, as written: `"top"`, `3`, `[0.0, -0.2]`. A rig finds its tactor.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Place {
     /// The tactor of that name.
@@ -12,6 +12,9 @@ pub enum Place {
     /// Metres; goes to the nearest tactor.
     Position([f64; 3]),
 }
+
+/// The highest channel that a place may name, and so the most that a device may have.
+pub const MAX_CHANNELS: u32 = 4096;
 
 /// The most metres from the origin, along each axis.
 pub const MOST_METRES: f64 = 1000.0;
@@ -49,7 +52,7 @@ fn position_of(value: &At) -> Option<[f64; 3]> {
 
 /// A channel number from 1.
 pub(crate) fn channel(n: u64) -> Option<u32> {
-    u32::try_from(n).ok().filter(|n| (1..=crate::rig::MAX_CHANNELS).contains(n))
+    u32::try_from(n).ok().filter(|n| (1..=MAX_CHANNELS).contains(n))
 }
 
 /// Two or three coordinates within reach.

@@ -59,7 +59,7 @@ pub(crate) fn place() -> Value {
     json!({
         "oneOf": [
             { "type": "string", "minLength": 1, "description": "Name of a tactor." },
-            { "type": "integer", "minimum": 1, "maximum": crate::rig::MAX_CHANNELS, "description": "Channel, from 1." },
+            { "type": "integer", "minimum": 1, "maximum": super::place::MAX_CHANNELS, "description": "Channel, from 1." },
             { "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3, "description": "Position in metres." },
         ],
     })

@@ -19,14 +19,14 @@ pub struct Comparison {
 
 /// Compares frames (interleaved, at `ratio` times the reference's rate) with a reference.
 ///
-/// `response` is the designed linear response of the output stage at a frequency, its delay taken out; `delay` is the delay the
+/// `response` is the designed linear response of the output stage on a channel (from 0) at a frequency, its delay taken out; `delay` is the delay the
 /// engine reports, in seconds, and is what is taken out of `frames`, exactly. Both should end in silence.
 pub fn compare(
     frames: &[f32],
     reference: &Reference,
     ratio: usize,
     delay: f64,
-    response: &dyn Fn(f64) -> Complex64,
+    response: &dyn Fn(usize, f64) -> Complex64,
 ) -> Comparison {
     let channels = reference.channels.len();
     let length = reference.channels.first().map_or(0, Vec::len);
@@ -58,7 +58,7 @@ pub fn compare(
                 continue;
             }
             let Some(should) = should_bins.get(k) else { continue };
-            let should = should * response(hertz);
+            let should = should * response(c, hertz);
             let is = is / ratio as f64 * Complex64::cis(std::f64::consts::TAU * hertz * delay);
             difference += (is - should).norm_sqr();
             wanted += should.norm_sqr();

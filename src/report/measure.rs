@@ -5,7 +5,7 @@ use std::time::{Duration, Instant as Clock};
 use realfft::num_complex::Complex64;
 
 use super::compare::{Comparison, compare};
-use super::reference::reference;
+use super::reference::{Reference, reference_hearing};
 use crate::engine::Engine;
 use crate::engine::event::{Event, Play, Source};
 use crate::engine::vibration::Refusal;
@@ -31,6 +31,68 @@ pub struct Measured {
     pub stolen: u64,
 }
 
+/// What was played: enough to play it again, and to say what it should have been.
+#[derive(Debug, Clone, Copy)]
+pub struct Take<'a> {
+    /// Voices, in seconds from the beginning, in order.
+    pub events: &'a [(f64, Play)],
+    /// Channels of the audio input at the device's rate, from the beginning; those that are missing are silence.
+    pub input: &'a [Vec<f32>],
+    /// How long. Sound that is still under way at the end counts as error where the engine's delay moves it out.
+    pub seconds: f64,
+}
+
+impl Take<'_> {
+    /// What it should have been, with [`TAIL`] at the end. The same for plans of one scene that differ in number type, or in taps
+    /// where nothing listens to an input, whose filter has as many.
+    pub fn reference(&self, plan: &Plan) -> Reference {
+        reference_hearing(plan, self.events, self.input, self.samples(plan) as f64 / plan.engine_rate(), OVER)
+    }
+
+    /// Plays it on a plan and compares it with its reference.
+    ///
+    /// # Errors
+    /// A plan that no engine can be built for.
+    pub fn measure(&self, plan: &Plan, ideal: &Reference) -> Result<Measured, Refusal> {
+        let mut engine = Engine::new(plan)?;
+        let (rate, samples) = (plan.engine_rate(), self.samples(plan));
+        let block = 64 * plan.ratio;
+        let mut frames = vec![0.0; samples * plan.ratio * plan.channels];
+        let heard = interleaved(self.input, engine.input_channels(), samples * plan.ratio);
+        let mut heard = heard.chunks(block * engine.input_channels().max(1));
+        let mut next = self.events.iter().peekable();
+        let begin = Clock::now();
+        for part in frames.chunks_mut(block * plan.channels) {
+            let until = (engine.clock() + 64) as f64 / rate;
+            while let Some((at, play)) = next.next_if(|(at, _)| *at < until && engine.room() > 0) {
+                engine.schedule(Instant::of_samples(at * rate), Source::Pattern, Event::Play(*play));
+            }
+            engine.process_input(heard.next().unwrap_or_default(), part);
+        }
+        let run_time = begin.elapsed();
+        let delay = engine.delay();
+        let comparison = compare(
+            &frames,
+            ideal,
+            plan.ratio,
+            delay.lead + delay.up_sampling + delay.band_limit_phase,
+            &|channel, hertz| designed(&engine, channel, hertz),
+        );
+        let (seconds, stolen) = (samples as f64 / rate, engine.counters().stolen);
+        Ok(Measured { comparison, seconds, run_time, stolen })
+    }
+
+    fn samples(&self, plan: &Plan) -> usize {
+        ((self.seconds + TAIL) * plan.engine_rate()).ceil() as usize
+    }
+}
+
+fn interleaved(input: &[Vec<f32>], channels: usize, frames: usize) -> Vec<f32> {
+    let at = |channel: usize, frame: usize| input.get(channel).and_then(|c| c.get(frame)).copied();
+    let frame = |n| (0..channels).map(move |c| at(c, n).unwrap_or(0.0));
+    (0..if input.is_empty() { 0 } else { frames }).flat_map(frame).collect()
+}
+
 /// Plays `events` (seconds from the beginning, in order) on a plan for `seconds` and a tail, by the engine and by the reference.
 ///
 /// Sound that is still under way at the end counts as error where the engine's delay moves it out; let everything end first.
@@ -38,37 +100,14 @@ pub struct Measured {
 /// # Errors
 /// A plan that no engine can be built for.
 pub fn measure(plan: &Plan, events: &[(f64, Play)], seconds: f64) -> Result<Measured, Refusal> {
-    let mut engine = Engine::new(plan)?;
-    let rate = plan.engine_rate();
-    let samples = ((seconds + TAIL) * rate).ceil() as usize;
-    let block = 64 * plan.ratio * plan.channels;
-    let mut frames = vec![0.0; samples * plan.ratio * plan.channels];
-    let mut next = events.iter().peekable();
-    let begin = Clock::now();
-    for part in frames.chunks_mut(block) {
-        let until = (engine.clock() + 64) as f64 / rate;
-        while let Some((at, play)) = next.next_if(|(at, _)| *at < until && engine.room() > 0) {
-            engine.schedule(Instant::of_samples(at * rate), Source::Pattern, Event::Play(*play));
-        }
-        engine.process(part);
-    }
-    let run_time = begin.elapsed();
-    let ideal = reference(plan, events, samples as f64 / rate, OVER);
-    let delay = engine.delay();
-    let comparison = compare(
-        &frames,
-        &ideal,
-        plan.ratio,
-        delay.lead + delay.up_sampling + delay.band_limit_phase,
-        &|hertz| designed(&engine, hertz),
-    );
-    Ok(Measured { comparison, seconds: samples as f64 / rate, run_time, stolen: engine.counters().stolen })
+    let take = Take { events, input: &[], seconds };
+    take.measure(plan, &take.reference(plan))
 }
 
-/// The output stage's designed response without the delay that the engine reports for it.
-pub fn designed(engine: &Engine, hertz: f64) -> Complex64 {
+/// The output stage's designed response on a channel (from 0) without the delay that the engine reports for it.
+pub fn designed(engine: &Engine, channel: usize, hertz: f64) -> Complex64 {
     let delay = engine.delay();
-    let response = engine.stage().vibration().response(hertz);
+    let response = engine.stage().response(channel, hertz);
     let phase = std::f64::consts::TAU * hertz * (delay.up_sampling + delay.band_limit_phase);
     Complex64::new(response.re, response.im) * Complex64::cis(phase)
 }

@@ -2,10 +2,11 @@
 
 pub mod compare;
 pub mod decimate;
+mod hearing;
 pub mod measure;
 pub mod plot;
 pub mod reference;
 
 pub use compare::{Comparison, compare};
-pub use measure::{Measured, measure};
+pub use measure::{Measured, Take, measure};
 pub use reference::{Reference, reference};

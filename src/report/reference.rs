@@ -7,6 +7,7 @@
 use std::collections::VecDeque;
 
 use super::decimate::Decimator;
+use super::hearing::hearing;
 use crate::dsp::random;
 use crate::engine::bank::{FADE, fade};
 use crate::engine::event::Play;
@@ -35,13 +36,24 @@ const QUIET: f64 = 0.1;
 const NOISE_AHEAD: f64 = REACH as f64;
 
 /// What should sound when `events` (in seconds from the start) are played on a plan for `seconds`, computed at `over` times the
-/// engine's rate. Voices that had to make room for others are not modelled, nor are inputs or moved controls.
+/// engine's rate, where there is no audio input. Voices that had to make room for others are not modelled, nor are moved controls.
 pub fn reference(plan: &Plan, events: &[(f64, Play)], seconds: f64, over: usize) -> Reference {
+    reference_hearing(plan, events, &[], seconds, over)
+}
+
+/// As [`reference()`], with the channels of an audio input at the device's rate, from their beginning.
+pub fn reference_hearing(
+    plan: &Plan,
+    events: &[(f64, Play)],
+    input: &[Vec<f32>],
+    seconds: f64,
+    over: usize,
+) -> Reference {
     let rate = plan.engine_rate();
     let fine = rate * over as f64;
     let length = (seconds * rate).ceil() as usize;
     let decimator = Decimator::new(over);
-    let shared = shared(plan, length * over, fine);
+    let shared = shared(plan, length * over, fine, hearing(plan, input, length, over));
     let mut channels = vec![vec![0.0; length]; plan.channels];
     let always = plan.instruments.iter().enumerate().filter(|(_, i)| i.always).map(|(i, instrument)| {
         let mut own = [0.0; FIELDS];
@@ -71,13 +83,14 @@ pub fn reference(plan: &Plan, events: &[(f64, Play)], seconds: f64, over: usize)
 }
 
 /// Engine-wide signals over the whole time.
-fn shared(plan: &Plan, length: usize, fine: f64) -> Vec<Vec<f64>> {
+fn shared(plan: &Plan, length: usize, fine: f64, mut heard: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let mut signals: Vec<Vec<f64>> = plan
         .shared
         .iter()
         .map(|source| match *source {
             Shared::Control(c) => vec![plan.controls[c as usize].default; length],
-            Shared::Input(_) | Shared::Node(_) => vec![0.0; length],
+            Shared::Input(c) => heard.get_mut(c as usize).map(std::mem::take).unwrap_or(vec![0.0; length]),
+            Shared::Node(_) => vec![0.0; length],
         })
         .collect();
     if plan.shared_program.ops.is_empty() {

@@ -1,5 +1,6 @@
 //! What moves.
 
+use crate::dsp::biquad::MOST_SECTIONS;
 use crate::text::Span;
 use crate::text::field::{Field, Form, Table};
 use crate::text::reader::Reader;
@@ -86,13 +87,10 @@ pub static PEAK: Table = Table {
     others: None,
 };
 
-/// The most peaking filters of one actuator.
-pub const MOST_PEAKS: usize = 16;
-
 pub(crate) fn read(name: &str, reader: &Reader) -> Actuator {
     let peaks = reader.many("equaliser", |n| format!("filter {n} of {}", reader.who));
-    if peaks.len() > MOST_PEAKS {
-        let what = format!("{} has {} filters, the most is {MOST_PEAKS}", reader.who, peaks.len());
+    if peaks.len() > MOST_SECTIONS {
+        let what = format!("{} has {} filters, the most is {MOST_SECTIONS}", reader.who, peaks.len());
         reader.sink.error(&reader.span_of("equaliser"), what);
     }
     Actuator {

@@ -13,6 +13,9 @@ pub use device::{Coupling, Device};
 pub use output::{Output, OutputKind};
 pub use schema::schema;
 
+/// The most channels a device may have.
+pub use crate::patch::place::MAX_CHANNELS;
+
 use std::collections::{HashMap, HashSet};
 
 use crate::text::document;
@@ -20,9 +23,6 @@ use crate::text::field::{Field, Form, Table};
 use crate::text::nearest::suggest;
 use crate::text::reader::{Reader, Sink};
 use crate::text::{Checked, Problem, Problems};
-
-/// The most channels a device may have.
-pub const MAX_CHANNELS: u32 = 4096;
 
 /// A rig.
 #[derive(Debug, Clone, PartialEq)]

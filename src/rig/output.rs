@@ -47,7 +47,7 @@ pub enum OutputKind {
         /// Length of the pulse, seconds.
         pulse: f64,
     },
-    /// Samples as they come, past the band limit.
+    /// What is played there as it comes: no equaliser, no limiter, no band limit at 1 kHz; cut at full scale.
     Raw,
 }
 

@@ -11,4 +11,4 @@ pub mod problem;
 pub mod reader;
 pub mod schema;
 
-pub use problem::{Checked, Problem, Problems, Severity, Span};
+pub use problem::{Checked, Origin, Problem, Problems, Severity, Span};

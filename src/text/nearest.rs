@@ -19,6 +19,13 @@ pub fn suggest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     }
 }
 
+/// Advice that names the candidate nearest to `word`, where one is near and they are not too many.
+pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let candidates: Vec<&str> = candidates.into_iter().take(MOST_CANDIDATES + 1).collect();
+    let few = candidates.len() <= MOST_CANDIDATES;
+    nearest(word, candidates.into_iter().filter(|_| few)).map(|name| format!("did you mean `{name}`?"))
+}
+
 /// The candidate nearest to `word`: at most two edits away, or a third of its length; the first by name among equals.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let folded = fold(word);

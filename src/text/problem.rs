@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A place in a file, in bytes. Empty at 0 for what was made in code and stands in no file.
 pub type Span = Range<usize>;
@@ -53,12 +54,39 @@ impl Problem {
     }
 }
 
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.what)?;
+        self.help.iter().try_for_each(|help| write!(f, "\n  help: {help}"))
+    }
+}
+
+impl std::error::Error for Problem {}
+
+/// A file that something was read from, so that what turns out later can still be shown at its line.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Origin {
+    /// The file's name, as the person wrote it; empty for what was made in code.
+    pub file: Arc<str>,
+    /// What stands in it.
+    pub source: Arc<str>,
+}
+
+impl Origin {
+    /// Problems of the file, by line; what concerns it as a whole first.
+    pub fn problems(&self, list: Vec<Problem>) -> Problems {
+        let mut problems = Problems { file: self.file.to_string(), source: self.source.to_string(), list };
+        problems.sort();
+        problems
+    }
+}
+
 /// Everything that is wrong with one file, in the order of its lines.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Problems {
-    /// The file's name, as the person wrote it.
+    /// The file's name, as the person wrote it; empty for what was made in code.
     pub file: String,
-    /// What stands in it, so that lines can be shown; empty where it could not be read as text.
+    /// What stands in it, so that lines can be shown; empty where it could not be read as text, or was made in code.
     pub source: String,
     /// The problems.
     pub list: Vec<Problem>,
@@ -99,18 +127,18 @@ impl fmt::Display for Problems {
             if i > 0 {
                 writeln!(f)?;
             }
-            write!(f, "{}:", self.file)?;
-            if let Some(span) = &problem.span {
+            if !self.file.is_empty() {
+                write!(f, "{}:", self.file)?;
+            }
+            if let Some(span) = problem.span.as_ref().filter(|_| !self.source.is_empty()) {
                 let before = breaks.partition_point(|b| *b < span.start);
                 let begin = before.checked_sub(1).and_then(|i| breaks.get(i)).map_or(0, |b| b + 1);
                 let (line, column) = (before + 1, self.column(begin, span.start));
                 write!(f, "{line}:{column}:")?;
             }
             let word = if problem.is_error() { "error" } else { "warning" };
-            write!(f, " {word}: {}", problem.what)?;
-            if let Some(help) = &problem.help {
-                write!(f, "\n  help: {help}")?;
-            }
+            let gap = if self.file.is_empty() { "" } else { " " };
+            write!(f, "{gap}{word}: {problem}")?;
         }
         Ok(())
     }
@@ -129,7 +157,7 @@ pub struct Checked<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Problem, Problems};
+    use super::{Origin, Problem, Problems};
 
     #[test]
     fn lines_and_columns_count_from_one_in_characters() {
@@ -147,5 +175,14 @@ mod tests {
         );
         assert_eq!(problems.position(3), (2, 1), "a byte within a character");
         assert_eq!(problems.position(999), (3, 1), "past the end");
+    }
+
+    #[test]
+    fn what_stands_in_no_file_is_said_without_a_place() {
+        let list = vec![Problem::error(&(0..0), "no x"), Problem::of_file("all").help("do y".to_string())];
+        let error: Box<dyn std::error::Error> = Origin::default().problems(list).into();
+        assert_eq!(error.to_string(), "error: all\n  help: do y\nerror: no x");
+        let one: Box<dyn std::error::Error> = Problem::of_file("all").help("do y".to_string()).into();
+        assert_eq!(one.to_string(), "all\n  help: do y");
     }
 }

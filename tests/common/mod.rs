@@ -24,7 +24,7 @@ pub fn patch(text: &str) -> Patch {
 pub fn compiled(text: &str, channels: u32, rate: f64) -> Scene {
     let options = Options { rate: Some(rate), live: true, ..Options::default() };
     let patch = patch(text);
-    scene(&patch, &Rig::default_for(channels), &options, &NoAssets).unwrap_or_else(|p| panic!("{p:?}"))
+    scene(&patch, &Rig::default_for(channels), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"))
 }
 
 /// A voice on a channel (from 0) with a frequency.

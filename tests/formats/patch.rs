@@ -460,3 +460,36 @@ fn a_patch_made_in_code_is_checked_too() {
     ];
     assert!(patch.check().iter().any(|p| p.what.contains("there is a control called `c` already")));
 }
+
+/// A node that is there but cannot be read is still one that may be meant, and a list without it would be wrong.
+#[test]
+fn names_of_what_cannot_be_read_are_suggested() {
+    let text = format!(
+        "{HEAD}[voice.v]\noutput = \"tone\"\n[voice.v.nodes]\ntone = {{ type = \"multiply\", inputs = [\"swel\", \"quite_else\"] }}\n\
+         swell = {{ type = \"envelpe\" }}\n"
+    );
+    let told = Patch::parse("p.toml", text.as_bytes()).unwrap_err().to_string();
+    assert!(told.contains("did you mean `swell`?") && told.contains("did you mean `envelope`?"), "{told}");
+    assert!(told.contains("names `quite_else`") && !told.contains("there is only"), "{told}");
+}
+
+/// What shows only when patch and rig come together is shown at its line, too, by way of `?`.
+#[test]
+fn what_a_player_refuses_is_shown_at_its_line() {
+    use pacinian::{graph::scene, node::asset::NoAssets, player::Player, rig::Rig};
+    let text = format!("{HEAD}{VOICE}[pattern.p]\nevents = [{{ at = 0, voice = \"beat\" }}]\n")
+        .replace("output = \"tone\"", "output = \"tone\"\nplace = \"toe\"");
+    let play = || -> Result<Player, Box<dyn std::error::Error>> {
+        let patch = Patch::parse("p.toml", text.as_bytes())?.value;
+        Ok(Player::new(&patch, &Rig::default_for(2), &scene::Options::default(), &NoAssets)?)
+    };
+    let told = play().err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(told.starts_with("p.toml:6:") && told.contains("no tactor `toe`"), "{told}");
+
+    let patch = Patch::parse("p.toml", text.replace("\"toe\"", "\"t2\"").as_bytes()).unwrap().value;
+    let mut player =
+        Player::new(&patch, &Rig::default_for(2), &scene::Options::default(), &NoAssets).unwrap();
+    let nobody = player.play("bat", &Default::default()).unwrap_err();
+    let error: Box<dyn std::error::Error> = nobody.into();
+    assert!(error.to_string().contains("no voice `bat`"), "{error}");
+}

@@ -11,7 +11,7 @@ mod loops;
 #[cfg(test)]
 mod tests;
 
-use crate::dsp::biquad::{Biquad, Complex};
+use crate::dsp::biquad::{Biquad, Complex, MOST_SECTIONS};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::LANES;
 use design::Design;
@@ -19,9 +19,6 @@ use group::{Group, Place, Scratch, Target};
 
 /// One engine sample of eight channels.
 pub type Row = [f32; LANES];
-
-/// Sections of an equaliser, at most.
-pub const MAX_SECTIONS: usize = 8;
 
 /// Engine samples between two looks at what may sleep; on engine time, not on blocks.
 pub const GRID: u64 = 64;
@@ -73,7 +70,7 @@ impl std::fmt::Display for Refusal {
             }
             Self::Sections(channel, count) => write!(
                 f,
-                "channel {} has {count} equaliser sections; {MAX_SECTIONS} are the most",
+                "channel {} has {count} equaliser sections; {MOST_SECTIONS} are the most",
                 channel + 1
             ),
         }
@@ -112,6 +109,7 @@ pub struct Vibration {
     design: Design,
     groups: Vec<Group>,
     channels: usize,
+    equalisers: Vec<Vec<Biquad>>,
     isa: Isa,
     scratch: Box<Scratch>,
 }
@@ -121,7 +119,7 @@ impl Vibration {
     pub fn new(channels: usize, device_rate: f64, options: &Options) -> Result<Self, Refusal> {
         let design = Design::new(device_rate, options)?;
         let sections = |channel: usize| options.equalisers.get(channel).map_or(&[][..], Vec::as_slice);
-        if let Some(channel) = (0..channels).find(|&c| sections(c).len() > MAX_SECTIONS) {
+        if let Some(channel) = (0..channels).find(|&c| sections(c).len() > MOST_SECTIONS) {
             return Err(Refusal::Sections(channel, sections(channel).len()));
         }
         let groups = (0..channels)
@@ -129,7 +127,8 @@ impl Vibration {
             .map(|first| Group::new((channels - first).min(LANES), |lane| sections(first + lane)))
             .collect();
         let scratch = Box::new(Scratch::new(channels, design.fir.ratio));
-        Ok(Self { design, groups, channels, isa: options.isa.or_supported(), scratch })
+        let (equalisers, isa) = (options.equalisers.clone(), options.isa.or_supported());
+        Ok(Self { design, groups, channels, equalisers, isa, scratch })
     }
 
     /// Engine rate, Hz.
@@ -161,10 +160,12 @@ impl Vibration {
         }
     }
 
-    /// The designed linear response at `frequency` (Hz): band limit and up-sampling, their delays included, without
-    /// equaliser. Device frame m holds time m / device rate, engine sample n falls on frame n × ratio.
-    pub fn response(&self, frequency: f64) -> Complex {
-        self.design.band_limit.response(frequency) * self.design.fir.response(frequency)
+    /// The designed linear response of `channel` at `frequency` (Hz): its equaliser, band limit and up-sampling, their delays
+    /// included. Device frame m holds time m / device rate, engine sample n falls on frame n × ratio.
+    pub fn response(&self, channel: usize, frequency: f64) -> Complex {
+        let sections = self.equalisers.get(channel).into_iter().flatten();
+        let equaliser = sections.fold(Complex::from(1.0), |r, s| r * s.response(frequency, self.design.rate));
+        equaliser * self.design.band_limit.response(frequency) * self.design.fir.response(frequency)
     }
 
     /// Renders `frames` engine samples, the first of them number `clock` since the start.

@@ -1,0 +1,178 @@
+//! The audio thread makes no system call: it runs under a filter by which the first one ends the process.
+//!
+//! The filter allows nothing at all, so it is set in a child: this very program, told by its environment what to do. The audio
+//! thread cannot even end; it says that it is done through memory and waits.
+#![cfg(all(target_os = "linux", target_arch = "x86_64"))]
+
+mod common;
+
+use std::os::unix::process::ExitStatusExt;
+use std::process::{Command, ExitStatus};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::time::Duration;
+
+use common::{compiled, play};
+use pacinian::engine::event::{Event, Source};
+use pacinian::engine::exchange::{Stagehand, exchange};
+use pacinian::graph::plan::Plan;
+use pacinian::schedule::Instant;
+
+/// What a child is to do.
+const TASK: &str = "PACINIAN_SECCOMP";
+/// How a child ends that has done it, and one that could not be filtered; libtest uses neither.
+const DONE: i32 = 42;
+const NO_FILTER: i32 = 43;
+
+const PATCH: &str = r#"
+[control.strength]
+default = 0.7
+range = [0.0, 1.0]
+[shared.nodes]
+wobble = { type = "lfo", rate = 3 }
+ear = { type = "input" }
+[voice.beat]
+voices = 24
+output = "out"
+[voice.beat.nodes]
+tone = { type = "sawtooth", frequency = "event.frequency + 20 * wobble" }
+rough = { type = "white" }
+hit = { type = "envelope", attack = 0.004, decay = 0.03, sustain = 0.4, release = 0.02 }
+soft = { type = "lowpass", input = "tone + 0.2 * rough + ear", cutoff = "400 + 100 * wobble" }
+echo = { type = "delay", input = "soft", time = 0.01, longest = 0.05 }
+out = { type = "multiply", inputs = ["soft + 0.5 * echo", "hit", "strength"] }
+[voice.plain]
+output = "tone"
+[voice.plain.nodes]
+tone = { type = "sine", frequency = "event.frequency" }
+"#;
+
+const CHANNELS: usize = 16;
+const FRAMES: usize = 480;
+const EVENTS: u32 = 50_000;
+const PLANS: u32 = 20;
+
+/// From now on, any system call of this thread ends the process. Says whether the system can do that.
+fn forbid() -> bool {
+    let mut all = [libc::sock_filter {
+        code: (libc::BPF_RET | libc::BPF_K) as u16,
+        jt: 0,
+        jf: 0,
+        k: libc::SECCOMP_RET_KILL_PROCESS,
+    }];
+    let program = libc::sock_fprog { len: all.len() as u16, filter: all.as_mut_ptr() };
+    // SAFETY: both calls read their arguments and nothing else; the program outlives them.
+    unsafe {
+        libc::prctl(libc::PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0
+            && libc::prctl(libc::PR_SET_SECCOMP, libc::SECCOMP_MODE_FILTER, &program) == 0
+    }
+}
+
+#[derive(Default)]
+struct Progress {
+    /// 1: under the filter; 2: it cannot be had; 3: done.
+    state: AtomicU32,
+    /// Plans that were sent.
+    plans: AtomicU32,
+    /// Voices that were started.
+    voices: AtomicU64,
+}
+
+/// The audio thread: callbacks with events and input under the filter, until all is done. It never returns.
+fn perform(mut stagehand: Stagehand, task: &str, progress: &Progress) -> ! {
+    let (input, mut output) = (vec![0.1_f32; FRAMES], vec![0.0_f32; FRAMES * CHANNELS]);
+    let allowed = forbid();
+    progress.state.store(if allowed { 1 } else { 2 }, Ordering::Release);
+    let mut event = 0_u32;
+    while allowed && (event < EVENTS || progress.plans.load(Ordering::Acquire) < PLANS) {
+        for _ in 0..100 {
+            let clock = stagehand.engine().clock();
+            let at = Instant {
+                sample: clock + u64::from(event % 80),
+                fraction: event.wrapping_mul(2_654_435_761),
+            };
+            let what = match event % 10 {
+                0 => Event::Control(0, f64::from(event % 7) / 7.0),
+                1 => Event::Release(u64::from(event.wrapping_sub(1))),
+                _ => {
+                    let hertz = 40.0 + f64::from(event % 300);
+                    Event::Play(play(event % 2, event % 16, hertz, 0.003, u64::from(event)))
+                }
+            };
+            stagehand.engine().schedule(at, Source::Program, what);
+            event = event.wrapping_add(1);
+        }
+        stagehand.process(&input, &mut output);
+        if event == 10_000 {
+            match task {
+                // SAFETY: it takes nothing and gives a number.
+                "call" => _ = unsafe { libc::syscall(libc::SYS_getpid) },
+                // More than any allocator has at hand.
+                "allocate" => drop(std::hint::black_box(vec![1_u8; 256 << 20])),
+                _ => {}
+            }
+        }
+    }
+    progress.voices.store(stagehand.engine().counters().started, Ordering::Release);
+    if allowed {
+        progress.state.store(3, Ordering::Release);
+    }
+    loop {
+        std::hint::spin_loop();
+    }
+}
+
+/// Not a test of its own: what the child does.
+#[test]
+fn child() {
+    let Ok(task) = std::env::var(TASK) else { return };
+    let plan =
+        |time: &str| -> Plan { compiled(&PATCH.replace("0.01,", time), CHANNELS as u32, 48_000.0).plan };
+    let plans = [plan("0.01,"), plan("0.02,")];
+    let (mut director, stagehand) = exchange(&plans[0]).unwrap();
+    // The audio thread goes on when this function ends.
+    let progress: &'static Progress = Box::leak(Box::default());
+    std::thread::spawn(move || perform(stagehand, &task, progress));
+    let mut sent = 0_u32;
+    loop {
+        match progress.state.load(Ordering::Acquire) {
+            2 => std::process::exit(NO_FILTER),
+            3 => break,
+            _ => {}
+        }
+        if director.send(&plans[(sent as usize + 1) % 2]).unwrap() {
+            sent += 1;
+            // The next one is sent when this one has been taken, or it would not be.
+            progress.plans.store(sent.saturating_sub(2), Ordering::Release);
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let started = progress.voices.load(Ordering::Acquire);
+    let well = sent >= PLANS && started > u64::from(EVENTS) / 2;
+    std::process::exit(if well { DONE } else { 1 });
+}
+
+fn run(task: &str) -> Option<ExitStatus> {
+    let program = std::env::current_exe().unwrap();
+    let mut command = Command::new(program);
+    command.args(["--exact", "child", "--nocapture", "--test-threads", "1"]).env(TASK, task);
+    let status = command.output().unwrap().status;
+    if status.code() == Some(NO_FILTER) {
+        eprintln!("this system has no seccomp filters, so nothing is proved here");
+        return None;
+    }
+    Some(status)
+}
+
+#[test]
+fn events_and_plans_without_a_system_call() {
+    let Some(status) = run("perform") else { return };
+    assert_eq!(status.code(), Some(DONE), "{status}");
+}
+
+#[test]
+fn the_filter_bites() {
+    for task in ["call", "allocate"] {
+        let Some(status) = run(task) else { return };
+        assert_eq!(status.signal(), Some(libc::SIGSYS), "{task}: {status}");
+    }
+}
