@@ -5,6 +5,7 @@ use super::failure::Failure;
 use super::load::{Loaded, Number, Scene};
 use super::perform::{Until, perform};
 use super::plan::precision;
+use super::plot::check_picture;
 use super::progress::Progress;
 use super::render::seconds;
 use super::stop::Stop;
@@ -13,10 +14,13 @@ use super::terminal::Terminal;
 use clap::Args;
 use pacinian::engine::vibration::Refusal;
 use pacinian::graph::plan::{Plan, Precision};
+use pacinian::io::out;
 use pacinian::player::Player;
+use pacinian::report::plot::{Axis, Chart, Point, Series};
 use pacinian::report::{Measured, Reference, Take};
 use pacinian::rig::OutputKind;
 use serde::Serialize;
+use std::path::PathBuf;
 
 /// Measures error against the reference and run time, for several settings
 #[derive(Debug, Args)]
@@ -37,6 +41,9 @@ pub struct Error {
     /// Seconds to measure [default: what the patch says, else until everything is over]
     #[arg(long, value_name = "S", value_parser = seconds)]
     duration: Option<f64>,
+    /// Draws error against run time into this SVG file, too; one that is there is replaced
+    #[arg(short, long, value_name = "FILE.svg")]
+    output: Option<PathBuf>,
     /// As JSON
     #[arg(long, conflicts_with = "csv")]
     json: bool,
@@ -73,6 +80,9 @@ impl Error {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let mut loaded = self.scene.load(false)?;
+        if let Some(output) = &self.output {
+            check_picture(output, &loaded)?;
+        }
         let mut player = loaded.player()?;
         let until = Until::of(&loaded, &player, self.duration)?;
         player.record();
@@ -127,6 +137,9 @@ impl Error {
             limited: player.engine().stage().counts().limited,
             settings: rows,
         };
+        if let Some(output) = &self.output {
+            out::write(output, chart(&answer, &loaded).svg().as_bytes())?;
+        }
         terminal.print(&match (self.json, self.csv) {
             (true, _) => json(&answer),
             (_, true) => csv(&answer.settings),
@@ -215,6 +228,30 @@ fn text(answer: &Answer, loaded: &Loaded, terminal: &Terminal) -> String {
             &paint.yellow("  the limiter acted, which the reference does not model: the error says little\n");
     }
     text
+}
+
+/// Error against run time: a line for each number type, a point for each number of taps.
+fn chart(answer: &Answer, loaded: &Loaded) -> Chart {
+    let mut series: Vec<Series> = Vec::new();
+    for row in &answer.settings {
+        let at = series.iter().position(|one| one.name == row.precision).unwrap_or_else(|| {
+            series.push(Series { name: row.precision.into(), points: Vec::new() });
+            series.len() - 1
+        });
+        series[at].points.push(Point {
+            x: 1e3 / row.times_real_time,
+            // Where both are silent there is no error, and the chart says that it leaves a point out.
+            y: row.error_db.unwrap_or(f64::NAN),
+            label: format!("{} taps", row.taps),
+        });
+    }
+    let title = if loaded.patch.title.is_empty() { loaded.name() } else { &loaded.patch.title };
+    Chart {
+        title: format!("{title}: error against run time, {} outputs", loaded.rig.outputs.len()),
+        x: Axis { label: "run time of a second of vibration (ms)".into(), log: false },
+        y: Axis { label: "error, 0 to 1 kHz (dB)".into(), log: false },
+        series,
+    }
 }
 
 fn csv(rows: &[Row]) -> String {

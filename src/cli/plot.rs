@@ -74,7 +74,7 @@ impl Plot {
 }
 
 /// Refuses what is no picture that can be drawn here, and what [`check_output`] refuses.
-fn check_picture(output: &Path, loaded: &Loaded) -> Result<(), Failure> {
+pub fn check_picture(output: &Path, loaded: &Loaded) -> Result<(), Failure> {
     check_output(output, loaded)?;
     match output.extension().and_then(|e| e.to_str()) {
         Some(other @ ("png" | "pdf" | "jpg" | "jpeg" | "gif" | "wav")) => Err(Failure::usage(

@@ -96,8 +96,8 @@ pub fn take_gain(graph: &mut Graph) {
 }
 
 /// Lets oscillators of amplitude 1 that nothing but a product of two reads take the other factor as their amplitude, and
-/// stand for the product.
-pub fn take_amplitudes(graph: &mut Graph) {
+/// stand for the product. Says which nodes were such products: their work is not left out, but done elsewhere.
+pub fn take_amplitudes(graph: &mut Graph) -> Vec<bool> {
     let mut readers = vec![0_u32; graph.nodes.len()];
     let mut late = vec![false; graph.nodes.len()];
     for wire in graph.nodes.iter().flat_map(|n| &n.inputs).chain(&graph.outputs) {
@@ -135,6 +135,7 @@ pub fn take_amplitudes(graph: &mut Graph) {
             wire.signal = Some(Signal::Node(tone));
         }
     }
+    stands.iter().map(Option::is_some).collect()
 }
 
 #[cfg(test)]

@@ -225,8 +225,11 @@ pub fn compile(mut graph: Graph, mixed: bool, rate: f64) -> Result<Compiled, Vec
         fold::take_gain(&mut graph);
         onset::begin(&mut graph);
     }
-    fold::take_amplitudes(&mut graph);
+    let done_elsewhere = fold::take_amplitudes(&mut graph);
     let order = depth_first(&graph)?;
     let (graph, folded) = prune::prune(graph, &order);
+    let pruned = pruned.into_iter().map(|(_, name)| name).collect();
+    let folded =
+        folded.into_iter().filter(|(id, _)| !done_elsewhere[*id as usize]).map(|(_, name)| name).collect();
     Ok(Compiled { program: program(graph), pruned, folded })
 }

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use super::{Graph, NodeId, Signal};
 
-/// `graph` with only the nodes in `order`, renumbered so that they stand in it; the names of the others.
-pub fn prune(mut graph: Graph, order: &[NodeId]) -> (Graph, Vec<Arc<str>>) {
+/// `graph` with only the nodes in `order`, renumbered so that they stand in it; the others, by their old place and name.
+pub fn prune(mut graph: Graph, order: &[NodeId]) -> (Graph, Vec<(NodeId, Arc<str>)>) {
     const GONE: NodeId = NodeId::MAX;
     let mut place = vec![GONE; graph.nodes.len()];
     for (new, &old) in order.iter().enumerate() {
         place[old as usize] = new as NodeId;
     }
-    let left_out =
-        graph.nodes.iter().zip(&place).filter(|(_, p)| **p == GONE).map(|(n, _)| n.name.clone()).collect();
+    let gone = graph.nodes.iter().enumerate().filter(|(id, _)| place[*id] == GONE);
+    let left_out = gone.map(|(id, node)| (id as NodeId, node.name.clone())).collect();
     let mut old: Vec<_> = std::mem::take(&mut graph.nodes).into_iter().map(Some).collect();
     graph.nodes = order.iter().filter_map(|&id| old[id as usize].take()).collect();
     for wire in graph.nodes.iter_mut().flat_map(|n| &mut n.inputs).chain(&mut graph.outputs) {
