@@ -45,7 +45,7 @@ mod tests {
         let graph = Graph { nodes, outputs: vec![Wire::node(2)], ..Graph::default() };
         let order = depth_first(&graph).unwrap();
         let (pruned, left_out) = super::prune(graph, &order);
-        assert_eq!(left_out.iter().map(|n| &**n).collect::<Vec<_>>(), ["unheard"]);
+        assert_eq!(left_out.iter().map(|(_, name)| &**name).collect::<Vec<_>>(), ["unheard"]);
         assert_eq!(pruned.nodes.len(), 2);
         assert_eq!(pruned.nodes[1].inputs, [Wire::node(0)]);
         assert_eq!(pruned.outputs, [Wire::node(1)]);
