@@ -70,6 +70,8 @@ pub struct Bank<R: Real> {
     late: Vec<[R; LANES]>,
     lanes: Vec<Lane>,
     live: Vec<u8>,
+    /// Lanes that are live.
+    taken: usize,
     rising: Vec<u8>,
     fading: Vec<u8>,
     ending: Vec<u8>,
@@ -123,6 +125,7 @@ impl<R: Real> Bank<R> {
                 groups * LANES
             ],
             live: vec![0; groups],
+            taken: 0,
             rising: vec![0; groups],
             fading: vec![0; groups],
             ending: vec![0; groups],
@@ -157,7 +160,7 @@ impl<R: Real> Bank<R> {
 
     /// Whether all lanes are free.
     pub fn is_idle(&self) -> bool {
-        self.live.iter().all(|live| *live == 0)
+        self.taken == 0
     }
 
     /// Starts a voice at `at`, when `clock` is the next sample to be computed, on the channels of `place`. Gives its lane.
@@ -185,6 +188,8 @@ impl<R: Real> Bank<R> {
             self.start_op(op, lane, age, play.duration);
         }
         self.place(lane, place);
+        // A lane that still faded may have been taken over.
+        self.taken += usize::from(self.live[group] & (1 << l) == 0);
         self.live[group] |= 1 << l;
         if !self.enveloped {
             self.rising[group] |= 1 << l;
@@ -235,6 +240,7 @@ impl<R: Real> Bank<R> {
         self.take_states(old, ops);
         std::mem::swap(&mut self.lanes, &mut old.lanes);
         std::mem::swap(&mut self.live, &mut old.live);
+        std::mem::swap(&mut self.taken, &mut old.taken);
         std::mem::swap(&mut self.rising, &mut old.rising);
         std::mem::swap(&mut self.fading, &mut old.fading);
         std::mem::swap(&mut self.ending, &mut old.ending);
@@ -330,6 +336,9 @@ impl<R: Real> Bank<R> {
 
     /// Computes `frames` samples from `clock` on and adds them to the mix at `offset`.
     pub fn run(&mut self, work: &mut Workspace<R>, frames: usize, offset: usize, clock: u64) {
+        if self.taken == 0 {
+            return;
+        }
         if !self.program.late.is_empty() && frames > 1 {
             for frame in 0..frames {
                 self.run(work, 1, offset + frame, clock + frame as u64);
@@ -464,6 +473,7 @@ impl<R: Real> Bank<R> {
             for states in &mut self.states {
                 states.settle(group);
             }
+            let ended = self.ended(group);
             for l in 0..LANES {
                 let lane = group * LANES + l;
                 let over = match self.lanes[lane].stage {
@@ -476,9 +486,7 @@ impl<R: Real> Bank<R> {
                         } else {
                             self.lanes[lane].quiet = 0;
                         }
-                        if self.ending[group] & bit == 0 && self.has_ended(group, l) {
-                            self.ending[group] |= bit;
-                        }
+                        self.ending[group] |= ended & bit;
                         self.lanes[lane].quiet > self.tail
                     }
                 };
@@ -490,8 +498,10 @@ impl<R: Real> Bank<R> {
         }
     }
 
-    fn has_ended(&self, group: usize, lane: usize) -> bool {
-        self.enveloped && self.deciding.iter().all(|op| self.states[*op].sounding(group, lane) != Some(true))
+    /// Lanes whose envelopes have all ended.
+    fn ended(&self, group: usize) -> u8 {
+        let all = if self.enveloped { u8::MAX } else { 0 };
+        self.deciding.iter().fold(all, |all, op| all & self.states[*op].ended(group))
     }
 
     fn free(&mut self, lane: usize) {
@@ -501,6 +511,7 @@ impl<R: Real> Bank<R> {
         }
         self.lanes[lane].stage = Stage::Free;
         let keep = !(1 << l);
+        self.taken -= usize::from(self.live[group] & (1 << l) != 0);
         self.live[group] &= keep;
         self.rising[group] &= keep;
         self.fading[group] &= keep;

@@ -12,7 +12,7 @@ mod segment;
 pub mod spec;
 
 use crate::dsp::isa::Isa;
-use crate::dsp::lanes::Real;
+use crate::dsp::lanes::{LANES, Real};
 use kernel::{Io, Kernel, Onset, Setup, Twin};
 use spec::NodeSpec;
 
@@ -99,6 +99,13 @@ macro_rules! registry {
             /// See [`Kernel::sounding`].
             pub fn sounding(&self, group: usize, lane: usize) -> Option<bool> {
                 match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::sounding(&s[group], lane)),* }
+            }
+            /// Lanes, a bit each, of which [`Kernel::sounding`] says that they have ended, or nothing.
+            pub fn ended(&self, group: usize) -> u8 {
+                let of = |sounding: &dyn Fn(usize) -> Option<bool>| {
+                    (0..LANES).fold(0, |all, lane| all | u8::from(sounding(lane) != Some(true)) << lane)
+                };
+                match self { $($(#[$attr])* Self::$variant(s) => of(&|lane| Kernel::<R>::sounding(&s[group], lane))),* }
             }
             /// See [`Kernel::value`].
             pub fn value(&self, group: usize, lane: usize) -> Option<f64> {

@@ -43,7 +43,7 @@ impl<'a> Target<'a> {
 
     /// All frames.
     #[inline(always)]
-    fn frames(&mut self) -> impl Iterator<Item = &mut [f32]> {
+    pub fn frames(&mut self) -> impl Iterator<Item = &mut [f32]> {
         let channels = self.place.channels;
         self.out.chunks_exact_mut(channels).chain(self.rest.chunks_exact_mut(channels))
     }

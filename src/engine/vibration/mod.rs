@@ -26,6 +26,10 @@ pub const GRID: u64 = 64;
 /// Values of output to write in one turn, about: 64 KiB.
 const NEAR: usize = 16_384;
 
+/// Channels beyond which groups write into a tile first, and groups in a tile.
+const WIDE: usize = 128;
+const TILE: usize = 4;
+
 /// What can be chosen about the stage.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -112,6 +116,9 @@ pub struct Vibration {
     equalisers: Vec<Vec<Biquad>>,
     isa: Isa,
     scratch: Box<Scratch>,
+    /// Groups that run through a turn one after another before the next do: all, or as many as a tile holds.
+    abreast: usize,
+    tile: Vec<f32>,
 }
 
 impl Vibration {
@@ -128,7 +135,13 @@ impl Vibration {
             .collect();
         let scratch = Box::new(Scratch::new(channels, design.fir.ratio));
         let (equalisers, isa) = (options.equalisers.clone(), options.isa.or_supported());
-        Ok(Self { design, groups, channels, equalisers, isa, scratch })
+        // In wide frames the lines that one group writes would throw each other out of the cache before the next group adds
+        // its part to them: a kilochannel's frames lie 4,096 bytes apart, which is where most caches begin again.
+        let wide = channels > WIDE;
+        let groups: Vec<Group> = groups;
+        let abreast = if wide { TILE } else { groups.len().max(1) };
+        let tile = vec![0.0; if wide { GRID as usize * design.fir.ratio * TILE * LANES } else { 0 }];
+        Ok(Self { design, groups, channels, equalisers, isa, scratch, abreast, tile })
     }
 
     /// Engine rate, Hz.
@@ -216,13 +229,33 @@ impl Vibration {
             let to = (from + turn).min(count);
             let out = &mut out[from * step..to.min(whole) * step];
             let rest = if to > whole { &mut *rest } else { &mut [] };
-            for (g, group) in self.groups.iter_mut().enumerate() {
-                let block = &mut rows[g * frames + from..g * frames + to];
-                let place = Place { channels: self.channels, first: g * LANES };
-                let fed = fed.get(g).copied().unwrap_or(true);
-                let now = clock.wrapping_add(from as u64);
-                let to = Target { out, rest, place };
-                group.process(&self.design, self.isa, block, fed, now, to, &mut self.scratch);
+            let now = clock.wrapping_add(from as u64);
+            let tile = &mut self.tile[..];
+            for (t, groups) in self.groups.chunks_mut(self.abreast).enumerate() {
+                let first = t * self.abreast;
+                // Written in its place at once, or in a tile that is then copied, whole cache lines at a time.
+                let wide = self.channels > self.abreast * LANES;
+                let values = (to - from) * self.design.fir.ratio * self.abreast * LANES;
+                for (i, group) in groups.iter_mut().enumerate() {
+                    let g = first + i;
+                    let block = &mut rows[g * frames + from..g * frames + to];
+                    let fed = fed.get(g).copied().unwrap_or(true);
+                    let to = if wide {
+                        let place = Place { channels: self.abreast * LANES, first: i * LANES };
+                        Target { out: &mut tile[..values], rest: &mut [], place }
+                    } else {
+                        Target { out, rest, place: Place { channels: self.channels, first: g * LANES } }
+                    };
+                    group.process(&self.design, self.isa, block, fed, now, to, &mut self.scratch);
+                }
+                if wide {
+                    let place = Place { channels: self.channels, first: first * LANES };
+                    let count = (groups.len() * LANES).min(self.channels - place.first);
+                    let from = tile[..values].chunks_exact(self.abreast * LANES);
+                    for (to, from) in (Target { out, rest, place }).frames().zip(from) {
+                        to[place.first..][..count].copy_from_slice(&from[..count]);
+                    }
+                }
             }
             from = to;
         }
