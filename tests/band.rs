@@ -42,6 +42,12 @@ const HOSTILE: &[(&str, &str, f64)] = &[
         0.3,
     ),
     (
+        "tone near the edge, stopped dead",
+        r#"t = { type = "sine", frequency = 890.7, phase = 0.659 }
+        e = { type = "gate" }"#,
+        0.047,
+    ),
+    (
         "click",
         r#"t = { type = "add", inputs = [1.0] }
         e = { type = "burst", attack = 0, hold = 0.0001, decay = 0 }"#,

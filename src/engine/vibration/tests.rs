@@ -215,11 +215,34 @@ fn hostile_signals_keep_to_full_scale_and_to_the_band() {
     }
 }
 
+/// The band limit rings longest near its edge: there, predictions that end too soon let an output run into full scale.
+#[test]
+fn tones_near_the_edge_may_stop_dead() {
+    let mut draw = random(11);
+    for (rate, ratio) in [(44_100.0, 6), (48_000.0, 6), (12_000.0, 2), (12_000.0, 1), (8_400.0, 1)] {
+        let options = Options { ratio: Some(ratio), ..Options::default() };
+        let engine = rate / ratio as f64;
+        let mut chain = stage(1, rate, &options);
+        for _ in 0..120 {
+            let (hertz, level) = (800.0 + 150.0 * draw(), 1.0 + 7.0 * draw());
+            let (phase, count) = (TAU * draw(), (60.0 + 500.0 * draw()) as usize);
+            let tone = |n: usize| match n < count {
+                true => (level * (TAU * hertz / engine * n as f64 + phase).sin()) as f32,
+                false => 0.0,
+            };
+            let before = chain.counts().clamped;
+            run(&mut chain, &[(0..900).map(tone).collect()], || 64);
+            let clamped = chain.counts().clamped - before;
+            assert_eq!(clamped, 0, "{hertz} Hz × {level} from {phase}, {count} samples of {engine} Hz");
+        }
+    }
+}
+
 #[test]
 fn what_needs_no_limiter_passes_to_the_bit() {
     let off = Options { limiter: false, ..Options::default() };
-    let levels = [20.0, 60.0, 100.0, 200.0, 250.0, 300.0, 400.0].map(|f| (f, 0.97));
-    let levels = levels.into_iter().chain([(600.0, 0.89), (700.0, 0.8), (800.0, 0.7), (850.0, 0.68)]);
+    let levels = [20.0, 60.0, 100.0, 200.0, 250.0, 300.0, 400.0].map(|f| (f, 0.94));
+    let levels = levels.into_iter().chain([(600.0, 0.86), (700.0, 0.77), (800.0, 0.68), (850.0, 0.66)]);
     for (hertz, level) in levels {
         let sine: Vec<f32> = (0..8000)
             .map(|n| {
