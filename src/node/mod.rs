@@ -7,6 +7,8 @@ mod course;
 #[cfg(test)]
 pub(crate) mod harness;
 pub mod kernel;
+#[cfg(feature = "fundsp-nodes")]
+mod leaf;
 mod legs;
 mod segment;
 pub mod spec;
@@ -154,4 +156,14 @@ registry! {
     Sample = sample,
     Scan = scan,
     Input = input,
+    #[cfg(feature = "fundsp-nodes")]
+    Pluck = pluck,
+    #[cfg(feature = "fundsp-nodes")]
+    Chaos = chaos,
+    #[cfg(feature = "fundsp-nodes")]
+    Brown = brown,
+    #[cfg(feature = "fundsp-nodes")]
+    Ladder = ladder,
+    #[cfg(feature = "fundsp-nodes")]
+    Bell = bell,
 }
