@@ -18,6 +18,9 @@ use crate::dsp::lanes::Real;
 use kernel::{Io, Kernel, Onset, Setup, Twin};
 use spec::NodeSpec;
 
+/// Nodes that are made of units of `fundsp`: they are in [`REGISTRY`] with the feature `fundsp-nodes`, which is on by default.
+pub const OF_FUNDSP: [&str; 5] = ["pluck", "chaos", "brown", "ladder", "bell"];
+
 /// A node type: its place in [`REGISTRY`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeKind(pub usize);

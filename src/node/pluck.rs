@@ -145,3 +145,102 @@ fn noise(stream: u64, count: usize) -> Vec<f64> {
     let mean = all.iter().sum::<f64>() / count as f64;
     all.iter().map(|x| x - mean).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::node::harness::Bench;
+
+    fn string(rate: f64, frequency: f64, ring: f64, damping: f64) -> Bench {
+        Bench::new("pluck", rate).steady("frequency", frequency).constant("ring", ring).constant("damping", damping)
+    }
+
+    #[test]
+    fn the_kernel_follows_its_twin() {
+        for (rate, age, frequency, ring, damping) in [
+            (8000.0, -1.0, 100.0, 150.0, 0.5),
+            (8000.0, -1.99, 40.3, 30.0, 1.0),
+            (7350.0, -1.5, 10.0, 100.0, 0.0),
+            (7350.0, -1.01, 1000.0, 800.0, 0.2),
+        ] {
+            let bench = string(rate, frequency, ring, damping).age(age).moving("amplitude", 1.0, |t| 0.5 * t.sin());
+            bench.check_contract();
+            for error in [bench.error_db::<f32>(80_000), bench.error_db::<f64>(80_000)] {
+                assert!(error < -110.0, "{frequency} Hz: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn between_samples_it_is_band_limited() {
+        let bench = string(8000.0, 90.0, 150.0, 0.5).moving("amplitude", 0.0, |t| 1.0 - (100.0 * t.max(0.0)).cos());
+        let error = bench.band_error_db::<f32>(3000, 16);
+        assert!(error < -80.0, "{error}");
+    }
+
+    /// The part of `samples` from `from` on that turns at `hertz`, through a Hann window over `count`.
+    fn part(samples: &[f64], from: usize, count: usize, hertz: f64, rate: f64) -> (f64, f64) {
+        let (mut re, mut im) = (0.0, 0.0);
+        for (n, x) in samples[from..from + count].iter().enumerate() {
+            let window = 1.0 - (std::f64::consts::TAU * n as f64 / count as f64).cos();
+            let angle = std::f64::consts::TAU * hertz / rate * (from + n) as f64;
+            re += window * x * angle.cos();
+            im -= window * x * angle.sin();
+        }
+        (re, im)
+    }
+
+    #[test]
+    fn it_has_its_pitch_and_falls_by_sixty_decibels_in_its_periods() {
+        for (rate, frequency, ring) in [(8000.0, 97.3, 300.0), (7350.0, 251.7, 600.0), (8000.0, 12.5, 40.0)] {
+            let out = string(rate, frequency, ring, 0.0).kernel::<f64>((rate * 2.5) as usize, &[64]);
+            // Ten periods, and as many some time later.
+            let (count, later) = ((10.0 * rate / frequency) as usize, 6.0 * rate / frequency);
+            let later = later.round() as usize;
+            let (a, b) = (part(&out, count, count, frequency, rate), part(&out, count + later, count, frequency, rate));
+            let fall = 20.0 * (b.0.hypot(b.1) / a.0.hypot(a.1)).log10();
+            let exact = -60.0 / ring * later as f64 * frequency / rate;
+            assert!((fall - exact).abs() < 0.05 * exact.abs(), "{frequency} Hz: {fall} dB, {exact}");
+            let turned = (b.1.atan2(b.0) - a.1.atan2(a.0)) / std::f64::consts::TAU;
+            let off = (turned - turned.round()) / (later as f64 / rate);
+            assert!(off.abs() < 0.002 * frequency, "{frequency} Hz is off by {off} Hz");
+        }
+    }
+
+    #[test]
+    fn damping_takes_the_high_part_first() {
+        let high = |damping: f64| {
+            let out = string(8000.0, 100.0, 1000.0, damping).kernel::<f64>(4000, &[64]);
+            let edge: f64 = out[2000..].windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
+            edge / out[2000..].iter().map(|v| v * v).sum::<f64>()
+        };
+        assert!(high(0.0) > 3.0 * high(0.5) && high(0.5) > 1.3 * high(1.0));
+    }
+
+    #[test]
+    fn every_voice_has_its_own_string_and_the_same_one_again() {
+        let of = |stream: u64| {
+            let mut bench = string(8000.0, 100.0, 150.0, 0.5);
+            bench.stream = stream;
+            bench.kernel::<f64>(2000, &[64])
+        };
+        assert_eq!(of(3), of(3));
+        let (a, b) = (of(3), of(4));
+        let cross: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
+        assert!(cross.abs() < 0.5 * a.iter().map(|v| v * v).sum::<f64>(), "{cross}");
+        assert!(a.iter().all(|v| v.abs() < 1.5) && a.iter().sum::<f64>().abs() < 5.0);
+    }
+
+    #[test]
+    fn what_has_died_away_is_silent() {
+        let out = string(8000.0, 500.0, 50.0, 0.5).kernel::<f32>(20_000, &[64]);
+        assert!(out[18_000..].iter().all(|v| *v == 0.0));
+    }
+
+    #[test]
+    fn hostile_pitches_are_limited() {
+        for bad in [f64::NAN, f64::INFINITY, -1e30, 0.0, 1e9] {
+            let out = string(7350.0, bad, 150.0, 0.5).kernel::<f32>(800, &[64]);
+            assert!(out.iter().all(|v| v.abs() < 2.0) && out.iter().any(|v| *v != 0.0), "{bad}");
+        }
+    }
+}

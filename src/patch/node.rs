@@ -4,7 +4,7 @@ use super::Options;
 use super::expr::Expr;
 use crate::node::kernel::Point;
 use crate::node::spec::{Kind, Numeric, Param};
-use crate::node::{NodeKind, REGISTRY};
+use crate::node::{NodeKind, OF_FUNDSP, REGISTRY};
 use crate::text::field::{Field, Form, Table};
 use crate::text::nearest::listed;
 use crate::text::reader::{At, Reader, Sink, range};
@@ -98,6 +98,11 @@ pub(crate) fn read(
         return None;
     };
     let Some(kind) = word.text().and_then(NodeKind::find) else {
+        if word.text().is_some_and(|name| OF_FUNDSP.contains(&name)) {
+            let what = format!("{who}: this program was built without the node type {}", word.shown());
+            sink.error_help(&word.span(), what, "build it with the feature `fundsp-nodes`");
+            return None;
+        }
         let what = format!("{who}: there is no node type {}", word.shown());
         sink.unknown(&word.span(), what, word.text().unwrap_or(""), REGISTRY.iter().map(|s| s.name));
         return None;
