@@ -356,6 +356,15 @@ mod tests {
         bad(Kind::Points, "\"absent\"", "lacks `p`");
     }
 
+    #[cfg(not(feature = "fundsp-nodes"))]
+    #[test]
+    fn a_node_that_was_left_out_of_the_program_is_named_with_its_feature() {
+        let text = "format = \"pacinian-patch/1\"\ntitle = \"T\"\n[voice.v]\noutput = \"s\"\n\
+                    [voice.v.nodes]\ns = { type = \"pluck\", frequency = 100 }\n";
+        let problems = crate::patch::Patch::parse("t.toml", text.as_bytes()).unwrap_err().to_string();
+        assert!(problems.contains("pluck") && problems.contains("fundsp-nodes"), "{problems}");
+    }
+
     #[test]
     fn files_stay_in_their_folder() {
         assert_eq!(good(Kind::File, "\"sub/hit.wav\""), Value::File("sub/hit.wav".into()));
