@@ -37,7 +37,7 @@
 //! | [`score`] | patterns unrolled in time |
 //! | [`patch`], [`rig`] | what people write, and its checks |
 //! | [`text`] | problems that point at their line, schemas |
-//! | [`node`] | the node library, one file a node |
+//! | [`node`] | the node library, one file a node; with the feature `fundsp-nodes` a few units of `fundsp` too |
 //! | [`schedule`] | the sample clock |
 //! | [`dsp`] | blocks that several rooms share |
 

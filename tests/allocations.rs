@@ -72,6 +72,50 @@ output = "tone"
 tone = { type = "sine", frequency = "event.frequency" }
 "#;
 
+/// One of each unit of fundsp. Strings are tuned at every start.
+#[cfg(feature = "fundsp-nodes")]
+const LEAVES: &str = r#"
+[voice.leaves]
+voices = 24
+output = "out"
+[voice.leaves.nodes]
+string = { type = "pluck", frequency = "event.frequency" }
+orbit = { type = "chaos", frequency = "event.frequency" }
+turn = { type = "chaos", frequency = 3, system = "roessler" }
+rumble = { type = "brown", corner = "event.frequency" }
+soft = { type = "ladder", input = "string + rumble", cutoff = "300 + 100 * orbit", resonance = "0.5 + 0.3 * turn" }
+body = { type = "bell", input = "soft", frequency = 180, gain = "6 * turn" }
+hit = { type = "envelope", attack = 0.004, release = 0.02 }
+out = { type = "multiply", inputs = ["body", "hit"] }
+"#;
+
+#[cfg(feature = "fundsp-nodes")]
+#[test]
+fn units_of_fundsp_have_all_memory_from_the_beginning() {
+    let plan = compiled(LEAVES, 16, 48_000.0).plan;
+    let (_director, mut stagehand) = exchange(&plan).unwrap();
+    let mut frames = vec![0.0; 480 * 16];
+    let mut total = 0;
+    for begin in (0..10_000_u32).step_by(20) {
+        total += counted(|| {
+            for i in begin..begin + 20 {
+                let at = Instant { sample: stagehand.engine().clock() + u64::from(i % 80), fraction: 7 };
+                // From below the lowest string to above the highest, up and down.
+                let frequency = f64::from(i.wrapping_mul(613) % 1200);
+                stagehand.engine().schedule(
+                    at,
+                    Source::Program,
+                    Event::Play(play(0, i % 16, frequency, 0.003, u64::from(i))),
+                );
+            }
+            stagehand.process(&[], &mut frames);
+        });
+        assert!(frames.iter().all(|x| x.is_finite()) && frames.iter().any(|x| *x != 0.0));
+    }
+    assert_eq!(total, 0, "allocations and frees");
+    assert!(stagehand.engine().counters().started > 9_000);
+}
+
 #[test]
 fn the_counter_counts() {
     assert!(counted(|| drop(std::hint::black_box(vec![0_u8; 10]))) >= 2);

@@ -1,6 +1,6 @@
 //! Every shipped patch and rig: it reads without a word of complaint, plays to its end within its limits, and is what it should
 //! have been.
-#![cfg(all(feature = "io", feature = "report"))]
+#![cfg(all(feature = "io", feature = "report", feature = "fundsp-nodes"))]
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};

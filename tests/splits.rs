@@ -29,8 +29,36 @@ output = "tone"
 tone = { type = "sine", frequency = "event.frequency" }
 "#;
 
-fn rendered(isa: Isa, precision: Precision, calls: &[usize]) -> Vec<u32> {
-    let mut plan = compiled(PATCH, 11, 48_000.0).plan;
+/// The same with units of fundsp.
+#[cfg(feature = "fundsp-nodes")]
+const LEAVES: &str = r#"
+[voice.beat]
+voices = 5
+output = "out"
+[voice.beat.nodes]
+string = { type = "pluck", frequency = "event.frequency" }
+orbit = { type = "chaos", frequency = "event.frequency" }
+turn = { type = "chaos", frequency = 3, system = "roessler" }
+rumble = { type = "brown", corner = "event.frequency" }
+soft = { type = "ladder", input = "string + rumble", cutoff = "300 + 100 * orbit", resonance = "0.5 + 0.3 * turn" }
+body = { type = "bell", input = "soft", frequency = 180, gain = "6 * turn" }
+hit = { type = "envelope", attack = 0.004, release = 0.02 }
+out = { type = "multiply", inputs = ["body", "hit"] }
+[voice.plain]
+voices = 3
+output = "string"
+[voice.plain.nodes]
+string = { type = "pluck", frequency = "event.frequency" }
+"#;
+
+const PATCHES: &[&str] = &[
+    PATCH,
+    #[cfg(feature = "fundsp-nodes")]
+    LEAVES,
+];
+
+fn rendered(patch: &str, isa: Isa, precision: Precision, calls: &[usize]) -> Vec<u32> {
+    let mut plan = compiled(patch, 11, 48_000.0).plan;
     plan.precision = precision;
     let mut engine = Engine::with_isa(&plan, isa).unwrap();
     let mut events = Vec::new();
@@ -51,11 +79,12 @@ fn rendered(isa: Isa, precision: Precision, calls: &[usize]) -> Vec<u32> {
 
 #[test]
 fn any_cut_gives_the_same_bits() {
-    for precision in [Precision::Single, Precision::Double] {
-        let whole = rendered(Isa::detect(), precision, &[24_000]);
+    let each = PATCHES.iter().flat_map(|patch| [(*patch, Precision::Single), (*patch, Precision::Double)]);
+    for (patch, precision) in each {
+        let whole = rendered(patch, Isa::detect(), precision, &[24_000]);
         for calls in [&[1][..], &[7], &[64], &[480], &[3, 1000, 1, 17, 250, 64]] {
             assert!(
-                rendered(Isa::detect(), precision, calls) == whole,
+                rendered(patch, Isa::detect(), precision, calls) == whole,
                 "{precision:?} in calls of {calls:?}"
             );
         }
@@ -64,8 +93,9 @@ fn any_cut_gives_the_same_bits() {
 
 #[test]
 fn any_instruction_set_gives_the_same_bits() {
-    for precision in [Precision::Single, Precision::Double] {
-        let best = rendered(Isa::detect(), precision, &[480]);
-        assert!(rendered(Isa::Baseline, precision, &[480]) == best, "{precision:?}");
+    let each = PATCHES.iter().flat_map(|patch| [(*patch, Precision::Single), (*patch, Precision::Double)]);
+    for (patch, precision) in each {
+        let best = rendered(patch, Isa::detect(), precision, &[480]);
+        assert!(rendered(patch, Isa::Baseline, precision, &[480]) == best, "{precision:?}");
     }
 }

@@ -4,7 +4,8 @@
 //! has memory would keep it: a filter would hear its input from the first sample computed, which lies one to two samples
 //! ahead of the onset and jumps there on the engine's grid. So the input of a node that has memory is 0 until the onset: one
 //! that does not begin there by itself is multiplied by the node `onset`, which jumps at the exact instant. Likewise the output
-//! of a voice that ends with its envelopes. Noises begin by themselves: their first number is the voice's first sample.
+//! of a voice that ends with its envelopes. Noises begin by themselves, and so do strings, which noise sets off: their first
+//! number is the voice's first sample.
 //!
 //! An oscillator is told whether what moves its frequency begins at the onset, since then it may jump there.
 
@@ -89,7 +90,9 @@ fn begins(node: &Node, begun: &[bool]) -> bool {
         },
         Family::Oscillator | Family::Recording | Family::Input => {
             let names = spec.params.iter().filter(|p| p.kind.is_input()).map(|p| p.name);
-            names.zip(&node.inputs).any(|(name, wire)| name == "amplitude" && quiet(wire))
+            // A string is set off by noise.
+            spec.name == "pluck"
+                || names.zip(&node.inputs).any(|(name, wire)| name == "amplitude" && quiet(wire))
         }
     }
 }
@@ -232,6 +235,33 @@ mod tests {
         let (_, reads) = after(vec![sine(number(50.0)), noise, decay, product, lowpass(3), lowpass(1)]);
         assert_eq!((reads[4][0].as_str(), reads[5][0].as_str()), ("multiply", "white"));
         assert_eq!(reads.len(), 6);
+    }
+
+    #[cfg(feature = "fundsp-nodes")]
+    #[test]
+    fn filters_of_fundsp_hear_from_the_onset_on_and_strings_begin_by_themselves() {
+        for (kind, inputs) in [("ladder", 3), ("bell", 4)] {
+            let filter = |input| {
+                let mut wires = vec![number(100.0); inputs];
+                wires[0] = Wire::node(input);
+                node(kind, wires)
+            };
+            let (_, reads) = after(vec![sine(number(50.0)), filter(0)]);
+            assert_eq!(
+                (reads[1][0].as_str(), &reads[3][..]),
+                ("multiply", &["sine".into(), "onset".into()][..])
+            );
+            let sources = [
+                node("pluck", vec![number(100.0), number(1.0)]),
+                node("chaos", vec![number(5.0), number(1.0)]),
+                node("brown", vec![number(10.0), number(1.0)]),
+            ];
+            for source in sources {
+                let name = source.kind.spec().name;
+                let (_, reads) = after(vec![source, filter(0)]);
+                assert_eq!((reads[1][0].as_str(), reads.len()), (name, 2));
+            }
+        }
     }
 
     #[test]

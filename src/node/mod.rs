@@ -7,6 +7,8 @@ mod course;
 #[cfg(test)]
 pub(crate) mod harness;
 pub mod kernel;
+#[cfg(feature = "fundsp-nodes")]
+mod leaf;
 mod legs;
 mod segment;
 pub mod spec;
@@ -15,6 +17,9 @@ use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use kernel::{Io, Kernel, Onset, Setup, Twin};
 use spec::NodeSpec;
+
+/// Nodes that are made of units of `fundsp`: they are in [`REGISTRY`] with the feature `fundsp-nodes`, which is on by default.
+pub const OF_FUNDSP: [&str; 5] = ["pluck", "chaos", "brown", "ladder", "bell"];
 
 /// A node type: its place in [`REGISTRY`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -161,4 +166,14 @@ registry! {
     Sample = sample,
     Scan = scan,
     Input = input,
+    #[cfg(feature = "fundsp-nodes")]
+    Pluck = pluck,
+    #[cfg(feature = "fundsp-nodes")]
+    Chaos = chaos,
+    #[cfg(feature = "fundsp-nodes")]
+    Brown = brown,
+    #[cfg(feature = "fundsp-nodes")]
+    Ladder = ladder,
+    #[cfg(feature = "fundsp-nodes")]
+    Bell = bell,
 }

@@ -4,7 +4,7 @@ use super::Options;
 use super::expr::Expr;
 use crate::node::kernel::Point;
 use crate::node::spec::{Kind, Numeric, Param};
-use crate::node::{NodeKind, REGISTRY};
+use crate::node::{NodeKind, OF_FUNDSP, REGISTRY};
 use crate::text::field::{Field, Form, Table};
 use crate::text::nearest::listed;
 use crate::text::reader::{At, Reader, Sink, range};
@@ -98,6 +98,11 @@ pub(crate) fn read(
         return None;
     };
     let Some(kind) = word.text().and_then(NodeKind::find) else {
+        if word.text().is_some_and(|name| OF_FUNDSP.contains(&name)) {
+            let what = format!("{who}: this program was built without the node type {}", word.shown());
+            sink.error_help(&word.span(), what, "build it with the feature `fundsp-nodes`");
+            return None;
+        }
         let what = format!("{who}: there is no node type {}", word.shown());
         sink.unknown(&word.span(), what, word.text().unwrap_or(""), REGISTRY.iter().map(|s| s.name));
         return None;
@@ -349,6 +354,15 @@ mod tests {
         bad(Kind::Points, "[{ at = 1, value = 1, shape = \"lineer\" }]", "cannot be \"lineer\"");
         bad(Kind::Points, "[{ at = 1, value = 1, shape = 21 }]", "from -20 to 20");
         bad(Kind::Points, "\"absent\"", "lacks `p`");
+    }
+
+    #[cfg(not(feature = "fundsp-nodes"))]
+    #[test]
+    fn a_node_that_was_left_out_of_the_program_is_named_with_its_feature() {
+        let text = "format = \"pacinian-patch/1\"\ntitle = \"T\"\n[voice.v]\noutput = \"s\"\n\
+                    [voice.v.nodes]\ns = { type = \"pluck\", frequency = 100 }\n";
+        let problems = crate::patch::Patch::parse("t.toml", text.as_bytes()).unwrap_err().to_string();
+        assert!(problems.contains("pluck") && problems.contains("fundsp-nodes"), "{problems}");
     }
 
     #[test]

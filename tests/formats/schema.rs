@@ -16,9 +16,36 @@ fn keep(file: &str, schema: &Value) {
     );
 }
 
+#[cfg(feature = "fundsp-nodes")]
 #[test]
 fn patches() {
     keep("patch.json", &pacinian::patch::schema());
+}
+
+/// The schema that is kept is that of the default features; without the nodes of fundsp it is the same less those.
+#[cfg(not(feature = "fundsp-nodes"))]
+#[test]
+fn patches_without_the_nodes_of_fundsp() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("schema/patch.json");
+    let mut kept: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    for name in pacinian::node::OF_FUNDSP {
+        let node = format!("node-{name}");
+        assert!(kept["$defs"].as_object_mut().unwrap().remove(&node).is_some(), "no {node} is kept");
+        let link = Value::String(format!("#/$defs/{node}"));
+        kept["$defs"]["node"]["oneOf"].as_array_mut().unwrap().retain(|branch| branch["$ref"] != link);
+    }
+    assert!(
+        kept == pacinian::patch::schema(),
+        "schema/patch.json differs by more than the nodes of fundsp: with default features, UPDATE_SCHEMA=1 cargo test --test formats schema"
+    );
+}
+
+/// Which nodes the feature `fundsp-nodes` brings.
+#[test]
+fn the_nodes_of_fundsp_come_with_their_feature() {
+    for name in pacinian::node::OF_FUNDSP {
+        assert_eq!(pacinian::node::NodeKind::find(name).is_some(), cfg!(feature = "fundsp-nodes"), "{name}");
+    }
 }
 
 #[test]
