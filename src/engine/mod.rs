@@ -9,6 +9,7 @@ pub mod exchange;
 pub mod guard;
 pub mod handover;
 pub mod listener;
+pub mod lookup;
 pub mod mixer;
 pub mod raw;
 pub mod stage;
