@@ -10,6 +10,7 @@ pub mod guard;
 pub mod handover;
 pub mod listener;
 pub mod lookup;
+pub mod meter;
 pub mod mixer;
 pub mod raw;
 pub mod stage;
