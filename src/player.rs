@@ -228,6 +228,15 @@ impl Player {
         }
     }
 
+    /// Releases every voice that sounds now, held and always-on ones too: each falls silent by its own release, and one without
+    /// an envelope within [`crate::dsp::fade::FADE`]. The patterns go on, so what they play later sounds.
+    pub fn release_all(&mut self) {
+        let now = Instant { sample: self.engine.clock(), fraction: 0 };
+        if self.engine.schedule(now, Source::Program, Event::ReleaseAll) {
+            self.tell(self.seconds(), now, None, None, Happening::ReleaseAll);
+        }
+    }
+
     /// Sends a control to a value, now; it arrives after its smoothing. The control's range holds.
     ///
     /// # Errors
