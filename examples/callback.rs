@@ -11,7 +11,6 @@ use pacinian::engine::event::{Event, Play, Source};
 use pacinian::engine::guard::Guard;
 use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::graph::start::FIELDS;
 use pacinian::node::asset::NoAssets;
 use pacinian::patch::Patch;
 use pacinian::rig::Rig;
@@ -66,11 +65,11 @@ fn perform(plan: &Plan, lengths: &[usize]) -> Result<Vec<f32>, Box<dyn Error>> {
 
     // The thread that has the ideas. Every event says when, so it may be sent ahead of its time.
     let (mut hand, mut ear) = HeapRb::<(Instant, Event)>::new(64).split();
-    let strength = plan.controls.iter().position(|c| &*c.name == "strength").ok_or("no strength")? as u32;
+    let strength = plan.control("strength")?;
     for n in 0..8_u32 {
-        let mut own = [0.0; FIELDS];
-        own[0] = 80.0 + 20.0 * f64::from(n);
-        let play = Play { instrument: 0, place: n % 2, level: 1.0, duration: 0.15, own, id: u64::from(n) };
+        let key = plan.play("key", &[("frequency", 80.0 + 20.0 * f64::from(n)), ("duration", 0.15)])?;
+        let place = plan.place(if n % 2 == 0 { "t1" } else { "t2" })?;
+        let play = Play { place, id: u64::from(n), ..key };
         let at = Instant::of_samples(0.25 * f64::from(n) * rate);
         hand.try_push((at, Event::Play(play))).map_err(|_| "the ring is full")?;
     }

@@ -5,11 +5,10 @@
 
 use std::error::Error;
 
-use pacinian::engine::event::{Event, Play, Source};
+use pacinian::engine::event::{Event, Source};
 use pacinian::engine::exchange::exchange;
 use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::graph::start::FIELDS;
 use pacinian::node::asset::NoAssets;
 use pacinian::patch::Patch;
 use pacinian::rig::Rig;
@@ -35,9 +34,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let second = compiled(&format!("{text}sway = {{ type = \"lfo\", rate = 4 }}\n"))?;
 
     let (mut director, mut stagehand) = exchange(&first)?;
-    let mut own = [0.0; FIELDS];
-    own[0] = 80.0;
-    let play = Play { instrument: 0, place: 0, level: 1.0, duration: f64::INFINITY, own, id: 1 };
+    // No duration: it is held.
+    let play = first.play("hum", &[("frequency", 80.0)])?;
     stagehand.engine().schedule(Instant::default(), Source::Program, Event::Play(play));
 
     // In a program, the stagehand lives in the audio callback and the director with whoever edits; here they take turns.

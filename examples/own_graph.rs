@@ -6,10 +6,10 @@ use std::error::Error;
 use std::sync::Arc;
 
 use pacinian::engine::Engine;
-use pacinian::engine::event::{Event, Play, Source};
+use pacinian::engine::event::{Event, Source};
 use pacinian::graph::plan::{Instrument, Output, OutputKind, Plan, Precision, compile};
 use pacinian::graph::program::Program;
-use pacinian::graph::start::{FIELDS, StartProgram, Step};
+use pacinian::graph::start::{StartProgram, Step};
 use pacinian::graph::{Graph, Node, Settings, Wire};
 use pacinian::node::NodeKind;
 use pacinian::node::spec::Kind;
@@ -65,9 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
 
     let mut engine = Engine::new(&plan)?;
-    let mut own = [0.0; FIELDS];
-    own[0] = 120.0;
-    let play = Play { instrument: 0, place: 0, level: 1.0, duration: 2.0, own, id: 1 };
+    let play = plan.play("voice", &[("frequency", 120.0), ("duration", 2.0)])?;
     engine.schedule(Instant::default(), Source::Program, Event::Play(play));
     let mut frames = vec![0.0_f32; 72_000];
     engine.process(&mut frames);

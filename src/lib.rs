@@ -5,19 +5,19 @@
 //! callback, or straight into a buffer. All vibration is band-limited to 1 kHz, in engine samples of about 8 kHz.
 //!
 //! ```
-//! use pacinian::{node::asset::NoAssets, patch::Patch, player::{Note, Player}, rig::Rig};
-//!
+//! # use pacinian::graph::scene::Options;
+//! # use pacinian::{node::asset::NoAssets, patch::{Patch, Place}, player::{Note, Player}, rig::Rig};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let text = std::fs::read("patches/04-heartbeat.toml")?;
-//! let patch = Patch::parse("04-heartbeat.toml", &text)?.value;
-//! let rig = Rig::default_for(8);
-//! let options = pacinian::graph::scene::Options { live: true, ..Default::default() };
-//! let mut player = Player::new(&patch, &rig, &options, &NoAssets)?;
-//! let voice = patch.voices[0].name.as_str();
-//! player.play(voice, &Note { level: Some(0.5), ..Note::default() })?;
+//! let patch = Patch::parse("heartbeat.toml", &std::fs::read("patches/04-heartbeat.toml")?)?.value;
+//! let rig = Rig::parse("belt.toml", &std::fs::read("rigs/belt.toml")?)?.value;
+//! let mut player = Player::new(&patch, &rig, &Options { live: true, ..Options::default() }, &NoAssets)?;
+//! let left = Some(Place::Name("left".into())); // the seventh channel of the belt
+//! player.play("beat", &Note { level: Some(0.5), place: left, ..Note::default() })?;
+//! player.set("strength", 0.5)?;
 //! let mut second = vec![0.0; 48_000 * player.engine().channels()];
-//! player.process(&mut second); // interleaved frames; `player.set("name", value)` moves a control
-//! # assert!(second.iter().any(|x| *x != 0.0));
+//! player.process(&mut second); // interleaved frames
+//! let peak = second.iter().skip(6).step_by(8).fold(0.0_f32, |peak, x| peak.max(x.abs()));
+//! assert!(peak > 0.1 && peak < 0.3, "half of a half: {peak}");
 //! # Ok(())
 //! # }
 //! ```

@@ -1,5 +1,7 @@
 //! A patch on a rig, playing: the engine together with the patterns that feed it.
 
+mod heard;
+
 use std::sync::Arc;
 
 use crate::engine::Engine;
@@ -14,6 +16,8 @@ use crate::rig::Rig;
 use crate::schedule::Instant;
 use crate::score::{EventStream, Score, Timed, What};
 use crate::text::{Problem, Problems};
+
+pub use heard::{Happening, Heard, Listener, Origin};
 
 /// Opens events files for the score, by their path as written in the patch.
 pub type OpenEvents = Box<dyn FnMut(&str) -> Result<EventStream<'static>, Problem> + Send>;
@@ -33,6 +37,9 @@ pub struct Player {
     trouble: Option<Problem>,
     played: u64,
     record: Option<Vec<(f64, Play)>>,
+    listener: Option<Listener>,
+    /// What was played before anything was computed, for a listener who comes then.
+    first: Vec<(f64, Play)>,
 }
 
 /// Voices that the program plays have ids from here on, so that they share no random numbers with those of patterns.
@@ -80,6 +87,8 @@ impl Player {
             trouble: None,
             played: 0,
             record: None,
+            listener: None,
+            first: Vec::new(),
         };
         player.start().map_err(|p| player.patch.origin.problems(vec![p]))?;
         Ok(player)
@@ -142,6 +151,15 @@ impl Player {
         self.record.as_deref().unwrap_or_default()
     }
 
+    /// Tells `listener` of every event from now on, as it is given to the engine, and of those that were played at the
+    /// beginning if nothing was computed yet. Voices that are always on are no events.
+    pub fn listen(&mut self, listener: Listener) {
+        self.listener = Some(listener);
+        for (at, play) in std::mem::take(&mut self.first) {
+            self.tell_play(at, None, &play);
+        }
+    }
+
     /// Plays a voice now. Gives an id to release it by.
     ///
     /// # Errors
@@ -195,6 +213,7 @@ impl Player {
         let id = PROGRAM + self.played;
         let play = Play { instrument, place, level, duration, own, id };
         if self.send(at, Source::Program, play) {
+            self.tell_play(at, None, &play);
             Ok(id)
         } else {
             Err(Problem::of_file("the engine's queue is full; play less at once"))
@@ -204,7 +223,18 @@ impl Player {
     /// Releases what was played under an id, now.
     pub fn release(&mut self, id: u64) {
         let now = Instant { sample: self.engine.clock(), fraction: 0 };
-        self.engine.schedule(now, Source::Program, Event::Release(id));
+        if self.engine.schedule(now, Source::Program, Event::Release(id)) {
+            self.tell(self.seconds(), now, None, Some(id), Happening::Release);
+        }
+    }
+
+    /// Releases every voice that sounds now, held and always-on ones too: each falls silent by its own release, and one without
+    /// an envelope within [`crate::dsp::fade::FADE`]. The patterns go on, so what they play later sounds.
+    pub fn release_all(&mut self) {
+        let now = Instant { sample: self.engine.clock(), fraction: 0 };
+        if self.engine.schedule(now, Source::Program, Event::ReleaseAll) {
+            self.tell(self.seconds(), now, None, None, Happening::ReleaseAll);
+        }
     }
 
     /// Sends a control to a value, now; it arrives after its smoothing. The control's range holds.
@@ -220,7 +250,9 @@ impl Player {
             ))
         })?;
         let now = Instant { sample: self.engine.clock(), fraction: 0 };
-        self.engine.schedule(now, Source::Program, Event::Control(index as u32, value));
+        if self.engine.schedule(now, Source::Program, Event::Control(index as u32, value)) {
+            self.tell(self.seconds(), now, None, None, Happening::Control(control, value));
+        }
         Ok(())
     }
 
@@ -266,17 +298,20 @@ impl Player {
                 What::Play(note) => {
                     let Some(instrument) = self.instruments[note.voice] else { continue };
                     let (place, level, duration, own) = (note.place, note.level, note.duration, note.own);
-                    self.send(
-                        next.at,
-                        Source::Pattern,
-                        Play { instrument, place, level, duration, own, id: next.id },
-                    );
+                    let play = Play { instrument, place, level, duration, own, id: next.id };
+                    if self.send(next.at, Source::Pattern, play) {
+                        let from = Stand { pattern: next.pattern, event: next.event, drawn: next.drawn };
+                        self.tell_play(next.at, Some(from), &play);
+                    }
                 }
                 What::Marker(name) => {
                     let number =
                         self.plan.markers.iter().position(|m| *m == name).map_or(u32::MAX, |i| i as u32);
                     let at = Instant::of_samples(next.at * self.plan.engine_rate());
-                    self.engine.schedule(at, Source::Pattern, Event::Marker(number));
+                    if self.engine.schedule(at, Source::Pattern, Event::Marker(number)) {
+                        let from = Stand { pattern: next.pattern, event: next.event, drawn: next.drawn };
+                        self.tell(next.at, at, Some(from), Some(next.id), Happening::Marker(&name));
+                    }
                 }
             }
         }
@@ -293,6 +328,49 @@ impl Player {
         }
         taken
     }
+
+    /// Tells the listener of a voice.
+    fn tell_play(&mut self, at: f64, from: Option<Stand>, play: &Play) {
+        if self.listener.is_none() {
+            if self.engine.clock() == 0 && from.is_none() {
+                self.first.push((at, *play));
+            }
+            return;
+        }
+        let instant = Instant::of_samples(at * self.plan.engine_rate());
+        let patch = Arc::clone(&self.patch);
+        let rig = Arc::clone(&self.rig);
+        let Some(voice) = self.instruments.iter().position(|i| *i == Some(play.instrument)) else { return };
+        let Some(voice) = patch.voices.get(voice) else { return };
+        let what = Happening::Voice {
+            name: &voice.name,
+            place: rig.outputs.get(play.place as usize).map_or("", |output| &output.name),
+            level: play.level,
+            duration: play.duration,
+            fields: &voice.fields,
+            own: &play.own,
+        };
+        self.tell(at, instant, from, Some(play.id), what);
+    }
+
+    /// Tells the listener of anything.
+    fn tell(&mut self, at: f64, instant: Instant, from: Option<Stand>, id: Option<u64>, what: Happening<'_>) {
+        let Some(listener) = &mut self.listener else { return };
+        let origin = from.map(|Stand { pattern, event, drawn }| Origin {
+            pattern: self.patch.patterns.get(pattern).map_or("", |p| &p.name),
+            event,
+            drawn,
+        });
+        listener(&Heard { at, instant, origin, id, what });
+    }
+}
+
+/// Where in the patterns an event stands: pattern, event and alternative, by number.
+#[derive(Debug, Clone, Copy)]
+struct Stand {
+    pattern: usize,
+    event: u64,
+    drawn: Option<u32>,
 }
 
 /// What a program may say about a voice that it plays; what it does not say is as the voice has it.

@@ -6,9 +6,12 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use common::{compiled, play};
+use pacinian::engine::Engine;
 use pacinian::engine::event::{Event, Source};
 use pacinian::engine::exchange::exchange;
-use pacinian::schedule::Instant;
+use pacinian::engine::meter::Meter;
+use pacinian::engine::task::{Task, Values};
+use pacinian::schedule::{Beat, Instant};
 
 thread_local! {
     static COUNT: Cell<Option<u64>> = const { Cell::new(None) };
@@ -153,4 +156,36 @@ fn a_hundred_thousand_events_and_a_hundred_plans() {
     }
     assert_eq!(total, 0, "allocations and frees in {events} events and {sent} plans");
     assert!(stagehand.engine().counters().started > 70_000);
+}
+
+/// Sends a control to where a shared node is, at every sample.
+struct Servo;
+
+impl Task for Servo {
+    fn beat(&self) -> Beat {
+        Beat::every(1)
+    }
+    fn run(&mut self, board: &mut dyn Values) {
+        let value = board.signal(0);
+        board.send(0, value);
+    }
+}
+
+#[test]
+fn periodic_tasks() {
+    let plan = compiled(PATCH, 16, 48_000.0).plan;
+    let mut engine = Engine::new(&plan).unwrap();
+    let (meter, level) = Meter::new(plan.signal("wobble").unwrap(), Beat::every(1));
+    engine.add_task(Box::new(meter));
+    engine.add_task(Box::new(Servo));
+    engine.schedule(Instant::default(), Source::Program, Event::Play(play(0, 3, 80.0, 10.0, 1)));
+    let mut frames = vec![0.0; 480 * 16];
+    let total = counted(|| {
+        for _ in 0..200 {
+            engine.process(&mut frames);
+            std::hint::black_box(level.take_peak());
+        }
+    });
+    assert_eq!(total, 0);
+    assert_ne!(level.latest(), 0.0);
 }

@@ -56,7 +56,7 @@ impl Demo {
         let (wav_path, svg_path) =
             (self.output.join("pacinian-demo.wav"), self.output.join("pacinian-demo.svg"));
         let mut picture = collector(&loaded, None);
-        let wav = Wav { output: &wav_path, format: Encoding::F32, duration: None, record: true };
+        let wav = Wav { output: &wav_path, format: Encoding::F32, duration: None, record: true, log: None };
         let rendered = wav.write(&loaded, terminal, |block| picture.push(block))?;
         out::write(&svg_path, picture.svg(&style(&loaded)).as_bytes())?;
         rendered.ending?;

@@ -9,16 +9,25 @@ use super::stop::Stop;
 use super::summary::Summary;
 use super::terminal::Terminal;
 use clap::Args;
+use pacinian::io::error::FileError;
+use pacinian::io::log::{EventLog, Head};
 use pacinian::io::wav::{Encoding, WavSpec, WavWriter};
 use pacinian::player::Player;
 use pacinian::text::{Problem, Severity};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Renders a patch to a WAV file with a channel for each tactor
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  pacinian render heartbeat.toml --rig vest.toml -o heartbeat.wav\n\n\
+#[command(after_help = "Examples:\n  pacinian render heartbeat.toml --rig vest.toml -o heartbeat.wav\n  \
+    pacinian render countdown.toml -o countdown.wav --log countdown.csv\n\n\
     The file plays at any time, also while it is written and when the program is stopped: Ctrl-C completes it as far as it is.\n\
-    It ends when the patterns are over and nothing rings any more; patterns without end need --duration or --input.")]
+    It ends when the patterns are over and nothing rings any more; patterns without end need --duration or --input.\n\n\
+    The log of --log has a first line with patch, seed and rates, a second with the names of the columns, and a line for each \
+    event as it is scheduled: seconds, engine sample and fraction of one; voice, marker or control; the pattern, which of its \
+    events (from 1, in the order of the file, so a shuffled pattern shows what landed where) and which alternative of a `choose` \
+    was drawn (from 1); name, tactor, level, frequency, other fields, duration, id. Instants are those of the events: what is felt \
+    comes later by the delay in the first line. The same patch and seed give the same log.")]
 pub struct Render {
     #[command(flatten)]
     scene: Scene,
@@ -31,6 +40,9 @@ pub struct Render {
     /// Seconds to render [default: what the patch says, else until everything is over]
     #[arg(long, value_name = "S", value_parser = seconds)]
     duration: Option<f64>,
+    /// Writes every event that is played to a table too: when, which of which pattern, what was drawn
+    #[arg(long, value_name = "FILE.csv")]
+    log: Option<PathBuf>,
     /// The summary as one JSON object
     #[arg(long)]
     json: bool,
@@ -55,12 +67,66 @@ pub fn check_output(output: &Path, loaded: &Loaded) -> Result<(), Failure> {
             "name a file: -o out.wav",
         ));
     }
+    refuse_to_replace(output, loaded, "-o")
+}
+
+fn refuse_to_replace(output: &Path, loaded: &Loaded, option: &str) -> Result<(), Failure> {
     let Ok(real) = output.canonicalize() else { return Ok(()) };
     if loaded.files.iter().any(|file| file.canonicalize().is_ok_and(|file| file == real)) {
         let what = format!("`{}` is read for this rendering, so it is not written over", output.display());
-        return Err(Failure::usage(what, "choose another file for -o"));
+        return Err(Failure::usage(what, format!("choose another file for {option}")));
     }
     Ok(())
+}
+
+/// Refuses to write a log over what is read or rendered.
+fn check_log(log: &Path, output: &Path, loaded: &Loaded) -> Result<(), Failure> {
+    if log.as_os_str() == "-" {
+        let what = "the log goes to a file, since standard output has the summary";
+        return Err(Failure::usage(what, "name a file: --log out.csv"));
+    }
+    if place(log) == place(output) {
+        let what = format!("`{}` cannot be both the rendering and its log", log.display());
+        return Err(Failure::usage(what, "choose another file for --log"));
+    }
+    refuse_to_replace(log, loaded, "--log")
+}
+
+/// Where a file is or will be, however it is written.
+fn place(path: &Path) -> PathBuf {
+    if let Ok(real) = path.canonicalize() {
+        return real;
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (folder.canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    }
+}
+
+/// A log that the player and whoever renders both know.
+#[derive(Debug, Clone)]
+struct Log(Arc<Mutex<EventLog>>);
+
+impl Log {
+    fn create(path: &Path, loaded: &Loaded, player: &mut Player) -> Result<Self, FileError> {
+        let plan = player.plan();
+        let head = Head {
+            patch: loaded.name().into(),
+            seed: plan.seed,
+            device_rate: plan.device_rate,
+            engine_rate: plan.engine_rate(),
+            delay: player.engine().delay().total(),
+        };
+        let log = Self(Arc::new(Mutex::new(EventLog::create(path, &head)?)));
+        let heard = log.clone();
+        player.listen(Box::new(move |event| heard.get().hear(event)));
+        Ok(log)
+    }
+
+    fn get(&self) -> MutexGuard<'_, EventLog> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Render {
@@ -70,7 +136,13 @@ impl Render {
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
-        let wav = Wav { output: &self.output, format: self.format, duration: self.duration, record: false };
+        let wav = Wav {
+            output: &self.output,
+            format: self.format,
+            duration: self.duration,
+            record: false,
+            log: self.log.as_deref(),
+        };
         let rendered = wav.write(&loaded, terminal, |_| {})?;
         let summary = &rendered.summary;
         terminal.print(&if self.json { json(summary) } else { summary.text(terminal.out) })?;
@@ -89,6 +161,8 @@ pub struct Wav<'a> {
     pub duration: Option<f64>,
     /// Whether the player keeps what it plays.
     pub record: bool,
+    /// Where every event goes, if anywhere.
+    pub log: Option<&'a Path>,
 }
 
 /// A WAV file that was written.
@@ -112,8 +186,9 @@ impl Wav<'_> {
         terminal: &Terminal,
         mut also: impl FnMut(&[f32]),
     ) -> Result<Rendered, Failure> {
-        let Self { output, format, duration, record } = self;
+        let Self { output, format, duration, record, log } = self;
         check_output(output, loaded)?;
+        log.map_or(Ok(()), |log| check_log(log, output, loaded))?;
         let mut player = loaded.player()?;
         if record {
             player.record();
@@ -126,10 +201,12 @@ impl Wav<'_> {
         spec.tactors = loaded.tactors();
         let stop = Stop::listen()?;
         let mut writer = WavWriter::create(output, spec)?;
+        let log = log.map(|path| Log::create(path, loaded, &mut player)).transpose()?;
         let shown = output.display().to_string();
         let performed = perform(&mut player, loaded.input.as_deref(), until, &stop, terminal, |block| {
             also(block);
-            writer.write(block)
+            writer.write(block)?;
+            log.as_ref().map_or(Ok(()), |log| log.get().check())
         });
         let performed = performed.map_err(|(error, frames)| {
             let mut failure = Failure::from(error);
@@ -140,6 +217,7 @@ impl Wav<'_> {
             failure
         })?;
         let written = writer.finish()?;
+        log.map_or(Ok(()), |log| log.get().finish())?;
         let seconds = written.frames as f64 / f64::from(rate);
         let ending = if let Some(code) = performed.stopped {
             let problem = Problem {

@@ -4,6 +4,7 @@ pub mod biquad;
 pub mod corner;
 pub mod elementary;
 pub mod elliptic;
+pub mod fade;
 pub mod fractional;
 pub mod interleaved;
 pub mod interpolator;

@@ -6,6 +6,7 @@ use super::core::GRID;
 use super::event::Play;
 use super::mixer::Routes;
 use super::workspace::{Bus, Rows, Workspace};
+use crate::dsp::fade::{FADE, fade};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use crate::dsp::random;
@@ -16,9 +17,6 @@ use crate::graph::start::Fields;
 use crate::node::States;
 use crate::node::kernel::{INPUTS, Input, Io, LEAD, Onset};
 use crate::schedule::Instant;
-
-/// Seconds in which a voice that must make room falls silent, and in which one without an envelope comes and goes.
-pub const FADE: f64 = 0.004;
 
 /// What counts as silence: −120 dB.
 const SILENCE: f64 = 1e-6;
@@ -606,13 +604,6 @@ impl<'a, R: Real> Sources<'a, R> {
         };
         Input { rows: &rows[..self.frames], step: 1, base }
     }
-}
-
-/// Gain of a voice that falls silent, `seconds` after it began to: 1 − (10 x³ − 15 x⁴ + 6 x⁵) over [`FADE`], whose slope and
-/// curvature are 0 at both ends.
-pub fn fade(seconds: f64) -> f64 {
-    let x = (seconds / FADE).clamp(0.0, 1.0);
-    1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x))
 }
 
 /// Makes what is not finite 0; how many samples of live lanes that were.

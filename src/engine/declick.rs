@@ -1,7 +1,7 @@
 //! No step where one plan follows another: what the channels would jump by is added, and faded out.
 
-use super::bank::{FADE, fade};
 use super::workspace::Workspace;
+use crate::dsp::fade::{FADE, fade};
 use crate::dsp::lanes::{LANES, Real};
 
 /// The channels' last samples, and what is still to be faded out of them.

@@ -3,7 +3,7 @@
 //! The control thread compares the two plans, allocates everything the new one needs and says which part of the old goes
 //! where ([`prepare`]). The audio thread swaps pointers ([`super::core::Core::adopt`]): voices that still exist keep sounding with
 //! their states, controls keep their values, waiting events keep their times. Voices that have no counterpart fall silent within
-//! [`super::bank::FADE`] in the old engine, which then goes back to the control thread to be freed.
+//! [`crate::dsp::fade::FADE`] in the old engine, which then goes back to the control thread to be freed.
 
 use std::fmt;
 

@@ -9,6 +9,8 @@ pub mod exchange;
 pub mod guard;
 pub mod handover;
 pub mod listener;
+pub mod lookup;
+pub mod meter;
 pub mod mixer;
 pub mod raw;
 pub mod stage;

@@ -4,6 +4,7 @@ pub mod assets;
 pub mod error;
 pub mod events;
 pub mod input;
+pub mod log;
 pub mod out;
 pub mod resample;
 pub mod text;

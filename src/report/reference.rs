@@ -2,14 +2,15 @@
 //!
 //! Every voice is computed by the twins of its nodes, in `f64`, at a multiple of the engine's rate, exactly at its instant, and
 //! then brought down to the engine's rate by a filter that leaves 0 to 1 kHz alone. Nothing of the engine takes part: no lanes, no
-//! blocks, no corrections, no output stage.
+//! blocks, no corrections, no output stage. What both share are definitions that have tests of their own: the compiled plan, the
+//! random numbers, and the [fade](crate::dsp::fade) of voices without an envelope.
 
 use std::collections::VecDeque;
 
 use super::decimate::Decimator;
 use super::hearing::hearing;
+use crate::dsp::fade::{FADE, fade};
 use crate::dsp::random;
-use crate::engine::bank::{FADE, fade};
 use crate::engine::event::Play;
 use crate::graph::Base;
 use crate::graph::plan::{Plan, Shared};

@@ -1,0 +1,192 @@
+//! What a plan has under a name: events, controls, places and signals for programs that drive an engine themselves.
+
+use super::event::Play;
+use crate::graph::plan::{Plan, Shared};
+use crate::graph::program::Feed;
+use crate::graph::start::FIELDS;
+use crate::text::{Problem, nearest};
+
+impl Plan {
+    /// A voice by its name, with values for its fields; what is not named is as the voice has it. Besides the fields that the
+    /// voice declares there are `level` (1 for a full one) and `duration` (seconds until the release; without it the voice is
+    /// held until it is released). It sounds at the voice's place, under the id 0:
+    ///
+    /// ```
+    /// # use pacinian::{engine::event::Play, graph::plan::Plan, text::Problem};
+    /// # fn second(plan: &Plan) -> Result<Play, Problem> {
+    /// let play = Play { place: plan.place("t2")?, id: 1, ..plan.play("tap", &[("frequency", 80.0), ("level", 0.5)])? };
+    /// # Ok(play) }
+    /// ```
+    ///
+    /// # Errors
+    /// A voice that the plan does not have, a field that the voice does not declare, a value that is not finite (a duration may
+    /// be infinite) or a negative duration.
+    pub fn play(&self, voice: &str, fields: &[(&str, f64)]) -> Result<Play, Problem> {
+        let index = find("voice", voice, self.instruments.iter().map(|i| &*i.name))?;
+        let instrument = &self.instruments[index];
+        let mut own = [0.0; FIELDS];
+        own.iter_mut().zip(&instrument.defaults).for_each(|(value, default)| *value = *default);
+        let mut play = Play {
+            instrument: index as u32,
+            place: instrument.place,
+            level: instrument.level,
+            duration: f64::INFINITY,
+            own,
+            id: 0,
+        };
+        for &(name, value) in fields {
+            let declared = instrument.fields.iter().position(|field| **field == *name);
+            let slot = match (declared, name) {
+                (Some(i), _) => play.own.get_mut(i),
+                (None, "level") => Some(&mut play.level),
+                (None, "duration") => Some(&mut play.duration),
+                (None, _) => None,
+            };
+            let Some(slot) = slot else {
+                let names = instrument.fields.iter().map(|f| &**f).chain(["level", "duration"]);
+                let what = format!("voice `{voice}` has no field `{name}`");
+                return Err(Problem::of_file(what).help(nearest::suggest(name, names)));
+            };
+            let duration = declared.is_none() && name == "duration";
+            if !(value.is_finite() || duration && value == f64::INFINITY) || duration && value < 0.0 {
+                let what = format!("voice `{voice}` cannot be played with `{name}` = {value}");
+                let help = if duration { "give seconds, at least 0" } else { "give a finite number" };
+                return Err(Problem::of_file(what).help(help.to_string()));
+            }
+            *slot = value;
+        }
+        Ok(play)
+    }
+
+    /// A control's number, for [`super::event::Event::Control`].
+    ///
+    /// # Errors
+    /// A control that the patch does not have, or that nothing reads.
+    pub fn control(&self, name: &str) -> Result<u32, Problem> {
+        find("control that moves anything", name, self.controls.iter().map(|c| &*c.name)).map(|i| i as u32)
+    }
+
+    /// A place's number, for [`Play::place`], by the name of its output.
+    ///
+    /// # Errors
+    /// An output that the rig does not have.
+    pub fn place(&self, name: &str) -> Result<u32, Problem> {
+        let names = self.outputs.iter().take(self.places.len());
+        find("tactor or output", name, names.map(|o| &*o.name)).map(|i| i as u32)
+    }
+
+    /// An engine-wide signal's number, for [`super::task::Values::signal`], by the name of its control or shared node.
+    ///
+    /// # Errors
+    /// A control or shared node that the patch does not have, or that no voice reads.
+    pub fn signal(&self, name: &str) -> Result<usize, Problem> {
+        find("control or shared node that a voice reads", name, self.shared.iter().map(|s| self.name_of(*s)))
+    }
+
+    /// The name of an engine-wide signal; "" for an input, and for a node that has become a number.
+    fn name_of(&self, shared: Shared) -> &str {
+        match shared {
+            Shared::Control(c) => self.controls.get(c as usize).map_or("", |c| &c.name),
+            Shared::Input(_) => "",
+            Shared::Node(output) => match self.shared_program.outputs.get(output as usize) {
+                Some(Feed::Buffer(b)) => {
+                    let last = self.shared_program.ops.iter().rev().find(|op| op.output == *b);
+                    last.map_or("", |op| &op.node.name)
+                }
+                Some(Feed::Shared(s)) => match self.shared.get(*s as usize) {
+                    Some(Shared::Control(c)) => self.controls.get(*c as usize).map_or("", |c| &c.name),
+                    _ => "",
+                },
+                _ => "",
+            },
+        }
+    }
+}
+
+fn find<'a>(kind: &str, name: &str, names: impl Iterator<Item = &'a str> + Clone) -> Result<usize, Problem> {
+    names.clone().position(|n| n == name && !n.is_empty()).ok_or_else(|| {
+        let help = nearest::suggest(name, names.filter(|n| !n.is_empty()));
+        Problem::of_file(format!("there is no {kind} called `{name}`")).help(help)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Plan, Shared};
+    use crate::graph::scene::{Options, scene};
+    use crate::node::asset::NoAssets;
+    use crate::patch::Patch;
+    use crate::rig::Rig;
+
+    fn plan() -> Plan {
+        let text = r#"
+            format = "pacinian-patch/1"
+            title = "Names"
+            [control.unread]
+            default = 0.0
+            [control.strength]
+            default = 1.0
+            [shared.nodes]
+            slow = { type = "lfo", rate = 2 }
+            slower = { type = "lfo", rate = 1 }
+            [voice.hum]
+            output = "tone"
+            nodes.tone = { type = "sine", frequency = "event.frequency" }
+            [voice.tap]
+            output = "out"
+            place = "t2"
+            defaults = { level = 0.75, frequency = 90, bite = 0.25 }
+            [voice.tap.nodes]
+            tone = { type = "sine", frequency = "event.frequency", amplitude = "event.bite * strength" }
+            out = { type = "multiply", inputs = ["tone", "slow", "slower"] }
+        "#;
+        let patch = Patch::parse("names.toml", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let options = Options { live: true, ..Options::default() };
+        scene(&patch, &Rig::default_for(3), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan
+    }
+
+    #[test]
+    fn what_is_not_said_is_as_the_voice_has_it() {
+        let plan = plan();
+        let play = plan.play("tap", &[("bite", -2.0)]).unwrap();
+        let tap = plan.instruments.iter().position(|i| &*i.name == "tap").unwrap();
+        let bite = plan.instruments[tap].fields.iter().position(|f| &**f == "bite").unwrap();
+        let frequency = plan.instruments[tap].fields.iter().position(|f| &**f == "frequency").unwrap();
+        assert_eq!((play.instrument, play.place, play.level), (tap as u32, 1, 0.75));
+        assert_eq!((play.own[bite], play.own[frequency]), (-2.0, 90.0));
+        assert_eq!(play.duration, f64::INFINITY);
+        let play = plan.play("tap", &[("duration", 0.5), ("level", 0.1), ("frequency", 40.0)]).unwrap();
+        assert_eq!((play.duration, play.level, play.own[frequency], play.own[bite]), (0.5, 0.1, 40.0, 0.25));
+    }
+
+    #[test]
+    fn names_find_their_numbers() {
+        let plan = plan();
+        assert_eq!((plan.place("t1").unwrap(), plan.place("t3").unwrap()), (0, 2));
+        assert_eq!(&*plan.controls[plan.control("strength").unwrap() as usize].name, "strength");
+        let (slow, slower) = (plan.signal("slow").unwrap(), plan.signal("slower").unwrap());
+        assert!(slow != slower && matches!(plan.shared[slow], Shared::Node(_)));
+        assert!(matches!(plan.shared[plan.signal("strength").unwrap()], Shared::Control(_)));
+    }
+
+    #[test]
+    fn a_wrong_name_is_told_the_nearest() {
+        let plan = plan();
+        let says = |problem: crate::text::Problem, words: &str| {
+            let shown = problem.to_string();
+            assert!(shown.contains(words), "{shown}");
+        };
+        says(plan.play("tab", &[]).unwrap_err(), "did you mean `tap`?");
+        says(plan.play("tap", &[("frequenzy", 1.0)]).unwrap_err(), "did you mean `frequency`?");
+        says(plan.play("tap", &[("levl", 1.0)]).unwrap_err(), "did you mean `level`?");
+        says(plan.play("hum", &[("bite", 1.0)]).unwrap_err(), "no field `bite`");
+        says(plan.control("strenght").unwrap_err(), "did you mean `strength`?");
+        says(plan.control("unread").unwrap_err(), "there is only `strength`");
+        says(plan.place("t33").unwrap_err(), "did you mean `t3`?");
+        says(plan.signal("slwo").unwrap_err(), "did you mean `slow`?");
+        says(plan.play("tap", &[("level", f64::NAN)]).unwrap_err(), "finite");
+        says(plan.play("tap", &[("level", f64::INFINITY)]).unwrap_err(), "finite");
+        says(plan.play("tap", &[("duration", -1.0)]).unwrap_err(), "at least 0");
+        says(plan.play("tap", &[("duration", f64::NAN)]).unwrap_err(), "at least 0");
+    }
+}

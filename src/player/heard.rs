@@ -1,0 +1,61 @@
+//! What a player tells of the events that it gives the engine.
+
+use crate::schedule::Instant;
+
+/// Hears of every event as it is given to the engine: those of the patterns in order of their time, those of the program
+/// in between.
+pub type Listener = Box<dyn FnMut(&Heard<'_>) + Send>;
+
+/// An event that was given to the engine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Heard<'a> {
+    /// Seconds from the beginning, as the patterns have it.
+    pub at: f64,
+    /// The same on the engine's clock.
+    pub instant: Instant,
+    /// The pattern it comes from; `None` for what a trigger or the program plays.
+    pub origin: Option<Origin<'a>>,
+    /// The id of the voice, or the serial number of the marker in its score; `None` for what has none.
+    pub id: Option<u64>,
+    /// What it is.
+    pub what: Happening<'a>,
+}
+
+/// Where in the patterns an event stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Origin<'a> {
+    /// The pattern.
+    pub pattern: &'a str,
+    /// Which of its events, from 0, in the order of the file; in a shuffled pattern, the one that landed here.
+    pub event: u64,
+    /// Which of the alternatives of a `choose` was drawn, from 0.
+    pub drawn: Option<u32>,
+}
+
+/// What an event does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Happening<'a> {
+    /// A voice sounds.
+    Voice {
+        /// Its name.
+        name: &'a str,
+        /// The output that it sounds on.
+        place: &'a str,
+        /// Level, with the gains of all patterns around it.
+        level: f64,
+        /// Seconds until its release; infinite for one that is held.
+        duration: f64,
+        /// Names of its own fields, `frequency` among them.
+        fields: &'a [(String, f64)],
+        /// Their values.
+        own: &'a [f64],
+    },
+    /// A marker.
+    Marker(&'a str),
+    /// A control is sent to a value.
+    Control(&'a str, f64),
+    /// The voice of that id is released.
+    Release,
+    /// All voices are released.
+    ReleaseAll,
+}

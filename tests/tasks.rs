@@ -1,0 +1,118 @@
+//! Periodic tasks: what they see and move is the same for any cut of time and any instruction set.
+
+mod common;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use common::{compiled, play, run, schedule};
+use pacinian::dsp::isa::Isa;
+use pacinian::engine::Engine;
+use pacinian::engine::meter::Meter;
+use pacinian::engine::task::{Task, Values};
+use pacinian::schedule::Beat;
+
+const PATCH: &str = r#"
+[control.drive]
+default = 0.0
+range = [-1.0, 1.0]
+smoothing = 0.0
+[shared.nodes]
+sway = { type = "sine", frequency = 37, amplitude = 0.8 }
+[voice.hum]
+output = "out"
+[voice.hum.nodes]
+tone = { type = "sine", frequency = "event.frequency + 30 * sway" }
+hold = { type = "envelope", attack = 0.01, release = 0.01 }
+out = { type = "multiply", inputs = ["tone", "hold", "drive"] }
+"#;
+
+const SAMPLES: usize = 3_000;
+
+/// Sends a control to where a shared node is, at every sample, and keeps what it saw of both.
+struct Servo {
+    node: usize,
+    control_signal: usize,
+    control: usize,
+    saw: Arc<[[AtomicU32; 2]]>,
+}
+
+impl Task for Servo {
+    fn beat(&self) -> Beat {
+        Beat::every(1)
+    }
+    fn run(&mut self, board: &mut dyn Values) {
+        let (node, control) = (board.signal(self.node), board.signal(self.control_signal));
+        if let Some([a, b]) = self.saw.get(board.clock() as usize) {
+            a.store((node as f32).to_bits(), Ordering::Relaxed);
+            b.store((control as f32).to_bits(), Ordering::Relaxed);
+        }
+        board.send(self.control, node);
+    }
+}
+
+/// The output, and before each sample the node and the control.
+fn servo(isa: Isa, calls: &[usize]) -> (Vec<u32>, Vec<[f32; 2]>) {
+    let plan = compiled(PATCH, 8, 48_000.0).plan;
+    let mut engine = Engine::with_isa(&plan, isa).unwrap();
+    let saw: Arc<[[AtomicU32; 2]]> = (0..SAMPLES).map(|_| [AtomicU32::new(0), AtomicU32::new(0)]).collect();
+    engine.add_task(Box::new(Servo {
+        node: plan.signal("sway").unwrap(),
+        control_signal: plan.signal("drive").unwrap(),
+        control: plan.control("drive").unwrap() as usize,
+        saw: Arc::clone(&saw),
+    }));
+    let events: Vec<_> = (0..8)
+        .map(|i| (f64::from(i) * 211.3, play(0, i, 60.0 + 20.0 * f64::from(i), 0.1, u64::from(i))))
+        .collect();
+    schedule(&mut engine, &events);
+    let output = run(&mut engine, SAMPLES * 6, calls);
+    for channel in 0..8 {
+        assert!(
+            output.iter().skip(channel).step_by(8).any(|x| x.abs() > 0.05),
+            "channel {channel} is silent"
+        );
+    }
+    let read = |x: &AtomicU32| f32::from_bits(x.load(Ordering::Relaxed));
+    (output.iter().map(|x| x.to_bits()).collect(), saw.iter().map(|[a, b]| [read(a), read(b)]).collect())
+}
+
+#[test]
+fn a_task_moves_a_control_at_every_sample() {
+    let (_, saw) = servo(Isa::detect(), &[480]);
+    // The node is what its definition says, one sample ago; it starts where a voice does, LEAD = 2 samples before its time 0.
+    let peak = saw.iter().fold(0.0_f32, |peak, [node, _]| peak.max(node.abs()));
+    assert!((peak - 0.8).abs() < 1e-3, "{peak}");
+    let different = saw.windows(2).filter(|w| w[0][0] != w[1][0]).count();
+    assert!(different > SAMPLES - 20, "the node was seen to move {different} times");
+    // A control without smoothing takes a sample to arrive, and another passes until it is seen.
+    for (n, w) in saw.windows(3).enumerate().skip(1) {
+        assert_eq!(w[2][1], w[0][0], "before sample {}", n + 2);
+    }
+}
+
+#[test]
+fn any_cut_and_any_instruction_set_give_the_same_bits() {
+    let whole = servo(Isa::detect(), &[SAMPLES * 6]);
+    for calls in [&[1][..], &[7], &[64], &[480], &[3, 1000, 1, 17, 250, 64]] {
+        assert!(servo(Isa::detect(), calls) == whole, "in calls of {calls:?}");
+    }
+    assert!(servo(Isa::Baseline, &[480]) == whole);
+}
+
+#[test]
+fn a_meter_reads_on_its_beat() {
+    let plan = compiled(PATCH, 8, 48_000.0).plan;
+    let mut engine = Engine::new(&plan).unwrap();
+    let (every, level) = Meter::new(plan.signal("sway").unwrap(), Beat::every(1));
+    let (once, rare) = Meter::new(plan.signal("sway").unwrap(), Beat { period: 1_000_000, phase: 100 });
+    engine.add_task(Box::new(every));
+    engine.add_task(Box::new(once));
+    // 0.5 s: many periods of 37 Hz.
+    run(&mut engine, 24_000, &[333]);
+    assert!((level.take_peak() - 0.8).abs() < 1e-3);
+    assert_eq!(level.take_peak(), 0.0);
+    // Before sample 100 it reads sample 99, and a shared node lags LEAD = 2 samples behind the clock.
+    let wanted = 0.8 * (std::f64::consts::TAU * 37.0 * (99.0 - 2.0) / 8000.0).sin();
+    assert!((f64::from(rare.latest()) - wanted).abs() < 1e-4, "{} for {wanted}", rare.latest());
+}
