@@ -12,7 +12,7 @@ use super::stop::Stop;
 use super::table::Table;
 use super::terminal::Terminal;
 use clap::Args;
-use pacinian::engine::vibration::Refusal;
+use pacinian::engine::refusal::Refusal;
 use pacinian::graph::plan::{Plan, Precision};
 use pacinian::io::out;
 use pacinian::player::Player;

@@ -5,9 +5,9 @@ use super::control::Ramp;
 use super::declick::Declick;
 use super::event::{Event, Play, Source};
 use super::handover::Inheritance;
+use super::refusal::Refusal;
 use super::stage::Stage;
 use super::task::{Board, Task};
-use super::vibration::Refusal;
 use super::workspace::{BLOCK, Workspace};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
@@ -59,8 +59,9 @@ impl<R: Real> Core<R> {
     /// Everything a plan needs, allocated.
     ///
     /// # Errors
-    /// A rate or a number of taps that the output stage cannot be built for.
+    /// A rate or a number of taps that the output stage cannot be built for; a place or an output beyond the plan's channels.
     pub fn new(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
+        Refusal::check(plan)?;
         let rate = plan.engine_rate();
         let groups = plan.channels.div_ceil(LANES);
         let banks: Vec<_> =

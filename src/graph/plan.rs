@@ -20,6 +20,12 @@ pub enum Precision {
 }
 
 /// A compiled scene.
+///
+/// What [`crate::graph::scene::scene`] makes holds together, and whoever makes one by hand must see to it: channels of
+/// [`Plan::places`] and [`Plan::outputs`] lie below [`Plan::channels`] (an engine refuses other plans); every
+/// [`Shared::Control`] names one of [`Plan::controls`] and every [`Shared::Node`] an output of [`Plan::shared_program`]; programs
+/// read only signals that [`Plan::shared`] has; [`Plan::ratio`] is at least 1. A place, an instrument or a marker that an event
+/// names and that is not there is passed over.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// Frames a second of the device or file.

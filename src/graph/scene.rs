@@ -65,7 +65,12 @@ pub struct Scene {
 /// Everything that keeps the two from playing together: recordings that cannot be read, places the rig does not have, a
 /// rate out of [`RATES`], an unknown pattern.
 pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -> Result<Scene, Problems> {
-    let mut problems = Vec::new();
+    // Files were checked when they were read; what is made or changed in code was not.
+    let mut problems: Vec<Problem> = patch.check().into_iter().filter(Problem::is_error).collect();
+    problems.extend(rig.check().into_iter().filter(Problem::is_error).map(|p| Problem { span: None, ..p }));
+    if !problems.is_empty() {
+        return Err(patch.origin.problems(problems));
+    }
     let device_rate = options.rate.or(rig.device.rate).unwrap_or(48_000.0);
     if !RATES.contains(&device_rate) {
         let (least, most) = (RATES.start(), RATES.end());
