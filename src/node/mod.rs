@@ -18,7 +18,7 @@ use spec::NodeSpec;
 
 /// A node type: its place in [`REGISTRY`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct NodeKind(pub usize);
+pub struct NodeKind(usize);
 
 impl NodeKind {
     /// The type of that name.
