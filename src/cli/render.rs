@@ -16,9 +16,11 @@ use std::path::{Path, PathBuf};
 
 /// Renders a patch to a WAV file with a channel for each tactor
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  pacinian render heartbeat.toml --rig vest.toml -o heartbeat.wav\n\n\
+#[command(
+    after_help = "Example:\n  pacinian render patches/04-heartbeat.toml --rig rigs/belt.toml -o heartbeat.wav\n\n\
     The file plays at any time, also while it is written and when the program is stopped: Ctrl-C completes it as far as it is.\n\
-    It ends when the patterns are over and nothing rings any more; patterns without end need --duration or --input.")]
+    It ends when the patterns are over and nothing rings any more; patterns without end need --duration or --input."
+)]
 pub struct Render {
     #[command(flatten)]
     scene: Scene,
