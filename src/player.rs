@@ -134,6 +134,11 @@ impl Player {
         self.score.length()
     }
 
+    /// Whether something of the patterns was left out so far because it lies past [`crate::score::HORIZON`].
+    pub fn is_cut(&self) -> bool {
+        self.score.cut()
+    }
+
     /// Whether the patterns have ended and nothing sounds or rings any more.
     pub fn is_over(&self) -> bool {
         self.over && self.engine.is_silent()
