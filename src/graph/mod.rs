@@ -4,6 +4,7 @@
 pub mod build;
 pub mod fold;
 pub mod late;
+mod not_yet;
 pub mod onset;
 pub mod order;
 pub mod plan;

@@ -187,6 +187,8 @@ pub enum Why {
     NeverTriggered,
     /// Nothing reads it.
     NeverRead,
+    /// It is read and checked, and nothing acts on it yet.
+    NotYet,
     /// Outputs of this kind are not rendered yet.
     NotRendered,
 }
@@ -199,6 +201,7 @@ impl fmt::Display for Why {
             Self::NeverFed => "nothing feeds it",
             Self::NeverTriggered => "nothing starts it",
             Self::NeverRead => "nothing reads it",
+            Self::NotYet => "nothing acts on it yet",
             Self::NotRendered => "outputs of its kind are not rendered yet; it stays at zero",
         })
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::build::{self, Want, Wanted};
+use super::not_yet::{never_fed, not_yet};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
 use crate::dsp::biquad::Biquad;
@@ -143,6 +144,10 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     }
     let silent = rig.outputs.iter().filter(|o| is_not_rendered(o));
     left_out.extend(silent.map(|o| LeftOut { what: format!("output `{}`", o.name), why: Why::NotRendered }));
+    if !options.live {
+        left_out.extend(never_fed(patch, rig, &voices));
+    }
+    left_out.extend(not_yet(patch, rig));
     let plan = Plan {
         device_rate,
         ratio,
