@@ -644,7 +644,7 @@ fn error_shows_warnings() {
     scratch.write(
         "warns.toml",
         "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[control.tone]\ndefault = 0.5\n[voice.a]\noutput = \"tone\"\n\
-         [voice.a.nodes]\ntone = { type = \"sine\" }\n[pattern.p]\nevents = [{ at = 0, voice = \"a\" }]\n",
+         [voice.a.nodes]\ntone = { type = \"sine\", frequency = 250 }\n[pattern.p]\nevents = [{ at = 0, voice = \"a\" }]\n",
     );
     let run = scratch.run(&["error", "warns.toml", "--only", "--duration", "0.1", "--json"]);
     assert_eq!(run.code, Some(0), "{}", run.err);
@@ -657,7 +657,7 @@ fn what_was_held_or_cut_is_in_the_summary() {
     let summary = scratch.run(&["render", "good.toml", "-o", "x.wav", "--json"]).succeeds().json();
     assert_eq!((&summary["held"], &summary["cut"]), (&Value::from(0), &Value::from(false)));
     let loud = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"o\"\n[voice.a.nodes]\n\
-         s = { type = \"sine\" }\no = { type = \"multiply\", inputs = [\"s\", 1e5, \"s\", 1e5] }\n\
+         s = { type = \"sine\", frequency = 250 }\no = { type = \"multiply\", inputs = [\"s\", 1e5, \"s\", 1e5] }\n\
          [pattern.p]\nevents = [{ at = 0, voice = \"a\", level = 100 }]\n";
     scratch.write("loud.toml", loud);
     let run = scratch.run(&["render", "loud.toml", "-o", "x.wav", "--json"]).succeeds();

@@ -84,7 +84,7 @@ mod tests {
     use crate::rig::{Output, Rig};
 
     const PATCH: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"s\"\n\
-        [voice.a.nodes]\ns = { type = \"sine\" }\n[pattern.p]\nevents = [{ at = 0, voice = \"a\" }]\n";
+        [voice.a.nodes]\ns = { type = \"sine\", frequency = 250 }\n[pattern.p]\nevents = [{ at = 0, voice = \"a\" }]\n";
 
     fn patch() -> Patch {
         Patch::parse("t.toml", PATCH.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value

@@ -139,7 +139,7 @@ curve = "exponential"
 [voice.tap]
 output = "out"
 [voice.tap.nodes]
-out = { type = "sine", amplitude = "strength" }
+out = { type = "sine", frequency = 250, amplitude = "strength" }
 [pattern.p]
 events = [{ at = 0, voice = "tap" }, { at = 1, voice = "tap", place = "c" }]
 [[trigger]]

@@ -500,7 +500,7 @@ fn a_ninth_field_is_refused() {
     let fields = |count: usize| {
         let own: String = (0..count).map(|i| format!("f{i} = {i}\n")).collect();
         let text = format!(
-            "{HEAD}[voice.a]\noutput = \"s\"\n[voice.a.defaults]\n{own}[voice.a.nodes]\ns = {{ type = \"sine\" }}\n"
+            "{HEAD}[voice.a]\noutput = \"s\"\n[voice.a.defaults]\n{own}[voice.a.nodes]\ns = {{ type = \"sine\", frequency = 250 }}\n"
         );
         Patch::parse("p.toml", text.as_bytes()).err().map(|p| p.list[0].what.clone())
     };
