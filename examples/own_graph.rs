@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     graph.nodes.push(Node { inputs: vec![Wire::node(0), Wire::node(1)], ..node("felt", "multiply", &[])? });
     graph.nodes.push(node("spare", "sine", &[("frequency", Wire::constant(50.0))])?);
     graph.outputs.push(Wire::node(2));
-    let compiled = compile(graph, true, 8000.0).map_err(|nodes| format!("nodes {nodes:?} form a loop"))?;
+    let compiled = compile(graph, true, 8000.0)?;
     println!(
         "{} ops, {} buffers; left out: {:?}",
         compiled.program.ops.len(),

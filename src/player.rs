@@ -99,8 +99,20 @@ impl Player {
         let patch = Arc::clone(&self.patch);
         for trigger in patch.triggers.iter().filter(|t| t.on == crate::patch::Source::Start) {
             if let Some(voice) = patch.voices.iter().find(|v| v.name == trigger.play) {
-                let note = Note { place: trigger.place.clone(), ..Note::default() };
-                self.play_at(0.0, &voice.name, &note)?;
+                let mut note = Note { place: trigger.place.clone(), ..Note::default() };
+                for (field, expr, span) in &trigger.set {
+                    let value = expr.constant().ok_or_else(|| {
+                        let what = format!("`{field}` must be a number: `start` gives nothing to read");
+                        Problem::error(span, what)
+                    })?;
+                    match field.as_str() {
+                        "level" => note.level = Some(value),
+                        "duration" => note.duration = Some(value),
+                        _ => note.fields.push((field.clone(), value)),
+                    }
+                }
+                self.play_at(0.0, &voice.name, &note)
+                    .map_err(|problem| Problem { span: Some(trigger.span.clone()), ..problem })?;
             }
         }
         Ok(())
@@ -129,6 +141,11 @@ impl Player {
     /// Seconds until the last event of the patterns has ended, where that is known beforehand.
     pub fn length(&self) -> Option<f64> {
         self.score.length()
+    }
+
+    /// Whether something of the patterns was left out so far because it lies past [`crate::score::HORIZON`].
+    pub fn is_cut(&self) -> bool {
+        self.score.cut()
     }
 
     /// Whether the patterns have ended and nothing sounds or rings any more.

@@ -636,3 +636,44 @@ fn pictures_and_errors() {
     let json = scratch.run(&["error", "good.toml", "--only", "--json"]).succeeds().json();
     assert_eq!(json["settings"].as_array().unwrap().len(), 1);
 }
+
+#[test]
+fn error_shows_warnings() {
+    let scratch = Scratch::new("error-warns");
+    // Its node hides the control of that name.
+    scratch.write(
+        "warns.toml",
+        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[control.tone]\ndefault = 0.5\n[voice.a]\noutput = \"tone\"\n\
+         [voice.a.nodes]\ntone = { type = \"sine\", frequency = 250 }\n[pattern.p]\nevents = [{ at = 0, voice = \"a\" }]\n",
+    );
+    let run = scratch.run(&["error", "warns.toml", "--only", "--duration", "0.1", "--json"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(run.err.contains("hides the control"), "{}", run.err);
+}
+
+#[test]
+fn what_was_held_or_cut_is_in_the_summary() {
+    let scratch = Scratch::new("held");
+    let summary = scratch.run(&["render", "good.toml", "-o", "x.wav", "--json"]).succeeds().json();
+    assert_eq!((&summary["held"], &summary["cut"]), (&Value::from(0), &Value::from(false)));
+    let loud = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"o\"\n[voice.a.nodes]\n\
+         s = { type = \"sine\", frequency = 250 }\no = { type = \"multiply\", inputs = [\"s\", 1e5, \"s\", 1e5] }\n\
+         [pattern.p]\nevents = [{ at = 0, voice = \"a\", level = 100 }]\n";
+    scratch.write("loud.toml", loud);
+    let run = scratch.run(&["render", "loud.toml", "-o", "x.wav", "--json"]).succeeds();
+    assert!(run.json()["held"].as_u64().is_some_and(|held| held > 0), "{}", run.out);
+    let run = scratch.run(&["render", "loud.toml", "-o", "x.wav"]).succeeds();
+    assert!(run.out.contains("held there"), "{}", run.out);
+}
+
+#[test]
+fn help_and_readme_name_all_exit_codes() {
+    let help = Scratch::new("codes").run(&["--help"]).succeeds().out;
+    let readme = include_str!("../README.md");
+    let table =
+        readme.split("## Exit codes").nth(1).and_then(|t| t.split("\n## ").next()).unwrap_or_default();
+    for code in ["2", "65", "66", "70", "71", "73", "74", "77", "78", "129", "130", "143"] {
+        let words = |text: &str| text.split(|c: char| !c.is_ascii_digit()).any(|word| word == code);
+        assert!(words(&help) && words(table), "{code}");
+    }
+}

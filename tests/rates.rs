@@ -163,3 +163,16 @@ fn another_ratio_keeps_pitch() {
         assert!(wrong.iter().all(|w| w.abs() < 1e-6), "{wrong:?} turns at {rate} Hz, ratio {ratio}");
     }
 }
+
+/// A ratio that lets the engine run too fast or too slowly is refused, not bent.
+#[test]
+fn a_ratio_out_of_range_is_refused() {
+    for (ratio, good) in [(0, false), (3, false), (4, true), (8, true), (9, false), (1000, false)] {
+        let options = Options { rate: Some(48_000.0), ratio: Some(ratio), ..Options::default() };
+        let scene = scene(&patch(TONES), &Rig::default_for(1), &options, &NoAssets);
+        assert_eq!(scene.is_ok(), good, "{ratio}");
+        if let Err(problems) = scene {
+            assert!(problems.list[0].what.contains(&format!("a ratio of {ratio} ")), "{problems}");
+        }
+    }
+}

@@ -99,3 +99,23 @@ fn any_instruction_set_gives_the_same_bits() {
         assert!(rendered(patch, Isa::Baseline, precision, &[480]) == best, "{precision:?}");
     }
 }
+
+/// Noise of the shared nodes and noise of the same name in the first voice that is always on are two noises.
+#[test]
+fn shared_and_always_on_noise_differ() {
+    let text = r#"
+[shared.nodes]
+hiss = { type = "white" }
+heard = { type = "multiply", inputs = ["hiss", 0.5] }
+[voice.a]
+start = "always"
+output = "out"
+[voice.a.nodes]
+hiss = { type = "white" }
+out = { type = "add", inputs = ["hiss", "-2 * heard"] }
+"#;
+    let mut engine = Engine::new(&compiled(text, 1, 48_000.0).plan).unwrap();
+    let frames = run(&mut engine, 24_000, &[512]);
+    let power = frames.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / frames.len() as f64;
+    assert!(power > 1e-3, "{power}");
+}

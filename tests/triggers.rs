@@ -77,3 +77,37 @@ fn pulses_do_not_mind_how_time_is_cut() {
         assert!(frames(call).0 == whole, "calls of {call}");
     }
 }
+
+fn loudest(trigger: &str) -> f32 {
+    let patch = PATCH.split("[pattern.p]").next().unwrap_or_default().to_string() + trigger;
+    let mut player =
+        Player::new(&common::patch(&patch), &Rig::default_for(1), &Options::default(), &NoAssets).unwrap();
+    let mut output = vec![0.0; 9_600];
+    player.process(&mut output);
+    output.iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
+#[test]
+fn a_start_trigger_sets_the_event_it_makes() {
+    let full = loudest("[[trigger]]\non = \"start\"\nplay = \"tap\"\n");
+    let half = loudest("[[trigger]]\non = \"start\"\nplay = \"tap\"\nset = { level = \"1 / 2\" }\n");
+    assert!(full > 0.1 && (half / full - 0.5).abs() < 1e-3, "{half} of {full}");
+}
+
+#[test]
+fn what_a_trigger_cannot_say_is_refused_at_its_line() {
+    for (entry, says, line) in [
+        ("play = \"p\"\nset = { gain = 0.5 }", "has no `gain`", 18),
+        ("play = \"p\"\nset = { rate = 2 }", "has no `rate`", 18),
+        ("play = \"p\"\nplace = 1", "cannot say where pattern `p` plays", 15),
+        ("play = \"tap\"\nset = { level = -1 }", "from 0 to 100", 18),
+    ] {
+        let text = format!(
+            "format = \"pacinian-patch/1\"\ntitle = \"t\"{PATCH}[[trigger]]\non = \"start\"\n{entry}\n"
+        );
+        let problems = pacinian::patch::Patch::parse("p.toml", text.as_bytes()).unwrap_err();
+        let [problem] = problems.list.as_slice() else { panic!("{problems}") };
+        assert!(problem.what.contains(says), "{problem}");
+        assert_eq!(problem.span.as_ref().map(|s| problems.position(s.start).0), Some(line), "{problem}");
+    }
+}

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 /// Shows everything that is wrong with a patch and a rig, or what they will run
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  pacinian check heartbeat.toml --rig vest.toml\n\n\
+#[command(after_help = "Example:\n  pacinian check patches/04-heartbeat.toml --rig rigs/belt.toml\n\n\
     Every problem is shown at once, at its line. Where there is none, the plan is shown: rates, delay, voices,\n\
     patterns and their length, channels, and what was left out and why.")]
 pub struct Check {

@@ -6,13 +6,14 @@ use super::load::{Loaded, Number, Scene};
 use super::perform::{Until, perform};
 use super::plan::precision;
 use super::plot::check_picture;
+use super::problems;
 use super::progress::Progress;
 use super::render::seconds;
 use super::stop::Stop;
 use super::table::Table;
 use super::terminal::Terminal;
 use clap::Args;
-use pacinian::engine::vibration::Refusal;
+use pacinian::engine::refusal::Refusal;
 use pacinian::graph::plan::{Plan, Precision};
 use pacinian::io::out;
 use pacinian::player::Player;
@@ -24,7 +25,7 @@ use std::path::PathBuf;
 
 /// Measures error against the reference and run time, for several settings
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  pacinian error heartbeat.toml --rig vest.toml\n\n\
+#[command(after_help = "Example:\n  pacinian error patches/04-heartbeat.toml --rig rigs/belt.toml\n\n\
     The reference computes every node from its definition, in 64 bits, at 16 times the engine's rate, and goes through the\n\
     same designed response. The error is the power of the difference from 0 to 1 kHz, as a share of the reference's, after\n\
     the delay that the engine reports is taken out. It hears the same --input, through the designed response of the filter\n\
@@ -80,6 +81,9 @@ impl Error {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let mut loaded = self.scene.load(false)?;
+        for warnings in &loaded.warnings {
+            terminal.note(&problems::shown(warnings, terminal));
+        }
         if let Some(output) = &self.output {
             check_picture(output, &loaded)?;
         }

@@ -8,7 +8,7 @@ use pacinian::io::{assets::Folder, events, input::Input, text};
 use pacinian::node::asset::{Asset, Assets};
 use pacinian::patch::{self, Action, Events, Patch, Place};
 use pacinian::player::Player;
-use pacinian::rig::{MAX_CHANNELS, Rig};
+use pacinian::rig::{MAX_CHANNELS, RATES, Rig, usual_ratio};
 use pacinian::text::{Checked, Problem, Problems, Severity, nearest};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -25,7 +25,7 @@ pub struct Scene {
     #[arg(long, value_name = "NAME")]
     pub pattern: Option<String>,
     /// Samples a second [default: what the rig says, else 48000]
-    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(6_000..=768_000))]
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(RATES[0] as i64..=RATES[1] as i64))]
     pub rate: Option<u32>,
     /// The seed of everything random [default: what the patch says, else 0]
     #[arg(long, value_name = "N")]
@@ -160,7 +160,7 @@ impl Scene {
             let what = format!("the rig's device has a rate of {rate} Hz, which no WAV file can say");
             return Err(Failure::usage(what, format!("give a whole number: --rate {rate:.0}")));
         }
-        let engine_rate = rate / (rate / 8000.0).round().max(1.0);
+        let engine_rate = rate / usual_ratio(rate) as f64;
         let root = self.patch.parent().unwrap_or(Path::new(""));
         // Twice the engine's rate, so that a recording may be played at half its speed and keep its band.
         let folder =

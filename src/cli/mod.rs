@@ -38,7 +38,8 @@ use terminal::{Terminal, When};
         pacinian check PATCH            see what is wrong with a patch, or what it will run\n  \
         pacinian render PATCH -o x.wav  render it\n  pacinian nodes                  what patches are made of\n\n\
         Exit codes: 0 all is well, 2 the command line, 65 the patch, 66 a file that is not there, 70 a bug in pacinian,\n\
-        73 and 74 a file that cannot be written, 77 no permission, 78 the rig, 130 stopped by Ctrl-C, 143 stopped by SIGTERM.",
+        71 signals cannot be listened to, 73 and 74 a file that cannot be written, 77 no permission, 78 the rig,\n\
+        129 stopped by SIGHUP, 130 by Ctrl-C, 143 by SIGTERM.",
     disable_help_subcommand = true,
     propagate_version = true
 )]

@@ -14,8 +14,10 @@ use std::path::{Path, PathBuf};
 
 /// Draws what every tactor does over time, and the spectrum, as SVG
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  pacinian plot heartbeat.toml --rig vest.toml -o heartbeat.svg\n\n\
-    The patch is rendered for it, but no WAV file is written. The spectrum shows the limit of 1 kHz.")]
+#[command(
+    after_help = "Example:\n  pacinian plot patches/04-heartbeat.toml --rig rigs/belt.toml -o heartbeat.svg\n\n\
+    The patch is rendered for it, but no WAV file is written. The spectrum shows the limit of 1 kHz."
+)]
 pub struct Plot {
     #[command(flatten)]
     scene: Scene,

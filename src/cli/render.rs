@@ -19,15 +19,17 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Renders a patch to a WAV file with a channel for each tactor
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  pacinian render heartbeat.toml --rig vest.toml -o heartbeat.wav\n  \
-    pacinian render countdown.toml -o countdown.wav --log countdown.csv\n\n\
+#[command(
+    after_help = "Examples:\n  pacinian render patches/04-heartbeat.toml --rig rigs/belt.toml -o heartbeat.wav\n  \
+    pacinian render patches/19-countdown.toml -o countdown.wav --log countdown.csv\n\n\
     The file plays at any time, also while it is written and when the program is stopped: Ctrl-C completes it as far as it is.\n\
     It ends when the patterns are over and nothing rings any more; patterns without end need --duration or --input.\n\n\
     The log of --log has a first line with patch, seed and rates, a second with the names of the columns, and a line for each \
     event as it is scheduled: seconds, engine sample and fraction of one; voice, marker or control; the pattern, which of its \
     events (from 1, in the order of the file, so a shuffled pattern shows what landed where) and which alternative of a `choose` \
     was drawn (from 1); name, tactor, level, frequency, other fields, duration, id. Instants are those of the events: what is felt \
-    comes later by the delay in the first line. The same patch and seed give the same log.")]
+    comes later by the delay in the first line. The same patch and seed give the same log."
+)]
 pub struct Render {
     #[command(flatten)]
     scene: Scene,

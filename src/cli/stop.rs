@@ -34,7 +34,7 @@ impl Stop {
         Ok(stop)
     }
 
-    /// The exit code to end with, if somebody has asked: 130 for Ctrl-C, 143 for SIGTERM.
+    /// The exit code to end with, if somebody has asked: 129 for SIGHUP, 130 for Ctrl-C, 143 for SIGTERM.
     pub fn asked(&self) -> Option<u8> {
         match self.signal.load(Ordering::Relaxed) {
             0 => None,

@@ -8,6 +8,7 @@ use super::plan::{Left, left_out, left_out_text};
 use super::table::{Table, dbfs, grouped, hertz, many};
 use pacinian::io::wav::{Encoding, Written};
 use pacinian::player::Player;
+use pacinian::score::HORIZON;
 use serde::Serialize;
 
 /// What a rendering turned out to be.
@@ -37,6 +38,10 @@ pub struct Summary {
     clamped: u64,
     /// Samples that were no numbers and became 0.
     masked: u64,
+    /// Samples beyond 120 dB over full scale that were held there.
+    held: u64,
+    /// Whether patterns were cut at the end of the time that a score covers.
+    cut: bool,
     events_dropped: u64,
     events_late: u64,
     left_out: Vec<Left>,
@@ -95,6 +100,8 @@ impl Summary {
             limited: counts.limited,
             clamped: counts.clamped + written.clipped,
             masked: counters.masked + counts.masked + written.non_finite,
+            held: counts.held,
+            cut: player.is_cut(),
             events_dropped: counters.dropped,
             events_late: counters.late,
             left_out: left_out(&plan.left_out),
@@ -126,12 +133,22 @@ impl Summary {
                 "sample that was no number became 0",
                 "samples that were no numbers became 0",
             ),
+            (
+                "held",
+                self.held,
+                "sample 120 dB over full scale was held there",
+                "samples 120 dB over full scale were held there",
+            ),
             ("dropped", self.events_dropped, "event found no room", "events found no room"),
             ("late", self.events_late, "event came after its time", "events came after their time"),
         ] {
             if count > 0 {
                 table.row([name.into(), paint.yellow(&acted(count, one, more))]);
             }
+        }
+        if self.cut {
+            let what = format!("what lies past {HORIZON:e} s was left out");
+            table.row(["cut".into(), paint.yellow(&what)]);
         }
         let mut text = format!("{}\n{}", paint.bold(&self.file), table.text());
         text += &format!("\n{}\n{}", paint.bold("peaks"), self.peak_lines());

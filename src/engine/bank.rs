@@ -558,7 +558,7 @@ impl<R: Real> Bank<R> {
         of_envelopes.fold(f64::INFINITY, f64::min) * self.lanes[lane].level
     }
 
-    /// The last row that the program's output `index` held, for engine-wide programs of one lane.
+    /// Where the program's output `index` is found, for engine-wide programs.
     pub fn output_feed(&self, index: usize) -> Feed {
         self.program.outputs[index]
     }

@@ -12,6 +12,8 @@ pub struct Ramp<R> {
     to: f64,
     since: Instant,
     samples: f64,
+    /// What [`Ramp::samples`] is from the next value on: it differs while it goes on with what another began.
+    usual: f64,
     least: f64,
     most: f64,
     /// Whether the rows it fills already hold `to` throughout.
@@ -29,6 +31,7 @@ impl<R: Real> Ramp<R> {
             to: value,
             since,
             samples,
+            usual: samples,
             least,
             most,
             settled: false,
@@ -47,11 +50,12 @@ impl<R: Real> Ramp<R> {
             self.from = self.value(at.since(self.since));
             self.to = value.clamp(self.least, self.most);
             self.since = at;
+            self.samples = self.usual;
             self.settled = false;
         }
     }
 
-    /// Goes on as `other`, within its own range.
+    /// Goes on as `other`, within its own range, and takes its own time to the next value.
     pub fn follow(&mut self, other: &Self) {
         (self.from, self.since) = (other.from, other.since);
         self.to = other.to.clamp(self.least, self.most);
@@ -107,6 +111,21 @@ mod tests {
         assert_eq!(ramp.target(), 2.0);
         ramp.send(f64::NAN, Instant::of_samples(41.0));
         assert_eq!(ramp.target(), 2.0);
+    }
+
+    #[test]
+    fn it_finishes_what_another_began_and_then_takes_its_own_time() {
+        let mut old = Ramp::<f64>::new(0.0, 0.0, 2.0, 10.0);
+        old.send(1.0, Instant::of_samples(0.0));
+        let mut new = Ramp::<f64>::new(0.0, 0.0, 2.0, 40.0);
+        new.follow(&old);
+        let mut rows = vec![[0.0; LANES]; 64];
+        new.fill(&mut rows, 60, 0);
+        // A voice's clock lags by two samples.
+        assert!((rows[7][0] - 0.5).abs() < 1e-12 && rows[12][0] == 1.0);
+        new.send(2.0, Instant::of_samples(100.0));
+        new.fill(&mut rows, 60, 100);
+        assert!((rows[22][0] - 1.5).abs() < 1e-12 && rows[42][0] == 2.0);
     }
 
     #[test]

@@ -5,9 +5,9 @@ use super::control::Ramp;
 use super::declick::Declick;
 use super::event::{Event, Play, Source};
 use super::handover::Inheritance;
+use super::refusal::Refusal;
 use super::stage::Stage;
 use super::task::{Board, Task};
-use super::vibration::Refusal;
 use super::workspace::{BLOCK, Workspace};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
@@ -59,8 +59,9 @@ impl<R: Real> Core<R> {
     /// Everything a plan needs, allocated.
     ///
     /// # Errors
-    /// A rate or a number of taps that the output stage cannot be built for.
+    /// A rate or a number of taps that the output stage cannot be built for; a place or an output beyond the plan's channels.
     pub fn new(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
+        Refusal::check(plan)?;
         let rate = plan.engine_rate();
         let groups = plan.channels.div_ceil(LANES);
         let banks: Vec<_> =
@@ -106,23 +107,26 @@ impl<R: Real> Core<R> {
 
     /// Starts what sounds from the beginning.
     fn begin(&mut self, plan: &Plan) {
-        let held = |instrument: usize, own: [f64; FIELDS], place, level| Play {
+        let held = |instrument: usize, own: [f64; FIELDS], place, level, id| Play {
             instrument: instrument as u32,
             place,
             level,
             duration: f64::INFINITY,
             own,
-            id: u64::MAX - instrument as u64,
+            id,
         };
         if let Some(shared) = &mut self.shared {
-            shared.start(&held(0, [0.0; FIELDS], 0, 1.0), Instant::default(), 0, &[], 0);
+            shared.start(&held(0, [0.0; FIELDS], 0, 1.0, u64::MAX), Instant::default(), 0, &[], 0);
         }
         for (i, instrument) in plan.instruments.iter().enumerate().filter(|(_, i)| i.always) {
             let mut own = [0.0; FIELDS];
             for (value, default) in own.iter_mut().zip(&instrument.defaults) {
                 *value = *default;
             }
-            self.play(&held(i, own, instrument.place, instrument.level), Instant::default());
+            self.play(
+                &held(i, own, instrument.place, instrument.level, u64::MAX - 1 - i as u64),
+                Instant::default(),
+            );
         }
     }
 

@@ -33,7 +33,7 @@ pub struct Stagehand {
 ///
 /// # Errors
 /// As [`Engine::new`].
-pub fn exchange(plan: &Plan) -> Result<(Director, Stagehand), super::vibration::Refusal> {
+pub fn exchange(plan: &Plan) -> Result<(Director, Stagehand), super::refusal::Refusal> {
     let engine = Engine::new(plan)?;
     let (out, new) = HeapRb::new(IN_FLIGHT).split();
     let (old, back) = HeapRb::new(IN_FLIGHT).split();

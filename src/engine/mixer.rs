@@ -7,6 +7,8 @@ use crate::dsp::lanes::{LANES, Real};
 #[derive(Debug)]
 pub struct Routes<R> {
     list: Vec<Route<R>>,
+    /// Groups of channels that there are.
+    most: usize,
 }
 
 #[derive(Debug)]
@@ -24,13 +26,16 @@ struct Route<R> {
 impl<R: Real> Routes<R> {
     /// No routes, but room for `most` groups of channels.
     pub fn new(most: usize) -> Self {
-        Self { list: Vec::with_capacity(most) }
+        Self { list: Vec::with_capacity(most), most }
     }
 
-    /// Routes `lane` to a channel with a gain, on top of where it goes already. A channel for which there is no room is
-    /// left out, which cannot happen as long as `most` covers the channels.
+    /// Routes `lane` to a channel with a gain, on top of where it goes already. A channel beyond the groups that there are is
+    /// left out.
     pub fn connect(&mut self, lane: usize, channel: u32, gain: f64) {
         let (group, c) = (channel / LANES as u32, channel as usize % LANES);
+        if group as usize >= self.most {
+            return;
+        }
         let route = match self.list.iter().position(|r| r.channels == group) {
             Some(i) => &mut self.list[i],
             None if self.list.len() < self.list.capacity() => {
@@ -130,6 +135,8 @@ mod tests {
         routes.connect(1, 17, 2.0);
         routes.connect(1, 3, 1.0);
         routes.connect(2, 2, 7.0);
+        // There is no such channel.
+        routes.connect(0, 32, 1.0);
         routes.disconnect(2);
         let mut work = Workspace::new(0, 0, 24);
         work.clear_mix(10);

@@ -13,6 +13,7 @@ pub mod lookup;
 pub mod meter;
 pub mod mixer;
 pub mod raw;
+pub mod refusal;
 pub mod stage;
 pub mod task;
 pub mod triggers;
@@ -29,9 +30,9 @@ use core::{Core, Counters};
 use event::{Event, Source};
 use handover::Handover;
 use listener::Listener;
+use refusal::Refusal;
 use stage::Stage;
 use task::Task;
-use vibration::Refusal;
 use workspace::BLOCK;
 
 /// A plan at work: give it input frames, get output frames.
@@ -95,7 +96,7 @@ impl Engine {
     /// An engine for a plan, on the best instruction set of this machine.
     ///
     /// # Errors
-    /// A rate or a number of taps that the output stage cannot be built for.
+    /// A rate or a number of taps that the output stage cannot be built for; a place or an output beyond the plan's channels.
     pub fn new(plan: &Plan) -> Result<Self, Refusal> {
         Self::with_isa(plan, Isa::detect())
     }

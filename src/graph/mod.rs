@@ -1,8 +1,10 @@
-//! A checked node graph and the passes that turn it into a [`plan::Plan`]: prune, fold, onset, order. Each pass is one pure function.
+//! A checked node graph and the passes that turn it into a [`plan::Plan`]: loops are opened (late), then prune, fold, onset,
+//! order, prune again. Each pass is one function.
 
 pub mod build;
 pub mod fold;
 pub mod late;
+mod not_yet;
 pub mod onset;
 pub mod order;
 pub mod plan;

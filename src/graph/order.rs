@@ -1,6 +1,6 @@
 //! Depth-first order from the outputs: each node after what it reads. Nodes that no output needs do not appear.
 //!
-//! Depth-first keeps what was just computed for what reads it next, so that a mixer of 512 nodes needs two buffers where
+//! Depth-first keeps what was just computed for what reads it next, so that a mixer of 512 nodes needs three buffers where
 //! breadth-first needs 171. The walk keeps its own stack, since a chain may be longer than the thread's.
 
 use super::{Graph, NodeId, Signal};

@@ -7,7 +7,7 @@ use crate::dsp::biquad::Biquad;
 
 use super::order::depth_first;
 use super::program::{Program, program};
-use super::{Graph, NodeId, fold, late, onset, prune};
+use super::{Base, Graph, NodeId, Signal, Wire, fold, late, onset, prune};
 
 /// The number type of the lanes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -20,6 +20,12 @@ pub enum Precision {
 }
 
 /// A compiled scene.
+///
+/// What [`crate::graph::scene::scene`] makes holds together, and whoever makes one by hand must see to it: channels of
+/// [`Plan::places`] and [`Plan::outputs`] lie below [`Plan::channels`] (an engine refuses other plans); every
+/// [`Shared::Control`] names one of [`Plan::controls`] and every [`Shared::Node`] an output of [`Plan::shared_program`]; programs
+/// read only signals that [`Plan::shared`] has; [`Plan::ratio`] is at least 1. A place, an instrument or a marker that an event
+/// names and that is not there is passed over.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// Frames a second of the device or file.
@@ -44,7 +50,7 @@ pub struct Plan {
     pub instruments: Vec<Instrument>,
     /// Gain rows: a place as channels (from 0) with gains.
     pub places: Vec<Vec<(u32, f64)>>,
-    /// What hangs on each channel that something may feed.
+    /// What hangs on channels: every output of the rig, those included that stay silent.
     pub outputs: Vec<Output>,
     /// Names of the markers that some output listens to.
     pub markers: Vec<Arc<str>>,
@@ -181,6 +187,8 @@ pub enum Why {
     NeverTriggered,
     /// Nothing reads it.
     NeverRead,
+    /// It is read and checked, and nothing acts on it yet.
+    NotYet,
     /// Outputs of this kind are not rendered yet.
     NotRendered,
 }
@@ -193,6 +201,7 @@ impl fmt::Display for Why {
             Self::NeverFed => "nothing feeds it",
             Self::NeverTriggered => "nothing starts it",
             Self::NeverRead => "nothing reads it",
+            Self::NotYet => "nothing acts on it yet",
             Self::NotRendered => "outputs of its kind are not rendered yet; it stays at zero",
         })
     }
@@ -205,8 +214,55 @@ pub struct Compiled {
     pub program: Program,
     /// Names of nodes that no output needs.
     pub pruned: Vec<Arc<str>>,
-    /// Names of nodes that are known before anything sounds, or whose work the mixer does.
+    /// Names of nodes that are not run because they are known before anything sounds, or because the mixer does their work; those
+    /// that an oscillator takes over as its amplitude are not among them.
     pub folded: Vec<Arc<str>>,
+}
+
+/// What keeps a graph from being compiled.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Unfit {
+    /// These nodes form a loop, each reading the next.
+    Loop(Vec<NodeId>),
+    /// An input of this node names a node or an onset value that is not there.
+    Input(NodeId),
+    /// This output (or this factor of the gain) names a node or an onset value that is not there.
+    Output(usize),
+}
+
+impl fmt::Display for Unfit {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Loop(nodes) => write!(f, "nodes {nodes:?} read each other in a circle"),
+            Self::Input(node) => write!(f, "an input of node {node} names what is not there"),
+            Self::Output(output) => write!(f, "output {output} names what is not there"),
+        }
+    }
+}
+
+impl std::error::Error for Unfit {}
+
+/// That wires lead to nodes and onset values that are there.
+fn check(graph: &Graph) -> Result<(), Unfit> {
+    let there = |base: &Base| match base {
+        Base::Constant(_) => true,
+        Base::Start(id) => (*id as usize) < graph.starts.len(),
+    };
+    let leads = |wire: &Wire| {
+        let signal = match wire.signal {
+            Some(Signal::Node(id) | Signal::Late(id)) => (id as usize) < graph.nodes.len(),
+            Some(Signal::Shared(_)) | None => true,
+        };
+        signal && there(&wire.base)
+    };
+    if let Some(node) = graph.nodes.iter().position(|node| !node.inputs.iter().all(leads)) {
+        return Err(Unfit::Input(node as NodeId));
+    }
+    let lost = graph.outputs.iter().position(|wire| !leads(wire));
+    match lost.or_else(|| graph.gain.iter().position(|base| !there(base))) {
+        Some(output) => Err(Unfit::Output(output)),
+        None => Ok(()),
+    }
 }
 
 /// Runs all passes over a graph. Where it is that of a voice, whose first output a mixer takes (`mixed`), steady factors of it
@@ -214,9 +270,10 @@ pub struct Compiled {
 /// `rate` is the engine's, Hz.
 ///
 /// # Errors
-/// The nodes of a loop.
-pub fn compile(mut graph: Graph, mixed: bool, rate: f64) -> Result<Compiled, Vec<NodeId>> {
-    let order = late::open(&mut graph, rate)?;
+/// A loop without a delay; a wire that leads to nothing.
+pub fn compile(mut graph: Graph, mixed: bool, rate: f64) -> Result<Compiled, Unfit> {
+    check(&graph)?;
+    let order = late::open(&mut graph, rate).map_err(Unfit::Loop)?;
     let (graph, pruned) = prune::prune(graph, &order);
     let needed = graph.nodes.len();
     let order: Vec<NodeId> = (0..needed as NodeId).collect();
@@ -226,10 +283,36 @@ pub fn compile(mut graph: Graph, mixed: bool, rate: f64) -> Result<Compiled, Vec
         onset::begin(&mut graph);
     }
     let done_elsewhere = fold::take_amplitudes(&mut graph);
-    let order = depth_first(&graph)?;
+    let order = depth_first(&graph).map_err(Unfit::Loop)?;
     let (graph, folded) = prune::prune(graph, &order);
     let pruned = pruned.into_iter().map(|(_, name)| name).collect();
     let folded =
         folded.into_iter().filter(|(id, _)| !done_elsewhere[*id as usize]).map(|(_, name)| name).collect();
     Ok(Compiled { program: program(graph), pruned, folded })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Unfit, compile};
+    use crate::graph::{Graph, Node, Settings, Signal, Wire};
+    use crate::node::NodeKind;
+
+    #[test]
+    fn wires_to_nothing_are_refused() {
+        let compiled = |inputs: Vec<Wire>, output: Wire| {
+            let kind = NodeKind::find("add").unwrap();
+            let node = Node { name: "sum".into(), kind, settings: Settings::default().into(), inputs };
+            let graph = Graph { nodes: vec![node], outputs: vec![output], ..Graph::default() };
+            compile(graph, true, 8000.0).map(|c| c.program.outputs.len())
+        };
+        let one = Wire::constant(1.0);
+        assert_eq!(compiled(vec![one, one], Wire::node(0)), Ok(1));
+        assert_eq!(compiled(vec![one, Wire::node(1)], Wire::node(0)), Err(Unfit::Input(0)));
+        assert_eq!(compiled(vec![one, Wire::start(0)], Wire::node(0)), Err(Unfit::Input(0)));
+        let late = Wire { signal: Some(Signal::Late(7)), ..one };
+        assert_eq!(compiled(vec![late, one], Wire::node(0)), Err(Unfit::Input(0)));
+        assert_eq!(compiled(vec![one, one], Wire::node(3)), Err(Unfit::Output(0)));
+        assert_eq!(compiled(vec![one, one], Wire::start(0)), Err(Unfit::Output(0)));
+        assert_eq!(compiled(vec![one, Wire::node(0)], Wire::node(0)), Err(Unfit::Loop(vec![0])));
+    }
 }

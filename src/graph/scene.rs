@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::build::{self, Want, Wanted};
+use super::not_yet::{never_fed, not_yet};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
 use crate::dsp::biquad::Biquad;
 use crate::node::asset::Assets;
 use crate::patch::{Action, Events, Patch, Source, Start};
-use crate::rig::{self, Rig};
+use crate::rig::{self, RATES, Rig, usual_ratio};
 use crate::text::{Problem, Problems};
 
 /// What may be chosen about a rendering.
@@ -25,7 +26,7 @@ pub struct Options {
     pub taps: usize,
     /// Seed of everything random; `None`: what the patch says, else 0.
     pub seed: Option<u64>,
-    /// The pattern to play; `None`: those with a trigger `start`, and where there is none, the first.
+    /// The pattern to play; `None`: those with a trigger `start`, and where nothing has one, the first.
     pub pattern: Option<String>,
     /// Whether a program or a trigger may play any voice at any time, so that all must be there.
     pub live: bool,
@@ -45,8 +46,8 @@ impl Default for Options {
     }
 }
 
-/// Rates that a device may have, Hz.
-pub const RATES: std::ops::RangeInclusive<f64> = 4_000.0..=768_000.0;
+/// Rates that the engine may have, Hz.
+const ENGINE_RATES: std::ops::RangeInclusive<f64> = 6_000.0..=12_000.0;
 
 /// A compiled scene: a plan, and which patterns play from the beginning.
 #[derive(Debug, Clone)]
@@ -65,15 +66,32 @@ pub struct Scene {
 /// Everything that keeps the two from playing together: recordings that cannot be read, places the rig does not have, a
 /// rate out of [`RATES`], an unknown pattern.
 pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -> Result<Scene, Problems> {
-    let mut problems = Vec::new();
+    // Files were checked when they were read; what is made or changed in code was not.
+    let mut problems: Vec<Problem> = patch.check().into_iter().filter(Problem::is_error).collect();
+    problems.extend(rig.check().into_iter().filter(Problem::is_error).map(|p| Problem { span: None, ..p }));
+    if !problems.is_empty() {
+        return Err(patch.origin.problems(problems));
+    }
     let device_rate = options.rate.or(rig.device.rate).unwrap_or(48_000.0);
-    if !RATES.contains(&device_rate) {
-        let (least, most) = (RATES.start(), RATES.end());
+    let [least, most] = RATES;
+    if !(least..=most).contains(&device_rate) {
         problems.push(Problem::of_file(format!(
             "a rate of {device_rate} Hz is not between {least} and {most} Hz"
         )));
     }
-    let ratio = options.ratio.unwrap_or((device_rate / 8000.0).round() as usize).clamp(1, 96);
+    let ratio = options.ratio.unwrap_or_else(|| usual_ratio(device_rate));
+    let engine_rate = device_rate / ratio as f64;
+    if problems.is_empty() && !ENGINE_RATES.contains(&engine_rate) {
+        let (least, most) = (ENGINE_RATES.start(), ENGINE_RATES.end());
+        let what = format!(
+            "a ratio of {ratio} at {device_rate} Hz lets the engine run at {engine_rate} Hz; it can from {least} to {most} Hz"
+        );
+        let help = format!("the usual ratio here is {}", usual_ratio(device_rate));
+        problems.push(Problem::of_file(what).help(help));
+    }
+    if !problems.is_empty() {
+        return Err(patch.origin.problems(problems));
+    }
     let mut left_out = Vec::new();
     let patterns = patterns(patch, options, &mut problems);
     let voices = voices(patch, &patterns, options.live, &mut left_out);
@@ -109,9 +127,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
                     program: compiled.program,
                 });
             }
-            Err(_) => {
-                problems.push(Problem::error(&voice.span, format!("voice `{}` has a cycle", voice.name)))
-            }
+            Err(why) => problems.push(Problem::error(&voice.span, format!("voice `{}`: {why}", voice.name))),
         }
     }
     let (shared, shared_program) =
@@ -128,6 +144,10 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     }
     let silent = rig.outputs.iter().filter(|o| is_not_rendered(o));
     left_out.extend(silent.map(|o| LeftOut { what: format!("output `{}`", o.name), why: Why::NotRendered }));
+    if !options.live {
+        left_out.extend(never_fed(patch, rig, &voices));
+    }
+    left_out.extend(not_yet(patch, rig));
     let plan = Plan {
         device_rate,
         ratio,
@@ -334,8 +354,8 @@ fn shared(
             note("shared", &compiled.pruned, &compiled.folded, left_out);
             (wanted.list.clone(), compiled.program)
         }
-        Err(_) => {
-            problems.push(Problem::of_file("the shared nodes have a cycle"));
+        Err(why) => {
+            problems.push(Problem::of_file(format!("the shared nodes: {why}")));
             (wanted.list.clone(), Program::default())
         }
     }

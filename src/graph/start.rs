@@ -4,7 +4,7 @@
 pub type StartId = u32;
 
 /// Fields an event may carry: its frequency and what a voice declares for itself.
-pub const FIELDS: usize = 8;
+pub const FIELDS: usize = crate::patch::voice::MOST_FIELDS;
 
 /// What the event says, as start programs read it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,4 @@
-//! Patches, rigs and tables of events, from disk to bytes.
+//! Patches and rigs, from disk to bytes.
 
 use super::error::{FileError, FileErrorKind};
 use std::fs::File;

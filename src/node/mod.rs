@@ -23,7 +23,7 @@ pub const OF_FUNDSP: [&str; 5] = ["pluck", "chaos", "brown", "ladder", "bell"];
 
 /// A node type: its place in [`REGISTRY`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct NodeKind(pub usize);
+pub struct NodeKind(usize);
 
 impl NodeKind {
     /// The type of that name.

@@ -375,7 +375,31 @@ impl Check<'_> {
             let help = self.suggest(node, shared.names());
             self.error(&trigger.on_span, what, help);
         }
+        let of_pattern = voice.is_none() && names.pattern(&trigger.play).is_some();
+        if of_pattern && trigger.place.is_some() {
+            let what = format!("a trigger cannot say where pattern `{}` plays", trigger.play);
+            self.error(&trigger.span, what, "its events say so, or their voices".to_string());
+        }
         for (field, expr, span) in &trigger.set {
+            if of_pattern && trigger.on == Source::Start && ["gain", "rate"].contains(&field.as_str()) {
+                let what = format!("a pattern that starts by itself has no `{field}`");
+                let help = format!(
+                    "start one that plays it: {{ at = 0, pattern = \"{}\", {field} = ... }}",
+                    trigger.play
+                );
+                self.error(span, what, help);
+            }
+            if let (Some(_), Some(value)) = (voice, expr.constant()) {
+                let (least, most) = match field.as_str() {
+                    "level" => (0.0, 100.0),
+                    "duration" => (0.0, 1e6),
+                    _ => (-1e9, 1e9),
+                };
+                if !(least..=most).contains(&value) {
+                    let what = format!("`{field}` of a trigger is {value}; it may be from {least} to {most}");
+                    self.error(span, what, None);
+                }
+            }
             match voice {
                 Some(voice) if voice.field(field).is_none() => {
                     self.problems.push(no_field(voice, field, span))

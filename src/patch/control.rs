@@ -17,7 +17,7 @@ pub struct Control {
     pub unit: String,
     /// How a position between 0 and 1 maps to the range.
     pub curve: Curve,
-    /// Time constant in seconds with which it follows what moves it.
+    /// Seconds in which it goes, in a straight line, to each new value.
     pub smoothing: f64,
     /// Where it stands.
     pub span: Span,
@@ -50,7 +50,7 @@ pub static TABLE: Table = Table {
             "smoothing",
             Form::number(0.01, 0.0, 10.0),
             "s",
-            "Time constant with which it follows what moves it.",
+            "How long it takes to each new value, in a straight line.",
         ),
     ],
     others: None,

@@ -79,7 +79,7 @@ impl Voice {
 }
 
 /// The most fields, other than `level` and `duration`, that the events of a voice may have.
-pub const MOST_FIELDS: usize = 64;
+pub const MOST_FIELDS: usize = 8;
 
 /// `event.frequency` where neither the event nor the voice says any, Hz: where the skin feels vibration best.
 pub const DEFAULT_FREQUENCY: f64 = 250.0;
@@ -162,7 +162,9 @@ pub(crate) fn read(name: &str, reader: &Reader, options: &Options, broken: &mut 
             voice.fields.push((field.into(), value));
         }
         if voice.fields.len() > MOST_FIELDS {
-            let what = format!("{} are {}, the most is {MOST_FIELDS}", defaults.who, voice.fields.len());
+            let (who, count) = (&defaults.who, voice.fields.len());
+            let what =
+                format!("{who} declare {count} fields, `frequency` included; {MOST_FIELDS} are the most");
             defaults.sink.error(&defaults.span, what);
             voice.fields.truncate(MOST_FIELDS);
         }

@@ -8,7 +8,7 @@ use super::compare::{Comparison, compare};
 use super::reference::{Reference, reference_hearing};
 use crate::engine::Engine;
 use crate::engine::event::{Event, Play, Source};
-use crate::engine::vibration::Refusal;
+use crate::engine::refusal::Refusal;
 use crate::graph::plan::Plan;
 use crate::schedule::Instant;
 

@@ -65,7 +65,7 @@ pub fn reference_hearing(
             level: instrument.level,
             duration: f64::INFINITY,
             own,
-            id: u64::MAX - i as u64,
+            id: u64::MAX - 1 - i as u64,
         };
         (0.0, play)
     });

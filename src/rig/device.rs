@@ -19,6 +19,14 @@ pub struct Device {
     pub coupling: Coupling,
 }
 
+/// The least and the most samples a second that a device may have.
+pub const RATES: [f64; 2] = [6_000.0, 768_000.0];
+
+/// Device frames for each engine sample at a device rate (Hz), where nothing says another number: the engine runs at about 8 kHz.
+pub fn usual_ratio(rate: f64) -> usize {
+    (rate / 8000.0).round().max(1.0) as usize
+}
+
 /// What an output lets through.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coupling {
@@ -43,7 +51,7 @@ pub static TABLE: Table = Table {
             .required(),
         Field::new(
             "rate",
-            Form::any_number(1000.0, 1e6),
+            Form::any_number(RATES[0], RATES[1]),
             "Hz",
             "Samples a second; whatever is asked for where nothing is said.",
         ),

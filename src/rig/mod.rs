@@ -9,7 +9,7 @@ pub mod schema;
 
 pub use actuator::{Actuator, Model, Peak};
 pub use amplifier::{Amplifier, Drive};
-pub use device::{Coupling, Device};
+pub use device::{Coupling, Device, RATES, usual_ratio};
 pub use output::{Output, OutputKind};
 pub use schema::schema;
 

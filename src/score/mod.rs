@@ -21,8 +21,7 @@ use std::sync::Arc;
 use crate::patch::{Event, Patch, Place};
 use crate::text::Problem;
 
-/// Fields that a voice may declare for its events, `frequency` included.
-pub const FIELDS: usize = 8;
+pub use crate::graph::start::FIELDS;
 
 /// Seconds after which a score ends, come what may: some 31 years.
 pub const HORIZON: f64 = 1e9;

@@ -493,3 +493,19 @@ fn what_a_player_refuses_is_shown_at_its_line() {
     let error: Box<dyn std::error::Error> = nobody.into();
     assert!(error.to_string().contains("no voice `bat`"), "{error}");
 }
+
+/// An event carries eight fields, `frequency` among them; the parser says so.
+#[test]
+fn a_ninth_field_is_refused() {
+    let fields = |count: usize| {
+        let own: String = (0..count).map(|i| format!("f{i} = {i}\n")).collect();
+        let text = format!(
+            "{HEAD}[voice.a]\noutput = \"s\"\n[voice.a.defaults]\n{own}[voice.a.nodes]\ns = {{ type = \"sine\", frequency = 250 }}\n"
+        );
+        Patch::parse("p.toml", text.as_bytes()).err().map(|p| p.list[0].what.clone())
+    };
+    assert_eq!(fields(7), None);
+    assert!(
+        fields(8).is_some_and(|what| what.contains("declare 9 fields") && what.contains("8 are the most"))
+    );
+}

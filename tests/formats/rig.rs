@@ -172,3 +172,16 @@ fn places_of_a_patch_are_checked_against_it() {
         [(5, "no tactor `t9`"), (10, "no channel 9; the device has 8"), (11, "did you mean `t1`?")];
     assert_told(source, &problems, &expected);
 }
+
+/// A rate that no rendering can have is refused where it stands.
+#[test]
+fn rates_out_of_range_are_refused_at_their_line() {
+    for (rate, good) in [(5_999.0, false), (6_000.0, true), (768_000.0, true), (768_001.0, false)] {
+        let text = format!("{HEAD}rate = {rate:.1}\n");
+        let line = Rig::parse("rig.toml", text.as_bytes()).err().map(|problems| {
+            let span = problems.list[0].span.clone().unwrap();
+            problems.position(span.start).0
+        });
+        assert_eq!(line, (!good).then_some(4), "{rate}");
+    }
+}

@@ -13,8 +13,8 @@ const SPAN: [f64; 2] = [10.0, 10_000.0];
 /// Decibels at the lower edge.
 const FLOOR: f64 = -120.0;
 
-/// Draws a spectrum into the frame `left`, `top`, `right`, `bottom`, with its labels outside of it. `rate` is in samples a second,
-/// `sounding` the number of channels it is the mean of.
+/// Draws a spectrum into the frame `left`, `top`, `right`, `bottom`, with its labels outside of it. `sounding` is the
+/// number of channels it is the mean of.
 pub(super) fn draw(
     svg: &mut Svg,
     spectrum: &Spectrum,

@@ -1,0 +1,182 @@
+//! What the files say and nothing acts on: outputs that nothing feeds, and what this version reads and checks but does not run yet.
+
+use std::collections::BTreeSet;
+
+use super::plan::{LeftOut, Why};
+use crate::patch::control::Curve;
+use crate::patch::{Action, Events, Patch, Place, Source};
+use crate::rig::{self, Coupling, Rig};
+
+/// What a patch and a rig name and nothing acts on yet.
+pub fn not_yet(patch: &Patch, rig: &Rig) -> Vec<LeftOut> {
+    let mut list = Vec::new();
+    let mut say = |is: bool, what: String| {
+        if is {
+            list.push(LeftOut { what, why: Why::NotYet });
+        }
+    };
+    for trigger in &patch.triggers {
+        let on = match &trigger.on {
+            Source::Start => continue,
+            Source::Key(key) => format!("key.{key}"),
+            Source::MidiNote => "midi.note".into(),
+            Source::Osc(address) => format!("osc.{address}"),
+            Source::KnobDetent => "knob.detent".into(),
+            Source::Node { node, .. } => format!("node.{node}"),
+        };
+        say(true, format!("trigger `{on}` of `{}`", trigger.play));
+    }
+    for control in &patch.controls {
+        say(control.curve != Curve::Linear, format!("`curve` of control `{}`", control.name));
+    }
+    say(rig.device.coupling != Coupling::Dc, "`coupling` of the device".into());
+    say(rig.device.full_scale_volts.is_some(), "`full_scale_volts` of the device".into());
+    for amplifier in &rig.amplifiers {
+        say(true, format!("amplifier `{}`", amplifier.name));
+    }
+    for actuator in &rig.actuators {
+        for (is, key) in [
+            (actuator.resonance.is_some(), "resonance"),
+            (actuator.q.is_some(), "q"),
+            (actuator.rated_volts.is_some(), "rated_volts"),
+        ] {
+            say(is, format!("`{key}` of actuator `{}`", actuator.name));
+        }
+    }
+    for output in rig.outputs.iter().filter(|o| o.kind == rig::OutputKind::Raw) {
+        let actuator = output.actuator.as_deref().and_then(|name| rig.actuator(name));
+        say(
+            actuator.is_some_and(|a| !a.equaliser.is_empty()),
+            format!("`equaliser` of raw output `{}`", output.name),
+        );
+    }
+    list
+}
+
+/// Outputs told one by one, at most.
+const SHOWN: usize = 16;
+
+/// Outputs that no event of the voices and patterns at hand can reach, where all of them are known: the events stand in the patch.
+pub fn never_fed(patch: &Patch, rig: &Rig, voices: &BTreeSet<usize>) -> Vec<LeftOut> {
+    let mut fed = BTreeSet::new();
+    let mut reach = |place: Option<&Place>| fed.extend(rig.resolve(place, &(0..0)).ok());
+    let sounds = |name: &str| voices.iter().any(|v| patch.voices[*v].name == name);
+    for &v in voices {
+        reach(patch.voices[v].place.as_ref());
+    }
+    for trigger in patch.triggers.iter().filter(|t| t.on == Source::Start && t.place.is_some()) {
+        reach(trigger.place.as_ref());
+    }
+    for pattern in &patch.patterns {
+        let Events::Inline(events) = &pattern.events else { return Vec::new() };
+        for event in events {
+            let mut visit = |action: &Action| {
+                if let Action::Voice(play) = action
+                    && play.place.is_some()
+                    && sounds(&play.voice)
+                {
+                    reach(play.place.as_ref());
+                }
+            };
+            visit(&event.action);
+            if let Action::Choose(list) = &event.action {
+                list.iter().for_each(|a| visit(&a.action));
+            }
+        }
+    }
+    let feeds = |o: &rig::Output| matches!(o.kind, rig::OutputKind::Vibration | rig::OutputKind::Raw);
+    let idle = rig.outputs.iter().enumerate().filter(|(i, o)| feeds(o) && !fed.contains(i));
+    let names: Vec<&str> = idle.map(|(_, o)| o.name.as_str()).collect();
+    let (shown, more) = names.split_at(names.len().min(SHOWN));
+    let left = |what: String| LeftOut { what, why: Why::NeverFed };
+    let mut list: Vec<_> = shown.iter().map(|name| left(format!("output `{name}`"))).collect();
+    list.extend((!more.is_empty()).then(|| left(format!("{} outputs more", more.len()))));
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Why;
+    use crate::graph::scene::{Options, scene};
+    use crate::node::asset::NoAssets;
+    use crate::patch::Patch;
+    use crate::rig::Rig;
+
+    const RIG: &str = r#"
+format = "pacinian-rig/1"
+title = "All that nothing acts on"
+[device]
+channels = 3
+full_scale_volts = 1.4
+coupling = { high_pass = 8.0 }
+[amplifier.class-d]
+gain = 6.0
+[actuator.exciter]
+resonance = 65.0
+q = 2.0
+rated_volts = 3.0
+equaliser = [{ frequency = 65, gain_db = -6 }]
+[[tactor]]
+name = "a"
+channel = 1
+[[tactor]]
+name = "b"
+channel = 2
+[[output]]
+kind = "raw"
+name = "c"
+channel = 3
+actuator = "exciter"
+"#;
+
+    const PATCH: &str = r#"
+format = "pacinian-patch/1"
+title = "One tap"
+[control.strength]
+default = 1
+range = [0.5, 1.0]
+curve = "exponential"
+[voice.tap]
+output = "out"
+[voice.tap.nodes]
+out = { type = "sine", frequency = 250, amplitude = "strength" }
+[pattern.p]
+events = [{ at = 0, voice = "tap" }, { at = 1, voice = "tap", place = "c" }]
+[[trigger]]
+on = "start"
+play = "p"
+[[trigger]]
+on = "key.2"
+play = "tap"
+"#;
+
+    fn left(why: Why, live: bool) -> Vec<String> {
+        let rig = Rig::parse("r.toml", RIG.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let patch = Patch::parse("p.toml", PATCH.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let options = Options { live, ..Options::default() };
+        let plan = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan;
+        plan.left_out.into_iter().filter(|l| l.why == why).map(|l| l.what).collect()
+    }
+
+    #[test]
+    fn outputs_that_no_place_reaches_are_told() {
+        assert_eq!(left(Why::NeverFed, false), ["output `b`"]);
+        assert!(left(Why::NeverFed, true).is_empty());
+    }
+
+    #[test]
+    fn what_nothing_acts_on_is_told() {
+        let wanted = [
+            "trigger `key.2` of `tap`",
+            "`curve` of control `strength`",
+            "`coupling` of the device",
+            "`full_scale_volts` of the device",
+            "amplifier `class-d`",
+            "`resonance` of actuator `exciter`",
+            "`q` of actuator `exciter`",
+            "`rated_volts` of actuator `exciter`",
+            "`equaliser` of raw output `c`",
+        ];
+        assert_eq!(left(Why::NotYet, false), wanted);
+    }
+}
