@@ -660,20 +660,21 @@ fn what_was_held_or_cut_is_in_the_summary() {
          s = { type = \"sine\", frequency = 250 }\no = { type = \"multiply\", inputs = [\"s\", 1e5, \"s\", 1e5] }\n\
          [pattern.p]\nevents = [{ at = 0, voice = \"a\", level = 100 }]\n";
     scratch.write("loud.toml", loud);
-    let run = scratch.run(&["render", "loud.toml", "-o", "x.wav", "--json"]).succeeds();
-    assert!(run.json()["held"].as_u64().is_some_and(|held| held > 0), "{}", run.out);
-    let run = scratch.run(&["render", "loud.toml", "-o", "x.wav"]).succeeds();
-    assert!(run.out.contains("held there"), "{}", run.out);
+    let run = scratch.run(&["render", "loud.toml", "-o", "x.wav", "--json"]);
+    assert!(run.succeeds().json()["held"].as_u64().is_some_and(|held| held > 0), "{}", run.out);
+    let run = scratch.run(&["render", "loud.toml", "-o", "x.wav"]);
+    assert!(run.succeeds().out.contains("held there"), "{}", run.out);
 }
 
 #[test]
 fn help_and_readme_name_all_exit_codes() {
-    let help = Scratch::new("codes").run(&["--help"]).succeeds().out;
+    let run = Scratch::new("codes").run(&["--help"]);
+    let help = &run.succeeds().out;
     let readme = include_str!("../README.md");
     let table =
         readme.split("## Exit codes").nth(1).and_then(|t| t.split("\n## ").next()).unwrap_or_default();
     for code in ["2", "65", "66", "70", "71", "73", "74", "77", "78", "129", "130", "143"] {
         let words = |text: &str| text.split(|c: char| !c.is_ascii_digit()).any(|word| word == code);
-        assert!(words(&help) && words(table), "{code}");
+        assert!(words(help) && words(table), "{code}");
     }
 }
