@@ -656,8 +656,8 @@ fn what_was_held_or_cut_is_in_the_summary() {
     let scratch = Scratch::new("held");
     let summary = scratch.run(&["render", "good.toml", "-o", "x.wav", "--json"]).succeeds().json();
     assert_eq!((&summary["held"], &summary["cut"]), (&Value::from(0), &Value::from(false)));
-    let loud = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"o\"\n[voice.a.nodes]\n\
-         s = { type = \"sine\", frequency = 250 }\no = { type = \"multiply\", inputs = [\"s\", 1e5, \"s\", 1e5] }\n\
+    let loud = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"s\"\n[voice.a.nodes]\n\
+         s = { type = \"sine\", frequency = 250, amplitude = 1e6 }\n\
          [pattern.p]\nevents = [{ at = 0, voice = \"a\", level = 100 }]\n";
     scratch.write("loud.toml", loud);
     let run = scratch.run(&["render", "loud.toml", "-o", "x.wav", "--json"]);

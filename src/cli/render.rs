@@ -20,7 +20,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// Renders a patch to a WAV file with a channel for each tactor
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  pacinian render patches/04-heartbeat.toml --rig rigs/belt.toml -o heartbeat.wav\n  \
+    after_help = "Example:\n  pacinian render patches/04-heartbeat.toml --rig rigs/belt.toml -o heartbeat.wav\n  \
     pacinian render patches/19-countdown.toml -o countdown.wav --log countdown.csv\n\n\
     The file plays at any time, also while it is written and when the program is stopped: Ctrl-C completes it as far as it is.\n\
     It ends when the patterns are over and nothing rings any more; patterns without end need --duration or --input.\n\n\

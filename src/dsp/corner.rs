@@ -99,7 +99,7 @@ struct Fit {
 
 impl Fit {
     fn new(order: usize) -> Self {
-        // 0.14 of the rate is 1 kHz at the lowest engine rate, 7,350 Hz.
+        // 0.14 of the rate is 1 kHz at 7,350 Hz, the lowest engine rate of the usual devices.
         let edge = std::f64::consts::TAU * 0.14;
         let grid = std::array::from_fn(|k| {
             let w = std::f64::consts::FRAC_PI_2 * (k as f64 + 0.5) / GRID as f64;

@@ -14,20 +14,20 @@ pub static SPEC: NodeSpec = NodeSpec {
     family: Family::Noise,
     summary: "Noise between two frequencies.",
     detail: "White noise through a high-pass filter at `low` and a low-pass filter at `high` (both of second order with q = 1/√2, as `highpass` and \
-             `lowpass`), times √(rate / 2 (high − low)), so that its RMS is about amplitude / √3 whatever the band; peaks are about three times as \
-             high. Both edges are limited as the filters do; a band below 1 Hz is scaled as one of 1 Hz.",
+             `lowpass`), times √(rate / 2 (high − low)), so that its RMS is about amplitude / √3 for bands of an octave or more; filters of second order get no narrower \
+             than about 0.28 of their frequency, so narrower bands are louder: by 6 dB at 240 to 260 Hz. Peaks are about four times as high. Both edges are limited as the filters do; a band below 1 Hz is scaled as one of 1 Hz.",
     params: &[
         Param {
             name: "low",
             kind: Kind::Signal(Numeric::required(0.0, 4000.0)),
             unit: "Hz",
-            doc: "Lower edge (−3 dB).",
+            doc: "Lower edge (−3 dB where the other is an octave away or more).",
         },
         Param {
             name: "high",
             kind: Kind::Signal(Numeric::required(0.0, 4000.0)),
             unit: "Hz",
-            doc: "Upper edge (−3 dB).",
+            doc: "Upper edge (−3 dB where the other is an octave away or more).",
         },
         Param {
             name: "amplitude",

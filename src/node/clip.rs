@@ -11,8 +11,8 @@ pub static SPEC: NodeSpec = NodeSpec {
     summary: "Cuts a signal off at a limit, with a rounded corner.",
     detail: "With u = input / limit and a knee k: u up to |u| = 1 − k, the limit from 1 + k on, and between them a curve whose slope falls from \
              1 to 0 by the quintic 1 − 10v³ + 15v⁴ − 6v⁵ (v from 0 to 1 across the knee), so that bends are smooth to the second order. The rounder the \
-             knee, the less folds back into the band: for a sine of 250 Hz at twice the limit, −88 dB with a knee of 0.5, \
-             −98 dB with 0.75, −58 dB with 0, which is a plain clip. A limit of 0 or less, or one that is not a number, gives 0.",
+             knee, the less folds back into the band: for a sine of about 250 Hz at twice the limit, −88 dB with a knee of 0.5, \
+             −94 dB with 0.75, −52 dB with 0, which is a plain clip. A limit of 0 or less, or one that is not a number, gives 0.",
     params: &[
         Param {
             name: "input",

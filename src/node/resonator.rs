@@ -12,7 +12,8 @@ pub static SPEC: NodeSpec = NodeSpec {
     family: Family::Filter,
     summary: "Rings at a frequency for a time.",
     detail: "(s/qω) / (1 + s/qω + s²/ω²) with q = π frequency decay / ln 1000: gain 1 at its frequency, and after a knock it falls by 60 dB in `decay` seconds. \
-             It is the bilinear (trapezoidal) state-variable filter at the engine's rate, exact at its frequency. The frequency is limited to 1 Hz to \
+             It is the bilinear (trapezoidal) state-variable filter at the engine's rate, exact at its frequency; the decay grows \
+             longer towards the edge of the band, by 2πf/rate over its sine: 3 % at 500 Hz, 7 % at 800 Hz. The frequency is limited to 1 Hz to \
              0.45 of that rate, q to 0.1 to 1000, at every sample, however they move; an input that is not a number counts as 0. A tail \
              below −140 dB ends in silence.",
     params: &[
