@@ -275,6 +275,18 @@ impl<R: Real> Corrections<R> {
         self.clock += (output.len() - due) as u64;
     }
 
+    /// Whether nothing is under way on any lane.
+    #[inline(always)]
+    pub fn are_over(&self) -> bool {
+        self.pending == 0
+    }
+
+    /// Passes over samples to which there is nothing to add.
+    #[inline(always)]
+    pub fn skip(&mut self, samples: u64) {
+        self.clock += samples;
+    }
+
     /// Whether nothing is under way on `lane`.
     pub fn is_over(&self, lane: usize) -> bool {
         self.clock >= self.over[lane]

@@ -1,6 +1,6 @@
 //! A live parameter on its way to a value.
 
-use super::workspace::Rows;
+use super::workspace::Buffer;
 use crate::dsp::lanes::{LANES, Real};
 use crate::node::kernel::LEAD;
 use crate::schedule::Instant;
@@ -16,7 +16,7 @@ pub struct Ramp<R> {
     usual: f64,
     least: f64,
     most: f64,
-    /// Whether the rows it fills already hold `to` throughout.
+    /// Whether what it fills already holds `to`.
     settled: bool,
     _real: std::marker::PhantomData<R>,
 }
@@ -75,18 +75,18 @@ impl<R: Real> Ramp<R> {
     }
 
     /// Its values from engine sample `clock` on, the same in all lanes.
-    pub fn fill(&mut self, rows: &mut Rows<R>, frames: usize, clock: u64) {
+    pub fn fill(&mut self, signal: &mut Buffer<R>, frames: usize, clock: u64) {
         if self.settled {
             return;
         }
         let age = self.since.until(clock) - LEAD;
         if age >= self.samples {
-            // Every frame of the buffer, so that later and longer blocks need no more work.
-            rows.fill([R::of(self.to); LANES]);
+            signal.hold(R::of(self.to));
             self.settled = true;
             return;
         }
-        for (frame, row) in rows[..frames].iter_mut().enumerate() {
+        signal.still = false;
+        for (frame, row) in signal.rows[..frames].iter_mut().enumerate() {
             *row = [R::of(self.value(age + frame as f64)); LANES];
         }
     }
@@ -94,19 +94,19 @@ impl<R: Real> Ramp<R> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Instant, LANES, Ramp};
+    use super::{Buffer, Instant, LANES, Ramp};
 
     #[test]
     fn it_arrives_and_stays() {
         let mut ramp = Ramp::<f64>::new(0.0, 0.0, 2.0, 10.0);
-        let mut rows = vec![[0.0; LANES]; 64];
+        let mut signal = Buffer::silent();
         ramp.send(1.0, Instant::of_samples(4.5));
-        ramp.fill(&mut rows, 20, 0);
-        assert_eq!(rows[6][0], 0.0);
-        assert!((rows[7][0] - 0.05).abs() < 1e-12 && (rows[16][7] - 0.95).abs() < 1e-12);
-        assert_eq!(rows[17][3], 1.0);
-        ramp.fill(&mut rows, 1, 20);
-        assert!(rows.iter().flatten().all(|x| *x == 1.0));
+        ramp.fill(&mut signal, 20, 0);
+        assert_eq!(signal.at(6)[0], 0.0);
+        assert!((signal.at(7)[0] - 0.05).abs() < 1e-12 && (signal.at(16)[7] - 0.95).abs() < 1e-12);
+        assert_eq!(signal.at(17)[3], 1.0);
+        ramp.fill(&mut signal, 1, 20);
+        assert!(signal.still && signal.at(63) == [1.0; LANES]);
         ramp.send(9.0, Instant::of_samples(40.0));
         assert_eq!(ramp.target(), 2.0);
         ramp.send(f64::NAN, Instant::of_samples(41.0));
@@ -119,13 +119,13 @@ mod tests {
         old.send(1.0, Instant::of_samples(0.0));
         let mut new = Ramp::<f64>::new(0.0, 0.0, 2.0, 40.0);
         new.follow(&old);
-        let mut rows = vec![[0.0; LANES]; 64];
-        new.fill(&mut rows, 60, 0);
+        let mut signal = Buffer::silent();
+        new.fill(&mut signal, 60, 0);
         // A voice's clock lags by two samples.
-        assert!((rows[7][0] - 0.5).abs() < 1e-12 && rows[12][0] == 1.0);
+        assert!((signal.at(7)[0] - 0.5).abs() < 1e-12 && signal.at(12)[0] == 1.0);
         new.send(2.0, Instant::of_samples(100.0));
-        new.fill(&mut rows, 60, 100);
-        assert!((rows[22][0] - 1.5).abs() < 1e-12 && rows[42][0] == 2.0);
+        new.fill(&mut signal, 60, 100);
+        assert!((signal.at(22)[0] - 1.5).abs() < 1e-12 && signal.at(42)[0] == 2.0);
     }
 
     #[test]
@@ -135,11 +135,11 @@ mod tests {
             ramp.send(0.9, Instant::of_samples(1.25));
             let (mut clock, mut all) = (0, Vec::new());
             for &frames in cuts {
-                let mut rows = vec![[0.0; LANES]; 64];
+                let mut signal = Buffer::silent();
                 // A settled ramp relies on the buffer it filled: keep one.
                 ramp.settled = false;
-                ramp.fill(&mut rows, frames, clock);
-                all.extend(rows[..frames].iter().map(|r| r[0].to_bits()));
+                ramp.fill(&mut signal, frames, clock);
+                all.extend((0..frames).map(|frame| signal.at(frame)[0].to_bits()));
                 clock += frames as u64;
             }
             all

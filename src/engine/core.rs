@@ -5,15 +5,17 @@ use super::control::Ramp;
 use super::declick::Declick;
 use super::event::{Event, Play, Source};
 use super::handover::Inheritance;
+use super::ops::Ops;
 use super::refusal::Refusal;
 use super::stage::Stage;
 use super::task::{Board, Task};
 use super::workspace::{BLOCK, Workspace};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
-use crate::graph::plan::{Instrument, Plan, Shared};
+use crate::graph::plan::{Plan, Shared};
 use crate::graph::program::Feed;
-use crate::graph::start::FIELDS;
+use crate::graph::start::{FIELDS, Fields};
+use crate::node::kernel::LEAD;
 use crate::schedule::{Instant, Queue};
 
 /// Engine samples between two looks at what has become silent.
@@ -44,7 +46,7 @@ pub struct Core<R: Real> {
     queue: Queue<Event>,
     places: Vec<Vec<(u32, f64)>>,
     banks: Vec<Bank<R>>,
-    shared: Option<Bank<R>>,
+    shared: Option<Ops<R>>,
     sources: Vec<Shared>,
     controls: Vec<Ramp<R>>,
     work: Workspace<R>,
@@ -66,20 +68,8 @@ impl<R: Real> Core<R> {
         let groups = plan.channels.div_ceil(LANES);
         let banks: Vec<_> =
             plan.instruments.iter().map(|i| Bank::new(i, rate, plan.seed, groups, isa)).collect();
-        let shared = (!plan.shared_program.ops.is_empty()).then(|| {
-            let instrument = Instrument {
-                name: "shared".into(),
-                program: plan.shared_program.clone(),
-                voices: 1,
-                fields: Vec::new(),
-                defaults: Vec::new(),
-                place: 0,
-                tail: 0.0,
-                level: 1.0,
-                always: true,
-            };
-            Bank::new(&instrument, rate, plan.seed, 0, isa)
-        });
+        let shared = &plan.shared_program;
+        let shared = (!shared.ops.is_empty()).then(|| Ops::new(shared, 1, rate, plan.seed, isa));
         let controls =
             plan.controls.iter().map(|c| Ramp::new(c.default, c.least, c.most, c.smoothing * rate)).collect();
         let programs = plan.instruments.iter().map(|i| &i.program).chain([&plan.shared_program]);
@@ -107,26 +97,25 @@ impl<R: Real> Core<R> {
 
     /// Starts what sounds from the beginning.
     fn begin(&mut self, plan: &Plan) {
-        let held = |instrument: usize, own: [f64; FIELDS], place, level, id| Play {
-            instrument: instrument as u32,
-            place,
-            level,
-            duration: f64::INFINITY,
-            own,
-            id,
-        };
         if let Some(shared) = &mut self.shared {
-            shared.start(&held(0, [0.0; FIELDS], 0, 1.0, u64::MAX), Instant::default(), 0, &[], 0);
+            let fields = Fields { level: 1.0, duration: f64::INFINITY, own: [0.0; FIELDS] };
+            shared.set(0, &fields);
+            shared.start(0, u64::MAX, -LEAD, fields.duration);
         }
         for (i, instrument) in plan.instruments.iter().enumerate().filter(|(_, i)| i.always) {
             let mut own = [0.0; FIELDS];
             for (value, default) in own.iter_mut().zip(&instrument.defaults) {
                 *value = *default;
             }
-            self.play(
-                &held(i, own, instrument.place, instrument.level, u64::MAX - 1 - i as u64),
-                Instant::default(),
-            );
+            let play = Play {
+                instrument: i as u32,
+                place: instrument.place,
+                level: instrument.level,
+                duration: f64::INFINITY,
+                own,
+                id: u64::MAX - 1 - i as u64,
+            };
+            self.play(&play, Instant::default());
         }
     }
 
@@ -153,7 +142,7 @@ impl<R: Real> Core<R> {
     /// What happened so far.
     pub fn counters(&self) -> Counters {
         let mut counters = self.counters;
-        for bank in self.banks.iter().chain(&self.shared) {
+        for bank in &self.banks {
             counters.masked += bank.masked;
             counters.stolen += bank.stolen;
         }
@@ -220,8 +209,8 @@ impl<R: Real> Core<R> {
                 old.sound(frames, done);
                 old.clock += frames as u64;
             }
-            for (latest, rows) in self.latest.iter_mut().zip(&self.work.shared) {
-                *latest = rows[frames - 1][0];
+            for (latest, signal) in self.latest.iter_mut().zip(&self.work.shared) {
+                *latest = signal.at(frames - 1)[0];
             }
             self.clock += frames as u64;
             done += frames;
@@ -236,8 +225,11 @@ impl<R: Real> Core<R> {
     /// Housekeeping, on its grid.
     fn settle(&mut self) {
         if self.clock.is_multiple_of(GRID) {
-            for bank in self.banks.iter_mut().chain(&mut self.shared) {
+            for bank in &mut self.banks {
                 bank.settle(self.clock);
+            }
+            if let Some(shared) = &mut self.shared {
+                shared.settle(0);
             }
         }
     }
@@ -286,8 +278,8 @@ impl<R: Real> Core<R> {
             kept.is_some()
         });
         // What stays behind hears the signals as they were.
-        for (rows, latest) in old.work.shared.iter_mut().zip(&old.latest) {
-            rows.fill([*latest; LANES]);
+        for (signal, latest) in old.work.shared.iter_mut().zip(&old.latest) {
+            signal.hold(*latest);
         }
         old.banks.iter_mut().for_each(|bank| bank.fade_all(now));
     }
@@ -361,39 +353,43 @@ impl<R: Real> Core<R> {
                     self.controls[c as usize].fill(&mut self.work.shared[i], frames, self.clock)
                 }
                 Shared::Input(channel) => {
-                    let rows = &mut self.work.shared[i][..frames];
+                    let signal = &mut self.work.shared[i];
                     match input.get(channel as usize).and_then(|c| c.get(offset..offset + frames)) {
                         Some(values) => {
-                            for (row, value) in rows.iter_mut().zip(values) {
+                            signal.still = false;
+                            for (row, value) in signal.rows.iter_mut().zip(values) {
                                 let value = if value.is_finite() { *value } else { 0.0 };
                                 *row = [R::of(f64::from(value)); LANES];
                             }
                         }
-                        None => rows.fill([R::ZERO; LANES]),
+                        None => signal.hold(R::ZERO),
                     }
                 }
                 Shared::Node(_) => {}
             }
         }
         if let Some(shared) = &mut self.shared {
-            shared.run_shared(&mut self.work, frames, self.clock);
+            shared.run(0, &mut self.work, frames, self.clock);
             for (i, source) in self.sources.iter().enumerate() {
                 let Shared::Node(output) = *source else { continue };
-                let (buffers, signals) = (&self.work.buffers, &mut self.work.shared);
-                let rows = &mut signals[i][..frames];
-                match shared.output_feed(output as usize) {
-                    Feed::Buffer(b) => {
-                        for (row, value) in rows.iter_mut().zip(&buffers[b as usize]) {
+                let Workspace { buffers, shared: signals, .. } = &mut self.work;
+                match shared.output(output as usize) {
+                    Some(Feed::Buffer(b)) => {
+                        let (from, to) = (&buffers[b as usize], &mut signals[i]);
+                        let rows = if from.still { 1 } else { frames };
+                        to.still = from.still;
+                        for (row, value) in to.rows[..rows].iter_mut().zip(&from.rows) {
                             let value = if value[0].is_finite() { value[0] } else { R::ZERO };
                             *row = [value; LANES];
                         }
                     }
-                    Feed::Steady(s) => rows.fill([shared.steady_value(s); LANES]),
-                    Feed::Late(_) => {}
-                    Feed::Shared(s) => {
-                        let value = std::mem::take(&mut signals[s as usize]);
-                        signals[i][..frames].copy_from_slice(&value[..frames]);
-                        signals[s as usize] = value;
+                    Some(Feed::Steady(s)) => signals[i].hold(shared.steady(0, s)[0]),
+                    Some(Feed::Late(_)) | None => {}
+                    Some(Feed::Shared(s)) => {
+                        if let Ok([from, to]) = signals.get_disjoint_mut([s as usize, i]) {
+                            to.still = from.still;
+                            to.rows.copy_from_slice(&from.rows);
+                        }
                     }
                 }
             }

@@ -1,6 +1,6 @@
 //! What reaches the engine: plain copies of a fixed size.
 
-use crate::graph::start::FIELDS;
+use crate::graph::start::{FIELDS, Fields};
 
 /// A voice is to sound.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -17,6 +17,13 @@ pub struct Play {
     pub own: [f64; FIELDS],
     /// Names the voice, for its release and for its random numbers.
     pub id: u64,
+}
+
+impl Play {
+    /// What start programs read of it.
+    pub fn fields(&self) -> Fields {
+        Fields { level: self.level, duration: self.duration, own: self.own }
+    }
 }
 
 /// What is due at an instant.

@@ -1,6 +1,7 @@
 //! Memory that all voices share while they are computed.
 
 use crate::dsp::lanes::{LANES, Real};
+use crate::node::kernel::Input;
 
 /// The most frames that are computed at a stretch.
 pub const BLOCK: usize = 64;
@@ -8,13 +9,58 @@ pub const BLOCK: usize = 64;
 /// A row for each frame of a block.
 pub type Rows<R> = Vec<[R; LANES]>;
 
+/// A signal over one block.
+#[derive(Debug, Clone)]
+pub struct Buffer<R> {
+    /// A row for each frame.
+    pub rows: Rows<R>,
+    /// Whether the first row holds for the whole block; the others may then be anything.
+    pub still: bool,
+}
+
+impl<R: Real> Buffer<R> {
+    /// Silence.
+    pub fn silent() -> Self {
+        Self { rows: vec![[R::ZERO; LANES]; BLOCK], still: false }
+    }
+
+    /// As the input of a node; `base` is the part known at the onset.
+    #[inline(always)]
+    pub fn input<'a>(&'a self, frames: usize, base: &'a [f64; LANES]) -> Input<'a, R> {
+        Input { rows: &self.rows[..frames], step: usize::from(!self.still), steady: false, base }
+    }
+
+    /// Its rows, all of them written.
+    #[inline(always)]
+    pub fn spelt_out(&mut self, frames: usize) -> &mut [[R; LANES]] {
+        let rows = &mut self.rows[..frames];
+        if std::mem::take(&mut self.still) {
+            let row = rows[0];
+            rows.fill(row);
+        }
+        rows
+    }
+
+    /// The row of a frame.
+    #[inline(always)]
+    pub fn at(&self, frame: usize) -> [R; LANES] {
+        self.rows[if self.still { 0 } else { frame }]
+    }
+
+    /// The same value in all lanes and frames.
+    pub fn hold(&mut self, value: R) {
+        self.rows[0] = [value; LANES];
+        self.still = true;
+    }
+}
+
 /// Buffers of ops, engine-wide signals, and the mix.
 #[derive(Debug)]
 pub struct Workspace<R> {
     /// What ops write and read; used by one group after another.
-    pub buffers: Vec<Rows<R>>,
+    pub buffers: Vec<Buffer<R>>,
     /// Engine-wide signals, the same value in all lanes.
-    pub shared: Vec<Rows<R>>,
+    pub shared: Vec<Buffer<R>>,
     /// The sum of all voices: for each group of eight channels, `stride` rows.
     pub mix: Rows<R>,
     /// Rows of a group in the mix: the samples of the block that is being computed.
@@ -26,11 +72,10 @@ pub struct Workspace<R> {
 impl<R: Real> Workspace<R> {
     /// Room for so many buffers, signals and channels.
     pub fn new(buffers: usize, shared: usize, channels: usize) -> Self {
-        let rows = |n: usize| (0..n).map(|_| vec![[R::ZERO; LANES]; BLOCK]).collect();
         let groups = channels.div_ceil(LANES);
         Self {
-            buffers: rows(buffers),
-            shared: rows(shared),
+            buffers: vec![Buffer::silent(); buffers],
+            shared: vec![Buffer::silent(); shared],
             mix: vec![[R::ZERO; LANES]; groups * BLOCK],
             stride: BLOCK,
             fed: vec![false; groups],

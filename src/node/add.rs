@@ -27,8 +27,10 @@ impl<R: Real> Kernel<R> for Lanes<R> {
 
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
-        if let [first, second] = io.inputs {
-            for (frame, out) in io.output.iter_mut().enumerate() {
+        let inputs = io.inputs;
+        let output = io.pointwise();
+        if let [first, second] = inputs {
+            for (frame, out) in output.iter_mut().enumerate() {
                 let (a, b) = (first.at(frame), second.at(frame));
                 for l in 0..LANES {
                     out[l] = R::ZERO + a[l] + b[l];
@@ -36,9 +38,9 @@ impl<R: Real> Kernel<R> for Lanes<R> {
             }
             return;
         }
-        for (frame, out) in io.output.iter_mut().enumerate() {
+        for (frame, out) in output.iter_mut().enumerate() {
             let mut sum = [R::ZERO; LANES];
-            for input in io.inputs {
+            for input in inputs {
                 let row = input.at(frame);
                 for l in 0..LANES {
                     sum[l] += row[l];

@@ -53,7 +53,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
 
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
-        self.track.run(io.output, &mut self.script);
+        self.track.run(io, &mut self.script);
     }
 
     fn sounding(&self, lane: usize) -> Option<bool> {

@@ -48,7 +48,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
         let [input, limit, knee] = [io.inputs[0], io.inputs[1], io.inputs[2]];
-        for (frame, out) in io.output.iter_mut().enumerate() {
+        for (frame, out) in io.pointwise().iter_mut().enumerate() {
             let (x, most, knee) = (input.at(frame), limit.at(frame), knee.at(frame));
             for l in 0..LANES {
                 let most = R::ZERO.max(most[l]).min(R::of(1e6));

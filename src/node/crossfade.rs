@@ -55,7 +55,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
         let [a, b, position] = [io.inputs[0], io.inputs[1], io.inputs[2]];
-        for (frame, out) in io.output.iter_mut().enumerate() {
+        for (frame, out) in io.pointwise().iter_mut().enumerate() {
             let (a, b, p) = (a.at(frame), b.at(frame), position.at(frame));
             for l in 0..LANES {
                 let to = R::ZERO.max(p[l]).min(R::ONE);

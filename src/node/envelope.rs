@@ -67,7 +67,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
 
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
-        self.track.run(io.output, &mut self.script);
+        self.track.run(io, &mut self.script);
     }
 
     fn sounding(&self, lane: usize) -> Option<bool> {
@@ -245,7 +245,7 @@ mod tests {
             states.start(0, 3, &onset(age));
             last.clear();
             for _ in 0..3 {
-                states.run(crate::dsp::isa::Isa::detect(), 0, &mut Io { inputs: &[], output: &mut block, clock: 0 });
+                states.run(crate::dsp::isa::Isa::detect(), 0, &mut Io { inputs: &[], output: &mut block, clock: 0, still: false });
                 last.extend(block.iter().map(|row| f64::from(row[3])));
             }
         }

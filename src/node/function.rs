@@ -103,8 +103,9 @@ fn argument<R: Real>(inputs: &[Input<R>], place: usize, frame: usize) -> [f64; L
 
 #[inline(always)]
 fn apply<R: Real>(io: &mut Io<R>, function: impl Fn(f64, f64, f64) -> f64) {
-    for (frame, out) in io.output.iter_mut().enumerate() {
-        let [a, b, c] = [0, 1, 2].map(|place| argument(io.inputs, place, frame));
+    let inputs = io.inputs;
+    for (frame, out) in io.pointwise().iter_mut().enumerate() {
+        let [a, b, c] = [0, 1, 2].map(|place| argument(inputs, place, frame));
         for l in 0..LANES {
             out[l] = R::of(finite(function(a[l], b[l], c[l])));
         }
@@ -113,10 +114,11 @@ fn apply<R: Real>(io: &mut Io<R>, function: impl Fn(f64, f64, f64) -> f64) {
 
 #[inline(always)]
 fn fold<R: Real>(io: &mut Io<R>, function: impl Fn(f64, f64) -> f64) {
-    for (frame, out) in io.output.iter_mut().enumerate() {
-        let mut all = argument(io.inputs, 0, frame);
-        for place in 1..io.inputs.len() {
-            let next = argument(io.inputs, place, frame);
+    let inputs = io.inputs;
+    for (frame, out) in io.pointwise().iter_mut().enumerate() {
+        let mut all = argument(inputs, 0, frame);
+        for place in 1..inputs.len() {
+            let next = argument(inputs, place, frame);
             for l in 0..LANES {
                 all[l] = function(all[l], next[l]);
             }

@@ -243,15 +243,17 @@ impl Bench {
                 .map(|i| Input {
                     rows: &rows[i],
                     step: usize::from(self.drives[i].part.is_some()),
+                    steady: self.drives[i].part.is_none(),
                     base: &bases[i],
                 })
                 .collect();
             let mut block = vec![[R::of(f64::NAN); LANES]; frames];
-            states.run(
-                crate::dsp::isa::Isa::detect(),
-                0,
-                &mut Io { inputs: &inputs, output: &mut block, clock },
-            );
+            let mut io = Io { inputs: &inputs, output: &mut block, clock, still: false };
+            states.run(crate::dsp::isa::Isa::detect(), 0, &mut io);
+            if io.still {
+                let row = block[0];
+                block.fill(row);
+            }
             output.extend(block.iter().map(|row| row[lane].wide()));
             if ended.is_none() && states.sounding(0, lane) == Some(false) {
                 ended = Some(output.len());

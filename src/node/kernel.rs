@@ -64,8 +64,10 @@ pub struct Onset<'a> {
 pub struct Input<'a, R> {
     /// One row a frame, or a single row that holds for all.
     pub rows: &'a [[R; LANES]],
-    /// 1, or 0 where a single row holds for all.
+    /// 1, or 0 where a single row holds for the whole block.
     pub step: usize,
+    /// Whether that row holds for the whole life of a voice.
+    pub steady: bool,
     /// The part known at the onset, in full precision. `rows` includes it, except for a
     /// [`super::spec::Kind::Frequency`], where they hold the deviation from it.
     pub base: &'a [f64; LANES],
@@ -80,7 +82,7 @@ impl<'a, R: Real> Input<'a, R> {
     /// Whether it stays the same for the whole life of a voice.
     #[inline(always)]
     pub fn is_steady(&self) -> bool {
-        self.step == 0
+        self.steady
     }
 }
 
@@ -93,6 +95,19 @@ pub struct Io<'a, R> {
     pub output: &'a mut [[R; LANES]],
     /// Engine sample of the first frame.
     pub clock: u64,
+    /// Set by a kernel that wrote the first row only, since all rows of this block are the same; false on entry.
+    pub still: bool,
+}
+
+impl<R: Real> Io<'_, R> {
+    /// The rows to compute where a frame depends on its inputs at that frame and on nothing else: all, or the first one if no
+    /// input moves in this block.
+    #[inline(always)]
+    pub fn pointwise(&mut self) -> &mut [[R; LANES]] {
+        self.still = self.inputs.iter().all(|input| input.step == 0);
+        let rows = if self.still { self.output.len().min(1) } else { self.output.len() };
+        &mut self.output[..rows]
+    }
 }
 
 /// The state of a node for one group of lanes.
@@ -110,7 +125,7 @@ pub trait Kernel<R: Real>: Send + Sized {
     fn release(&mut self, lane: usize, at: f64) {
         let _ = (lane, at);
     }
-    /// Computes `io.output.len()` frames.
+    /// Computes `io.output.len()` frames, of which there is at least one.
     fn run(&mut self, io: &mut Io<R>);
     /// For envelopes that end: whether `lane` still sounds. `None` for nodes that do not decide.
     fn sounding(&self, lane: usize) -> Option<bool> {

@@ -50,7 +50,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
             1 => 1.0 / count.sqrt(),
             _ => 1.0,
         });
-        for (frame, out) in io.output.iter_mut().enumerate() {
+        for (frame, out) in io.pointwise().iter_mut().enumerate() {
             let mut sum = [R::ZERO; LANES];
             for input in inputs {
                 let row = input.at(frame);

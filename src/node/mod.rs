@@ -57,6 +57,10 @@ fn run_baseline<R: Real, K: Kernel<R>>(kernel: &mut K, io: &mut Io<R>) {
     kernel.run(io);
 }
 
+fn ended<R: Real, K: Kernel<R>>(kernel: &K) -> u8 {
+    (0..LANES).fold(0, |all, lane| all | u8::from(kernel.sounding(lane) != Some(true)) << lane)
+}
+
 macro_rules! registry {
     ($($(#[$attr:meta])* $variant:ident = $module:ident),* $(,)?) => {
         $($(#[$attr])* pub mod $module;)*
@@ -107,10 +111,7 @@ macro_rules! registry {
             }
             /// Lanes, a bit each, of which [`Kernel::sounding`] says that they have ended, or nothing.
             pub fn ended(&self, group: usize) -> u8 {
-                let of = |sounding: &dyn Fn(usize) -> Option<bool>| {
-                    (0..LANES).fold(0, |all, lane| all | u8::from(sounding(lane) != Some(true)) << lane)
-                };
-                match self { $($(#[$attr])* Self::$variant(s) => of(&|lane| Kernel::<R>::sounding(&s[group], lane))),* }
+                match self { $($(#[$attr])* Self::$variant(s) => ended::<R, _>(&s[group])),* }
             }
             /// See [`Kernel::value`].
             pub fn value(&self, group: usize, lane: usize) -> Option<f64> {

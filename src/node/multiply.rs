@@ -25,8 +25,10 @@ impl<R: Real> Kernel<R> for Lanes<R> {
 
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
-        if let [first, second] = io.inputs {
-            for (frame, out) in io.output.iter_mut().enumerate() {
+        let inputs = io.inputs;
+        let output = io.pointwise();
+        if let [first, second] = inputs {
+            for (frame, out) in output.iter_mut().enumerate() {
                 let (a, b) = (first.at(frame), second.at(frame));
                 for l in 0..LANES {
                     out[l] = a[l] * b[l];
@@ -34,12 +36,12 @@ impl<R: Real> Kernel<R> for Lanes<R> {
             }
             return;
         }
-        let Some((first, others)) = io.inputs.split_first() else { return };
-        for (frame, out) in io.output.iter_mut().enumerate() {
+        let Some((first, others)) = inputs.split_first() else { return };
+        for (frame, out) in output.iter_mut().enumerate() {
             *out = first.at(frame);
         }
         for input in others {
-            for (frame, out) in io.output.iter_mut().enumerate() {
+            for (frame, out) in output.iter_mut().enumerate() {
                 let row = input.at(frame);
                 for l in 0..LANES {
                     out[l] *= row[l];

@@ -43,7 +43,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
 
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
-        self.track.run(io.output, &mut On);
+        self.track.run(io, &mut On);
     }
 }
 

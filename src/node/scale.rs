@@ -45,7 +45,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
         let [input, gain, offset] = [io.inputs[0], io.inputs[1], io.inputs[2]];
-        for (frame, out) in io.output.iter_mut().enumerate() {
+        for (frame, out) in io.pointwise().iter_mut().enumerate() {
             let (x, g, o) = (input.at(frame), gain.at(frame), offset.at(frame));
             for l in 0..LANES {
                 out[l] = g[l] * x[l] + o[l];

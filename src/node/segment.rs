@@ -4,6 +4,7 @@
 //! the next: each starts at an exact instant, mostly between samples, and what jumps there (the value, the slope, and for
 //! curved segments the derivatives above) is corrected by [`crate::dsp::corner`].
 
+use super::kernel::Io;
 use crate::dsp::corner::{Corrections, ORDERS, TAPS};
 use crate::dsp::lanes::{LANES, Real};
 
@@ -107,6 +108,8 @@ pub struct Track<R> {
     curve: [f64; LANES],
     ratio: [f64; LANES],
     curved: bool,
+    /// Whether no lane moves before the next one is due.
+    flat: bool,
     late: [[R; LANES]; 2],
     corrections: Corrections<R>,
     /// Samples computed, and for each lane the count at which it needs looking after.
@@ -153,6 +156,7 @@ impl<R: Real> Track<R> {
             curve: [0.0; LANES],
             ratio: [1.0; LANES],
             curved: false,
+            flat: true,
             late: [[R::ZERO; LANES]; 2],
             corrections: Corrections::new(),
             clock: 0,
@@ -271,11 +275,29 @@ impl<R: Real> Track<R> {
         }
         self.next_due = self.due.iter().copied().min().unwrap_or(u64::MAX);
         self.curved = self.curve.iter().any(|c| *c != 0.0);
+        self.flat = !self.curved && self.slope == [R::ZERO; LANES];
     }
 
-    /// The next `output.len()` samples.
+    /// The next samples.
     #[inline(always)]
-    pub fn run<S: Script>(&mut self, output: &mut [[R; LANES]], script: &mut S) {
+    pub fn run<S: Script>(&mut self, io: &mut Io<R>, script: &mut S) {
+        let frames = io.output.len() as u64;
+        let mut under_way = false;
+        for l in 0..LANES {
+            under_way |= (self.late[0][l] != self.base[l]) | (self.late[1][l] != self.base[l]);
+        }
+        if self.flat && !under_way && self.next_due - self.clock >= frames && self.corrections.are_over() {
+            io.output[0] = self.base;
+            io.still = true;
+            self.corrections.skip(frames);
+            self.clock += frames;
+        } else {
+            self.move_on(io.output, script);
+        }
+    }
+
+    #[inline(always)]
+    fn move_on<S: Script>(&mut self, output: &mut [[R; LANES]], script: &mut S) {
         let mut done = 0;
         while done < output.len() {
             if self.next_due <= self.clock {

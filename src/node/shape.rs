@@ -42,7 +42,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     fn run(&mut self, io: &mut Io<R>) {
         let [input, drive] = [io.inputs[0], io.inputs[1]];
         let [a, b, c] = [R::of(35.0 / 16.0), R::of(21.0 / 16.0), R::of(5.0 / 16.0)];
-        for (frame, out) in io.output.iter_mut().enumerate() {
+        for (frame, out) in io.pointwise().iter_mut().enumerate() {
             let (x, drive) = (input.at(frame), drive.at(frame));
             for l in 0..LANES {
                 let driven = x[l] * drive[l];
