@@ -2,11 +2,17 @@
 //!
 //! It scales the band limit's *input*, so that no gain step comes after the band limit, and needs no look-ahead: the
 //! band limit itself delays a sample by about nine, so what a sample will do to the output is known before it is heard.
-//! `ahead[k]` is the output k samples on if nothing more came in. A new sample u adds h[k] u to it. Where the sum would
-//! pass the ceiling, two things happen. The gain falls by the excess at once, and returns towards 1 with time constant
-//! [`RELEASE`]; and this sample is turned down further, if it must be, to the largest share that keeps every
-//! prediction within the ceiling. The share 0 always does, for the predictions have kept to it before: so the ceiling
-//! holds by induction whatever comes, an input that stops dead included.
+//! `ahead[k]` is the output k samples on if nothing more came in. A new sample u adds h[k] u to it.
+//!
+//! **The gain.** A second copy of the band limit, with its own predictions, hears the input as it is. The largest of these
+//! predictions, or the input itself where that is larger by up to [`EAGER`], is what the channel needs; held for [`HOLD`], then
+//! falling with time constant [`RELEASE`]. The gain is what brings it down to [`AIM`] of the ceiling, and 1 if it is below. So a
+//! steady tone meets a steady gain, from its second period on, and comes out as the tone that it is.
+//!
+//! **The guarantee.** What begins so steeply that this comes too late, and the ceiling would be passed, is turned down further for
+//! that sample, to the largest share that keeps every prediction within the ceiling. The share 0 always does, for the predictions
+//! have kept to it before: so the ceiling holds by induction whatever comes, an input that stops dead included. The gain then falls
+//! by up to [`STEP`], so that it comes once and not in every period.
 //!
 //! That guarantee has a price: when a sine above 500 Hz stops dead, the band limit rings on above the sine's own
 //! amplitude, so such a sine is held to where its ringing keeps to the ceiling (0.88 at 600 Hz, 0.71 at 800 Hz).
@@ -38,10 +44,19 @@ const MAX_LAGS: usize = FAR_FAST + 1;
 const NEAR: f64 = 0.75;
 /// Highest predicted engine sample, of full scale, at 6 and from 8 kHz; the device's samples lie up to 7 and 5 % above the engine's.
 const CEILING: [f64; 2] = [0.93, 0.952];
-/// Time constant of the gain's return, seconds.
+/// Share of the ceiling to which the gain brings what is louder.
+const AIM: f64 = 0.99;
+/// How much larger than the predictions the input may count: a crest is seen in the input some nine samples before it is
+/// foreseen. Times [`NEAR`] it is below [`AIM`], so that what is not near needs no gain.
+const EAGER: f64 = 1.28;
+/// Most by which the gain falls at a sample that nothing foresaw.
+const STEP: f32 = 1.05;
+/// How long a need is held: a period of 17 Hz, seconds.
+const HOLD: f64 = 0.06;
+/// A need that comes back to this share renews the one that is held: crests fall between samples.
+const AGAIN: f32 = 0.95;
+/// Time constant with which a need is forgotten after that, seconds.
 const RELEASE: f64 = 0.08;
-/// From here the gain snaps to 1.
-const WHOLE: f32 = 0.9999;
 /// Grid periods of quiet input after which predicting stops: old input has decayed by 70 dB or more.
 const CALM: u8 = 8;
 
@@ -51,7 +66,13 @@ pub(super) struct Limits {
     pub ceiling: f32,
     /// Input magnitude that can never lead to the ceiling.
     pub threshold: f32,
-    release: f32,
+    /// Where the gain brings what is louder.
+    aim: f32,
+    /// What a steady input of 1 becomes.
+    level: f32,
+    /// Samples for which a need is held, and what is left of it a sample afterwards.
+    hold: f32,
+    left: f32,
     /// Predicted magnitude beyond which later predictions are looked at.
     near: f32,
     pub lags: usize,
@@ -93,7 +114,10 @@ impl Limits {
         Self {
             ceiling: ceiling as f32,
             threshold: (0.98 * ceiling / norm) as f32,
-            release: (1.0 - (-1.0 / (RELEASE * filter.rate)).exp()) as f32,
+            aim: (AIM * ceiling) as f32,
+            level: (1.0 / filter.gain) as f32,
+            hold: (HOLD * filter.rate).round() as f32,
+            left: (-1.0 / (RELEASE * filter.rate)).exp() as f32,
             near: (NEAR * ceiling) as f32,
             lags,
             far,
@@ -121,7 +145,13 @@ struct Ring<const N: usize>([Row; N]);
 pub(super) struct Limiter {
     /// `ahead[k]`: output k samples after the next one, without input; the last one is worked out afresh each time.
     ahead: [Row; MAX_LAGS],
+    /// The same, and the band limit's state, for the input as it is; kept up for lanes whose gain is not 1.
+    bare: [Row; MAX_LAGS],
+    bare_state: Cascade,
     pub gain: Row,
+    /// What the channel needs, 0 where that is below the aim; and samples for which that is still held.
+    need: Row,
+    held: Row,
     engaged: [bool; LANES],
     /// Whether the last look at all predictions found one that was not near zero.
     far: [bool; LANES],
@@ -132,7 +162,11 @@ pub(super) struct Limiter {
 impl Limiter {
     pub const REST: Self = Self {
         ahead: [[0.0; LANES]; MAX_LAGS],
+        bare: [[0.0; LANES]; MAX_LAGS],
+        bare_state: [[[0.0; LANES]; 2]; SECTIONS],
         gain: [1.0; LANES],
+        need: [0.0; LANES],
+        held: [0.0; LANES],
         engaged: [false; LANES],
         far: [false; LANES],
         loud: [false; LANES],
@@ -146,7 +180,8 @@ impl Limiter {
 
     /// Puts `lane`, which is silent, back to where it began.
     pub fn rest(&mut self, lane: usize) {
-        (self.gain[lane], self.engaged[lane], self.far[lane], self.calm[lane]) = (1.0, false, false, 0);
+        (self.gain[lane], self.need[lane], self.held[lane]) = (1.0, 0.0, 0.0);
+        (self.engaged[lane], self.far[lane], self.calm[lane]) = (false, false, 0);
     }
 
     /// Takes note of the input magnitudes of the rows to come. Returns the first row at which a lane has to engage.
@@ -207,7 +242,6 @@ impl Limiter {
         out: &mut [Row],
     ) -> u64 {
         let mut z = *state;
-        let mut gain = self.gain;
         let mut limited = 0;
         // Two copies that change places, since a sample that is turned down needs the predictions before it. In `old`,
         // 1 to N - 1 are the outputs after this sample; in `new`, 0 to N - 2 are the same ones with this sample in.
@@ -215,10 +249,15 @@ impl Limiter {
         let (mut old, mut new) = (&mut one.0, &mut two.0);
         old[..N - 1].copy_from_slice(&self.ahead[..N - 1]);
         let Some(impulse) = limits.impulse.first_chunk::<N>() else { return 0 };
+        // Whether the input as it is has predictions of its own.
+        let mut bare = self.need != [0.0; LANES];
+        if bare {
+            self.follow(&self.need.map(|need| need == 0.0), &old[..N - 1], &z);
+        }
         let mut done = 0;
         while done < rows.len() {
             // As long as no gain is lowered, two samples at a time: half the traffic of predictions.
-            if gain == [1.0; LANES] && self.far == [false; LANES] {
+            if !bare && self.far == [false; LANES] {
                 let (pairs, _) = rows[done..].as_chunks::<2>();
                 let mut passed = 0;
                 for (x, y) in pairs.iter().zip(out[done..].chunks_exact_mut(2)) {
@@ -264,11 +303,14 @@ impl Limiter {
             let (Some(x), Some(y)) = (rows.get(done), out.get_mut(done)) else { break };
             done += 1;
             old[N - 1] = rest(limits, &z);
+            if !bare {
+                self.follow(&[true; LANES], &old[..N - 1], &z);
+            }
+            let before = self.need;
+            self.weigh::<N>(limits, filter, impulse, x);
             let mut u = [0.0; LANES];
             for l in 0..LANES {
-                let risen = gain[l] + (1.0 - gain[l]) * limits.release;
-                gain[l] = if risen > WHOLE { 1.0 } else { risen };
-                u[l] = gain[l] * x[l];
+                u[l] = self.gain[l] * x[l];
             }
             let mut peak = [0.0f32; LANES];
             for k in 0..N - 1 {
@@ -285,17 +327,17 @@ impl Limiter {
                 high |= self.far[l];
             }
             if high {
-                let mut before = [[0.0; LANES]; MAX_LAGS + 1];
+                let mut free = [[0.0; LANES]; MAX_LAGS + 1];
                 // What comes out now without this sample, which was foreseen, but for rounding.
-                before[0] = cascade(filter, &mut z.clone(), [0.0; LANES]);
-                before[1..N].copy_from_slice(&old[1..N]);
-                look_far(limits, &z, &u, &mut before, &mut peak, &mut self.far);
+                free[0] = cascade(filter, &mut z.clone(), [0.0; LANES]);
+                free[1..N].copy_from_slice(&old[1..N]);
+                look_far(limits, &z, &u, &mut free, &mut peak, &mut self.far);
                 let mut over = false;
                 for size in peak {
                     over |= size > limits.ceiling;
                 }
                 if over {
-                    limited += turn_down(limits, &before, &peak, x, &mut gain, &mut u);
+                    self.turn_down(limits, &free, &peak, x, &mut u);
                     for k in 0..N - 1 {
                         for l in 0..LANES {
                             new[k][l] = old[k + 1][l] + impulse[k][l] * u[l];
@@ -305,11 +347,105 @@ impl Limiter {
             }
             *y = cascade(filter, &mut z, u);
             std::mem::swap(&mut old, &mut new);
+            bare = false;
+            let (mut met, mut any) = ([false; LANES], false);
+            for l in 0..LANES {
+                limited += u64::from(self.need[l] > 0.0);
+                bare |= self.need[l] > 0.0;
+                met[l] = before[l] > 0.0 && self.need[l] == 0.0;
+                any |= met[l];
+            }
+            // With a gain of 1 again, the input is what the band limit hears.
+            if any {
+                self.follow(&met, &old[..N - 1], &z);
+            }
         }
         self.ahead[..N - 1].copy_from_slice(&old[..N - 1]);
-        self.gain = gain;
         *state = z;
         limited
+    }
+
+    /// For some lanes, the input as it is has these predictions and this state.
+    #[inline(never)]
+    fn follow(&mut self, which: &[bool; LANES], ahead: &[Row], state: &Cascade) {
+        for l in 0..LANES {
+            if which[l] {
+                for (to, from) in self.bare.iter_mut().zip(ahead) {
+                    to[l] = from[l];
+                }
+                for (to, from) in self.bare_state.iter_mut().flatten().zip(state.iter().flatten()) {
+                    to[l] = from[l];
+                }
+            }
+        }
+    }
+
+    /// What the channels need with this sample, and the gain that follows from it.
+    #[inline(always)]
+    fn weigh<const N: usize>(&mut self, limits: &Limits, filter: &Sections, impulse: &[Row; N], x: &Row) {
+        let Some(bare) = self.bare.first_chunk_mut::<N>() else { return };
+        bare[N - 1] = rest(limits, &self.bare_state);
+        cascade(filter, &mut self.bare_state, *x);
+        let mut peak = [0.0f32; LANES];
+        for k in 0..N - 1 {
+            for l in 0..LANES {
+                let sum = bare[k + 1][l] + impulse[k][l] * x[l];
+                bare[k][l] = sum;
+                let size = sum.abs();
+                peak[l] = if peak[l] > size { peak[l] } else { size };
+            }
+        }
+        for l in 0..LANES {
+            let (input, most) = (limits.level * x[l].abs(), EAGER as f32 * peak[l]);
+            let eager = if input < most { input } else { most };
+            let now = if peak[l] > eager { peak[l] } else { eager };
+            let before = self.need[l];
+            let held = self.held[l] - 1.0;
+            let faded = if held > 0.0 { before } else { before * limits.left };
+            self.held[l] = if now >= AGAIN * before { limits.hold } else { held };
+            let need = if now > faded { now } else { faded };
+            let idle = need <= limits.aim;
+            self.need[l] = if idle { 0.0 } else { need };
+            self.gain[l] = if idle { 1.0 } else { limits.aim / need };
+        }
+    }
+
+    /// Turns the sample `u` of lanes whose prediction `peak` passes the ceiling down, as far as it must be.
+    #[inline(always)]
+    fn turn_down(&mut self, limits: &Limits, before: &[Row; MAX_LAGS + 1], peak: &Row, x: &Row, u: &mut Row) {
+        let ceiling = limits.ceiling;
+        let mut wanted = [0.0f32; LANES];
+        for l in 0..LANES {
+            let over = peak[l] > ceiling;
+            let known = if self.need[l] > limits.aim { self.need[l] } else { limits.aim };
+            let (seen, most) = (peak[l] / self.gain[l], STEP * known);
+            let need = if seen < most { seen } else { most };
+            let need = if need > known { need } else { known };
+            self.need[l] = if over { need } else { self.need[l] };
+            self.held[l] = if over { limits.hold } else { self.held[l] };
+            self.gain[l] = if over { limits.aim / need } else { self.gain[l] };
+            wanted[l] = self.gain[l] * x[l];
+        }
+        // The least room / step, as a pair, so that one division does.
+        let (mut room, mut step) = ([1.0f32; LANES], [1.0f32; LANES]);
+        for k in 0..=limits.far {
+            for l in 0..LANES {
+                // The impulse response begins with 1.
+                let add = if k == 0 { wanted[l] } else { limits.impulse[k - 1][l] * wanted[l] };
+                let towards = if add < 0.0 { -before[k][l] } else { before[k][l] };
+                // Rounding may have left a prediction a hair past the ceiling: then there is no room.
+                let free = ceiling - towards;
+                let free = if free > 0.0 { free } else { 0.0 };
+                let size = add.abs();
+                let tighter = free * step[l] < room[l] * size;
+                room[l] = if tighter { free } else { room[l] };
+                step[l] = if tighter { size } else { step[l] };
+            }
+        }
+        for l in 0..LANES {
+            let held = wanted[l] * (room[l] / step[l]);
+            u[l] = if peak[l] > ceiling { held } else { u[l] };
+        }
     }
 }
 
@@ -363,46 +499,4 @@ fn look_far(
         peak[l] = if far[l] { all } else { peak[l] };
         far[l] &= all > limits.near;
     }
-}
-
-/// Lowers the gain of the lanes whose prediction `peak` passes the ceiling, and their sample `u` further where it must.
-#[inline(always)]
-fn turn_down(
-    limits: &Limits,
-    before: &[Row; MAX_LAGS + 1],
-    peak: &Row,
-    x: &Row,
-    gain: &mut Row,
-    u: &mut Row,
-) -> u64 {
-    let ceiling = limits.ceiling;
-    let mut wanted = [0.0f32; LANES];
-    for l in 0..LANES {
-        let fallen = gain[l] * (ceiling / peak[l]);
-        gain[l] = if peak[l] > ceiling { fallen } else { gain[l] };
-        wanted[l] = gain[l] * x[l];
-    }
-    // The least room / step, as a pair, so that one division does.
-    let (mut room, mut step) = ([1.0f32; LANES], [1.0f32; LANES]);
-    for k in 0..=limits.far {
-        for l in 0..LANES {
-            // The impulse response begins with 1.
-            let add = if k == 0 { wanted[l] } else { limits.impulse[k - 1][l] * wanted[l] };
-            let towards = if add < 0.0 { -before[k][l] } else { before[k][l] };
-            // Rounding may have left a prediction a hair past the ceiling: then there is no room.
-            let free = ceiling - towards;
-            let free = if free > 0.0 { free } else { 0.0 };
-            let size = add.abs();
-            let tighter = free * step[l] < room[l] * size;
-            room[l] = if tighter { free } else { room[l] };
-            step[l] = if tighter { size } else { step[l] };
-        }
-    }
-    let mut count = 0;
-    for l in 0..LANES {
-        let held = wanted[l] * (room[l] / step[l]);
-        u[l] = if peak[l] > ceiling { held } else { u[l] };
-        count += u64::from(peak[l] > ceiling);
-    }
-    count
 }

@@ -258,6 +258,65 @@ fn what_needs_no_limiter_passes_to_the_bit() {
     }
 }
 
+/// What is left of a signal when the best sine of that frequency is taken away, against that sine, decibels.
+fn residual(signal: &[f64], hertz: f64, rate: f64) -> f64 {
+    // Normal equations of a sine and a cosine.
+    let (mut m, mut b) = ([0.0; 3], [0.0; 2]);
+    let wave = |n: usize| (TAU * hertz / rate * n as f64).sin_cos();
+    for (n, v) in signal.iter().enumerate() {
+        let (s, c) = wave(n);
+        (m[0], m[1], m[2]) = (m[0] + s * s, m[1] + s * c, m[2] + c * c);
+        (b[0], b[1]) = (b[0] + s * v, b[1] + c * v);
+    }
+    let det = m[0] * m[2] - m[1] * m[1];
+    let (p, q) = ((b[0] * m[2] - b[1] * m[1]) / det, (b[1] * m[0] - b[0] * m[1]) / det);
+    let (mut error, mut energy) = (0.0, 0.0);
+    for (n, v) in signal.iter().enumerate() {
+        let (s, c) = wave(n);
+        let fit = p * s + q * c;
+        (error, energy) = (error + (v - fit).powi(2), energy + fit * fit);
+    }
+    10.0 * (error / energy).log10()
+}
+
+/// A tone that is too loud comes out as the same tone: the gain does not breathe with its waves, and nothing is torn out of them.
+#[test]
+fn steady_tones_stay_sines_however_loud() {
+    for hertz in
+        [20.0, 40.0, 60.0, 100.0, 120.0, 150.0, 200.0, 250.0, 300.0, 333.0, 400.0, 450.0, 500.0, 600.0, 800.0]
+    {
+        for (level, attack) in
+            [(0.96, 0.005), (1.0, 0.0), (1.0, 0.005), (1.05, 0.02), (1.2, 0.001), (2.0, 0.05), (4.0, 0.005)]
+        {
+            let tone = |n: usize| {
+                let t = n as f64 / 8000.0;
+                let rise = if attack > 0.0 { (t / attack).min(1.0) } else { 1.0 };
+                (level * rise * (TAU * hertz * t).sin()) as f32
+            };
+            let mut chain = stage(1, 48_000.0, &Options::default());
+            let out = channel(&run(&mut chain, &[(0..6400).map(tone).collect()], || 64), 1, 0);
+            let left = residual(&out[16_800..36_000], hertz, 48_000.0);
+            assert!(left < -90.0, "{hertz} Hz × {level}, attack {attack} s: {left} dB");
+        }
+    }
+}
+
+/// What was too loud is forgotten: within half a second the gain is 1 again, to the bit.
+#[test]
+fn the_gain_comes_back() {
+    let signal = |quiet: f64| -> Vec<f32> {
+        let loud = |n: usize| if n < 800 { 4.0 } else { quiet };
+        (0..8000).map(|n| (loud(n) * (TAU * 90.0 / 8000.0 * n as f64).sin()) as f32).collect()
+    };
+    let mut chain = stage(1, 48_000.0, &Options::default());
+    let got = run(&mut chain, &[signal(0.5)], || 64);
+    assert_eq!(chain.gain(0), 1.0);
+    let off = Options { limiter: false, ..Options::default() };
+    let plain = run(&mut stage(1, 48_000.0, &off), &[signal(0.5)], || 64);
+    let far = got[28_800..].iter().zip(&plain[28_800..]).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(far < 1e-5, "{far}");
+}
+
 /// Gives the length of the next block.
 type Cut = Box<dyn FnMut() -> usize>;
 
