@@ -249,15 +249,15 @@ impl Limiter {
         let (mut old, mut new) = (&mut one.0, &mut two.0);
         old[..N - 1].copy_from_slice(&self.ahead[..N - 1]);
         let Some(impulse) = limits.impulse.first_chunk::<N>() else { return 0 };
-        // Whether the input as it is has predictions of its own.
-        let mut bare = self.need != [0.0; LANES];
-        if bare {
+        // Whether a gain is not 1, so that the input as it is has predictions of its own.
+        let mut active = self.need != [0.0; LANES];
+        if active {
             self.follow(&self.need.map(|need| need == 0.0), &old[..N - 1], &z);
         }
         let mut done = 0;
         while done < rows.len() {
             // As long as no gain is lowered, two samples at a time: half the traffic of predictions.
-            if !bare && self.far == [false; LANES] {
+            if !active && self.far == [false; LANES] {
                 let (pairs, _) = rows[done..].as_chunks::<2>();
                 let mut passed = 0;
                 for (x, y) in pairs.iter().zip(out[done..].chunks_exact_mut(2)) {
@@ -303,23 +303,19 @@ impl Limiter {
             let (Some(x), Some(y)) = (rows.get(done), out.get_mut(done)) else { break };
             done += 1;
             old[N - 1] = rest(limits, &z);
-            if !bare {
-                self.follow(&[true; LANES], &old[..N - 1], &z);
-            }
             let before = self.need;
-            self.weigh::<N>(limits, filter, impulse, x);
-            let mut u = [0.0; LANES];
-            for l in 0..LANES {
-                u[l] = self.gain[l] * x[l];
+            let mut u = *x;
+            if active {
+                self.weigh::<N>(limits, filter, impulse, x, &mut u);
             }
-            let mut peak = [0.0f32; LANES];
-            for k in 0..N - 1 {
-                for l in 0..LANES {
-                    let sum = old[k + 1][l] + impulse[k][l] * u[l];
-                    new[k][l] = sum;
-                    let size = sum.abs();
-                    peak[l] = if peak[l] > size { peak[l] } else { size };
-                }
+            let mut peak = predict(impulse, old, new, &u);
+            // Without a gain, the need is seen in the predictions that are made anyway.
+            let mut seen = active;
+            if !active && wanted(limits, x, &peak).iter().any(|&need| need > limits.aim) {
+                self.follow(&[true; LANES], &old[..N - 1], &z);
+                self.weigh::<N>(limits, filter, impulse, x, &mut u);
+                peak = predict(impulse, old, new, &u);
+                seen = true;
             }
             let mut high = false;
             for l in 0..LANES {
@@ -337,27 +333,29 @@ impl Limiter {
                     over |= size > limits.ceiling;
                 }
                 if over {
-                    self.turn_down(limits, &free, &peak, x, &mut u);
-                    for k in 0..N - 1 {
-                        for l in 0..LANES {
-                            new[k][l] = old[k + 1][l] + impulse[k][l] * u[l];
-                        }
+                    if !seen {
+                        self.follow(&[true; LANES], &old[..N - 1], &z);
+                        self.weigh::<N>(limits, filter, impulse, x, &mut u);
                     }
+                    self.turn_down(limits, &free, &peak, x, &mut u);
+                    predict(impulse, old, new, &u);
                 }
             }
             *y = cascade(filter, &mut z, u);
             std::mem::swap(&mut old, &mut new);
-            bare = false;
-            let (mut met, mut any) = ([false; LANES], false);
-            for l in 0..LANES {
-                limited += u64::from(self.need[l] > 0.0);
-                bare |= self.need[l] > 0.0;
-                met[l] = before[l] > 0.0 && self.need[l] == 0.0;
-                any |= met[l];
-            }
-            // With a gain of 1 again, the input is what the band limit hears.
-            if any {
-                self.follow(&met, &old[..N - 1], &z);
+            if before != [0.0; LANES] || self.need != [0.0; LANES] {
+                active = false;
+                let (mut met, mut any) = ([false; LANES], false);
+                for l in 0..LANES {
+                    limited += u64::from(self.need[l] > 0.0);
+                    active |= self.need[l] > 0.0;
+                    met[l] = before[l] > 0.0 && self.need[l] == 0.0;
+                    any |= met[l];
+                }
+                // With a gain of 1 again, the input is what the band limit hears.
+                if any {
+                    self.follow(&met, &old[..N - 1], &z);
+                }
             }
         }
         self.ahead[..N - 1].copy_from_slice(&old[..N - 1]);
@@ -380,9 +378,16 @@ impl Limiter {
         }
     }
 
-    /// What the channels need with this sample, and the gain that follows from it.
+    /// What the channels need with the sample `x`, the gain that follows from it, and what it makes of the sample.
     #[inline(always)]
-    fn weigh<const N: usize>(&mut self, limits: &Limits, filter: &Sections, impulse: &[Row; N], x: &Row) {
+    fn weigh<const N: usize>(
+        &mut self,
+        limits: &Limits,
+        filter: &Sections,
+        impulse: &[Row; N],
+        x: &Row,
+        u: &mut Row,
+    ) {
         let Some(bare) = self.bare.first_chunk_mut::<N>() else { return };
         bare[N - 1] = rest(limits, &self.bare_state);
         cascade(filter, &mut self.bare_state, *x);
@@ -395,18 +400,17 @@ impl Limiter {
                 peak[l] = if peak[l] > size { peak[l] } else { size };
             }
         }
+        let now = wanted(limits, x, &peak);
         for l in 0..LANES {
-            let (input, most) = (limits.level * x[l].abs(), EAGER as f32 * peak[l]);
-            let eager = if input < most { input } else { most };
-            let now = if peak[l] > eager { peak[l] } else { eager };
             let before = self.need[l];
             let held = self.held[l] - 1.0;
             let faded = if held > 0.0 { before } else { before * limits.left };
-            self.held[l] = if now >= AGAIN * before { limits.hold } else { held };
-            let need = if now > faded { now } else { faded };
+            self.held[l] = if now[l] >= AGAIN * before { limits.hold } else { held };
+            let need = if now[l] > faded { now[l] } else { faded };
             let idle = need <= limits.aim;
             self.need[l] = if idle { 0.0 } else { need };
             self.gain[l] = if idle { 1.0 } else { limits.aim / need };
+            u[l] = self.gain[l] * x[l];
         }
     }
 
@@ -447,6 +451,33 @@ impl Limiter {
             u[l] = if peak[l] > ceiling { held } else { u[l] };
         }
     }
+}
+
+/// Predictions with the sample `u`, from those without, which begin a sample later; and the largest magnitudes.
+#[inline(always)]
+fn predict<const N: usize>(impulse: &[Row; N], old: &[Row; N], new: &mut [Row; N], u: &Row) -> Row {
+    let mut peak = [0.0f32; LANES];
+    for k in 0..N - 1 {
+        for l in 0..LANES {
+            let sum = old[k + 1][l] + impulse[k][l] * u[l];
+            new[k][l] = sum;
+            let size = sum.abs();
+            peak[l] = if peak[l] > size { peak[l] } else { size };
+        }
+    }
+    peak
+}
+
+/// What channels need whose predictions go up to `peak` and whose input is `x`.
+#[inline(always)]
+fn wanted(limits: &Limits, x: &Row, peak: &Row) -> Row {
+    let mut need = *peak;
+    for l in 0..LANES {
+        let (input, most) = (limits.level * x[l].abs(), EAGER as f32 * peak[l]);
+        let eager = if input < most { input } else { most };
+        need[l] = if need[l] > eager { need[l] } else { eager };
+    }
+    need
 }
 
 /// The last prediction, which no sample has moved yet.
