@@ -1,10 +1,7 @@
 //! Low-pass filter.
 
-use super::kernel::{Io, Kernel, Onset, Setup, Twin};
+use super::second_order::{self, Part};
 use super::spec::{Family, Kind, NodeSpec, Numeric, Param};
-use crate::dsp::interleaved::Interleaved;
-use crate::dsp::lanes::{LANES, Real};
-use crate::dsp::svf::{Filters, Single};
 
 /// What the node says about itself.
 pub static SPEC: NodeSpec = NodeSpec {
@@ -38,103 +35,28 @@ pub static SPEC: NodeSpec = NodeSpec {
     example: r#"soft = { type = "lowpass", input = "hiss", cutoff = 120 }"#,
 };
 
-/// Eight filters.
+/// The part of the state-variable filter that this is.
 #[derive(Debug)]
-pub struct Lanes<R> {
-    filters: Filters,
-    _real: std::marker::PhantomData<R>,
-}
+pub enum Low {}
 
-impl<R: Real> Kernel<R> for Lanes<R> {
-    fn new(setup: &Setup) -> Self {
-        Self { filters: Filters::new(setup.rate), _real: std::marker::PhantomData }
-    }
-
-    fn start(&mut self, lane: usize, onset: &Onset) {
-        self.filters.start(lane, onset.start[1], onset.start[2]);
-    }
-
+impl Part for Low {
     #[inline(always)]
-    fn run(&mut self, io: &mut Io<R>) {
-        let [input, cutoff, q] = [io.inputs[0], io.inputs[1], io.inputs[2]];
-        let steady = cutoff.is_steady() && q.is_steady();
-        for (frame, out) in io.output.iter_mut().enumerate() {
-            if !steady {
-                self.filters.tune(&cutoff.at(frame).map(R::wide), &q.at(frame).map(R::wide));
-            }
-            let now = self.filters.step(&input.at(frame));
-            for l in 0..LANES {
-                out[l] = R::of(now.low[l]);
-            }
-        }
-    }
-
-    fn settle(&mut self) {
-        self.filters.settle();
+    fn of(_input: f64, low: f64, _band: f64) -> f64 {
+        low
     }
 }
 
+/// Eight filters.
+pub type Lanes<R> = second_order::Lanes<R, Low>;
 /// The definition.
-#[derive(Debug)]
-pub struct Exact {
-    filters: Interleaved<Single>,
-    rate: f64,
-}
-
-impl Exact {
-    /// For one voice.
-    pub fn new(setup: &Setup, _onset: &Onset) -> Self {
-        Self { filters: Interleaved::new(Single::default(), setup.rate, setup.engine_rate), rate: setup.engine_rate }
-    }
-}
-
-impl Twin for Exact {
-    fn step(&mut self, _t: f64, inputs: &[f64]) -> f64 {
-        let turn = self.filters.turn();
-        turn.step(inputs[0], inputs[1], inputs[2], self.rate).0
-    }
-}
+pub type Exact = second_order::Exact<Low>;
 
 #[cfg(test)]
 mod tests {
-    use crate::node::harness::Bench;
-    use std::f64::consts::TAU;
+    use crate::node::second_order::tests::check;
 
     #[test]
-    fn steady_and_moving() {
-        let tone = |t: f64| (TAU * 60.0 * t).sin() + 0.5 * (TAU * 311.0 * t).cos();
-        for (cutoff, q) in [(5.0, 0.7), (250.0, 30.0), (3000.0, 0.7)] {
-            let steady = Bench::new("lowpass", 8000.0).moving("input", 0.0, tone).steady("cutoff", cutoff).steady("q", q);
-            let error = steady.error_db::<f32>(80_000);
-            assert!(error < -110.0, "{cutoff} Hz: {error}");
-        }
-        let moving = Bench::new("lowpass", 7350.0)
-            .moving("input", 0.0, tone)
-            .moving("cutoff", 300.0, |t| 250.0 * (TAU * 13.0 * t).sin())
-            .moving("q", 5.0, |t| 4.0 * (TAU * 3.0 * t).cos());
-        moving.check_contract();
-        assert!(moving.error_db::<f32>(73_500) < -110.0);
-        assert!(moving.error_db::<f64>(73_500) < -180.0);
-    }
-
-    #[test]
-    fn the_same_filter_at_sixteen_times_the_rate() {
-        let bench = Bench::new("lowpass", 8000.0)
-            .moving("input", 0.0, |t| (1.0 - (TAU * 5.0 * t.max(0.0)).cos()) * (TAU * 240.0 * t).sin())
-            .moving("cutoff", 300.0, |t| 100.0 * (TAU * 5.0 * t).sin())
-            .steady("q", 3.0);
-        let error = bench.band_error_db::<f32>(4000, 16);
-        assert!(error < -80.0, "{error}");
-    }
-
-    #[test]
-    fn hostile_input_stays_bounded() {
-        for bad in [f64::NAN, f64::INFINITY, -1e30, 4000.0, 0.0] {
-            let bench = Bench::new("lowpass", 8000.0)
-                .moving("input", 0.0, move |t| if t < 0.01 { bad } else { 0.0 })
-                .moving("cutoff", 100.0, move |t| if t < 0.02 { bad } else { 0.0 })
-                .moving("q", 1.0, move |t| if t < 0.03 { bad } else { 0.0 });
-            assert!(bench.kernel::<f32>(800, &[64]).iter().all(|v| v.abs() < 1e7), "{bad}");
-        }
+    fn it_is_its_definition_however_it_moves() {
+        check("lowpass", "cutoff", 3000.0);
     }
 }

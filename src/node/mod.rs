@@ -10,8 +10,10 @@ pub mod kernel;
 #[cfg(feature = "fundsp-nodes")]
 mod leaf;
 mod legs;
+mod second_order;
 mod segment;
 pub mod spec;
+mod wave;
 
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};

@@ -12,7 +12,8 @@ pub static SPEC: NodeSpec = NodeSpec {
     summary: "A sine.",
     detail: "amplitude × sin 2π(∫ frequency dt + phase). The integral is 0 at the onset, which may fall between samples; what a \
              signal adds to the frequency is integrated by the six-point Adams–Moulton rule, at the engine's rate. \
-             A moved frequency may be negative; beyond half the engine's rate it folds, as any sampled sine does. \
+             A moved frequency may be negative; what moves beyond half the engine's rate folds, as any sampled sine does. \
+             The frequency that is known at the onset does not: from 0.4 of that rate on it fades, and from half of it on there is nothing. \
              A phase beyond ±2048 turns counts as 0.",
     params: &[
         Param {
@@ -37,19 +38,36 @@ pub static SPEC: NodeSpec = NodeSpec {
     example: r#"tone = { type = "sine", frequency = 250 }"#,
 };
 
+/// Share of the engine's rate from which a frequency fades, and where nothing is left of it.
+const EDGE: (f64, f64) = (0.4, 0.5);
+
+/// What is left of a sine of that frequency.
+fn left(frequency: f64, rate: f64) -> f64 {
+    // Not-a-number is no frequency, and stands still.
+    let share = if frequency.is_nan() { 0.0 } else { (frequency / rate).abs() };
+    ((EDGE.1 - share) / (EDGE.1 - EDGE.0)).clamp(0.0, 1.0)
+}
+
 /// Phases of eight lanes.
 #[derive(Debug)]
 pub struct Lanes<R> {
     clock: Clockwork,
-    _real: std::marker::PhantomData<R>,
+    rate: f64,
+    /// What is left of each lane, where that is not all.
+    left: Option<[R; LANES]>,
 }
 
 impl<R: Real> Kernel<R> for Lanes<R> {
     fn new(setup: &Setup) -> Self {
-        Self { clock: Clockwork::new(setup.rate).of_what_begins(setup.begins), _real: std::marker::PhantomData }
+        Self { clock: Clockwork::new(setup.rate).of_what_begins(setup.begins), rate: setup.rate, left: None }
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {
+        let left = R::of(left(onset.start[0], self.rate));
+        if left != R::ONE || self.left.is_some() {
+            self.left.get_or_insert([R::ONE; LANES])[lane] = left;
+            self.left = self.left.filter(|all| *all != [R::ONE; LANES]);
+        }
         self.clock.start(lane, onset.start[0], onset.age);
     }
 
@@ -82,6 +100,13 @@ impl<R: Real> Kernel<R> for Lanes<R> {
                 }
             }
         }
+        if let Some(left) = self.left {
+            for out in &mut *io.output {
+                for l in 0..LANES {
+                    out[l] *= left[l];
+                }
+            }
+        }
     }
 }
 
@@ -89,19 +114,24 @@ impl<R: Real> Kernel<R> for Lanes<R> {
 #[derive(Debug)]
 pub struct Exact {
     turns: Turns,
+    left: f64,
 }
 
 impl Exact {
     /// For one voice.
     pub fn new(setup: &Setup, onset: &Onset) -> Self {
-        Self { turns: Turns::new(onset.start[0], setup.begins) }
+        let left = match onset.start[0].abs() / setup.engine_rate {
+            share if share > 0.4 => (5.0 - 10.0 * share).max(0.0),
+            _ => 1.0,
+        };
+        Self { turns: Turns::new(onset.start[0], setup.begins), left }
     }
 }
 
 impl Twin for Exact {
     fn step(&mut self, t: f64, inputs: &[f64]) -> f64 {
         let turns = self.turns.step(t, inputs[0]) + inputs[1];
-        inputs[2] * (std::f64::consts::TAU * turns).sin()
+        self.left * inputs[2] * (std::f64::consts::TAU * turns).sin()
     }
 }
 
@@ -178,6 +208,20 @@ mod tests {
         bench.check_contract();
         assert!(bench.error_db::<f32>(73_500) < -110.0);
         assert!(bench.error_db::<f64>(73_500) < -160.0);
+    }
+
+    /// A slip of a digit must not come back as another tone.
+    #[test]
+    fn what_lies_beyond_half_the_rate_is_not_folded_back() {
+        for hertz in [4000.0, 7900.0, -7900.0, 12_000.0, 1e9] {
+            let bench = Bench::new("sine", 8000.0).steady("frequency", hertz).steady("phase", 0.1);
+            assert!(bench.kernel::<f32>(800, &[64]).iter().all(|v| *v == 0.0), "{hertz}");
+        }
+        let near = Bench::new("sine", 8000.0).steady("frequency", 3600.0);
+        near.check_contract();
+        assert!(near.error_db::<f32>(8000) < -110.0);
+        let peak = near.kernel::<f32>(8000, &[64]).into_iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        assert!((peak - 0.5).abs() < 0.01, "{peak}");
     }
 
     #[test]
