@@ -2,10 +2,10 @@
 
 use super::check::json;
 use super::failure::Failure;
-use super::load::{Loaded, Number, Scene};
+use super::load::{Codes, Loaded, Number, Scene};
 use super::perform::{Until, perform};
+use super::place::check_picture;
 use super::plan::precision;
-use super::plot::check_picture;
 use super::problems;
 use super::progress::Progress;
 use super::render::seconds;
@@ -102,7 +102,7 @@ impl Error {
             return Err(Failure::told(code));
         }
         if let Some(trouble) = player.trouble() {
-            return Err(loaded.refuse(vec![trouble.clone()], &[]));
+            return Err(loaded.refuse(vec![trouble.clone()], &Codes::new()));
         }
         let seconds = performed.frames as f64 / rate;
         let settings = self.settings();

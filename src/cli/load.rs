@@ -4,12 +4,13 @@ use super::failure::Failure;
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::io::{assets::Folder, events, input::Input, text};
+use pacinian::io::{assets::Folder, error::FileErrorKind, events, input::Input, text};
 use pacinian::node::asset::{Asset, Assets};
-use pacinian::patch::{self, Action, Events, Patch, Place};
+use pacinian::patch::{self, Action, Events, Patch, Place, Value};
 use pacinian::player::Player;
 use pacinian::rig::{MAX_CHANNELS, RATES, Rig, usual_ratio};
-use pacinian::text::{Checked, Problem, Problems, Severity, nearest};
+use pacinian::text::{Checked, Problem, Problems, Severity, Span, nearest, reader::Sink};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -86,8 +87,8 @@ impl Scene {
     /// All problems of patch, rig, recordings and events files at once.
     pub fn load(&self, all: bool) -> Result<Loaded, Failure> {
         let mut failure = Failure::default();
-        let patch = read(&self.patch, &mut failure);
-        let rig = self.rig.as_ref().map(|path| read(path, &mut failure));
+        let patch = read(&self.patch, 65, &mut failure);
+        let rig = self.rig.as_ref().map(|path| read(path, 78, &mut failure));
         self.understand(patch, rig, failure, all)
     }
 
@@ -203,20 +204,24 @@ impl Scene {
                 }
                 Err(error) => {
                     problems.push(Problem::error(span, error.message.as_str()));
-                    seen.failures.push((error.message.clone(), error.exit_code()));
+                    seen.failures.insert(path.clone(), error.exit_code());
                 }
             }
         }
         if by_default {
             problems.iter_mut().for_each(advise_a_rig);
         }
+        let code = |(path, span): (&str, &Span)| Some(((span.start, span.end), *seen.failures.get(path)?));
+        let codes: Codes = named(&patch).filter_map(code).collect();
+        let mut files = seen.paths;
+        files.extend(named(&patch).filter_map(|(path, _)| folder.resolve(path).ok()));
         let mut loaded = Loaded {
             patch: Arc::new(patch),
             rig,
             options,
             warnings,
             surveyed,
-            files: seen.paths,
+            files,
             input: None,
             input_name: self.input.as_ref().map(|path| path.display().to_string()),
             source,
@@ -226,7 +231,7 @@ impl Scene {
         loaded.files.extend(read.into_iter().flatten());
         let mut failure = Failure::default();
         if problems.iter().any(Problem::is_error) {
-            failure.join(loaded.refuse(problems, &seen.failures));
+            failure.join(loaded.refuse(problems, &codes));
         }
         match heard {
             Ok(heard) if failure.is_none() => loaded.hear(heard, &listened),
@@ -281,24 +286,27 @@ impl Loaded {
         let folder = Arc::clone(&self.folder);
         let files = Box::new(move |path: &str| events::open(&folder, path));
         Player::with_files(&self.patch, &self.rig, &self.options, &*self.folder, files)
-            .map_err(|problems| self.refuse(problems.list, &[]))
+            .map_err(|problems| self.refuse(problems.list, &Codes::new()))
     }
 
-    /// Problems of the patch, with its source.
-    pub fn refuse(&self, list: Vec<Problem>, files: &[(String, u8)]) -> Failure {
+    /// Problems of the patch, with its source. Those that are a file's have the exit code of that.
+    pub fn refuse(&self, list: Vec<Problem>, codes: &Codes) -> Failure {
         let mut problems = self.source.clone();
-        for problem in list {
-            let is_known = |p: &Problem| (&p.span, &p.what) == (&problem.span, &problem.what);
-            if !problems.list.iter().any(is_known) {
-                problems.list.push(problem);
-            }
-        }
+        let mut known = HashSet::new();
+        let place = |p: &Problem| p.span.as_ref().map(|s| (s.start, s.end));
+        problems.list = list.into_iter().filter(|p| known.insert((place(p), p.what.clone()))).collect();
         problems.list.sort_by_key(|p| p.span.as_ref().map_or(0, |s| s.start + 1));
         // A file that is not there is that, as long as nothing is wrong with the patch itself.
-        let code =
-            |p: &Problem| files.iter().find(|(m, _)| p.what.contains(m.as_str())).map_or(65, |(_, c)| *c);
-        let codes: Vec<u8> = problems.list.iter().filter(|p| p.is_error()).map(code).collect();
-        let code = if codes.contains(&65) { 65 } else { codes.first().copied().unwrap_or(65) };
+        let code = |p: &Problem| place(p).and_then(|place| codes.get(&place)).copied().unwrap_or(65);
+        let mut all = problems.list.iter().filter(|p| p.is_error()).map(code);
+        let first = all.next().unwrap_or(65);
+        let code = if all.any(|code| code == 65) { 65 } else { first };
+        let further = problems.list.len().saturating_sub(Sink::MOST);
+        if further > 0 {
+            problems.list.truncate(Sink::MOST);
+            let end = problems.source.len();
+            problems.list.push(Problem::error(&(end..end), format!("and {further} more problems")));
+        }
         Failure::of(code, problems)
     }
 
@@ -318,6 +326,9 @@ impl Loaded {
         names
     }
 }
+
+/// Exit codes of files that cannot be read, by where the patch names them.
+pub type Codes = HashMap<(usize, usize), u8>;
 
 /// A file as it was read.
 struct Text {
@@ -353,7 +364,8 @@ struct Watched<'a> {
 #[derive(Debug, Default)]
 struct Seen {
     paths: Vec<PathBuf>,
-    failures: Vec<(String, u8)>,
+    /// Exit codes by the path that the patch names.
+    failures: HashMap<String, u8>,
 }
 
 impl Assets for Watched<'_> {
@@ -362,18 +374,35 @@ impl Assets for Watched<'_> {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         match &result {
             Ok(_) => seen.paths.extend(self.folder.resolve(path)),
-            Err(error) => seen.failures.push((error.message.clone(), error.exit_code())),
+            Err(error) => drop(seen.failures.insert(path.into(), error.exit_code())),
         }
         result.map_err(|error| error.message)
     }
 }
 
-fn read(path: &Path, failure: &mut Failure) -> Text {
+/// Every file that a patch names, be it ever played or not, and where it names it.
+fn named(patch: &Patch) -> impl Iterator<Item = (&str, &Span)> {
+    let nodes = patch.voices.iter().flat_map(|voice| &voice.nodes).chain(&patch.shared);
+    let recordings = nodes.flat_map(|node| &node.arguments).filter_map(|argument| match &argument.value {
+        Value::File(path) => Some((path.as_str(), &argument.span)),
+        _ => None,
+    });
+    let events = patch.patterns.iter().filter_map(|pattern| match &pattern.events {
+        Events::File(path, span) => Some((path.as_str(), span)),
+        Events::Inline(_) => None,
+    });
+    recordings.chain(events)
+}
+
+/// A document; `code` is that of one whose content is wrong.
+fn read(path: &Path, code: u8, failure: &mut Failure) -> Text {
     let name = path.display().to_string();
     match text::read(path) {
         Ok(bytes) => Text { name, bytes: Some(bytes) },
         Err(error) => {
-            failure.join(error.into());
+            let malformed = error.kind == FileErrorKind::Malformed;
+            let told = Failure::from(error);
+            failure.join(if malformed { told.with_code(code) } else { told });
             Text { name, bytes: None }
         }
     }

@@ -10,6 +10,7 @@ mod load;
 mod nodes;
 mod paint;
 mod perform;
+mod place;
 mod plan;
 mod plot;
 mod problems;

@@ -45,8 +45,24 @@ impl Until {
     /// When it would never be over, or when nothing plays at all.
     pub fn of(loaded: &Loaded, player: &Player, asked: Option<f64>) -> Result<Self, Failure> {
         let patch = &loaded.patch;
+        let rate = player.plan().device_rate;
         if let Some(seconds) = asked.or(patch.render.duration) {
-            return Ok(Self::Seconds(seconds));
+            if (seconds * rate).round() >= 1.0 {
+                return Ok(Self::Seconds(seconds));
+            }
+            let what =
+                format!("{seconds} s are less than a frame at {rate} Hz, so there is nothing to render");
+            return Err(match asked {
+                Some(_) => Failure::usage(what, "say how many seconds: --duration 10"),
+                None => {
+                    let what = format!("{}: `duration` under [render]: {what}", loaded.name());
+                    Failure::usage(
+                        what,
+                        "write a longer one, or leave it out to render until everything is over",
+                    )
+                    .with_code(65)
+                }
+            });
         }
         let input = loaded.input.as_ref().map(|input| input.seconds() + patch.render.tail.unwrap_or(0.0));
         let playing = playing(loaded);

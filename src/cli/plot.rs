@@ -1,16 +1,17 @@
 //! `pacinian plot`.
 
 use super::failure::Failure;
-use super::load::{Loaded, Scene};
+use super::load::{Codes, Loaded, Scene};
 use super::perform::{Until, perform};
+use super::place::check_picture;
 use super::problems;
-use super::render::{check_output, seconds};
+use super::render::seconds;
 use super::stop::Stop;
 use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::out;
 use pacinian::report::plot::{Collector, Style};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Draws what every tactor does over time, and the spectrum, as SVG
 #[derive(Debug, Args)]
@@ -69,24 +70,9 @@ impl Plot {
         }
         match (performed.stopped, player.trouble()) {
             (Some(code), _) => Err(Failure::told(code)),
-            (None, Some(trouble)) => Err(loaded.refuse(vec![trouble.clone()], &[])),
+            (None, Some(trouble)) => Err(loaded.refuse(vec![trouble.clone()], &Codes::new())),
             (None, None) => Ok(()),
         }
-    }
-}
-
-/// Refuses what is no picture that can be drawn here, and what [`check_output`] refuses.
-pub fn check_picture(output: &Path, loaded: &Loaded) -> Result<(), Failure> {
-    check_output(output, loaded)?;
-    match output.extension().and_then(|e| e.to_str()) {
-        Some(other @ ("png" | "pdf" | "jpg" | "jpeg" | "gif" | "wav")) => Err(Failure::usage(
-            format!("pictures are SVG, not {other}"),
-            format!(
-                "name it `{}`; browsers, Inkscape and LaTeX read SVG",
-                output.with_extension("svg").display()
-            ),
-        )),
-        _ => Ok(()),
     }
 }
 

@@ -5,7 +5,7 @@ use super::resample::resample;
 use super::wav::WavReader;
 use crate::node::asset::{Asset, Assets};
 use std::collections::HashMap;
-use std::io::{Cursor, Read, Seek};
+use std::io::{Cursor, ErrorKind, Read, Seek};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -70,7 +70,7 @@ impl Folder {
         let joined = self.root.join(path);
         let real = joined.canonicalize().map_err(|error| {
             let mut error = FileError::reading(&joined, &error);
-            if error.kind == FileErrorKind::Missing {
+            if matches!(error.io, Some(ErrorKind::NotFound | ErrorKind::NotADirectory)) {
                 error.message = format!(
                     "`{}` is not there: check the path, which counts from the patch's folder `{}`",
                     path,

@@ -8,7 +8,7 @@ mod writer;
 
 pub use encode::{Encoding, UnknownEncoding};
 pub use reader::{WavInfo, WavReader};
-pub use writer::{WavWriter, Written};
+pub use writer::{REFRESH, WavWriter, Written};
 
 /// What is to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]

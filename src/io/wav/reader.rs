@@ -2,6 +2,7 @@
 
 use super::chunks::{Map, Stored, Trouble, map};
 use crate::io::error::{FileError, FileErrorKind};
+use crate::io::open::open;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -44,11 +45,7 @@ impl WavReader<BufReader<File>> {
     /// format that cannot be read.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
-        if path.is_dir() {
-            return Err(FileError::folder(path));
-        }
-        let file = File::open(path).map_err(|error| FileError::reading(path, &error))?;
-        Self::new(BufReader::new(file), path)
+        Self::new(BufReader::new(open(path)?), path)
     }
 }
 
