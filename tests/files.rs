@@ -193,3 +193,124 @@ fn a_killed_rendering_leaves_its_log() {
     let seconds: f64 = last.split(',').next().and_then(|cell| cell.parse().ok()).unwrap_or(0.0);
     assert!(seconds >= 7.0, "{} bytes, up to {seconds} s", log.len());
 }
+
+/// Sends Ctrl-C when `ready` says so.
+fn interrupt(child: &mut Child, mut ready: impl FnMut() -> bool) {
+    while !ready() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+}
+
+#[test]
+fn the_demo_shows_what_it_has_before_it_measures_and_stops_when_asked() {
+    use std::io::Read;
+    let scratch = Scratch::new("demo");
+    for json in [false, true] {
+        let arguments = if json { &["demo", "--json"][..] } else { &["demo"] };
+        let mut command = scratch.command(arguments);
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut out = Vec::new();
+        let picture = scratch.0.join("pacinian-demo.svg");
+        if json {
+            interrupt(&mut child, || std::fs::read(&picture).is_ok_and(|svg| svg.ends_with(b"</svg>\n")));
+        } else {
+            // The summary and the picture come before the measurement.
+            let mut piece = [0; 4096];
+            while !String::from_utf8_lossy(&out).contains("every tactor did") {
+                let length = child.stdout.as_mut().unwrap().read(&mut piece).unwrap();
+                assert!(length > 0, "it ended without a picture");
+                out.extend_from_slice(&piece[..length]);
+            }
+            interrupt(&mut child, || true);
+        }
+        let output = end_of(child);
+        out.extend_from_slice(&output.stdout);
+        let run = program::Run::of(Output { stdout: out, ..output });
+        run.fails(130, &["stopped", "picture are complete", "not measured"]);
+        if json {
+            assert!(run.json()["error_db"].is_null() && run.json()["frames"].as_u64() > Some(0));
+        }
+        assert_eq!(scratch.wav("pacinian-demo.wav").0.channels, 16);
+        std::fs::remove_file(picture).unwrap();
+    }
+}
+
+#[test]
+fn a_measurement_stops_when_asked_and_says_how_far_it_was() {
+    let scratch = Scratch::new("measure");
+    scratch.write(
+        "long.toml",
+        format!("{HEAD}[voice.n]\noutput = \"n\"\nstart = \"always\"\nnodes.n = {{ type = \"sine\", frequency = 250 }}\n"),
+    );
+    let mut command = scratch.command(&["error", "long.toml", "--duration", "100", "--csv"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // It renders for about a second, and then computes the reference for a long time.
+    let begin = Instant::now();
+    interrupt(&mut child, || begin.elapsed() > Duration::from_secs(3));
+    let run = program::Run::of(end_of(child));
+    run.fails(130, &["stopped; 0 of 6 settings were measured"]);
+    assert!(run.out.is_empty(), "{}", run.out);
+}
+
+/// A mono file of 8 bits and 1 kHz that claims `frames` frames, which take no room on the disk.
+fn sparse(scratch: &Scratch, name: &str, rate: u32, frames: u32) {
+    let mut head = b"RIFF\0\0\0\0WAVEfmt \x10\0\0\0\x01\0\x01\0".to_vec();
+    head.extend([rate, rate].map(u32::to_le_bytes).concat());
+    head.extend(b"\x01\0\x08\0data");
+    head.extend(frames.to_le_bytes());
+    let length = head.len() as u32 + frames;
+    head[4..8].copy_from_slice(&(length - 8).to_le_bytes());
+    let path = scratch.write(name, head);
+    std::fs::File::options().write(true).open(path).unwrap().set_len(length.into()).unwrap();
+}
+
+/// The address space that `ulimit` leaves is a fraction of what such a file would become.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_long_file_is_refused_and_not_taken_into_memory() {
+    let scratch = Scratch::new("memory");
+    let run = |arguments: &str| {
+        let mut command = Command::new("sh");
+        let program = env!("CARGO_BIN_EXE_pacinian");
+        let line = format!("ulimit -v 1000000; exec {program} {arguments}");
+        program::Run::of(command.current_dir(&scratch.0).args(["-c", &line]).output().unwrap())
+    };
+    let voice = |node: &str| {
+        format!("{HEAD}[voice.v]\nstart = \"always\"\noutput = \"o\"\nnodes.o = {{ type = {node} }}\n")
+    };
+    scratch.write("ear.toml", voice("\"input\", channel = 1"));
+    scratch.write("play.toml", voice("\"sample\", file = \"long.wav\""));
+    sparse(&scratch, "long.wav", 1_000, 200_000_000);
+    sparse(&scratch, "ten.wav", 1_000, 10_000_000);
+    run("render ear.toml --input ten.wav --rate 768000 -o x.wav")
+        .fails(65, &["`ten.wav`", "7680000000 samples at 768000 Hz", "--duration"]);
+    run("render ear.toml --input long.wav -o x.wav").fails(65, &["`long.wav`", "--duration"]);
+    run("check play.toml").fails(65, &["`long.wav`", "3200000000 samples", "cut it"]);
+    run("render ear.toml --input long.wav --duration 0.1 -o x.wav").succeeds();
+    run("render ear.toml --input ten.wav --duration 0.1 --rate 768000 -o x.wav").succeeds();
+}
+
+#[test]
+fn a_form_that_no_wav_file_has_is_refused_beforehand() {
+    let scratch = Scratch::new("form");
+    scratch.write(
+        "rig.toml",
+        "format = \"pacinian-rig/1\"\n[device]\nchannels = 4096\n[[tactor]]\nname = \"t1\"\nchannel = 1\n\
+         [[tactor]]\nname = \"t2\"\nchannel = 2\n",
+    );
+    let run = |command: &[&str], rate: &str| {
+        scratch.run(&[command, &["good.toml", "--rig", "rig.toml", "--rate", rate]].concat())
+    };
+    let render = ["render", "-o", "x.wav"];
+    run(&render, "384000").fails(2, &["of f32 holds 4096 channels", "--format i16"]);
+    run(&render, "768000").fails(78, &["holds 4096 channels at 768,000 Hz", "fewer channels"]);
+    assert!(!scratch.0.join("x.wav").exists());
+    let check = run(&["check"], "384000");
+    assert!(check.succeeds().err.contains("--format i16"), "{}", check.err);
+    run(&["check"], "768000").fails(78, &["holds 4096 channels"]);
+    assert!(run(&["check"], "192000").succeeds().err.is_empty());
+    let short = [&render[..], &["--format", "i16", "--duration", "0.001"]].concat();
+    run(&short, "384000").succeeds();
+}

@@ -9,6 +9,7 @@ use pacinian::node::asset::{Asset, Assets};
 use pacinian::patch::{self, Action, Events, Patch, Place, Value};
 use pacinian::player::Player;
 use pacinian::rig::{MAX_CHANNELS, RATES, Rig, usual_ratio};
+use pacinian::score::EventStream;
 use pacinian::text::{Checked, Problem, Problems, Severity, Span, nearest, reader::Sink};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -81,15 +82,15 @@ pub struct Loaded {
 }
 
 impl Scene {
-    /// Reads and checks everything. With `all`, also what never sounds.
+    /// Reads and checks everything. With `all`, also what never sounds; of an input, no more than `duration` (s) needs.
     ///
     /// # Errors
     /// All problems of patch, rig, recordings and events files at once.
-    pub fn load(&self, all: bool) -> Result<Loaded, Failure> {
+    pub fn load(&self, all: bool, duration: Option<f64>) -> Result<Loaded, Failure> {
         let mut failure = Failure::default();
         let patch = read(&self.patch, 65, &mut failure);
         let rig = self.rig.as_ref().map(|path| read(path, 78, &mut failure));
-        self.understand(patch, rig, failure, all)
+        self.understand(patch, rig, failure, all, duration)
     }
 
     /// A scene from texts and recordings that are at hand; nothing else is read from the disk but what they name.
@@ -114,7 +115,7 @@ impl Scene {
             held,
         };
         let text = |(name, text): (&str, &str)| Text { name: name.into(), bytes: Some(text.into()) };
-        scene.understand(text(patch), Some(text(rig)), Failure::default(), false)
+        scene.understand(text(patch), Some(text(rig)), Failure::default(), false, None)
     }
 
     fn understand(
@@ -123,6 +124,7 @@ impl Scene {
         rig: Option<Text>,
         mut failure: Failure,
         all: bool,
+        duration: Option<f64>,
     ) -> Result<Loaded, Failure> {
         let mut warnings = Vec::new();
         let Text { name, bytes } = patch;
@@ -141,7 +143,7 @@ impl Scene {
         warnings.retain(|w: &Problems| !w.list.is_empty());
         let source = String::from_utf8(bytes.unwrap_or_default()).unwrap_or_default();
         let source = Problems { file: name, source, list: Vec::new() };
-        self.join(patch, rig, source, warnings, all)
+        self.join(patch, rig, source, warnings, all, duration)
     }
 
     /// What is wrong with patch and rig together.
@@ -152,6 +154,7 @@ impl Scene {
         source: Problems,
         warnings: Vec<Problems>,
         all: bool,
+        duration: Option<f64>,
     ) -> Result<Loaded, Failure> {
         let by_default = given.is_none();
         let rig = given.unwrap_or_else(|| Rig::default_for(channels(&patch)));
@@ -186,7 +189,9 @@ impl Scene {
             Ok(scene) => listened = scene.plan.inputs(),
             Err(more) => problems.extend(more.list),
         }
-        let heard = self.input.as_ref().map(|path| Input::open(path, rate, &listened)).transpose();
+        let needed = duration.or(patch.render.duration);
+        let heard = |path: &PathBuf| Input::open_for(path, rate, &listened, needed);
+        let heard = self.input.as_ref().map(heard).transpose();
 
         let mut surveyed = Vec::new();
         let mut seen = watched.seen.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -276,6 +281,14 @@ impl Loaded {
             self.warnings.push(Problems { file: name.clone(), source: String::new(), list: vec![warning] });
         }
         self.input = Some(Arc::new(input));
+    }
+
+    /// The events of a file that the patch names.
+    ///
+    /// # Errors
+    /// As [`events::open`].
+    pub fn events(&self, path: &str) -> Result<EventStream<'static>, Problem> {
+        events::open(&self.folder, path)
     }
 
     /// A player at its beginning.

@@ -4,6 +4,7 @@ mod check;
 mod demo;
 mod error;
 mod failure;
+mod form;
 mod guard;
 mod input;
 mod load;

@@ -39,7 +39,7 @@ pub struct Plot {
 impl Plot {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let loaded = self.scene.load(false)?;
+        let loaded = self.scene.load(false, self.duration)?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
@@ -51,7 +51,7 @@ impl Plot {
         let until = Until::of(&loaded, &player, self.duration)?;
         let mut collector = collector(&loaded, until.expected(&player));
         let stop = Stop::listen()?;
-        let performed = perform(&mut player, loaded.input.as_deref(), until, &stop, terminal, |block| {
+        let performed = perform(&mut player, &loaded, until, &stop, terminal, |block| {
             collector.push(block);
             Ok::<(), Failure>(())
         })

@@ -49,8 +49,10 @@ impl Progress {
         let Some(bar) = &self.bar else { return };
         bar.set_message(what.to_string());
         bar.set_position((at * STEPS) as u64);
-        bar.tick();
     }
+
+    /// Takes the bar away.
+    pub fn ends(self) {}
 }
 
 impl Drop for Progress {

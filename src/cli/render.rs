@@ -2,6 +2,7 @@
 
 use super::check::json;
 use super::failure::Failure;
+use super::form;
 use super::load::{Codes, Loaded, Scene};
 use super::perform::{Until, perform};
 use super::place::{check_log, check_wav};
@@ -87,7 +88,7 @@ impl Log {
 impl Render {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let loaded = self.scene.load(false)?;
+        let loaded = self.scene.load(false, self.duration)?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
@@ -128,6 +129,8 @@ pub struct Rendered {
     pub ending: Result<(), Failure>,
     /// The player at its end.
     pub player: Player,
+    /// Whether somebody has asked to stop, then and later.
+    pub stop: Stop,
 }
 
 impl Wav<'_> {
@@ -148,6 +151,7 @@ impl Wav<'_> {
         if record {
             player.record();
         }
+        form::check(player.plan(), format)?;
         let until = Until::of(loaded, &player, duration)?;
         let rate = player.plan().device_rate as u32;
         let mut spec = WavSpec::new(player.plan().channels, rate, format);
@@ -160,7 +164,7 @@ impl Wav<'_> {
         let mut writer = WavWriter::create(output, spec)?;
         let shown = output.display().to_string();
         let mut refreshed = 0;
-        let performed = perform(&mut player, loaded.input.as_deref(), until, &stop, terminal, |block| {
+        let performed = perform(&mut player, loaded, until, &stop, terminal, |block| {
             also(block);
             writer.write(block)?;
             let Some(log) = &log else { return Ok(()) };
@@ -194,6 +198,6 @@ impl Wav<'_> {
             Ok(())
         };
         let summary = Summary::new(loaded, shown, format, &player, &performed, &written);
-        Ok(Rendered { summary, ending, player })
+        Ok(Rendered { summary, ending, player, stop })
     }
 }
