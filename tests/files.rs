@@ -141,7 +141,7 @@ fn names_do_not_lie_about_what_is_in_a_file() {
 #[test]
 fn no_length_is_no_rendering() {
     let scratch = Scratch::new("short");
-    let words = ["1e-9", "less than a frame at 48000 Hz"];
+    let words = ["0.000000001 s", "less than a frame at 48000 Hz"];
     scratch.run(&["render", "good.toml", "-o", "x.wav", "--duration", "1e-9"]).fails(2, &words);
     scratch.write("none.toml", with(&format!("{PLAY}[render]\nduration = 0\n")));
     for command in [&["render", "none.toml", "-o", "x.wav"][..], &["error", "none.toml"]] {
@@ -287,7 +287,7 @@ fn a_long_file_is_refused_and_not_taken_into_memory() {
     run("render ear.toml --input ten.wav --rate 768000 -o x.wav")
         .fails(65, &["`ten.wav`", "7680000000 samples at 768000 Hz", "--duration"]);
     run("render ear.toml --input long.wav -o x.wav").fails(65, &["`long.wav`", "--duration"]);
-    run("check play.toml").fails(65, &["`long.wav`", "3200000000 samples", "cut it"]);
+    run("check play.toml").fails(65, &["long.wav`", "3200000000 samples", "cut it"]);
     run("render ear.toml --input long.wav --duration 0.1 -o x.wav").succeeds();
     run("render ear.toml --input ten.wav --duration 0.1 --rate 768000 -o x.wav").succeeds();
 }
@@ -313,4 +313,61 @@ fn a_form_that_no_wav_file_has_is_refused_beforehand() {
     assert!(run(&["check"], "192000").succeeds().err.is_empty());
     let short = [&render[..], &["--format", "i16", "--duration", "0.001"]].concat();
     run(&short, "384000").succeeds();
+}
+
+#[test]
+fn thousands_of_wrong_names_on_one_line_are_told_in_few_words() {
+    let scratch = Scratch::new("many");
+    let long = "x".repeat(500);
+    let mut events = String::new();
+    for n in 0..10_000 {
+        events += &format!("{{ at = 0, voice = \"beat\", place = \"toe{n}{long}\" }},");
+    }
+    scratch.write("places.toml", with(&format!("[pattern.p]\nevents = [{events}]\n")));
+    let mut nodes = String::new();
+    for n in 0..5_000 {
+        nodes += &format!("s{n} = {{ type = \"sample\", file = \"no{n}.wav\" }}\n");
+    }
+    let all: Vec<String> = (0..5_000).map(|n| format!("\"s{n}\"")).collect();
+    let voice = format!(
+        "[voice.v]\nstart = \"always\"\noutput = \"o\"\n[voice.v.nodes]\no = {{ type = \"add\", inputs = ["
+    );
+    scratch.write("samples.toml", format!("{HEAD}{voice}{}] }}\n{nodes}", all.join(",")));
+    for (file, code, words) in [
+        ("places.toml", 65, ["`toe0xxx", "and 9500 more"]),
+        ("samples.toml", 66, ["`no0.wav` is not there", "and 4500 more"]),
+    ] {
+        let mut command = scratch.command(&["check", file]);
+        let child =
+            command.stdout(Stdio::null()).stderr(std::fs::File::create(scratch.0.join("err")).unwrap());
+        let status = end_of(child.spawn().unwrap()).status;
+        let err = std::fs::read_to_string(scratch.0.join("err")).unwrap();
+        assert_eq!(status.code(), Some(code), "{}", &err[..err.len().min(500)]);
+        assert!(words.iter().all(|word| err.contains(word)), "{}", &err[..err.len().min(500)]);
+        assert!(err.lines().count() < 1_100 && err.lines().all(|line| line.len() < 400));
+    }
+}
+
+#[test]
+fn a_name_cannot_forge_a_line() {
+    let scratch = Scratch::new("forge");
+    let forged = "x\\nforged.toml:1:1: error: all is lost\\u001b[2J";
+    scratch.write("bad.toml", with(&format!("[pattern.p]\nevents = [{{ at = 0, voice = \"{forged}\" }}]\n")));
+    scratch.write("title.toml", with(PLAY).replace("title = \"A test\"", &format!("title = \"{forged}\"")));
+    for file in ["bad.toml", "title.toml"] {
+        for plain in [&["--plain"][..], &["--color", "always"]] {
+            let run = scratch.run(&[plain, &["check", file]].concat());
+            let text = run.out + &run.err;
+            assert!(text.contains("forged.toml") && !text.contains("\x1b[2J"), "{text}");
+            assert!(text.lines().all(|line| !line.starts_with("forged.toml")), "{text}");
+        }
+    }
+}
+
+#[test]
+fn a_comparison_that_takes_too_much_memory_is_refused() {
+    let scratch = Scratch::new("room");
+    scratch
+        .run(&["error", "good.toml", "--duration", "10000"])
+        .fails(2, &["8 channels", "2 GB", "--duration "]);
 }

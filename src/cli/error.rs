@@ -3,6 +3,7 @@
 use super::check::json;
 use super::failure::Failure;
 use super::load::{Codes, Loaded, Number, Scene};
+use super::memory::Memory;
 use super::perform::{Until, perform};
 use super::place::check_picture;
 use super::plan::precision;
@@ -75,9 +76,6 @@ struct Answer {
     settings: Vec<Row>,
 }
 
-/// The most that is kept in memory for a comparison, bytes.
-const MOST: f64 = 2e9;
-
 impl Error {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
@@ -92,11 +90,13 @@ impl Error {
         let until = Until::of(&loaded, &player, self.duration)?;
         player.record();
         let stop = Stop::listen()?;
-        let (channels, rate) = (player.plan().channels as f64, player.plan().device_rate);
-        let mut room = MOST / (channels * 8.0);
-        let performed = perform(&mut player, &loaded, until, &stop, terminal, |block| {
-            room -= block.len() as f64 / channels;
-            if room > 0.0 { Ok(()) } else { Err(too_long(rate, channels)) }
+        let memory = Memory::new(player.plan(), loaded.input.is_some(), self.settings().len());
+        // Where the length is known, nothing is rendered first that would not fit.
+        memory.check(until.expected(&player).unwrap_or(0.0), 0)?;
+        let (mut frames, rate) = (0, player.plan().device_rate);
+        let performed = perform(&mut player, &loaded, until, &stop, terminal, |player, block| {
+            frames += block.len() / player.plan().channels.max(1);
+            memory.check(frames as f64 / rate, player.recorded().len())
         })
         .map_err(|(failure, _)| failure)?;
         if let Some(code) = performed.stopped {
@@ -199,12 +199,6 @@ pub fn reservation(player: &Player) -> Option<String> {
         (0, _) => Some("the limiter acted, which the reference does not model".into()),
         _ => Some("voices were stolen, which the reference does not model".into()),
     }
-}
-
-fn too_long(rate: f64, channels: f64) -> Failure {
-    let seconds = (MOST / (channels * 8.0) / rate).floor();
-    let what = format!("more than {seconds} s of so many channels do not fit into memory for a comparison");
-    Failure::usage(what, "measure a part of it with --duration")
 }
 
 impl Row {

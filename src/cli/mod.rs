@@ -8,6 +8,7 @@ mod form;
 mod guard;
 mod input;
 mod load;
+mod memory;
 mod nodes;
 mod paint;
 mod perform;

@@ -129,7 +129,7 @@ fn foreseen(until: Until, loaded: &Loaded, player: &Player) -> Option<f64> {
     Some(last + tail)
 }
 
-/// Plays, hears the input, and gives each block of interleaved frames to `sink`.
+/// Plays, hears the input, and gives each block of interleaved frames to `sink`, with the player behind it.
 ///
 /// # Errors
 /// What `sink` says.
@@ -139,7 +139,7 @@ pub fn perform<E>(
     until: Until,
     stop: &Stop,
     terminal: &Terminal,
-    mut sink: impl FnMut(&[f32]) -> Result<(), E>,
+    mut sink: impl FnMut(&Player, &[f32]) -> Result<(), E>,
 ) -> Result<Performed, (E, u64)> {
     let (channels, rate) = (player.plan().channels, player.plan().device_rate);
     let input = loaded.input.as_deref();
@@ -173,7 +173,7 @@ pub fn perform<E>(
         }
         player.process_input(heard, part);
         peaks.take(part);
-        sink(part).map_err(|error| (error, frames))?;
+        sink(player, part).map_err(|error| (error, frames))?;
         frames += left as u64;
         progress.at(frames as f64 / rate);
         if player.trouble().is_some() {
@@ -216,6 +216,7 @@ mod tests {
     use crate::cli::paint::Paint;
     use crate::cli::stop::Stop;
     use crate::cli::terminal::Terminal;
+    use pacinian::player::Player;
     use std::convert::Infallible;
 
     #[test]
@@ -235,7 +236,7 @@ mod tests {
             assert_eq!(until.expected(&player), None, "it is drawn");
             let foreseen = foreseen(until, &loaded, &player).unwrap();
             let terminal = Terminal { out: Paint(false), err: Paint(false), lively: false, pictured: false };
-            let sink = |_: &[f32]| Ok::<(), Infallible>(());
+            let sink = |_: &Player, _: &[f32]| Ok::<(), Infallible>(());
             let Ok(performed) = perform(&mut player, &loaded, until, &Stop::default(), &terminal, sink);
             let seconds = performed.frames as f64 / 48_000.0;
             // What rings, and the block in which it is noticed.

@@ -51,7 +51,7 @@ impl Plot {
         let until = Until::of(&loaded, &player, self.duration)?;
         let mut collector = collector(&loaded, until.expected(&player));
         let stop = Stop::listen()?;
-        let performed = perform(&mut player, &loaded, until, &stop, terminal, |block| {
+        let performed = perform(&mut player, &loaded, until, &stop, terminal, |_, block| {
             collector.push(block);
             Ok::<(), Failure>(())
         })

@@ -164,7 +164,7 @@ impl Wav<'_> {
         let mut writer = WavWriter::create(output, spec)?;
         let shown = output.display().to_string();
         let mut refreshed = 0;
-        let performed = perform(&mut player, loaded, until, &stop, terminal, |block| {
+        let performed = perform(&mut player, loaded, until, &stop, terminal, |_, block| {
             also(block);
             writer.write(block)?;
             let Some(log) = &log else { return Ok(()) };
