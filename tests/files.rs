@@ -329,9 +329,8 @@ fn thousands_of_wrong_names_on_one_line_are_told_in_few_words() {
         nodes += &format!("s{n} = {{ type = \"sample\", file = \"no{n}.wav\" }}\n");
     }
     let all: Vec<String> = (0..5_000).map(|n| format!("\"s{n}\"")).collect();
-    let voice = format!(
-        "[voice.v]\nstart = \"always\"\noutput = \"o\"\n[voice.v.nodes]\no = {{ type = \"add\", inputs = ["
-    );
+    let voice =
+        "[voice.v]\nstart = \"always\"\noutput = \"o\"\n[voice.v.nodes]\no = { type = \"add\", inputs = [";
     scratch.write("samples.toml", format!("{HEAD}{voice}{}] }}\n{nodes}", all.join(",")));
     for (file, code, words) in [
         ("places.toml", 65, ["`toe0xxx", "and 9500 more"]),

@@ -16,8 +16,9 @@ pub fn check_wav(output: &Path, loaded: &Loaded) -> Result<(), Failure> {
             "name a file: -o out.wav",
         ));
     }
+    refuse_to_replace(output, loaded, "-o")?;
     check_extension(output, "wav", "sound is WAV", "sox and ffmpeg convert it afterwards")?;
-    check(output, loaded, "-o")
+    Ok(out::check(output)?)
 }
 
 /// Refuses a picture where nothing good would come of it.
@@ -29,8 +30,9 @@ pub fn check_picture(output: &Path, loaded: &Loaded) -> Result<(), Failure> {
         let what = "the picture goes to a file, since standard output has the rest";
         return Err(Failure::usage(what, "name a file: -o out.svg"));
     }
+    refuse_to_replace(output, loaded, "-o")?;
     check_extension(output, "svg", "pictures are SVG", "browsers, Inkscape and LaTeX read SVG")?;
-    check(output, loaded, "-o")
+    Ok(out::check(output)?)
 }
 
 /// Refuses a log where nothing good would come of it.
@@ -46,7 +48,8 @@ pub fn check_log(log: &Path, output: &Path, loaded: &Loaded) -> Result<(), Failu
         let what = format!("`{}` cannot be both the rendering and its log", log.display());
         return Err(Failure::usage(what, "choose another file for --log"));
     }
-    check(log, loaded, "--log")
+    refuse_to_replace(log, loaded, "--log")?;
+    Ok(out::check(log)?)
 }
 
 fn check_extension(output: &Path, right: &str, what: &str, help: &str) -> Result<(), Failure> {
@@ -59,7 +62,7 @@ fn check_extension(output: &Path, right: &str, what: &str, help: &str) -> Result
     }
 }
 
-fn check(output: &Path, loaded: &Loaded, option: &str) -> Result<(), Failure> {
+fn refuse_to_replace(output: &Path, loaded: &Loaded, option: &str) -> Result<(), Failure> {
     let choose = || format!("choose another file for {option}");
     if loaded.files.iter().any(|file| is_same(file, output)) {
         let what = format!("`{}` is read for this rendering, so it is not written over", output.display());
@@ -70,7 +73,7 @@ fn check(output: &Path, loaded: &Loaded, option: &str) -> Result<(), Failure> {
             format!("`{}` has what this program says, so nothing else is written there", output.display());
         return Err(Failure::usage(what, choose()));
     }
-    Ok(out::check(output)?)
+    Ok(())
 }
 
 /// Whether two paths lead to one file that is there, be it by links of either kind.

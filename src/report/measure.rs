@@ -189,7 +189,7 @@ mod tests {
     }
 
     /// A voice that is always on, and a shared node: the two that go on for all of the time.
-    const PATCH: &[u8] = b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n[shared.nodes]\nslow = { type = \"lfo\", frequency = 2 }\n\
+    const PATCH: &[u8] = b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n[shared.nodes]\nslow = { type = \"lfo\", rate = 2 }\n\
         [voice.a]\nstart = \"always\"\noutput = \"o\"\n[voice.a.nodes]\ns = { type = \"sine\", frequency = 250 }\n\
         o = { type = \"multiply\", inputs = [\"s\", \"slow\"] }\n";
 
@@ -199,7 +199,10 @@ mod tests {
         let plan = scene(&patch, &Rig::default_for(2), &Options::default(), &NoAssets).unwrap().plan;
         let take = Take { events: &[], input: &[], seconds: 1.0 };
         let mut shares = Vec::new();
-        let mut all = |share| Ok::<(), End>(shares.push(share));
+        let mut all = |share| {
+            shares.push(share);
+            Ok::<(), End>(())
+        };
         let ideal = take.reference_watched(&plan, &mut all).unwrap();
         assert_eq!(ideal, take.reference(&plan));
         assert!(shares.is_sorted() && shares.len() > 100, "{} times", shares.len());
