@@ -55,7 +55,11 @@ fn nothing_that_the_patch_names_is_written_over() {
     scratch.run(&["render", "rec.toml", "-o", "x.wav"]).succeeds();
     // A log is no second name of the rendering.
     std::fs::hard_link(scratch.0.join("x.wav"), scratch.0.join("y.csv")).unwrap();
-    scratch.run(&["render", "rec.toml", "-o", "x.wav", "--log", "y.csv"]).fails(2, &["both the rendering"]);
+    std::os::unix::fs::symlink("./new.wav", scratch.0.join("z.csv")).unwrap();
+    for (output, log) in [("x.wav", "y.csv"), ("new.wav", "z.csv")] {
+        scratch.run(&["render", "rec.toml", "-o", output, "--log", log]).fails(2, &["both the rendering"]);
+    }
+    assert!(!scratch.0.join("new.wav").exists());
 }
 
 #[test]
@@ -369,4 +373,15 @@ fn a_comparison_that_takes_too_much_memory_is_refused() {
     scratch
         .run(&["error", "good.toml", "--duration", "10000"])
         .fails(2, &["8 channels", "2 GB", "--duration "]);
+}
+
+#[test]
+fn a_picture_that_is_stopped_says_how_far_it_goes() {
+    let scratch = Scratch::new("picture");
+    let mut command = scratch.command(&["plot", "good.toml", "-o", "x.svg", "--duration", "1e6"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let begin = Instant::now();
+    interrupt(&mut child, || begin.elapsed() > Duration::from_secs(2));
+    program::Run::of(end_of(child)).fails(130, &["stopped; the picture shows the first "]);
+    assert!(std::fs::read_to_string(scratch.0.join("x.svg")).unwrap().contains("</svg>"));
 }

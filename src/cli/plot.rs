@@ -11,6 +11,7 @@ use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::out;
 use pacinian::report::plot::{Collector, Style};
+use pacinian::text::Problem;
 use std::path::PathBuf;
 
 /// Draws what every tactor does over time, and the spectrum, as SVG
@@ -69,7 +70,11 @@ impl Plot {
             terminal.print(&format!("{shown}: {rows}, {:.3} s\n", collector.seconds()))?;
         }
         match (performed.stopped, player.trouble()) {
-            (Some(code), _) => Err(Failure::told(code)),
+            (Some(code), _) => {
+                let what = format!("stopped; the picture shows the first {:.3} s", collector.seconds());
+                terminal.note(&problems::sentence(&Problem::warning(&(0..0), what), terminal));
+                Err(Failure::told(code))
+            }
             (None, Some(trouble)) => Err(loaded.refuse(vec![trouble.clone()], &Codes::new())),
             (None, None) => Ok(()),
         }

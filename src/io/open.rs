@@ -7,6 +7,7 @@ use std::path::Path;
 
 /// What stands where a file is expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(not(unix), allow(dead_code))] // Where the system has no words for them, they are other.
 pub(super) enum Kind {
     Pipe,
     Socket,
