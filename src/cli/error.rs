@@ -2,8 +2,9 @@
 
 use super::check::json;
 use super::failure::Failure;
-use super::load::{Codes, Loaded, Number, Scene};
+use super::load::{Loaded, Number, Scene};
 use super::memory::Memory;
+use super::named::Codes;
 use super::perform::{Until, perform};
 use super::place::check_picture;
 use super::plan::precision;

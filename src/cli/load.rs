@@ -1,19 +1,20 @@
 //! A patch and a rig from the command line, with everything that is wrong with them.
 
+use super::by_default;
 use super::failure::Failure;
+use super::named::{Codes, Watched, named};
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::io::{assets::Folder, error::FileErrorKind, events, input::Input, text};
-use pacinian::node::asset::{Asset, Assets};
-use pacinian::patch::{self, Action, Events, Patch, Place, Value};
+use pacinian::patch::{self, Events, Patch};
 use pacinian::player::Player;
-use pacinian::rig::{MAX_CHANNELS, RATES, Rig, usual_ratio};
+use pacinian::rig::{RATES, Rig, usual_ratio};
 use pacinian::score::EventStream;
-use pacinian::text::{Checked, Problem, Problems, Severity, Span, nearest, reader::Sink};
-use std::collections::{HashMap, HashSet};
+use pacinian::text::{Checked, Problem, Problems, Severity, nearest, reader::Sink};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// What is played on what, and how.
 #[derive(Debug, Clone, Args)]
@@ -157,7 +158,7 @@ impl Scene {
         duration: Option<f64>,
     ) -> Result<Loaded, Failure> {
         let by_default = given.is_none();
-        let rig = given.unwrap_or_else(|| Rig::default_for(channels(&patch)));
+        let rig = given.unwrap_or_else(|| by_default::rig(&patch));
         self.check_words(&patch)?;
         let rate = self.rate.map(f64::from).or(rig.device.rate).unwrap_or(48_000.0);
         if rate.fract() != 0.0 {
@@ -181,7 +182,7 @@ impl Scene {
             pattern: self.pattern.clone(),
             ..Options::default()
         };
-        let watched = Watched { folder: &folder, seen: Mutex::default() };
+        let watched = Watched::new(&folder);
         let mut problems = rig.check_places(&patch);
         let live = Options { live: true, ..options.clone() };
         let mut listened = Vec::new();
@@ -194,7 +195,7 @@ impl Scene {
         let heard = self.input.as_ref().map(heard).transpose();
 
         let mut surveyed = Vec::new();
-        let mut seen = watched.seen.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let mut seen = watched.finish();
         for pattern in &patch.patterns {
             let Events::File(path, span) = &pattern.events else { continue };
             if surveyed.iter().any(|(p, _)| p == path) {
@@ -214,10 +215,9 @@ impl Scene {
             }
         }
         if by_default {
-            problems.iter_mut().for_each(advise_a_rig);
+            problems.iter_mut().for_each(by_default::advise_a_rig);
         }
-        let code = |(path, span): (&str, &Span)| Some(((span.start, span.end), *seen.failures.get(path)?));
-        let codes: Codes = named(&patch).filter_map(code).collect();
+        let codes = seen.codes(&patch);
         let mut files = seen.paths;
         files.extend(named(&patch).filter_map(|(path, _)| folder.resolve(path).ok()));
         let mut loaded = Loaded {
@@ -315,7 +315,8 @@ impl Loaded {
         let first = all.next().unwrap_or(65);
         let code = if all.any(|code| code == 65) { 65 } else { first };
         let further = problems.list.len().saturating_sub(Sink::MOST);
-        if further > 0 {
+        // One may be a count of others.
+        if further > 1 {
             problems.list.truncate(Sink::MOST);
             let end = problems.source.len();
             problems.list.push(Problem::error(&(end..end), format!("and {further} more problems")));
@@ -339,9 +340,6 @@ impl Loaded {
         names
     }
 }
-
-/// Exit codes of files that cannot be read, by where the patch names them.
-pub type Codes = HashMap<(usize, usize), u8>;
 
 /// A file as it was read.
 struct Text {
@@ -368,45 +366,6 @@ fn sound<T>(
     }
 }
 
-/// Recordings of a folder, and what became of them.
-struct Watched<'a> {
-    folder: &'a Folder,
-    seen: Mutex<Seen>,
-}
-
-#[derive(Debug, Default)]
-struct Seen {
-    paths: Vec<PathBuf>,
-    /// Exit codes by the path that the patch names.
-    failures: HashMap<String, u8>,
-}
-
-impl Assets for Watched<'_> {
-    fn load(&self, path: &str, channel: usize) -> Result<Arc<Asset>, String> {
-        let result = self.folder.recording(path, channel);
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        match &result {
-            Ok(_) => seen.paths.extend(self.folder.resolve(path)),
-            Err(error) => drop(seen.failures.insert(path.into(), error.exit_code())),
-        }
-        result.map_err(|error| error.message)
-    }
-}
-
-/// Every file that a patch names, be it ever played or not, and where it names it.
-fn named(patch: &Patch) -> impl Iterator<Item = (&str, &Span)> {
-    let nodes = patch.voices.iter().flat_map(|voice| &voice.nodes).chain(&patch.shared);
-    let recordings = nodes.flat_map(|node| &node.arguments).filter_map(|argument| match &argument.value {
-        Value::File(path) => Some((path.as_str(), &argument.span)),
-        _ => None,
-    });
-    let events = patch.patterns.iter().filter_map(|pattern| match &pattern.events {
-        Events::File(path, span) => Some((path.as_str(), span)),
-        Events::Inline(_) => None,
-    });
-    recordings.chain(events)
-}
-
 /// A document; `code` is that of one whose content is wrong.
 fn read(path: &Path, code: u8, failure: &mut Failure) -> Text {
     let name = path.display().to_string();
@@ -418,57 +377,5 @@ fn read(path: &Path, code: u8, failure: &mut Failure) -> Text {
             failure.join(if malformed { told.with_code(code) } else { told });
             Text { name, bytes: None }
         }
-    }
-}
-
-/// As many as the patch names, by number or as `t12`, and 8 at least.
-fn channels(patch: &Patch) -> u32 {
-    let of_place = |place: &Place| match place {
-        Place::Channel(channel) => *channel,
-        Place::Name(name) => name.strip_prefix('t').and_then(|n| n.parse().ok()).unwrap_or(0),
-        Place::Position(_) => 0,
-    };
-    let of_action = |action: &Action| match action {
-        Action::Voice(play) => play.place.as_ref().map_or(0, of_place),
-        Action::Pattern { .. } | Action::Marker(_) | Action::Choose(_) => 0,
-    };
-    let voices = patch.voices.iter().filter_map(|v| v.place.as_ref()).map(of_place);
-    let triggers = patch.triggers.iter().filter_map(|t| t.place.as_ref()).map(of_place);
-    let events = patch.patterns.iter().flat_map(|p| match &p.events {
-        Events::Inline(events) => events.as_slice(),
-        Events::File(..) => &[],
-    });
-    let events = events.map(|event| match &event.action {
-        Action::Choose(list) => list.iter().map(|a| of_action(&a.action)).max().unwrap_or(0),
-        action => of_action(action),
-    });
-    let most = voices.chain(triggers).chain(events).filter(|n| *n <= MAX_CHANNELS).max().unwrap_or(0);
-    most.max(8)
-}
-
-/// A place that the rig lacks is no wonder where nobody named a rig.
-fn advise_a_rig(problem: &mut Problem) {
-    if problem.what.contains("the rig has no tactor `") {
-        problem.help =
-            Some("name the rig that has it with --rig; without, there are `t1`, `t2`, ... in a line".into());
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::channels;
-    use pacinian::patch::{Patch, Place, Voice};
-
-    #[test]
-    fn the_default_rig_is_as_large_as_the_patch_needs() {
-        let with = |place| Patch {
-            voices: vec![Voice { place: Some(place), ..Voice::new("v", "o") }],
-            ..Patch::default()
-        };
-        assert_eq!(channels(&with(Place::Channel(3))), 8);
-        assert_eq!(channels(&with(Place::Channel(17))), 17);
-        assert_eq!(channels(&with(Place::Name("t12".into()))), 12);
-        assert_eq!(channels(&with(Place::Name("t99999".into()))), 8);
-        assert_eq!(channels(&with(Place::Name("top".into()))), 8);
     }
 }

@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, each a thin use of the library.
 
+mod by_default;
 mod check;
 mod demo;
 mod error;
@@ -9,6 +10,7 @@ mod guard;
 mod input;
 mod load;
 mod memory;
+mod named;
 mod nodes;
 mod paint;
 mod perform;

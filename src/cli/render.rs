@@ -3,7 +3,8 @@
 use super::check::json;
 use super::failure::Failure;
 use super::form;
-use super::load::{Codes, Loaded, Scene};
+use super::load::{Loaded, Scene};
+use super::named::Codes;
 use super::perform::{Until, perform};
 use super::place::{check_log, check_wav};
 use super::problems;

@@ -58,7 +58,7 @@ impl Rig {
 
     /// Every place of a patch that the rig lacks, up to [`Sink::MOST`]; those of events files are left to their reader.
     pub fn check_places(&self, patch: &Patch) -> Vec<Problem> {
-        let (mut problems, mut further) = (Vec::new(), 0_usize);
+        let (mut problems, mut further, mut last) = (Vec::new(), 0_usize, 0..0);
         let mut check = |place: Option<&Place>, span: &Span| {
             let Some(place) = place else { return };
             if problems.len() < Sink::MOST {
@@ -66,7 +66,9 @@ impl Rig {
             } else {
                 // Without advice, which takes a look at every name there is.
                 let found = self.find(Some(place)).and_then(|i| self.outputs.get(i));
-                further += usize::from(!found.is_some_and(sounds));
+                if !found.is_some_and(sounds) {
+                    (further, last) = (further + 1, span.clone());
+                }
             }
         };
         for voice in &patch.voices {
@@ -92,7 +94,10 @@ impl Rig {
             check(trigger.place.as_ref(), &trigger.span);
         }
         if further > 0 {
-            problems.push(Problem::of_file(format!("and {further} more places that the rig lacks")));
+            problems.push(Problem::error(
+                &last,
+                format!("and {further} more places that the rig lacks, up to here"),
+            ));
         }
         problems
     }
