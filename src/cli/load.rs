@@ -190,7 +190,8 @@ impl Scene {
             Ok(scene) => listened = scene.plan.inputs(),
             Err(more) => problems.extend(more.list),
         }
-        let needed = duration.or(patch.render.duration);
+        // A comparison with the reference goes on for a moment.
+        let needed = duration.or(patch.render.duration).map(|seconds| seconds + 1.0);
         let heard = |path: &PathBuf| Input::open_for(path, rate, &listened, needed);
         let heard = self.input.as_ref().map(heard).transpose();
 

@@ -104,7 +104,9 @@ impl Converter {
     /// When there is none.
     pub fn reserve(&mut self, samples: u64) -> Result<(), String> {
         let length = self.length(samples);
-        let room = usize::try_from(length).ok().and_then(|n| self.out.try_reserve_exact(n).ok());
+        // The last block goes past the end.
+        let whole = length.saturating_add(self.result.len() as u64);
+        let room = usize::try_from(whole).ok().and_then(|n| self.out.try_reserve_exact(n).ok());
         room.ok_or_else(|| {
             format!("there is no memory for its {length} samples at {} Hz: cut it shorter", self.to)
         })
@@ -185,7 +187,7 @@ fn ratio(x: f64) -> (u64, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{ratio, resample};
+    use super::{Converter, ratio, resample};
     use std::f64::consts::TAU;
 
     /// Faded in and out over an eighth of its length, as an abrupt end has a spectrum of its own.
@@ -289,6 +291,22 @@ mod tests {
         assert_eq!(resample(&[], 48_000.0, 16_000.0).unwrap(), Vec::<f32>::new());
         assert_eq!(resample(&[1.0], 8_000.0, 16_000.0).unwrap().len(), 2);
         assert_eq!(resample(&[1.0; 4], 48_000.0, 16_000.0).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn the_room_that_was_made_is_enough() {
+        for (from, to, samples) in
+            [(1_000.0, 16_000.0, 5_000), (44_100.0, 16_000.0, 100_001), (8_000.0, 8_000.0, 99)]
+        {
+            let mut converter = Converter::new(from, to).unwrap();
+            converter.reserve(samples).unwrap();
+            let room = converter.out.capacity();
+            (0..samples).for_each(|n| converter.push(n as f32).unwrap());
+            let all = converter.finish().unwrap();
+            assert_eq!(all.capacity(), room, "{from} to {to}: it had to move");
+            assert!(room - all.len() < 20_000, "{room} for {}", all.len());
+        }
+        assert!(Converter::new(1_000.0, 16_000.0).unwrap().reserve(1 << 60).is_err());
     }
 
     #[test]
