@@ -1,6 +1,7 @@
 //! `pacinian check`.
 
 use super::failure::Failure;
+use super::form;
 use super::load::Scene;
 use super::plan::PlanReport;
 use super::problems::{self, Listed};
@@ -31,7 +32,11 @@ struct Answer {
 impl Check {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let result = self.scene.load(true).and_then(|loaded| loaded.player().map(|player| (loaded, player)));
+        let result = self.scene.load(true, None).and_then(|mut loaded| {
+            let player = loaded.player()?;
+            form::foresee(player.plan(), &mut loaded)?;
+            Ok((loaded, player))
+        });
         let (loaded, player) = match result {
             Ok(both) => both,
             Err(failure) if self.json => {

@@ -1,19 +1,24 @@
 //! `pacinian demo`.
 
 use super::check::json;
-use super::error::{decibels, refused, reservation};
+use super::error::{decibels, reservation};
 use super::failure::Failure;
 use super::load::Scene;
+use super::place::check_picture;
 use super::plot::{collector, style};
+use super::problems;
 use super::progress::Progress;
 use super::render::Wav;
+use super::stop::Stop;
 use super::summary::Summary;
 use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::error::FileError;
 use pacinian::io::out;
 use pacinian::io::wav::Encoding;
-use pacinian::report::measure;
+use pacinian::player::Player;
+use pacinian::report::{Comparison, Take};
+use pacinian::text::Problem;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -55,38 +60,75 @@ impl Demo {
         }
         let (wav_path, svg_path) =
             (self.output.join("pacinian-demo.wav"), self.output.join("pacinian-demo.svg"));
+        check_picture(&svg_path, &loaded)?;
         let mut picture = collector(&loaded, None);
         let wav = Wav { output: &wav_path, format: Encoding::F32, duration: None, record: true, log: None };
         let rendered = wav.write(&loaded, terminal, |block| picture.push(block))?;
         out::write(&svg_path, picture.svg(&style(&loaded)).as_bytes())?;
+        let paint = terminal.out;
+        let drawn = svg_path.display().to_string();
+        if !self.json {
+            let drawn = paint.bold(&drawn);
+            let head = format!("\n{drawn}\n  what every tactor did, and the spectrum\n");
+            terminal.print(&(rendered.summary.text(paint) + &head))?;
+        }
         rendered.ending?;
         let player = rendered.player;
-        let progress = Progress::new(terminal, None);
-        progress.says("measuring the error against the reference", 0.0);
-        let error = measure(player.plan(), player.recorded(), picture.seconds()).map_err(refused)?.comparison;
-        drop(progress);
+        // The summary does not wait for what takes longest.
+        let measured = self.measure(&player, picture.seconds(), &rendered.stop, terminal);
+        let (error, ending) = match measured {
+            Ok(error) => (Some(error), Ok(())),
+            Err(failure) => (None, Err(failure)),
+        };
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         let answer = Answer {
             summary: rendered.summary,
-            picture: svg_path.display().to_string(),
-            error_db: finite(error.error_db),
-            above_db: finite(error.above_db),
+            picture: drawn,
+            error_db: error.and_then(|error| finite(error.error_db)),
+            above_db: error.and_then(|error| finite(error.above_db)),
         };
         if self.json {
-            return terminal.print(&json(&answer));
+            terminal.print(&json(&answer))?;
+            return ending;
         }
-        let paint = terminal.out;
-        let mut text = answer.summary.text(paint);
-        text += &format!("\n{}\n", paint.bold("error"));
+        ending?;
+        let mut text = format!("\n{}\n", paint.bold("error"));
         text +=
             &format!("  {} of the vibration, 0 to 1 kHz, against the reference\n", decibels(answer.error_db));
         text += &format!("  {} of it lies above 1 kHz\n", decibels(answer.above_db));
         if let Some(reservation) = reservation(&player) {
             text += &format!("  {}\n", paint.yellow(&reservation));
         }
-        text += &format!("\n{}\n  what every tactor did, and the spectrum\n", paint.bold(&answer.picture));
         text += "\nNow open the picture in a browser. `pacinian nodes` shows what patches are made of; in the project's folder,\n\
             `pacinian check patches/demo.toml --rig rigs/demo-16.toml` shows what this one runs.\n";
         terminal.print(&text)
+    }
+
+    /// The error of what was played, as long as nobody asks to stop.
+    fn measure(
+        &self,
+        player: &Player,
+        seconds: f64,
+        stop: &Stop,
+        terminal: &Terminal,
+    ) -> Result<Comparison, Failure> {
+        let take = Take { events: player.recorded(), input: &[], seconds };
+        let progress = Progress::new(terminal, Some(seconds));
+        let asked = |what: &str, share: f64| {
+            progress.says(what, share * seconds);
+            stop.asked().map_or(Ok(()), |code| Err(Failure::told(code)))
+        };
+        let mut watch =
+            |share: f64| asked(&format!("reference {:.0} of {seconds:.0} s", share * seconds), 0.95 * share);
+        let measured = take.reference_watched(player.plan(), &mut watch).and_then(|ideal| {
+            let mut watch = |share: f64| asked("comparing with the reference", 0.95 + 0.05 * share);
+            take.measure_watched(player.plan(), &ideal, &mut watch)
+        });
+        progress.ends();
+        if stop.asked().is_some() {
+            let what = "stopped; the WAV file and the picture are complete, the error was not measured";
+            terminal.note(&problems::sentence(&Problem::warning(&(0..0), what), terminal));
+        }
+        Ok(measured?.comparison)
     }
 }

@@ -3,9 +3,11 @@
 use super::check::json;
 use super::failure::Failure;
 use super::load::{Loaded, Number, Scene};
+use super::memory::Memory;
+use super::named::Codes;
 use super::perform::{Until, perform};
+use super::place::check_picture;
 use super::plan::precision;
-use super::plot::check_picture;
 use super::problems;
 use super::progress::Progress;
 use super::render::seconds;
@@ -20,6 +22,7 @@ use pacinian::player::Player;
 use pacinian::report::plot::{Axis, Chart, Point, Series};
 use pacinian::report::{Measured, Reference, Take};
 use pacinian::rig::OutputKind;
+use pacinian::text::Problem;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -74,13 +77,10 @@ struct Answer {
     settings: Vec<Row>,
 }
 
-/// The most that is kept in memory for a comparison, bytes.
-const MOST: f64 = 2e9;
-
 impl Error {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let mut loaded = self.scene.load(false)?;
+        let mut loaded = self.scene.load(false, self.duration)?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
@@ -91,18 +91,20 @@ impl Error {
         let until = Until::of(&loaded, &player, self.duration)?;
         player.record();
         let stop = Stop::listen()?;
-        let (channels, rate) = (player.plan().channels as f64, player.plan().device_rate);
-        let mut room = MOST / (channels * 8.0);
-        let performed = perform(&mut player, loaded.input.as_deref(), until, &stop, terminal, |block| {
-            room -= block.len() as f64 / channels;
-            if room > 0.0 { Ok(()) } else { Err(too_long(rate, channels)) }
+        let memory = Memory::new(player.plan(), loaded.input.is_some(), self.settings().len());
+        // Where the length is known, nothing is rendered first that would not fit.
+        memory.check(until.expected(&player).unwrap_or(0.0), 0)?;
+        let (mut frames, rate) = (0, player.plan().device_rate);
+        let performed = perform(&mut player, &loaded, until, &stop, terminal, |player, block| {
+            frames += block.len() / player.plan().channels.max(1);
+            memory.check(frames as f64 / rate, player.recorded().len())
         })
         .map_err(|(failure, _)| failure)?;
         if let Some(code) = performed.stopped {
-            return Err(Failure::told(code));
+            return Err(Self::stopped(terminal, code, 0, self.settings().len()));
         }
         if let Some(trouble) = player.trouble() {
-            return Err(loaded.refuse(vec![trouble.clone()], &[]));
+            return Err(loaded.refuse(vec![trouble.clone()], &Codes::new()));
         }
         let seconds = performed.frames as f64 / rate;
         let settings = self.settings();
@@ -116,7 +118,11 @@ impl Error {
         let mut ideals: Vec<(u8, Reference)> = Vec::new();
         let mut rows = Vec::new();
         for (i, (number, taps)) in settings.iter().enumerate() {
-            progress.says(&format!("{} with {taps} taps", precision(*number)), i as f64);
+            let name = format!("{} with {taps} taps", precision(*number));
+            let asked = || match stop.asked() {
+                Some(code) => Err(Self::stopped(terminal, code, rows.len(), settings.len())),
+                None => Ok(()),
+            };
             loaded.options.precision = *number;
             loaded.options.taps = usize::from(*taps);
             let other = loaded.player()?;
@@ -125,14 +131,22 @@ impl Error {
             let ideal = match ideals.iter().position(|(of, _)| input.is_none() || of == taps) {
                 Some(known) => known,
                 None => {
-                    ideals.push((*taps, take.reference(plan)));
+                    let mut watch = |share: f64| {
+                        let known = format!("{name}: reference {:.0} of {seconds:.0} s", share * seconds);
+                        // It takes the longest by far.
+                        progress.says(&known, i as f64 + 0.9 * share);
+                        asked()
+                    };
+                    ideals.push((*taps, take.reference_watched(plan, &mut watch)?));
                     ideals.len() - 1
                 }
             };
-            rows.push(Row::new(plan, &take.measure(plan, &ideals[ideal].1).map_err(refused)?));
-            if let Some(code) = stop.asked() {
-                return Err(Failure::told(code));
-            }
+            let mut watch = |share: f64| {
+                progress.says(&name, i as f64 + 0.9 + 0.1 * share);
+                asked()
+            };
+            let measured = take.measure_watched(plan, &ideals[ideal].1, &mut watch)?;
+            rows.push(Row::new(plan, &measured));
         }
         drop(progress);
         let answer = Answer {
@@ -151,6 +165,13 @@ impl Error {
         })
     }
 
+    /// Says what of it is done, which is not shown.
+    fn stopped(terminal: &Terminal, code: u8, done: usize, all: usize) -> Failure {
+        let what = format!("stopped; {done} of {all} settings were measured, so there is no table");
+        terminal.note(&problems::sentence(&Problem::warning(&(0..0), what), terminal));
+        Failure::told(code)
+    }
+
     fn settings(&self) -> Vec<(Precision, u8)> {
         let own = match self.scene.precision {
             Number::F32 => Precision::Single,
@@ -165,8 +186,10 @@ impl Error {
 }
 
 /// A plan that no engine can be built for.
-pub fn refused(refusal: Refusal) -> Failure {
-    Failure::said(2, refusal.to_string())
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        Self::said(2, refusal.to_string())
+    }
 }
 
 /// What keeps the error from saying much, if something does.
@@ -177,12 +200,6 @@ pub fn reservation(player: &Player) -> Option<String> {
         (0, _) => Some("the limiter acted, which the reference does not model".into()),
         _ => Some("voices were stolen, which the reference does not model".into()),
     }
-}
-
-fn too_long(rate: f64, channels: f64) -> Failure {
-    let seconds = (MOST / (channels * 8.0) / rate).floor();
-    let what = format!("more than {seconds} s of so many channels do not fit into memory for a comparison");
-    Failure::usage(what, "measure a part of it with --duration")
 }
 
 impl Row {

@@ -1,17 +1,20 @@
 //! A patch and a rig from the command line, with everything that is wrong with them.
 
+use super::by_default;
 use super::failure::Failure;
+use super::named::{Codes, Watched, named};
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::io::{assets::Folder, events, input::Input, text};
-use pacinian::node::asset::{Asset, Assets};
-use pacinian::patch::{self, Action, Events, Patch, Place};
+use pacinian::io::{assets::Folder, error::FileErrorKind, events, input::Input, text};
+use pacinian::patch::{self, Events, Patch};
 use pacinian::player::Player;
-use pacinian::rig::{MAX_CHANNELS, RATES, Rig, usual_ratio};
-use pacinian::text::{Checked, Problem, Problems, Severity, nearest};
+use pacinian::rig::{RATES, Rig, usual_ratio};
+use pacinian::score::EventStream;
+use pacinian::text::{Checked, Problem, Problems, Severity, nearest, reader::Sink};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// What is played on what, and how.
 #[derive(Debug, Clone, Args)]
@@ -80,15 +83,15 @@ pub struct Loaded {
 }
 
 impl Scene {
-    /// Reads and checks everything. With `all`, also what never sounds.
+    /// Reads and checks everything. With `all`, also what never sounds; of an input, no more than `duration` (s) needs.
     ///
     /// # Errors
     /// All problems of patch, rig, recordings and events files at once.
-    pub fn load(&self, all: bool) -> Result<Loaded, Failure> {
+    pub fn load(&self, all: bool, duration: Option<f64>) -> Result<Loaded, Failure> {
         let mut failure = Failure::default();
-        let patch = read(&self.patch, &mut failure);
-        let rig = self.rig.as_ref().map(|path| read(path, &mut failure));
-        self.understand(patch, rig, failure, all)
+        let patch = read(&self.patch, 65, &mut failure);
+        let rig = self.rig.as_ref().map(|path| read(path, 78, &mut failure));
+        self.understand(patch, rig, failure, all, duration)
     }
 
     /// A scene from texts and recordings that are at hand; nothing else is read from the disk but what they name.
@@ -113,7 +116,7 @@ impl Scene {
             held,
         };
         let text = |(name, text): (&str, &str)| Text { name: name.into(), bytes: Some(text.into()) };
-        scene.understand(text(patch), Some(text(rig)), Failure::default(), false)
+        scene.understand(text(patch), Some(text(rig)), Failure::default(), false, None)
     }
 
     fn understand(
@@ -122,6 +125,7 @@ impl Scene {
         rig: Option<Text>,
         mut failure: Failure,
         all: bool,
+        duration: Option<f64>,
     ) -> Result<Loaded, Failure> {
         let mut warnings = Vec::new();
         let Text { name, bytes } = patch;
@@ -140,7 +144,7 @@ impl Scene {
         warnings.retain(|w: &Problems| !w.list.is_empty());
         let source = String::from_utf8(bytes.unwrap_or_default()).unwrap_or_default();
         let source = Problems { file: name, source, list: Vec::new() };
-        self.join(patch, rig, source, warnings, all)
+        self.join(patch, rig, source, warnings, all, duration)
     }
 
     /// What is wrong with patch and rig together.
@@ -151,9 +155,10 @@ impl Scene {
         source: Problems,
         warnings: Vec<Problems>,
         all: bool,
+        duration: Option<f64>,
     ) -> Result<Loaded, Failure> {
         let by_default = given.is_none();
-        let rig = given.unwrap_or_else(|| Rig::default_for(channels(&patch)));
+        let rig = given.unwrap_or_else(|| by_default::rig(&patch));
         self.check_words(&patch)?;
         let rate = self.rate.map(f64::from).or(rig.device.rate).unwrap_or(48_000.0);
         if rate.fract() != 0.0 {
@@ -177,7 +182,7 @@ impl Scene {
             pattern: self.pattern.clone(),
             ..Options::default()
         };
-        let watched = Watched { folder: &folder, seen: Mutex::default() };
+        let watched = Watched::new(&folder);
         let mut problems = rig.check_places(&patch);
         let live = Options { live: true, ..options.clone() };
         let mut listened = Vec::new();
@@ -185,10 +190,13 @@ impl Scene {
             Ok(scene) => listened = scene.plan.inputs(),
             Err(more) => problems.extend(more.list),
         }
-        let heard = self.input.as_ref().map(|path| Input::open(path, rate, &listened)).transpose();
+        // A comparison with the reference goes on for a moment.
+        let needed = duration.or(patch.render.duration).map(|seconds| seconds + 1.0);
+        let heard = |path: &PathBuf| Input::open_for(path, rate, &listened, needed);
+        let heard = self.input.as_ref().map(heard).transpose();
 
         let mut surveyed = Vec::new();
-        let mut seen = watched.seen.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let mut seen = watched.finish();
         for pattern in &patch.patterns {
             let Events::File(path, span) = &pattern.events else { continue };
             if surveyed.iter().any(|(p, _)| p == path) {
@@ -203,20 +211,23 @@ impl Scene {
                 }
                 Err(error) => {
                     problems.push(Problem::error(span, error.message.as_str()));
-                    seen.failures.push((error.message.clone(), error.exit_code()));
+                    seen.failures.insert(path.clone(), error.exit_code());
                 }
             }
         }
         if by_default {
-            problems.iter_mut().for_each(advise_a_rig);
+            problems.iter_mut().for_each(by_default::advise_a_rig);
         }
+        let codes = seen.codes(&patch);
+        let mut files = seen.paths;
+        files.extend(named(&patch).filter_map(|(path, _)| folder.resolve(path).ok()));
         let mut loaded = Loaded {
             patch: Arc::new(patch),
             rig,
             options,
             warnings,
             surveyed,
-            files: seen.paths,
+            files,
             input: None,
             input_name: self.input.as_ref().map(|path| path.display().to_string()),
             source,
@@ -226,7 +237,7 @@ impl Scene {
         loaded.files.extend(read.into_iter().flatten());
         let mut failure = Failure::default();
         if problems.iter().any(Problem::is_error) {
-            failure.join(loaded.refuse(problems, &seen.failures));
+            failure.join(loaded.refuse(problems, &codes));
         }
         match heard {
             Ok(heard) if failure.is_none() => loaded.hear(heard, &listened),
@@ -273,6 +284,14 @@ impl Loaded {
         self.input = Some(Arc::new(input));
     }
 
+    /// The events of a file that the patch names.
+    ///
+    /// # Errors
+    /// As [`events::open`].
+    pub fn events(&self, path: &str) -> Result<EventStream<'static>, Problem> {
+        events::open(&self.folder, path)
+    }
+
     /// A player at its beginning.
     ///
     /// # Errors
@@ -281,24 +300,28 @@ impl Loaded {
         let folder = Arc::clone(&self.folder);
         let files = Box::new(move |path: &str| events::open(&folder, path));
         Player::with_files(&self.patch, &self.rig, &self.options, &*self.folder, files)
-            .map_err(|problems| self.refuse(problems.list, &[]))
+            .map_err(|problems| self.refuse(problems.list, &Codes::new()))
     }
 
-    /// Problems of the patch, with its source.
-    pub fn refuse(&self, list: Vec<Problem>, files: &[(String, u8)]) -> Failure {
+    /// Problems of the patch, with its source. Those that are a file's have the exit code of that.
+    pub fn refuse(&self, list: Vec<Problem>, codes: &Codes) -> Failure {
         let mut problems = self.source.clone();
-        for problem in list {
-            let is_known = |p: &Problem| (&p.span, &p.what) == (&problem.span, &problem.what);
-            if !problems.list.iter().any(is_known) {
-                problems.list.push(problem);
-            }
-        }
+        let mut known = HashSet::new();
+        let place = |p: &Problem| p.span.as_ref().map(|s| (s.start, s.end));
+        problems.list = list.into_iter().filter(|p| known.insert((place(p), p.what.clone()))).collect();
         problems.list.sort_by_key(|p| p.span.as_ref().map_or(0, |s| s.start + 1));
         // A file that is not there is that, as long as nothing is wrong with the patch itself.
-        let code =
-            |p: &Problem| files.iter().find(|(m, _)| p.what.contains(m.as_str())).map_or(65, |(_, c)| *c);
-        let codes: Vec<u8> = problems.list.iter().filter(|p| p.is_error()).map(code).collect();
-        let code = if codes.contains(&65) { 65 } else { codes.first().copied().unwrap_or(65) };
+        let code = |p: &Problem| place(p).and_then(|place| codes.get(&place)).copied().unwrap_or(65);
+        let mut all = problems.list.iter().filter(|p| p.is_error()).map(code);
+        let first = all.next().unwrap_or(65);
+        let code = if all.any(|code| code == 65) { 65 } else { first };
+        let further = problems.list.len().saturating_sub(Sink::MOST);
+        // One may be a count of others.
+        if further > 1 {
+            problems.list.truncate(Sink::MOST);
+            let end = problems.source.len();
+            problems.list.push(Problem::error(&(end..end), format!("and {further} more problems")));
+        }
         Failure::of(code, problems)
     }
 
@@ -344,89 +367,16 @@ fn sound<T>(
     }
 }
 
-/// Recordings of a folder, and what became of them.
-struct Watched<'a> {
-    folder: &'a Folder,
-    seen: Mutex<Seen>,
-}
-
-#[derive(Debug, Default)]
-struct Seen {
-    paths: Vec<PathBuf>,
-    failures: Vec<(String, u8)>,
-}
-
-impl Assets for Watched<'_> {
-    fn load(&self, path: &str, channel: usize) -> Result<Arc<Asset>, String> {
-        let result = self.folder.recording(path, channel);
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        match &result {
-            Ok(_) => seen.paths.extend(self.folder.resolve(path)),
-            Err(error) => seen.failures.push((error.message.clone(), error.exit_code())),
-        }
-        result.map_err(|error| error.message)
-    }
-}
-
-fn read(path: &Path, failure: &mut Failure) -> Text {
+/// A document; `code` is that of one whose content is wrong.
+fn read(path: &Path, code: u8, failure: &mut Failure) -> Text {
     let name = path.display().to_string();
     match text::read(path) {
         Ok(bytes) => Text { name, bytes: Some(bytes) },
         Err(error) => {
-            failure.join(error.into());
+            let malformed = error.kind == FileErrorKind::Malformed;
+            let told = Failure::from(error);
+            failure.join(if malformed { told.with_code(code) } else { told });
             Text { name, bytes: None }
         }
-    }
-}
-
-/// As many as the patch names, by number or as `t12`, and 8 at least.
-fn channels(patch: &Patch) -> u32 {
-    let of_place = |place: &Place| match place {
-        Place::Channel(channel) => *channel,
-        Place::Name(name) => name.strip_prefix('t').and_then(|n| n.parse().ok()).unwrap_or(0),
-        Place::Position(_) => 0,
-    };
-    let of_action = |action: &Action| match action {
-        Action::Voice(play) => play.place.as_ref().map_or(0, of_place),
-        Action::Pattern { .. } | Action::Marker(_) | Action::Choose(_) => 0,
-    };
-    let voices = patch.voices.iter().filter_map(|v| v.place.as_ref()).map(of_place);
-    let triggers = patch.triggers.iter().filter_map(|t| t.place.as_ref()).map(of_place);
-    let events = patch.patterns.iter().flat_map(|p| match &p.events {
-        Events::Inline(events) => events.as_slice(),
-        Events::File(..) => &[],
-    });
-    let events = events.map(|event| match &event.action {
-        Action::Choose(list) => list.iter().map(|a| of_action(&a.action)).max().unwrap_or(0),
-        action => of_action(action),
-    });
-    let most = voices.chain(triggers).chain(events).filter(|n| *n <= MAX_CHANNELS).max().unwrap_or(0);
-    most.max(8)
-}
-
-/// A place that the rig lacks is no wonder where nobody named a rig.
-fn advise_a_rig(problem: &mut Problem) {
-    if problem.what.contains("the rig has no tactor `") {
-        problem.help =
-            Some("name the rig that has it with --rig; without, there are `t1`, `t2`, ... in a line".into());
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::channels;
-    use pacinian::patch::{Patch, Place, Voice};
-
-    #[test]
-    fn the_default_rig_is_as_large_as_the_patch_needs() {
-        let with = |place| Patch {
-            voices: vec![Voice { place: Some(place), ..Voice::new("v", "o") }],
-            ..Patch::default()
-        };
-        assert_eq!(channels(&with(Place::Channel(3))), 8);
-        assert_eq!(channels(&with(Place::Channel(17))), 17);
-        assert_eq!(channels(&with(Place::Name("t12".into()))), 12);
-        assert_eq!(channels(&with(Place::Name("t99999".into()))), 8);
-        assert_eq!(channels(&with(Place::Name("top".into()))), 8);
     }
 }

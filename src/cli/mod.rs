@@ -1,15 +1,20 @@
 //! The command line: one file a subcommand, each a thin use of the library.
 
+mod by_default;
 mod check;
 mod demo;
 mod error;
 mod failure;
+mod form;
 mod guard;
 mod input;
 mod load;
+mod memory;
+mod named;
 mod nodes;
 mod paint;
 mod perform;
+mod place;
 mod plan;
 mod plot;
 mod problems;

@@ -6,8 +6,8 @@ use super::plan::{is_endless, playing};
 use super::progress::Progress;
 use super::stop::Stop;
 use super::terminal::Terminal;
-use pacinian::io::input::Input;
 use pacinian::player::Player;
+use pacinian::score::{Score, What};
 use std::time::{Duration, Instant};
 
 /// How long to play.
@@ -45,8 +45,24 @@ impl Until {
     /// When it would never be over, or when nothing plays at all.
     pub fn of(loaded: &Loaded, player: &Player, asked: Option<f64>) -> Result<Self, Failure> {
         let patch = &loaded.patch;
+        let rate = player.plan().device_rate;
         if let Some(seconds) = asked.or(patch.render.duration) {
-            return Ok(Self::Seconds(seconds));
+            if (seconds * rate).round() >= 1.0 {
+                return Ok(Self::Seconds(seconds));
+            }
+            let what =
+                format!("{seconds} s are less than a frame at {rate} Hz, so there is nothing to render");
+            return Err(match asked {
+                Some(_) => Failure::usage(what, "say how many seconds: --duration 10"),
+                None => {
+                    let what = format!("{}: `duration` under [render]: {what}", loaded.name());
+                    Failure::usage(
+                        what,
+                        "write a longer one, or leave it out to render until everything is over",
+                    )
+                    .with_code(65)
+                }
+            });
         }
         let input = loaded.input.as_ref().map(|input| input.seconds() + patch.render.tail.unwrap_or(0.0));
         let playing = playing(loaded);
@@ -91,25 +107,49 @@ impl Until {
     }
 }
 
-/// Plays, hears `input`, and gives each block of interleaved frames to `sink`.
+/// Events that are unrolled beforehand to know how long they take, at most.
+const FORESEEN: usize = 100_000;
+
+/// As [`Until::expected`], and for patterns of draws and files as far as the same seed tells: seconds to the end of the last event.
+fn foreseen(until: Until, loaded: &Loaded, player: &Player) -> Option<f64> {
+    let (None, Until::Over(tail)) = (until.expected(player), until) else { return until.expected(player) };
+    let roots: Vec<(usize, f64)> = playing(loaded).into_iter().map(|pattern| (pattern, 0.0)).collect();
+    let open = |path: &str| loaded.events(path);
+    let score = Score::new(&loaded.patch, |_| Ok(0), &roots, player.plan().seed, open).ok()?;
+    let mut last = 0.0;
+    for (n, event) in score.enumerate() {
+        // Where a line is bad, playing ends too.
+        let Ok(event) = event else { break };
+        if n >= FORESEEN {
+            return None;
+        }
+        let duration = if let What::Play(note) = event.what { note.duration } else { 0.0 };
+        last = f64::max(last, event.at + duration);
+    }
+    Some(last + tail)
+}
+
+/// Plays, hears the input, and gives each block of interleaved frames to `sink`, with the player behind it.
 ///
 /// # Errors
 /// What `sink` says.
 pub fn perform<E>(
     player: &mut Player,
-    input: Option<&Input>,
+    loaded: &Loaded,
     until: Until,
     stop: &Stop,
     terminal: &Terminal,
-    mut sink: impl FnMut(&[f32]) -> Result<(), E>,
+    mut sink: impl FnMut(&Player, &[f32]) -> Result<(), E>,
 ) -> Result<Performed, (E, u64)> {
     let (channels, rate) = (player.plan().channels, player.plan().device_rate);
+    let input = loaded.input.as_deref();
     let block = BLOCK.min(MOST / channels.max(1)).max(64);
     let mut buffer = vec![0.0; block * channels];
     let ears = player.engine().input_channels();
     let mut heard = vec![0.0; input.map_or(0, |_| block * ears)];
     let mut peaks = Peaks::new(channels);
-    let progress = Progress::new(terminal, until.expected(player));
+    let total = if terminal.lively { foreseen(until, loaded, player) } else { None };
+    let progress = Progress::new(terminal, total);
     let begin = Instant::now();
     let mut frames = 0_u64;
     let mut end = match until {
@@ -133,7 +173,7 @@ pub fn perform<E>(
         }
         player.process_input(heard, part);
         peaks.take(part);
-        sink(part).map_err(|error| (error, frames))?;
+        sink(player, part).map_err(|error| (error, frames))?;
         frames += left as u64;
         progress.at(frames as f64 / rate);
         if player.trouble().is_some() {
@@ -171,7 +211,38 @@ impl Peaks {
 
 #[cfg(test)]
 mod tests {
-    use super::Peaks;
+    use super::{Peaks, Until, foreseen, perform};
+    use crate::cli::load::Scene;
+    use crate::cli::paint::Paint;
+    use crate::cli::stop::Stop;
+    use crate::cli::terminal::Terminal;
+    use pacinian::player::Player;
+    use std::convert::Infallible;
+
+    #[test]
+    fn what_is_drawn_has_a_length_beforehand() {
+        let patch = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"o\"\n[voice.a.nodes]\n\
+            s = { type = \"sine\", frequency = 250 }\ne = { type = \"envelope\", release = 0.01 }\n\
+            o = { type = \"multiply\", inputs = [\"s\", \"e\"] }\n[pattern.p]\njitter = { at = 0.5 }\n\
+            events = [{ at = 1, choose = [{ voice = \"a\", duration = 0.5 }, { voice = \"a\", duration = 3 }] },\n\
+            { at = 2, voice = \"a\", duration = 0.1, repeat = { every = 0.7, times = 4 } }]\n[render]\ntail = 0.5\n";
+        let rig =
+            "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\n[[tactor]]\nname = \"t1\"\nchannel = 1\n";
+        for seed in 0..4 {
+            let text = format!("{patch}seed = {seed}\n");
+            let loaded = Scene::of_texts(("p", &text), ("r", rig), &[]).unwrap();
+            let mut player = loaded.player().unwrap();
+            let until = Until::of(&loaded, &player, None).unwrap();
+            assert_eq!(until.expected(&player), None, "it is drawn");
+            let foreseen = foreseen(until, &loaded, &player).unwrap();
+            let terminal = Terminal { out: Paint(false), err: Paint(false), lively: false, pictured: false };
+            let sink = |_: &Player, _: &[f32]| Ok::<(), Infallible>(());
+            let Ok(performed) = perform(&mut player, &loaded, until, &Stop::default(), &terminal, sink);
+            let seconds = performed.frames as f64 / 48_000.0;
+            // What rings, and the block in which it is noticed.
+            assert!((foreseen..foreseen + 0.2).contains(&seconds), "{foreseen} for {seconds}");
+        }
+    }
 
     #[test]
     fn peaks_are_those_of_their_channel() {

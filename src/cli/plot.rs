@@ -2,15 +2,18 @@
 
 use super::failure::Failure;
 use super::load::{Loaded, Scene};
+use super::named::Codes;
 use super::perform::{Until, perform};
+use super::place::check_picture;
 use super::problems;
-use super::render::{check_output, seconds};
+use super::render::seconds;
 use super::stop::Stop;
 use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::out;
 use pacinian::report::plot::{Collector, Style};
-use std::path::{Path, PathBuf};
+use pacinian::text::Problem;
+use std::path::PathBuf;
 
 /// Draws what every tactor does over time, and the spectrum, as SVG
 #[derive(Debug, Args)]
@@ -38,7 +41,7 @@ pub struct Plot {
 impl Plot {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let loaded = self.scene.load(false)?;
+        let loaded = self.scene.load(false, self.duration)?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
@@ -50,7 +53,7 @@ impl Plot {
         let until = Until::of(&loaded, &player, self.duration)?;
         let mut collector = collector(&loaded, until.expected(&player));
         let stop = Stop::listen()?;
-        let performed = perform(&mut player, loaded.input.as_deref(), until, &stop, terminal, |block| {
+        let performed = perform(&mut player, &loaded, until, &stop, terminal, |_, block| {
             collector.push(block);
             Ok::<(), Failure>(())
         })
@@ -68,25 +71,14 @@ impl Plot {
             terminal.print(&format!("{shown}: {rows}, {:.3} s\n", collector.seconds()))?;
         }
         match (performed.stopped, player.trouble()) {
-            (Some(code), _) => Err(Failure::told(code)),
-            (None, Some(trouble)) => Err(loaded.refuse(vec![trouble.clone()], &[])),
+            (Some(code), _) => {
+                let what = format!("stopped; the picture shows the first {:.3} s", collector.seconds());
+                terminal.note(&problems::sentence(&Problem::warning(&(0..0), what), terminal));
+                Err(Failure::told(code))
+            }
+            (None, Some(trouble)) => Err(loaded.refuse(vec![trouble.clone()], &Codes::new())),
             (None, None) => Ok(()),
         }
-    }
-}
-
-/// Refuses what is no picture that can be drawn here, and what [`check_output`] refuses.
-pub fn check_picture(output: &Path, loaded: &Loaded) -> Result<(), Failure> {
-    check_output(output, loaded)?;
-    match output.extension().and_then(|e| e.to_str()) {
-        Some(other @ ("png" | "pdf" | "jpg" | "jpeg" | "gif" | "wav")) => Err(Failure::usage(
-            format!("pictures are SVG, not {other}"),
-            format!(
-                "name it `{}`; browsers, Inkscape and LaTeX read SVG",
-                output.with_extension("svg").display()
-            ),
-        )),
-        _ => Ok(()),
     }
 }
 

@@ -5,6 +5,7 @@ use super::terminal::Terminal;
 use miette::{
     Diagnostic, LabeledSpan, MietteHandler, MietteHandlerOpts, NamedSource, ReportHandler, SourceCode,
 };
+use pacinian::text::problem::{self as message, Positions, escaped};
 use pacinian::text::{Problem, Problems, Severity};
 use serde::Serialize;
 use std::fmt;
@@ -21,13 +22,15 @@ pub fn shown(problems: &Problems, terminal: &Terminal) -> String {
     if terminal.pictured {
         let source = Arc::new(clean(&problems.source));
         let handler = handler(terminal.err);
+        let mut positions = problems.positions();
         for problem in &problems.list {
-            let picture = Picture::new(problems, problem, &source);
+            let picture = Picture::new(problems, problem, &source, &mut positions);
             text += Debugged { handler: &handler, picture: &picture }.to_string().trim_start_matches('\n');
             text.push('\n');
         }
     } else {
-        text = clean(&problems.to_string());
+        // Which leaves control characters nowhere but between problems.
+        text = problems.to_string();
         text.push('\n');
     }
     text
@@ -39,8 +42,8 @@ pub fn sentence(problem: &Problem, terminal: &Terminal) -> String {
         Severity::Error => terminal.err.red("error"),
         Severity::Warning => terminal.err.yellow("warning"),
     };
-    let help = problem.help.as_ref().map_or(String::new(), |help| format!("  help: {}\n", clean(help)));
-    format!("{word}: {}\n{help}", clean(&problem.what))
+    let help = problem.help.as_ref().map_or(String::new(), |help| format!("  help: {}\n", escaped(help)));
+    format!("{word}: {}\n{help}", escaped(&problem.what))
 }
 
 /// How many there are: "2 errors and 1 warning".
@@ -71,15 +74,16 @@ pub struct Listed {
 pub fn listed(all: &[Problems]) -> Vec<Listed> {
     let mut list = Vec::new();
     for problems in all {
+        let mut positions = problems.positions();
         for problem in &problems.list {
-            let place = span(problems, problem).map(|span| problems.position(span.start));
+            let place = span(problems, problem).map(|span| positions.of(span.start));
             list.push(Listed {
                 severity: if problem.is_error() { "error" } else { "warning" },
                 file: Some(problems.file.clone()).filter(|f| !f.is_empty()),
                 line: place.map(|p| p.0),
                 column: place.map(|p| p.1),
-                message: problem.what.clone(),
-                help: problem.help.clone(),
+                message: message::shown(&problem.what),
+                help: problem.help.as_deref().map(message::shown),
             });
         }
     }
@@ -118,18 +122,23 @@ struct Picture {
 }
 
 impl Picture {
-    fn new(problems: &Problems, problem: &Problem, source: &Arc<String>) -> Self {
+    fn new(
+        problems: &Problems,
+        problem: &Problem,
+        source: &Arc<String>,
+        positions: &mut Positions<'_>,
+    ) -> Self {
         let place = span(problems, problem).filter(|_| source.len() <= LONG_SOURCE);
         let place = place.filter(|span| line_length(source, span.start) <= LONG_LINE);
         let what = match (&place, span(problems, problem)) {
-            (Some(_), _) => clean(&problem.what),
+            (Some(_), _) => message::shown(&problem.what),
             (None, Some(span)) => {
-                let (line, column) = problems.position(span.start);
-                format!("{}:{line}:{column}: {}", clean(&problems.file), clean(&problem.what))
+                let (line, column) = positions.of(span.start);
+                format!("{}:{line}:{column}: {}", escaped(&problems.file), message::shown(&problem.what))
             }
-            (None, None) => format!("{}: {}", clean(&problems.file), clean(&problem.what)),
+            (None, None) => format!("{}: {}", escaped(&problems.file), message::shown(&problem.what)),
         };
-        let source = place.map(|span| (NamedSource::new(clean(&problems.file), Arc::clone(source)), span));
+        let source = place.map(|span| (NamedSource::new(escaped(&problems.file), Arc::clone(source)), span));
         Self { problem: problem.clone(), what, source }
     }
 }
@@ -154,7 +163,7 @@ impl Diagnostic for Picture {
         Some(if self.problem.is_error() { miette::Severity::Error } else { miette::Severity::Warning })
     }
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.problem.help.as_ref().map(|help| Box::new(clean(help)) as Box<dyn fmt::Display>)
+        self.problem.help.as_ref().map(|help| Box::new(message::shown(help)) as Box<dyn fmt::Display>)
     }
     fn source_code(&self) -> Option<&dyn SourceCode> {
         self.source.as_ref().map(|(source, _)| source as &dyn SourceCode)
@@ -205,7 +214,7 @@ mod tests {
     fn pictures_show_the_line_and_nothing_that_moves_a_cursor() {
         let text = shown(&problems(), &terminal(true));
         for wanted in
-            ["no ?[31mx", "[f.toml:2:1]", "2 │ xyz?", "help: write y", "f.toml: all of it", "beyond"]
+            ["no \\u{1b}[31mx", "[f.toml:2:1]", "2 │ xyz?", "help: write y", "f.toml: all of it", "beyond"]
         {
             assert!(text.contains(wanted), "{wanted}: {text}");
         }

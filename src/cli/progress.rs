@@ -36,9 +36,14 @@ impl Progress {
     /// So many seconds are there.
     pub fn at(&self, seconds: f64) {
         let Some(bar) = &self.bar else { return };
-        let of = self.total.map_or(String::new(), |t| format!(" of {t:.1}"));
+        let of = match self.total {
+            Some(total) if seconds <= total => format!(" of {total:.1} s"),
+            // What rings has no length beforehand.
+            Some(_) => " s, ringing out".into(),
+            None => " s".into(),
+        };
         let speed = seconds / self.begin.elapsed().as_secs_f64().max(1e-6);
-        bar.set_message(format!("{seconds:.1}{of} s  {speed:.0} x real time"));
+        bar.set_message(format!("{seconds:.1}{of}  {speed:.0} x real time"));
         bar.set_position((seconds * STEPS) as u64);
     }
 }
@@ -49,8 +54,10 @@ impl Progress {
         let Some(bar) = &self.bar else { return };
         bar.set_message(what.to_string());
         bar.set_position((at * STEPS) as u64);
-        bar.tick();
     }
+
+    /// Takes the bar away.
+    pub fn ends(self) {}
 }
 
 impl Drop for Progress {

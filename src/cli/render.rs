@@ -2,8 +2,11 @@
 
 use super::check::json;
 use super::failure::Failure;
+use super::form;
 use super::load::{Loaded, Scene};
+use super::named::Codes;
 use super::perform::{Until, perform};
+use super::place::{check_log, check_wav};
 use super::problems;
 use super::stop::Stop;
 use super::summary::Summary;
@@ -11,7 +14,7 @@ use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::error::FileError;
 use pacinian::io::log::{EventLog, Head};
-use pacinian::io::wav::{Encoding, WavSpec, WavWriter};
+use pacinian::io::wav::{Encoding, REFRESH, WavSpec, WavWriter};
 use pacinian::player::Player;
 use pacinian::text::{Problem, Severity};
 use std::path::{Path, PathBuf};
@@ -58,54 +61,6 @@ pub fn seconds(word: &str) -> Result<f64, String> {
     }
 }
 
-/// Refuses to write where nothing good would come of it: to a pipe, or over a file that is read.
-///
-/// # Errors
-/// Says which of them.
-pub fn check_output(output: &Path, loaded: &Loaded) -> Result<(), Failure> {
-    if output.as_os_str() == "-" {
-        return Err(Failure::usage(
-            "a file whose length is written last cannot go to standard output",
-            "name a file: -o out.wav",
-        ));
-    }
-    refuse_to_replace(output, loaded, "-o")
-}
-
-fn refuse_to_replace(output: &Path, loaded: &Loaded, option: &str) -> Result<(), Failure> {
-    let Ok(real) = output.canonicalize() else { return Ok(()) };
-    if loaded.files.iter().any(|file| file.canonicalize().is_ok_and(|file| file == real)) {
-        let what = format!("`{}` is read for this rendering, so it is not written over", output.display());
-        return Err(Failure::usage(what, format!("choose another file for {option}")));
-    }
-    Ok(())
-}
-
-/// Refuses to write a log over what is read or rendered.
-fn check_log(log: &Path, output: &Path, loaded: &Loaded) -> Result<(), Failure> {
-    if log.as_os_str() == "-" {
-        let what = "the log goes to a file, since standard output has the summary";
-        return Err(Failure::usage(what, "name a file: --log out.csv"));
-    }
-    if place(log) == place(output) {
-        let what = format!("`{}` cannot be both the rendering and its log", log.display());
-        return Err(Failure::usage(what, "choose another file for --log"));
-    }
-    refuse_to_replace(log, loaded, "--log")
-}
-
-/// Where a file is or will be, however it is written.
-fn place(path: &Path) -> PathBuf {
-    if let Ok(real) = path.canonicalize() {
-        return real;
-    }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    match (folder.canonicalize(), path.file_name()) {
-        (Ok(folder), Some(name)) => folder.join(name),
-        _ => path.to_owned(),
-    }
-}
-
 /// A log that the player and whoever renders both know.
 #[derive(Debug, Clone)]
 struct Log(Arc<Mutex<EventLog>>);
@@ -134,7 +89,7 @@ impl Log {
 impl Render {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let loaded = self.scene.load(false)?;
+        let loaded = self.scene.load(false, self.duration)?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
@@ -175,6 +130,8 @@ pub struct Rendered {
     pub ending: Result<(), Failure>,
     /// The player at its end.
     pub player: Player,
+    /// Whether somebody has asked to stop, then and later.
+    pub stop: Stop,
 }
 
 impl Wav<'_> {
@@ -189,12 +146,13 @@ impl Wav<'_> {
         mut also: impl FnMut(&[f32]),
     ) -> Result<Rendered, Failure> {
         let Self { output, format, duration, record, log } = self;
-        check_output(output, loaded)?;
+        check_wav(output, loaded)?;
         log.map_or(Ok(()), |log| check_log(log, output, loaded))?;
         let mut player = loaded.player()?;
         if record {
             player.record();
         }
+        form::check(player.plan(), format)?;
         let until = Until::of(loaded, &player, duration)?;
         let rate = player.plan().device_rate as u32;
         let mut spec = WavSpec::new(player.plan().channels, rate, format);
@@ -202,13 +160,18 @@ impl Wav<'_> {
         spec.title.clone_from(&loaded.patch.title);
         spec.tactors = loaded.tactors();
         let stop = Stop::listen()?;
-        let mut writer = WavWriter::create(output, spec)?;
+        // Last, as it empties the file that may be there.
         let log = log.map(|path| Log::create(path, loaded, &mut player)).transpose()?;
+        let mut writer = WavWriter::create(output, spec)?;
         let shown = output.display().to_string();
-        let performed = perform(&mut player, loaded.input.as_deref(), until, &stop, terminal, |block| {
+        let mut refreshed = 0;
+        let performed = perform(&mut player, loaded, until, &stop, terminal, |_, block| {
             also(block);
             writer.write(block)?;
-            log.as_ref().map_or(Ok(()), |log| log.get().check())
+            let Some(log) = &log else { return Ok(()) };
+            // As often as the WAV file, so that the log of one that is killed goes as far.
+            let now = writer.frames() / (REFRESH * u64::from(rate));
+            if std::mem::replace(&mut refreshed, now) == now { log.get().check() } else { log.get().flush() }
         });
         let performed = performed.map_err(|(error, frames)| {
             let mut failure = Failure::from(error);
@@ -219,7 +182,7 @@ impl Wav<'_> {
             failure
         })?;
         let written = writer.finish()?;
-        log.map_or(Ok(()), |log| log.get().finish())?;
+        log.map_or(Ok(()), |log| log.get().flush())?;
         let seconds = written.frames as f64 / f64::from(rate);
         let ending = if let Some(code) = performed.stopped {
             let problem = Problem {
@@ -229,13 +192,13 @@ impl Wav<'_> {
             terminal.note(&problems::sentence(&problem, terminal));
             Err(Failure::told(code))
         } else if let Some(trouble) = player.trouble() {
-            let mut failure = loaded.refuse(vec![trouble.clone()], &[]);
+            let mut failure = loaded.refuse(vec![trouble.clone()], &Codes::new());
             failure.join(Failure::said(65, format!("`{shown}` holds the {seconds:.3} s before that")));
             Err(failure)
         } else {
             Ok(())
         };
         let summary = Summary::new(loaded, shown, format, &player, &performed, &written);
-        Ok(Rendered { summary, ending, player })
+        Ok(Rendered { summary, ending, player, stop })
     }
 }

@@ -9,7 +9,7 @@ pub struct Table {
 impl Table {
     /// Adds a row.
     pub fn row<I: IntoIterator<Item = S>, S: Into<String>>(&mut self, cells: I) {
-        self.rows.push(cells.into_iter().map(Into::into).collect());
+        self.rows.push(cells.into_iter().map(|cell| plain(cell.into())).collect());
     }
 
     /// The lines.
@@ -30,6 +30,30 @@ impl Table {
         }
         text
     }
+}
+
+/// Characters of a cell that are shown, at most.
+const MOST: usize = 300;
+
+/// A cell without what would break its line or move the cursor, colours aside, and not too long.
+fn plain(cell: String) -> String {
+    let cell = match cell.char_indices().nth(MOST) {
+        Some((end, _)) => cell.get(..end).unwrap_or_default().to_string() + "...",
+        None => cell,
+    };
+    let mut out = String::new();
+    let mut rest = cell.as_str();
+    while let Some((at, c)) = rest.char_indices().find(|(_, c)| c.is_control()) {
+        let (before, from) = rest.split_at(at);
+        out += before;
+        let colour = from.strip_prefix("\x1b[").and_then(|code| code.split_once('m')).map(|(code, _)| code);
+        let colour = colour.filter(|code| code.chars().all(|c| c.is_ascii_digit() || c == ';'));
+        let length = colour.map_or(c.len_utf8(), |code| code.len() + 3);
+        let (this, behind) = from.split_at(length);
+        out += &if colour.is_some() { this.to_string() } else { c.escape_default().to_string() };
+        rest = behind;
+    }
+    out + rest
 }
 
 /// Characters that take room.

@@ -1,11 +1,11 @@
 //! Recordings from the patch's folder.
 
 use super::error::{FileError, FileErrorKind};
-use super::resample::resample;
+use super::resample::Converter;
 use super::wav::WavReader;
 use crate::node::asset::{Asset, Assets};
 use std::collections::HashMap;
-use std::io::{Cursor, Read, Seek};
+use std::io::{Cursor, ErrorKind, Read, Seek};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -19,8 +19,17 @@ pub struct Folder {
     allow_outside: bool,
     rate: Option<f64>,
     held: &'static [(&'static str, &'static [u8])],
-    loaded: Mutex<HashMap<(PathBuf, usize), Arc<Asset>>>,
+    loaded: Mutex<Loaded>,
 }
+
+#[derive(Debug, Default)]
+struct Loaded {
+    assets: HashMap<(PathBuf, usize), Arc<Asset>>,
+    samples: u64,
+}
+
+/// Samples of all recordings together that are held, at most.
+const MOST: u64 = 1 << 28;
 
 impl Folder {
     /// The folder of a patch. Paths count from it and may not leave it.
@@ -70,7 +79,7 @@ impl Folder {
         let joined = self.root.join(path);
         let real = joined.canonicalize().map_err(|error| {
             let mut error = FileError::reading(&joined, &error);
-            if error.kind == FileErrorKind::Missing {
+            if matches!(error.io, Some(ErrorKind::NotFound | ErrorKind::NotADirectory)) {
                 error.message = format!(
                     "`{}` is not there: check the path, which counts from the patch's folder `{}`",
                     path,
@@ -91,22 +100,26 @@ impl Folder {
     /// The channel (from 1) of the recording at `path`.
     ///
     /// # Errors
-    /// As [`resolve`](Self::resolve) and [`WavReader`], and when its rate is not from 1 to 384 kHz.
+    /// As [`resolve`](Self::resolve) and [`WavReader`], when its rate is not from 1 to 384 kHz, and when all recordings together would
+    /// have more than 2²⁸ samples (1 GiB).
     pub fn recording(&self, path: &str, channel: usize) -> Result<Arc<Asset>, FileError> {
         let held = self.held.iter().find(|(name, _)| *name == path);
         let real = if held.is_some() { PathBuf::from(path) } else { self.resolve(path)? };
         let key = (real, channel);
-        if let Some(asset) = self.loaded.lock().unwrap_or_else(PoisonError::into_inner).get(&key) {
+        let mut loaded = self.loaded.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(asset) = loaded.assets.get(&key) {
             return Ok(Arc::clone(asset));
         }
+        let room = MOST.saturating_sub(loaded.samples);
         let asset = match held {
             Some((_, bytes)) => {
-                self.load_from(WavReader::new(Cursor::new(*bytes), path)?, &key.0, channel)?
+                self.load_from(WavReader::new(Cursor::new(*bytes), path)?, &key.0, channel, room)?
             }
-            None => self.load_from(WavReader::open(&key.0)?, &key.0, channel)?,
+            None => self.load_from(WavReader::open(&key.0)?, &key.0, channel, room)?,
         };
         let asset = Arc::new(asset);
-        self.loaded.lock().unwrap_or_else(PoisonError::into_inner).insert(key, Arc::clone(&asset));
+        loaded.samples += asset.samples.len() as u64;
+        loaded.assets.insert(key, Arc::clone(&asset));
         Ok(asset)
     }
 
@@ -115,20 +128,25 @@ impl Folder {
         mut reader: WavReader<R>,
         path: &Path,
         channel: usize,
+        room: u64,
     ) -> Result<Asset, FileError> {
         let malformed = |what: String| {
             FileError::new(FileErrorKind::Malformed, format!("`{}` cannot be used: {what}", path.display()))
         };
-        let rate = reader.info().rate;
+        let (rate, frames) = (reader.info().rate, reader.info().frames);
         check_rate(path, rate)?;
-        let samples = reader.channel(channel)?;
-        match self.rate {
-            Some(wanted) => {
-                let samples = resample(&samples, f64::from(rate), wanted).map_err(malformed)?;
-                Ok(Asset { samples, rate: wanted })
-            }
-            None => Ok(Asset { samples, rate: f64::from(rate) }),
+        let wanted = self.rate.unwrap_or(f64::from(rate));
+        let mut converter = Converter::new(f64::from(rate), wanted).map_err(malformed)?;
+        if converter.length(frames) > room {
+            let length = converter.length(frames);
+            return Err(malformed(format!(
+                "it has {length} samples at {wanted} Hz, and all recordings together may have {MOST} (1 GiB): \
+                 cut it to what is played of it, or play fewer of them"
+            )));
         }
+        converter.reserve(frames).map_err(malformed)?;
+        reader.read(channel, frames, |x| converter.push(x))?;
+        Ok(Asset { samples: converter.finish().map_err(malformed)?, rate: wanted })
     }
 }
 

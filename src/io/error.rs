@@ -50,6 +50,16 @@ impl FileError {
                     "`{shown}` is not there: check the path, which counts from the folder you are in unless it begins with /"
                 ),
             ),
+            io::ErrorKind::InvalidFilename => (
+                FileErrorKind::Missing,
+                format!("no file can have the name `{shown}`: give it a shorter one without odd characters"),
+            ),
+            _ if is_loop(error) => (
+                FileErrorKind::Missing,
+                format!(
+                    "`{shown}` leads to itself, as links in it go round in a circle: name the file they were to lead to"
+                ),
+            ),
             io::ErrorKind::PermissionDenied => (
                 FileErrorKind::Permission,
                 format!(
@@ -143,6 +153,12 @@ impl FileError {
             FileErrorKind::Permission => 77,
         }
     }
+}
+
+/// Whether links lead in a circle, for which the library has no stable word.
+fn is_loop(error: &io::Error) -> bool {
+    const LOOP: i32 = if cfg!(any(target_os = "linux", target_os = "android")) { 40 } else { 62 };
+    cfg!(unix) && error.raw_os_error() == Some(LOOP)
 }
 
 impl fmt::Display for FileError {

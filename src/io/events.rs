@@ -2,11 +2,13 @@
 
 use super::assets::Folder;
 use super::error::FileError;
+use super::open::open as opened;
 use crate::patch::check::Names;
 use crate::patch::{Action, Event, EventsFile, Patch, Place};
-use crate::score::EventStream;
+use crate::score::{EventStream, MOST_HELD};
 use crate::text::Problem;
-use std::collections::HashSet;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashSet};
 use std::fs::File;
 use std::io::BufReader;
 
@@ -53,6 +55,7 @@ pub fn survey(
         }
     };
     let (mut names, mut channels) = (HashSet::new(), HashSet::new());
+    let mut order = Order::default();
     while let Some(event) = reader.next() {
         if survey.problems.len() >= MOST_PROBLEMS {
             survey.problems.push(Problem::of_file(format!("{path}: too many bad lines to look at more")));
@@ -66,6 +69,11 @@ pub fn survey(
             }
         };
         survey.events += 1;
+        if let Some(late) = order.take(event.at) {
+            let what = format!("{path}:{}: `at` is {}, but {late}", reader.line(), event.at);
+            let help = format!("sort the lines by `at`: none may come more than {MOST_HELD} lines late");
+            survey.problems.push(Problem::of_file(what).help(help));
+        }
         let Some(place) = place(&event) else { continue };
         let is_new = match place {
             Place::Name(name) => names.len() < MOST_NAMES && names.insert(name.clone()),
@@ -83,6 +91,35 @@ pub fn survey(
     Ok(survey)
 }
 
+/// What a score would have played by the time it reads a line: it holds [`MOST_HELD`] of them to bring them into order.
+#[derive(Debug, Default)]
+struct Order {
+    held: BinaryHeap<Reverse<Bits>>,
+    played: f64,
+    told: bool,
+}
+
+/// A time that is not negative, by which numbers and their bits have the same order.
+type Bits = u64;
+
+impl Order {
+    /// The next line; why it comes too late, said of the first that does.
+    fn take(&mut self, at: f64) -> Option<String> {
+        if at < self.played {
+            let first = !std::mem::replace(&mut self.told, true);
+            return first.then(|| format!("what is at {} has been played", self.played));
+        }
+        // Without the sign of -0.
+        self.held.push(Reverse(at.abs().to_bits()));
+        if self.held.len() > MOST_HELD
+            && let Some(Reverse(bits)) = self.held.pop()
+        {
+            self.played = f64::from_bits(bits);
+        }
+        None
+    }
+}
+
 /// More names than this no rig has, so one of them has been complained about.
 const MOST_NAMES: usize = 2 * crate::rig::MAX_CHANNELS as usize;
 
@@ -91,11 +128,7 @@ fn place(event: &Event) -> Option<&Place> {
 }
 
 fn file(folder: &Folder, path: &str) -> Result<File, FileError> {
-    let real = folder.resolve(path)?;
-    if real.is_dir() {
-        return Err(FileError::folder(&real));
-    }
-    File::open(&real).map_err(|error| FileError::reading(&real, &error))
+    opened(&folder.resolve(path)?)
 }
 
 #[cfg(test)]
@@ -130,6 +163,29 @@ mod tests {
         assert_eq!(survey(&files, "none.csv", &patch, |_| None).unwrap_err().exit_code(), 66);
         assert_eq!(survey(&files, "../w.csv", &patch, |_| None).unwrap_err().exit_code(), 65);
         assert!(open(&files, ".").is_err());
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    /// What the survey passes, a score plays, and what it refuses, the score refuses at the same line.
+    #[test]
+    fn lines_too_late_for_a_score_are_found() {
+        use crate::score::{MOST_HELD, Score};
+        let folder = std::env::temp_dir().join(format!("pacinian-late-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let files = Folder::new(&folder);
+        let patch = [PATCH, b"[pattern.p]\nevents = \"w.csv\"\n"].concat();
+        let patch = Patch::parse("p", &patch).unwrap().value;
+        for (before, good) in [(MOST_HELD, true), (MOST_HELD + 1, false), (70_000, false)] {
+            let text = format!("at,voice\n{}0,a\n6,a\n", "5,a\n".repeat(before));
+            std::fs::write(folder.join("w.csv"), text).unwrap();
+            let found = survey(&files, "w.csv", &patch, |_| None).unwrap();
+            assert_eq!(found.problems.is_empty(), good, "{before}: {:?}", found.problems);
+            let mut score = Score::new(&patch, |_| Ok(0), &[(0, 0.0)], 0, |path| open(&files, path)).unwrap();
+            assert_eq!(score.all(|event| event.is_ok()), good, "{before}");
+            if let [problem] = &found.problems[..] {
+                assert!(problem.what.starts_with(&format!("w.csv:{}: `at` is 0", before + 2)), "{problem}");
+            }
+        }
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -2,10 +2,13 @@
 
 use super::assets::check_rate;
 use super::error::FileError;
-use super::resample::resample;
+use super::resample::Converter;
 use super::wav::WavReader;
 use crate::io::error::FileErrorKind;
 use std::path::Path;
+
+/// Samples of all channels together that are held, at most.
+const MOST: u64 = 1 << 28;
 
 /// A WAV file at a device's rate, as input for an engine.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,21 +28,52 @@ impl Input {
     /// have are silence.
     ///
     /// # Errors
-    /// As [`WavReader`], and when its rate is not from 1 to 384 kHz.
+    /// As [`WavReader`], when its rate is not from 1 to 384 kHz, and when more than 2²⁸ samples (1 GiB) would come of it.
     pub fn open(path: &Path, rate: f64, wanted: &[usize]) -> Result<Self, FileError> {
+        Self::open_for(path, rate, wanted, None)
+    }
+
+    /// As [`Input::open`], but what is heard is right for the first `seconds` alone, where some are given; no more is read.
+    ///
+    /// # Errors
+    /// As [`Input::open`].
+    pub fn open_for(
+        path: &Path,
+        rate: f64,
+        wanted: &[usize],
+        seconds: Option<f64>,
+    ) -> Result<Self, FileError> {
         let mut reader = WavReader::open(path)?;
         let info = reader.info();
         check_rate(path, info.rate)?;
+        let unusable = |what: String| {
+            let message = format!("`{}` cannot be used: {what}", path.display());
+            FileError::new(FileErrorKind::Malformed, message)
+        };
+        let from = f64::from(info.rate);
         let mut channels = vec![Vec::new(); wanted.iter().max().map_or(0, |most| most + 1)];
-        let mut frames = (info.frames as f64 * rate / f64::from(info.rate)).ceil() as usize;
-        for &channel in wanted.iter().filter(|c| **c < info.channels) {
-            let samples = reader.channel(channel + 1)?;
-            let samples = resample(&samples, f64::from(info.rate), rate).map_err(|what| {
-                let message = format!("`{}` cannot be used: {what}", path.display());
-                FileError::new(FileErrorKind::Malformed, message)
-            })?;
-            frames = samples.len();
-            channels[channel] = samples;
+        let mut frames = (info.frames as f64 * rate / from).ceil() as usize;
+        let heard: Vec<usize> = wanted.iter().copied().filter(|c| *c < info.channels).collect();
+        for &channel in &heard {
+            let mut converter = Converter::new(from, rate).map_err(unusable)?;
+            frames = usize::try_from(converter.length(info.frames)).unwrap_or(usize::MAX);
+            let needed = |seconds: f64| (seconds * from).ceil() as u64 + converter.margin();
+            let taken = seconds.map_or(info.frames, |seconds| needed(seconds).min(info.frames));
+            let held = converter.length(taken);
+            if held.saturating_mul(heard.len() as u64) > MOST {
+                let count = heard.len();
+                return Err(unusable(format!(
+                    "{count} times {held} samples at {rate} Hz are more than the {MOST} that are taken into memory: \
+                     cut the file, render less of it with --duration, or at a lower --rate"
+                )));
+            }
+            converter.reserve(taken).map_err(unusable)?;
+            reader.read(channel + 1, taken, |x| converter.push(x))?;
+            channels[channel] = converter.finish().map_err(unusable)?;
+            if let Some(seconds) = seconds {
+                // What is behind lacks what follows it.
+                channels[channel].truncate((seconds * rate).ceil() as usize);
+            }
         }
         let (file_channels, file_rate) = (info.channels, info.rate);
         Ok(Self { channels, wanted: wanted.to_vec(), file_channels, file_rate, frames, rate })
@@ -115,6 +149,21 @@ mod tests {
         }
         input.fill(47_999, 5, &mut frames);
         assert!(frames[1] != 0.0 && frames[5..].iter().all(|x| *x == 0.0), "silence after the end");
+    }
+
+    #[test]
+    fn the_beginning_is_the_same_when_no_more_is_read() {
+        let path = file("part", 22_050);
+        let whole = Input::open(&path, 48_000.0, &[0, 1]).unwrap();
+        for seconds in [1e-4, 0.25, 0.9, 1.0, 7.0] {
+            let part = Input::open_for(&path, 48_000.0, &[0, 1], Some(seconds)).unwrap();
+            assert_eq!((part.seconds(), part.missing().count()), (whole.seconds(), 0));
+            for (part, whole) in part.channels().iter().zip(whole.channels()) {
+                assert_eq!(part.len(), whole.len().min((seconds * 48_000.0).ceil() as usize));
+                assert!(part.iter().zip(whole).all(|(a, b)| a.to_bits() == b.to_bits()), "{seconds} s");
+            }
+        }
+        std::fs::remove_file(path).unwrap();
     }
 
     #[test]

@@ -84,11 +84,11 @@ impl EventLog {
         self.trouble.clone().map_or(Ok(()), Err)
     }
 
-    /// Writes what is still held.
+    /// Writes what is still held, so that a log that goes no further is whole up to here.
     ///
     /// # Errors
     /// As [`EventLog::check`].
-    pub fn finish(&mut self) -> Result<(), FileError> {
+    pub fn flush(&mut self) -> Result<(), FileError> {
         self.check()?;
         self.file.flush().map_err(|error| FileError::writing(self.file.get_ref().path(), &error))
     }
@@ -148,12 +148,13 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
     Ok(())
 }
 
-/// A cell, quoted where it must be (RFC 4180); a line break in it becomes a space, so that an event stays a line.
+/// A cell, quoted where it must be (RFC 4180). What would break the line, or move the cursor of who reads it, becomes a space.
 fn cell(to: &mut String, text: &str) -> fmt::Result {
-    if !text.contains([',', '"', '\n', '\r']) {
+    let plain = |c: char| if c.is_control() { ' ' } else { c };
+    if !text.contains([',', '"']) && !text.contains(char::is_control) {
         return to.write_str(text);
     }
-    write!(to, "\"{}\"", text.replace(['\n', '\r'], " ").replace('"', "\"\""))
+    write!(to, "\"{}\"", text.chars().map(plain).collect::<String>().replace('"', "\"\""))
 }
 
 #[cfg(test)]
@@ -199,10 +200,10 @@ mod tests {
             instant: Instant::default(),
             origin: None,
             id: None,
-            what: Happening::Marker("a,\"b\"\nc"),
+            what: Happening::Marker("a,\"b\"\nc\u{1b}[2J\0"),
         };
         let mut text = String::new();
         line(&mut text, &heard).unwrap();
-        assert_eq!(text, "0,0,0,marker,,,,\"a,\"\"b\"\" c\",,,,,,\n");
+        assert_eq!(text, "0,0,0,marker,,,,\"a,\"\"b\"\" c [2J \",,,,,,\n");
     }
 }

@@ -5,6 +5,7 @@ pub mod error;
 pub mod events;
 pub mod input;
 pub mod log;
+mod open;
 pub mod out;
 pub mod resample;
 pub mod text;

@@ -1,6 +1,7 @@
 //! A file being written, which knows its path so that its errors can name it.
 
-use super::error::FileError;
+use super::error::{FileError, FileErrorKind};
+use super::open::{Kind, kind};
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -16,13 +17,10 @@ impl OutputFile {
     /// Makes the file, or empties the one that is there.
     ///
     /// # Errors
-    /// When the path is a folder, when its folder is missing or when the system refuses.
+    /// When the path is a folder, a pipe, a socket or a disk, when its folder is missing or when the system refuses.
     pub fn create(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
-        // Asked beforehand, as systems differ in how they refuse a folder.
-        if path.is_dir() {
-            return Err(FileError::creating(path, &io::Error::from(io::ErrorKind::IsADirectory)));
-        }
+        refuse_what_is_no_file(path)?;
         let file = File::create(path).map_err(|error| FileError::creating(path, &error))?;
         Ok(Self { file, path: path.to_owned() })
     }
@@ -30,6 +28,45 @@ impl OutputFile {
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+}
+
+/// Whether [`OutputFile::create`] would succeed. What is there stays as it is, and what is not there is not there afterwards.
+///
+/// # Errors
+/// As [`OutputFile::create`].
+pub fn check(path: impl AsRef<Path>) -> Result<(), FileError> {
+    let path = path.as_ref();
+    refuse_what_is_no_file(path)?;
+    let failed = |error: io::Error| FileError::creating(path, &error);
+    match File::options().write(true).create_new(true).open(path) {
+        Ok(_) => std::fs::remove_file(path).map_err(failed),
+        // A link to nowhere is there, too: only opening it tells whether what it leads to can be made.
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            let dangling = !path.exists();
+            File::options().write(true).create(true).truncate(false).open(path).map_err(failed)?;
+            let made = if dangling { path.canonicalize().ok() } else { None };
+            made.map_or(Ok(()), std::fs::remove_file).map_err(failed)
+        }
+        Err(error) => Err(failed(error)),
+    }
+}
+
+/// Asked before a file is opened: systems differ in how they refuse a folder, and a pipe makes whoever opens it wait for a reader.
+fn refuse_what_is_no_file(path: &Path) -> Result<(), FileError> {
+    match std::fs::metadata(path) {
+        Ok(about) if about.is_dir() => {
+            Err(FileError::creating(path, &io::Error::from(io::ErrorKind::IsADirectory)))
+        }
+        Ok(about) => kind(&about).filter(|kind| *kind != Kind::Device).map_or(Ok(()), |kind| {
+            let shown = path.display();
+            let what = format!(
+                "`{shown}` is {kind}, and a file whose length is written last cannot go into one: name a file on a disk"
+            );
+            Err(FileError::new(FileErrorKind::CannotCreate, what))
+        }),
+        // Whatever is wrong, opening it says so.
+        Err(_) => Ok(()),
     }
 }
 
@@ -59,7 +96,7 @@ impl Seek for OutputFile {
 
 #[cfg(test)]
 mod tests {
-    use super::{OutputFile, write};
+    use super::{OutputFile, check, write};
     use crate::io::error::FileErrorKind;
 
     #[test]
@@ -84,5 +121,27 @@ mod tests {
         let error = write("/dev/full", b"x").unwrap_err();
         assert_eq!(error.exit_code(), 74);
         assert!(error.message.contains("no room left for `/dev/full`"), "{error}");
+    }
+
+    #[test]
+    fn looking_beforehand_changes_nothing() {
+        let folder = std::env::temp_dir().join(format!("pacinian-out-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (there, new) = (folder.join("there"), folder.join("new"));
+        std::fs::write(&there, b"abc").unwrap();
+        check(&there).unwrap();
+        check(&new).unwrap();
+        assert_eq!(std::fs::read(&there).unwrap(), b"abc");
+        assert!(!new.exists());
+        assert_eq!(check(&folder).unwrap_err().exit_code(), 73);
+        assert_eq!(check(folder.join("no/where")).unwrap_err().exit_code(), 73);
+        #[cfg(unix)]
+        {
+            let link = folder.join("link");
+            std::os::unix::fs::symlink("new", &link).unwrap();
+            check(&link).unwrap();
+            assert!(!new.exists() && link.is_symlink());
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

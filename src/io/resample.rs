@@ -16,61 +16,153 @@ const LARGEST: u64 = 1 << 18;
 /// numbers of hertz up to 262,144; else it is right to a few millionths.
 ///
 /// # Errors
-/// When a rate is not a positive number, or when the two are more than a factor of 4,096 apart.
+/// When a rate is not a positive number, when the two are more than a factor of 4,096 apart, or for want of memory.
 pub fn resample(samples: &[f32], from: f64, to: f64) -> Result<Vec<f32>, String> {
-    for rate in [from, to] {
-        if !(rate.is_finite() && rate > 0.0) {
-            return Err(format!("{rate} Hz is no rate of a recording: it must be above 0"));
+    let mut converter = Converter::new(from, to)?;
+    converter.reserve(samples.len() as u64)?;
+    samples.iter().try_for_each(|x| converter.push(*x))?;
+    converter.finish()
+}
+
+/// A recording on its way to another rate, sample by sample; only what comes out is held. See [`resample`].
+pub struct Converter {
+    fft: Option<Fft<f64>>,
+    from: f64,
+    to: f64,
+    /// The ratio of the rates.
+    into: u64,
+    out_of: u64,
+    block: Vec<f64>,
+    filled: usize,
+    result: Vec<f64>,
+    /// Samples at the beginning that are the filter's delay.
+    skip: usize,
+    taken: u64,
+    out: Vec<f32>,
+}
+
+impl Converter {
+    /// From one rate to another, hertz.
+    ///
+    /// # Errors
+    /// As [`resample`].
+    pub fn new(from: f64, to: f64) -> Result<Self, String> {
+        for rate in [from, to] {
+            if !(rate.is_finite() && rate > 0.0) {
+                return Err(format!("{rate} Hz is no rate of a recording: it must be above 0"));
+            }
         }
-    }
-    if from == to {
-        return Ok(samples.to_vec());
-    }
-    if !(1.0 / 4096.0..=4096.0).contains(&(to / from)) {
-        return Err(format!(
-            "{from} Hz and {to} Hz are too far apart to convert: record at a rate between 1 and 192 kHz"
-        ));
-    }
-    let (into, out_of) = ratio(to / from);
-    // An even number of periods, so that half a block, which is the delay, is a whole number of samples on both sides.
-    let periods = 2 * FILTER.div_ceil(2 * into.min(out_of));
-    let (block_in, block_out) = ((periods * out_of) as usize, (periods * into) as usize);
-    let failed = |error: &dyn std::error::Error| {
-        format!("{from} Hz cannot be converted to {to} Hz ({error}): convert the file first")
-    };
-    let mut fft = Fft::<f64>::new_custom(
-        out_of as usize,
-        into as usize,
-        block_in,
-        1,
-        1,
-        WindowFunction::BlackmanHarris2,
-        FixedSync::Both,
-    )
-    .map_err(|error| failed(&error))?;
-    if (fft.input_frames_next(), fft.output_frames_next()) != (block_in, block_out) {
-        return Err(format!(
-            "{from} Hz cannot be converted to {to} Hz in blocks of {block_in}: convert the file first"
-        ));
+        let (fft, block, result) = (None, Vec::new(), Vec::new());
+        let (filled, skip, taken, out) = (0, 0, 0, Vec::new());
+        let mut all = Self { fft, from, to, into: 1, out_of: 1, block, filled, result, skip, taken, out };
+        if from == to {
+            return Ok(all);
+        }
+        if !(1.0 / 4096.0..=4096.0).contains(&(to / from)) {
+            return Err(format!(
+                "{from} Hz and {to} Hz are too far apart to convert: record at a rate between 1 and 192 kHz"
+            ));
+        }
+        (all.into, all.out_of) = ratio(to / from);
+        // An even number of periods, so that half a block, which is the delay, is a whole number of samples on both sides.
+        let periods = 2 * FILTER.div_ceil(2 * all.into.min(all.out_of));
+        let (block_in, block_out) = ((periods * all.out_of) as usize, (periods * all.into) as usize);
+        let fft = Fft::<f64>::new_custom(
+            all.out_of as usize,
+            all.into as usize,
+            block_in,
+            1,
+            1,
+            WindowFunction::BlackmanHarris2,
+            FixedSync::Both,
+        )
+        .map_err(|error| all.failed(&error))?;
+        if (fft.input_frames_next(), fft.output_frames_next()) != (block_in, block_out) {
+            return Err(format!(
+                "{from} Hz cannot be converted to {to} Hz in blocks of {block_in}: convert the file first"
+            ));
+        }
+        (all.block, all.result, all.skip) = (vec![0.0; block_in], vec![0.0; block_out], block_out / 2);
+        all.fft = Some(fft);
+        Ok(all)
     }
 
-    let wanted = (samples.len() as u128 * u128::from(into)).div_ceil(u128::from(out_of)) as usize;
-    let mut out = Vec::with_capacity(wanted);
-    let (mut block, mut result) = (vec![0.0; block_in], vec![0.0; block_out]);
-    let mut input = samples.iter();
-    let mut skip = block_out / 2;
-    while out.len() < wanted {
-        for slot in &mut block {
-            *slot = input.next().map_or(0.0, |&x| f64::from(x));
-        }
-        let read = InterleavedSlice::new(&block, 1, block_in).map_err(|error| failed(&error))?;
-        let mut write =
-            InterleavedSlice::new_mut(&mut result, 1, block_out).map_err(|error| failed(&error))?;
-        fft.process_into_buffer(&read, &mut write, None).map_err(|error| failed(&error))?;
-        out.extend(result.iter().skip(skip).take(wanted - out.len()).map(|&x| x as f32));
-        skip = 0;
+    /// How many samples come of so many.
+    pub fn length(&self, samples: u64) -> u64 {
+        u64::try_from((u128::from(samples) * u128::from(self.into)).div_ceil(u128::from(self.out_of)))
+            .unwrap_or(u64::MAX)
     }
-    Ok(out)
+
+    /// Samples of the input behind an instant that have a part in what comes out before it, at most.
+    pub fn margin(&self) -> u64 {
+        2 * self.block.len() as u64
+    }
+
+    /// Makes room for what comes of so many samples.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn reserve(&mut self, samples: u64) -> Result<(), String> {
+        let length = self.length(samples);
+        // The last block goes past the end.
+        let whole = length.saturating_add(self.result.len() as u64);
+        let room = usize::try_from(whole).ok().and_then(|n| self.out.try_reserve_exact(n).ok());
+        room.ok_or_else(|| {
+            format!("there is no memory for its {length} samples at {} Hz: cut it shorter", self.to)
+        })
+    }
+
+    /// Takes the next sample.
+    ///
+    /// # Errors
+    /// When a block cannot be converted.
+    pub fn push(&mut self, x: f32) -> Result<(), String> {
+        self.taken += 1;
+        if self.fft.is_none() {
+            self.out.push(x);
+            return Ok(());
+        }
+        if let Some(slot) = self.block.get_mut(self.filled) {
+            *slot = f64::from(x);
+        }
+        self.filled += 1;
+        if self.filled < self.block.len() { Ok(()) } else { self.convert() }
+    }
+
+    /// All samples at the new rate.
+    ///
+    /// # Errors
+    /// As [`Converter::push`].
+    pub fn finish(mut self) -> Result<Vec<f32>, String> {
+        let wanted = usize::try_from(self.length(self.taken)).unwrap_or(usize::MAX);
+        while self.out.len() < wanted {
+            // Silence behind the end.
+            self.block.iter_mut().skip(self.filled).for_each(|slot| *slot = 0.0);
+            self.convert()?;
+        }
+        self.out.truncate(wanted);
+        Ok(self.out)
+    }
+
+    fn convert(&mut self) -> Result<(), String> {
+        self.filled = 0;
+        let Some(fft) = &mut self.fft else { return Ok(()) };
+        let (block_in, block_out) = (self.block.len(), self.result.len());
+        let converted = InterleavedSlice::new(&self.block, 1, block_in).map_err(|error| error.to_string());
+        let converted = converted.and_then(|read| {
+            let mut write = InterleavedSlice::new_mut(&mut self.result, 1, block_out)
+                .map_err(|error| error.to_string())?;
+            fft.process_into_buffer(&read, &mut write, None).map_err(|error| error.to_string())
+        });
+        converted.map_err(|error| self.failed(&error))?;
+        self.out.extend(self.result.iter().skip(self.skip).map(|&x| x as f32));
+        self.skip = 0;
+        Ok(())
+    }
+
+    fn failed(&self, error: &dyn std::fmt::Display) -> String {
+        format!("{} Hz cannot be converted to {} Hz ({error}): convert the file first", self.from, self.to)
+    }
 }
 
 /// The fraction nearest to `x` whose terms stay below [`LARGEST`], by continued fraction.
@@ -95,7 +187,7 @@ fn ratio(x: f64) -> (u64, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{ratio, resample};
+    use super::{Converter, ratio, resample};
     use std::f64::consts::TAU;
 
     /// Faded in and out over an eighth of its length, as an abrupt end has a spectrum of its own.
@@ -199,6 +291,22 @@ mod tests {
         assert_eq!(resample(&[], 48_000.0, 16_000.0).unwrap(), Vec::<f32>::new());
         assert_eq!(resample(&[1.0], 8_000.0, 16_000.0).unwrap().len(), 2);
         assert_eq!(resample(&[1.0; 4], 48_000.0, 16_000.0).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn the_room_that_was_made_is_enough() {
+        for (from, to, samples) in
+            [(1_000.0, 16_000.0, 5_000), (44_100.0, 16_000.0, 100_001), (8_000.0, 8_000.0, 99)]
+        {
+            let mut converter = Converter::new(from, to).unwrap();
+            converter.reserve(samples).unwrap();
+            let room = converter.out.capacity();
+            (0..samples).for_each(|n| converter.push(n as f32).unwrap());
+            let all = converter.finish().unwrap();
+            assert_eq!(all.capacity(), room, "{from} to {to}: it had to move");
+            assert!(room - all.len() < 20_000, "{room} for {}", all.len());
+        }
+        assert!(Converter::new(1_000.0, 16_000.0).unwrap().reserve(1 << 60).is_err());
     }
 
     #[test]

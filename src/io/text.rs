@@ -1,7 +1,7 @@
 //! Patches and rigs, from disk to bytes.
 
 use super::error::{FileError, FileErrorKind};
-use std::fs::File;
+use super::open::open;
 use std::io::Read;
 use std::path::Path;
 
@@ -23,10 +23,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Vec<u8>, FileError> {
 pub fn read_up_to(path: impl AsRef<Path>, limit: u64) -> Result<Vec<u8>, FileError> {
     let path = path.as_ref();
     let failed = |error: std::io::Error| FileError::reading(path, &error);
-    if path.is_dir() {
-        return Err(FileError::folder(path));
-    }
-    let file = File::open(path).map_err(failed)?;
+    let file = open(path)?;
     let mut bytes = Vec::new();
     file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > limit {

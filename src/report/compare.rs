@@ -1,5 +1,7 @@
 //! What a rendering differs by from its reference, within the band, and what it has beyond.
 
+use std::convert::Infallible;
+
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
@@ -28,6 +30,23 @@ pub fn compare(
     delay: f64,
     response: &dyn Fn(usize, f64) -> Complex64,
 ) -> Comparison {
+    let always = &mut |_| Ok::<(), Infallible>(());
+    let Ok(comparison) = compare_watched(frames, reference, ratio, delay, response, always);
+    comparison
+}
+
+/// As [`compare`]; `watch` is asked before each channel, with the share that is done.
+///
+/// # Errors
+/// The first that `watch` gives.
+pub fn compare_watched<S>(
+    frames: &[f32],
+    reference: &Reference,
+    ratio: usize,
+    delay: f64,
+    response: &dyn Fn(usize, f64) -> Complex64,
+    watch: &mut dyn FnMut(f64) -> Result<(), S>,
+) -> Result<Comparison, S> {
     let channels = reference.channels.len();
     let length = reference.channels.first().map_or(0, Vec::len);
     let (mut difference, mut wanted, mut above, mut all) = (0.0, 0.0, 0.0, 0.0);
@@ -36,6 +55,7 @@ pub fn compare(
         (planner.plan_fft_forward(length.max(2)), planner.plan_fft_forward((length * ratio).max(2)));
     let bins = length as f64 / reference.rate;
     for (c, ideal) in reference.channels.iter().enumerate() {
+        watch(c as f64 / channels as f64)?;
         let mut is: Vec<f64> = frames.iter().skip(c).step_by(channels).map(|x| f64::from(*x)).collect();
         is.resize(high.len(), 0.0);
         if is.iter().all(|x| *x == 0.0) && ideal.iter().all(|x| *x == 0.0) {
@@ -64,7 +84,7 @@ pub fn compare(
             wanted += should.norm_sqr();
         }
     }
-    Comparison { error_db: decibels(difference, wanted), above_db: decibels(above, all) }
+    Ok(Comparison { error_db: decibels(difference, wanted), above_db: decibels(above, all) })
 }
 
 fn decibels(part: f64, whole: f64) -> f64 {

@@ -1,11 +1,12 @@
 //! A scene measured: how far the engine is from the reference, and what it takes.
 
+use std::convert::Infallible;
 use std::time::{Duration, Instant as Clock};
 
 use realfft::num_complex::Complex64;
 
-use super::compare::{Comparison, compare};
-use super::reference::{Reference, reference_hearing};
+use super::compare::{Comparison, compare_watched};
+use super::reference::{Reference, reference_watched};
 use crate::engine::Engine;
 use crate::engine::event::{Event, Play, Source};
 use crate::engine::refusal::Refusal;
@@ -50,7 +51,21 @@ impl Take<'_> {
     /// What it should have been, with [`TAIL`] at the end. The same for plans of one scene that differ in number type, or in taps
     /// where nothing listens to an input, whose filter has as many.
     pub fn reference(&self, plan: &Plan) -> Reference {
-        reference_hearing(plan, self.events, self.input, self.samples(plan) as f64 / plan.engine_rate(), OVER)
+        let Ok(all) = self.reference_watched(plan, &mut |_| Ok::<(), Infallible>(()));
+        all
+    }
+
+    /// As [`Take::reference`], for somebody who waits: `watch` is asked many times a second with the share that is done, from 0 to 1.
+    ///
+    /// # Errors
+    /// The first that `watch` gives, at once.
+    pub fn reference_watched<S>(
+        &self,
+        plan: &Plan,
+        watch: &mut dyn FnMut(f64) -> Result<(), S>,
+    ) -> Result<Reference, S> {
+        let seconds = self.samples(plan) as f64 / plan.engine_rate();
+        reference_watched(plan, self.events, self.input, seconds, OVER, watch)
     }
 
     /// Plays it on a plan and compares it with its reference.
@@ -58,29 +73,47 @@ impl Take<'_> {
     /// # Errors
     /// A plan that no engine can be built for.
     pub fn measure(&self, plan: &Plan, ideal: &Reference) -> Result<Measured, Refusal> {
-        let (mut engine, mut frames, mut run_time) = self.run(plan)?;
+        self.measure_watched(plan, ideal, &mut |_| Ok(()))
+    }
+
+    /// As [`Take::measure`], for somebody who waits: `watch` is asked many times a second with the share that is done, from 0 to 1.
+    ///
+    /// # Errors
+    /// A plan that no engine can be built for, and the first that `watch` gives, at once.
+    pub fn measure_watched<S: From<Refusal>>(
+        &self,
+        plan: &Plan,
+        ideal: &Reference,
+        watch: &mut dyn FnMut(f64) -> Result<(), S>,
+    ) -> Result<Measured, S> {
+        let (mut engine, mut frames, mut run_time) = self.run(plan, &mut |share| watch(0.5 * share))?;
         // A short scene is over before the machine has warmed up: the least of some runs says what it takes.
         let (begin, mut runs) = (Clock::now(), 1);
         while runs < MOST_RUNS && begin.elapsed() + run_time < WARM {
-            let (engine_again, frames_again, again) = self.run(plan)?;
+            let (engine_again, frames_again, again) = self.run(plan, &mut |_| watch(0.5))?;
             (engine, frames, run_time) = (engine_again, frames_again, run_time.min(again));
             runs += 1;
         }
         let delay = engine.delay();
-        let comparison = compare(
+        let comparison = compare_watched(
             &frames,
             ideal,
             plan.ratio,
             delay.lead + delay.up_sampling + delay.band_limit_phase,
             &|channel, hertz| designed(&engine, channel, hertz),
-        );
+            &mut |share| watch(0.5 + 0.5 * share),
+        )?;
         let seconds = self.samples(plan) as f64 / plan.engine_rate();
         let stolen = engine.counters().stolen;
         Ok(Measured { comparison, seconds, run_time, stolen })
     }
 
     /// Plays it once: the engine as it ends, what it gave out, and the wall time that took.
-    fn run(&self, plan: &Plan) -> Result<(Engine, Vec<f32>, Duration), Refusal> {
+    fn run<S: From<Refusal>>(
+        &self,
+        plan: &Plan,
+        watch: &mut dyn FnMut(f64) -> Result<(), S>,
+    ) -> Result<(Engine, Vec<f32>, Duration), S> {
         let mut engine = Engine::new(plan)?;
         let (rate, samples) = (plan.engine_rate(), self.samples(plan));
         let block = 64 * plan.ratio;
@@ -89,7 +122,11 @@ impl Take<'_> {
         let mut heard = heard.chunks(block * engine.input_channels().max(1));
         let mut next = self.events.iter().peekable();
         let begin = Clock::now();
-        for part in frames.chunks_mut(block * plan.channels) {
+        for (n, part) in frames.chunks_mut(block * plan.channels).enumerate() {
+            // Seldom enough to take nothing of the time that is measured.
+            if n.is_multiple_of(64) {
+                watch(engine.clock() as f64 / samples as f64)?;
+            }
             let until = (engine.clock() + 64) as f64 / rate;
             while let Some((at, play)) = next.next_if(|(at, _)| *at < until && engine.room() > 0) {
                 engine.schedule(Instant::of_samples(at * rate), Source::Pattern, Event::Play(*play));
@@ -127,4 +164,61 @@ pub fn designed(engine: &Engine, channel: usize, hertz: f64) -> Complex64 {
     let response = engine.stage().response(channel, hertz);
     let phase = std::f64::consts::TAU * hertz * (delay.up_sampling + delay.band_limit_phase);
     Complex64::new(response.re, response.im) * Complex64::cis(phase)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Take;
+    use crate::engine::refusal::Refusal;
+    use crate::graph::scene::{Options, scene};
+    use crate::node::asset::NoAssets;
+    use crate::patch::Patch;
+    use crate::rig::Rig;
+
+    /// Why it ended.
+    #[derive(Debug, PartialEq)]
+    enum End {
+        Asked,
+        Refused,
+    }
+
+    impl From<Refusal> for End {
+        fn from(_: Refusal) -> Self {
+            Self::Refused
+        }
+    }
+
+    /// A voice that is always on, and a shared node: the two that go on for all of the time.
+    const PATCH: &[u8] = b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n[shared.nodes]\nslow = { type = \"lfo\", rate = 2 }\n\
+        [voice.a]\nstart = \"always\"\noutput = \"o\"\n[voice.a.nodes]\ns = { type = \"sine\", frequency = 250 }\n\
+        o = { type = \"multiply\", inputs = [\"s\", \"slow\"] }\n";
+
+    #[test]
+    fn who_waits_is_told_how_far_it_is_and_may_stop_it_anywhere() {
+        let patch = Patch::parse("p", PATCH).unwrap().value;
+        let plan = scene(&patch, &Rig::default_for(2), &Options::default(), &NoAssets).unwrap().plan;
+        let take = Take { events: &[], input: &[], seconds: 1.0 };
+        let mut shares = Vec::new();
+        let mut all = |share| {
+            shares.push(share);
+            Ok::<(), End>(())
+        };
+        let ideal = take.reference_watched(&plan, &mut all).unwrap();
+        assert_eq!(ideal, take.reference(&plan));
+        assert!(shares.is_sorted() && shares.len() > 100, "{} times", shares.len());
+        assert!(shares.first() == Some(&0.0) && shares.last().is_some_and(|last| (0.9..=1.0).contains(last)));
+        for stop in [0.0, 0.2, 0.7] {
+            let (mut asked, mut late) = (false, 0);
+            let watched = take.reference_watched(&plan, &mut |share| {
+                late += usize::from(asked);
+                asked |= share >= stop;
+                if asked { Err(End::Asked) } else { Ok(()) }
+            });
+            assert_eq!((watched.unwrap_err(), late), (End::Asked, 0), "{stop}");
+            let measured = take.measure_watched(&plan, &ideal, &mut |share| {
+                if share >= stop { Err(End::Asked) } else { Ok(()) }
+            });
+            assert_eq!(measured.unwrap_err(), End::Asked, "{stop}");
+        }
+    }
 }

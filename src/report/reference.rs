@@ -6,6 +6,7 @@
 //! random numbers, and the [fade](crate::dsp::fade) of voices without an envelope.
 
 use std::collections::VecDeque;
+use std::convert::Infallible;
 
 use super::decimate::Decimator;
 use super::hearing::hearing;
@@ -50,12 +51,26 @@ pub fn reference_hearing(
     seconds: f64,
     over: usize,
 ) -> Reference {
+    let Ok(all) = reference_watched(plan, events, input, seconds, over, &mut |_| Ok::<(), Infallible>(()));
+    all
+}
+
+/// As [`reference_hearing`], for somebody who waits: `watch` is asked many times a second with the share that is done, from 0 to 1.
+///
+/// # Errors
+/// The first that `watch` gives, at once.
+pub fn reference_watched<S>(
+    plan: &Plan,
+    events: &[(f64, Play)],
+    input: &[Vec<f32>],
+    seconds: f64,
+    over: usize,
+    watch: &mut dyn FnMut(f64) -> Result<(), S>,
+) -> Result<Reference, S> {
     let rate = plan.engine_rate();
     let fine = rate * over as f64;
     let length = (seconds * rate).ceil() as usize;
     let decimator = Decimator::new(over);
-    let shared = shared(plan, length * over, fine, hearing(plan, input, length, over));
-    let mut channels = vec![vec![0.0; length]; plan.channels];
     let always = plan.instruments.iter().enumerate().filter(|(_, i)| i.always).map(|(i, instrument)| {
         let mut own = [0.0; FIELDS];
         own.iter_mut().zip(&instrument.defaults).for_each(|(value, default)| *value = *default);
@@ -69,22 +84,46 @@ pub fn reference_hearing(
         };
         (0.0, play)
     });
-    for (at, play) in always.chain(events.iter().copied()) {
+    let voices = || always.clone().chain(events.iter().copied());
+    // How long each is computed for, about; what rings on is not known beforehand.
+    let work = |at: f64, play: &Play| play.duration.min(seconds - at).max(0.01);
+    let of_shared = if plan.shared_program.ops.is_empty() { 0.0 } else { seconds };
+    let total = voices().map(|(at, play)| work(at, &play)).sum::<f64>() + of_shared;
+    let mut share = |done: f64| watch((done / total.max(1e-9)).min(1.0));
+    share(0.0)?;
+    let shared = shared(plan, length * over, fine, hearing(plan, input, length, over), &mut share)?;
+    let mut channels = vec![vec![0.0; length]; plan.channels];
+    let mut done = of_shared;
+    for (at, play) in voices() {
         let Some(instrument) = plan.instruments.get(play.instrument as usize) else { continue };
+        let own = work(at, &play);
         let at = Instant::of_samples(at * rate);
         let voice = Voice::new(&instrument.program, &play, at, plan.seed, rate, fine);
-        let (first, samples, gain) = voice.render(&play, &shared, length * over, instrument.tail + QUIET);
-        for &(channel, share) in plan.places.get(play.place as usize).into_iter().flatten() {
+        let mut within = |seconds: f64| share(done + seconds.clamp(0.0, own));
+        let rendered = voice.render(&play, &shared, length * over, instrument.tail + QUIET, &mut within)?;
+        let (first, samples, gain) = rendered;
+        done += own;
+        for &(channel, part) in plan.places.get(play.place as usize).into_iter().flatten() {
             if let Some(low) = channels.get_mut(channel as usize) {
-                decimator.add(&samples, first, gain * share, low);
+                share(done)?;
+                decimator.add(&samples, first, gain * part, low);
             }
         }
     }
-    Reference { rate, channels }
+    Ok(Reference { rate, channels })
 }
 
-/// Engine-wide signals over the whole time.
-fn shared(plan: &Plan, length: usize, fine: f64, mut heard: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+/// Samples between two questions whether to go on.
+const ASKED_EVERY: usize = 1 << 10;
+
+/// Engine-wide signals over the whole time. `within` is told how many seconds are done.
+fn shared<S>(
+    plan: &Plan,
+    length: usize,
+    fine: f64,
+    mut heard: Vec<Vec<f64>>,
+    within: &mut dyn FnMut(f64) -> Result<(), S>,
+) -> Result<Vec<Vec<f64>>, S> {
     let mut signals: Vec<Vec<f64>> = plan
         .shared
         .iter()
@@ -95,7 +134,7 @@ fn shared(plan: &Plan, length: usize, fine: f64, mut heard: Vec<Vec<f64>>) -> Ve
         })
         .collect();
     if plan.shared_program.ops.is_empty() {
-        return signals;
+        return Ok(signals);
     }
     let play = Play {
         instrument: 0,
@@ -108,6 +147,9 @@ fn shared(plan: &Plan, length: usize, fine: f64, mut heard: Vec<Vec<f64>>) -> Ve
     let mut voice =
         Voice::new(&plan.shared_program, &play, Instant::default(), plan.seed, plan.engine_rate(), fine);
     for n in 0..length {
+        if n.is_multiple_of(ASKED_EVERY) {
+            within(n as f64 / fine)?;
+        }
         voice.step(n as i64, &signals);
         for (i, source) in plan.shared.iter().enumerate() {
             if let Shared::Node(output) = *source {
@@ -115,7 +157,7 @@ fn shared(plan: &Plan, length: usize, fine: f64, mut heard: Vec<Vec<f64>>) -> Ve
             }
         }
     }
-    signals
+    Ok(signals)
 }
 
 /// One voice, by twins.
@@ -207,8 +249,15 @@ impl<'a> Voice<'a> {
         }
     }
 
-    /// First fine sample, samples, and the gain they all have.
-    fn render(mut self, play: &Play, shared: &[Vec<f64>], length: usize, tail: f64) -> (i64, Vec<f64>, f64) {
+    /// First fine sample, samples, and the gain they all have. `within` is told how many seconds are done.
+    fn render<S>(
+        mut self,
+        play: &Play,
+        shared: &[Vec<f64>],
+        length: usize,
+        tail: f64,
+        within: &mut dyn FnMut(f64) -> Result<(), S>,
+    ) -> Result<(i64, Vec<f64>, f64), S> {
         let enveloped = self.twins.iter().any(|t| t.sounding().is_some());
         // Noise is band-limited, so it begins before its first number, and so does what filters it. All else is 0 before the
         // onset where it is kept.
@@ -216,6 +265,9 @@ impl<'a> Voice<'a> {
         let released = self.born + play.duration * self.fine;
         let (mut samples, mut quiet, mut is_released) = (Vec::new(), 0.0, false);
         for n in first..length as i64 {
+            if samples.len().is_multiple_of(ASKED_EVERY) {
+                within((n - first) as f64 / self.fine)?;
+            }
             // Twins want to know of a release one sample ahead.
             if !is_released && released <= n as f64 + 1.0 {
                 is_released = true;
@@ -239,6 +291,6 @@ impl<'a> Voice<'a> {
                 break;
             }
         }
-        (first, samples, self.gain)
+        Ok((first, samples, self.gain))
     }
 }

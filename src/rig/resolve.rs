@@ -3,7 +3,12 @@
 use super::{Output, OutputKind, Rig};
 use crate::patch::{Action, Events, Patch, Place, Source};
 use crate::text::nearest::suggest;
+use crate::text::reader::Sink;
 use crate::text::{Problem, Span};
+
+fn sounds(output: &Output) -> bool {
+    !matches!(output.kind, OutputKind::Trigger { .. })
+}
 
 impl Rig {
     /// The output, by its place in [`Rig::outputs`], on which a place sounds. `None` is the first tactor; a position goes to the
@@ -12,14 +17,7 @@ impl Rig {
     /// # Errors
     /// Says what the rig lacks and suggests the nearest name; points at `span`.
     pub fn resolve(&self, place: Option<&Place>, span: &Span) -> Result<usize, Problem> {
-        let sounds = |output: &Output| !matches!(output.kind, OutputKind::Trigger { .. });
-        let found = match place {
-            None => self.outputs.iter().position(|o| o.kind == OutputKind::Vibration),
-            Some(Place::Name(name)) => self.outputs.iter().position(|o| o.name == *name),
-            Some(Place::Channel(channel)) => self.outputs.iter().position(|o| o.channel == *channel),
-            Some(Place::Position(position)) => self.nearest(position),
-        };
-        match (found.and_then(|i| self.outputs.get(i).map(|o| (i, o))), place) {
+        match (self.find(place).and_then(|i| self.outputs.get(i).map(|o| (i, o))), place) {
             (Some((i, output)), _) if sounds(output) => Ok(i),
             (Some((_, output)), _) => Err(Problem::error(
                 span,
@@ -49,12 +47,28 @@ impl Rig {
         }
     }
 
-    /// Every place of a patch that the rig lacks; those of events files are left to their reader.
+    fn find(&self, place: Option<&Place>) -> Option<usize> {
+        match place {
+            None => self.outputs.iter().position(|o| o.kind == OutputKind::Vibration),
+            Some(Place::Name(name)) => self.outputs.iter().position(|o| o.name == *name),
+            Some(Place::Channel(channel)) => self.outputs.iter().position(|o| o.channel == *channel),
+            Some(Place::Position(position)) => self.nearest(position),
+        }
+    }
+
+    /// Every place of a patch that the rig lacks, up to [`Sink::MOST`]; those of events files are left to their reader.
     pub fn check_places(&self, patch: &Patch) -> Vec<Problem> {
-        let mut problems = Vec::new();
+        let (mut problems, mut further, mut last) = (Vec::new(), 0_usize, 0..0);
         let mut check = |place: Option<&Place>, span: &Span| {
-            if let Some(place) = place {
+            let Some(place) = place else { return };
+            if problems.len() < Sink::MOST {
                 problems.extend(self.resolve(Some(place), span).err());
+            } else {
+                // Without advice, which takes a look at every name there is.
+                let found = self.find(Some(place)).and_then(|i| self.outputs.get(i));
+                if !found.is_some_and(sounds) {
+                    (further, last) = (further + 1, span.clone());
+                }
             }
         };
         for voice in &patch.voices {
@@ -78,6 +92,12 @@ impl Rig {
         }
         for trigger in patch.triggers.iter().filter(|t| t.on == Source::Start) {
             check(trigger.place.as_ref(), &trigger.span);
+        }
+        if further > 0 {
+            problems.push(Problem::error(
+                &last,
+                format!("and {further} more places that the rig lacks, up to here"),
+            ));
         }
         problems
     }

@@ -1,5 +1,6 @@
 //! What is wrong with a file, and where.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
@@ -56,8 +57,8 @@ impl Problem {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(&self.what)?;
-        self.help.iter().try_for_each(|help| write!(f, "\n  help: {help}"))
+        f.write_str(&shown(&self.what))?;
+        self.help.iter().try_for_each(|help| write!(f, "\n  help: {}", shown(help)))
     }
 }
 
@@ -103,15 +104,11 @@ impl Problems {
     }
     /// Line and column of a byte, both from 1; the column counts characters.
     pub fn position(&self, byte: usize) -> (usize, usize) {
-        let before = self.source.as_bytes().get(..byte).unwrap_or(self.source.as_bytes());
-        let line = before.iter().filter(|b| **b == b'\n').count() + 1;
-        let begin = before.iter().rposition(|b| *b == b'\n').map_or(0, |b| b + 1);
-        (line, self.column(begin, byte))
+        self.positions().of(byte)
     }
-    /// The character of a line that begins at `begin` in which a byte lies, from 1.
-    fn column(&self, begin: usize, byte: usize) -> usize {
-        let line = self.source.get(begin..).unwrap_or("");
-        line.char_indices().take_while(|(i, c)| begin + i + c.len_utf8() <= byte).count() + 1
+    /// Lines and columns of many bytes; see [`Positions`].
+    pub fn positions(&self) -> Positions<'_> {
+        Positions { source: &self.source, at: 0, line: 1, column: 1 }
     }
     /// By line; what concerns the whole file first.
     pub(crate) fn sort(&mut self) {
@@ -119,25 +116,88 @@ impl Problems {
     }
 }
 
+/// Lines and columns in a text, from 1. Asked for places in their order, it reads the text once.
+#[derive(Debug, Clone)]
+pub struct Positions<'a> {
+    source: &'a str,
+    at: usize,
+    line: usize,
+    column: usize,
+}
+
+impl Positions<'_> {
+    /// Of a byte; the column counts characters.
+    pub fn of(&mut self, byte: usize) -> (usize, usize) {
+        if byte < self.at {
+            (self.at, self.line, self.column) = (0, 1, 1);
+        }
+        for c in self.source.get(self.at..).unwrap_or_default().chars() {
+            if self.at + c.len_utf8() > byte {
+                break;
+            }
+            self.at += c.len_utf8();
+            (self.line, self.column) =
+                if c == '\n' { (self.line + 1, 1) } else { (self.line, self.column + 1) };
+        }
+        (self.line, self.column)
+    }
+}
+
+/// Characters of a name or text in quotes that are shown at its beginning and at its end, where it has more than [`MOST`].
+const SHOWN: (usize, usize) = (40, 15);
+/// A name in quotes that has more characters is shown in part; a path is shown whole.
+const MOST: usize = 60;
+
+/// A message as it may be shown: on one line, without what moves a cursor, and with long names in quotes cut short.
+pub fn shown(text: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some(begin) = rest.find(['`', '"']) {
+        let (before, quoted) = rest.split_at(begin);
+        let quote = quoted.get(..1).unwrap_or_default();
+        let Some((name, behind)) = quoted.get(1..).and_then(|inner| inner.split_once(quote)) else { break };
+        let (first, last) = SHOWN;
+        let count = if name.len() > MOST { name.chars().count() } else { 0 };
+        out += &escaped(before);
+        out += quote;
+        if count > MOST && !name.contains('/') {
+            out += &escaped(&name.chars().take(first).collect::<String>());
+            out += "...";
+            out += &escaped(&name.chars().skip(count - last).collect::<String>());
+        } else {
+            out += &escaped(name);
+        }
+        out += quote;
+        rest = behind;
+    }
+    out + &escaped(rest)
+}
+
+/// On one line, and without what moves a cursor: control characters as in a program's text, such as `\\n`.
+pub fn escaped(text: &str) -> Cow<'_, str> {
+    if !text.contains(char::is_control) {
+        return text.into();
+    }
+    let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(escape).collect::<String>().into()
+}
+
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let breaks: Vec<usize> =
-            self.source.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
+        let (file, mut positions) = (escaped(&self.file), self.positions());
         for (i, problem) in self.list.iter().enumerate() {
             if i > 0 {
                 writeln!(f)?;
             }
-            if !self.file.is_empty() {
-                write!(f, "{}:", self.file)?;
+            if !file.is_empty() {
+                write!(f, "{file}:")?;
             }
             if let Some(span) = problem.span.as_ref().filter(|_| !self.source.is_empty()) {
-                let before = breaks.partition_point(|b| *b < span.start);
-                let begin = before.checked_sub(1).and_then(|i| breaks.get(i)).map_or(0, |b| b + 1);
-                let (line, column) = (before + 1, self.column(begin, span.start));
+                let (line, column) = positions.of(span.start);
                 write!(f, "{line}:{column}:")?;
             }
             let word = if problem.is_error() { "error" } else { "warning" };
-            let gap = if self.file.is_empty() { "" } else { " " };
+            let gap = if file.is_empty() { "" } else { " " };
             write!(f, "{gap}{word}: {problem}")?;
         }
         Ok(())
@@ -157,7 +217,7 @@ pub struct Checked<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Origin, Problem, Problems};
+    use super::{Origin, Problem, Problems, shown};
 
     #[test]
     fn lines_and_columns_count_from_one_in_characters() {
@@ -184,5 +244,33 @@ mod tests {
         assert_eq!(error.to_string(), "error: all\n  help: do y\nerror: no x");
         let one: Box<dyn std::error::Error> = Problem::of_file("all").help("do y".to_string()).into();
         assert_eq!(one.to_string(), "all\n  help: do y");
+    }
+
+    #[test]
+    fn places_are_the_same_in_any_order() {
+        let source: String = "aµ\n\nxyz é\n".repeat(9);
+        let problems = Problems { source: source.clone(), ..Problems::default() };
+        let mut forwards = problems.positions();
+        for byte in (0..source.len()).chain([3, 2, 40, 7]) {
+            let before: Vec<&str> =
+                (0..=byte).rev().find_map(|b| source.get(..b)).unwrap().split('\n').collect();
+            let expected = (before.len(), before.last().unwrap().chars().count() + 1);
+            assert_eq!(forwards.of(byte), expected, "{byte}");
+            assert_eq!(problems.position(byte), expected, "{byte}");
+        }
+    }
+
+    #[test]
+    fn a_name_cannot_forge_a_line_or_fill_the_screen() {
+        let long = "n".repeat(1_000);
+        let cut = format!("no `{}...{}`; there is \"b\"", "n".repeat(40), "n".repeat(15));
+        assert_eq!(shown(&format!("no `{long}`; there is \"b\"")), cut);
+        let path = format!("`{long}/x.wav` is not there");
+        assert_eq!(shown(&path), path, "a path is shown whole");
+        assert_eq!(shown("`a\nf.toml:1:1: error: b\u{1b}[2J`"), "`a\\nf.toml:1:1: error: b\\u{1b}[2J`");
+        assert_eq!(shown("an odd ` quote"), "an odd ` quote");
+        let list = vec![Problem::of_file("x\ny").help("do\nz".to_string())];
+        let problems = Problems { file: "f\ng".into(), source: String::new(), list };
+        assert_eq!(problems.to_string(), "f\\ng: error: x\\ny\n  help: do\\nz");
     }
 }

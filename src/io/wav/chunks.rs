@@ -1,5 +1,6 @@
 //! Finds the two chunks that matter in a RIFF or RF64 file, believing nothing that the file cannot back.
 
+use super::header::GUID_TAIL;
 use crate::io::error::{FileError, FileErrorKind};
 use std::io::{self, Read, Seek, SeekFrom};
 
@@ -189,6 +190,18 @@ fn read_format<R: Read>(source: &mut R, size: u64) -> Result<Format, Trouble> {
         }
         let rest: [u8; 24] = bytes(source)?;
         tag = u16::from_le_bytes([rest[8], rest[9]]);
+        if rest[10..] != GUID_TAIL {
+            return file(
+                "its samples are in a format of somebody's own (an unknown identifier in its header): convert it, such as with `sox in.wav -b 24 -e signed out.wav`",
+            );
+        }
+        // 0 says nothing, and some programs write it.
+        let valid = u16::from_le_bytes([rest[2], rest[3]]);
+        if valid > bits {
+            return file(format!(
+                "its header says that {valid} bits of each sample of {bits} bits count: write it again"
+            ));
+        }
     }
     if channels == 0 {
         return file("its header says that it has 0 channels: write it again");
@@ -197,7 +210,7 @@ fn read_format<R: Read>(source: &mut R, size: u64) -> Result<Format, Trouble> {
         return file("its header says that it has a rate of 0 Hz: write it again");
     }
     let stored = match (tag, bits) {
-        (1, 1..=32) => Stored::Integer(usize::from(bits.div_ceil(8))),
+        (1, 8..=32) => Stored::Integer(usize::from(bits.div_ceil(8))),
         (3, 32) => Stored::Float,
         (1 | 3, _) => {
             let kind = if tag == 1 { "integers" } else { "floats" };

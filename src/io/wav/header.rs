@@ -12,7 +12,7 @@ const ELSEWHERE: u32 = u32::MAX;
 pub(super) const RIFF_LIMIT: u64 = ELSEWHERE as u64 - 1;
 
 /// The tail that all format identifiers of Microsoft's `ksmedia.h` share.
-const GUID_TAIL: [u8; 14] =
+pub(super) const GUID_TAIL: [u8; 14] =
     [0x00, 0x00, 0x00, 0x00, 0x10, 0x00, 0x80, 0x00, 0x00, 0xAA, 0x00, 0x38, 0x9B, 0x71];
 const PCM: u16 = 1;
 const IEEE_FLOAT: u16 = 3;
@@ -104,10 +104,10 @@ fn format_chunk(spec: &WavSpec) -> Vec<u8> {
 /// Title, software and the names of the tactors, before the samples so that a file cut short has them too.
 fn info(spec: &WavSpec) -> Vec<u8> {
     let names: Vec<String> =
-        spec.tactors.iter().enumerate().map(|(i, name)| format!("{}: {}", i + 1, plain(name))).collect();
+        spec.tactors.iter().enumerate().map(|(i, name)| format!("{}: {}", i + 1, plain(name, 128))).collect();
     let mut body = b"INFO".to_vec();
     let texts = [
-        (b"INAM", plain(&spec.title)),
+        (b"INAM", plain(&spec.title, 1024)),
         (b"ISFT", concat!("pacinian ", env!("CARGO_PKG_VERSION")).to_owned()),
         (b"ICMT", names.join("\n")),
     ];
@@ -129,9 +129,14 @@ fn info(spec: &WavSpec) -> Vec<u8> {
     out
 }
 
-/// On one line and without the zero that ends a text.
-fn plain(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+/// On one line, without the zero that ends a text, and of so many bytes at most: the header is written again every two seconds.
+fn plain(text: &str, most: usize) -> String {
+    let mut length = 0;
+    let within = text.chars().take_while(|c| {
+        length += c.len_utf8();
+        length <= most
+    });
+    within.map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 #[cfg(test)]
@@ -156,6 +161,20 @@ mod tests {
                 assert_eq!(text.contains("1: top\n2: left wrist\0"), !title.is_empty());
             }
         }
+    }
+
+    #[test]
+    fn long_names_are_cut_between_characters() {
+        let spec = WavSpec {
+            title: "µ".repeat(1_000_000),
+            tactors: vec!["a".to_owned() + &"é".repeat(500); 2],
+            ..WavSpec::new(2, 8000, Encoding::F32)
+        };
+        let (header, _) = header(&spec, 0, RIFF_LIMIT);
+        assert!(header.len() < 1024 + 2 * 128 + 250, "{}", header.len());
+        let text = String::from_utf8_lossy(&header).into_owned();
+        assert!(text.contains(&("µ".repeat(512) + "\0")) && !text.contains(&"µ".repeat(513)));
+        assert!(text.contains(&format!("1: a{}\n2: a", "é".repeat(63))));
     }
 
     #[test]

@@ -6,9 +6,11 @@ mod header;
 mod reader;
 mod writer;
 
+use crate::io::error::FileError;
+
 pub use encode::{Encoding, UnknownEncoding};
 pub use reader::{WavInfo, WavReader};
-pub use writer::{WavWriter, Written};
+pub use writer::{REFRESH, WavWriter, Written};
 
 /// What is to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,10 +23,10 @@ pub struct WavSpec {
     pub encoding: Encoding,
     /// Of the dither.
     pub seed: u64,
-    /// Of the piece (`INAM`); none if empty.
+    /// Of the piece (`INAM`); none if empty. What is behind its first 1,024 bytes is left out.
     pub title: String,
     /// Names of the tactors in the order of the channels, kept as the file's comment (`ICMT`): a line for each, such as
-    /// `3: wrist`. None if empty.
+    /// `3: wrist`. None if empty. Of each, 128 bytes at most are kept.
     pub tactors: Vec<String>,
 }
 
@@ -32,5 +34,13 @@ impl WavSpec {
     /// A nameless file.
     pub fn new(channels: usize, rate: u32, encoding: Encoding) -> Self {
         Self { channels, rate, encoding, seed: 0, title: String::new(), tactors: Vec::new() }
+    }
+
+    /// Whether a WAV file can be like this.
+    ///
+    /// # Errors
+    /// No rate, no channels, or more of them than a header has room for: a frame has less than 64 KiB, a second less than 4 GiB.
+    pub fn check(&self) -> Result<(), FileError> {
+        header::check(self)
     }
 }

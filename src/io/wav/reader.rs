@@ -2,6 +2,7 @@
 
 use super::chunks::{Map, Stored, Trouble, map};
 use crate::io::error::{FileError, FileErrorKind};
+use crate::io::open::open;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -44,11 +45,7 @@ impl WavReader<BufReader<File>> {
     /// format that cannot be read.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
-        if path.is_dir() {
-            return Err(FileError::folder(path));
-        }
-        let file = File::open(path).map_err(|error| FileError::reading(path, &error))?;
-        Self::new(BufReader::new(file), path)
+        Self::new(BufReader::new(open(path)?), path)
     }
 }
 
@@ -73,26 +70,48 @@ impl<R: Read + Seek> WavReader<R> {
     ///
     /// # Errors
     /// When there is no such channel, when the file cannot be read or holds a sample that is no finite number, and when it
-    /// has more than 2²⁸ frames (an hour and a half at 48 kHz).
+    /// has more than 2²⁸ frames (an hour and a half at 48 kHz) or more than there is memory for.
     pub fn channel(&mut self, channel: usize) -> Result<Vec<f32>, FileError> {
-        let channels = self.map.channels;
-        if !(1..=channels).contains(&channel) {
-            let have = if channels == 1 { "1 channel".into() } else { format!("{channels} channels") };
-            return Err(FileError::new(
-                FileErrorKind::Malformed,
-                format!(
-                    "`{}` has {have}, so there is no channel {channel}: choose one from 1 to {channels}",
-                    self.path.display()
-                ),
-            ));
-        }
-        let mut out = Vec::with_capacity(self.frames()?);
-        self.decode(|frame, samples| {
-            let x = samples[channel - 1];
+        self.check_channel(channel)?;
+        let mut out = self.room()?;
+        self.read(channel, u64::MAX, |x| {
             out.push(x);
-            finite(x, frame, channel)
+            Ok(())
         })?;
         Ok(out)
+    }
+
+    /// Shows `take` the samples of one channel, counted from 1, of the first `frames` frames at most.
+    ///
+    /// # Errors
+    /// As [`channel`](Self::channel), but for the number of frames; and what `take` says is wrong.
+    pub fn read(
+        &mut self,
+        channel: usize,
+        frames: u64,
+        mut take: impl FnMut(f32) -> Result<(), String>,
+    ) -> Result<(), FileError> {
+        self.check_channel(channel)?;
+        self.decode(frames, |frame, samples| {
+            let x = samples[channel - 1];
+            finite(x, frame, channel)?;
+            take(x).map_err(Trouble::File)
+        })
+    }
+
+    fn check_channel(&self, channel: usize) -> Result<(), FileError> {
+        let channels = self.map.channels;
+        if (1..=channels).contains(&channel) {
+            return Ok(());
+        }
+        let have = if channels == 1 { "1 channel".into() } else { format!("{channels} channels") };
+        Err(FileError::new(
+            FileErrorKind::Malformed,
+            format!(
+                "`{}` has {have}, so there is no channel {channel}: choose one from 1 to {channels}",
+                self.path.display()
+            ),
+        ))
     }
 
     /// The samples of all channels.
@@ -100,9 +119,8 @@ impl<R: Read + Seek> WavReader<R> {
     /// # Errors
     /// As [`channel`](Self::channel).
     pub fn channels(&mut self) -> Result<Vec<Vec<f32>>, FileError> {
-        let frames = self.frames()?;
-        let mut out: Vec<Vec<f32>> = (0..self.map.channels).map(|_| Vec::with_capacity(frames)).collect();
-        self.decode(|frame, samples| {
+        let mut out = (0..self.map.channels).map(|_| self.room()).collect::<Result<Vec<_>, _>>()?;
+        self.decode(u64::MAX, |frame, samples| {
             for (c, (out, &x)) in out.iter_mut().zip(samples).enumerate() {
                 out.push(x);
                 finite(x, frame, c + 1)?;
@@ -112,7 +130,8 @@ impl<R: Read + Seek> WavReader<R> {
         Ok(out)
     }
 
-    fn frames(&self) -> Result<usize, FileError> {
+    /// For a channel.
+    fn room(&self) -> Result<Vec<f32>, FileError> {
         if self.map.frames > MOST_FRAMES {
             let what = format!(
                 "it has {} frames, and more than {MOST_FRAMES} are not taken into memory: cut it into shorter files",
@@ -120,18 +139,33 @@ impl<R: Read + Seek> WavReader<R> {
             );
             return Err(Trouble::File(what).at(&self.path));
         }
-        Ok(self.map.frames as usize)
+        let mut room = Vec::new();
+        room.try_reserve_exact(self.map.frames as usize).map_err(|_| {
+            let what =
+                format!("there is no memory for its {} frames: cut it into shorter files", self.map.frames);
+            Trouble::File(what).at(&self.path)
+        })?;
+        Ok(room)
     }
 
-    /// Shows `take` every frame.
-    fn decode(&mut self, take: impl FnMut(u64, &[f32]) -> Result<(), Trouble>) -> Result<(), FileError> {
-        self.pieces(take).map_err(|trouble| trouble.at(&self.path))
+    /// Shows `take` every frame of the first so many.
+    fn decode(
+        &mut self,
+        frames: u64,
+        take: impl FnMut(u64, &[f32]) -> Result<(), Trouble>,
+    ) -> Result<(), FileError> {
+        self.pieces(frames, take).map_err(|trouble| trouble.at(&self.path))
     }
 
     /// `hound` gets each piece as a little file of its own with a header that is known to be right. So none of its limits on
     /// headers and lengths is met, and a piece is all that it can make of what it is given.
-    fn pieces(&mut self, mut take: impl FnMut(u64, &[f32]) -> Result<(), Trouble>) -> Result<(), Trouble> {
+    fn pieces(
+        &mut self,
+        most: u64,
+        mut take: impl FnMut(u64, &[f32]) -> Result<(), Trouble>,
+    ) -> Result<(), Trouble> {
         let Map { channels, stored, start, frames, .. } = self.map;
+        let frames = frames.min(most);
         let block = channels * stored.bytes();
         let step = (PIECE / channels).max(1) as u64;
         self.source.seek(SeekFrom::Start(start))?;
@@ -276,6 +310,28 @@ mod tests {
     }
 
     #[test]
+    fn extensible_forms_are_what_their_identifier_says() {
+        let read_as = |valid: u16, bits: u16, tag: u16, last: u8| {
+            let mut tail = vec![22, 0];
+            tail.extend([valid.to_le_bytes(), [0; 2], [0; 2], tag.to_le_bytes()].concat());
+            tail.extend([0, 0, 0, 0, 0x10, 0, 0x80, 0, 0, 0xAA, 0, 0x38, 0x9B, last]);
+            read(&by_hand(0xFFFE, 1, 8000, bits / 8, bits, &tail, &[0, 0, 0, 0x40][4 - bits as usize / 8..]))
+        };
+        for valid in [0, 20, 24] {
+            assert_eq!(read_as(valid, 24, 1, 0x71).unwrap(), [[0.5]], "{valid}");
+        }
+        assert_eq!(read_as(32, 32, 3, 0x71).unwrap(), [[2.0]]);
+        for (valid, tag, last, words) in [
+            (25, 1, 0x71, "25 bits of each sample of 24 bits"),
+            (24, 1, 0x72, "unknown identifier"),
+            (24, 7, 0x71, "compressed"),
+        ] {
+            let error = read_as(valid, 24, tag, last).unwrap_err();
+            assert!(error.message.contains(words), "{words}: {error}");
+        }
+    }
+
+    #[test]
     fn damage_is_described() {
         let good = by_hand(1, 1, 8000, 2, 16, &[], &[1, 2, 3, 4]);
         let with = |at: usize, bytes: &[u8]| {
@@ -299,6 +355,7 @@ mod tests {
             (with(32, &[255, 255]), "a frame has 65535 bytes"),
             (with(32, &[0, 0]), "a frame has 0 bytes"),
             (with(34, &[0, 0]), "integers of 0 bits"),
+            (with(34, &[7, 0]), "integers of 7 bits"),
             (with(34, &[64, 0]), "integers of 64 bits"),
             (with(20, &[3, 0]), "floats of 16 bits"),
             (with(40, &[6, 0]), "promises 6 bytes of samples where the file has 4"),

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// Bytes that are collected before the file is given them.
 const BUFFER: usize = 256 << 10;
 /// Seconds of sound after which the header is brought up to date.
-const REFRESH: u64 = 2;
+pub const REFRESH: u64 = 2;
 
 /// A WAV file being written, of any number of channels and any length.
 ///

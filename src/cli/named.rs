@@ -1,0 +1,73 @@
+//! Files that a patch names: which they are, and what became of them.
+
+use pacinian::io::assets::Folder;
+use pacinian::node::asset::{Asset, Assets};
+use pacinian::patch::{Events, Patch, Value};
+use pacinian::text::Span;
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Exit codes of files that cannot be read, by where the patch names them.
+pub type Codes = HashMap<(usize, usize), u8>;
+
+/// Recordings of a folder, and what became of them.
+pub struct Watched<'a> {
+    folder: &'a Folder,
+    seen: Mutex<Seen>,
+}
+
+/// What became of them.
+#[derive(Debug, Default)]
+pub struct Seen {
+    /// Those that were read.
+    pub paths: Vec<PathBuf>,
+    /// Exit codes by the path that the patch names.
+    pub failures: HashMap<String, u8>,
+}
+
+impl<'a> Watched<'a> {
+    /// Of a folder from which nothing was read.
+    pub fn new(folder: &'a Folder) -> Self {
+        Self { folder, seen: Mutex::default() }
+    }
+
+    /// What became of them.
+    pub fn finish(self) -> Seen {
+        self.seen.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Seen {
+    /// Exit codes by where the patch names what failed.
+    pub fn codes(&self, patch: &Patch) -> Codes {
+        let code = |(path, span): (&str, &Span)| Some(((span.start, span.end), *self.failures.get(path)?));
+        named(patch).filter_map(code).collect()
+    }
+}
+
+impl Assets for Watched<'_> {
+    fn load(&self, path: &str, channel: usize) -> Result<Arc<Asset>, String> {
+        let result = self.folder.recording(path, channel);
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        match &result {
+            Ok(_) => seen.paths.extend(self.folder.resolve(path)),
+            Err(error) => drop(seen.failures.insert(path.into(), error.exit_code())),
+        }
+        result.map_err(|error| error.message)
+    }
+}
+
+/// Every file that a patch names, be it ever played or not, and where it names it.
+pub fn named(patch: &Patch) -> impl Iterator<Item = (&str, &Span)> {
+    let nodes = patch.voices.iter().flat_map(|voice| &voice.nodes).chain(&patch.shared);
+    let recordings = nodes.flat_map(|node| &node.arguments).filter_map(|argument| match &argument.value {
+        Value::File(path) => Some((path.as_str(), &argument.span)),
+        _ => None,
+    });
+    let events = patch.patterns.iter().filter_map(|pattern| match &pattern.events {
+        Events::File(path, span) => Some((path.as_str(), span)),
+        Events::Inline(_) => None,
+    });
+    recordings.chain(events)
+}
