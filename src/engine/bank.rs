@@ -69,6 +69,11 @@ impl<R: Real> Bank<R> {
         }
     }
 
+    /// Lanes, spare ones included.
+    pub fn lanes(&self) -> usize {
+        self.lanes.len()
+    }
+
     /// Voices that sound, those that fade aside.
     pub fn sounding(&self) -> usize {
         self.sounding
@@ -79,7 +84,8 @@ impl<R: Real> Bank<R> {
         self.taken == 0
     }
 
-    /// Starts a voice at `at`, when `clock` is the next sample to be computed, on the channels of `place`. Gives its lane.
+    /// Starts a voice at `at`, when `clock` is the next sample to be computed, on the channels of `place`. Gives its lane, and
+    /// that of the voice which had to make room, if one had to.
     pub fn start(
         &mut self,
         play: &Play,
@@ -87,10 +93,8 @@ impl<R: Real> Bank<R> {
         clock: u64,
         place: &[(u32, f64)],
         serial: u64,
-    ) -> usize {
-        if self.sounding >= self.voices {
-            self.make_room(at);
-        }
+    ) -> (usize, Option<usize>) {
+        let stolen = if self.sounding >= self.voices { self.make_room(at) } else { None };
         let lane = self.free_lane();
         let (group, l) = (lane / LANES, lane % LANES);
         let status = Status::Held;
@@ -105,7 +109,7 @@ impl<R: Real> Bank<R> {
             self.rising[group] |= 1 << l;
         }
         self.sounding += 1;
-        lane
+        (lane, stolen)
     }
 
     /// Sends a lane to the channels of `place`, with the gain of its event.
@@ -169,9 +173,9 @@ impl<R: Real> Bank<R> {
         }
     }
 
-    /// Releases the voice of that id on `lane`, if it is still there.
-    pub fn release(&mut self, lane: usize, id: u64, at: Instant) {
-        let Some(voice) = self.lanes.get_mut(lane).filter(|v| v.play.id == id && v.status == Status::Held)
+    /// Releases the voice of that serial number on `lane`, if it is still there.
+    pub fn end(&mut self, lane: usize, serial: u64, at: Instant) {
+        let Some(voice) = self.lanes.get_mut(lane).filter(|v| v.serial == serial && v.status == Status::Held)
         else {
             return;
         };
@@ -186,12 +190,13 @@ impl<R: Real> Bank<R> {
         }
     }
 
-    /// Releases all voices of that id, or all there are.
-    pub fn release_all(&mut self, id: Option<u64>, at: Instant) {
+    /// Releases all voices of that id, or all there are; `released` hears of their lanes.
+    pub fn release_all(&mut self, id: Option<u64>, at: Instant, mut released: impl FnMut(usize)) {
         for lane in 0..self.lanes.len() {
             let voice = self.lanes[lane];
             if voice.status == Status::Held && id.is_none_or(|id| id == voice.play.id) {
-                self.release(lane, voice.play.id, at);
+                self.end(lane, voice.serial, at);
+                released(lane);
             }
         }
     }
@@ -351,8 +356,8 @@ impl<R: Real> Bank<R> {
         lane
     }
 
-    /// Lets a voice fade: of those released the quietest, else the oldest.
-    fn make_room(&mut self, at: Instant) {
+    /// Lets a voice fade: of those released the quietest, else the oldest. Gives its lane.
+    fn make_room(&mut self, at: Instant) -> Option<usize> {
         let of_status = |status| {
             let lanes = self.lanes.iter().enumerate();
             lanes.filter(move |(_, lane)| lane.status == status).map(|(i, lane)| (i, lane.serial))
@@ -363,12 +368,12 @@ impl<R: Real> Bank<R> {
             .map(|(lane, ..)| lane);
         let victim = quietest
             .or_else(|| of_status(Status::Held).min_by_key(|(_, serial)| *serial).map(|(lane, _)| lane));
-        if let Some(lane) = victim {
-            self.lanes[lane].status = Status::Fading(at);
-            self.fading[lane / LANES] |= 1 << (lane % LANES);
-            self.sounding -= 1;
-            self.stolen += 1;
-        }
+        let lane = victim?;
+        self.lanes[lane].status = Status::Fading(at);
+        self.fading[lane / LANES] |= 1 << (lane % LANES);
+        self.sounding -= 1;
+        self.stolen += 1;
+        Some(lane)
     }
 }
 
