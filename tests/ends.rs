@@ -45,8 +45,8 @@ fn ends_of_stolen_voices_take_no_room_from_later_events() {
         ]
     "#;
     let options = Options::default();
-    let mut player =
-        Player::new(&patch(text), &Rig::default_for(2), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+    let mut player = Player::new(&patch(text), &Rig::default_for(2), &options, &NoAssets)
+        .unwrap_or_else(|p| panic!("{p}"));
     let heard = Arc::new(Mutex::new(0));
     let count = Arc::clone(&heard);
     player.listen(Box::new(move |_| *count.lock().unwrap() += 1));
@@ -80,7 +80,10 @@ fn a_voice_is_not_ended_by_one_before_it_of_the_same_id() {
     let notes = notes.map(|(at, duration)| (at * RATE, play(0, 0, 100.0, duration, 0)));
     schedule(&mut engine, &notes);
     let signal = channel(&run(&mut engine, 6 * 48_000, &[480]), 1, 0);
-    assert!(peak(&signal, 0.45, 0.49) > 0.5 && peak(&signal, 0.53, 0.6) < 1e-3, "the second note ends at 0.5 s");
+    assert!(
+        peak(&signal, 0.45, 0.49) > 0.5 && peak(&signal, 0.53, 0.6) < 1e-3,
+        "the second note ends at 0.5 s"
+    );
     assert!(peak(&signal, 1.1, 1.2) > 0.5 && peak(&signal, 5.5, 5.59) > 0.5, "the third sounds its 5 s");
     assert!(peak(&signal, 5.65, 6.0) < 1e-3);
 }

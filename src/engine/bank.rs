@@ -9,6 +9,7 @@ use super::workspace::{Bus, Workspace};
 use crate::dsp::fade::{FADE, fade};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
+use crate::graph::budget;
 use crate::graph::plan::Instrument;
 use crate::graph::program::Feed;
 use crate::node::kernel::LEAD;
@@ -47,8 +48,7 @@ pub struct Bank<R: Real> {
 impl<R: Real> Bank<R> {
     /// Silent lanes for an instrument, in an engine at `rate` with so many groups of channels.
     pub fn new(instrument: &Instrument, rate: f64, seed: u64, channel_groups: usize, isa: Isa) -> Self {
-        // Spare lanes let a voice that makes room fade while the new one already sounds.
-        let groups = (instrument.voices + instrument.voices.min(LANES)).div_ceil(LANES);
+        let groups = budget::groups(instrument.voices);
         Self {
             isa,
             ops: Ops::new(&instrument.program, groups, rate, seed, isa),

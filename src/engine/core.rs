@@ -270,9 +270,9 @@ impl<R: Real> Core<R> {
         }
         let now = Instant { sample: self.clock, fraction: 0 };
         for ((bank, first), from) in self.banks.iter_mut().zip(&self.first).zip(&inheritance.instruments) {
-            let from = from.as_ref().and_then(|(from, ops)| {
-                Some((old.banks.get_mut(*from)?, ops, old.first.get(*from)?))
-            });
+            let from = from
+                .as_ref()
+                .and_then(|(from, ops)| Some((old.banks.get_mut(*from)?, ops, old.first.get(*from)?)));
             match from {
                 Some((bank_of_old, ops, first_of_old)) => {
                     bank.adopt(bank_of_old, ops, &self.places);

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::budget::Need;
 use super::build::{self, Want, Wanted};
 use super::not_yet::{never_fed, not_yet};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
@@ -64,7 +65,7 @@ pub struct Scene {
 ///
 /// # Errors
 /// Everything that keeps the two from playing together: recordings that cannot be read, places the rig does not have, a
-/// rate out of [`RATES`], an unknown pattern.
+/// rate out of [`RATES`], an unknown pattern, more memory than [`super::budget::MOST`].
 pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -> Result<Scene, Problems> {
     // Files were checked when they were read; what is made or changed in code was not.
     let mut problems: Vec<Problem> = patch.check().into_iter().filter(Problem::is_error).collect();
@@ -164,6 +165,17 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         markers,
         left_out,
     };
+    let need = Need::of(&plan);
+    if need.is_too_much() {
+        let of = |i: &Option<u32>| need.most.instrument == i.map(|i| i as usize);
+        let voice = of_voice.iter().position(of).filter(|_| need.most.instrument.is_some());
+        let span = voice.and_then(|v| patch.voices.get(v)).map(|voice| {
+            let node =
+                need.most.node.as_ref().and_then(|(name, _)| voice.nodes.iter().find(|n| *n.name == **name));
+            node.map_or(&voice.span, |node| &node.span).clone()
+        });
+        return Err(patch.origin.problems(vec![Problem { span, ..need.problem() }]));
+    }
     Ok(Scene { plan, patterns, instruments: of_voice })
 }
 

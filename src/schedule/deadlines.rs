@@ -86,7 +86,8 @@ impl Deadlines {
             if below >= self.heap.len() {
                 return;
             }
-            let other = below + usize::from(below + 1 < self.heap.len() && self.comes_before(below + 1, below));
+            let other =
+                below + usize::from(below + 1 < self.heap.len() && self.comes_before(below + 1, below));
             if !self.comes_before(other, place) {
                 return;
             }
