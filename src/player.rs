@@ -2,6 +2,7 @@
 
 mod heard;
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::engine::Engine;
@@ -31,6 +32,9 @@ pub struct Player {
     patch: Arc<Patch>,
     rig: Arc<Rig>,
     instruments: Vec<Option<u32>>,
+    /// Places of voices in the patch: by name, and by instrument.
+    voices: HashMap<String, usize>,
+    voice_of: Vec<usize>,
     score: Score<'static>,
     ahead: Option<Timed>,
     over: bool,
@@ -69,6 +73,14 @@ impl Player {
     ) -> Result<Self, Problems> {
         let Scene { plan, patterns, instruments } = scene(patch, rig, options, assets)?;
         let (patch, rig) = (Arc::new(patch.clone()), Arc::new(rig.clone()));
+        // Where two voices share a name, the first has it.
+        let voices = patch.voices.iter().enumerate().rev().map(|(i, v)| (v.name.clone(), i)).collect();
+        let mut voice_of = vec![usize::MAX; plan.instruments.len()];
+        for (voice, instrument) in instruments.iter().enumerate() {
+            if let Some(slot) = instrument.and_then(|i| voice_of.get_mut(i as usize)) {
+                *slot = voice;
+            }
+        }
         let roots: Vec<(usize, f64)> = patterns.iter().map(|&p| (p, 0.0)).collect();
         let of_rig = Arc::clone(&rig);
         let places = move |place: Option<&Place>| of_rig.resolve(place, &(0..0)).map(|i| i as u32);
@@ -81,6 +93,8 @@ impl Player {
             patch,
             rig,
             instruments,
+            voices,
+            voice_of,
             score,
             ahead: None,
             over: false,
@@ -98,7 +112,7 @@ impl Player {
     fn start(&mut self) -> Result<(), Problem> {
         let patch = Arc::clone(&self.patch);
         for trigger in patch.triggers.iter().filter(|t| t.on == crate::patch::Source::Start) {
-            if let Some(voice) = patch.voices.iter().find(|v| v.name == trigger.play) {
+            if self.voices.contains_key(&trigger.play) {
                 let mut note = Note { place: trigger.place.clone(), ..Note::default() };
                 for (field, expr, span) in &trigger.set {
                     let value = expr.constant().ok_or_else(|| {
@@ -111,7 +125,7 @@ impl Player {
                         _ => note.fields.push((field.clone(), value)),
                     }
                 }
-                self.play_at(0.0, &voice.name, &note)
+                self.play_at(0.0, &trigger.play, &note)
                     .map_err(|problem| Problem { span: Some(trigger.span.clone()), ..problem })?;
             }
         }
@@ -192,7 +206,7 @@ impl Player {
     /// As [`Player::play`].
     pub fn play_at(&mut self, at: f64, voice: &str, note: &Note) -> Result<u64, Problem> {
         let patch = Arc::clone(&self.patch);
-        let index = patch.voices.iter().position(|v| v.name == voice);
+        let index = self.voices.get(voice).copied();
         let Some((index, instrument)) = index.and_then(|v| Some((v, self.instruments[v]?))) else {
             let what = if index.is_some() {
                 format!("voice `{voice}` was left out, since nothing starts it; compile with `live`")
@@ -357,8 +371,8 @@ impl Player {
         let instant = Instant::of_samples(at * self.plan.engine_rate());
         let patch = Arc::clone(&self.patch);
         let rig = Arc::clone(&self.rig);
-        let Some(voice) = self.instruments.iter().position(|i| *i == Some(play.instrument)) else { return };
-        let Some(voice) = patch.voices.get(voice) else { return };
+        let voice = self.voice_of.get(play.instrument as usize);
+        let Some(voice) = voice.and_then(|voice| patch.voices.get(*voice)) else { return };
         let what = Happening::Voice {
             name: &voice.name,
             place: rig.outputs.get(play.place as usize).map_or("", |output| &output.name),

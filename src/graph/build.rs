@@ -41,12 +41,12 @@ impl Wanted {
     }
 }
 
-/// The graph of a voice.
+/// The graph of a voice; `shared` is the scope of the shared nodes.
 ///
 /// # Errors
 /// Recordings that cannot be read, more event fields or inputs than the engine has, names that nothing has.
 pub fn voice(
-    patch: &Patch,
+    shared: &Scope,
     voice: &Voice,
     assets: &dyn Assets,
     wanted: &mut Wanted,
@@ -60,7 +60,7 @@ pub fn voice(
         );
         return Err(vec![Problem::error(&voice.span, what)]);
     }
-    let scope = Scope::new(patch, Some(voice));
+    let scope = shared.within(voice);
     let output = voice.output.clone();
     let mut builder =
         Builder { scope, fields, shared: false, assets, wanted, graph: Graph::default(), problems: vec![] };

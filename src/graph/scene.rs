@@ -1,6 +1,6 @@
 //! A patch on a rig, compiled: what is played decides what is built.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::budget::Need;
@@ -10,7 +10,7 @@ use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precis
 use super::program::Program;
 use crate::dsp::biquad::Biquad;
 use crate::node::asset::Assets;
-use crate::patch::{Action, Events, Patch, Source, Start};
+use crate::patch::{Action, Events, Patch, Scope, Source, Start};
 use crate::rig::{self, RATES, Rig, usual_ratio};
 use crate::text::{Problem, Problems};
 
@@ -98,10 +98,11 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     let voices = voices(patch, &patterns, options.live, &mut left_out);
 
     let mut wanted = Wanted::default();
+    let scope = Scope::new(patch, None);
     let (mut instruments, mut of_voice) = (Vec::new(), vec![None; patch.voices.len()]);
     for &v in &voices {
         let voice = &patch.voices[v];
-        let graph = match build::voice(patch, voice, assets, &mut wanted) {
+        let graph = match build::voice(&scope, voice, assets, &mut wanted) {
             Ok(graph) => graph,
             Err(more) => {
                 problems.extend(more);
@@ -241,8 +242,16 @@ fn equaliser(actuator: &rig::Actuator, rate: f64, problems: &mut Vec<Problem>) -
     actuator.equaliser.iter().map(section).collect()
 }
 
+/// Where each name stands first.
+fn places<'a>(
+    names: impl DoubleEndedIterator<Item = &'a str> + ExactSizeIterator,
+) -> HashMap<&'a str, usize> {
+    names.enumerate().rev().map(|(place, name)| (name, place)).collect()
+}
+
 fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Vec<usize> {
-    let find = |name: &str| patch.patterns.iter().position(|p| p.name == name);
+    let by_name = places(patch.patterns.iter().map(|p| p.name.as_str()));
+    let find = |name: &str| by_name.get(name).copied();
     if let Some(name) = &options.pattern {
         return match find(name) {
             Some(i) => vec![i],
@@ -262,8 +271,10 @@ fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Ve
 
 /// The voices that may sound: those of the patterns that play, of triggers, and those that always do.
 fn voices(patch: &Patch, patterns: &[usize], live: bool, left_out: &mut Vec<LeftOut>) -> BTreeSet<usize> {
-    let voice = |name: &str| patch.voices.iter().position(|v| v.name == name);
-    let pattern = |name: &str| patch.patterns.iter().position(|p| p.name == name);
+    let voices = places(patch.voices.iter().map(|v| v.name.as_str()));
+    let patterns_by_name = places(patch.patterns.iter().map(|p| p.name.as_str()));
+    let voice = |name: &str| voices.get(name).copied();
+    let pattern = |name: &str| patterns_by_name.get(name).copied();
     let mut found: BTreeSet<usize> =
         patch.voices.iter().enumerate().filter(|(_, v)| v.start == Start::Always).map(|(i, _)| i).collect();
     let mut played = BTreeSet::new();
@@ -398,7 +409,8 @@ fn controls(patch: &Patch, wanted: Vec<Want>, left_out: &mut Vec<LeftOut>) -> (V
             Want::Input(channel) => Shared::Input(channel),
         })
         .collect();
-    let read = |name: &str| controls.iter().any(|c| &*c.name == name);
+    let names: HashSet<&str> = controls.iter().map(|c| &*c.name).collect();
+    let read = |name: &str| names.contains(name);
     left_out.extend(
         patch
             .controls

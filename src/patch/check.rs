@@ -113,7 +113,7 @@ impl Patch {
         let shared = Scope::new(self, None);
         check.nodes(&self.shared, &shared, None);
         for voice in &self.voices {
-            check.voice(voice, &Scope::new(self, Some(voice)));
+            check.voice(voice, &shared.within(voice));
         }
         let names = Names::new(self);
         for pattern in &self.patterns {
