@@ -61,6 +61,8 @@ pub struct Core<R: Real> {
     stage: Stage,
     tasks: Vec<Box<dyn Task>>,
     counters: Counters,
+    /// The clock of the last housekeeping.
+    settled: Option<u64>,
 }
 
 impl<R: Real> Core<R> {
@@ -103,6 +105,7 @@ impl<R: Real> Core<R> {
             stage: Stage::new(plan, isa)?,
             tasks: Vec::new(),
             counters: Counters::default(),
+            settled: None,
         };
         core.begin(plan);
         Ok(core)
@@ -182,7 +185,8 @@ impl<R: Real> Core<R> {
     /// An event at an instant; one in the past takes effect with the next sample. Says whether there was room.
     pub fn schedule(&mut self, at: Instant, source: Source, event: Event) -> bool {
         let now = Instant { sample: self.clock, fraction: 0 };
-        let at = if at < now {
+        // What falls between the last sample and the next takes effect with the next.
+        let at = if at.ceiling() < self.clock {
             self.counters.late += 1;
             now
         } else {
@@ -191,6 +195,12 @@ impl<R: Real> Core<R> {
         let taken = self.queue.push(at, source as u16, event).is_ok();
         self.counters.dropped += u64::from(!taken);
         taken
+    }
+
+    /// What is due before the next sample takes place now, as it otherwise would with that sample; so there is room for more.
+    pub fn run_ahead(&mut self) {
+        self.settle();
+        self.run_events();
     }
 
     /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames. Where
@@ -240,7 +250,8 @@ impl<R: Real> Core<R> {
 
     /// Housekeeping, on its grid.
     fn settle(&mut self) {
-        if self.clock.is_multiple_of(GRID) {
+        if self.clock.is_multiple_of(GRID) && self.settled != Some(self.clock) {
+            self.settled = Some(self.clock);
             for bank in &mut self.banks {
                 bank.settle(self.clock);
             }
@@ -285,7 +296,7 @@ impl<R: Real> Core<R> {
                 None => bank.begin_at(now),
             }
         }
-        self.outlasted = old.outlasted;
+        (self.outlasted, self.settled) = (old.outlasted, old.settled);
         std::mem::swap(&mut self.queue, &mut old.queue);
         let instrument = |old: u32| {
             let of_old = |i: &Option<(usize, _)>| i.as_ref().is_some_and(|(from, _)| *from == old as usize);

@@ -12,6 +12,12 @@ impl Rig {
     /// # Errors
     /// Says what the rig lacks and suggests the nearest name; points at `span`.
     pub fn resolve(&self, place: Option<&Place>, span: &Span) -> Result<usize, Problem> {
+        if let Some(Place::Position(position)) = place
+            && !position.iter().all(|x| x.is_finite())
+        {
+            let what = format!("{position:?} is no position");
+            return Err(Problem::error(span, what).help("give metres, finite numbers".to_string()));
+        }
         let sounds = |output: &Output| !matches!(output.kind, OutputKind::Trigger { .. });
         let found = match place {
             None => self.outputs.iter().position(|o| o.kind == OutputKind::Vibration),
