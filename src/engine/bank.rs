@@ -2,7 +2,7 @@
 
 use super::core::GRID;
 use super::event::Play;
-use super::lane::{Lane, Status};
+use super::lane::{Dying, Lane, Status};
 use super::mixer::Routes;
 use super::ops::Ops;
 use super::workspace::{Bus, Workspace};
@@ -17,6 +17,11 @@ use crate::schedule::Instant;
 
 /// What counts as silence: −120 dB.
 const SILENCE: f64 = 1e-6;
+
+/// Seconds, besides what its delays hold back, in which a voice that was released and whose envelopes have ended must become quieter.
+/// One that does not would sound for ever: it fades, as a voice without envelopes does at its release. An echo or a resonator that
+/// dies away, however slowly, does so in peace.
+const STRETCH: f64 = 5.0;
 
 /// The largest gain of a voice: 120 dB over full scale, where the output stage holds its input as well.
 const LOUDEST: f64 = 1e6;
@@ -37,6 +42,8 @@ pub struct Bank<R: Real> {
     voices: usize,
     /// Engine samples of silence before a voice that has ended is let go.
     tail: u64,
+    /// Engine samples from one to the next of which it must become quieter by then.
+    stretch: u64,
     sounding: usize,
     rate: f64,
     /// Samples that were not finite and were masked.
@@ -49,6 +56,7 @@ impl<R: Real> Bank<R> {
     /// Silent lanes for an instrument, in an engine at `rate` with so many groups of channels.
     pub fn new(instrument: &Instrument, rate: f64, seed: u64, channel_groups: usize, isa: Isa) -> Self {
         let groups = budget::groups(instrument.voices);
+        let tail = instrument.tail.clamp(0.0, 3600.0);
         Self {
             isa,
             ops: Ops::new(&instrument.program, groups, rate, seed, isa),
@@ -61,7 +69,8 @@ impl<R: Real> Bank<R> {
             peaks: vec![[R::ZERO; LANES]; groups],
             routes: (0..groups).map(|_| Routes::new(channel_groups)).collect(),
             voices: instrument.voices,
-            tail: (instrument.tail.clamp(0.0, 3600.0) * rate) as u64,
+            tail: (tail * rate) as u64,
+            stretch: ((tail + STRETCH) * rate) as u64,
             sounding: 0,
             rate,
             masked: 0,
@@ -98,7 +107,8 @@ impl<R: Real> Bank<R> {
         let lane = self.free_lane();
         let (group, l) = (lane / LANES, lane % LANES);
         let status = Status::Held;
-        self.lanes[lane] = Lane { play: *play, born: at, serial, level: 0.0, quiet: 0, status };
+        let (play, level, quiet) = (*play, 0.0, 0);
+        self.lanes[lane] = Lane { play, born: at, serial, level, quiet, dying: Dying::default(), status };
         self.ops.set(lane, &play.fields());
         self.ops.start(lane, play.id, at.until(clock) - LEAD, play.duration);
         self.place(lane, place);
@@ -314,7 +324,18 @@ impl<R: Real> Bank<R> {
                         } else {
                             self.lanes[lane].quiet = 0;
                         }
+                        let (status, dies) = (self.lanes[lane].status, self.ending[group] & bit != 0);
                         self.ending[group] |= ended & bit;
+                        if status == Status::Released && dies {
+                            let peak = self.peaks[group][l].wide();
+                            if self.lanes[lane].dying.goes_on(GRID, peak, self.stretch) {
+                                self.lanes[lane].status =
+                                    Status::Fading(Instant { sample: clock, fraction: 0 });
+                                self.fading[group] |= bit;
+                                self.sounding -= 1;
+                                continue;
+                            }
+                        }
                         self.lanes[lane].quiet > self.tail
                     }
                 };
