@@ -69,9 +69,8 @@ impl Refusal {
                 return Err(Self::Place { place, channel, channels });
             }
         }
-        match plan.outputs.iter().enumerate().find(|(_, o)| beyond(o.channel)) {
-            Some((output, o)) => return Err(Self::Output { output, channel: o.channel, channels }),
-            None => {}
+        if let Some((output, o)) = plan.outputs.iter().enumerate().find(|(_, o)| beyond(o.channel)) {
+            return Err(Self::Output { output, channel: o.channel, channels });
         }
         let need = Need::of(plan);
         if need.is_too_much() { Err(Self::Memory(Box::new(need))) } else { Ok(()) }
