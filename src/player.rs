@@ -2,6 +2,7 @@
 
 mod heard;
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::engine::Engine;
@@ -14,7 +15,7 @@ use crate::node::asset::Assets;
 use crate::patch::{Patch, Place};
 use crate::rig::Rig;
 use crate::schedule::Instant;
-use crate::score::{EventStream, Score, Timed, What};
+use crate::score::{EventStream, HORIZON, Score, Timed, What};
 use crate::text::{Problem, Problems};
 
 pub use heard::{Happening, Heard, Listener, Origin};
@@ -31,6 +32,9 @@ pub struct Player {
     patch: Arc<Patch>,
     rig: Arc<Rig>,
     instruments: Vec<Option<u32>>,
+    /// Places of voices in the patch: by name, and by instrument.
+    voices: HashMap<String, usize>,
+    voice_of: Vec<usize>,
     score: Score<'static>,
     ahead: Option<Timed>,
     over: bool,
@@ -44,6 +48,12 @@ pub struct Player {
 
 /// Voices that the program plays have ids from here on, so that they share no random numbers with those of patterns.
 const PROGRAM: u64 = 1 << 62;
+
+/// Room in the engine's queue that patterns leave, so that the program can always release and set something.
+const FOR_PROGRAM: usize = 1024;
+
+/// Room that what the program plays leaves, so that it never keeps patterns waiting.
+const FOR_PATTERNS: usize = 2 * FOR_PROGRAM;
 
 impl Player {
     /// A player for a patch without events files.
@@ -69,6 +79,14 @@ impl Player {
     ) -> Result<Self, Problems> {
         let Scene { plan, patterns, instruments } = scene(patch, rig, options, assets)?;
         let (patch, rig) = (Arc::new(patch.clone()), Arc::new(rig.clone()));
+        // Where two voices share a name, the first has it.
+        let voices = patch.voices.iter().enumerate().rev().map(|(i, v)| (v.name.clone(), i)).collect();
+        let mut voice_of = vec![usize::MAX; plan.instruments.len()];
+        for (voice, instrument) in instruments.iter().enumerate() {
+            if let Some(slot) = instrument.and_then(|i| voice_of.get_mut(i as usize)) {
+                *slot = voice;
+            }
+        }
         let roots: Vec<(usize, f64)> = patterns.iter().map(|&p| (p, 0.0)).collect();
         let of_rig = Arc::clone(&rig);
         let places = move |place: Option<&Place>| of_rig.resolve(place, &(0..0)).map(|i| i as u32);
@@ -81,6 +99,8 @@ impl Player {
             patch,
             rig,
             instruments,
+            voices,
+            voice_of,
             score,
             ahead: None,
             over: false,
@@ -98,7 +118,7 @@ impl Player {
     fn start(&mut self) -> Result<(), Problem> {
         let patch = Arc::clone(&self.patch);
         for trigger in patch.triggers.iter().filter(|t| t.on == crate::patch::Source::Start) {
-            if let Some(voice) = patch.voices.iter().find(|v| v.name == trigger.play) {
+            if self.voices.contains_key(&trigger.play) {
                 let mut note = Note { place: trigger.place.clone(), ..Note::default() };
                 for (field, expr, span) in &trigger.set {
                     let value = expr.constant().ok_or_else(|| {
@@ -111,7 +131,7 @@ impl Player {
                         _ => note.fields.push((field.clone(), value)),
                     }
                 }
-                self.play_at(0.0, &voice.name, &note)
+                self.play_at(0.0, &trigger.play, &note)
                     .map_err(|problem| Problem { span: Some(trigger.span.clone()), ..problem })?;
             }
         }
@@ -181,7 +201,8 @@ impl Player {
     ///
     /// # Errors
     /// A voice that the patch does not have or the plan left out, a field it does not declare, a place the rig does not have,
-    /// a number that is not finite, or no room in the engine's queue.
+    /// a number that is not finite, a time before the beginning or past [`crate::score::HORIZON`], or no room in the engine's
+    /// queue.
     pub fn play(&mut self, voice: &str, note: &Note) -> Result<u64, Problem> {
         self.play_at(self.seconds(), voice, note)
     }
@@ -191,8 +212,13 @@ impl Player {
     /// # Errors
     /// As [`Player::play`].
     pub fn play_at(&mut self, at: f64, voice: &str, note: &Note) -> Result<u64, Problem> {
+        if !(0.0..=HORIZON).contains(&at) {
+            let what = format!("nothing can be played at {at} s");
+            let help = format!("give the seconds from the beginning, 0 to {HORIZON}");
+            return Err(Problem::of_file(what).help(help));
+        }
         let patch = Arc::clone(&self.patch);
-        let index = patch.voices.iter().position(|v| v.name == voice);
+        let index = self.voices.get(voice).copied();
         let Some((index, instrument)) = index.and_then(|v| Some((v, self.instruments[v]?))) else {
             let what = if index.is_some() {
                 format!("voice `{voice}` was left out, since nothing starts it; compile with `live`")
@@ -226,6 +252,9 @@ impl Player {
         }
         let place = note.place.as_ref().or(voice.place.as_ref());
         let place = self.rig.resolve(place, &(0..0))? as u32;
+        if self.engine.room() <= FOR_PATTERNS {
+            return Err(Problem::of_file("the engine's queue is full; play less at once"));
+        }
         self.played += 1;
         let id = PROGRAM + self.played;
         let play = Play { instrument, place, level, duration, own, id };
@@ -257,7 +286,7 @@ impl Player {
     /// Sends a control to a value, now; it arrives after its smoothing. The control's range holds.
     ///
     /// # Errors
-    /// A control that the patch does not have or that nothing reads.
+    /// A control that the patch does not have or that nothing reads, a value that is not finite, or no room in the engine's queue.
     pub fn set(&mut self, control: &str, value: f64) -> Result<(), Problem> {
         let index = self.plan.controls.iter().position(|c| &*c.name == control).ok_or_else(|| {
             let names: Vec<&str> = self.plan.controls.iter().map(|c| &*c.name).collect();
@@ -266,10 +295,15 @@ impl Player {
                 names.join(", ")
             ))
         })?;
-        let now = Instant { sample: self.engine.clock(), fraction: 0 };
-        if self.engine.schedule(now, Source::Program, Event::Control(index as u32, value)) {
-            self.tell(self.seconds(), now, None, None, Happening::Control(control, value));
+        if !value.is_finite() {
+            let what = format!("control `{control}` cannot be set to {value}");
+            return Err(Problem::of_file(what).help("give a finite number".to_string()));
         }
+        let now = Instant { sample: self.engine.clock(), fraction: 0 };
+        if !self.engine.schedule(now, Source::Program, Event::Control(index as u32, value)) {
+            return Err(Problem::of_file("the engine's queue is full; compute some frames first"));
+        }
+        self.tell(self.seconds(), now, None, None, Happening::Control(control, value));
         Ok(())
     }
 
@@ -282,34 +316,54 @@ impl Player {
     /// frames count as silence.
     pub fn process_input(&mut self, input: &[f32], output: &mut [f32]) {
         // In stretches short enough for the engine's queue to hold what they play.
-        let frames = self.plan.ratio * 256;
-        let mut heard = input.chunks(frames * self.engine.input_channels().max(1));
-        for part in output.chunks_mut(self.plan.channels.max(1) * frames) {
-            let samples = part.len() / (self.plan.channels.max(1) * self.plan.ratio) + 2;
-            self.feed(self.engine.clock() + samples as u64);
-            self.engine.process_input(heard.next().unwrap_or_default(), part);
+        let (channels, ears) = (self.plan.channels.max(1), self.engine.input_channels());
+        let (mut input, mut output) = (input, output);
+        while !output.is_empty() {
+            let wanted = output.len().div_ceil(channels).min(self.plan.ratio * 256);
+            let samples = wanted / self.plan.ratio + 2;
+            let full = self.feed(self.engine.clock() + samples as u64);
+            let mut frames = full.map_or(wanted, |sample| self.engine.frames_before(sample).min(wanted));
+            if frames == 0 {
+                let room = self.engine.room();
+                self.engine.run_ahead();
+                if self.engine.room() > room {
+                    continue;
+                }
+                // Unreachable as long as the program leaves room for the patterns: better late than never.
+                frames = wanted;
+            }
+            let (now, later) = output.split_at_mut((frames * channels).min(output.len()));
+            let (heard, unheard) = input.split_at((frames * ears).min(input.len()));
+            self.engine.process_input(heard, now);
+            (input, output) = (unheard, later);
         }
     }
 
-    /// Gives the engine all events before engine sample `until`, as long as it has room.
-    fn feed(&mut self, until: u64) {
+    /// Gives the engine all events before engine sample `until`, as long as it has room. Where it has not, the sample with which
+    /// the first event takes effect that did not find any.
+    fn feed(&mut self, until: u64) -> Option<u64> {
         let until = until as f64 / self.plan.engine_rate();
-        while !self.over && self.engine.room() > 0 {
+        while !self.over {
             let next = match self.ahead.take().map(Ok).or_else(|| self.score.next()) {
                 Some(Ok(next)) => next,
                 Some(Err(problem)) => {
                     self.trouble = Some(problem);
                     self.over = true;
-                    return;
+                    return None;
                 }
                 None => {
                     self.over = true;
-                    return;
+                    return None;
                 }
             };
             if next.at >= until {
                 self.ahead = Some(next);
-                return;
+                return None;
+            }
+            if self.engine.room() <= FOR_PROGRAM {
+                let at = Instant::of_samples(next.at * self.plan.engine_rate());
+                self.ahead = Some(next);
+                return Some(at.ceiling());
             }
             match next.what {
                 What::Play(note) => {
@@ -332,6 +386,7 @@ impl Player {
                 }
             }
         }
+        None
     }
 
     fn send(&mut self, at: f64, source: Source, play: Play) -> bool {
@@ -357,8 +412,8 @@ impl Player {
         let instant = Instant::of_samples(at * self.plan.engine_rate());
         let patch = Arc::clone(&self.patch);
         let rig = Arc::clone(&self.rig);
-        let Some(voice) = self.instruments.iter().position(|i| *i == Some(play.instrument)) else { return };
-        let Some(voice) = patch.voices.get(voice) else { return };
+        let voice = self.voice_of.get(play.instrument as usize);
+        let Some(voice) = voice.and_then(|voice| patch.voices.get(*voice)) else { return };
         let what = Happening::Voice {
             name: &voice.name,
             place: rig.outputs.get(play.place as usize).map_or("", |output| &output.name),

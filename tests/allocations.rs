@@ -11,13 +11,21 @@ use pacinian::engine::event::{Event, Source};
 use pacinian::engine::exchange::exchange;
 use pacinian::engine::meter::Meter;
 use pacinian::engine::task::{Task, Values};
+use pacinian::graph::budget::Need;
+use pacinian::graph::plan::{Plan, Precision};
 use pacinian::schedule::{Beat, Instant};
 
 thread_local! {
     static COUNT: Cell<Option<u64>> = const { Cell::new(None) };
+    /// Bytes taken by this thread and not given back.
+    static HELD: Cell<i64> = const { Cell::new(0) };
 }
 
 struct Counting;
+
+fn hold(bytes: i64) {
+    let _ = HELD.try_with(|held| held.set(held.get() + bytes));
+}
 
 fn count() {
     // A thread that is ending has no counter any more, and is not counted.
@@ -28,16 +36,19 @@ fn count() {
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
+        hold(layout.size() as i64);
         // SAFETY: the caller's promise, handed on.
         unsafe { System.alloc(layout) }
     }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         count();
+        hold(-(layout.size() as i64));
         // SAFETY: the caller's promise, handed on.
         unsafe { System.dealloc(pointer, layout) }
     }
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         count();
+        hold(size as i64 - layout.size() as i64);
         // SAFETY: the caller's promise, handed on.
         unsafe { System.realloc(pointer, layout, size) }
     }
@@ -188,4 +199,34 @@ fn periodic_tasks() {
     });
     assert_eq!(total, 0);
     assert_ne!(level.latest(), 0.0);
+}
+
+/// Nodes of many kinds in few and in many voices.
+#[test]
+fn memory_is_what_was_foreseen() {
+    let delay = "[voice.v]\nvoices = 40\noutput = \"d\"\n[voice.v.nodes]\ns = { type = \"white\" }\n\
+        d = { type = \"delay\", input = \"s\", time = 0.1, longest = 0.5 }\n";
+    let wide = PATCH.replace("voices = 24", "voices = 2000");
+    #[allow(unused_mut)]
+    let mut scenes = vec![(delay.to_string(), 2), (PATCH.to_string(), 16), (wide.clone(), 16), (wide, 256)];
+    #[cfg(feature = "fundsp-nodes")]
+    scenes.push((LEAVES.replace("voices = 24", "voices = 500"), 4));
+    for (text, channels) in scenes {
+        let plan = compiled(&text, channels, 48_000.0).plan;
+        for plan in [plan.clone(), Plan { precision: Precision::Double, ..plan }] {
+            let foreseen = Need::of(&plan).bytes as f64;
+            // Tables that all engines share are made with the first.
+            drop(Engine::new(&plan).unwrap());
+            HELD.with(|held| held.set(0));
+            let engine = Engine::new(&plan).unwrap();
+            let taken = HELD.with(Cell::get) as f64;
+            drop(engine);
+            // A little is always there.
+            let (least, most) = (0.75 * taken, 1.25 * taken + f64::from(4 << 20));
+            assert!(
+                (least..most).contains(&foreseen),
+                "{channels} channels: {foreseen} foreseen, {taken} taken"
+            );
+        }
+    }
 }

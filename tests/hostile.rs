@@ -296,7 +296,6 @@ fn late_and_hostile_instants_are_played_and_counted() {
         Event::Control(0, f64::INFINITY),
         Event::Release(55),
         Event::Marker(3),
-        Event::End { instrument: 9, lane: 1000, id: 0 },
     ] {
         assert!(engine.schedule(now, Source::Program, event));
     }

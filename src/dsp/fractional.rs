@@ -9,6 +9,10 @@ use super::lanes::Real;
 
 const STEPS: f64 = 512.0;
 
+fn count(first: f64, last: f64) -> usize {
+    ((last - first) * STEPS).ceil() as usize + 2
+}
+
 /// Weights for places from `first` on.
 #[derive(Debug)]
 pub struct Fractional<R, const T: usize> {
@@ -19,7 +23,7 @@ pub struct Fractional<R, const T: usize> {
 impl<R: Real, const T: usize> Fractional<R, T> {
     /// Weights for places from `first` to `last`, for frequencies up to `band` (in shares of the rate).
     pub fn new(first: f64, last: f64, band: f64) -> Self {
-        let count = ((last - first) * STEPS).ceil() as usize + 2;
+        let count = count(first, last);
         let sinc = |x: f64| {
             let angle = std::f64::consts::TAU * band * x;
             2.0 * band * if angle == 0.0 { 1.0 } else { angle.sin() / angle }
@@ -33,6 +37,11 @@ impl<R: Real, const T: usize> Fractional<R, T> {
             })
             .collect();
         Self { rows, first }
+    }
+
+    /// Bytes that weights for places from `first` to `last` take.
+    pub fn heap(first: f64, last: f64) -> usize {
+        count(first, last) * size_of::<[R; T]>()
     }
 
     /// The value at `place` among `samples`; places outside the range count as its ends, what is not a number as the first.

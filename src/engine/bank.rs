@@ -2,13 +2,14 @@
 
 use super::core::GRID;
 use super::event::Play;
-use super::lane::{Lane, Status};
+use super::lane::{Dying, Lane, Status};
 use super::mixer::Routes;
 use super::ops::Ops;
 use super::workspace::{Bus, Workspace};
 use crate::dsp::fade::{FADE, fade};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
+use crate::graph::budget;
 use crate::graph::plan::Instrument;
 use crate::graph::program::Feed;
 use crate::node::kernel::LEAD;
@@ -16,6 +17,11 @@ use crate::schedule::Instant;
 
 /// What counts as silence: −120 dB.
 const SILENCE: f64 = 1e-6;
+
+/// Seconds, besides what its delays hold back, in which a voice that was released and whose envelopes have ended must become quieter.
+/// One that does not would sound for ever: it fades, as a voice without envelopes does at its release. An echo or a resonator that
+/// dies away, however slowly, does so in peace.
+const STRETCH: f64 = 5.0;
 
 /// The largest gain of a voice: 120 dB over full scale, where the output stage holds its input as well.
 const LOUDEST: f64 = 1e6;
@@ -36,6 +42,8 @@ pub struct Bank<R: Real> {
     voices: usize,
     /// Engine samples of silence before a voice that has ended is let go.
     tail: u64,
+    /// Engine samples from one to the next of which it must become quieter by then.
+    stretch: u64,
     sounding: usize,
     rate: f64,
     /// Samples that were not finite and were masked.
@@ -47,8 +55,8 @@ pub struct Bank<R: Real> {
 impl<R: Real> Bank<R> {
     /// Silent lanes for an instrument, in an engine at `rate` with so many groups of channels.
     pub fn new(instrument: &Instrument, rate: f64, seed: u64, channel_groups: usize, isa: Isa) -> Self {
-        // Spare lanes let a voice that makes room fade while the new one already sounds.
-        let groups = (instrument.voices + instrument.voices.min(LANES)).div_ceil(LANES);
+        let groups = budget::groups(instrument.voices);
+        let tail = instrument.tail.clamp(0.0, 3600.0);
         Self {
             isa,
             ops: Ops::new(&instrument.program, groups, rate, seed, isa),
@@ -61,12 +69,18 @@ impl<R: Real> Bank<R> {
             peaks: vec![[R::ZERO; LANES]; groups],
             routes: (0..groups).map(|_| Routes::new(channel_groups)).collect(),
             voices: instrument.voices,
-            tail: (instrument.tail.clamp(0.0, 3600.0) * rate) as u64,
+            tail: (tail * rate) as u64,
+            stretch: ((tail + STRETCH) * rate) as u64,
             sounding: 0,
             rate,
             masked: 0,
             stolen: 0,
         }
+    }
+
+    /// Lanes, spare ones included.
+    pub fn lanes(&self) -> usize {
+        self.lanes.len()
     }
 
     /// Voices that sound, those that fade aside.
@@ -79,7 +93,8 @@ impl<R: Real> Bank<R> {
         self.taken == 0
     }
 
-    /// Starts a voice at `at`, when `clock` is the next sample to be computed, on the channels of `place`. Gives its lane.
+    /// Starts a voice at `at`, when `clock` is the next sample to be computed, on the channels of `place`. Gives its lane, and
+    /// that of the voice which had to make room, if one had to.
     pub fn start(
         &mut self,
         play: &Play,
@@ -87,14 +102,13 @@ impl<R: Real> Bank<R> {
         clock: u64,
         place: &[(u32, f64)],
         serial: u64,
-    ) -> usize {
-        if self.sounding >= self.voices {
-            self.make_room(at);
-        }
+    ) -> (usize, Option<usize>) {
+        let stolen = if self.sounding >= self.voices { self.make_room(at) } else { None };
         let lane = self.free_lane();
         let (group, l) = (lane / LANES, lane % LANES);
         let status = Status::Held;
-        self.lanes[lane] = Lane { play: *play, born: at, serial, level: 0.0, quiet: 0, status };
+        let (play, level, quiet) = (*play, 0.0, 0);
+        self.lanes[lane] = Lane { play, born: at, serial, level, quiet, dying: Dying::default(), status };
         self.ops.set(lane, &play.fields());
         self.ops.start(lane, play.id, at.until(clock) - LEAD, play.duration);
         self.place(lane, place);
@@ -105,7 +119,7 @@ impl<R: Real> Bank<R> {
             self.rising[group] |= 1 << l;
         }
         self.sounding += 1;
-        lane
+        (lane, stolen)
     }
 
     /// Sends a lane to the channels of `place`, with the gain of its event.
@@ -169,9 +183,9 @@ impl<R: Real> Bank<R> {
         }
     }
 
-    /// Releases the voice of that id on `lane`, if it is still there.
-    pub fn release(&mut self, lane: usize, id: u64, at: Instant) {
-        let Some(voice) = self.lanes.get_mut(lane).filter(|v| v.play.id == id && v.status == Status::Held)
+    /// Releases the voice of that serial number on `lane`, if it is still there.
+    pub fn end(&mut self, lane: usize, serial: u64, at: Instant) {
+        let Some(voice) = self.lanes.get_mut(lane).filter(|v| v.serial == serial && v.status == Status::Held)
         else {
             return;
         };
@@ -186,12 +200,13 @@ impl<R: Real> Bank<R> {
         }
     }
 
-    /// Releases all voices of that id, or all there are.
-    pub fn release_all(&mut self, id: Option<u64>, at: Instant) {
+    /// Releases all voices of that id, or all there are; `released` hears of their lanes.
+    pub fn release_all(&mut self, id: Option<u64>, at: Instant, mut released: impl FnMut(usize)) {
         for lane in 0..self.lanes.len() {
             let voice = self.lanes[lane];
             if voice.status == Status::Held && id.is_none_or(|id| id == voice.play.id) {
-                self.release(lane, voice.play.id, at);
+                self.end(lane, voice.serial, at);
+                released(lane);
             }
         }
     }
@@ -309,7 +324,18 @@ impl<R: Real> Bank<R> {
                         } else {
                             self.lanes[lane].quiet = 0;
                         }
+                        let (status, dies) = (self.lanes[lane].status, self.ending[group] & bit != 0);
                         self.ending[group] |= ended & bit;
+                        if status == Status::Released && dies {
+                            let peak = self.peaks[group][l].wide();
+                            if self.lanes[lane].dying.goes_on(GRID, peak, self.stretch) {
+                                self.lanes[lane].status =
+                                    Status::Fading(Instant { sample: clock, fraction: 0 });
+                                self.fading[group] |= bit;
+                                self.sounding -= 1;
+                                continue;
+                            }
+                        }
                         self.lanes[lane].quiet > self.tail
                     }
                 };
@@ -351,8 +377,8 @@ impl<R: Real> Bank<R> {
         lane
     }
 
-    /// Lets a voice fade: of those released the quietest, else the oldest.
-    fn make_room(&mut self, at: Instant) {
+    /// Lets a voice fade: of those released the quietest, else the oldest. Gives its lane.
+    fn make_room(&mut self, at: Instant) -> Option<usize> {
         let of_status = |status| {
             let lanes = self.lanes.iter().enumerate();
             lanes.filter(move |(_, lane)| lane.status == status).map(|(i, lane)| (i, lane.serial))
@@ -363,12 +389,12 @@ impl<R: Real> Bank<R> {
             .map(|(lane, ..)| lane);
         let victim = quietest
             .or_else(|| of_status(Status::Held).min_by_key(|(_, serial)| *serial).map(|(lane, _)| lane));
-        if let Some(lane) = victim {
-            self.lanes[lane].status = Status::Fading(at);
-            self.fading[lane / LANES] |= 1 << (lane % LANES);
-            self.sounding -= 1;
-            self.stolen += 1;
-        }
+        let lane = victim?;
+        self.lanes[lane].status = Status::Fading(at);
+        self.fading[lane / LANES] |= 1 << (lane % LANES);
+        self.sounding -= 1;
+        self.stolen += 1;
+        Some(lane)
     }
 }
 

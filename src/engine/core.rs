@@ -16,12 +16,12 @@ use crate::graph::plan::{Plan, Shared};
 use crate::graph::program::Feed;
 use crate::graph::start::{FIELDS, Fields};
 use crate::node::kernel::LEAD;
-use crate::schedule::{Instant, Queue};
+use crate::schedule::{Deadlines, Instant, Queue};
 
 /// Engine samples between two looks at what has become silent.
 pub const GRID: u64 = 64;
 
-/// Events that may wait besides the releases of sounding voices.
+/// Events that may wait.
 pub const WAITING: usize = 16_384;
 
 /// What happened so far.
@@ -44,6 +44,12 @@ pub struct Core<R: Real> {
     clock: u64,
     rate: f64,
     queue: Queue<Event>,
+    /// When voices have sounded their time: a slot for each lane of all banks, under the serial number of its voice.
+    ends: Deadlines,
+    /// By bank: the slot of its first lane.
+    first: Vec<usize>,
+    /// The latest end of the voices that died away before theirs and whose lanes were taken since.
+    outlasted: Option<Instant>,
     places: Vec<Vec<(u32, f64)>>,
     banks: Vec<Bank<R>>,
     shared: Option<Ops<R>>,
@@ -55,6 +61,8 @@ pub struct Core<R: Real> {
     stage: Stage,
     tasks: Vec<Box<dyn Task>>,
     counters: Counters,
+    /// The clock of the last housekeeping.
+    settled: Option<u64>,
 }
 
 impl<R: Real> Core<R> {
@@ -74,11 +82,18 @@ impl<R: Real> Core<R> {
             plan.controls.iter().map(|c| Ramp::new(c.default, c.least, c.most, c.smoothing * rate)).collect();
         let programs = plan.instruments.iter().map(|i| &i.program).chain([&plan.shared_program]);
         let buffers = programs.map(|p| p.buffers).max().unwrap_or(0) + 1;
-        let voices: usize = plan.instruments.iter().map(|i| i.voices).sum();
+        let (mut first, mut lanes) = (Vec::with_capacity(banks.len()), 0);
+        for bank in &banks {
+            first.push(lanes);
+            lanes += bank.lanes();
+        }
         let mut core = Self {
             clock: 0,
             rate,
-            queue: Queue::new(WAITING + 2 * voices),
+            queue: Queue::new(WAITING),
+            ends: Deadlines::new(lanes),
+            first,
+            outlasted: None,
             places: plan.places.clone(),
             banks,
             shared,
@@ -90,6 +105,7 @@ impl<R: Real> Core<R> {
             stage: Stage::new(plan, isa)?,
             tasks: Vec::new(),
             counters: Counters::default(),
+            settled: None,
         };
         core.begin(plan);
         Ok(core)
@@ -136,7 +152,7 @@ impl<R: Real> Core<R> {
 
     /// Room in the queue of events.
     pub fn room(&self) -> usize {
-        self.queue.room().min(WAITING)
+        self.queue.room()
     }
 
     /// What happened so far.
@@ -161,13 +177,16 @@ impl<R: Real> Core<R> {
 
     /// Whether nothing sounds, nothing waits and nothing rings.
     pub fn is_silent(&self) -> bool {
-        self.queue.is_empty() && self.banks.iter().all(Bank::is_idle) && self.stage.is_asleep()
+        let lasts = |end: Instant| end.ceiling() >= self.clock;
+        let waits = !self.queue.is_empty() || !self.ends.is_empty() || self.outlasted.is_some_and(lasts);
+        !waits && self.banks.iter().all(Bank::is_idle) && self.stage.is_asleep()
     }
 
     /// An event at an instant; one in the past takes effect with the next sample. Says whether there was room.
     pub fn schedule(&mut self, at: Instant, source: Source, event: Event) -> bool {
         let now = Instant { sample: self.clock, fraction: 0 };
-        let at = if at < now {
+        // What falls between the last sample and the next takes effect with the next.
+        let at = if at.ceiling() < self.clock {
             self.counters.late += 1;
             now
         } else {
@@ -176,6 +195,12 @@ impl<R: Real> Core<R> {
         let taken = self.queue.push(at, source as u16, event).is_ok();
         self.counters.dropped += u64::from(!taken);
         taken
+    }
+
+    /// What is due before the next sample takes place now, as it otherwise would with that sample; so there is room for more.
+    pub fn run_ahead(&mut self) {
+        self.settle();
+        self.run_events();
     }
 
     /// Computes `samples` engine samples (at most 64), and what they amount to at the device: `samples` × ratio frames. Where
@@ -201,7 +226,8 @@ impl<R: Real> Core<R> {
                 old.settle();
             }
             let left = (samples - done) as u64;
-            let next = self.queue.next().unwrap_or(u64::MAX).min((self.clock / GRID + 1) * GRID);
+            let end = self.ends.next().map_or(u64::MAX, Instant::ceiling);
+            let next = self.queue.next().unwrap_or(u64::MAX).min(end).min((self.clock / GRID + 1) * GRID);
             let next = self.tasks.iter().fold(next, |next, t| next.min(t.beat().next(self.clock + 1)));
             let frames = (next - self.clock).min(left) as usize;
             self.render(frames, done, input);
@@ -224,7 +250,8 @@ impl<R: Real> Core<R> {
 
     /// Housekeeping, on its grid.
     fn settle(&mut self) {
-        if self.clock.is_multiple_of(GRID) {
+        if self.clock.is_multiple_of(GRID) && self.settled != Some(self.clock) {
+            self.settled = Some(self.clock);
             for bank in &mut self.banks {
                 bank.settle(self.clock);
             }
@@ -253,12 +280,23 @@ impl<R: Real> Core<R> {
             new.take_states(old, &inheritance.shared);
         }
         let now = Instant { sample: self.clock, fraction: 0 };
-        for (bank, from) in self.banks.iter_mut().zip(&inheritance.instruments) {
-            match from.as_ref().and_then(|(from, ops)| Some((old.banks.get_mut(*from)?, ops))) {
-                Some((old, ops)) => bank.adopt(old, ops, &self.places),
+        for ((bank, first), from) in self.banks.iter_mut().zip(&self.first).zip(&inheritance.instruments) {
+            let from = from
+                .as_ref()
+                .and_then(|(from, ops)| Some((old.banks.get_mut(*from)?, ops, old.first.get(*from)?)));
+            match from {
+                Some((bank_of_old, ops, first_of_old)) => {
+                    bank.adopt(bank_of_old, ops, &self.places);
+                    for lane in 0..bank.lanes() {
+                        if let Some((at, serial)) = old.ends.get(first_of_old + lane) {
+                            self.ends.set(first + lane, at, serial);
+                        }
+                    }
+                }
                 None => bank.begin_at(now),
             }
         }
+        (self.outlasted, self.settled) = (old.outlasted, old.settled);
         std::mem::swap(&mut self.queue, &mut old.queue);
         let instrument = |old: u32| {
             let of_old = |i: &Option<(usize, _)>| i.as_ref().is_some_and(|(from, _)| *from == old as usize);
@@ -270,7 +308,6 @@ impl<R: Real> Core<R> {
         self.queue.edit(|event| {
             let kept = match event {
                 Event::Play(play) => instrument(play.instrument).map(|i| play.instrument = i),
-                Event::End { instrument: of, .. } => instrument(*of).map(|i| *of = i),
                 Event::Control(of, _) => control(*of).map(|c| *of = c),
                 Event::Release(_) | Event::ReleaseAll | Event::Marker(_) => Some(()),
             };
@@ -299,9 +336,7 @@ impl<R: Real> Core<R> {
     /// Events, tasks and housekeeping that are due before the next sample.
     fn run_due(&mut self) {
         self.settle();
-        while let Some(entry) = self.queue.pop_due(self.clock) {
-            self.handle(entry.at, entry.what);
-        }
+        self.run_events();
         for task in &mut self.tasks {
             if task.beat().is_due(self.clock) {
                 task.run(&mut Board {
@@ -313,16 +348,36 @@ impl<R: Real> Core<R> {
         }
     }
 
+    /// Events and ends of voices that are due before the next sample, in order of time; ends first where they fall together.
+    fn run_events(&mut self) {
+        loop {
+            let end = self.ends.next().filter(|end| end.ceiling() <= self.clock);
+            if let Some(end) = end
+                && self.queue.first().is_none_or(|event| end <= event)
+            {
+                self.end_next();
+            } else if let Some(entry) = self.queue.pop_due(self.clock) {
+                self.handle(entry.at, entry.what);
+            } else {
+                return;
+            }
+        }
+    }
+
+    /// Releases the voice that has sounded its time next, if it is still there.
+    fn end_next(&mut self) {
+        let Some((slot, at, serial)) = self.ends.pop() else { return };
+        let bank = self.first.partition_point(|first| *first <= slot).saturating_sub(1);
+        if let (Some(bank), Some(first)) = (self.banks.get_mut(bank), self.first.get(bank)) {
+            bank.end(slot - first, serial, at);
+        }
+    }
+
     fn handle(&mut self, at: Instant, event: Event) {
         match event {
             Event::Play(play) => self.play(&play, at),
-            Event::End { instrument, lane, id } => {
-                if let Some(bank) = self.banks.get_mut(instrument as usize) {
-                    bank.release(lane as usize, id, at);
-                }
-            }
-            Event::Release(id) => self.banks.iter_mut().for_each(|b| b.release_all(Some(id), at)),
-            Event::ReleaseAll => self.banks.iter_mut().for_each(|b| b.release_all(None, at)),
+            Event::Release(id) => self.release_all(Some(id), at),
+            Event::ReleaseAll => self.release_all(None, at),
             Event::Control(index, value) => {
                 if let Some(ramp) = self.controls.get_mut(index as usize) {
                     ramp.send(value, at);
@@ -336,13 +391,27 @@ impl<R: Real> Core<R> {
         let place = self.places.get(play.place as usize).map_or(&[][..], |p| p);
         let Some(bank) = self.banks.get_mut(play.instrument as usize) else { return };
         self.counters.started += 1;
-        let lane = bank.start(play, at, self.clock, place, self.counters.started);
+        let serial = self.counters.started;
+        let (lane, stolen) = bank.start(play, at, self.clock, place, serial);
+        let Some(first) = self.first.get(play.instrument as usize) else { return };
+        if let Some(stolen) = stolen {
+            self.ends.clear(first + stolen);
+        }
+        // Who was here before has died away, but its time is not over.
+        if let Some((end, _)) = self.ends.clear(first + lane) {
+            self.outlasted = self.outlasted.max(Some(end));
+        }
         if play.duration.is_finite() {
-            let end = at + play.duration.max(0.0) * self.rate;
-            let event = Event::End { instrument: play.instrument, lane: lane as u32, id: play.id };
-            // Each sounding voice waits for one end at most, and room for them was made.
-            let taken = self.queue.push(end, Source::Engine as u16, event).is_ok();
-            self.counters.dropped += u64::from(!taken);
+            self.ends.set(first + lane, at + play.duration.max(0.0) * self.rate, serial);
+        }
+    }
+
+    fn release_all(&mut self, id: Option<u64>, at: Instant) {
+        for (bank, first) in self.banks.iter_mut().zip(&self.first) {
+            let ends = &mut self.ends;
+            bank.release_all(id, at, |lane| {
+                ends.clear(first + lane);
+            });
         }
     }
 

@@ -31,15 +31,6 @@ impl Play {
 pub enum Event {
     /// Start a voice.
     Play(Play),
-    /// A voice has sounded its time.
-    End {
-        /// Its instrument.
-        instrument: u32,
-        /// Its lane there.
-        lane: u32,
-        /// Its id: if another is there by now, nothing happens.
-        id: u64,
-    },
     /// Release the voices of that id that still sound.
     Release(u64),
     /// Move a control, by its place in the plan, to a value.
@@ -51,12 +42,10 @@ pub enum Event {
     Marker(u32),
 }
 
-/// Where events come from: ties in time go in this order.
+/// Where events come from: ties in time go in this order, after the ends of voices that have sounded their time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u16)]
 pub enum Source {
-    /// Releases of voices that have sounded their time.
-    Engine = 0,
     /// Patterns.
     Pattern = 1,
     /// The program.

@@ -167,6 +167,18 @@ impl Engine {
         each!(self, core => core.room())
     }
 
+    /// How many frames may be asked for before engine sample `sample` is computed.
+    pub fn frames_before(&self, sample: u64) -> usize {
+        let samples = usize::try_from(sample.saturating_sub(self.clock())).unwrap_or(usize::MAX);
+        samples.saturating_mul(self.ratio).saturating_add(self.carried.len() / self.channels.max(1))
+    }
+
+    /// Lets what is due before the next engine sample take place now, as it otherwise would when that sample is computed. Where
+    /// more falls on one sample than can wait, this makes room; nothing sounds different for it.
+    pub fn run_ahead(&mut self) {
+        each!(mut self, core => core.run_ahead());
+    }
+
     /// An event at an instant of engine time; one in the past takes effect with the next sample. Says whether there was
     /// room; an event that found none is counted.
     pub fn schedule(&mut self, at: Instant, source: Source, event: Event) -> bool {

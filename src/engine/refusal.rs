@@ -3,7 +3,8 @@
 use std::fmt;
 
 use super::vibration;
-use crate::graph::plan::Plan;
+use crate::graph::budget::Need;
+use crate::graph::plan::{Plan, Shared};
 
 /// Why no engine can be built for a plan.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,14 +29,39 @@ pub enum Refusal {
         /// How many the plan has.
         channels: usize,
     },
+    /// An instrument (by its number) of which no voice may sound.
+    Voices(usize),
+    /// A control (by its number) without a range, or whose default is no number.
+    Control(usize),
+    /// An engine-wide signal (by its number) is to be a control that is not there.
+    Signal(usize),
+    /// It takes more memory than [`crate::graph::budget::MOST`].
+    Memory(Box<Need>),
 }
 
 impl Refusal {
-    /// Refuses a plan that reaches beyond its channels.
+    /// Refuses a plan whose rates no engine has, that reaches beyond its channels, or that takes too much memory.
     ///
     /// # Errors
-    /// The first place or output that does.
+    /// The first that is wrong; rates come first.
     pub fn check(plan: &Plan) -> Result<(), Self> {
+        let (rate, engine_rate) = (plan.device_rate, plan.engine_rate());
+        if !vibration::DEVICE_RATES.contains(&rate) {
+            return Err(Self::Stage(vibration::Refusal::Rate(rate)));
+        }
+        if !vibration::ENGINE_RATES.contains(&engine_rate) {
+            return Err(Self::Stage(vibration::Refusal::EngineRate(engine_rate)));
+        }
+        if let Some(i) = plan.instruments.iter().position(|i| i.voices == 0) {
+            return Err(Self::Voices(i));
+        }
+        if let Some(i) = plan.controls.iter().position(|c| !(c.least <= c.most && c.default.is_finite())) {
+            return Err(Self::Control(i));
+        }
+        let missing = |s: &Shared| matches!(s, Shared::Control(c) if *c as usize >= plan.controls.len());
+        if let Some(i) = plan.shared.iter().position(missing) {
+            return Err(Self::Signal(i));
+        }
         let channels = plan.channels;
         let beyond = |channel: u32| channel as usize >= channels;
         for (place, row) in plan.places.iter().enumerate() {
@@ -43,10 +69,11 @@ impl Refusal {
                 return Err(Self::Place { place, channel, channels });
             }
         }
-        match plan.outputs.iter().enumerate().find(|(_, o)| beyond(o.channel)) {
-            Some((output, o)) => Err(Self::Output { output, channel: o.channel, channels }),
-            None => Ok(()),
+        if let Some((output, o)) = plan.outputs.iter().enumerate().find(|(_, o)| beyond(o.channel)) {
+            return Err(Self::Output { output, channel: o.channel, channels });
         }
+        let need = Need::of(plan);
+        if need.is_too_much() { Err(Self::Memory(Box::new(need))) } else { Ok(()) }
     }
 }
 
@@ -62,6 +89,20 @@ impl fmt::Display for Refusal {
             Self::Stage(why) => return why.fmt(f),
             Self::Place { place, channel, channels } => ("place", place, channel, channels),
             Self::Output { output, channel, channels } => ("output", output, channel, channels),
+            Self::Voices(i) => {
+                return write!(f, "instrument {} of the plan has no voices; give it at least 1", i + 1);
+            }
+            Self::Control(i) => {
+                let number = i + 1;
+                return write!(
+                    f,
+                    "control {number} of the plan has no range or no default; give it numbers, the least not above the most"
+                );
+            }
+            Self::Signal(i) => {
+                return write!(f, "signal {} of the plan is a control that is not there; add it", i + 1);
+            }
+            Self::Memory(need) => return write!(f, "{need}; {}", need.help()),
         };
         let (number, channel) = (number + 1, u64::from(*channel) + 1);
         write!(
@@ -75,15 +116,15 @@ impl std::error::Error for Refusal {}
 
 #[cfg(test)]
 mod tests {
-    use super::Refusal;
+    use super::{Refusal, Shared, vibration};
     use crate::engine::Engine;
-    use crate::graph::plan::Plan;
+    use crate::graph::plan::{Control, Plan};
     use crate::graph::scene::{Options, scene};
     use crate::node::asset::NoAssets;
     use crate::patch::Patch;
     use crate::rig::{Output, Rig};
 
-    const PATCH: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"s\"\n\
+    const PATCH: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[control.c]\ndefault = 0.5\n[voice.a]\noutput = \"s\"\n\
         [voice.a.nodes]\ns = { type = \"sine\", frequency = 250 }\n[pattern.p]\nevents = [{ at = 0, voice = \"a\" }]\n";
 
     fn patch() -> Patch {
@@ -106,6 +147,58 @@ mod tests {
         far.outputs[0].channel = 2;
         assert_eq!(Engine::new(&far).err(), Some(Refusal::Output { output: 0, channel: 2, channels: 2 }));
         assert!(Engine::new(&plan()).is_ok());
+    }
+
+    #[test]
+    fn a_plan_that_no_engine_can_run_is_refused() {
+        let refused = |change: &dyn Fn(&mut Plan)| {
+            let mut plan = plan();
+            change(&mut plan);
+            Engine::new(&plan).err()
+        };
+        for rate in [f64::INFINITY, f64::NAN, 1e12, 0.0, -48_000.0] {
+            let why = refused(&|plan| plan.device_rate = rate);
+            assert!(matches!(why, Some(Refusal::Stage(vibration::Refusal::Rate(_)))), "{rate}: {why:?}");
+        }
+        for ratio in [0, 1, 9, usize::MAX] {
+            let why = refused(&|plan| plan.ratio = ratio);
+            assert!(
+                matches!(why, Some(Refusal::Stage(vibration::Refusal::EngineRate(_)))),
+                "{ratio}: {why:?}"
+            );
+        }
+        assert_eq!(refused(&|plan| plan.instruments[0].voices = 0), Some(Refusal::Voices(0)));
+        assert_eq!(refused(&|plan| plan.shared.push(Shared::Control(3))), Some(Refusal::Signal(0)));
+        for (least, most, default) in
+            [(1.0, 0.0, 0.5), (f64::NAN, 1.0, 0.5), (0.0, f64::NAN, 0.5), (0.0, 1.0, f64::INFINITY)]
+        {
+            let control = Control { name: "c".into(), default, least, most, smoothing: 0.01 };
+            assert_eq!(refused(&|plan| plan.controls.push(control.clone())), Some(Refusal::Control(0)));
+        }
+        let why = refused(&|plan| plan.channels = usize::MAX);
+        assert!(matches!(why, Some(Refusal::Memory(_))), "{why:?}");
+    }
+
+    #[test]
+    fn a_patch_made_in_code_is_checked() {
+        let refused = |change: &dyn Fn(&mut Patch)| {
+            let mut patch = patch();
+            change(&mut patch);
+            let problems = scene(&patch, &Rig::default_for(2), &Options::default(), &NoAssets).err();
+            problems.unwrap_or_default().to_string()
+        };
+        for voices in [0, 4097, u32::MAX] {
+            let shown = refused(&|patch| patch.voices[0].voices = voices);
+            assert!(shown.contains(&format!("voice `a` has {voices} voices")), "{shown}");
+        }
+        for range in [[1.0, 0.0], [f64::NAN, 1.0], [0.0, f64::INFINITY], [0.5, 0.5]] {
+            let shown = refused(&|patch| patch.controls[0].range = range);
+            assert!(shown.contains("range of control `c`"), "{shown}");
+        }
+        let shown = refused(&|patch| patch.controls[0].default = f64::NAN);
+        assert!(shown.contains("default of control `c`"), "{shown}");
+        let shown = refused(&|patch| patch.controls[0].smoothing = f64::NAN);
+        assert!(shown.contains("smoothing of control `c`"), "{shown}");
     }
 
     #[test]

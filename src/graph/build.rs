@@ -41,12 +41,12 @@ impl Wanted {
     }
 }
 
-/// The graph of a voice.
+/// The graph of a voice; `shared` is the scope of the shared nodes.
 ///
 /// # Errors
 /// Recordings that cannot be read, more event fields or inputs than the engine has, names that nothing has.
 pub fn voice(
-    patch: &Patch,
+    shared: &Scope,
     voice: &Voice,
     assets: &dyn Assets,
     wanted: &mut Wanted,
@@ -60,7 +60,7 @@ pub fn voice(
         );
         return Err(vec![Problem::error(&voice.span, what)]);
     }
-    let scope = Scope::new(patch, Some(voice));
+    let scope = shared.within(voice);
     let output = voice.output.clone();
     let mut builder =
         Builder { scope, fields, shared: false, assets, wanted, graph: Graph::default(), problems: vec![] };
@@ -111,17 +111,34 @@ struct Builder<'a> {
 }
 
 /// A known factor times a sum or a difference, as two products: `event.frequency * (1 + 0.1 * wobble)` is a known frequency and
-/// what moves it.
+/// what moves it. A product that does not move at all stays as it is, and so does a sum of more than [`MOST_TERMS`], since each
+/// gets a copy of the factor.
 fn multiplied_out(expr: &Expr) -> Option<(Operator, Expr, Expr)> {
     let Expr::Binary(Operator::Multiply, a, b) = expr else { return None };
-    [(a, b), (b, a)].into_iter().find_map(|(factor, sum)| match &**sum {
-        Expr::Binary(operator @ (Operator::Add | Operator::Subtract), x, y) if is_steady(factor) => {
+    let (factor, sum) = match (is_steady(a), is_steady(b)) {
+        (true, false) => (a, b),
+        (false, true) => (b, a),
+        _ => return None,
+    };
+    match &**sum {
+        Expr::Binary(operator @ (Operator::Add | Operator::Subtract), x, y) if terms(sum) <= MOST_TERMS => {
             let times =
                 |part: &Expr| Expr::Binary(Operator::Multiply, factor.clone(), Box::new(part.clone()));
             Some((*operator, times(x), times(y)))
         }
         _ => None,
-    })
+    }
+}
+
+/// The longest sum that is multiplied out.
+const MOST_TERMS: usize = 64;
+
+/// Terms of a sum; parts that do not move count once.
+fn terms(expr: &Expr) -> usize {
+    match expr {
+        Expr::Binary(Operator::Add | Operator::Subtract, a, b) if !is_steady(expr) => terms(a) + terms(b),
+        _ => 1,
+    }
 }
 
 /// Whether an expression names nothing that could move.

@@ -1,6 +1,6 @@
 //! What the files say and nothing acts on: outputs that nothing feeds, and what this version reads and checks but does not run yet.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 
 use super::plan::{LeftOut, Why};
 use crate::patch::control::Curve;
@@ -60,7 +60,8 @@ const SHOWN: usize = 16;
 pub fn never_fed(patch: &Patch, rig: &Rig, voices: &BTreeSet<usize>) -> Vec<LeftOut> {
     let mut fed = BTreeSet::new();
     let mut reach = |place: Option<&Place>| fed.extend(rig.resolve(place, &(0..0)).ok());
-    let sounds = |name: &str| voices.iter().any(|v| patch.voices[*v].name == name);
+    let sounding: HashSet<&str> = voices.iter().map(|v| patch.voices[*v].name.as_str()).collect();
+    let sounds = |name: &str| sounding.contains(name);
     for &v in voices {
         reach(patch.voices[v].place.as_ref());
     }

@@ -22,9 +22,9 @@ pub enum Precision {
 /// A compiled scene.
 ///
 /// What [`crate::graph::scene::scene`] makes holds together, and whoever makes one by hand must see to it: channels of
-/// [`Plan::places`] and [`Plan::outputs`] lie below [`Plan::channels`] (an engine refuses other plans); every
-/// [`Shared::Control`] names one of [`Plan::controls`] and every [`Shared::Node`] an output of [`Plan::shared_program`]; programs
-/// read only signals that [`Plan::shared`] has; [`Plan::ratio`] is at least 1. A place, an instrument or a marker that an event
+/// [`Plan::places`] and [`Plan::outputs`] lie below [`Plan::channels`], every [`Shared::Control`] names one of [`Plan::controls`],
+/// rates, voices and ranges are those of an engine (which refuses other plans); every [`Shared::Node`] names an output of
+/// [`Plan::shared_program`]; programs read only signals that [`Plan::shared`] has. A place, an instrument or a marker that an event
 /// names and that is not there is passed over.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -126,7 +126,9 @@ pub struct Instrument {
     pub defaults: Vec<f64>,
     /// Its place where an event names none.
     pub place: u32,
-    /// Seconds of silence after its envelopes have ended before it counts as over: what a delay may still bring.
+    /// Seconds of silence after its envelopes have ended before it counts as over: what a delay may still bring. One that was
+    /// released, whose envelopes have ended and which then does not become quieter either, by 3 % from one stretch of this and five
+    /// seconds more to the next, fades.
     pub tail: f64,
     /// Its level where nothing says another.
     pub level: f64,

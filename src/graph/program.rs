@@ -74,10 +74,14 @@ pub fn program(graph: Graph) -> Program {
         }
     }
     let mut late_nodes: Vec<NodeId> = Vec::new();
+    // By node: its place among those, if it is one.
+    let mut late_of = vec![0_u32; nodes.len()];
+    let mut is_late = vec![false; nodes.len()];
     for wire in nodes.iter().flat_map(|n| &n.inputs) {
         if let Some(Signal::Late(id)) = wire.signal
-            && !late_nodes.contains(&id)
+            && !std::mem::replace(&mut is_late[id as usize], true)
         {
+            late_of[id as usize] = late_nodes.len() as u32;
             late_nodes.push(id);
         }
     }
@@ -95,7 +99,7 @@ pub fn program(graph: Graph) -> Program {
                 .nth(i)
                 .is_some_and(|p| matches!(p.kind, crate::node::spec::Kind::Frequency(_)));
             let base = rows.row(wire.base);
-            let feed = feed(wire, if frequency { 0 } else { base }, &buffer_of, &late_nodes);
+            let feed = feed(wire, if frequency { 0 } else { base }, &buffer_of, &late_of);
             inputs.push(OpInput { base, feed });
         }
         // The output may not share a buffer with an input, so it is chosen before these are given back.
@@ -119,16 +123,16 @@ pub fn program(graph: Graph) -> Program {
         .iter()
         .map(|wire| {
             let base = rows.row(wire.base);
-            feed(wire, base, &buffer_of, &late_nodes)
+            feed(wire, base, &buffer_of, &late_of)
         })
         .collect();
     let late = late_nodes.iter().map(|id| buffer_of[*id as usize]).collect();
     Program { ops, steady: rows.list, starts, buffers: buffers as usize, outputs, gain, late }
 }
 
-fn feed(wire: &Wire, steady: u32, buffer_of: &[u32], late: &[NodeId]) -> Feed {
+fn feed(wire: &Wire, steady: u32, buffer_of: &[u32], late_of: &[u32]) -> Feed {
     match wire.signal {
-        Some(Signal::Late(id)) => Feed::Late(late.iter().position(|l| *l == id).unwrap_or(0) as u32),
+        Some(Signal::Late(id)) => Feed::Late(late_of[id as usize]),
         Some(Signal::Node(id)) => Feed::Buffer(buffer_of[id as usize]),
         Some(Signal::Shared(index)) => Feed::Shared(index),
         None => Feed::Steady(steady),

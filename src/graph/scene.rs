@@ -1,15 +1,16 @@
 //! A patch on a rig, compiled: what is played decides what is built.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
+use super::budget::Need;
 use super::build::{self, Want, Wanted};
 use super::not_yet::{never_fed, not_yet};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
 use crate::dsp::biquad::Biquad;
 use crate::node::asset::Assets;
-use crate::patch::{Action, Events, Patch, Source, Start};
+use crate::patch::{Action, Events, Patch, Scope, Source, Start};
 use crate::rig::{self, RATES, Rig, usual_ratio};
 use crate::text::{Problem, Problems};
 
@@ -64,7 +65,7 @@ pub struct Scene {
 ///
 /// # Errors
 /// Everything that keeps the two from playing together: recordings that cannot be read, places the rig does not have, a
-/// rate out of [`RATES`], an unknown pattern.
+/// rate out of [`RATES`], an unknown pattern, more memory than [`super::budget::MOST`].
 pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -> Result<Scene, Problems> {
     // Files were checked when they were read; what is made or changed in code was not.
     let mut problems: Vec<Problem> = patch.check().into_iter().filter(Problem::is_error).collect();
@@ -97,10 +98,11 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     let voices = voices(patch, &patterns, options.live, &mut left_out);
 
     let mut wanted = Wanted::default();
+    let scope = Scope::new(patch, None);
     let (mut instruments, mut of_voice) = (Vec::new(), vec![None; patch.voices.len()]);
     for &v in &voices {
         let voice = &patch.voices[v];
-        let graph = match build::voice(patch, voice, assets, &mut wanted) {
+        let graph = match build::voice(&scope, voice, assets, &mut wanted) {
             Ok(graph) => graph,
             Err(more) => {
                 problems.extend(more);
@@ -164,6 +166,17 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         markers,
         left_out,
     };
+    let need = Need::of(&plan);
+    if need.is_too_much() {
+        let of = |i: &Option<u32>| need.most.instrument == i.map(|i| i as usize);
+        let voice = of_voice.iter().position(of).filter(|_| need.most.instrument.is_some());
+        let span = voice.and_then(|v| patch.voices.get(v)).map(|voice| {
+            let node =
+                need.most.node.as_ref().and_then(|(name, _)| voice.nodes.iter().find(|n| *n.name == **name));
+            node.map_or(&voice.span, |node| &node.span).clone()
+        });
+        return Err(patch.origin.problems(vec![Problem { span, ..need.problem() }]));
+    }
     Ok(Scene { plan, patterns, instruments: of_voice })
 }
 
@@ -229,8 +242,16 @@ fn equaliser(actuator: &rig::Actuator, rate: f64, problems: &mut Vec<Problem>) -
     actuator.equaliser.iter().map(section).collect()
 }
 
+/// Where each name stands first.
+fn places<'a>(
+    names: impl DoubleEndedIterator<Item = &'a str> + ExactSizeIterator,
+) -> HashMap<&'a str, usize> {
+    names.enumerate().rev().map(|(place, name)| (name, place)).collect()
+}
+
 fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Vec<usize> {
-    let find = |name: &str| patch.patterns.iter().position(|p| p.name == name);
+    let by_name = places(patch.patterns.iter().map(|p| p.name.as_str()));
+    let find = |name: &str| by_name.get(name).copied();
     if let Some(name) = &options.pattern {
         return match find(name) {
             Some(i) => vec![i],
@@ -250,8 +271,10 @@ fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Ve
 
 /// The voices that may sound: those of the patterns that play, of triggers, and those that always do.
 fn voices(patch: &Patch, patterns: &[usize], live: bool, left_out: &mut Vec<LeftOut>) -> BTreeSet<usize> {
-    let voice = |name: &str| patch.voices.iter().position(|v| v.name == name);
-    let pattern = |name: &str| patch.patterns.iter().position(|p| p.name == name);
+    let voices = places(patch.voices.iter().map(|v| v.name.as_str()));
+    let patterns_by_name = places(patch.patterns.iter().map(|p| p.name.as_str()));
+    let voice = |name: &str| voices.get(name).copied();
+    let pattern = |name: &str| patterns_by_name.get(name).copied();
     let mut found: BTreeSet<usize> =
         patch.voices.iter().enumerate().filter(|(_, v)| v.start == Start::Always).map(|(i, _)| i).collect();
     let mut played = BTreeSet::new();
@@ -386,7 +409,8 @@ fn controls(patch: &Patch, wanted: Vec<Want>, left_out: &mut Vec<LeftOut>) -> (V
             Want::Input(channel) => Shared::Input(channel),
         })
         .collect();
-    let read = |name: &str| controls.iter().any(|c| &*c.name == name);
+    let names: HashSet<&str> = controls.iter().map(|c| &*c.name).collect();
+    let read = |name: &str| names.contains(name);
     left_out.extend(
         patch
             .controls

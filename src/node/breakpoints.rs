@@ -76,6 +76,10 @@ impl Script for Points {
 }
 
 impl<R: Real> Kernel<R> for Lanes<R> {
+    fn heap(setup: &Setup) -> usize {
+        setup.points.len() * size_of::<Leg>()
+    }
+
     fn new(setup: &Setup) -> Self {
         let mut time = 0.0;
         let points: Vec<Leg> = setup

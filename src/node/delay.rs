@@ -42,6 +42,9 @@ pub static SPEC: NodeSpec = NodeSpec {
 
 const TAPS: usize = 8;
 const GAP: usize = 3 * TAPS;
+/// Places among the taps that are read.
+const FIRST: f64 = 3.0;
+const LAST: f64 = 7.0;
 /// Full accuracy to this share of the rate: 1 kHz at 7,350 Hz, the lowest engine rate of the usual devices. At 6,000 Hz it is 816 Hz.
 const BAND: f64 = 0.136;
 
@@ -60,20 +63,29 @@ pub struct Lanes<R> {
     most: f64,
 }
 
+/// The longest time in samples, and the length of the ring that holds it.
+fn room(setup: &Setup) -> (f64, usize) {
+    let longest = setup.constants.first().copied().unwrap_or(1.0).clamp(0.001, 60.0);
+    let most = (longest * setup.rate).max(1.0);
+    (most, (most as usize + 2 * TAPS).next_power_of_two())
+}
+
 impl<R: Real> Kernel<R> for Lanes<R> {
     fn new(setup: &Setup) -> Self {
-        let longest = setup.constants.first().copied().unwrap_or(1.0).clamp(0.001, 60.0);
-        let most = (longest * setup.rate).max(1.0);
-        let length = (most as usize + 2 * TAPS).next_power_of_two();
+        let (most, length) = room(setup);
         Self {
             lines: vec![R::ZERO; (length + GAP) * LANES],
             stride: length + GAP,
             next: 0,
             mask: length - 1,
-            table: Fractional::new(3.0, 7.0, BAND),
+            table: Fractional::new(FIRST, LAST, BAND),
             rate: setup.rate,
             most,
         }
+    }
+
+    fn heap(setup: &Setup) -> usize {
+        (room(setup).1 + GAP) * LANES * size_of::<R>() + Fractional::<R, TAPS>::heap(FIRST, LAST)
     }
 
     fn start(&mut self, lane: usize, _onset: &Onset) {

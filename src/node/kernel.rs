@@ -117,6 +117,11 @@ impl<R: Real> Io<'_, R> {
 pub trait Kernel<R: Real>: Send + Sized {
     /// State for a group of silent lanes.
     fn new(setup: &Setup) -> Self;
+    /// Bytes that [`Kernel::new`] takes besides the state itself.
+    fn heap(setup: &Setup) -> usize {
+        let _ = setup;
+        0
+    }
     /// A voice begins on `lane`; whatever was there is forgotten.
     fn start(&mut self, lane: usize, onset: &Onset) {
         let _ = (lane, onset);

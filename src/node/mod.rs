@@ -86,6 +86,13 @@ macro_rules! registry {
                 })*
                 unreachable!("a NodeKind names a registered node")
             }
+            /// Bytes that a group of lanes takes.
+            pub fn bytes(kind: NodeKind, setup: &Setup) -> usize {
+                $($(#[$attr])* if kind.0 == Index::$variant as usize {
+                    return size_of::<$module::Lanes<R>>() + <$module::Lanes<R> as Kernel<R>>::heap(setup);
+                })*
+                unreachable!("a NodeKind names a registered node")
+            }
             /// Whether both hold states of the same node type for as many groups.
             pub fn matches(&self, other: &Self) -> bool {
                 match (self, other) {

@@ -60,6 +60,10 @@ pub struct Lanes<R> {
 }
 
 impl<R: Real> Kernel<R> for Lanes<R> {
+    fn heap(setup: &Setup) -> usize {
+        LANES * size_of::<f32>() * (setup.rate / LEAST) as usize
+    }
+
     fn new(setup: &Setup) -> Self {
         let ring = setup.constants.first().copied().unwrap_or(150.0);
         let damping = setup.constants.get(1).copied().unwrap_or(0.5);

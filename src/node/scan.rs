@@ -68,6 +68,10 @@ pub struct Lanes<R> {
 }
 
 impl<R: Real> Kernel<R> for Lanes<R> {
+    fn heap(_setup: &Setup) -> usize {
+        Fractional::<R, TAPS>::heap(7.0, 8.0)
+    }
+
     fn new(setup: &Setup) -> Self {
         let (copies, asset_rate, around) = material(setup);
         Self {

@@ -3,9 +3,10 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cycle::{chain, cycles};
+use super::voice::MOST_VOICES;
 use super::{
-    Action, Event, Events, Expr, Node, Patch, Pattern, Play, Scope, Source, Start, Target, Trigger, Value,
-    Voice,
+    Action, Control, Event, Events, Expr, Node, Patch, Pattern, Play, Scope, Source, Start, Target, Trigger,
+    Value, Voice,
 };
 use crate::node::spec::Kind;
 use crate::text::nearest::{did_you_mean, listed, suggest};
@@ -108,10 +109,11 @@ impl Patch {
     pub(super) fn problems(&self, broken: &[String]) -> Vec<Problem> {
         let mut check = Check { problems: Vec::new(), broken: broken.iter().map(String::as_str).collect() };
         check.names(self);
+        self.controls.iter().for_each(|control| check.control(control));
         let shared = Scope::new(self, None);
         check.nodes(&self.shared, &shared, None);
         for voice in &self.voices {
-            check.voice(voice, &Scope::new(self, Some(voice)));
+            check.voice(voice, &shared.within(voice));
         }
         let names = Names::new(self);
         for pattern in &self.patterns {
@@ -181,7 +183,32 @@ impl Check<'_> {
         }
     }
 
+    /// Its numbers; those of a file always are.
+    fn control(&mut self, control: &Control) {
+        let ([least, most], name) = (control.range, &control.name);
+        let mut wrong = |what: &str, help: &str| {
+            self.error(
+                &control.span,
+                format!("the {what} of control `{name}` cannot be used"),
+                help.to_string(),
+            );
+        };
+        if !(least.is_finite() && most.is_finite() && least < most) {
+            wrong("range", "give two numbers, the least first");
+        }
+        if !control.default.is_finite() {
+            wrong("default", "give a number");
+        }
+        if !(0.0..=10.0).contains(&control.smoothing) {
+            wrong("smoothing", "give seconds, at most 10");
+        }
+    }
+
     fn voice(&mut self, voice: &Voice, scope: &Scope) {
+        if !(1..=MOST_VOICES).contains(&voice.voices) {
+            let what = format!("voice `{}` has {} voices", voice.name, voice.voices);
+            self.error(&voice.span, what, format!("give it 1 to {MOST_VOICES}"));
+        }
         let known = matches!(scope.find(&voice.output), Some(Target::Node(_)));
         if !known && !voice.output.is_empty() && !self.broken.contains(voice.output.as_str()) {
             let what =

@@ -1,6 +1,7 @@
 //! What a name means to a node.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::{Patch, Voice};
 
@@ -19,26 +20,32 @@ pub enum Target {
 /// controls.
 #[derive(Debug, Clone)]
 pub struct Scope<'a> {
-    names: HashMap<&'a str, Target>,
+    /// Shared by all voices.
+    outer: Arc<HashMap<&'a str, Target>>,
+    own: HashMap<&'a str, Target>,
 }
 
 impl<'a> Scope<'a> {
-    /// Of a voice; `None` for the shared nodes.
+    /// Of a voice; `None` for the shared nodes. For many voices, see [`Scope::within`].
     pub fn new(patch: &'a Patch, voice: Option<&'a Voice>) -> Self {
         let mut names = HashMap::new();
         names.extend(patch.controls.iter().enumerate().map(|(i, c)| (c.name.as_str(), Target::Control(i))));
         names.extend(patch.shared.iter().enumerate().map(|(i, n)| (n.name.as_str(), Target::Shared(i))));
-        if let Some(voice) = voice {
-            names.extend(voice.nodes.iter().enumerate().map(|(i, n)| (n.name.as_str(), Target::Node(i))));
-        }
-        Self { names }
+        let shared = Self { outer: Arc::new(names), own: HashMap::new() };
+        voice.map_or(shared.clone(), |voice| shared.within(voice))
+    }
+    /// That of the shared nodes, as it is within a voice. It takes as long as the voice has nodes.
+    #[must_use]
+    pub fn within(&self, voice: &'a Voice) -> Self {
+        let own = voice.nodes.iter().enumerate().map(|(i, n)| (n.name.as_str(), Target::Node(i))).collect();
+        Self { outer: Arc::clone(&self.outer), own }
     }
     /// What a name stands for.
     pub fn find(&self, name: &str) -> Option<Target> {
-        self.names.get(name).copied()
+        self.own.get(name).or_else(|| self.outer.get(name)).copied()
     }
     /// All names.
     pub fn names(&self) -> impl Iterator<Item = &'a str> {
-        self.names.keys().copied()
+        self.own.keys().chain(self.outer.keys().filter(|name| !self.own.contains_key(*name))).copied()
     }
 }

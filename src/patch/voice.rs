@@ -80,6 +80,8 @@ impl Voice {
 
 /// The most fields, other than `level` and `duration`, that the events of a voice may have.
 pub const MOST_FIELDS: usize = 8;
+/// How many of one voice may sound at once.
+pub const MOST_VOICES: u32 = 4096;
 
 /// `event.frequency` where neither the event nor the voice says any, Hz: where the skin feels vibration best.
 pub const DEFAULT_FREQUENCY: f64 = 250.0;
@@ -89,7 +91,7 @@ pub static TABLE: Table = Table {
     name: "voice",
     doc: "A node graph that sounds once for every event.",
     fields: &[
-        Field::new("voices", Form::count(8, 1, 4096), "", "How many may sound at once."),
+        Field::new("voices", Form::count(8, 1, MOST_VOICES as u64), "", "How many may sound at once."),
         Field::new("output", Form::Text, "", "Name of the node that is heard.").required(),
         Field::new(
             "start",

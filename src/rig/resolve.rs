@@ -17,6 +17,12 @@ impl Rig {
     /// # Errors
     /// Says what the rig lacks and suggests the nearest name; points at `span`.
     pub fn resolve(&self, place: Option<&Place>, span: &Span) -> Result<usize, Problem> {
+        if let Some(Place::Position(position)) = place
+            && !position.iter().all(|x| x.is_finite())
+        {
+            let what = format!("{position:?} is no position");
+            return Err(Problem::error(span, what).help("give metres, finite numbers".to_string()));
+        }
         match (self.find(place).and_then(|i| self.outputs.get(i).map(|o| (i, o))), place) {
             (Some((i, output)), _) if sounds(output) => Ok(i),
             (Some((_, output)), _) => Err(Problem::error(

@@ -68,9 +68,14 @@ impl<T> Queue<T> {
         Ok(())
     }
 
+    /// When the next entry is due, if there is one.
+    pub fn first(&self) -> Option<Instant> {
+        self.heap.peek().map(|e| e.at)
+    }
+
     /// The engine sample at which the next entry takes effect, if there is one.
     pub fn next(&self) -> Option<u64> {
-        self.heap.peek().map(|e| e.at.ceiling())
+        self.first().map(Instant::ceiling)
     }
 
     /// The next entry that takes effect at engine sample `clock` or before it.

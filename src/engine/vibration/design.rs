@@ -48,18 +48,23 @@ pub(super) struct Design {
     pub limits: Option<Limits>,
 }
 
+/// Rates that a device may have, Hz.
+pub const DEVICE_RATES: std::ops::RangeInclusive<f64> = 6_000.0..=1e6;
+/// Rates that an engine may have, Hz.
+pub const ENGINE_RATES: std::ops::RangeInclusive<f64> = 6_000.0..=12_000.0;
+
 impl Design {
     pub fn new(device_rate: f64, options: &Options) -> Result<Self, Refusal> {
         if !(4..=MAX_TAPS).contains(&options.taps) {
             return Err(Refusal::Taps(options.taps));
         }
-        if !(6000.0..=1e6).contains(&device_rate) {
+        if !DEVICE_RATES.contains(&device_rate) {
             return Err(Refusal::Rate(device_rate));
         }
         let usual = (device_rate / ENGINE).round() as usize;
         let ratio = options.ratio.unwrap_or(usual).max(1);
         let rate = device_rate / ratio as f64;
-        if !(6000.0..=12_000.0).contains(&rate) {
+        if !ENGINE_RATES.contains(&rate) {
             return Err(Refusal::EngineRate(rate));
         }
         let band_limit = Elliptic::low_pass(SECTIONS, BAND.0, BAND.2, BAND.1, rate);

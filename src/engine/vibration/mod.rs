@@ -15,6 +15,7 @@ use crate::dsp::biquad::{Biquad, Complex, MOST_SECTIONS};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::LANES;
 use design::Design;
+pub use design::{DEVICE_RATES, ENGINE_RATES};
 use group::{Group, Place, Scratch, Target};
 
 /// One engine sample of eight channels.
