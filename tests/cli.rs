@@ -234,7 +234,9 @@ fn patches_that_mean_nothing() {
         "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\n[[tactor]]\nname = \"top\"\nchannel = 1\n",
     );
     scratch.write("far.toml", with("[pattern.p]\nevents = [{ at = 0, voice = \"beat\", place = 7 }]\n"));
-    scratch.run(&["check", "far.toml", "--rig", "rig.toml"]).fails(65, &["no channel 7", "has 2"]);
+    scratch
+        .run(&["check", "far.toml", "--rig", "rig.toml"])
+        .fails(65, &["the patch needs channel 7", "has 2"]);
     scratch.run(&["check", "far.toml"]).succeeds();
 }
 

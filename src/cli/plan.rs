@@ -4,7 +4,7 @@ use super::input::InputReport;
 use super::load::Loaded;
 use super::paint::Paint;
 use super::table::{Table, hertz, many};
-use pacinian::graph::plan::{LeftOut, OutputKind, Plan, Precision};
+use pacinian::graph::plan::{LeftOut, OutputKind, Plan, Precision, Why};
 use pacinian::patch::{Action, Events, Patch, Pattern, Source};
 use pacinian::player::Player;
 use pacinian::rig::Peak;
@@ -92,12 +92,17 @@ struct PatternReport {
     name: String,
     /// From the beginning.
     plays: bool,
-    /// Within one that plays.
-    nested: bool,
+    /// Whether it plays or one that plays plays it.
+    reached: bool,
+    /// Patterns that play it.
+    played_by: Vec<String>,
     endless: bool,
     seconds: Option<f64>,
     file: Option<String>,
+    /// As they stand in the patch or its file.
     events: u64,
+    /// How often they begin, repetitions counted; null where that is drawn, endless or not known.
+    onsets: Option<u64>,
 }
 
 /// Something left out.
@@ -112,13 +117,50 @@ pub fn left_out(list: &[LeftOut]) -> Vec<Left> {
     list.iter().map(|l| Left { what: l.what.clone(), why: l.why.to_string() }).collect()
 }
 
-/// What was left out, as lines.
+/// What was left out, as lines; outputs that nothing feeds in one.
 pub fn left_out_text(list: &[LeftOut]) -> String {
     let mut table = Table::default();
+    let unfed: Vec<&str> = list.iter().filter_map(unfed).collect();
+    let mut told = unfed.len() < 2;
     for left in list {
-        table.row([left.what.clone(), left.why.to_string()]);
+        if unfed.len() < 2 || self::unfed(left).is_none() {
+            table.row([left.what.clone(), left.why.to_string()]);
+        } else if !told {
+            told = true;
+            table.row([format!("outputs {}", ranges(&unfed)), "nothing feeds them".into()]);
+        }
     }
     table.text()
+}
+
+/// The name of an output that nothing feeds.
+fn unfed(left: &LeftOut) -> Option<&str> {
+    let name = left.what.strip_prefix("output `").and_then(|rest| rest.strip_suffix('`'));
+    name.filter(|_| left.why == Why::NeverFed)
+}
+
+/// "`t3` to `t8`, `top`": three names or more that count up are told by their ends.
+fn ranges(names: &[&str]) -> String {
+    let split = |name: &str| {
+        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        Some((stem.to_string(), name[stem.len()..].parse::<u64>().ok()?))
+    };
+    let mut runs: Vec<Vec<&str>> = Vec::new();
+    for name in names {
+        let follows = |run: &Vec<&str>| {
+            let last = run.last().and_then(|last| split(last));
+            last.zip(split(name)).is_some_and(|((a, m), (b, n))| a == b && m.checked_add(1) == Some(n))
+        };
+        match runs.last_mut().filter(|run| follows(run)) {
+            Some(run) => run.push(name),
+            None => runs.push(vec![name]),
+        }
+    }
+    let shown = |run: &Vec<&str>| match run.as_slice() {
+        [first, _, .., last] => format!("`{first}` to `{last}`"),
+        few => few.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+    };
+    runs.iter().map(shown).collect::<Vec<_>>().join(", ")
 }
 
 /// Channels listed one by one, at most.
@@ -253,15 +295,20 @@ impl PlanReport {
             let length = match p.seconds {
                 _ if p.endless => "without end".into(),
                 Some(seconds) => format!("{seconds:.2} s"),
-                None => "length is drawn or read".into(),
+                None if p.file.is_some() => "length depends on the file".into(),
+                None => "length depends on chance".into(),
             };
             let from = p.file.as_ref().map_or(String::new(), |file| format!(" from {file}"));
-            let plays = match (p.plays, p.nested) {
-                (true, _) => "plays",
-                (false, true) => "within",
-                (false, false) => "does not play",
+            let plays = match (p.plays, p.reached) {
+                (true, _) => "plays".into(),
+                (false, true) => format!("played by {}", p.played_by.join(", ")),
+                (false, false) => "does not play".into(),
             };
-            table.row([p.name.clone(), plays.into(), length, many(p.events as usize, "event") + &from]);
+            let events = many(p.events as usize, "event") + &from;
+            let onsets = p.onsets.filter(|n| *n != p.events).map(|n| many(n as usize, "onset"));
+            let again = if p.endless && p.onsets.is_none() { Some("again and again".into()) } else { None };
+            let more = onsets.or(again).map_or(String::new(), |more| format!(", {more}"));
+            table.row([p.name.clone(), plays, length, events + &more]);
         }
         table.text()
     }
@@ -338,14 +385,51 @@ fn patterns(loaded: &Loaded) -> Vec<PatternReport> {
         PatternReport {
             name: pattern.name.clone(),
             plays: playing.contains(&i),
-            nested: reached.contains(&i),
+            reached: reached.contains(&i),
+            played_by: played_by(patch, &pattern.name),
             endless: is_endless(pattern),
             seconds: score.ok().and_then(|s| s.length()),
             file,
             events,
+            onsets: onsets(patch, pattern, 0),
         }
     };
     patch.patterns.iter().enumerate().map(report).collect()
+}
+
+/// Names of the patterns that play the one of that name, by themselves or as one of a choice.
+fn played_by(patch: &Patch, name: &str) -> Vec<String> {
+    let is = |action: &Action| matches!(action, Action::Pattern { pattern, .. } if pattern == name);
+    let plays = |pattern: &&Pattern| match &pattern.events {
+        Events::Inline(events) => events.iter().any(|event| match &event.action {
+            Action::Choose(list) => list.iter().any(|a| is(&a.action)),
+            action => is(action),
+        }),
+        Events::File(..) => false,
+    };
+    patch.patterns.iter().filter(plays).map(|p| p.name.clone()).collect()
+}
+
+/// How often voices and markers begin while a pattern plays once, with its repetitions and all that it plays; `None` where it
+/// is drawn, read from a file or without end.
+fn onsets(patch: &Patch, pattern: &Pattern, depth: usize) -> Option<u64> {
+    let Events::Inline(events) = &pattern.events else { return None };
+    if depth > patch.patterns.len() {
+        return None;
+    }
+    let mut sum: u64 = 0;
+    for event in events {
+        let one = match &event.action {
+            Action::Voice(_) | Action::Marker(_) => 1,
+            Action::Pattern { pattern, .. } => {
+                onsets(patch, patch.patterns.iter().find(|p| p.name == *pattern)?, depth + 1)?
+            }
+            Action::Choose(_) => return None,
+        };
+        let times = event.repeat.map_or(Some(1), |r| r.times)?;
+        sum = sum.checked_add(one.checked_mul(times)?)?;
+    }
+    sum.checked_mul(pattern.repeat.map_or(Some(1), |r| r.times)?)
 }
 
 /// Patterns that those in `playing` play, they among them.
@@ -386,4 +470,46 @@ pub fn playing(loaded: &Loaded) -> Vec<usize> {
         return vec![0];
     }
     starts.filter_map(|t| find(&t.play)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{left_out_text, onsets, ranges};
+    use pacinian::graph::plan::{LeftOut, Why};
+    use pacinian::patch::Patch;
+
+    #[test]
+    fn outputs_that_nothing_feeds_are_told_in_one_line() {
+        let left = |what: &str, why| LeftOut { what: what.into(), why };
+        let mut list = vec![left("node `a`", Why::Pruned)];
+        list.extend((3..=8).map(|n| left(&format!("output `t{n}`"), Why::NeverFed)));
+        list.push(left("trigger `key.1`", Why::NotYet));
+        let text = left_out_text(&list);
+        assert_eq!(text.lines().count(), 3, "{text}");
+        let line = text.lines().nth(1).unwrap_or_default();
+        assert_eq!(
+            line.split_whitespace().collect::<Vec<_>>().join(" "),
+            "outputs `t3` to `t8` nothing feeds them"
+        );
+        assert!(left_out_text(&list[..2]).contains("output `t3`"), "one alone is told as it is");
+    }
+
+    #[test]
+    fn names_that_count_up_are_told_by_their_ends() {
+        assert_eq!(ranges(&["t1", "t2", "t4", "t5", "t6", "top"]), "`t1`, `t2`, `t4` to `t6`, `top`");
+        assert_eq!(ranges(&["a1", "b2", "9", "10", "11"]), "`a1`, `b2`, `9` to `11`");
+        assert_eq!(ranges(&["t99999999999999999999", "t18446744073709551615"]).matches('`').count(), 4);
+    }
+
+    #[test]
+    fn onsets_count_every_repetition() {
+        let text = "format = \"pacinian-patch/1\"\ntitle = \"T\"\n[voice.v]\noutput = \"n\"\nnodes.n = { type = \"white\" }\n\
+            [pattern.a]\nrepeat = { every = 1, times = 3 }\nevents = [{ at = 0, pattern = \"b\", repeat = { every = 1, times = 2 } }, { at = 0, marker = \"m\" }]\n\
+            [pattern.b]\nevents = [{ at = 0, voice = \"v\", repeat = { every = 0.1, times = 5 } }]\n\
+            [pattern.c]\nrepeat = { every = 1 }\nevents = [{ at = 0, voice = \"v\" }]\n\
+            [pattern.d]\nevents = [{ at = 0, choose = [{ voice = \"v\" }] }]\n";
+        let patch = Patch::parse("p.toml", text.as_bytes()).unwrap().value;
+        let of = |i: usize| onsets(&patch, &patch.patterns[i], 0);
+        assert_eq!([of(0), of(1), of(2), of(3)], [Some(33), Some(5), None, None]);
+    }
 }
