@@ -151,3 +151,19 @@ fn the_plan_says_what_plays_how_often_and_keeps_the_rest_short() {
     assert_eq!((&pattern(3)["reached"], &pattern(1)["onsets"]), (&false.into(), &5.into()));
     assert_eq!(pattern(1)["played_by"], serde_json::json!(["all"]));
 }
+
+#[test]
+fn the_picture_of_error_has_both_columns_and_says_what_keeps_them_from_saying_much() {
+    let scratch = Scratch::new("chart");
+    let loud = patch(
+        "[voice.hum]\noutput = \"n\"\nnodes.n = { type = \"sine\", frequency = 250 }\n\
+                      [pattern.p]\nevents = [{ at = 0, voice = \"hum\", level = 3 }]",
+    );
+    scratch.write("p.toml", &loud);
+    let (code, _, err) = scratch.run(&["error", "p.toml", "--only", "-o", "e.svg"]);
+    assert_eq!(code, 0, "{err}");
+    let svg = std::fs::read_to_string(scratch.0.join("e.svg")).unwrap();
+    for wanted in ["f32: error to 1 kHz", "f32: above 1 kHz", "6 taps", "The limiter acted"] {
+        assert!(svg.contains(wanted), "{wanted}: {svg}");
+    }
+}

@@ -77,7 +77,9 @@ pub fn words<'a>(topics: impl Iterator<Item = &'a Topic>) -> Vec<&'a str> {
 
 /// A number as short as it can be told.
 pub fn short(x: f64) -> String {
-    if x != 0.0 && (x.abs() >= 1e5 || x.abs() < 1e-3) { format!("{x:e}") } else { x.to_string() }
+    let (plain, scientific) = (x.to_string(), format!("{x:e}"));
+    let extreme = x != 0.0 && (x.abs() >= 1e5 || x.abs() < 1e-3);
+    if extreme && scientific.len() < plain.len() { scientific } else { plain }
 }
 
 /// From here on a limit is there to keep sums finite, and not worth saying.
@@ -95,7 +97,7 @@ fn limits(least: f64, most: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Defined, find, unsaid, wanted, words};
+    use super::{Defined, find, short, unsaid, wanted, words};
     use crate::text::field::{Form, Table};
     use crate::{patch, rig};
 
@@ -185,5 +187,9 @@ mod tests {
         assert_eq!(said(&patch::event::TABLE, "at"), pair("number, not negative (s or beats)", "required"));
         assert_eq!(said(&patch::voice::TABLE, "voices"), pair("whole number, 1 to 4096", "8"));
         assert_eq!(said(&patch::voice::DEFAULTS, "duration").1, "0.1");
+        assert_eq!(
+            [768_000.0, 1e6, 0.25, 1e-6, 0.0, -4000.0].map(short),
+            ["768000", "1e6", "0.25", "1e-6", "0", "-4000"]
+        );
     }
 }
