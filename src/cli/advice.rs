@@ -4,6 +4,7 @@ use super::load::Loaded;
 use super::plan::playing;
 use pacinian::patch::{Patch, Place, Source, Start};
 use pacinian::text::{Problem, Problems, Severity, Span};
+use std::collections::HashSet;
 
 /// Warnings, by line; `None` where there are none. `by_default`: nobody named a rig. `deaf`: the patch listens, and nobody said
 /// to what.
@@ -31,8 +32,9 @@ fn whole(what: &str, help: &str) -> Problem {
 /// Whether anything sounds or is marked without somebody to play it.
 fn plays(loaded: &Loaded) -> bool {
     let patch = &loaded.patch;
-    let started = |name: &str| patch.triggers.iter().any(|t| t.on == Source::Start && t.play == name);
-    let voice = patch.voices.iter().any(|v| v.start == Start::Always || started(&v.name));
+    let starts = patch.triggers.iter().filter(|t| t.on == Source::Start);
+    let started: HashSet<&str> = starts.map(|t| t.play.as_str()).collect();
+    let voice = patch.voices.iter().any(|v| v.start == Start::Always || started.contains(v.name.as_str()));
     voice || !playing(loaded).is_empty()
 }
 

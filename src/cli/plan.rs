@@ -11,7 +11,7 @@ use pacinian::rig::Peak;
 use pacinian::score::Score;
 use pacinian::text::Problem;
 use serde::Serialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What will run.
 #[derive(Debug, Serialize)]
@@ -372,6 +372,7 @@ fn patterns(loaded: &Loaded) -> Vec<PatternReport> {
     let patch = &loaded.patch;
     let playing = playing(loaded);
     let reached = reached(patch, &playing);
+    let (players, mut onsets) = (players(patch), Onsets::new(patch));
     let report = |(i, pattern): (usize, &Pattern)| {
         let refuse = |path: &str| Err(Problem::of_file(path));
         let score = Score::new(patch, |_| Ok(0), &[(i, 0.0)], 0, refuse);
@@ -386,51 +387,78 @@ fn patterns(loaded: &Loaded) -> Vec<PatternReport> {
             name: pattern.name.clone(),
             plays: playing.contains(&i),
             reached: reached.contains(&i),
-            played_by: played_by(patch, &pattern.name),
+            played_by: players.get(pattern.name.as_str()).cloned().unwrap_or_default(),
             endless: is_endless(pattern),
             seconds: score.ok().and_then(|s| s.length()),
             file,
             events,
-            onsets: onsets(patch, pattern, 0),
+            onsets: onsets.of(&pattern.name, 0),
         }
     };
     patch.patterns.iter().enumerate().map(report).collect()
 }
 
-/// Names of the patterns that play the one of that name, by themselves or as one of a choice.
-fn played_by(patch: &Patch, name: &str) -> Vec<String> {
-    let is = |action: &Action| matches!(action, Action::Pattern { pattern, .. } if pattern == name);
-    let plays = |pattern: &&Pattern| match &pattern.events {
-        Events::Inline(events) => events.iter().any(|event| match &event.action {
-            Action::Choose(list) => list.iter().any(|a| is(&a.action)),
-            action => is(action),
-        }),
-        Events::File(..) => false,
-    };
-    patch.patterns.iter().filter(plays).map(|p| p.name.clone()).collect()
+/// For each pattern, by its name, the names of those that play it, by themselves or as one of a choice.
+fn players(patch: &Patch) -> BTreeMap<&str, Vec<String>> {
+    let mut players: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for pattern in &patch.patterns {
+        let Events::Inline(events) = &pattern.events else { continue };
+        let actions = events.iter().flat_map(|event| match &event.action {
+            Action::Choose(list) => list.iter().map(|a| &a.action).collect(),
+            action => vec![action],
+        });
+        for action in actions {
+            let Action::Pattern { pattern: inner, .. } = action else { continue };
+            let of = players.entry(inner).or_default();
+            if of.last() != Some(&pattern.name) {
+                of.push(pattern.name.clone());
+            }
+        }
+    }
+    players
 }
 
-/// How often voices and markers begin while a pattern plays once, with its repetitions and all that it plays; `None` where it
-/// is drawn, read from a file or without end.
-fn onsets(patch: &Patch, pattern: &Pattern, depth: usize) -> Option<u64> {
-    let Events::Inline(events) = &pattern.events else { return None };
-    if depth > patch.patterns.len() {
-        return None;
-    }
-    let mut sum: u64 = 0;
-    for event in events {
-        let one = match &event.action {
-            Action::Voice(_) | Action::Marker(_) => 1,
-            Action::Pattern { pattern, .. } => {
-                onsets(patch, patch.patterns.iter().find(|p| p.name == *pattern)?, depth + 1)?
-            }
-            Action::Choose(_) => return None,
-        };
-        let times = event.repeat.map_or(Some(1), |r| r.times)?;
-        sum = sum.checked_add(one.checked_mul(times)?)?;
-    }
-    sum.checked_mul(pattern.repeat.map_or(Some(1), |r| r.times)?)
+/// How often voices and markers begin while a pattern plays once, with its repetitions and all that it plays.
+struct Onsets<'a> {
+    patterns: BTreeMap<&'a str, &'a Pattern>,
+    known: BTreeMap<&'a str, Option<u64>>,
 }
+
+impl<'a> Onsets<'a> {
+    fn new(patch: &'a Patch) -> Self {
+        let patterns = patch.patterns.iter().map(|p| (p.name.as_str(), p)).collect();
+        Self { patterns, known: BTreeMap::new() }
+    }
+
+    /// `None` where it is drawn, read from a file or without end, or where patterns nest deeper than any that plays.
+    fn of(&mut self, name: &str, depth: usize) -> Option<u64> {
+        let pattern = *self.patterns.get(name)?;
+        if let Some(known) = self.known.get(name) {
+            return *known;
+        }
+        let found = if depth > DEEPEST { None } else { self.count(pattern, depth) };
+        self.known.insert(&pattern.name, found);
+        found
+    }
+
+    fn count(&mut self, pattern: &Pattern, depth: usize) -> Option<u64> {
+        let Events::Inline(events) = &pattern.events else { return None };
+        let mut sum: u64 = 0;
+        for event in events {
+            let one = match &event.action {
+                Action::Voice(_) | Action::Marker(_) => 1,
+                Action::Pattern { pattern, .. } => self.of(pattern, depth + 1)?,
+                Action::Choose(_) => return None,
+            };
+            let times = event.repeat.map_or(Some(1), |r| r.times)?;
+            sum = sum.checked_add(one.checked_mul(times)?)?;
+        }
+        sum.checked_mul(pattern.repeat.map_or(Some(1), |r| r.times)?)
+    }
+}
+
+/// How deep patterns may nest for their onsets to be counted.
+const DEEPEST: usize = 64;
 
 /// Patterns that those in `playing` play, they among them.
 fn reached(patch: &Patch, playing: &[usize]) -> BTreeSet<usize> {
@@ -474,7 +502,7 @@ pub fn playing(loaded: &Loaded) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::{left_out_text, onsets, ranges};
+    use super::{Onsets, left_out_text, players, ranges};
     use pacinian::graph::plan::{LeftOut, Why};
     use pacinian::patch::Patch;
 
@@ -501,6 +529,19 @@ mod tests {
         assert_eq!(ranges(&["t99999999999999999999", "t18446744073709551615"]).matches('`').count(), 4);
     }
 
+    /// Patterns that each play the next twice begin 2^n times, and are counted in n steps.
+    #[test]
+    fn nested_patterns_are_counted_once_each() {
+        let mut text = String::from("format = \"pacinian-patch/1\"\ntitle = \"T\"\n");
+        for i in 0..50 {
+            let inner = format!("pattern = \"p{}\"", i + 1);
+            text += &format!("[pattern.p{i}]\nevents = [{{ at = 0, {inner} }}, {{ at = 1, {inner} }}]\n");
+        }
+        text += "[pattern.p50]\nevents = [{ at = 0, marker = \"m\" }]\n";
+        let patch = Patch::parse("p.toml", text.as_bytes()).unwrap().value;
+        assert_eq!(Onsets::new(&patch).of("p0", 0), Some(1 << 50));
+    }
+
     #[test]
     fn onsets_count_every_repetition() {
         let text = "format = \"pacinian-patch/1\"\ntitle = \"T\"\n[voice.v]\noutput = \"n\"\nnodes.n = { type = \"white\" }\n\
@@ -509,7 +550,8 @@ mod tests {
             [pattern.c]\nrepeat = { every = 1 }\nevents = [{ at = 0, voice = \"v\" }]\n\
             [pattern.d]\nevents = [{ at = 0, choose = [{ voice = \"v\" }] }]\n";
         let patch = Patch::parse("p.toml", text.as_bytes()).unwrap().value;
-        let of = |i: usize| onsets(&patch, &patch.patterns[i], 0);
-        assert_eq!([of(0), of(1), of(2), of(3)], [Some(33), Some(5), None, None]);
+        let mut onsets = Onsets::new(&patch);
+        assert_eq!(["a", "b", "c", "d", "e"].map(|p| onsets.of(p, 0)), [Some(33), Some(5), None, None, None]);
+        assert_eq!(players(&patch).get("b"), Some(&vec!["a".to_string()]));
     }
 }

@@ -4,6 +4,7 @@ use super::{Action, Event, Events, Expr, Node, Patch, Play, Source, Start, Value
 use crate::node::spec::{Family, Kind};
 use crate::text::reader::Sink;
 use crate::text::{Problem, Span};
+use std::collections::HashMap;
 
 /// Where the band ends, Hz.
 const BAND: f64 = 1000.0;
@@ -14,7 +15,8 @@ const RISES: [(&str, &str); 2] = [("envelope", "attack"), ("gate", "rise")];
 impl Patch {
     /// Warnings about levels, frequencies and attacks.
     pub(super) fn advice(&self) -> Vec<Problem> {
-        let mut advice = Advice { patch: self, problems: Vec::new() };
+        let voices = self.voices.iter().map(|v| (v.name.as_str(), v)).collect();
+        let mut advice = Advice { voices, problems: Vec::new() };
         for voice in &self.voices {
             let who = format!("the defaults of voice `{}`", voice.name);
             advice.values(voice, &[], None, &voice.span, &who);
@@ -25,15 +27,18 @@ impl Patch {
                 advice.event(event, &format!("event {} of pattern `{}`", i + 1, pattern.name));
             }
         }
+        let longest = longest(self);
         for voice in &self.voices {
-            advice.rises(voice);
+            if let Some(longest) = longest.get(voice.name.as_str()) {
+                advice.rises(voice, *longest);
+            }
         }
         advice.problems
     }
 }
 
 struct Advice<'a> {
-    patch: &'a Patch,
+    voices: HashMap<&'a str, &'a Voice>,
     problems: Vec<Problem>,
 }
 
@@ -53,7 +58,7 @@ impl Advice<'_> {
     }
 
     fn play(&mut self, play: &Play, who: &str) {
-        let Some(voice) = self.patch.voices.iter().find(|v| v.name == play.voice) else { return };
+        let Some(voice) = self.voices.get(play.voice.as_str()).copied() else { return };
         let fields: Vec<(&str, f64, &Span)> =
             play.fields.iter().map(|f| (f.name.as_str(), f.value, &f.span)).collect();
         // What is as the voice has it, has been told of the voice.
@@ -108,14 +113,16 @@ impl Advice<'_> {
     }
 
     /// Envelopes that take longer to rise than any event lasts.
-    fn rises(&mut self, voice: &Voice) {
-        let Some(longest) = self.longest(voice) else { return };
+    fn rises(&mut self, voice: &Voice, longest: f64) {
         for node in &voice.nodes {
             let spec = node.kind.spec();
             let Some((_, key)) = RISES.iter().find(|(name, _)| *name == spec.name) else { continue };
             let argument = spec.param(key).and_then(|(i, _)| node.arguments.get(i));
             let Some(argument) = argument else { continue };
             let Value::Expr(expr) = &argument.value else { continue };
+            if self.problems.len() >= Sink::MOST {
+                return;
+            }
             let Some(seconds) = expr.constant().filter(|seconds| *seconds > longest) else { continue };
             let what = format!(
                 "`{key}` of node `{}` of voice `{}` is {seconds} s, and its events last {longest} s at most: they end before \
@@ -126,42 +133,44 @@ impl Advice<'_> {
             self.problems.push(Problem::warning(&argument.span, what).help(help));
         }
     }
+}
 
-    /// Seconds of the longest event of a voice, where all of them are known and there are any.
-    fn longest(&self, voice: &Voice) -> Option<f64> {
-        let patch = self.patch;
-        let by_trigger = patch.triggers.iter().any(|t| t.play == voice.name && t.on != Source::Start);
-        if voice.start == Start::Always || by_trigger {
-            return None;
+/// Seconds of the longest event of each voice that has any and of which all are known.
+fn longest(patch: &Patch) -> HashMap<&str, f64> {
+    let mut longest: HashMap<&str, f64> = HashMap::new();
+    for pattern in &patch.patterns {
+        let Events::Inline(events) = &pattern.events else { return HashMap::new() };
+        let slower = |action: &Action| matches!(action, Action::Pattern { rate, .. } if *rate < 1.0);
+        // A pattern that another plays more slowly lasts as long as one would have to work out.
+        let slow = |event: &Event| match &event.action {
+            Action::Choose(list) => list.iter().any(|a| slower(&a.action)),
+            action => slower(action),
+        };
+        if events.iter().any(slow) {
+            return HashMap::new();
         }
-        for pattern in &patch.patterns {
-            let Events::Inline(events) = &pattern.events else { return None };
-            let slower = |action: &Action| matches!(action, Action::Pattern { rate, .. } if *rate < 1.0);
-            // A pattern that another plays more slowly lasts as long as one would have to work out.
-            if events.iter().any(|e| match &e.action {
-                Action::Choose(list) => list.iter().any(|a| slower(&a.action)),
-                action => slower(action),
-            }) {
-                return None;
-            }
-        }
-        let mut longest: Option<f64> = None;
-        for trigger in patch.triggers.iter().filter(|t| t.play == voice.name) {
-            let said = trigger.set.iter().find(|(field, ..)| field == "duration");
-            let seconds = said.map_or(Some(voice.duration), |(_, expr, _)| expr.constant())?;
-            longest = Some(longest.map_or(seconds, |l| l.max(seconds)));
-        }
-        patch.each_play(|play, pattern| {
-            if play.voice == voice.name {
-                let units = play.duration.unwrap_or(voice.duration);
-                let jitter = pattern.jitter.iter().flat_map(|j| &j.fractions).find(|f| f.name == "duration");
-                let most = 1.0 + jitter.map_or(0.0, |f| f.value);
-                let seconds = units * pattern.time.seconds() / pattern.rate * most;
-                longest = Some(longest.map_or(seconds, |l| l.max(seconds)));
-            }
-        });
-        longest
     }
+    let defaults: HashMap<&str, f64> = patch.voices.iter().map(|v| (v.name.as_str(), v.duration)).collect();
+    patch.each_play(|play, pattern| {
+        let Some(default) = defaults.get(play.voice.as_str()) else { return };
+        let jitter = pattern.jitter.iter().flat_map(|j| &j.fractions).find(|f| f.name == "duration");
+        let most = 1.0 + jitter.map_or(0.0, |f| f.value);
+        let seconds = play.duration.unwrap_or(*default) * pattern.time.seconds() / pattern.rate * most;
+        longest.entry(&play.voice).and_modify(|l| *l = l.max(seconds)).or_insert(seconds);
+    });
+    for trigger in &patch.triggers {
+        let Some(default) = defaults.get(trigger.play.as_str()) else { continue };
+        let said = trigger.set.iter().find(|(field, ..)| field == "duration");
+        let seconds = said.map_or(Some(*default), |(_, expr, _)| expr.constant());
+        // Whoever sets it off may hold it.
+        let seconds = seconds.filter(|_| trigger.on == Source::Start).unwrap_or(f64::INFINITY);
+        longest.entry(&trigger.play).and_modify(|l| *l = l.max(seconds)).or_insert(seconds);
+    }
+    longest.retain(|_, seconds| seconds.is_finite());
+    patch.voices.iter().filter(|v| v.start == Start::Always).for_each(|v| {
+        longest.remove(v.name.as_str());
+    });
+    longest
 }
 
 /// What stands at the parameter of an oscillator that is its frequency.
@@ -253,6 +262,21 @@ mod tests {
                 "{frequency} {fields}"
             );
         }
+    }
+
+    /// Many voices and many events take time by their sum, not by their product.
+    #[test]
+    fn large_patches_are_advised_at_once() {
+        let many = 20_000;
+        let mut text = String::from("format = \"pacinian-patch/1\"\ntitle = \"T\"\n");
+        for i in 0..many {
+            text +=
+                &format!("[voice.v{i}]\noutput = \"n\"\nnodes.n = {{ type = \"envelope\", attack = 0.3 }}\n");
+        }
+        text += "[pattern.p]\nevents = [\n";
+        (0..many).for_each(|i| text += &format!("{{ at = {i}, voice = \"v{i}\", level = 2 }},\n"));
+        let checked = Patch::parse("p.toml", (text + "]\n").as_bytes()).unwrap_or_else(|p| panic!("{p}"));
+        assert!(checked.warnings.list.len() >= 500);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::nearest::listed;
 pub struct Topic {
     /// What it is asked for by.
     pub name: &'static str,
-    /// How it is written, where that is not plain from its name: "[voice.NAME]".
+    /// How it is written, where that is not plain from its name: `[voice.NAME]`.
     pub written: &'static str,
     /// What it is, in one sentence.
     pub doc: &'static str,
