@@ -1,7 +1,7 @@
 //! What works and was hardly meant so: warnings that need the patch, the rig and the command line together.
 
 use super::load::Loaded;
-use super::plan::playing;
+use super::patterns::playing;
 use pacinian::patch::{Patch, Place, Source, Start};
 use pacinian::text::{Problem, Problems, Severity, Span};
 use std::collections::HashSet;
