@@ -5,22 +5,35 @@
 //! callback, or straight into a buffer. All vibration is band-limited to 1 kHz, in engine samples of about 8 kHz.
 //!
 //! ```
-//! # use pacinian::graph::scene::Options;
-//! # use pacinian::{node::asset::NoAssets, patch::{Patch, Place}, player::{Note, Player}, rig::Rig};
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let patch = Patch::parse("heartbeat.toml", &std::fs::read("patches/04-heartbeat.toml")?)?.value;
-//! let rig = Rig::parse("belt.toml", &std::fs::read("rigs/belt.toml")?)?.value;
-//! let mut player = Player::new(&patch, &rig, &Options { live: true, ..Options::default() }, &NoAssets)?;
-//! let left = Some(Place::Name("left".into())); // the seventh channel of the belt
-//! player.play("beat", &Note { level: Some(0.5), place: left, ..Note::default() })?;
-//! player.set("strength", 0.5)?;
-//! let mut second = vec![0.0; 48_000 * player.engine().channels()];
-//! player.process(&mut second); // interleaved frames
-//! let peak = second.iter().skip(6).step_by(8).fold(0.0_f32, |peak, x| peak.max(x.abs()));
-//! assert!(peak > 0.1 && peak < 0.3, "half of a half: {peak}");
-//! # Ok(())
-//! # }
+//! use pacinian::graph::scene::Options;
+//! use pacinian::node::asset::NoAssets;
+//! use pacinian::patch::{Patch, Place};
+//! use pacinian::player::{Note, Player};
+//! use pacinian::rig::Rig;
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let patch = Patch::parse("heartbeat.toml", &std::fs::read("patches/04-heartbeat.toml")?)?.value;
+//!     let rig = Rig::parse("belt.toml", &std::fs::read("rigs/belt.toml")?)?.value;
+//!     // `live` keeps voices that nothing in the patch starts, and what may be moved.
+//!     let options = Options { live: true, ..Options::default() };
+//!     let mut player = Player::new(&patch, &rig, &options, &NoAssets)?;
+//!
+//!     let left = Some(Place::Name("left".into())); // the seventh channel of the belt
+//!     player.play("beat", &Note { level: Some(0.5), place: left, ..Note::default() })?;
+//!     player.set("strength", 0.5)?;
+//!     let mut second = vec![0.0; 48_000 * player.engine().channels()];
+//!     player.process(&mut second); // interleaved frames
+//!
+//!     let peak = |channel: usize| second.iter().skip(channel).step_by(8).fold(0.0_f32, |p, x| p.max(x.abs()));
+//!     assert!(peak(6) > 0.1 && peak(6) < 0.3, "half of a half: {}", peak(6));
+//!     assert!(peak(0) > 0.3, "the heart of the patch beats on its own tactors meanwhile");
+//!     Ok(())
+//! }
 //! ```
+//!
+//! [`node::asset::NoAssets`] says that there are no recordings: a patch with a node `sample` or `scan` is refused. With the feature
+//! `io`, `io::assets::Folder` reads them from a folder. The patch's own pattern plays as well, from the first frame on; a patch of
+//! voices alone is silent until something is played.
 //!
 //! From one's own audio callback, drive [`engine::Engine::process`]: it neither allocates nor locks, and what it computes does not
 //! depend on how long the calls are. [`engine::exchange`] lets another plan follow while it sounds.

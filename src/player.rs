@@ -10,7 +10,6 @@ use crate::engine::core::Counters;
 use crate::engine::event::{Event, Play, Source};
 use crate::graph::plan::Plan;
 use crate::graph::scene::{Options, Scene, scene};
-use crate::graph::start::FIELDS;
 use crate::node::asset::Assets;
 use crate::patch::{Patch, Place};
 use crate::rig::Rig;
@@ -220,36 +219,19 @@ impl Player {
         let patch = Arc::clone(&self.patch);
         let index = self.voices.get(voice).copied();
         let Some((index, instrument)) = index.and_then(|v| Some((v, self.instruments[v]?))) else {
-            let what = if index.is_some() {
-                format!("voice `{voice}` was left out, since nothing starts it; compile with `live`")
-            } else {
-                format!("there is no voice `{voice}`")
-            };
-            return Err(Problem::of_file(what));
+            // Of a name that the patch does not have either, the plan says which are near.
+            self.plan.play(voice, &[]).map_err(|problem| match index {
+                Some(_) => Problem::of_file(format!("voice `{voice}` was left out, since nothing starts it"))
+                    .help("compile it with `live`".to_string()),
+                None => problem,
+            })?;
+            return Err(Problem::of_file(format!("voice `{voice}` cannot be played")));
         };
         let voice = &patch.voices[index];
-        let mut own = [0.0; FIELDS];
-        own.iter_mut().zip(&voice.fields).for_each(|(value, (_, default))| *value = *default);
-        for (name, value) in &note.fields {
-            match voice.fields.iter().position(|(n, _)| n == name) {
-                Some(i) if value.is_finite() => own[i] = *value,
-                Some(_) => {
-                    return Err(Problem::of_file(format!("`{name}` = {value} is not a number to play")));
-                }
-                None => {
-                    return Err(Problem::of_file(format!(
-                        "voice `{}` declares no field `{name}`",
-                        voice.name
-                    )));
-                }
-            }
-        }
-        let level = note.level.unwrap_or(voice.level);
-        let duration = note.duration.unwrap_or(voice.duration);
-        if !level.is_finite() || duration.is_nan() || duration < 0.0 {
-            let what = format!("level {level} for {duration} s cannot be played");
-            return Err(Problem::of_file(what));
-        }
+        let (level, duration) = (note.level.unwrap_or(voice.level), note.duration.unwrap_or(voice.duration));
+        let mut fields = vec![("level", level), ("duration", duration)];
+        fields.extend(note.fields.iter().map(|(name, value)| (name.as_str(), *value)));
+        let own = self.plan.play(&voice.name, &fields)?.own;
         let place = note.place.as_ref().or(voice.place.as_ref());
         let place = self.rig.resolve(place, &(0..0))? as u32;
         if self.engine.room() <= FOR_PATTERNS {
@@ -288,19 +270,13 @@ impl Player {
     /// # Errors
     /// A control that the patch does not have or that nothing reads, a value that is not finite, or no room in the engine's queue.
     pub fn set(&mut self, control: &str, value: f64) -> Result<(), Problem> {
-        let index = self.plan.controls.iter().position(|c| &*c.name == control).ok_or_else(|| {
-            let names: Vec<&str> = self.plan.controls.iter().map(|c| &*c.name).collect();
-            Problem::of_file(format!(
-                "there is no control `{control}` that moves anything; there is: {}",
-                names.join(", ")
-            ))
-        })?;
+        let index = self.plan.control(control)?;
         if !value.is_finite() {
             let what = format!("control `{control}` cannot be set to {value}");
             return Err(Problem::of_file(what).help("give a finite number".to_string()));
         }
         let now = Instant { sample: self.engine.clock(), fraction: 0 };
-        if !self.engine.schedule(now, Source::Program, Event::Control(index as u32, value)) {
+        if !self.engine.schedule(now, Source::Program, Event::Control(index, value)) {
             return Err(Problem::of_file("the engine's queue is full; compute some frames first"));
         }
         self.tell(self.seconds(), now, None, None, Happening::Control(control, value));

@@ -131,7 +131,9 @@ fn patches_that_mean_nothing() {
         "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\n[[tactor]]\nname = \"top\"\nchannel = 1\n",
     );
     scratch.write("far.toml", with("[pattern.p]\nevents = [{ at = 0, voice = \"beat\", place = 7 }]\n"));
-    scratch.run(&["check", "far.toml", "--rig", "rig.toml"]).fails(65, &["no channel 7", "has 2"]);
+    scratch
+        .run(&["check", "far.toml", "--rig", "rig.toml"])
+        .fails(65, &["the patch needs channel 7", "has 2"]);
     scratch.run(&["check", "far.toml"]).succeeds();
 }
 
@@ -520,13 +522,17 @@ fn pictures_and_errors() {
     let of = |n: usize, cell: usize| lines[n].split(',').nth(cell).unwrap().parse::<f64>().unwrap();
     assert!((1..5).all(|n| of(n, 2) < -80.0), "{lines:?}");
     assert!(of(2, 3) < of(1, 3) - 10.0, "8 taps leave less above 1 kHz than 4: {lines:?}");
-    // The picture has a mark with its label for each setting, and each line its number type.
+    // The picture has a line for each column of each number type, and a label for each setting.
     let drawn = scratch.run(&["error", "good.toml", "--compare-taps", "4,8", "-o", "trade.svg", "--csv"]);
     assert_eq!(drawn.succeeds().out.lines().count(), 5);
     let svg = std::fs::read_to_string(scratch.0.join("trade.svg")).unwrap();
-    for (label, times) in
-        [(">4 taps<", 2), (">8 taps<", 2), (">f32<", 1), (">f64<", 1), ("error against run time", 2)]
-    {
+    for (label, times) in [
+        (">4 taps<", 2),
+        (">8 taps<", 2),
+        (">f32: error to 1 kHz<", 1),
+        (">f64: above 1 kHz<", 1),
+        ("error against run time", 2),
+    ] {
         assert_eq!(svg.matches(label).count(), times, "{label}");
     }
     scratch.run(&["error", "good.toml", "-o", "good.toml"]).fails(2, &["`good.toml`"]);

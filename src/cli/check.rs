@@ -13,7 +13,8 @@ use serde::Serialize;
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  pacinian check patches/04-heartbeat.toml --rig rigs/belt.toml\n\n\
     Every problem is shown at once, at its line. Where there is none, the plan is shown: rates, delay, voices,\n\
-    patterns and their length, channels, and what was left out and why.")]
+    patterns and their length, channels, and what was left out and why. A voice runs as ops (its nodes, folded and pruned)\n\
+    on buffers (rows between them) for groups of 8 lanes (voices computed abreast).")]
 pub struct Check {
     #[command(flatten)]
     scene: Scene,

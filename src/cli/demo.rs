@@ -95,7 +95,7 @@ impl Demo {
         let mut text = format!("\n{}\n", paint.bold("error"));
         text +=
             &format!("  {} of the vibration, 0 to 1 kHz, against the reference\n", decibels(answer.error_db));
-        text += &format!("  {} of it lies above 1 kHz\n", decibels(answer.above_db));
+        text += &format!("  power above 1 kHz: {} of the total\n", decibels(answer.above_db));
         if let Some(reservation) = reservation(&player) {
             text += &format!("  {}\n", paint.yellow(&reservation));
         }

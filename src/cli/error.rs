@@ -237,45 +237,64 @@ fn text(answer: &Answer, loaded: &Loaded, terminal: &Terminal) -> String {
         ]);
     }
     let mut text = format!("{}: {:.3} s\n{}", paint.bold(loaded.name()), answer.seconds, table.text());
-    if answer.voices_stolen > 0 {
-        text += &paint
-            .yellow("  voices were stolen, which the reference does not model: the error says little\n");
-    }
-    if loaded.rig.outputs.iter().any(|o| o.kind == OutputKind::Raw) {
-        text += &paint.yellow("  raw outputs are not band-limited: what they have above 1 kHz counts, too\n");
-    }
-    if answer.limited > 0 {
-        text +=
-            &paint.yellow("  the limiter acted, which the reference does not model: the error says little\n");
+    for what in answer.reservations(loaded) {
+        text += &paint.yellow(&format!("  {what}\n"));
     }
     text
 }
 
-fn power(level: Option<f64>) -> f64 {
-    level.map_or(0.0, |db| 10f64.powf(db / 10.0))
+impl Answer {
+    /// What keeps the figures from saying much.
+    fn reservations(&self, loaded: &Loaded) -> Vec<&'static str> {
+        let raw = loaded.rig.outputs.iter().any(|o| o.kind == OutputKind::Raw);
+        [
+            (
+                self.voices_stolen > 0,
+                "voices were stolen, which the reference does not model: the error says little",
+            ),
+            (raw, "raw outputs are not band-limited: what they have above 1 kHz counts, too"),
+            (
+                self.limited > 0,
+                "the limiter acted, which the reference does not model: the error says little",
+            ),
+        ]
+        .into_iter()
+        .filter_map(|(is, what)| is.then_some(what))
+        .collect()
+    }
 }
 
-/// Error against run time: a line for each number type, a point for each number of taps.
+/// Error against run time, as the table has it: for each number type a line of errors and one of what lies above the band, a
+/// point for each number of taps.
 fn chart(answer: &Answer, loaded: &Loaded) -> Chart {
     let mut series: Vec<Series> = Vec::new();
     for row in &answer.settings {
-        let at = series.iter().position(|one| one.name == row.precision).unwrap_or_else(|| {
-            series.push(Series { name: row.precision.into(), points: Vec::new() });
-            series.len() - 1
-        });
-        series[at].points.push(Point {
-            x: 1e3 / row.times_real_time,
-            // Numbers move the one, taps the other. Where both are silent, the chart says that it leaves a point out.
-            y: 10.0 * (power(row.error_db) + power(row.above_db)).log10(),
-            label: format!("{} taps", row.taps),
-        });
+        // Taps move what lies above the band, so that line has their number.
+        let taps = format!("{} taps", row.taps);
+        for (what, level, label) in
+            [("error to 1 kHz", row.error_db, String::new()), ("above 1 kHz", row.above_db, taps)]
+        {
+            let name = format!("{}: {what}", row.precision);
+            let at = series.iter().position(|one| one.name == name).unwrap_or_else(|| {
+                series.push(Series { name, points: Vec::new() });
+                series.len() - 1
+            });
+            // Of nothing at all, the chart says that it leaves a point out.
+            let y = level.unwrap_or(f64::NEG_INFINITY);
+            series[at].points.push(Point { x: 1e3 / row.times_real_time, y, label });
+        }
     }
     let title = if loaded.patch.title.is_empty() { loaded.name() } else { &loaded.patch.title };
     Chart {
         title: format!("{title}: error against run time, {} outputs", loaded.rig.outputs.len()),
-        x: Axis { label: "run time of a second of vibration (ms)".into(), log: false },
-        y: Axis { label: "error to 1 kHz, and power above (dB)".into(), log: false },
+        x: Axis { label: "run time of a second of vibration (ms)".into(), log: false, least: 0.0 },
+        y: Axis { label: "dB of the vibration".into(), log: false, least: 10.0 },
         series,
+        notes: answer
+            .reservations(loaded)
+            .iter()
+            .map(|what| format!("{}{}.", what[..1].to_uppercase(), &what[1..]))
+            .collect(),
     }
 }
 

@@ -21,7 +21,7 @@ use std::sync::Arc;
 pub struct Scene {
     /// The patch, a TOML file: what is felt, and when
     pub patch: PathBuf,
-    /// The rig, a TOML file: which tactor hangs on which channel [default: a line of 8 tactors, t1 to t8]
+    /// The rig, a TOML file: which tactor hangs on which channel [default: a line of tactors, t1 to t8, or as many as the patch needs]
     #[arg(long, value_name = "RIG")]
     pub rig: Option<PathBuf>,
     /// The pattern to play [default: those that a trigger starts, else the first]
@@ -235,6 +235,8 @@ impl Scene {
         };
         let read = [Some(self.patch.clone()), self.rig.clone(), self.input.clone()];
         loaded.files.extend(read.into_iter().flatten());
+        let deaf = self.input.is_none() && !listened.is_empty();
+        loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf));
         let mut failure = Failure::default();
         if problems.iter().any(Problem::is_error) {
             failure.join(loaded.refuse(problems, &codes));

@@ -1,18 +1,22 @@
 //! The command line: one file a subcommand, each a thin use of the library.
 
+mod advice;
 mod by_default;
 mod check;
 mod demo;
 mod error;
 mod failure;
 mod form;
+mod format;
 mod guard;
 mod input;
+mod left_out;
 mod load;
 mod memory;
 mod named;
 mod nodes;
 mod paint;
+mod patterns;
 mod perform;
 mod place;
 mod plan;
@@ -41,7 +45,8 @@ use terminal::{Terminal, When};
         pacinian checks them, and renders them to a WAV file with a channel for each tactor.",
     after_help = "Begin here:\n  pacinian demo                   a WAV file and a picture, no hardware needed\n  \
         pacinian check PATCH            see what is wrong with a patch, or what it will run\n  \
-        pacinian render PATCH -o x.wav  render it\n  pacinian nodes                  what patches are made of\n\n\
+        pacinian render PATCH -o x.wav  render it\n  pacinian format                 what a patch and a rig may say\n  \
+        pacinian nodes                  the nodes that voices are made of\n\n\
         Exit codes: 0 all is well, 2 the command line, 65 the patch, 66 a file that is not there, 70 a bug in pacinian,\n\
         71 signals cannot be listened to, 73 and 74 a file that cannot be written, 77 no permission, 78 the rig,\n\
         129 stopped by SIGHUP, 130 by Ctrl-C, 143 by SIGTERM.",
@@ -67,6 +72,7 @@ enum Command {
     Plot(plot::Plot),
     Error(error::Error),
     Nodes(nodes::Nodes),
+    Format(format::Format),
     Schema(schema::Schema),
 }
 
@@ -90,6 +96,7 @@ fn run() -> u8 {
         Command::Check(check) => check.run(&terminal),
         Command::Render(render) => render.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),
+        Command::Format(format) => format.run(&terminal),
         Command::Schema(schema) => schema.run(&terminal),
     };
     match result {

@@ -2,6 +2,7 @@
 
 use super::check::json;
 use super::failure::Failure;
+use super::format;
 use super::paint::Paint;
 use super::table::Table;
 use super::terminal::Terminal;
@@ -9,6 +10,7 @@ use clap::Args;
 use pacinian::node::spec::{Family, Kind, NodeSpec, Numeric, Param};
 use pacinian::node::{NodeKind, REGISTRY};
 use pacinian::text::nearest;
+use pacinian::text::reference::short;
 use serde::Serialize;
 
 /// Lists the nodes that patches are made of, or explains one
@@ -60,10 +62,14 @@ impl Nodes {
             return terminal.print(&text);
         };
         let Some(kind) = NodeKind::find(name) else {
-            let help = nearest::nearest(name, REGISTRY.iter().map(|spec| spec.name)).map_or_else(
-                || "`pacinian nodes` lists all".into(),
-                |near| format!("did you mean `{near}`?"),
-            );
+            let near = nearest::nearest(name, REGISTRY.iter().map(|spec| spec.name));
+            let help = match near {
+                _ if format::knows(name) => {
+                    format!("it is a part of a patch or a rig: pacinian format {name}")
+                }
+                Some(near) => format!("did you mean `{near}`?"),
+                None => "`pacinian nodes` lists all, `pacinian format` what else there is".into(),
+            };
             return Err(Failure::usage(format!("there is no node `{name}`"), help));
         };
         let spec = kind.spec();
@@ -164,17 +170,7 @@ fn explain(spec: &NodeSpec, paint: Paint) -> String {
     table.row(["name", "kind", "range", "default", "what it is"].map(|head| paint.dim(head)));
     for p in spec.params {
         let p = param(p);
-        let range = match (p.choices, p.least, p.most) {
-            (Some(words), ..) => words.join(", "),
-            (None, None, None) => String::new(),
-            (None, least, most) => {
-                let end = |x: Option<f64>| x.map_or("any".into(), short);
-                let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
-                format!("{} to {}{unit}", end(least), end(most))
-            }
-        };
-        let default = p.default.unwrap_or_else(|| "required".into());
-        table.row([p.name.into(), p.kind.into(), range, default, p.doc.to_string()]);
+        table.row([p.name.into(), p.kind.into(), range(&p), default(&p), p.doc.to_string()]);
     }
     if spec.params.is_empty() {
         table = Table::default();
@@ -192,13 +188,65 @@ fn explain(spec: &NodeSpec, paint: Paint) -> String {
     text + &format!("\n{}\n  {}\n", paint.bold("example"), spec.example.trim().replace('\n', "\n  "))
 }
 
-/// A number as short as it can be told.
-fn short(x: f64) -> String {
-    if x != 0.0 && (x.abs() >= 1e5 || x.abs() < 1e-3) { format!("{x:e}") } else { x.to_string() }
+/// All nodes as Markdown.
+pub fn markdown() -> String {
+    let mut text = String::from(
+        "# The nodes\n\n<!-- Made by `pacinian format --markdown nodes`; a test keeps it in step. -->\n\n\
+         The same in a terminal: `pacinian nodes`, `pacinian nodes NAME`.\n\n\
+         A signal is a number, the name of a node or a control, or an [expression](patch.md#expression) of them, and may move at every \
+         sample. What is read at onset is a number or an expression of the event's fields.\n",
+    );
+    let of = |family: Family| REGISTRY.iter().filter(move |spec| spec.family == family);
+    for (family, title) in FAMILIES {
+        let links: Vec<String> = of(family).map(|spec| format!("[{0}](#{0})", spec.name)).collect();
+        if !links.is_empty() {
+            text += &format!("\n- {title}: {}", links.join(", "));
+        }
+    }
+    text.push('\n');
+    for spec in FAMILIES.iter().flat_map(|(family, _)| of(*family)) {
+        let (name, summary, detail) = (spec.name, markup(spec.summary), markup(spec.detail));
+        let example = spec.example.trim();
+        text += &format!("\n## {name}\n\n{summary}\n\n```toml\n{example}\n```\n\n{detail}\n");
+        if spec.params.is_empty() {
+            continue;
+        }
+        text += "\n| parameter | kind | range | default | what it is |\n|---|---|---|---|---|\n";
+        for p in spec.params.iter().map(param) {
+            let (range, default) = (markup(&range(&p)), default(&p));
+            text += &format!("| `{}` | {} | {range} | {default} | {} |\n", p.name, p.kind, markup(p.doc));
+        }
+    }
+    text
+}
+
+/// Text in which nothing is a link, a column or an emphasis; what stands between backticks is left as it is.
+pub fn markup(text: &str) -> String {
+    let part = |(i, part): (usize, &str)| {
+        let part = part.replace('|', "\\|");
+        if i % 2 == 1 { part } else { part.replace('[', "\\[").replace('*', "\\*").replace('<', "&lt;") }
+    };
+    text.split('`').enumerate().map(part).collect::<Vec<_>>().join("`")
+}
+
+fn range(p: &ParamReport) -> String {
+    match (p.choices, p.least, p.most) {
+        (Some(words), ..) => words.join(", "),
+        (None, None, None) => String::new(),
+        (None, least, most) => {
+            let end = |x: Option<f64>| x.map_or("any".into(), short);
+            let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
+            format!("{} to {}{unit}", end(least), end(most))
+        }
+    }
+}
+
+fn default(p: &ParamReport) -> String {
+    p.default.clone().unwrap_or_else(|| "required".into())
 }
 
 /// Lines of at most 100 characters.
-fn wrapped(text: &str, indent: &str) -> String {
+pub fn wrapped(text: &str, indent: &str) -> String {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
         let line = lines.last().map_or(0, |l| l.chars().count());

@@ -1,17 +1,17 @@
 //! What a patch on a rig will run, and what was left out: for people and for programs.
 
 use super::input::InputReport;
+use super::left_out::{Left, left_out, left_out_text};
 use super::load::Loaded;
 use super::paint::Paint;
+use super::patterns::{PatternReport, lines, patterns};
 use super::table::{Table, hertz, many};
-use pacinian::graph::plan::{LeftOut, OutputKind, Plan, Precision};
-use pacinian::patch::{Action, Events, Patch, Pattern, Source};
+use pacinian::graph::plan::{OutputKind, Plan, Precision};
 use pacinian::player::Player;
 use pacinian::rig::Peak;
-use pacinian::score::Score;
-use pacinian::text::Problem;
 use serde::Serialize;
-use std::collections::BTreeSet;
+
+pub use super::patterns::{is_endless, playing};
 
 /// What will run.
 #[derive(Debug, Serialize)]
@@ -85,40 +85,6 @@ struct PeakReport {
     frequency: f64,
     gain_db: f64,
     q: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct PatternReport {
-    name: String,
-    /// From the beginning.
-    plays: bool,
-    /// Within one that plays.
-    nested: bool,
-    endless: bool,
-    seconds: Option<f64>,
-    file: Option<String>,
-    events: u64,
-}
-
-/// Something left out.
-#[derive(Debug, Serialize)]
-pub struct Left {
-    what: String,
-    why: String,
-}
-
-/// What was left out, for programs.
-pub fn left_out(list: &[LeftOut]) -> Vec<Left> {
-    list.iter().map(|l| Left { what: l.what.clone(), why: l.why.to_string() }).collect()
-}
-
-/// What was left out, as lines.
-pub fn left_out_text(list: &[LeftOut]) -> String {
-    let mut table = Table::default();
-    for left in list {
-        table.row([left.what.clone(), left.why.to_string()]);
-    }
-    table.text()
 }
 
 /// Channels listed one by one, at most.
@@ -207,7 +173,7 @@ impl PlanReport {
         };
         section("voices", self.voice_lines());
         section("controls", self.control_lines());
-        section("patterns", self.pattern_lines());
+        section("patterns", lines(&self.patterns));
         section("channels", self.channel_lines());
         section("left out, and why", left_out_text(&plan.left_out));
         text
@@ -243,25 +209,6 @@ impl PlanReport {
                 range,
                 format!("within {} ms", 1e3 * c.smoothing),
             ]);
-        }
-        table.text()
-    }
-
-    fn pattern_lines(&self) -> String {
-        let mut table = Table::default();
-        for p in &self.patterns {
-            let length = match p.seconds {
-                _ if p.endless => "without end".into(),
-                Some(seconds) => format!("{seconds:.2} s"),
-                None => "length is drawn or read".into(),
-            };
-            let from = p.file.as_ref().map_or(String::new(), |file| format!(" from {file}"));
-            let plays = match (p.plays, p.nested) {
-                (true, _) => "plays",
-                (false, true) => "within",
-                (false, false) => "does not play",
-            };
-            table.row([p.name.clone(), plays.into(), length, many(p.events as usize, "event") + &from]);
         }
         table.text()
     }
@@ -319,71 +266,4 @@ fn voices(plan: &Plan) -> Vec<VoiceReport> {
         always: i.always,
     };
     plan.instruments.iter().map(report).collect()
-}
-
-fn patterns(loaded: &Loaded) -> Vec<PatternReport> {
-    let patch = &loaded.patch;
-    let playing = playing(loaded);
-    let reached = reached(patch, &playing);
-    let report = |(i, pattern): (usize, &Pattern)| {
-        let refuse = |path: &str| Err(Problem::of_file(path));
-        let score = Score::new(patch, |_| Ok(0), &[(i, 0.0)], 0, refuse);
-        let (file, events) = match &pattern.events {
-            Events::Inline(events) => (None, events.len() as u64),
-            Events::File(path, _) => {
-                let found = loaded.surveyed.iter().find(|(p, _)| p == path);
-                (Some(path.clone()), found.map_or(0, |(_, events)| *events))
-            }
-        };
-        PatternReport {
-            name: pattern.name.clone(),
-            plays: playing.contains(&i),
-            nested: reached.contains(&i),
-            endless: is_endless(pattern),
-            seconds: score.ok().and_then(|s| s.length()),
-            file,
-            events,
-        }
-    };
-    patch.patterns.iter().enumerate().map(report).collect()
-}
-
-/// Patterns that those in `playing` play, they among them.
-fn reached(patch: &Patch, playing: &[usize]) -> BTreeSet<usize> {
-    let find = |name: &str| patch.patterns.iter().position(|p| p.name == name);
-    let (mut found, mut open) = (BTreeSet::new(), playing.to_vec());
-    while let Some(index) = open.pop() {
-        let Some(pattern) = patch.patterns.get(index).filter(|_| found.insert(index)) else { continue };
-        let Events::Inline(events) = &pattern.events else { continue };
-        let mut visit = |action: &Action| match action {
-            Action::Pattern { pattern, .. } => open.extend(find(pattern)),
-            Action::Voice(_) | Action::Marker(_) | Action::Choose(_) => {}
-        };
-        for event in events {
-            visit(&event.action);
-            if let Action::Choose(list) = &event.action {
-                list.iter().for_each(|a| visit(&a.action));
-            }
-        }
-    }
-    found
-}
-
-/// Whether it repeats for ever.
-pub fn is_endless(pattern: &Pattern) -> bool {
-    pattern.repeat.is_some_and(|r| r.times.is_none())
-}
-
-/// Patterns that play from the beginning, by their place in the patch.
-pub fn playing(loaded: &Loaded) -> Vec<usize> {
-    let patch = &loaded.patch;
-    let find = |name: &str| patch.patterns.iter().position(|p| p.name == name);
-    if let Some(name) = &loaded.options.pattern {
-        return find(name).into_iter().collect();
-    }
-    let mut starts = patch.triggers.iter().filter(|t| t.on == Source::Start).peekable();
-    if starts.peek().is_none() && !patch.patterns.is_empty() {
-        return vec![0];
-    }
-    starts.filter_map(|t| find(&t.play)).collect()
 }

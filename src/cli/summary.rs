@@ -1,10 +1,10 @@
 //! What a rendering turned out to be.
 
 use super::input::InputReport;
+use super::left_out::{Left, left_out, left_out_text};
 use super::load::Loaded;
 use super::paint::Paint;
 use super::perform::Performed;
-use super::plan::{Left, left_out, left_out_text};
 use super::table::{Table, dbfs, grouped, hertz, many};
 use pacinian::io::wav::{Encoding, Written};
 use pacinian::player::Player;

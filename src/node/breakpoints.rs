@@ -12,7 +12,7 @@ pub static SPEC: NodeSpec = NodeSpec {
     name: "breakpoints",
     family: Family::Envelope,
     summary: "An envelope through any number of points.",
-    detail: "From 0 at the onset to each point's value at its time, along its curve (see `envelope`), then 0: at once, so that \
+    detail: "From 0 at the onset to each point's value at its time, along its shape (as a curve of `envelope`), then 0: at once, so that \
              a last value other than 0 ends in a jump. Points at the same instant are a jump. With `sustain`, the value holds \
              at that point until the event ends; then, or if the event ends before, it goes on from where it is to the next \
              point, in the time between those two. Without, the release is ignored. Times that go back are taken as the time \
@@ -22,7 +22,7 @@ pub static SPEC: NodeSpec = NodeSpec {
             name: "points",
             kind: Kind::Points,
             unit: "",
-            doc: "Points in order: `at` in seconds after the onset, `value` from −1e6 to 1e6, `curve` from −20 to 20.",
+            doc: "Points in order: `at` in seconds after the onset, `value` from −1e6 to 1e6, and `shape` of the way there: linear, slow, fast, exponential or from −20 to 20.",
         },
         Param {
             name: "sustain",
@@ -31,7 +31,7 @@ pub static SPEC: NodeSpec = NodeSpec {
             doc: "Which point holds until the release, counted from 1; 0 for none.",
         },
     ],
-    example: r#"swell = { type = "breakpoints", points = [{ at = 0.1, value = 1, curve = 3 }, { at = 0.5, value = 0 }] }"#,
+    example: r#"swell = { type = "breakpoints", points = [{ at = 0.1, value = 1, shape = "slow" }, { at = 0.5, value = 0 }] }"#,
 };
 
 const LARGEST: f64 = 1e6;

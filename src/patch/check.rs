@@ -123,6 +123,10 @@ impl Patch {
         for trigger in &self.triggers {
             check.trigger(trigger, &names, &shared);
         }
+        // Of what is broken, nobody wants to know how it would feel.
+        if !check.problems.iter().any(Problem::is_error) && broken.is_empty() {
+            check.problems.extend(self.advice());
+        }
         check.problems
     }
 }

@@ -64,11 +64,12 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Control {
                 Some([least, most])
             }
             _ => {
-                reader.mistaken(
-                    "range",
-                    &value,
-                    "[least, most], two finite numbers of which the first is less",
-                );
+                let wanted = match numbers.as_deref() {
+                    Some(&[least, most]) if least >= most => "the first number must be less than the second",
+                    Some(&[_, _]) => "both numbers must be finite",
+                    _ => "it must be two numbers, [least, most]",
+                };
+                reader.wrong("range", &value, wanted);
                 None
             }
         }

@@ -11,7 +11,7 @@
 
 use super::place::{self, Place};
 use crate::text::field::{Field, Form, Table};
-use crate::text::nearest::suggest;
+use crate::text::nearest::{did_you_mean, suggest};
 use crate::text::reader::Reader;
 use crate::text::{Problem, Span};
 
@@ -114,16 +114,22 @@ const LEVEL: Field = Field::new(
     "level",
     Form::any_number(0.0, 100.0),
     "",
-    "Share of the actuator's rated vibration; the voice's default where nothing is said, which is 1.",
+    "Share of the actuator's rated vibration. The voice's default, else 1.",
 );
 const DURATION: Field = Field::new(
     "duration",
     Form::any_number(0.0, 1e6),
     "s or beats",
-    "From onset to release; the voice's default where nothing is said, which is 0.1 s.",
+    "From onset to release. The voice's default, else 0.1 s.",
 );
 const PLACE: Field =
     Field::new("place", Form::Defined("place"), "", "Where; the voice's place where nothing is said.");
+const FREQUENCY: Field = Field::new(
+    "frequency",
+    Form::any_number(-1e9, 1e9),
+    "Hz",
+    "What nodes read as event.frequency. The voice's default, else 250 Hz.",
+);
 const GAIN: Field = Field::new(
     "gain",
     Form::number(1.0, 0.0, 100.0),
@@ -158,6 +164,7 @@ pub static TABLE: Table = Table {
         LEVEL,
         DURATION,
         PLACE,
+        FREQUENCY,
         GAIN,
         RATE,
     ],
@@ -181,6 +188,7 @@ pub static ALTERNATIVE: Table = Table {
         LEVEL,
         DURATION,
         PLACE,
+        FREQUENCY,
         GAIN,
         RATE,
     ],
@@ -215,7 +223,7 @@ pub(crate) fn read(reader: &Reader) -> Option<Event> {
     let action = if reader.has("choose") {
         let who = |n: usize| format!("alternative {n} of {}", reader.who);
         refuse(reader, &["choose"], &["voice", "pattern", "marker"], "a choice");
-        refuse(reader, &["choose"], &["level", "duration", "place", "gain", "rate"], "a choice");
+        refuse(reader, &["choose"], &["level", "duration", "place", "frequency", "gain", "rate"], "a choice");
         for (word, span, _) in reader.others() {
             unknown(reader, word, &span);
         }
@@ -265,7 +273,7 @@ fn read_action(reader: &Reader) -> Option<Action> {
         }
     };
     if kind != "voice" {
-        refuse(reader, &[kind], &["level", "duration", "place"], &format!("a {kind}"));
+        refuse(reader, &[kind], &["level", "duration", "place", "frequency"], &format!("a {kind}"));
         for (word, span, _) in reader.others() {
             unknown(reader, word, &span);
         }
@@ -280,13 +288,17 @@ fn read_action(reader: &Reader) -> Option<Action> {
             let (level, duration, place) =
                 (reader.number("level"), reader.number("duration"), place::read(reader, "place"));
             let mut fields = Vec::new();
+            if let Some(value) = reader.number("frequency") {
+                fields.push(Setting { name: "frequency".into(), value, span: reader.span_of("frequency") });
+            }
             for (word, span, value) in reader.others() {
-                // A word or a list is a mistyped key of the event itself; a number may be a field, which is checked later.
-                if value.number().is_some() {
+                // A word or a list near a key of the event is that key, mistyped; all else may be a field, which is a number
+                // and is checked later.
+                if value.number().is_none() && did_you_mean(word, TABLE.keys()).is_some() {
+                    unknown(reader, word, &span);
+                } else {
                     let value = reader.number_in(word, &value, -1e9, 1e9)?;
                     fields.push(Setting { name: word.into(), value, span });
-                } else {
-                    unknown(reader, word, &span);
                 }
             }
             Some(Action::Voice(Play {
@@ -313,13 +325,16 @@ fn read_action(reader: &Reader) -> Option<Action> {
 pub(crate) fn read_repeat(reader: &Reader) -> Option<Repeat> {
     let inner = reader.one("repeat", format!("`repeat` of {}", reader.who))?;
     let times = inner.count("times");
+    if inner.has("times") && times.is_none() {
+        return None;
+    }
     Some(Repeat { every: inner.number("every")?, times })
 }
 
 fn refuse(reader: &Reader, because: &[&str], keys: &[&str], what: &str) {
     for key in keys.iter().filter(|k| reader.has(k) && !because.contains(k)) {
         let help = match *key {
-            "level" | "place" | "duration" | "gain" | "rate" if what == "a choice" => {
+            "level" | "place" | "duration" | "frequency" | "gain" | "rate" if what == "a choice" => {
                 Some("give it to the alternatives".to_string())
             }
             "level" if what == "a pattern" => Some("did you mean `gain`?".to_string()),

@@ -11,9 +11,9 @@ use std::io::{BufRead, Read};
 use super::check::Names;
 use super::event::{Action, Event, Play, Setting};
 use super::place::{self, Place};
-use crate::text::Problem;
 use crate::text::nearest::suggest;
 use crate::text::reader::range;
+use crate::text::{Problem, measure};
 
 /// The longest line, bytes.
 pub const MAX_LINE: u64 = 64 << 10;
@@ -184,7 +184,12 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
     fn number(&self, key: &str, cell: &str, least: f64, most: f64) -> Result<f64, Problem> {
         match cell.parse::<f64>() {
             Ok(x) if x.is_finite() && x >= least && x <= most => Ok(x),
-            _ => Err(self.wrong(&format!("`{key}` is \"{cell}\"; it must be {}", range(least, most)), None)),
+            read => {
+                // "4 ms" is no number; one that is out of range has no unit to take off.
+                let advice = if read.is_err() { measure::advice(key, cell) } else { None };
+                let help = advice.map(|help| help.replacen(&format!("{key} = "), "", 1));
+                Err(self.wrong(&format!("`{key}` is \"{cell}\"; it must be {}", range(least, most)), help))
+            }
         }
     }
 
@@ -314,6 +319,16 @@ mod tests {
             assert!(problem.starts_with(expected), "{problem}");
         }
         assert_eq!(read.iter().filter(|r| r.is_ok()).count(), 2);
+    }
+
+    #[test]
+    fn units_are_taken_off() {
+        let help = |cell: &str| {
+            let mut read = read(&format!("at,voice,duration\n0,a,{cell}\n"));
+            read.remove(0).unwrap_err().help.unwrap_or_default()
+        };
+        assert!(help("40 ms").starts_with("write 0.04: numbers have no unit"), "{}", help("40 ms"));
+        assert_eq!(help("-1"), "");
     }
 
     #[test]

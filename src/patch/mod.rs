@@ -4,6 +4,7 @@
 //! A [`Patch`] is a plain description with no state, and may as well be built in code; [`Patch::check`] finds what is wrong
 //! with it. [`Patch::parse`] reads it from a file's bytes and reports every problem at once, each at its place.
 
+mod advice;
 pub mod check;
 pub mod control;
 mod cycle;
@@ -13,6 +14,7 @@ pub mod expr;
 pub mod node;
 pub mod pattern;
 pub mod place;
+pub mod reference;
 pub mod schema;
 pub mod scope;
 pub mod trigger;
@@ -192,6 +194,33 @@ impl Patch {
     /// the parts.
     pub fn check(&self) -> Vec<Problem> {
         self.problems(&[])
+    }
+
+    /// Every place that stands in it, with where it stands: of voices, of events, of triggers that are set off by the start.
+    pub fn each_place(&self, mut see: impl FnMut(&Place, &Span)) {
+        for voice in &self.voices {
+            voice.place.iter().for_each(|place| see(place, &voice.place_span));
+        }
+        self.each_play(|play, _| play.place.iter().for_each(|place| see(place, &play.place_span)));
+        for trigger in self.triggers.iter().filter(|t| t.on == Source::Start) {
+            trigger.place.iter().for_each(|place| see(place, &trigger.span));
+        }
+    }
+
+    /// Every voice that an event in it plays, alternatives included, with its pattern; those of events files are not.
+    pub fn each_play<'a>(&'a self, mut see: impl FnMut(&'a Play, &'a Pattern)) {
+        for pattern in &self.patterns {
+            let Events::Inline(events) = &pattern.events else { continue };
+            let actions = events.iter().flat_map(|event| match &event.action {
+                Action::Choose(list) => list.iter().map(|a| &a.action).collect(),
+                action => vec![action],
+            });
+            for action in actions {
+                if let Action::Voice(play) = action {
+                    see(play, pattern);
+                }
+            }
+        }
     }
 
     /// The patch, and the names of what is in the file but cannot be read: to name it is no further mistake.

@@ -8,7 +8,7 @@ use crate::node::{NodeKind, OF_FUNDSP, REGISTRY};
 use crate::text::field::{Field, Form, Table};
 use crate::text::nearest::listed;
 use crate::text::reader::{At, Reader, Sink, range};
-use crate::text::{Problem, Span};
+use crate::text::{Problem, Span, lower, measure};
 
 /// A node, `NAME = { type = "...", ... }`.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,7 +156,13 @@ impl Reading<'_> {
             Kind::Flag(on) => Some(Value::Flag(on)),
             _ => {
                 let what = format!("{} lacks `{}`", self.who, self.param.name);
-                self.sink.push(Problem::error(span, what).help(self.param.doc.to_string()));
+                let value = match self.param.kind {
+                    Kind::Signals | Kind::Points => "[...]",
+                    Kind::File => "\"...\"",
+                    _ => "...",
+                };
+                let help = format!("add {} = {value}: {}", self.param.name, lower(self.param.doc));
+                self.sink.push(Problem::error(span, what).help(help));
                 None
             }
         }
@@ -213,6 +219,7 @@ impl Reading<'_> {
                 Ok(expr) => expr,
                 Err(mut problem) => {
                     problem.what = format!("`{}` of {}: {}", self.param.name, self.who, problem.what);
+                    problem.help = measure::advice(self.param.name, text).or(problem.help);
                     self.sink.push(problem);
                     return None;
                 }

@@ -19,7 +19,8 @@ pub const MAX_CHANNELS: u32 = 4096;
 /// The most metres from the origin, along each axis.
 pub const MOST_METRES: f64 = 1000.0;
 
-const WANTED: &str = "a tactor's name, a channel from 1 to 4096 or a position [x, y] or [x, y, z] in metres";
+const WANTED: &str =
+    "it must be a tactor's name, a channel from 1 to 4096 or a position [x, y] or [x, y, z] in metres";
 
 /// Reads the place at a key.
 pub(crate) fn read(reader: &Reader, key: &str) -> Option<Place> {
@@ -30,7 +31,7 @@ pub(crate) fn read(reader: &Reader, key: &str) -> Option<Place> {
         _ => position_of(&value).map(Place::Position),
     };
     if place.is_none() {
-        reader.mistaken(key, &value, WANTED);
+        reader.wrong(key, &value, &wanted(&value, WANTED));
     }
     place
 }
@@ -40,9 +41,25 @@ pub(crate) fn read_position(reader: &Reader, key: &str) -> Option<[f64; 3]> {
     let value = reader.at(key)?;
     let position = position_of(&value);
     if position.is_none() {
-        reader.mistaken(key, &value, "a position [x, y] or [x, y, z] in metres, at most 1000 each");
+        reader.wrong(key, &value, &wanted(&value, "it must be a position [x, y] or [x, y, z] in metres"));
     }
     position
+}
+
+/// What is wrong with a place or a position: if it is a list of numbers, with those.
+fn wanted(value: &At, otherwise: &str) -> String {
+    let numbers: Option<Vec<f64>> = value.list().and_then(|list| list.map(|v| v.number()).collect());
+    match numbers.as_deref() {
+        Some([_, _] | [_, _, _]) => {
+            format!("no coordinate may be further than {MOST_METRES} m from 0")
+        }
+        Some(other) => format!(
+            "a position has two or three coordinates, [x, y] or [x, y, z] in metres; here {} {}",
+            if other.len() == 1 { "is" } else { "are" },
+            other.len()
+        ),
+        None => otherwise.into(),
+    }
 }
 
 fn position_of(value: &At) -> Option<[f64; 3]> {

@@ -4,6 +4,7 @@ pub mod actuator;
 pub mod amplifier;
 pub mod device;
 pub mod output;
+pub mod reference;
 pub mod resolve;
 pub mod schema;
 
@@ -105,6 +106,19 @@ impl Rig {
         }
     }
 
+    /// That no body is so large, where positions were written in millimetres, say: once for the whole rig.
+    fn too_large(&self) -> Option<Problem> {
+        let far = |o: &Output| o.position.and_then(|p| p.into_iter().find(|x| x.abs() > BODY));
+        let (output, x) = self.outputs.iter().find_map(|o| Some((o, far(o)?)))?;
+        let what = format!(
+            "output `{}` has {x} in its position: positions are metres, so that is {} m away",
+            output.name,
+            x.abs()
+        );
+        let help = format!("if {x} is millimetres, write {}", x / 1000.0);
+        Some(Problem::warning(&output.span, what).help(help))
+    }
+
     /// The actuator of that name.
     pub fn actuator(&self, name: &str) -> Option<&Actuator> {
         self.actuators.iter().find(|a| a.name == name)
@@ -124,6 +138,7 @@ impl Rig {
             );
             problems.push(Problem::of_file(what));
         }
+        problems.extend(self.too_large());
         let (mut names, mut channels) = (HashMap::new(), HashMap::new());
         let actuators: HashSet<&str> = self.actuators.iter().map(|a| a.name.as_str()).collect();
         let amplifiers: HashSet<&str> = self.amplifiers.iter().map(|a| a.name.as_str()).collect();
@@ -201,6 +216,9 @@ impl Rig {
         }
     }
 }
+
+/// Metres from the origin within which all of a body lies.
+const BODY: f64 = 3.0;
 
 fn line(channels: u32) -> Vec<Output> {
     (1..=channels).map(|n| Output::tactor(&format!("t{n}"), n, [0.04 * f64::from(n - 1), 0.0, 0.0])).collect()

@@ -1,7 +1,7 @@
 //! From a place in a patch to an output of the rig.
 
 use super::{Output, OutputKind, Rig};
-use crate::patch::{Action, Events, Patch, Place, Source};
+use crate::patch::{Patch, Place};
 use crate::text::nearest::suggest;
 use crate::text::reader::Sink;
 use crate::text::{Problem, Span};
@@ -38,8 +38,17 @@ impl Rig {
                     .help(suggest(name, names)))
             }
             (None, Some(Place::Channel(channel))) if *channel == 0 || *channel > self.device.channels => {
-                let what = format!("there is no channel {channel}; the device has {}", self.device.channels);
-                Err(Problem::error(span, what).help("channels count from 1".to_string()))
+                let has = self.device.channels;
+                let what = format!(
+                    "this rig has {has} channel{}; the patch needs channel {channel}",
+                    if has == 1 { "" } else { "s" }
+                );
+                let help = if *channel == 0 {
+                    "channels count from 1"
+                } else {
+                    "give --rig one that has it; without --rig there are as many as the patch needs"
+                };
+                Err(Problem::error(span, what).help(help.to_string()))
             }
             (None, Some(Place::Channel(channel))) => {
                 let help = format!("describe what hangs there: [[tactor]] with channel = {channel}");
@@ -65,8 +74,7 @@ impl Rig {
     /// Every place of a patch that the rig lacks, up to [`Sink::MOST`]; those of events files are left to their reader.
     pub fn check_places(&self, patch: &Patch) -> Vec<Problem> {
         let (mut problems, mut further, mut last) = (Vec::new(), 0_usize, 0..0);
-        let mut check = |place: Option<&Place>, span: &Span| {
-            let Some(place) = place else { return };
+        patch.each_place(|place, span| {
             if problems.len() < Sink::MOST {
                 problems.extend(self.resolve(Some(place), span).err());
             } else {
@@ -76,39 +84,43 @@ impl Rig {
                     (further, last) = (further + 1, span.clone());
                 }
             }
-        };
-        for voice in &patch.voices {
-            check(voice.place.as_ref(), &voice.place_span);
-        }
-        for pattern in &patch.patterns {
-            let Events::Inline(events) = &pattern.events else { continue };
-            for event in events {
-                match &event.action {
-                    Action::Voice(play) => check(play.place.as_ref(), &play.place_span),
-                    Action::Choose(alternatives) => {
-                        for alternative in alternatives {
-                            if let Action::Voice(play) = &alternative.action {
-                                check(play.place.as_ref(), &play.place_span);
-                            }
-                        }
-                    }
-                    Action::Pattern { .. } | Action::Marker(_) => {}
-                }
-            }
-        }
-        for trigger in patch.triggers.iter().filter(|t| t.on == Source::Start) {
-            check(trigger.place.as_ref(), &trigger.span);
-        }
+        });
         if further > 0 {
-            problems.push(Problem::error(
-                &last,
-                format!("and {further} more places that the rig lacks, up to here"),
-            ));
+            let what = format!("and {further} more places that the rig lacks, up to here");
+            problems.push(Problem::error(&last, what));
         }
         problems
     }
 
+    /// What a patch says of places that plays, but hardly where it was meant: warnings. Those of events files are left out.
+    pub fn advise(&self, patch: &Patch) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        patch.each_place(|place, span| {
+            let Place::Position(position) = place else { return };
+            let Some((far, output)) =
+                self.nearest_of(position).and_then(|(far, i)| Some((far, self.outputs.get(i)?)))
+            else {
+                return;
+            };
+            if far > ASTRAY && problems.len() < Sink::MOST {
+                let shown = position.map(|x| x.to_string()).join(", ");
+                let what = format!(
+                    "the place [{shown}] is {far:.2} m from the nearest tactor, `{}`, which plays it",
+                    output.name
+                );
+                let help = "positions are metres, of the patch as of the rig".to_string();
+                problems.push(Problem::warning(span, what).help(help));
+            }
+        });
+        problems
+    }
+
     fn nearest(&self, position: &[f64; 3]) -> Option<usize> {
+        self.nearest_of(position).map(|(_, i)| i)
+    }
+
+    /// The nearest tactor with its distance in metres.
+    fn nearest_of(&self, position: &[f64; 3]) -> Option<(f64, usize)> {
         let mut best: Option<(f64, usize)> = None;
         for (i, output) in self.outputs.iter().enumerate() {
             let (OutputKind::Vibration, Some(at)) = (&output.kind, &output.position) else { continue };
@@ -117,13 +129,16 @@ impl Rig {
                 best = Some((far, i));
             }
         }
-        best.map(|(_, i)| i)
+        best.map(|(square, i)| (square.sqrt(), i))
     }
 }
 
+/// A place so many metres from every tactor was hardly meant.
+const ASTRAY: f64 = 0.5;
+
 #[cfg(test)]
 mod tests {
-    use crate::patch::Place;
+    use crate::patch::{Patch, Place};
     use crate::rig::{OutputKind, Rig};
 
     #[test]
@@ -138,6 +153,21 @@ mod tests {
     }
 
     #[test]
+    fn a_place_far_from_every_tactor_is_a_warning() {
+        let text = "format = \"pacinian-patch/1\"\ntitle = \"T\"\n[voice.v]\noutput = \"n\"\n\
+                    nodes.n = { type = \"white\" }\n[pattern.p]\nevents = [\n\
+                    { at = 0, voice = \"v\", place = [0.1, 0.4] },\n{ at = 1, voice = \"v\", place = [0, 20] },\n]\n";
+        let patch = Patch::parse("p.toml", text.as_bytes()).unwrap().value;
+        let list = Rig::default_for(8).advise(&patch);
+        assert_eq!(list.len(), 1, "{list:?}");
+        assert!(
+            !list[0].is_error() && list[0].what.contains("20.00 m from the nearest tactor, `t1`"),
+            "{list:?}"
+        );
+        assert!(text[list[0].span.clone().unwrap()].contains("[0, 20]"));
+    }
+
+    #[test]
     fn says_what_the_rig_lacks() {
         let mut rig = Rig::default_for(4);
         rig.outputs.pop();
@@ -146,7 +176,7 @@ mod tests {
         assert_eq!(name.what, "the rig has no tactor `t33`");
         assert_eq!(name.help.as_deref(), Some("did you mean `t3`?"));
         assert_eq!(name.span, Some(5..9));
-        assert_eq!(wrong(&rig, Place::Channel(5)).what, "there is no channel 5; the device has 4");
+        assert_eq!(wrong(&rig, Place::Channel(5)).what, "this rig has 4 channels; the patch needs channel 5");
         assert_eq!(wrong(&rig, Place::Channel(4)).what, "the rig has no tactor on channel 4");
         rig.outputs[0].kind = OutputKind::Trigger { marker: None, pulse: 0.005 };
         assert!(wrong(&rig, Place::Channel(1)).what.contains("is a trigger"));

@@ -49,25 +49,52 @@ pub fn parse(text: &str) -> Result<DeTable<'_>, Vec<Problem>> {
     if errors.is_empty() {
         return Ok(document.into_inner());
     }
-    let mut problems: Vec<Problem> = Vec::new();
+    let mut problems: Vec<(usize, Problem)> = Vec::new();
     for error in &errors {
-        let problem = Problem {
-            span: error.span(),
-            ..Problem::of_file(format!(
-                "this is not TOML: {}",
-                error.message().lines().collect::<Vec<_>>().join(", ")
-            ))
-        };
-        // A recovering parser may stumble more than once over the same place.
-        if problems.last().is_none_or(|p| p.span != problem.span) {
-            problems.push(problem);
+        let span = error.span();
+        let at = span.as_ref().map_or(0, |s| s.start.min(text.len()));
+        let help = advice(text, at);
+        // A recovering parser stumbles more than once over the same mistake: of a line, and of lists of tables that are
+        // written as tables, the first says it.
+        let line = text.as_bytes()[..at].iter().filter(|b| **b == b'\n').count();
+        // Where a list is written as tables, all its keys stand there twice.
+        let twice = error.message().starts_with("duplicate key");
+        let is_list = |p: &Problem| p.help.as_ref().is_some_and(|help| help.contains("[["));
+        let known = |(l, p): &(usize, Problem)| *l == line || (twice && is_list(p));
+        if problems.iter().any(known) {
+            continue;
         }
+        let what = format!("this is not TOML: {}", error.message().lines().collect::<Vec<_>>().join(", "));
+        problems.push((line, Problem { span, ..Problem::of_file(what).help(help) }));
         if problems.len() >= MAX_SYNTAX {
             break;
         }
     }
-    Err(problems)
+    Err(problems.into_iter().map(|(_, problem)| problem).collect())
 }
+
+/// What to do about a mistake of syntax at a byte, where it is one of those that people make.
+fn advice(text: &str, at: usize) -> Option<String> {
+    let begin = text.get(..at)?.rfind('\n').map_or(0, |b| b + 1);
+    let line = text.get(begin..)?.lines().next().unwrap_or("");
+    if let Some(name) = line.trim().strip_prefix('[').and_then(|rest| rest.strip_suffix(']'))
+        && LISTS.contains(&name.trim())
+    {
+        return Some(format!("write [[{0}]] instead of [{0}], before each", name.trim()));
+    }
+    if line.contains(['“', '”', '„', '‘', '’']) {
+        return Some("texts stand in straight quotes: \"...\"".into());
+    }
+    // A word without quotes behind `=`.
+    let is_word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.' | '/');
+    let before = line.get(..at - begin)?.trim_end_matches(is_word);
+    let word: String = line.get(before.len()..)?.chars().take_while(|c| is_word(*c)).collect();
+    let is_value = before.trim_end().ends_with(['=', '[', ',']) && word.starts_with(char::is_alphabetic);
+    (is_value && !line.trim_start().starts_with('[')).then(|| format!("texts stand in quotes: \"{word}\""))
+}
+
+/// Lists of tables, which people write as tables.
+const LISTS: [&str; 3] = ["trigger", "tactor", "output"];
 
 /// Reads a whole file of a format, such as "pacinian-patch/1": text, then TOML, then `read`.
 ///
@@ -92,7 +119,7 @@ pub fn read<T>(
     let document = parse(source).map_err(|list| fail(source, list))?;
     let sink = Sink::default();
     if let Some(value) = document.get("format").map(At::new)
-        && let Some(problem) = check_format(&value, format)
+        && let Some(problem) = check_format(name, &value, format)
     {
         // What an unknown version means, nobody knows: its other keys are not looked at.
         if problem.is_error() {
@@ -106,7 +133,7 @@ pub fn read<T>(
 }
 
 /// What is wrong with the version of a file, where `format` can be read.
-fn check_format(value: &At, format: &str) -> Option<Problem> {
+fn check_format(name: &str, value: &At, format: &str) -> Option<Problem> {
     let span = value.span();
     let help = format!("write format = \"{format}\"");
     let Some(text) = value.text() else {
@@ -123,6 +150,20 @@ fn check_format(value: &At, format: &str) -> Option<Problem> {
             Problem::error(&span, format!("`format` is \"{text}\"; it must be \"{format}\"")).help(help),
         );
     };
+    let other = match (found, kind) {
+        ("pacinian-rig", "pacinian-patch") => Some((
+            "this is a rig, and a patch is wanted here",
+            format!("give it to --rig: pacinian check PATCH --rig {name}"),
+        )),
+        ("pacinian-patch", "pacinian-rig") => Some((
+            "this is a patch, and a rig is wanted here",
+            format!("a patch is given without --rig: pacinian check {name} --rig RIG"),
+        )),
+        _ => None,
+    };
+    if let Some((what, help)) = other {
+        return Some(Problem::error(&span, what).help(help));
+    }
     if found != kind {
         return Some(
             Problem::error(&span, format!("this is a \"{found}\" file; a \"{kind}\" is wanted here"))
@@ -241,6 +282,34 @@ mod tests {
         ] {
             assert!(parse(text(quoted.as_bytes()).unwrap()).is_ok(), "{quoted:.20}");
         }
+    }
+
+    #[test]
+    fn the_first_error_of_a_line_is_enough() {
+        let of = |text: &str| parse(text).unwrap_err();
+        let comma = of(
+            "[pattern.p]\nevents = [{ at = 0, voice = \"a\" } { at = 1, voice = \"b\", level = 1 } { at = 2 }]\n",
+        );
+        assert_eq!(comma.len(), 1, "{comma:?}");
+        assert!(comma[0].what.contains("missing comma"), "{comma:?}");
+        let tactors =
+            of("[tactor]\nname = 1\n[tactor]\nname = 2\nchannel = 1\n[tactor]\nname = 3\nchannel = 2\n");
+        assert_eq!(tactors.len(), 1, "{tactors:?}");
+        assert_eq!(tactors[0].help.as_deref(), Some("write [[tactor]] instead of [tactor], before each"));
+    }
+
+    #[test]
+    fn texts_without_their_quotes_are_told_so() {
+        for (text, help) in [
+            ("place = t1", "texts stand in quotes: \"t1\""),
+            ("x = [{ at = 0, place = front-left, level = 1 }]", "texts stand in quotes: \"front-left\""),
+            ("x = { type = sine }", "texts stand in quotes: \"sine\""),
+            ("x = “tap”", "texts stand in straight quotes: \"...\""),
+        ] {
+            let problems = parse(text).unwrap_err();
+            assert_eq!(problems[0].help.as_deref(), Some(help), "{text}: {problems:?}");
+        }
+        assert_eq!(parse("x = ").unwrap_err()[0].help, None);
     }
 
     #[test]

@@ -101,6 +101,39 @@ impl Table {
     pub fn field(&self, key: &str) -> Option<&'static Field> {
         self.fields.iter().find(|f| f.key == key)
     }
+    /// Whether it is a whole file, in which a list of tables is written one by one.
+    pub(super) fn is_file(&self) -> bool {
+        self.field("format").is_some()
+    }
+    /// How to add what is missing, and what it is.
+    pub fn to_add(&self, field: &Field) -> String {
+        let (key, doc) = (field.key, super::lower(field.doc));
+        let value = match field.form {
+            Form::One(_) if self.is_file() => return format!("add [{key}]: {doc}"),
+            Form::Defined("format") => return format!("add {key} = \"pacinian-{}/1\"", self.name),
+            Form::Text => "\"...\"",
+            Form::Word(words) => {
+                return format!("add {key}, one of {}: {doc}", super::nearest::listed(words));
+            }
+            Form::One(_) | Form::Named(_) => "{ ... }",
+            Form::Many(_) | Form::Defined("events") => "[...]",
+            _ => "...",
+        };
+        format!("add {key} = {value}: {doc}")
+    }
+    /// A table of this kind such as may have been meant by a bare value: `{ at = 0.05 }`.
+    pub(super) fn with(&self, value: &super::reader::At) -> String {
+        let first = |wanted: fn(&Form) -> bool| self.fields.iter().find(|f| wanted(&f.form)).map(|f| f.key);
+        let number = first(|form| matches!(form, Form::Number { .. }));
+        let count = first(|form| matches!(form, Form::Count { .. })).filter(|_| value.count().is_some());
+        match (number, count, value.number()) {
+            (Some(number), Some(count), Some(_)) => {
+                format!("{{ {number} = 0.5, {count} = {} }}", value.shown())
+            }
+            (Some(number), None, Some(_)) => format!("{{ {number} = {} }}", value.shown()),
+            _ => format!("{{ {} = ... }}", self.keys().next().unwrap_or("KEY")),
+        }
+    }
     /// All keys.
     pub fn keys(&self) -> impl Iterator<Item = &'static str> {
         self.fields.iter().map(|f| f.key)

@@ -6,9 +6,18 @@
 
 pub mod document;
 pub mod field;
+pub mod measure;
 pub mod nearest;
 pub mod problem;
 pub mod reader;
+pub mod reference;
 pub mod schema;
 
 pub use problem::{Checked, Origin, Problem, Problems, Severity, Span};
+
+/// A sentence as it goes on behind a colon: "What it is called." becomes "what it is called".
+pub(crate) fn lower(sentence: &str) -> String {
+    let mut chars = sentence.trim_end_matches('.').chars();
+    let first = chars.next().map(|c| c.to_lowercase().to_string()).unwrap_or_default();
+    first + chars.as_str()
+}

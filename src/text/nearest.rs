@@ -29,6 +29,14 @@ pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str
 /// The candidate nearest to `word`: at most two edits away, or a third of its length; the first by name among equals.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let folded = fold(word);
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    let plain: String = folded.iter().collect();
+    let other_words = SYNONYMS.iter().filter(|(said, _)| *said == plain).flat_map(|(_, meant)| *meant);
+    for meant in other_words {
+        if let Some(candidate) = candidates.iter().find(|c| *c == meant) {
+            return Some(candidate);
+        }
+    }
     let most = (folded.len() / 3).max(2).min(folded.len().saturating_sub(1)).max(1);
     let mut best: Option<(usize, &str)> = None;
     for candidate in candidates {
@@ -42,6 +50,45 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     }
     best.map(|(_, name)| name)
 }
+
+/// Other words that people use, and which key they may mean; the first that there is.
+const SYNONYMS: &[(&str, &[&str])] = &[
+    ("volume", &["level", "gain", "amplitude"]),
+    ("amplitude", &["level", "gain"]),
+    ("amp", &["level", "gain", "amplitude"]),
+    ("intensity", &["level", "gain", "amplitude"]),
+    ("strength", &["level", "gain", "amplitude"]),
+    ("loudness", &["level", "gain", "amplitude"]),
+    ("level", &["gain", "amplitude"]),
+    ("gain", &["level", "amplitude"]),
+    ("frequency", &["rate", "cutoff"]),
+    ("cutoff", &["frequency"]),
+    ("corner", &["cutoff", "frequency"]),
+    ("freq", &["frequency", "rate", "cutoff"]),
+    ("hz", &["frequency", "rate"]),
+    ("pitch", &["frequency"]),
+    ("rate", &["frequency", "speed"]),
+    ("speed", &["rate"]),
+    ("count", &["times", "voices", "channels"]),
+    ("number", &["times", "channel"]),
+    ("interval", &["every"]),
+    ("period", &["every"]),
+    ("bpm", &["tempo"]),
+    ("path", &["file"]),
+    ("wav", &["file"]),
+    ("length", &["duration"]),
+    ("dur", &["duration"]),
+    ("time", &["at", "duration"]),
+    ("start", &["at"]),
+    ("tactor", &["place"]),
+    ("location", &["place", "position"]),
+    ("position", &["place"]),
+    ("channel", &["place"]),
+    ("input", &["inputs"]),
+    ("curve", &["shape"]),
+    ("type", &["kind", "model"]),
+    ("name", &["title"]),
+];
 
 /// "`a`, `b` and `c`".
 pub fn listed(names: &[&str]) -> String {
@@ -106,6 +153,22 @@ mod tests {
         assert_eq!(nearest("xz", ["ab"]), None, "nothing in common");
         assert_eq!(nearest("", ["ab"]), None);
         assert_eq!(nearest(&"a".repeat(1 << 20), ["ab"]), None);
+    }
+
+    #[test]
+    fn other_words_for_a_key_are_known() {
+        for (word, names, meant) in [
+            ("volume", &["at", "level", "place"][..], "level"),
+            ("Amplitude", &["at", "level"], "level"),
+            ("frequency", &["rate", "low", "high"], "rate"),
+            ("count", &["every", "times"], "times"),
+            ("path", &["file", "speed"], "file"),
+            ("curve", &["at", "value", "shape"], "shape"),
+            ("times", &["time", "tempo"], "time"),
+        ] {
+            assert_eq!(nearest(word, names.iter().copied()), Some(meant), "{word}");
+        }
+        assert_eq!(nearest("volume", ["x"]), None);
     }
 
     #[test]

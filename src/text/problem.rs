@@ -17,8 +17,8 @@ pub enum Severity {
     Error,
 }
 
-/// One thing that is wrong.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// One thing that is wrong. `Debug` shows what `Display` does, since that is what a `main` that fails prints.
+#[derive(Clone, PartialEq, Eq)]
 pub struct Problem {
     /// How bad it is.
     pub severity: Severity,
@@ -62,6 +62,12 @@ impl fmt::Display for Problem {
     }
 }
 
+impl fmt::Debug for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
 impl std::error::Error for Problem {}
 
 /// A file that something was read from, so that what turns out later can still be shown at its line.
@@ -82,8 +88,8 @@ impl Origin {
     }
 }
 
-/// Everything that is wrong with one file, in the order of its lines.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+/// Everything that is wrong with one file, in the order of its lines. `Debug` shows what `Display` does.
+#[derive(Clone, PartialEq, Eq, Default)]
 pub struct Problems {
     /// The file's name, as the person wrote it; empty for what was made in code.
     pub file: String,
@@ -204,6 +210,12 @@ impl fmt::Display for Problems {
     }
 }
 
+impl fmt::Debug for Problems {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
 impl std::error::Error for Problems {}
 
 /// What was read without errors, with the warnings it gave.
@@ -235,6 +247,15 @@ mod tests {
         );
         assert_eq!(problems.position(3), (2, 1), "a byte within a character");
         assert_eq!(problems.position(999), (3, 1), "past the end");
+    }
+
+    #[test]
+    fn a_main_that_fails_shows_the_lines_and_not_the_source() {
+        let source = format!("a\nb{}", "x".repeat(10_000));
+        let list = vec![Problem::error(&(2..3), "no b").help("write c".to_string())];
+        let problems = Problems { file: "f.toml".into(), source, list };
+        assert_eq!(format!("{problems:?}"), "f.toml:2:1: error: no b\n  help: write c");
+        assert_eq!(format!("{:?}", problems.list[0]), "no b\n  help: write c");
     }
 
     #[test]

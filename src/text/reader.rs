@@ -6,6 +6,7 @@ use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
 use super::field::{Field, Form, Table};
+use super::measure;
 use super::nearest::suggest;
 use super::problem::{Problem, Problems, Span};
 
@@ -128,6 +129,12 @@ impl<'a> At<'a> {
             DeValue::Float(f) => f.to_string(),
             DeValue::Boolean(b) => b.to_string(),
             DeValue::Datetime(_) => "a date".into(),
+            DeValue::Array(list)
+                if (1..=4).contains(&list.len()) && list.iter().all(|v| At::new(v).number().is_some()) =>
+            {
+                let numbers: Vec<String> = list.iter().map(|v| At::new(v).shown()).collect();
+                format!("[{}]", numbers.join(", "))
+            }
             DeValue::Array(_) => "a list".into(),
             DeValue::Table(_) => "a table".into(),
         }
@@ -174,7 +181,7 @@ impl<'a> Reader<'a> {
         }
         for field in table.fields.iter().filter(|f| f.required && !entries.contains_key(f.key)) {
             let what = format!("{} lacks `{}`", reader.who, field.key);
-            sink.push(Problem::error(&reader.span, what).help(field.doc.to_string()));
+            sink.push(Problem::error(&reader.span, what).help(table.to_add(field)));
         }
         reader
     }
@@ -200,10 +207,18 @@ impl<'a> Reader<'a> {
     }
     /// That a key holds something else than it should.
     pub fn mistaken(&self, key: &str, value: &At, wanted: &str) {
-        self.sink.error(
-            &value.span(),
-            format!("`{key}` of {} is {}; it must be {wanted}", self.who, value.shown()),
-        );
+        self.wrong(key, value, &format!("it must be {wanted}"));
+    }
+    /// What is wrong with what a key holds, in a sentence of its own.
+    pub fn wrong(&self, key: &str, value: &At, why: &str) {
+        self.sink.push(self.problem(key, value, why));
+    }
+    fn problem(&self, key: &str, value: &At, why: &str) -> Problem {
+        Problem::error(&value.span(), format!("`{key}` of {} is {}; {why}", self.who, value.shown()))
+    }
+    /// The same as [`Reader::mistaken`] with advice.
+    fn mistaken_help(&self, key: &str, value: &At, wanted: &str, help: Option<String>) {
+        self.sink.push(self.problem(key, value, &format!("it must be {wanted}")).help(help));
     }
 
     /// The number at a key or its default; `None` where there is neither or it is wrong.
@@ -234,7 +249,10 @@ impl<'a> Reader<'a> {
                 None
             }
             None => {
-                self.mistaken(key, value, "a number");
+                let help = value.text().and_then(|text| measure::advice(key, text));
+                let unit = self.table.field(key).map_or("", |f| f.unit);
+                let wanted = if unit.is_empty() { "a number".into() } else { format!("a number in {unit}") };
+                self.mistaken_help(key, value, &wanted, help);
                 None
             }
         }
@@ -304,7 +322,12 @@ impl<'a> Reader<'a> {
         let value = self.at(key)?;
         let table = value.table();
         if table.is_none() {
-            self.mistaken(key, &value, "a table");
+            let help = match self.table.field(key).map(|f| &f.form) {
+                Some(Form::One(inner)) => Some(format!("write {key} = {}", inner.with(&value))),
+                Some(Form::Named(_)) => Some(format!("each has a name: [{key}.NAME]")),
+                _ => None,
+            };
+            self.mistaken_help(key, &value, "a table", help);
         }
         table.map(|t| (t, value.span()))
     }
@@ -323,7 +346,13 @@ impl<'a> Reader<'a> {
         match value.list() {
             Some(list) => list.collect(),
             None => {
-                self.mistaken(key, &value, "a list");
+                let many = matches!(self.table.field(key).map(|f| &f.form), Some(Form::Many(_)));
+                let help = match (many, self.table.is_file()) {
+                    (true, true) => Some(format!("write [[{key}]] before each")),
+                    (true, false) => Some(format!("write {key} = [{{ ... }}, ...]")),
+                    (false, _) => None,
+                };
+                self.mistaken_help(key, &value, "a list", help);
                 Vec::new()
             }
         }
@@ -352,7 +381,19 @@ impl<'a> Reader<'a> {
             return Vec::new();
         };
         let mut readers = Vec::new();
-        for (name, span, value) in self.table(key).map(|(t, _)| in_order(t)).unwrap_or_default() {
+        let entries = self.table(key).map(|(t, _)| in_order(t)).unwrap_or_default();
+        // Keys where names should be: the name was forgotten, and nothing else that stands there says more.
+        let is_key =
+            |(name, _, value): &&(&str, Span, At)| value.table().is_none() && table.field(name).is_some();
+        if let Some((_, span, _)) = entries.iter().find(is_key) {
+            self.sink.error_help(
+                span,
+                format!("[{key}] lacks a name"),
+                &format!("a {word} has a name: [{key}.NAME]"),
+            );
+            return readers;
+        }
+        for (name, span, value) in entries {
             let who = format!("{word} `{name}`");
             self.check_name(name, &span, &who);
             match value.table() {

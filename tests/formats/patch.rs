@@ -174,7 +174,7 @@ fn every_mistake_is_told_at_its_line() {
         ("[control.x]", &[(4, "control `x` lacks `default`")]),
         ("[control.x]\ndefault = 2", &[(5, "`default` of control `x` is 2; its range is from 0 to 1")]),
         ("[control.x]\ndefault = nan", &[(5, "is nan; it must be a number from")]),
-        ("[control.x]\ndefault = 1\nrange = [1, 0]", &[(6, "of which the first is less")]),
+        ("[control.x]\ndefault = 1\nrange = [1, 0]", &[(6, "the first number must be less")]),
         ("[control.x]\ndefault = 1\ncurve = \"exponental\"", &[(6, "did you mean `exponential`?")]),
         ("[control.x]\ndefault = 1\ncurve = \"exponential\"", &[(4, "must lie above 0")]),
         ("[control.min]\ndefault = 1", &[(4, "`min` has a meaning in expressions")]),
@@ -183,7 +183,13 @@ fn every_mistake_is_told_at_its_line() {
             "[control.x]\ndefault = 1\nsmoothing = -1",
             &[(6, "`smoothing` of control `x` is -1; it must be a number from 0 to 10")],
         ),
-        ("[voice.v]", &[(4, "voice `v` lacks `output`")]),
+        ("[voice.v]", &[(4, "voice `v` lacks `output` | add output = \"...\": name of")]),
+        (
+            "[pattern]\nevents = []\nshuffle = true",
+            &[(5, "[pattern] lacks a name | a pattern has a name: [pattern.NAME]")],
+        ),
+        ("[[pattern]]\nevents = []", &[(4, "it must be a table | each has a name: [pattern.NAME]")]),
+        ("[trigger]\non = \"start\"", &[(4, "write [[trigger]] before each")]),
         ("[voice.v]\noutput = \"x\"", &[(4, "voice `v` has no nodes")]),
         ("[voice.v]\noutput = 3", &[(5, "`output` of voice `v` is 3; it must be a string")]),
         ("[render]\nseed = -1", &[(5, "a whole number from 0 up")]),
@@ -198,6 +204,16 @@ fn every_mistake_is_told_at_its_line() {
         ("n = { type = \"sinus\", frequency = 1 }", &[(8, "there is no node type \"sinus\"")]),
         ("n = { type = \"sinne\", frequency = 1 }", &[(8, "did you mean `sine`?")]),
         ("n = { frequency = 1 }", &[(8, "lacks `type`")]),
+        (
+            "n = { type = \"sine\", frequency = \"250 Hz\" }",
+            &[(8, "write frequency = 250: numbers have no unit")],
+        ),
+        (
+            "n = { type = \"envelope\", attack = \"4ms\", sustain = \"50%\" }",
+            &[(8, "write attack = 0.004: numbers"), (8, "write sustain = 0.5: numbers")],
+        ),
+        ("n = { type = \"multiply\" }", &[(8, "lacks `inputs` | add inputs = [...]: ")]),
+        ("n = { type = \"lfo\", frequency = 4 }", &[(8, "did you mean `rate`?")]),
         ("n = { type = \"sine\" }", &[(8, "node `n` of voice `beat` (sine) lacks `frequency`")]),
         (
             "n = { type = \"sine\", frequncy = 1 }",
@@ -266,14 +282,47 @@ fn every_mistake_is_told_at_its_line() {
             &[(12, "`at` of event 2 of pattern `p` is -1")],
         ),
         ("events = [{ at = 0, voice = \"baet\" }]", &[(10, "did you mean `beat`?")]),
+        (
+            "events = [{ at = 0, voice = \"beat\", frequency = \"120 Hz\" }]",
+            &[(10, "is \"120 Hz\"; it must be a number in Hz | write frequency = 120: numbers have no unit")],
+        ),
+        ("events = [{ at = 0, marker = \"m\", frequency = 120 }]", &[(10, "a marker has no `frequency`")]),
+        (
+            "events = [{ at = 0, voice = \"beat\", depth = \"x\" }]",
+            &[(10, "`depth` of event 1 of pattern `p` is \"x\"")],
+        ),
+        ("events = [{ at = 0, voice = \"beat\", volume = 1 }]", &[(10, "did you mean `level`?")]),
+        (
+            "events = [{ at = 0, voice = \"beat\", repeat = { every = 1, count = 4 } }]",
+            &[(10, "only a pattern may repeat for ever"), (10, "did you mean `times`?")],
+        ),
+        (
+            "events = [{ at = 0, voice = \"beat\", repeat = { every = 1, times = 0 } }]",
+            &[(10, "is 0; it must be a whole number from 1")],
+        ),
+        (
+            "events = [{ at = 0, voice = \"beat\", repeat = { every = 1, times = 1e18 } }]",
+            &[(10, "is 1e18; it must be a whole number from 1")],
+        ),
+        ("events = [{ at = 0, marker = \"m\" }]\njitter = 0.05", &[(11, "write jitter = { at = 0.05 }")]),
+        (
+            "events = [{ at = 0, marker = \"m\" }]\nrepeat = 4",
+            &[(11, "write repeat = { every = 0.5, times = 4 }")],
+        ),
         ("events = [{ at = 0, voice = \"p\" }]", &[(10, "there is no voice `p`")]),
         ("events = [{ at = 0, voice = \"beat\", levl = 1 }]", &[(10, "did you mean `level`?")]),
         ("events = [{ at = 0, voice = \"beat\", plce = \"x\" }]", &[(10, "did you mean `place`?")]),
         ("events = [{ at = 0, voice = \"beat\", roughness = 1 }]", &[(10, "declare it with its default")]),
         ("events = [{ at = 0, voice = \"beat\", level = -1 }]", &[(10, "from 0 to 100")]),
         ("events = [{ at = 0, voice = \"beat\", place = 0 }]", &[(10, "a channel from 1 to 4096")]),
-        ("events = [{ at = 0, voice = \"beat\", place = [1] }]", &[(10, "a position [x, y]")]),
-        ("events = [{ at = 0, voice = \"beat\", place = [0, inf] }]", &[(10, "a position [x, y]")]),
+        (
+            "events = [{ at = 0, voice = \"beat\", place = [1] }]",
+            &[(10, "is [1]; a position has two or three coordinates")],
+        ),
+        (
+            "events = [{ at = 0, voice = \"beat\", place = [0, inf] }]",
+            &[(10, "no coordinate may be further than 1000 m")],
+        ),
         (
             "events = [{ at = 0, voice = \"beat\", marker = \"m\" }]",
             &[(10, "has `voice` and `marker` at once")],
@@ -375,7 +424,7 @@ fn versions_are_told_apart() {
     for (format, fragment) in [
         ("format = \"pacinian-patch/2\"", "version 2 of \"pacinian-patch\" is unknown"),
         ("format = \"pacinian-patch/1x\"", "version 1x"),
-        ("format = \"pacinian-rig/1\"", "a \"pacinian-patch\" is wanted here"),
+        ("format = \"pacinian-rig/1\"", "this is a rig, and a patch is wanted here"),
         ("format = \"patch\"", "it must be \"pacinian-patch/1\""),
         ("format = 1", "it must be a string"),
     ] {
@@ -491,7 +540,22 @@ fn what_a_player_refuses_is_shown_at_its_line() {
         Player::new(&patch, &Rig::default_for(2), &scene::Options::default(), &NoAssets).unwrap();
     let nobody = player.play("bat", &Default::default()).unwrap_err();
     let error: Box<dyn std::error::Error> = nobody.into();
-    assert!(error.to_string().contains("no voice `bat`"), "{error}");
+    let told = error.to_string();
+    assert!(told.contains("no voice called `bat`") && told.contains("did you mean `beat`?"), "{told}");
+    let note = |field: &str, value| pacinian::player::Note {
+        fields: vec![(field.to_string(), value)],
+        ..Default::default()
+    };
+    for (voice, field, value, words) in [
+        ("beat", "frequenzy", 1.0, "did you mean `frequency`?"),
+        ("beat", "frequency", f64::NAN, "finite number"),
+    ] {
+        let told = player.play(voice, &note(field, value)).unwrap_err().to_string();
+        assert!(told.contains(words), "{told}");
+    }
+    let silent = pacinian::player::Note { duration: Some(-1.0), ..Default::default() };
+    assert!(player.play("beat", &silent).unwrap_err().to_string().contains("at least 0"));
+    assert!(player.set("strenght", 1.0).unwrap_err().to_string().contains("no control"));
 }
 
 /// An event carries eight fields, `frequency` among them; the parser says so.

@@ -101,7 +101,7 @@ fn every_mistake_is_told_at_its_line() {
             &[(4, "did you mean `class-d`?")],
         ),
         (format!("{tactor}postion = [0, 0]"), &[(7, "did you mean `position`?")]),
-        (format!("{tactor}position = [0, nan]"), &[(7, "a position [x, y]")]),
+        (format!("{tactor}position = [0, nan]"), &[(7, "no coordinate may be further")]),
         (format!("{tactor}polarity = 2"), &[(7, "it must be 1, -1 or \"invert\"")]),
         (format!("{tactor}gain = inf"), &[(7, "is inf; it must be")]),
         ("[actuator.x]\nmodel = \"voice coil\"".into(), &[(5, "did you mean `voice-coil`?")]),
@@ -168,8 +168,11 @@ fn places_of_a_patch_are_checked_against_it() {
     let patch = Patch::parse("p.toml", source.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
     let list = Rig::default_for(8).check_places(&patch);
     let problems = pacinian::text::Problems { file: "p.toml".into(), source: source.into(), list };
-    let expected =
-        [(5, "no tactor `t9`"), (10, "no channel 9; the device has 8"), (11, "did you mean `t1`?")];
+    let expected = [
+        (5, "no tactor `t9`"),
+        (10, "this rig has 8 channels; the patch needs channel 9"),
+        (11, "did you mean `t1`?"),
+    ];
     assert_told(source, &problems, &expected);
 }
 

@@ -48,7 +48,7 @@ const CEILING: [f64; 2] = [0.93, 0.952];
 const AIM: f64 = 0.99;
 /// How much larger than the predictions the input may count: a crest is seen in the input some nine samples before it is
 /// foreseen. Times [`NEAR`] it is below [`AIM`], so that what is not near needs no gain.
-const EAGER: f64 = 1.28;
+const EAGER: f64 = 1.04;
 /// Most by which the gain falls at a sample that nothing foresaw.
 const STEP: f32 = 1.05;
 /// How long a need is held: a period of 17 Hz, seconds.

@@ -12,6 +12,8 @@ pub struct Axis {
     pub label: String,
     /// Whether it runs by decades; values not above 0 are then left out, and the chart says how many.
     pub log: bool,
+    /// How much it spans at least, where it does not run by decades: what hardly differs is drawn so.
+    pub least: f64,
 }
 
 /// A point of a chart.
@@ -45,17 +47,20 @@ pub struct Chart {
     pub y: Axis,
     /// What is drawn.
     pub series: Vec<Series>,
+    /// What must be said because the chart does not show it, below it.
+    pub notes: Vec<String>,
 }
 
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 480.0;
-const LEFT: f64 = 84.0;
 const RIGHT: f64 = WIDTH - 36.0;
 const BOTTOM: f64 = HEIGHT - 64.0;
 const LETTER: f64 = 11.0;
+/// Base line of the vertical axis' label.
+const TITLE: f64 = 34.0;
 
 impl Chart {
-    /// The chart as SVG, 760 by 480 pixels, in dark mode where the reader prefers that.
+    /// The chart as SVG, 760 by 480 pixels and a line for each note, in dark mode where the reader prefers that.
     pub fn svg(&self) -> String {
         let shown: Vec<Vec<&Point>> =
             self.series.iter().map(|s| s.points.iter().filter(|p| self.shows(p)).collect()).collect();
@@ -63,14 +68,22 @@ impl Chart {
             self.series.iter().map(|s| s.points.len()).sum::<usize>() - shown.iter().flatten().count();
         let keyed = self.series.iter().any(|s| !s.name.is_empty());
         let top = if keyed { 92.0 } else { 68.0 };
-        let x = scale(&self.x, shown.iter().flatten().map(|p| p.x), [LEFT, RIGHT]);
         let y = scale(&self.y, shown.iter().flatten().map(|p| p.y), [BOTTOM, top]);
+        let labels = y.ticks(8).iter().map(|(_, label)| width(label)).fold(0.0, f64::max);
+        // The axis' own label stands left of those of its ticks.
+        let left = (TITLE + 18.0 + LETTER * labels).max(84.0);
+        let x = scale(&self.x, shown.iter().flatten().map(|p| p.x), [left, RIGHT]);
+        let mut notes = self.notes.clone();
+        if left_out > 0 {
+            notes.push(format!("Points that the axes cannot show: {left_out}."));
+        }
+        let height = HEIGHT + if notes.is_empty() { 0.0 } else { 8.0 + 17.0 * notes.len() as f64 };
 
         let mut svg = Svg::new(true);
-        svg.rect([0.0, 0.0, WIDTH, HEIGHT], Ink::Page);
+        svg.rect([0.0, 0.0, WIDTH, height], Ink::Page);
         let title = Type { bold: true, ..Type::new(17.0, Anchor::Start, Ink::Text) };
         svg.text_within(28.0, 36.0, title, &self.title, WIDTH - 56.0);
-        self.draw_axes(&mut svg, &x, &y, top);
+        self.draw_axes(&mut svg, &x, &y, [left, top]);
         let mut taken: Vec<[f64; 4]> = Vec::new();
         let mut key = 28.0;
         for (index, (series, points)) in self.series.iter().zip(&shown).enumerate() {
@@ -97,14 +110,14 @@ impl Chart {
         }
         for point in shown.iter().flatten().filter(|p| !p.label.is_empty()) {
             let (px, py, anchor) =
-                free(&mut taken, x.at(point.x), y.at(point.y), LETTER * width(&point.label), top);
+                free(&mut taken, x.at(point.x), y.at(point.y), LETTER * width(&point.label), [left, top]);
             svg.text(px, py, Type::new(LETTER, anchor, Ink::Text), &point.label);
         }
-        if left_out > 0 {
-            let note = format!("Points that the axes cannot show: {left_out}.");
-            svg.text(RIGHT, HEIGHT - 14.0, Type::new(LETTER, Anchor::End, Ink::Limit), &note);
+        for (i, note) in notes.iter().enumerate() {
+            let set = Type::new(12.0, Anchor::Start, Ink::Limit);
+            svg.text_within(28.0, HEIGHT + 6.0 + 17.0 * i as f64, set, note, WIDTH - 56.0);
         }
-        svg.finish(WIDTH, HEIGHT, &self.title, "")
+        svg.finish(WIDTH, height, &self.title, "")
     }
 
     fn shows(&self, point: &Point) -> bool {
@@ -112,7 +125,7 @@ impl Chart {
         fits(point.x, &self.x) && fits(point.y, &self.y)
     }
 
-    fn draw_axes(&self, svg: &mut Svg, x: &Scale, y: &Scale, top: f64) {
+    fn draw_axes(&self, svg: &mut Svg, x: &Scale, y: &Scale, [left, top]: [f64; 2]) {
         let dim = |anchor| Type::new(LETTER, anchor, Ink::Dim);
         for (at, label) in x.ticks(10) {
             let at = x.at(at);
@@ -121,14 +134,14 @@ impl Chart {
         }
         for (at, label) in y.ticks(8) {
             let at = y.at(at);
-            svg.line([LEFT, at, RIGHT, at], Ink::Grid, 0.8, 0.0);
-            svg.text(LEFT - 9.0, at + 4.0, dim(Anchor::End), &label);
+            svg.line([left, at, RIGHT, at], Ink::Grid, 0.8, 0.0);
+            svg.text(left - 9.0, at + 4.0, dim(Anchor::End), &label);
         }
-        svg.line([LEFT, BOTTOM, RIGHT, BOTTOM], Ink::Axis, 1.0, 0.0);
-        svg.line([LEFT, top, LEFT, BOTTOM], Ink::Axis, 1.0, 0.0);
+        svg.line([left, BOTTOM, RIGHT, BOTTOM], Ink::Axis, 1.0, 0.0);
+        svg.line([left, top, left, BOTTOM], Ink::Axis, 1.0, 0.0);
         let label = |anchor| Type::new(12.0, anchor, Ink::Text);
-        svg.text((LEFT + RIGHT) / 2.0, BOTTOM + 42.0, label(Anchor::Middle), &self.x.label);
-        svg.text_up(34.0, (top + BOTTOM) / 2.0, label(Anchor::Middle), &self.y.label);
+        svg.text((left + RIGHT) / 2.0, BOTTOM + 42.0, label(Anchor::Middle), &self.x.label);
+        svg.text_up(TITLE, (top + BOTTOM) / 2.0, label(Anchor::Middle), &self.y.label);
     }
 }
 
@@ -141,6 +154,9 @@ fn scale(axis: &Axis, values: impl Iterator<Item = f64>, [low, high]: [f64; 2]) 
         let [from, to] = [least.log10().floor(), most.log10().ceil()];
         return Scale::log([decade(from), decade(if to > from { to } else { from + 1.0 })], low, high);
     }
+    // What hardly differs is widened about its middle.
+    let wider = 0.5 * (axis.least - (most - least)).max(0.0);
+    let [least, most] = if wider.is_finite() { [least - wider, most + wider] } else { [least, most] };
     // One value alone, or equal ones, stand in the middle.
     let spread = if most > least { most - least } else { most.abs().max(1.0) };
     let step = nice(spread / 8.0);
@@ -181,7 +197,7 @@ fn along(a: (f64, f64), b: (f64, f64)) -> impl Iterator<Item = [f64; 4]> {
 }
 
 /// The first place beside a point where its label touches neither mark nor label nor frame; the first of all where none is.
-fn free(taken: &mut Vec<[f64; 4]>, x: f64, y: f64, wide: f64, top: f64) -> (f64, f64, Anchor) {
+fn free(taken: &mut Vec<[f64; 4]>, x: f64, y: f64, wide: f64, [left, top]: [f64; 2]) -> (f64, f64, Anchor) {
     let around = [
         (x + 10.0, y + 4.0, Anchor::Start),
         (x - 10.0, y + 4.0, Anchor::End),
@@ -201,7 +217,7 @@ fn free(taken: &mut Vec<[f64; 4]>, x: f64, y: f64, wide: f64, top: f64) -> (f64,
         [left, y - 0.8 * LETTER, left + wide, y + 0.25 * LETTER]
     };
     let apart = |a: &[f64; 4], b: &[f64; 4]| a[2] < b[0] || b[2] < a[0] || a[3] < b[1] || b[3] < a[1];
-    let inside = |a: &[f64; 4]| a[0] > LEFT && a[2] < RIGHT + 24.0 && a[1] > top - 14.0 && a[3] < BOTTOM;
+    let inside = |a: &[f64; 4]| a[0] > left && a[2] < RIGHT + 24.0 && a[1] > top - 14.0 && a[3] < BOTTOM;
     let place = around
         .into_iter()
         .find(|at| {
@@ -222,9 +238,10 @@ mod tests {
             points.iter().map(|(x, y, label)| Point { x: *x, y: *y, label: label.to_string() }).collect();
         Chart {
             title: "Error <against> run time".into(),
-            x: Axis { label: "run time (s)".into(), log },
-            y: Axis { label: "error & more".into(), log },
+            x: Axis { label: "run time (s)".into(), log, least: 0.0 },
+            y: Axis { label: "error & more".into(), log, least: 0.0 },
             series: vec![Series { name: "a \"b\"".into(), points }],
+            notes: Vec::new(),
         }
     }
 
@@ -274,13 +291,46 @@ mod tests {
     }
 
     #[test]
+    fn what_hardly_differs_is_drawn_so_and_its_ticks_keep_off_the_label() {
+        let points: Vec<(f64, f64, &str)> =
+            (0..3).map(|i| (f64::from(i), -93.1 - 0.001 * f64::from(i), "")).collect();
+        let mut chart = chart(false, &points);
+        chart.y.least = 10.0;
+        let axis = scale(&chart.y, points.iter().map(|p| p.1), [400.0, 100.0]);
+        assert!((axis.at(-93.1) - axis.at(-93.102)).abs() < 1.0, "2 mB are no difference");
+        for least in [0.0, 10.0] {
+            chart.y.least = least;
+            let svg = chart.svg();
+            let document = roxmltree::Document::parse(&svg).unwrap();
+            let ticks: Vec<(f64, &str)> = document
+                .descendants()
+                .filter(|n| n.attribute("text-anchor") == Some("end") && n.attribute("x").is_some())
+                .filter_map(|n| Some((n.attribute("x")?.parse().ok()?, n.text()?)))
+                .collect();
+            assert!(ticks.len() > 2);
+            for (right, text) in ticks {
+                assert!(right - 11.0 * super::width(text) > super::TITLE + 4.0, "{text} at {right}");
+            }
+        }
+    }
+
+    #[test]
+    fn notes_stand_below_the_chart() {
+        let mut chart = chart(true, &[(1.0, 1.0, ""), (0.0, 1.0, "")]);
+        chart.notes = vec!["the limiter acted".into()];
+        let svg = chart.svg();
+        assert!(svg.contains("height=\"522\"") && svg.contains("the limiter acted"), "{svg}");
+        assert!(svg.contains("Points that the axes cannot show: 1."));
+    }
+
+    #[test]
     fn an_axis_holds_every_value() {
         for values in [vec![1.0, 2.5, 7.3], vec![-4.0, 1e6], vec![0.2], vec![3e-4, 0.9]] {
             for log in [false, true] {
                 if log && values[0] <= 0.0 {
                     continue;
                 }
-                let axis = Axis { label: String::new(), log };
+                let axis = Axis { label: String::new(), log, least: 0.0 };
                 let scale = scale(&axis, values.iter().copied(), [100.0, 700.0]);
                 assert!(values.iter().all(|v| (99.99..=700.01).contains(&scale.at(*v))), "{values:?}");
             }

@@ -13,18 +13,22 @@ const SPAN: [f64; 2] = [10.0, 10_000.0];
 /// Decibels at the lower edge.
 const FLOOR: f64 = -120.0;
 
+/// Room that a narrow panel needs above itself for what stands below its heading.
+pub(super) const LINES: f64 = 32.0;
+
 /// Draws a spectrum into the frame `left`, `top`, `right`, `bottom`, with its labels outside of it. `sounding` is the
-/// number of channels it is the mean of.
+/// number of channels it is the mean of. A narrow one has all that is said of it below its heading.
 pub(super) fn draw(
     svg: &mut Svg,
     spectrum: &Spectrum,
     [left, top, right, bottom]: [f64; 4],
     sounding: usize,
+    narrow: bool,
 ) {
     let nyquist = spectrum.bin_hertz * spectrum.power.len().saturating_sub(1) as f64;
     let dim = |anchor| Type::new(11.0, anchor, Ink::Dim);
     let heading = Type { bold: true, ..Type::new(13.0, Anchor::Start, Ink::Text) };
-    svg.text(left, top - 14.0, heading, "Spectrum");
+    svg.text(left, top - 14.0 - if narrow { LINES } else { 0.0 }, heading, "Spectrum");
     if nyquist < 2.0 * SPAN[0] {
         svg.text(left, top + 14.0, dim(Anchor::Start), "none: the rate is too low for one");
         return;
@@ -46,7 +50,7 @@ pub(super) fn draw(
     for minor in x.minor() {
         svg.line([x.at(minor), top, x.at(minor), bottom], Ink::Grid, 0.5, 0.0);
     }
-    for (hertz, label) in x.ticks(14) {
+    for (hertz, label) in x.ticks(if narrow { 4 } else { 14 }) {
         svg.line([x.at(hertz), bottom, x.at(hertz), bottom + 4.0], Ink::Axis, 1.0, 0.0);
         svg.text(x.at(hertz), bottom + 17.0, dim(Anchor::Middle), &label);
     }
@@ -80,12 +84,18 @@ pub(super) fn draw(
         svg.line([at, top, at, bottom], Ink::Limit, 1.2, 4.0);
         // Beside the line, on the side that has room.
         let (beside, anchor) =
-            if right - at > 200.0 { (at + 7.0, Anchor::Start) } else { (at - 7.0, Anchor::End) };
+            if right - at > 200.0 || narrow { (at + 7.0, Anchor::Start) } else { (at - 7.0, Anchor::End) };
         let label = Type { bold: true, ..Type::new(11.5, anchor, Ink::Limit) };
         svg.text(beside, top + 15.0, label, "1 kHz");
-        svg.text(beside, top + 30.0, dim(anchor), &above(spectrum));
+        if narrow {
+            svg.text(left, top - 12.0, dim(Anchor::Start), &above(spectrum));
+        } else {
+            svg.text(beside, top + 30.0, dim(anchor), &above(spectrum));
+        }
     }
-    svg.text(right, top - 14.0, dim(Anchor::End), &meaning(spectrum, sounding));
+    let (at, below, anchor) =
+        if narrow { (left, top - 28.0, Anchor::Start) } else { (right, top - 14.0, Anchor::End) };
+    svg.text(at, below, dim(anchor), &meaning(spectrum, sounding));
 }
 
 /// What is said of the power above the limit.

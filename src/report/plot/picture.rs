@@ -33,6 +33,11 @@ const PANEL: f64 = 210.0;
 /// Room at the right of the rows, for the peaks.
 const PEAKS: f64 = 52.0;
 
+/// Below this width, what stands side by side stands one below the other.
+const NARROW: f64 = 700.0;
+/// Height of a row of a channel that is silent throughout, where there are others.
+const SILENT: f64 = 14.0;
+
 /// Where things lie.
 struct Layout {
     width: f64,
@@ -40,9 +45,11 @@ struct Layout {
     right: f64,
     /// The first row's upper edge.
     top: f64,
-    row: f64,
+    /// Middle and height of each row.
+    rows: Vec<[f64; 2]>,
     /// The last row's lower edge.
     bottom: f64,
+    narrow: bool,
 }
 
 impl Collector {
@@ -50,17 +57,21 @@ impl Collector {
     pub fn svg(&self, style: &Style) -> String {
         let layout = self.layout(style);
         let mut svg = Svg::new(style.dark);
-        let panel_top = layout.bottom + 104.0;
+        let panel_top = layout.bottom + if layout.narrow { 104.0 + panel::LINES } else { 104.0 };
         let height = if self.rows.is_empty() { layout.top + 40.0 } else { panel_top + PANEL + 54.0 };
         svg.rect([0.0, 0.0, layout.width, height], Ink::Page);
         let inner = layout.width - 2.0 * MARGIN;
         let title = Type { bold: true, ..Type::new(21.0, Anchor::Start, Ink::Text) };
         svg.text_within(MARGIN, 40.0, title, &style.title, inner);
         let subtitle = self.subtitle(style);
-        svg.text_within(MARGIN, 62.0, Type::new(13.0, Anchor::Start, Ink::Dim), &subtitle, inner);
+        let mut below = 62.0;
+        for line in self.head(style) {
+            svg.text_within(MARGIN, below, Type::new(13.0, Anchor::Start, Ink::Dim), &line, inner);
+            below += 18.0;
+        }
         for (i, note) in self.notes().iter().enumerate() {
             let set = Type::new(12.0, Anchor::Start, Ink::Limit);
-            svg.text_within(MARGIN, 82.0 + 17.0 * i as f64, set, note, inner);
+            svg.text_within(MARGIN, below + 2.0 + 17.0 * i as f64, set, note, inner);
         }
         if self.rows.is_empty() {
             svg.text(MARGIN, layout.top, Type::new(13.0, Anchor::Start, Ink::Dim), "There are no channels.");
@@ -68,19 +79,41 @@ impl Collector {
             self.draw_rows(&mut svg, &layout);
             let sounding = self.sounding();
             let frame = [layout.left, panel_top, layout.right, panel_top + PANEL];
-            panel::draw(&mut svg, &self.spectrum(), frame, sounding);
+            panel::draw(&mut svg, &self.spectrum(), frame, sounding, layout.narrow);
         }
         svg.finish(layout.width, height, &style.title, &subtitle)
     }
 
     fn layout(&self, style: &Style) -> Layout {
-        let wide = if style.width.is_finite() { style.width.clamp(500.0, 4000.0).round() } else { 1200.0 };
-        let rows = self.rows.len().max(1) as f64;
+        let wide = wide(style);
         let names = self.names.iter().take(ROWS).map(|n| width(n)).fold(0.0, f64::max);
         let left = MARGIN + (names * self.name_size() + 14.0).clamp(52.0, 0.2 * wide);
-        let top = 112.0 + 17.0 * self.notes().len() as f64;
-        let row = (640.0 / rows).clamp(11.0, 150.0).floor();
-        Layout { width: wide, left, right: wide - MARGIN - PEAKS, top, row, bottom: top + row * rows }
+        let top = 94.0 + 18.0 * self.head(style).len() as f64 + 17.0 * self.notes().len() as f64;
+        let (all, sounding) = (self.rows.len(), self.sounding());
+        let silent = if sounding == 0 {
+            (640.0 / all.max(1) as f64).clamp(11.0, 40.0).floor()
+        } else {
+            SILENT.min(640.0 / all as f64).max(11.0).floor()
+        };
+        let left_over = 640.0 - silent * (all - sounding) as f64;
+        let row = (left_over / sounding.max(1) as f64).clamp(11.0, 150.0).floor();
+        let mut bottom = top;
+        let rows = self.peaks.iter().take(all).map(|peak| {
+            let height = if *peak > 0.0 { row } else { silent };
+            bottom += height;
+            [bottom - 0.5 * height, height]
+        });
+        let rows: Vec<[f64; 2]> = rows.collect();
+        Layout { width: wide, left, right: wide - MARGIN - PEAKS, top, rows, bottom, narrow: wide < NARROW }
+    }
+
+    /// The lines below the title.
+    fn head(&self, style: &Style) -> Vec<String> {
+        if wide(style) < NARROW && !style.subtitle.is_empty() {
+            let own = Style { subtitle: String::new(), ..style.clone() };
+            return vec![style.subtitle.clone(), self.subtitle(&own)];
+        }
+        vec![self.subtitle(style)]
     }
 
     fn name_size(&self) -> f64 {
@@ -147,9 +180,9 @@ impl Collector {
         svg.text((at.left + at.right) / 2.0, at.bottom + 35.0, dim(Anchor::Middle), "Time (s)");
 
         for (index, name) in self.names.iter().take(ROWS).enumerate() {
-            let middle = at.top + at.row * (index as f64 + 0.5);
+            let Some([middle, height]) = at.rows.get(index).copied() else { continue };
             let peak = self.peaks.get(index).copied().unwrap_or(0.0);
-            let size = self.name_size();
+            let size = self.name_size().min(height - 2.0);
             let below = middle + 0.36 * size;
             let ink = if peak > 0.0 { Ink::Text } else { Ink::Dim };
             svg.text_within(
@@ -172,13 +205,18 @@ impl Collector {
                 if let Some(row) = self.rows.get(index) {
                     // The more rows, the fewer columns, for the file's sake.
                     let pixels = (at.right - at.left) * (24.0 / self.rows.len() as f64).clamp(0.4, 1.0);
-                    let place = Place { time: &time, rate: self.rate, middle, unit: 0.46 * at.row / full };
+                    let place = Place { time: &time, rate: self.rate, middle, unit: 0.46 * height / full };
                     wave::draw(svg, row, &place, ink, pixels);
                 }
             }
         }
         svg.line([at.left, at.bottom, at.right, at.bottom], Ink::Axis, 1.0, 0.0);
     }
+}
+
+/// The width of a picture in pixels.
+fn wide(style: &Style) -> f64 {
+    if style.width.is_finite() { style.width.clamp(500.0, 4000.0).round() } else { 1200.0 }
 }
 
 /// The amplitude at the edge of a row: a little above the greatest, and round.
@@ -303,6 +341,57 @@ mod tests {
         assert_eq!(texts.iter().filter(|t| *t == "silent").count(), 63);
         let note = "Shown: the first 64 of 1024 channels; of the others 2 sound, with peaks up to 0.5.";
         assert!(texts.iter().any(|t| t == note), "{texts:?}");
+    }
+
+    /// Texts with their boxes, as far as a guess of their width goes: left, top, right, bottom.
+    fn boxes(svg: &str) -> Vec<(String, [f64; 4])> {
+        let document = roxmltree::Document::parse(svg).unwrap();
+        let number = |n: &roxmltree::Node, key: &str| n.attribute(key).and_then(|v| v.parse::<f64>().ok());
+        let boxed = |n: roxmltree::Node| {
+            let (x, y, size) = (number(&n, "x")?, number(&n, "y")?, number(&n, "font-size")?);
+            let text = n.children().filter(|c| c.is_text()).filter_map(|c| c.text()).collect::<String>();
+            let wide = 0.9 * size * super::width(&text);
+            let left = match n.attribute("text-anchor") {
+                Some("middle") => x - wide / 2.0,
+                Some("end") => x - wide,
+                _ => x,
+            };
+            Some((text, [left, y - 0.7 * size, left + wide, y + 0.2 * size]))
+        };
+        document.descendants().filter(|n| n.has_tag_name("text")).filter_map(boxed).collect()
+    }
+
+    #[test]
+    fn no_text_lies_on_another_however_narrow_the_picture_is() {
+        let (rate, channels) = (48e3, 16);
+        let mut collector = Collector::new(&names(channels), rate, None);
+        let frames: Vec<f32> = (0..9_600)
+            .flat_map(|n| (0..channels).map(move |c| 0.9 * (0.02 * n as f32 * (1 + c) as f32).sin()))
+            .collect();
+        collector.push(&frames);
+        for width in [500.0, 640.0, 699.0, 700.0, 900.0, 1200.0] {
+            let subtitle = "patches/demo.toml on Back array, 4 by 4".to_string();
+            let svg = collector.svg(&Style { width, subtitle, ..Style::new("Showcase for sixteen tactors") });
+            let boxes = boxes(&svg);
+            assert!(boxes.len() > 40);
+            for (i, (a, [l, t, r, b])) in boxes.iter().enumerate() {
+                assert!(*l >= 0.0 && *r <= width, "{width}: {a} leaves the picture");
+                for (other, [l2, t2, r2, b2]) in &boxes[i + 1..] {
+                    assert!(r < l2 || r2 < l || b < t2 || b2 < t, "{width}: `{a}` lies on `{other}`");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn silent_channels_take_little_room() {
+        let mut collector = Collector::new(&names(8), 8000.0, None);
+        collector.push(&[0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5].repeat(800));
+        let layout = collector.layout(&Style::new(""));
+        let heights: Vec<f64> = layout.rows.iter().map(|r| r[1]).collect();
+        assert!(heights[0] == heights[7] && heights[0] > 5.0 * heights[1], "{heights:?}");
+        assert_eq!(layout.bottom - layout.top, heights.iter().sum::<f64>());
+        assert!(layout.rows.windows(2).all(|w| (w[1][0] - w[0][0] - 0.5 * (w[0][1] + w[1][1])).abs() < 1e-9));
     }
 
     #[test]

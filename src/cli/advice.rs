@@ -1,0 +1,85 @@
+//! What works and was hardly meant so: warnings that need the patch, the rig and the command line together.
+
+use super::load::Loaded;
+use super::patterns::playing;
+use pacinian::patch::{Patch, Place, Source, Start};
+use pacinian::text::{Problem, Problems, Severity, Span};
+use std::collections::HashSet;
+
+/// Warnings, by line; `None` where there are none. `by_default`: nobody named a rig. `deaf`: the patch listens, and nobody said
+/// to what.
+pub fn of(loaded: &Loaded, by_default: bool, deaf: bool) -> Option<Problems> {
+    let mut list = loaded.rig.advise(&loaded.patch);
+    if by_default {
+        list.extend(too_long(&loaded.patch));
+    }
+    if deaf {
+        list.push(whole("the patch listens, and hears silence", "give it a WAV file: --input FILE.wav"));
+    }
+    if !plays(loaded) {
+        list.push(whole(
+            "nothing in this patch plays by itself",
+            "give it a [pattern], a [[trigger]] with on = \"start\", or a voice with start = \"always\"",
+        ));
+    }
+    (!list.is_empty()).then(|| loaded.patch.origin.problems(list))
+}
+
+fn whole(what: &str, help: &str) -> Problem {
+    Problem { severity: Severity::Warning, ..Problem::of_file(what).help(help.to_string()) }
+}
+
+/// Whether anything sounds or is marked without somebody to play it.
+fn plays(loaded: &Loaded) -> bool {
+    let patch = &loaded.patch;
+    let starts = patch.triggers.iter().filter(|t| t.on == Source::Start);
+    let started: HashSet<&str> = starts.map(|t| t.play.as_str()).collect();
+    let voice = patch.voices.iter().any(|v| v.start == Start::Always || started.contains(v.name.as_str()));
+    voice || !playing(loaded).is_empty()
+}
+
+/// Tactors of the line that there is without a rig.
+const LINE: u32 = 8;
+
+/// A place far beyond the line and beyond all others, which makes the line so long.
+fn too_long(patch: &Patch) -> Option<Problem> {
+    let mut named: Vec<(u32, String, Span)> = Vec::new();
+    patch.each_place(|place, span| match place {
+        Place::Name(name) => {
+            let number = name.strip_prefix('t').and_then(|n| n.parse().ok());
+            named.extend(number.map(|n| (n, name.clone(), span.clone())));
+        }
+        Place::Channel(n) => named.push((*n, format!("channel {n}"), span.clone())),
+        Place::Position(_) => {}
+    });
+    named.retain(|(n, ..)| *n <= pacinian::rig::MAX_CHANNELS);
+    let most = named.iter().map(|(n, ..)| *n).max()?;
+    let next = named.iter().map(|(n, ..)| *n).filter(|n| *n < most).max().unwrap_or(0).max(LINE);
+    if most <= next + 1 {
+        return None;
+    }
+    let (_, name, span) = named.into_iter().find(|(n, ..)| *n == most)?;
+    let what = format!("`{name}` makes the line {most} tactors long; without a rig there are {LINE}");
+    let help = "if it is meant, name a rig that has it with --rig".to_string();
+    Some(Problem::warning(&span, what).help(help))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::too_long;
+    use pacinian::patch::{Patch, Place, Voice};
+
+    #[test]
+    fn a_line_that_one_place_makes_long_is_told() {
+        let with = |places: &[u32]| {
+            let name = |n: &u32| Some(Place::Name(format!("t{n}")));
+            let voices = places.iter().map(|n| Voice { place: name(n), ..Voice::new("v", "o") }).collect();
+            too_long(&Patch { voices, ..Patch::default() }).map(|p| p.what)
+        };
+        let told = with(&[1, 22]).unwrap_or_default();
+        assert!(told.contains("`t22` makes the line 22 tactors long; without a rig there are 8"), "{told}");
+        assert_eq!(with(&[1, 2, 8]), None);
+        assert_eq!(with(&[8, 9, 10]), None);
+        assert_eq!(with(&[]), None);
+    }
+}

@@ -1,0 +1,258 @@
+//! The patch format for people: its topics in the order in which one learns them.
+
+use super::{control, event, node, pattern, trigger, voice};
+use crate::text::reference::{Defined, Topic};
+
+/// What stands where a key refers to something with a topic of its own.
+pub const DEFINED: Defined = &[
+    ("format", "\"pacinian-patch/1\""),
+    ("place", "a place: \"top\", 3 or [0, -0.2]"),
+    ("range", "[least, most]"),
+    ("set", "a table of numbers and expressions"),
+    ("events", "a list of events, or \"FILE.csv\""),
+    ("nodes", "nodes by name"),
+    ("shape", "`linear`, `slow`, `fast`, `exponential` or a number, -20 to 20"),
+];
+
+/// All topics.
+pub const TOPICS: &[Topic] = &[
+    Topic {
+        name: "patch",
+        written: "",
+        doc: "A TOML file that says what is felt and when.",
+        text: "Voices are what is felt: each is a graph of nodes. Patterns are when: lists of events in time. Without a trigger, the first \
+               pattern plays; `--pattern NAME` plays another.\n\n\
+               An event needs to say little: without more it has level 1, lasts 0.1 s, has a frequency of 250 Hz and is felt on the first \
+               tactor.\n\n\
+               Numbers have no unit in them. Frequencies are in Hz, times in seconds (or beats), positions in metres, shares from 0 to 1. \
+               Texts stand in quotes.\n\n\
+               A table is written with its name, [voice.tap]; a list of tables one by one, [[trigger]].",
+        tables: &[&super::TABLE],
+        example: "format = \"pacinian-patch/1\"\n\
+                  title = \"A tap\"\n\
+                  \n\
+                  [voice.tap]\n\
+                  output = \"felt\"\n\
+                  \n\
+                  [voice.tap.nodes]\n\
+                  tone = { type = \"sine\", frequency = \"event.frequency\" }\n\
+                  hit = { type = \"envelope\", attack = 0.004, decay = 0.08, sustain = 0 }\n\
+                  felt = { type = \"multiply\", inputs = [\"tone\", \"hit\"] }\n\
+                  \n\
+                  [pattern.walk]\n\
+                  events = [\n\
+                  \x20 { at = 0.0, voice = \"tap\", place = \"t1\" },\n\
+                  \x20 { at = 0.3, voice = \"tap\", place = \"t2\", frequency = 120 },\n\
+                  ]",
+    },
+    Topic {
+        name: "voice",
+        written: "[voice.NAME]",
+        doc: "What is felt: a node graph that sounds once for every event.",
+        text: "`output` names the node that is felt. The level of the event multiplies it: no node has to. Under `defaults` stands what an \
+               event has that says nothing, and further fields of one's own, 8 at most with `frequency`; nodes read them all as event.NAME.\n\n\
+               A voice sounds until its envelopes have ended after the release, which comes `duration` after the onset, and then for \
+               `tail`. If more events come than `voices`, one fades for the new one: of those released the quietest, else the oldest.",
+        tables: &[&voice::TABLE, &voice::DEFAULTS],
+        example: "[voice.growl]\n\
+                  voices = 4\n\
+                  output = \"felt\"\n\
+                  place = \"t3\"\n\
+                  tail = 0.1\n\
+                  defaults = { level = 0.6, duration = 0.5, frequency = 80, depth = 20 }\n\
+                  \n\
+                  [voice.growl.nodes]\n\
+                  wobble = { type = \"sine\", frequency = 6 }\n\
+                  tone = { type = \"sine\", frequency = \"event.frequency + event.depth * wobble\" }\n\
+                  edge = { type = \"envelope\", attack = 0.01, release = 0.05 }\n\
+                  felt = { type = \"multiply\", inputs = [\"tone\", \"edge\"] }",
+    },
+    Topic {
+        name: "node",
+        written: "NAME = { type = \"...\", ... } under [voice.NAME.nodes] or [shared.nodes]",
+        doc: "A building block of a voice: an oscillator, an envelope, a filter, a sum.",
+        text: "Which types there are and what they take, `pacinian nodes` lists; `pacinian nodes sine` explains one.\n\n\
+               A parameter is a number, the name of another node or of a control, or an expression of them. That is all the wiring there is. \
+               The name of a node is a letter, then letters, digits and `_`.\n\n\
+               Nodes of a voice must not read each other in a circle, except through the input of a `delay`.",
+        tables: &[],
+        example: "[voice.buzz]\n\
+                  output = \"felt\"\n\
+                  \n\
+                  [voice.buzz.nodes]\n\
+                  tone = { type = \"sine\", frequency = 250 }\n\
+                  edge = { type = \"envelope\", attack = 0.01, release = 0.05 }\n\
+                  felt = { type = \"multiply\", inputs = [\"tone\", \"edge\"] }",
+    },
+    Topic {
+        name: "point",
+        written: "points = [{ at, value, shape }, ...]",
+        doc: "A breakpoint of the node `breakpoints`.",
+        text: "`shape` is that of the way from the point before: `linear`, `slow` (starts slowly), `fast` (starts fast), `exponential` \
+               (faster still), or a number, 0 for linear, more than 0 to start slowly, less than 0 to start fast.",
+        tables: &[&node::POINT],
+        example: "[voice.swell]\n\
+                  output = \"felt\"\n\
+                  \n\
+                  [voice.swell.nodes]\n\
+                  tone = { type = \"sine\", frequency = 200 }\n\
+                  rise = { type = \"breakpoints\", points = [{ at = 0.5, value = 1, shape = \"slow\" }, { at = 0.8, value = 0 }] }\n\
+                  felt = { type = \"multiply\", inputs = [\"tone\", \"rise\"] }",
+    },
+    Topic {
+        name: "expression",
+        written: "\"60 + 20 * wobble\"",
+        doc: "A short sum in quotes wherever a parameter of a node may stand.",
+        text: "It has numbers, + - * / and parentheses, names of nodes and controls, fields of the event (event.level, event.duration, \
+               event.frequency and those that the voice declares under `defaults`), and these functions:\n\n\
+               - `min(a, b)`: the lesser of two\n\
+               - `max(a, b)`: the greater of two\n\
+               - `clamp(x, least, most)`: x, but no less and no more than those\n\
+               - `abs(x)`: x without its sign\n\
+               - `floor(x)`: the greatest whole number that is not greater\n\
+               - `sqrt(x)`: the square root\n\
+               - `pow(base, exponent)`: a power\n\
+               - `exp(x)`: e to the power x\n\
+               - `log(x)`: the natural logarithm\n\
+               - `sin(x)`: the sine of an angle in radians\n\n\
+               What a node reads at the onset alone (kind \"at onset\" in `pacinian nodes NAME`) may be made of numbers and fields of the \
+               event only. 1,000 characters are the most.",
+        tables: &[],
+        example: "[voice.buzz]\n\
+                  output = \"felt\"\n\
+                  defaults = { bend = 0.3 }\n\
+                  \n\
+                  [voice.buzz.nodes]\n\
+                  wobble = { type = \"sine\", frequency = 5 }\n\
+                  edge = { type = \"envelope\", attack = \"max(0.01, event.duration / 4)\", release = 0.05 }\n\
+                  tone = { type = \"sine\", frequency = \"event.frequency * (1 + event.bend * wobble)\" }\n\
+                  felt = { type = \"multiply\", inputs = [\"tone\", \"edge\", \"min(1, event.level * 2)\"] }",
+    },
+    Topic {
+        name: "place",
+        written: "place = \"top\", place = 3 or place = [0, -0.2]",
+        doc: "Where on the body.",
+        text: "- a name: the tactor of the rig that is called so\n\
+               - a whole number: what hangs on that channel of the device, from 1\n\
+               - two or three numbers: a position in metres; the nearest tactor of the rig that has a position plays it\n\n\
+               Without a rig there is a line of tactors `t1`, `t2`, ... on channels 1, 2, ..., 40 mm apart: 8, or as many as the patch \
+               names.",
+        tables: &[],
+        example: "[pattern.around]\n\
+                  events = [\n\
+                  \x20 { at = 0.0, voice = \"tap\", place = \"t2\" },\n\
+                  \x20 { at = 0.2, voice = \"tap\", place = 3 },\n\
+                  \x20 { at = 0.4, voice = \"tap\", place = [0.12, 0.0] },\n\
+                  ]",
+    },
+    Topic {
+        name: "pattern",
+        written: "[pattern.NAME]",
+        doc: "Events in time.",
+        text: "Times are counted in seconds, or with time = \"beats\" in beats of `tempo` a minute, durations too.\n\n\
+               A pattern that repeats without `times` goes on for ever; then no other pattern can play it. `every` is counted from \
+               one beginning to the next.\n\n\
+               `shuffle` draws anew each time the pattern plays; `jitter` for each event each time. What is drawn follows from the seed: the \
+               same seed gives the same.",
+        tables: &[&pattern::TABLE, &event::REPEAT, &pattern::JITTER],
+        example: "[pattern.rain]\n\
+                  time = \"beats\"\n\
+                  tempo = 90\n\
+                  shuffle = true\n\
+                  jitter = { at = 0.05, level = 0.3 }\n\
+                  repeat = { every = 4, times = 3 }\n\
+                  events = [{ at = 0, voice = \"tap\" }, { at = 1.5, voice = \"tap\", level = 0.4 }, { at = 3, voice = \"tap\" }]",
+    },
+    Topic {
+        name: "event",
+        written: "{ at = 0.5, voice = \"tap\" } in the `events` of a pattern",
+        doc: "Something that happens: a voice, another pattern, a marker, or a choice among them.",
+        text: "It has exactly one of `voice`, `pattern`, `marker` and `choose`. What goes with them:\n\n\
+               - with `voice`: `level`, `duration`, `place`, `frequency` and any field that the voice declares\n\
+               - with `pattern`: `gain` and `rate`\n\
+               - with `choose`: nothing; the alternatives have those keys themselves, and a `weight`\n\n\
+               `delay` differs from `at` in one thing: a shuffle permutes what lands on the `at`s of a pattern, and the delay goes with what \
+               it belongs to. `repeat` must say how many `times`.",
+        tables: &[&event::TABLE, &event::ALTERNATIVE],
+        example: "[pattern.many]\n\
+                  events = [\n\
+                  \x20 { at = 0.0, voice = \"tap\", level = 0.6, duration = 0.1, place = \"t2\", frequency = 180 },\n\
+                  \x20 { at = 1.0, voice = \"tap\", delay = 0.02, repeat = { every = 0.25, times = 4 } },\n\
+                  \x20 { at = 2.0, pattern = \"other\", gain = 0.5, rate = 2 },\n\
+                  \x20 { at = 3.0, marker = \"trial 1\" },\n\
+                  \x20 { at = 4.0, choose = [{ voice = \"tap\", weight = 3 }, { pattern = \"other\" }] },\n\
+                  ]\n\
+                  \n\
+                  [pattern.other]\n\
+                  events = [{ at = 0, voice = \"tap\" }]",
+    },
+    Topic {
+        name: "table",
+        written: "events = \"FILE.csv\"",
+        doc: "A file of events, one a line, for patterns too long to write into a patch.",
+        text: "The first line names the columns: `at` and `voice` or `marker`, and as one likes `level`, `duration`, `place`, `delay`, \
+               `frequency` and other fields of the voices. Cells are divided by commas and may stand in double quotes; an empty cell is \
+               as if it were not there. A place is a name, a channel, or two or three coordinates with blanks between them. Lines need \
+               not be in the order of time; those that begin with # count for nothing.\n\n\
+               at,voice,level,place\n\
+               0.0,tap,0.5,t1\n\
+               0.4,tap,,0.12 0.0",
+        tables: &[],
+        example: "[pattern.walk]\n\
+                  events = \"footsteps.csv\"",
+    },
+    Topic {
+        name: "control",
+        written: "[control.NAME]",
+        doc: "A live parameter, which nodes read by its name and a program may move while the patch plays.",
+        text: "In a rendering it stays at its default.",
+        tables: &[&control::TABLE],
+        example: "[control.strength]\n\
+                  default = 0.5\n\
+                  range = [0, 1]\n\
+                  unit = \"of full\"\n\
+                  smoothing = 0.02",
+    },
+    Topic {
+        name: "shared",
+        written: "[shared.nodes]",
+        doc: "Nodes that run once for the whole engine and that every voice may read.",
+        text: "They belong to no event, so they cannot read event.NAME.",
+        tables: &[&super::SHARED],
+        example: "[shared.nodes]\n\
+                  breath = { type = \"lfo\", rate = 0.2, low = 0.3 }",
+    },
+    Topic {
+        name: "trigger",
+        written: "[[trigger]]",
+        doc: "What starts a voice or a pattern.",
+        text: "`on` is one of these:\n\n\
+               - start: the beginning. Where any trigger says so, only those patterns play by themselves\n\
+               - node.NAME rises 0.3, node.NAME falls 0.3: a shared node passes a threshold; `set` may read `value`\n\
+               - midi.note: a note begins; `set` may read `note` and `velocity`\n\
+               - osc./address: a message to that address; `set` may read `value`\n\
+               - key.1: a key of the computer, from 1\n\
+               - knob.detent: a knob passes a notch\n\n\
+               Only start sets anything off yet; the others are read and checked.",
+        tables: &[&trigger::TABLE],
+        example: "[shared.nodes]\n\
+                  breath = { type = \"lfo\", rate = 0.5 }\n\
+                  \n\
+                  [[trigger]]\n\
+                  on = \"node.breath rises 0.3\"\n\
+                  play = \"tap\"\n\
+                  place = \"t2\"\n\
+                  set = { frequency = \"100 + 50 * value\" }",
+    },
+    Topic {
+        name: "render",
+        written: "[render]",
+        doc: "How to render the patch where the person says nothing else.",
+        text: "What the command line says goes before it.",
+        tables: &[&super::RENDER],
+        example: "[render]\n\
+                  duration = 10\n\
+                  seed = 7\n\
+                  tail = 0.5",
+    },
+];

@@ -1,0 +1,140 @@
+//! The rig format for people: its topics in the order in which one learns them.
+
+use super::{actuator, amplifier, device, output};
+use crate::text::reference::{Defined, Topic};
+
+/// What stands where a key refers to something with a topic of its own.
+pub const DEFINED: Defined = &[
+    ("format", "\"pacinian-rig/1\""),
+    ("position", "[x, y] or [x, y, z]"),
+    ("polarity", "1, -1 or \"invert\""),
+    ("coupling", "\"dc\" or { high_pass = 8.0 }"),
+];
+
+/// All topics.
+pub const TOPICS: &[Topic] = &[
+    Topic {
+        name: "rig",
+        written: "",
+        doc: "A TOML file that says which tactor hangs on which channel, and where on the body it sits.",
+        text: "It is given with `--rig`: `pacinian render PATCH --rig RIG -o OUT.wav`. Only the device and a [[tactor]] for each channel \
+               are needed. A list of tables is written one by one: [[tactor]] before each tactor, [[output]] before each output.",
+        tables: &[&super::TABLE],
+        example: "format = \"pacinian-rig/1\"\n\
+                  title = \"Two on a wrist\"\n\
+                  \n\
+                  [device]\n\
+                  channels = 2\n\
+                  \n\
+                  [[tactor]]\n\
+                  name = \"inside\"\n\
+                  channel = 1\n\
+                  position = [0.0, 0.025]\n\
+                  \n\
+                  [[tactor]]\n\
+                  name = \"outside\"\n\
+                  channel = 2\n\
+                  position = [0.0, -0.025]",
+    },
+    Topic {
+        name: "device",
+        written: "[device]",
+        doc: "The sound card.",
+        text: "Most cards let nothing through below some 5 to 20 Hz: coupling = { high_pass = 15.0 }. `rate` may be left out; then `--rate` \
+               says it, or it is 48,000 Hz.",
+        tables: &[&device::TABLE, &device::COUPLING],
+        example: "[device]\n\
+                  channels = 8\n\
+                  rate = 48000\n\
+                  full_scale_volts = 1.0\n\
+                  coupling = { high_pass = 15.0 }",
+    },
+    Topic {
+        name: "tactor",
+        written: "[[tactor]]",
+        doc: "An output for vibration.",
+        text: "Events find it by its `name`, its `channel` or its `position`, in metres from wherever the origin was put.",
+        tables: &[&output::TACTOR],
+        example: "[device]\n\
+                  channels = 2\n\
+                  \n\
+                  [[tactor]]\n\
+                  name = \"top\"\n\
+                  channel = 2\n\
+                  position = [0.0, 0.1]\n\
+                  gain = 0.8\n\
+                  polarity = -1",
+    },
+    Topic {
+        name: "output",
+        written: "[[output]]",
+        doc: "A channel of the device and what hangs on it.",
+        text: "What its `kind` means:\n\n\
+               - `vibration`: for the skin, band-limited to 1 kHz and limited to full scale; the same as a [[tactor]]\n\
+               - `trigger`: a pulse at each marker, or at those called `marker`, aligned with the vibration; for EEG amplifiers, cameras, loggers\n\
+               - `raw`: what is played there as it comes, without equaliser, limiter and band limit, cut at full scale; for measuring, \
+               not for skin\n\
+               - `drive`: a motor's voltage; not rendered yet, its channel stays at zero\n\
+               - `torque`: a knob's torque; not rendered yet, its channel stays at zero",
+        tables: &[&output::TABLE],
+        example: "[device]\n\
+                  channels = 2\n\
+                  \n\
+                  [[tactor]]\n\
+                  name = \"top\"\n\
+                  channel = 1\n\
+                  \n\
+                  [[output]]\n\
+                  kind = \"trigger\"\n\
+                  name = \"eeg\"\n\
+                  channel = 2\n\
+                  marker = \"go\"\n\
+                  pulse = 0.01",
+    },
+    Topic {
+        name: "actuator",
+        written: "[actuator.NAME]",
+        doc: "What moves.",
+        text: "A tactor names it with actuator = \"NAME\". Its equaliser, up to 16 peaking filters, is rendered; the rest is checked, and \
+               changes nothing yet. The models:\n\n\
+               - `generic`: nothing is known of it\n\
+               - `voice-coil`: a coil that pushes the skin itself\n\
+               - `inertial-motor`: a mass on a spring, moved by a coil; an exciter\n\
+               - `rumble-motor`: a motor with an eccentric mass\n\
+               - `lra`: a linear resonant actuator",
+        tables: &[&actuator::TABLE, &actuator::PEAK],
+        example: "[device]\n\
+                  channels = 1\n\
+                  \n\
+                  [actuator.coil]\n\
+                  model = \"voice-coil\"\n\
+                  resonance = 200\n\
+                  q = 3\n\
+                  rated_volts = 2\n\
+                  equaliser = [{ frequency = 200, gain_db = -6, q = 2 }]\n\
+                  \n\
+                  [[tactor]]\n\
+                  name = \"wrist\"\n\
+                  channel = 1\n\
+                  actuator = \"coil\"",
+    },
+    Topic {
+        name: "amplifier",
+        written: "[amplifier.NAME]",
+        doc: "What stands between sound card and actuator.",
+        text: "A tactor names it with amplifier = \"NAME\". It is checked, and changes nothing yet.",
+        tables: &[&amplifier::TABLE],
+        example: "[device]\n\
+                  channels = 1\n\
+                  \n\
+                  [amplifier.board]\n\
+                  gain = 4\n\
+                  max_volts = 5\n\
+                  drive = \"voltage\"\n\
+                  \n\
+                  [[tactor]]\n\
+                  name = \"wrist\"\n\
+                  channel = 1\n\
+                  amplifier = \"board\"",
+    },
+];
