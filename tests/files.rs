@@ -248,13 +248,13 @@ fn a_measurement_stops_when_asked_and_says_how_far_it_was() {
         "long.toml",
         format!("{HEAD}[voice.n]\noutput = \"n\"\nstart = \"always\"\nnodes.n = {{ type = \"sine\", frequency = 250 }}\n"),
     );
-    let mut command = scratch.command(&["error", "long.toml", "--duration", "100", "--csv"]);
+    let mut command = scratch.command(&["error", "long.toml", "--duration", "120", "--csv"]);
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // It renders for about a second, and then computes the reference for a long time.
+    // It renders for a moment, and then computes references for a long time; how many are done by then depends on the machine.
     let begin = Instant::now();
     interrupt(&mut child, || begin.elapsed() > Duration::from_secs(3));
     let run = program::Run::of(end_of(child));
-    run.fails(130, &["stopped; 0 of 6 settings were measured"]);
+    run.fails(130, &["stopped; ", " of 6 settings were measured"]);
     assert!(run.out.is_empty(), "{}", run.out);
 }
 

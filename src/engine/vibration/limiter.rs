@@ -46,8 +46,8 @@ const NEAR: f64 = 0.75;
 const CEILING: [f64; 2] = [0.93, 0.952];
 /// Share of the ceiling to which the gain brings what is louder.
 const AIM: f64 = 0.99;
-/// How much larger than the predictions the input may count: a crest is seen in the input some nine samples before it is
-/// foreseen. Times [`NEAR`] it is below [`AIM`], so that what is not near needs no gain.
+/// How much larger than the predictions the input may count: a slow crest is seen in the input a few samples before it is
+/// foreseen. More than this would turn down clicks that the band limit makes smaller anyway. Times [`NEAR`] it is below [`AIM`].
 const EAGER: f64 = 1.04;
 /// Most by which the gain falls at a sample that nothing foresaw.
 const STEP: f32 = 1.05;
