@@ -142,12 +142,27 @@ fn feed(wire: &Wire, steady: u32, buffer_of: &[u32], late_of: &[u32]) -> Feed {
 /// Steady rows, each value once.
 #[derive(Default)]
 struct Rows {
+    /// The first is the number 0.
     list: Vec<Base>,
+    /// Where the number 1 stands.
+    one: Option<u32>,
     place: HashMap<(bool, u64), u32>,
 }
 
 impl Rows {
     fn row(&mut self, base: Base) -> u32 {
+        // Most of all rows are one of these two, and are found without a look at the others.
+        match base {
+            Base::Constant(x) if x.to_bits() == 0 && !self.list.is_empty() => return 0,
+            Base::Constant(1.0) => {
+                let next = self.list.len() as u32;
+                return *self.one.get_or_insert_with(|| {
+                    self.list.push(base);
+                    next
+                });
+            }
+            _ => {}
+        }
         let key = match base {
             Base::Constant(x) => (false, x.to_bits()),
             Base::Start(id) => (true, u64::from(id)),
