@@ -211,7 +211,7 @@ impl Builder<'_> {
         if let Some((path, span)) = file {
             settings.asset = self.asset(path, &settings, span);
         }
-        if spec.name == "input" {
+        if node.kind == NodeKind::INPUT {
             let channel = settings.constants.first().copied().unwrap_or(1.0);
             inputs.push(Wire::shared(self.wanted.number(Want::Input((channel as u32).saturating_sub(1)))));
         }
@@ -238,7 +238,7 @@ impl Builder<'_> {
     /// Sums and products of many become sums of sums and products of products.
     fn split(&mut self, node: &patch::Node, settings: &Arc<Settings>, mut inputs: Vec<Wire>) -> Vec<Wire> {
         let spec = node.kind.spec();
-        if !matches!(spec.name, "add" | "multiply") {
+        if ![NodeKind::ADD, NodeKind::MULTIPLY].contains(&node.kind) {
             let what = format!(
                 "`{}` has {} inputs; a `{}` takes at most {INPUTS}",
                 node.name,

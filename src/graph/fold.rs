@@ -8,7 +8,7 @@
 use super::{Base, Graph, Node, NodeId, Signal, Wire};
 use crate::node::kernel::Onset;
 use crate::node::spec::Family;
-use crate::node::twin;
+use crate::node::{NodeKind, twin};
 
 /// The graph with everything folded that can be, given an order in which inputs come first. Nodes that are not needed any
 /// more are still there.
@@ -59,13 +59,13 @@ fn value(node: &mut Node) -> Option<Wire> {
         let mut exact = twin(node.kind, &node.setup(8000.0, 8000.0), &onset);
         return Some(Wire::constant(exact.step(0.0, &inputs)));
     }
-    let (neutral, join): (f64, fn(f64, f64) -> f64) = match spec.name {
-        "multiply" => (1.0, |a, b| a * b),
-        "add" => (0.0, |a, b| a + b),
+    let (neutral, join): (f64, fn(f64, f64) -> f64) = match node.kind {
+        NodeKind::MULTIPLY => (1.0, |a, b| a * b),
+        NodeKind::ADD => (0.0, |a, b| a + b),
         _ => return None,
     };
     let known = node.inputs.iter().filter_map(constant).fold(neutral, join);
-    if spec.name == "multiply" && known == 0.0 {
+    if node.kind == NodeKind::MULTIPLY && known == 0.0 {
         return Some(Wire::constant(0.0));
     }
     node.inputs.retain(|w| constant(w).is_none());
@@ -80,7 +80,7 @@ pub fn take_gain(graph: &mut Graph) {
     let Some(Wire { signal: Some(Signal::Node(id)), .. }) = graph.outputs.first().copied() else { return };
     let wire = Signal::Node(id);
     let read_elsewhere = graph.nodes.iter().flat_map(|n| &n.inputs).chain(&graph.outputs[1..]);
-    if graph.nodes[id as usize].kind.spec().name != "multiply"
+    if graph.nodes[id as usize].kind != NodeKind::MULTIPLY
         || read_elsewhere.into_iter().any(|w| w.signal == Some(wire) || w.signal == Some(Signal::Late(id)))
     {
         return;
@@ -110,7 +110,7 @@ pub fn take_amplitudes(graph: &mut Graph) -> Vec<bool> {
     let mut stands: Vec<Option<NodeId>> = vec![None; graph.nodes.len()];
     for id in 0..graph.nodes.len() {
         let &[a, b] = &graph.nodes[id].inputs[..] else { continue };
-        if graph.nodes[id].kind.spec().name != "multiply" || late[id] {
+        if graph.nodes[id].kind != NodeKind::MULTIPLY || late[id] {
             continue;
         }
         let oscillator = |wire: Wire| {

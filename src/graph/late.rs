@@ -20,7 +20,7 @@ pub fn open(graph: &mut Graph, rate: f64) -> Result<Vec<NodeId>, Vec<NodeId>> {
         let Some(Wire { signal: Some(Signal::Node(from)), .. }) = node.inputs.first().copied() else {
             continue;
         };
-        if node.kind.spec().name == "delay" && component[delay] == component[from as usize] {
+        if node.kind == NodeKind::DELAY && component[delay] == component[from as usize] {
             shorten(graph, delay as NodeId, rate);
             graph.nodes[delay].inputs[0].signal = Some(Signal::Late(from));
         }
@@ -97,10 +97,10 @@ fn shorten(graph: &mut Graph, delay: NodeId, rate: f64) {
             }
         }
         moving => {
-            let Some(kind) = NodeKind::find("add") else { return };
             let name = Arc::clone(&graph.nodes[delay as usize].name);
             let inputs = vec![moving, Wire::constant(-1.0 / rate)];
-            graph.nodes.push(Node { name, kind, settings: Arc::new(Settings::default()), inputs });
+            let settings = Arc::new(Settings::default());
+            graph.nodes.push(Node { name, kind: NodeKind::ADD, settings, inputs });
             Wire::node(graph.nodes.len() as NodeId - 1)
         }
     };

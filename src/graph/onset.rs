@@ -29,7 +29,8 @@ pub fn begin(graph: &mut Graph) {
     let (mut enveloped, last) = (false, graph.nodes.len());
     for id in 0..last {
         let spec = graph.nodes[id].kind.spec();
-        enveloped |= spec.family == Family::Envelope && !matches!(spec.name, "lfo" | "onset");
+        enveloped |= spec.family == Family::Envelope
+            && ![NodeKind::LFO, NodeKind::ONSET].contains(&graph.nodes[id].kind);
         for (k, param) in spec.params.iter().filter(|p| p.kind.is_input()).enumerate() {
             let Some(wire) = graph.nodes[id].inputs.get(k).copied() else { continue };
             if spec.family == Family::Filter && param.name == "input" && !silent(&wire, &work.begun) {
@@ -82,16 +83,16 @@ fn begins(node: &Node, begun: &[bool]) -> bool {
     let quiet = |wire: &Wire| silent(wire, begun);
     match spec.family {
         Family::Noise | Family::Filter => true,
-        Family::Envelope => spec.name != "lfo",
-        Family::Arithmetic => match spec.name {
-            "multiply" => node.inputs.iter().any(quiet),
-            "add" => node.inputs.iter().all(quiet),
+        Family::Envelope => node.kind != NodeKind::LFO,
+        Family::Arithmetic => match node.kind {
+            NodeKind::MULTIPLY => node.inputs.iter().any(quiet),
+            NodeKind::ADD => node.inputs.iter().all(quiet),
             _ => node.inputs.iter().any(quiet) && gives_nothing(node, begun),
         },
         Family::Oscillator | Family::Recording | Family::Input => {
             let names = spec.params.iter().filter(|p| p.kind.is_input()).map(|p| p.name);
             // A string is set off by noise.
-            spec.name == "pluck"
+            node.kind.is_set_off_by_noise()
                 || names.zip(&node.inputs).any(|(name, wire)| name == "amplitude" && quiet(wire))
         }
     }
@@ -134,9 +135,8 @@ impl Work {
     fn parts(&self, graph: &Graph, wire: &Wire) -> bool {
         let Some(Signal::Node(id)) = wire.signal else { return false };
         let Some(node) = graph.nodes.get(id as usize) else { return false };
-        let spec = node.kind.spec();
         self.readers.get(id as usize) == Some(&1)
-            && matches!(spec.name, "add" | "mix")
+            && [NodeKind::ADD, NodeKind::MIX].contains(&node.kind)
             && node.inputs.iter().skip(signals(node)).any(|wire| silent(wire, &self.begun))
     }
 
@@ -172,15 +172,13 @@ impl Work {
 
     /// A wire, times the onset.
     fn gated(&mut self, graph: &mut Graph, wire: Wire) -> Wire {
-        let mut add = |kind: &str, inputs: Vec<Wire>| {
-            let kind = NodeKind::find(kind)?;
+        let mut add = |kind: NodeKind, inputs: Vec<Wire>| {
             let settings = Arc::new(Settings::default());
             graph.nodes.push(Node { name: "onset".into(), kind, settings, inputs });
-            Some(graph.nodes.len() as NodeId - 1)
+            graph.nodes.len() as NodeId - 1
         };
-        self.gate = self.gate.or_else(|| add("onset", Vec::new()));
-        let product = self.gate.and_then(|gate| add("multiply", vec![wire, Wire::node(gate)]));
-        product.map_or(wire, Wire::node)
+        let gate = *self.gate.get_or_insert_with(|| add(NodeKind::ONSET, Vec::new()));
+        Wire::node(add(NodeKind::MULTIPLY, vec![wire, Wire::node(gate)]))
     }
 }
 

@@ -9,6 +9,7 @@ use super::not_yet::{never_fed, not_yet};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
 use crate::dsp::biquad::Biquad;
+use crate::node::NodeKind;
 use crate::node::asset::Assets;
 use crate::patch::{Action, Events, Patch, Scope, Source, Start};
 use crate::rig::{self, RATES, Rig, usual_ratio};
@@ -328,7 +329,7 @@ fn voices(patch: &Patch, patterns: &[usize], live: bool, left_out: &mut Vec<Left
 
 /// How long a voice's delays may be silent and still bring something: their longest times, one after the other.
 fn tail(program: &Program) -> f64 {
-    let delays = program.ops.iter().filter(|op| op.node.kind.spec().name == "delay");
+    let delays = program.ops.iter().filter(|op| op.node.kind == NodeKind::DELAY);
     delays.filter_map(|op| op.node.settings.constants.first()).sum()
 }
 

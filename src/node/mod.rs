@@ -27,7 +27,29 @@ pub const OF_FUNDSP: [&str; 5] = ["pluck", "chaos", "brown", "ladder", "bell"];
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeKind(usize);
 
+/// Those that a graph needs to know: it makes them, or what they do lets it leave something out.
+#[allow(missing_docs)]
 impl NodeKind {
+    pub const ADD: Self = Self(Index::Add as usize);
+    pub const MULTIPLY: Self = Self(Index::Multiply as usize);
+    pub const MIX: Self = Self(Index::Mix as usize);
+    pub const DELAY: Self = Self(Index::Delay as usize);
+    pub const INPUT: Self = Self(Index::Input as usize);
+    pub const LFO: Self = Self(Index::Lfo as usize);
+    pub const ONSET: Self = Self(Index::Onset as usize);
+    #[cfg(feature = "fundsp-nodes")]
+    pub const PLUCK: Self = Self(Index::Pluck as usize);
+}
+
+impl NodeKind {
+    /// Whether its sound is set off by noise, which begins with the voice.
+    pub fn is_set_off_by_noise(self) -> bool {
+        #[cfg(feature = "fundsp-nodes")]
+        return self == Self::PLUCK;
+        #[cfg(not(feature = "fundsp-nodes"))]
+        false
+    }
+
     /// The type of that name.
     pub fn find(name: &str) -> Option<Self> {
         REGISTRY.iter().position(|spec| spec.name == name).map(Self)
