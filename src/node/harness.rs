@@ -264,6 +264,19 @@ impl Bench {
 
     /// The first `samples` outputs of the twin at `factor` times the rate, from the kernel's first instant on.
     pub fn twin(&self, samples: usize, factor: usize) -> Vec<f64> {
+        self.twin_of(samples, factor, |_, drive, t| drive.at(t))
+    }
+
+    /// The same at the engine's rate, of inputs as a kernel over `R` gets them: what moves is rounded.
+    fn twin_of_rounded<R: Real>(&self, samples: usize) -> Vec<f64> {
+        self.twin_of(samples, 1, |i, drive, t| match &drive.part {
+            Some(part) if self.frequency[i] => drive.base + R::of(part(t)).wide(),
+            Some(part) => R::of(drive.base + part(t)).wide(),
+            None => drive.base,
+        })
+    }
+
+    fn twin_of(&self, samples: usize, factor: usize, input: impl Fn(usize, &Drive, f64) -> f64) -> Vec<f64> {
         let setup = Setup { rate: self.setup.rate * factor as f64, ..self.setup.clone() };
         let start = self.starts();
         let mut twin = twin(self.kind, &setup, &self.onset(&start));
@@ -276,15 +289,16 @@ impl Bench {
                     twin.release(at);
                     release = None;
                 }
-                let inputs: Vec<f64> = self.drives.iter().map(|drive| drive.at(t)).collect();
+                let inputs: Vec<f64> =
+                    self.drives.iter().enumerate().map(|(i, drive)| input(i, drive, t)).collect();
                 twin.step(t, &inputs)
             })
             .collect()
     }
 
-    /// Kernel against twin, both at the engine's rate, sample by sample: see [`error_db`].
+    /// Kernel against twin, both at the engine's rate and with the same inputs, sample by sample: see [`error_db`].
     pub fn error_db<R: Real>(&self, samples: usize) -> f64 {
-        error_db(&self.kernel::<R>(samples, &[64]), &self.twin(samples, 1))
+        error_db(&self.kernel::<R>(samples, &[64]), &self.twin_of_rounded::<R>(samples))
     }
 
     /// Kernel against a twin at `factor` times the rate, within 0 to 1 kHz (for an engine of 8 kHz): what a kernel that

@@ -155,6 +155,18 @@ mod tests {
         assert!(moving.error_db::<f64>(73_500) < -160.0);
     }
 
+    /// The index of 10 that hostile scenes use, in ten seconds.
+    #[test]
+    fn deep_modulation_follows_its_twin() {
+        for (rate, hertz, index) in [(7350.0, 250.0, 10.0), (7350.0, 50.0, 10.0), (8000.0, 250.0, 5.0)] {
+            let fm = Bench::new("sine", rate)
+                .age(-1.7)
+                .moving("frequency", 250.0, move |t| index * hertz * (TAU * hertz * t).sin());
+            let (single, double) = (fm.error_db::<f32>(73_500), fm.error_db::<f64>(73_500));
+            assert!(single < -110.0 && double < -110.0, "{rate} Hz, {hertz} Hz × {index}: {single}, {double}");
+        }
+    }
+
     #[test]
     fn frequency_modulation_is_that_of_the_integral() {
         for (modulator, index, most) in [(50.0, 10.0, -95.0), (250.0, 2.0, -85.0)] {
