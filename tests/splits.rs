@@ -5,7 +5,9 @@ mod common;
 use common::{compiled, play, run, schedule};
 use pacinian::dsp::isa::Isa;
 use pacinian::engine::Engine;
+use pacinian::engine::event::{Event, Source};
 use pacinian::graph::plan::Precision;
+use pacinian::schedule::Instant;
 
 const PATCH: &str = r#"
 [control.strength]
@@ -118,4 +120,33 @@ out = { type = "add", inputs = ["hiss", "-2 * heard"] }
     let frames = run(&mut engine, 24_000, &[512]);
     let power = frames.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / frames.len() as f64;
     assert!(power > 1e-3, "{power}");
+}
+
+/// A control at rest is computed once and for all; a voice that gives it out as it is must not spend it.
+#[test]
+fn a_voice_that_is_a_control_does_not_depend_on_cuts() {
+    let text = r#"
+[control.push]
+default = 0.25
+range = [0.0, 1.0]
+[voice.press]
+start = "always"
+output = "out"
+[voice.press.nodes]
+out = { type = "multiply", inputs = ["push"] }
+"#;
+    let plan = compiled(text, 1, 48_000.0).plan;
+    let rendered = |calls: &[usize]| -> Vec<u32> {
+        let mut engine = Engine::new(&plan).unwrap();
+        let mut frames = run(&mut engine, 4800, calls);
+        engine.schedule(Instant::of_samples(900.0), Source::Program, Event::Control(0, 0.75));
+        frames.extend(run(&mut engine, 19_200, calls));
+        frames.iter().map(|x| x.to_bits()).collect()
+    };
+    let whole = rendered(&[24_000]);
+    // It goes on at what it was sent to.
+    assert!((f32::from_bits(whole[23_999]) - 0.75).abs() < 0.05, "{}", f32::from_bits(whole[23_999]));
+    for calls in [&[1][..], &[7], &[64], &[3, 1000, 1, 17, 250, 64]] {
+        assert!(rendered(calls) == whole, "in calls of {calls:?}");
+    }
 }

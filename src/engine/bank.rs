@@ -255,7 +255,11 @@ impl<R: Real> Bank<R> {
         let at = match self.ops.output(0) {
             Some(Feed::Buffer(b)) => b as usize,
             Some(Feed::Shared(s)) => {
-                buffers[own].rows[..frames].copy_from_slice(shared[s as usize].spelt_out(frames));
+                // Read and left as it is: what rests is filled once, for all blocks to come.
+                let signal = &shared[s as usize];
+                for (frame, row) in buffers[own].rows[..frames].iter_mut().enumerate() {
+                    *row = signal.at(frame);
+                }
                 own
             }
             Some(Feed::Steady(row)) => {

@@ -30,7 +30,7 @@ impl<R: Real> Buffer<R> {
         Input { rows: &self.rows[..frames], step: usize::from(!self.still), steady: false, base }
     }
 
-    /// Its rows, all of them written.
+    /// Its rows, all of them written; for what is computed anew in every block.
     #[inline(always)]
     pub fn spelt_out(&mut self, frames: usize) -> &mut [[R; LANES]] {
         let rows = &mut self.rows[..frames];
