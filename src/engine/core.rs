@@ -118,21 +118,7 @@ impl<R: Real> Core<R> {
             shared.set(0, &fields);
             shared.start(0, u64::MAX, -LEAD, fields.duration);
         }
-        for (i, instrument) in plan.instruments.iter().enumerate().filter(|(_, i)| i.always) {
-            let mut own = [0.0; FIELDS];
-            for (value, default) in own.iter_mut().zip(&instrument.defaults) {
-                *value = *default;
-            }
-            let play = Play {
-                instrument: i as u32,
-                place: instrument.place,
-                level: instrument.level,
-                duration: f64::INFINITY,
-                own,
-                id: u64::MAX - 1 - i as u64,
-            };
-            self.play(&play, Instant::default());
-        }
+        plan.always().for_each(|play| self.play(&play, Instant::default()));
     }
 
     /// Adds a periodic task; not for the audio thread.

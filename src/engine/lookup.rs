@@ -1,7 +1,7 @@
 //! What a plan has under a name: events, controls, places and signals for programs that drive an engine themselves.
 
 use super::event::Play;
-use crate::graph::plan::{Plan, Shared};
+use crate::graph::plan::{Instrument, Plan, Shared};
 use crate::graph::program::Feed;
 use crate::graph::start::FIELDS;
 use crate::text::{Problem, nearest};
@@ -24,16 +24,7 @@ impl Plan {
     pub fn play(&self, voice: &str, fields: &[(&str, f64)]) -> Result<Play, Problem> {
         let index = find("voice", voice, self.instruments.iter().map(|i| &*i.name))?;
         let instrument = &self.instruments[index];
-        let mut own = [0.0; FIELDS];
-        own.iter_mut().zip(&instrument.defaults).for_each(|(value, default)| *value = *default);
-        let mut play = Play {
-            instrument: index as u32,
-            place: instrument.place,
-            level: instrument.level,
-            duration: f64::INFINITY,
-            own,
-            id: 0,
-        };
+        let mut play = held(index, instrument);
         for &(name, value) in fields {
             let declared = instrument.fields.iter().position(|field| **field == *name);
             let slot = match (declared, name) {
@@ -56,6 +47,12 @@ impl Plan {
             *slot = value;
         }
         Ok(play)
+    }
+
+    /// The voices that sound from the beginning on, each under an id that nothing else has.
+    pub fn always(&self) -> impl Iterator<Item = Play> + Clone {
+        let always = self.instruments.iter().enumerate().filter(|(_, instrument)| instrument.always);
+        always.map(|(i, instrument)| Play { id: u64::MAX - 1 - i as u64, ..held(i, instrument) })
     }
 
     /// A control's number, for [`super::event::Event::Control`].
@@ -101,6 +98,14 @@ impl Plan {
             },
         }
     }
+}
+
+/// A voice with all that it says of itself, held, under the id 0.
+fn held(index: usize, instrument: &Instrument) -> Play {
+    let mut own = [0.0; FIELDS];
+    own.iter_mut().zip(&instrument.defaults).for_each(|(value, default)| *value = *default);
+    let (place, level) = (instrument.place, instrument.level);
+    Play { instrument: index as u32, place, level, duration: f64::INFINITY, own, id: 0 }
 }
 
 fn find<'a>(kind: &str, name: &str, names: impl Iterator<Item = &'a str> + Clone) -> Result<usize, Problem> {

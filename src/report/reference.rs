@@ -71,20 +71,7 @@ pub fn reference_watched<S>(
     let fine = rate * over as f64;
     let length = (seconds * rate).ceil() as usize;
     let decimator = Decimator::new(over);
-    let always = plan.instruments.iter().enumerate().filter(|(_, i)| i.always).map(|(i, instrument)| {
-        let mut own = [0.0; FIELDS];
-        own.iter_mut().zip(&instrument.defaults).for_each(|(value, default)| *value = *default);
-        let play = Play {
-            instrument: i as u32,
-            place: instrument.place,
-            level: instrument.level,
-            duration: f64::INFINITY,
-            own,
-            id: u64::MAX - 1 - i as u64,
-        };
-        (0.0, play)
-    });
-    let voices = || always.clone().chain(events.iter().copied());
+    let voices = || plan.always().map(|play| (0.0, play)).chain(events.iter().copied());
     // How long each is computed for, about; what rings on is not known beforehand.
     let work = |at: f64, play: &Play| play.duration.min(seconds - at).max(0.01);
     let of_shared = if plan.shared_program.ops.is_empty() { 0.0 } else { seconds };
