@@ -61,6 +61,8 @@ pub mod engine;
 pub mod graph;
 #[cfg(feature = "io")]
 pub mod io;
+#[cfg(feature = "live")]
+pub mod live;
 pub mod node;
 pub mod patch;
 pub mod player;

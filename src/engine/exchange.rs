@@ -76,13 +76,16 @@ impl Stagehand {
         &mut self.engine
     }
 
-    /// Takes a new plan if one has come, and computes as [`Engine::process_input`]. Neither allocates nor frees.
-    pub fn process(&mut self, input: &[f32], output: &mut [f32]) {
+    /// Takes a new plan if one has come, and computes as [`Engine::process_input`]. Neither allocates nor frees. Says whether a plan
+    /// took over.
+    pub fn process(&mut self, input: &[f32], output: &mut [f32]) -> bool {
+        let mut swapped = false;
         if self.leaving.is_none()
             && let Some(mut new) = self.new.try_pop()
         {
             self.engine.adopt(&mut new);
             self.leaving = Some(new);
+            swapped = true;
         }
         match &mut self.leaving {
             Some(old) => self.engine.process_with(input, output, Some(&mut old.engine)),
@@ -94,5 +97,6 @@ impl Stagehand {
         {
             self.leaving = Some(old);
         }
+        swapped
     }
 }

@@ -1,6 +1,8 @@
 //! The edges: files in and out. Nothing below this room opens one.
 
 pub mod assets;
+#[cfg(feature = "live")]
+pub mod device;
 pub mod error;
 pub mod events;
 pub mod input;

@@ -1,0 +1,184 @@
+//! A stream to a sound card.
+
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+
+use cpal::traits::{DeviceTrait, StreamTrait};
+use cpal::{BufferSize, Device, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
+
+use super::failure::{DeviceError, Trouble};
+use super::list::Found;
+use super::priority;
+use crate::live::board::Board;
+use crate::live::driver::Lent;
+
+/// What is wanted of a card.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shape {
+    /// Channels of a frame.
+    pub channels: usize,
+    /// Frames a second.
+    pub rate: u32,
+    /// Frames a block; `None`: as the card likes.
+    pub block: Option<u32>,
+}
+
+/// What a card tells of itself while it plays.
+#[derive(Debug, Clone, PartialEq)]
+pub enum News {
+    /// It is gone, or its stream is of no use any more.
+    Lost(String),
+    /// The system lets it play on another device than before.
+    Moved,
+    /// Anything else, for the log.
+    Said(String),
+}
+
+/// A card that plays until this is dropped.
+pub struct Card {
+    /// Dropped first, so that nothing calls back any more.
+    _stream: cpal::Stream,
+    /// Frames a block, as far as it says.
+    pub block: Option<u32>,
+}
+
+impl Card {
+    /// Begins to play. `news` hears what becomes of it; `board` counts its gaps.
+    ///
+    /// # Errors
+    /// What the card does not offer, or the system does not allow; then the driver goes home.
+    pub fn open(
+        device: &Device,
+        found: &Found,
+        shape: Shape,
+        driver: Lent,
+        board: &Arc<Board>,
+        news: Sender<News>,
+    ) -> Result<Self, DeviceError> {
+        fit(found, shape)?;
+        let format = format(device, shape).map_err(|error| DeviceError::of(&found.name, &error))?;
+        let buffer_size = shape.block.map_or(BufferSize::Default, BufferSize::Fixed);
+        let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
+        let gaps = Arc::clone(board);
+        let tell = move |error: cpal::Error| match error.kind() {
+            // The card has gone on by itself.
+            ErrorKind::Xrun => gaps.xruns.add(1),
+            ErrorKind::DeviceChanged => drop(news.send(News::Moved)),
+            ErrorKind::RealtimeDenied => drop(news.send(News::Said(error.to_string()))),
+            _ => drop(news.send(News::Lost(error.to_string()))),
+        };
+        let delays = Arc::clone(board);
+        let stream = match format {
+            SampleFormat::F32 => {
+                let mut player = Player { driver, raised: false, board: delays };
+                device.build_output_stream(
+                    config,
+                    move |output: &mut [f32], info: &cpal::OutputCallbackInfo| {
+                        player.begin(info);
+                        player.driver.fill(&[], output);
+                    },
+                    tell,
+                    None,
+                )
+            }
+            SampleFormat::I32 => convert::<i32, _>(device, config, driver, delays, tell),
+            _ => convert::<i16, _>(device, config, driver, delays, tell),
+        };
+        let stream = stream.map_err(|error| DeviceError::of(&found.name, &error))?;
+        stream.play().map_err(|error| DeviceError::of(&found.name, &error))?;
+        let block = stream.buffer_size().ok();
+        Ok(Self { _stream: stream, block })
+    }
+}
+
+/// What a stream's callback holds.
+struct Player {
+    driver: Lent,
+    raised: bool,
+    board: Arc<Board>,
+}
+
+impl Player {
+    fn begin(&mut self, info: &cpal::OutputCallbackInfo) {
+        if !std::mem::replace(&mut self.raised, true) {
+            priority::raise();
+        }
+        let stamp = info.timestamp();
+        let delay = stamp.playback.saturating_duration_since(stamp.callback);
+        self.board.device_delay.set(delay.as_nanos() as u64);
+    }
+}
+
+/// Frames that are converted at a time.
+const STRETCH: usize = 256;
+
+fn convert<T, E>(
+    device: &Device,
+    config: StreamConfig,
+    driver: Lent,
+    board: Arc<Board>,
+    tell: E,
+) -> Result<cpal::Stream, cpal::Error>
+where
+    T: SizedSample + FromSample<f32>,
+    E: FnMut(cpal::Error) + Send + 'static,
+{
+    let mut player = Player { driver, raised: false, board };
+    let mut scratch = vec![0.0_f32; STRETCH * usize::from(config.channels)];
+    let fill = move |output: &mut [T], info: &cpal::OutputCallbackInfo| {
+        player.begin(info);
+        for part in output.chunks_mut(scratch.len().max(1)) {
+            let frames = &mut scratch[..part.len()];
+            player.driver.fill(&[], frames);
+            for (to, from) in part.iter_mut().zip(frames) {
+                *to = T::from_sample_(*from);
+            }
+        }
+    };
+    device.build_output_stream(config, fill, tell, None)
+}
+
+/// Refuses what the card does not offer, and says what it does.
+fn fit(found: &Found, shape: Shape) -> Result<(), DeviceError> {
+    let Some(offer) = &found.output else {
+        return Err(DeviceError::new(Trouble::Unfit, format!("{} has no outputs", found.name)));
+    };
+    let unfit = |what: String, help: String| {
+        Err(DeviceError::new(Trouble::Unfit, format!("{}: {what}", found.name)).help(help))
+    };
+    let channels = shape.channels as u16;
+    if usize::from(channels) != shape.channels || !offer.channels.contains(&channels) {
+        let list: Vec<String> = offer.channels.iter().map(u16::to_string).collect();
+        return unfit(
+            format!("{} channels are not offered", shape.channels),
+            format!("it offers {}; say so under [device] in the rig", list.join(", ")),
+        );
+    }
+    if shape.rate < offer.rates.0 || shape.rate > offer.rates.1 {
+        return unfit(
+            format!("{} Hz are not offered", shape.rate),
+            format!("it offers {} to {} Hz; say so under [device] in the rig", offer.rates.0, offer.rates.1),
+        );
+    }
+    match (shape.block, offer.blocks) {
+        (Some(block), Some((least, most))) if block < least || block > most => unfit(
+            format!("blocks of {block} frames are not offered"),
+            format!("it offers {least} to {most}: --block N"),
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// The format in which the card is given its samples: as they are, if it takes that, else as exact as it does.
+fn format(device: &Device, shape: Shape) -> Result<SampleFormat, cpal::Error> {
+    let fits = |range: &cpal::SupportedStreamConfigRange| {
+        usize::from(range.channels()) == shape.channels
+            && (range.min_sample_rate()..=range.max_sample_rate()).contains(&shape.rate)
+    };
+    let formats: Vec<SampleFormat> =
+        device.supported_output_configs()?.filter(fits).map(|range| range.sample_format()).collect();
+    let known = [SampleFormat::F32, SampleFormat::I32, SampleFormat::I16];
+    known.into_iter().find(|format| formats.contains(format)).ok_or_else(|| {
+        cpal::Error::with_message(ErrorKind::UnsupportedConfig, "none of its sample formats is known here")
+    })
+}

@@ -1,0 +1,91 @@
+//! What goes wrong with devices.
+
+use std::fmt;
+
+/// Why a device does not play.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeviceError {
+    /// What kind of trouble it is.
+    pub kind: Trouble,
+    /// What happened, to which device.
+    pub what: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+/// Kinds of trouble, by what helps against them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Trouble {
+    /// There is no such device, or it went away.
+    Missing,
+    /// Somebody else has it; to try again may help.
+    Busy,
+    /// The system does not let us.
+    Forbidden,
+    /// It does not offer what is wanted of it.
+    Unfit,
+    /// Anything else.
+    Other,
+}
+
+impl Trouble {
+    /// The exit code of a program that ends for it, as `sysexits.h` has them.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Self::Missing | Self::Unfit => 69,
+            Self::Busy => 75,
+            Self::Forbidden => 77,
+            Self::Other => 74,
+        }
+    }
+}
+
+impl DeviceError {
+    /// Of a device.
+    pub fn new(kind: Trouble, what: impl Into<String>) -> Self {
+        Self { kind, what: what.into(), help: None }
+    }
+
+    /// With what to do about it.
+    #[must_use]
+    pub fn help(self, help: impl Into<String>) -> Self {
+        Self { help: Some(help.into()), ..self }
+    }
+
+    /// Of what cpal says about `device`.
+    pub fn of(device: &str, error: &cpal::Error) -> Self {
+        use cpal::ErrorKind as Kind;
+        let (kind, help) = match error.kind() {
+            Kind::DeviceBusy => {
+                (Trouble::Busy, "close the program that plays on it, or play through a sound server")
+            }
+            Kind::DeviceNotAvailable => {
+                (Trouble::Missing, "plug it in; `pacinian devices` lists what is there")
+            }
+            Kind::HostUnavailable => {
+                (Trouble::Missing, "start the sound server; `pacinian devices` says what runs")
+            }
+            Kind::PermissionDenied => (
+                Trouble::Forbidden,
+                "on Linux, add yourself to the group audio: sudo usermod -aG audio $USER, then log in again",
+            ),
+            Kind::UnsupportedConfig | Kind::UnsupportedOperation | Kind::InvalidInput => {
+                (Trouble::Unfit, "`pacinian devices` lists channels, rates and blocks that it offers")
+            }
+            _ => (Trouble::Other, "`pacinian devices` says how it stands"),
+        };
+        Self::new(kind, format!("{device}: {error}")).help(help)
+    }
+}
+
+impl fmt::Display for DeviceError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.what)?;
+        match &self.help {
+            Some(help) => write!(f, "; {help}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for DeviceError {}

@@ -1,0 +1,7 @@
+//! Sound cards, those that are there and one that is not.
+
+pub mod card;
+pub mod failure;
+pub mod list;
+pub mod priority;
+pub mod virtual_card;

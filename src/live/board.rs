@@ -1,0 +1,153 @@
+//! The board on which the audio thread shows how things stand, for all to read. Neither side ever waits for the other.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+
+use super::load::Load;
+
+/// A figure that one thread writes and others read.
+#[derive(Debug, Default)]
+pub struct Figure(AtomicU64);
+
+impl Figure {
+    /// What it shows.
+    pub fn get(&self) -> u64 {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// Shows something else.
+    pub fn set(&self, value: u64) {
+        self.0.store(value, Ordering::Relaxed);
+    }
+
+    /// Counts on.
+    pub fn add(&self, more: u64) {
+        if more != 0 {
+            self.0.fetch_add(more, Ordering::Relaxed);
+        }
+    }
+}
+
+/// How a session stands.
+#[derive(Debug, Default)]
+pub struct Board {
+    panic: AtomicBool,
+    /// By channel: the largest magnitude since it was fetched last, as bits of a number that is never negative.
+    peaks: Vec<AtomicU32>,
+    /// Frames given to the device.
+    pub frames: Figure,
+    /// The next engine sample.
+    pub clock: Figure,
+    /// Voices that sound.
+    pub voices: Figure,
+    /// Voices started so far.
+    pub started: Figure,
+    /// Voices that had to make room.
+    pub stolen: Figure,
+    /// Events that came too late for their instant and took effect with the next sample.
+    pub late: Figure,
+    /// Events for which the engine had no room.
+    pub dropped: Figure,
+    /// Samples that were no numbers.
+    pub masked: Figure,
+    /// Samples that were cut at full scale.
+    pub clamped: Figure,
+    /// Samples that the limiter turned down.
+    pub limited: Figure,
+    /// Frames that the recording missed.
+    pub unrecorded: Figure,
+    /// Things done that the log did not hear of.
+    pub untold: Figure,
+    /// Whether the gate is shut: 1, or 0.
+    pub shut: Figure,
+    /// Run time of the callbacks.
+    pub load: Load,
+    /// Gaps that the device told of.
+    pub xruns: Figure,
+    /// Frames of the last block.
+    pub block: Figure,
+    /// Nanoseconds by which the last callback came later than it should have; 0 for one that came early.
+    pub lateness: Figure,
+    /// Nanoseconds from a callback to when the device plays its first frame, as the device has it; 0 where it does not say.
+    pub device_delay: Figure,
+}
+
+impl Board {
+    /// For so many channels.
+    pub fn new(channels: usize) -> Self {
+        Self { peaks: (0..channels).map(|_| AtomicU32::new(0)).collect(), ..Self::default() }
+    }
+
+    /// Pulls the emergency brake: the next callback closes the gate, and it stays closed until [`Board::calm`].
+    pub fn panic(&self) {
+        self.panic.store(true, Ordering::Release);
+    }
+
+    /// Takes the brake back. The gate opens only when it is told to.
+    pub fn calm(&self) {
+        self.panic.store(false, Ordering::Release);
+    }
+
+    /// Whether the brake is pulled.
+    pub fn is_panicked(&self) -> bool {
+        self.panic.load(Ordering::Acquire)
+    }
+
+    /// Channels.
+    pub fn channels(&self) -> usize {
+        self.peaks.len()
+    }
+
+    /// The largest magnitude that went out on a channel (from 0) since this was asked last, by whichever thread.
+    pub fn take_peak(&self, channel: usize) -> f32 {
+        self.peaks.get(channel).map_or(0.0, |peak| f32::from_bits(peak.swap(0, Ordering::Relaxed)))
+    }
+
+    pub(super) fn latest_lateness(&self, seconds: f64) {
+        self.lateness.set((seconds.max(0.0) * 1e9) as u64);
+    }
+
+    /// Notes the peaks of interleaved frames.
+    pub(super) fn meter(&self, frames: &[f32], channels: usize) {
+        /// Channels that are looked at side by side.
+        const ABREAST: usize = 16;
+        for (number, cells) in self.peaks.chunks(ABREAST).enumerate() {
+            let first = number * ABREAST;
+            let mut peaks = [0.0_f32; ABREAST];
+            for frame in frames.chunks_exact(channels.max(1)) {
+                for (peak, value) in peaks.iter_mut().zip(&frame[first..]) {
+                    let size = value.abs();
+                    // Not-a-number has no size.
+                    *peak = if size > *peak { size } else { *peak };
+                }
+            }
+            for (cell, peak) in cells.iter().zip(peaks) {
+                if peak > 0.0 {
+                    cell.fetch_max(peak.to_bits(), Ordering::Relaxed);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Board;
+
+    #[test]
+    fn peaks_are_those_of_their_channel_and_are_seen_once() {
+        for channels in [1, 8, 17, 40] {
+            let board = Board::new(channels);
+            let mut frames = vec![0.25; channels * 10];
+            frames[3 * channels + channels - 1] = -0.75;
+            frames[5 * channels] = f32::NAN;
+            board.meter(&frames, channels);
+            board.meter(&vec![-0.5; channels], channels);
+            assert_eq!(board.take_peak(channels - 1), 0.75, "{channels}");
+            assert_eq!(board.take_peak(channels - 1), 0.0);
+            if channels > 1 {
+                assert_eq!(board.take_peak(0), 0.5);
+            }
+            assert_eq!(board.take_peak(channels), 0.0);
+        }
+    }
+}

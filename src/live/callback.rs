@@ -1,0 +1,188 @@
+//! What runs in the audio callback: takes what the other threads have sent, lets the engine play, and watches over what goes out.
+//!
+//! It knows no device and reads no clock. Everything that reaches it is stamped with engine time or takes effect at the frame at
+//! which it is found, and it tells [`Report`]s of both, from which a session can be played again to the bit.
+
+use std::sync::Arc;
+
+use ringbuf::traits::{Consumer, Observer, Producer, Split};
+use ringbuf::{HeapCons, HeapProd, HeapRb};
+
+use super::board::Board;
+use super::gate::{Gate, Order};
+use crate::engine::event::{Event, Source};
+use crate::engine::exchange::Stagehand;
+use crate::schedule::Instant;
+
+/// Sources of events, in the order in which they go at the same instant.
+pub const SOURCES: [Source; 2] = [Source::Pattern, Source::Program];
+
+/// Events of a source that may be under way to the callback.
+pub const UNDER_WAY: usize = 1 << 13;
+
+/// Orders that may be.
+const ORDERS: usize = 64;
+
+/// Reports that may wait to be fetched.
+const REPORTS: usize = 1 << 15;
+
+/// An event on its way to the engine.
+#[derive(Debug, Clone, Copy)]
+pub struct Cue {
+    /// When it is due.
+    pub at: Instant,
+    /// What is.
+    pub event: Event,
+}
+
+/// What the callback tells of what it did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Report {
+    /// An event was given to the engine.
+    Event {
+        /// When it takes effect: when it was due, or with the next sample if that is past.
+        at: Instant,
+        /// When it was due.
+        due: Instant,
+        /// Where it came from.
+        source: Source,
+        /// What it is.
+        event: Event,
+    },
+    /// The gate was told something before this frame.
+    Order(u64, Order),
+    /// A new plan took over before this frame.
+    Swap(u64),
+}
+
+/// The threads' ends of the rings.
+pub struct Rings {
+    /// By source, as [`SOURCES`] has them.
+    pub cues: Vec<HeapProd<Cue>>,
+    /// To the gate.
+    pub orders: HeapProd<Order>,
+    /// What the callback did.
+    pub reports: HeapCons<Report>,
+}
+
+/// The audio thread's part of a session.
+pub struct Callback {
+    stagehand: Stagehand,
+    cues: Vec<HeapCons<Cue>>,
+    orders: HeapCons<Order>,
+    reports: HeapProd<Report>,
+    gate: Gate,
+    board: Arc<Board>,
+    record: Option<HeapProd<f32>>,
+    channels: usize,
+    /// Frames given out.
+    frames: u64,
+}
+
+impl Callback {
+    /// For an engine that has not played yet, behind a gate that is closed.
+    pub fn new(mut stagehand: Stagehand, gate: Gate, board: Arc<Board>) -> (Self, Rings) {
+        let (senders, cues) = SOURCES.iter().map(|_| HeapRb::new(UNDER_WAY).split()).unzip();
+        let (to_gate, orders) = HeapRb::new(ORDERS).split();
+        let (reports, told) = HeapRb::new(REPORTS).split();
+        let channels = stagehand.engine().channels();
+        let callback =
+            Self { stagehand, cues, orders, reports, gate, board, record: None, channels, frames: 0 };
+        (callback, Rings { cues: senders, orders: to_gate, reports: told })
+    }
+
+    /// Everything that goes out, goes into `ring` as well; whole callbacks, or nothing of one for which there is no room.
+    pub fn record(&mut self, ring: HeapProd<f32>) {
+        self.record = Some(ring);
+    }
+
+    /// Channels of an output frame.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Channels of an input frame.
+    pub fn input_channels(&mut self) -> usize {
+        self.stagehand.engine().input_channels()
+    }
+
+    /// Frames given out so far.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// Fills `output`, interleaved frames, from `input`, what came in during the same frames. Neither allocates nor frees, locks,
+    /// blocks or asks the system for anything.
+    pub fn process(&mut self, input: &[f32], output: &mut [f32]) {
+        self.obey();
+        self.take_cues();
+        if self.stagehand.process(input, output) {
+            self.tell(Report::Swap(self.frames));
+        }
+        self.gate.pass(output, self.channels);
+        self.frames += (output.len() / self.channels.max(1)) as u64;
+        self.show(output);
+        if let Some(ring) = &mut self.record {
+            let whole = ring.vacant_len() >= output.len();
+            let kept = if whole { ring.push_slice(output) } else { 0 };
+            self.board.unrecorded.add((output.len() - kept) as u64 / self.channels.max(1) as u64);
+        }
+    }
+
+    /// Does what the gate is told, and closes it if somebody has pulled the emergency brake.
+    fn obey(&mut self) {
+        if self.board.is_panicked() && !self.gate.is_latched() {
+            self.order(Order::Latch);
+        }
+        while let Some(order) = self.orders.try_pop() {
+            // A brake pulled in the meantime is stronger.
+            if order == Order::Release && self.board.is_panicked() {
+                continue;
+            }
+            self.order(order);
+        }
+    }
+
+    /// Tells the gate something, before the next frame.
+    pub fn order(&mut self, order: Order) {
+        self.gate.order(order);
+        self.tell(Report::Order(self.frames, order));
+    }
+
+    /// Gives the engine what has come, as long as it has room; the rest waits in its ring.
+    fn take_cues(&mut self) {
+        for (number, source) in SOURCES.into_iter().enumerate() {
+            while self.stagehand.engine().room() > 0 {
+                let Some(Cue { at: due, event }) = self.cues[number].try_pop() else { break };
+                let clock = self.stagehand.engine().clock();
+                let at = if due.ceiling() < clock { Instant { sample: clock, fraction: 0 } } else { due };
+                self.stagehand.engine().schedule(at, source, event);
+                self.board.late.add(u64::from(at != due));
+                self.tell(Report::Event { at, due, source, event });
+            }
+        }
+    }
+
+    fn tell(&mut self, report: Report) {
+        let untold = self.reports.try_push(report).is_err();
+        self.board.untold.add(u64::from(untold));
+    }
+
+    /// Lets the other threads see how things stand.
+    fn show(&mut self, output: &[f32]) {
+        self.board.meter(output, self.channels);
+        let engine = self.stagehand.engine();
+        self.board.voices.set(engine.sounding() as u64);
+        self.board.clock.set(engine.clock());
+        let (counters, counts) = (engine.counters(), engine.stage().counts());
+        self.board.started.set(counters.started);
+        self.board.stolen.set(counters.stolen);
+        self.board.dropped.set(counters.dropped);
+        self.board.masked.set(counters.masked + counts.masked);
+        self.board.clamped.set(counts.clamped);
+        self.board.limited.set(counts.limited);
+        self.board.frames.set(self.frames);
+        self.board.block.set((output.len() / self.channels.max(1)) as u64);
+        self.board.shut.set(u64::from(self.gate.is_shut()));
+    }
+}

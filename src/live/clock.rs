@@ -1,0 +1,243 @@
+//! Which frame of the output belongs to which moment of wall time.
+//!
+//! A callback comes when the system gets round to it: a little late, or much. The frames it asks for do not jitter, so a delay-locked
+//! loop (F. Adriaensen, "Using a DLL to filter time", Linux Audio Conference 2005) follows when callbacks would come if they came
+//! evenly. An event that arrives between two callbacks is played as many frames into the next block as it arrived after the first,
+//! so that the jitter of callbacks and the length of a block become one constant latency: [`Moment::ahead`].
+
+use std::f64::consts::{SQRT_2, TAU};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering, fence};
+
+use super::stamp::Stamp;
+
+/// Bandwidth of the loop, Hz: it follows the drift of a converter's clock and averages the jitter of some fifty callbacks of 64.
+const BANDWIDTH: f64 = 1.0;
+
+/// The same for the first moments, in which the loop finds its phase.
+const EAGER: f64 = 8.0;
+
+/// For so long, in seconds.
+const FIRST: f64 = 0.25;
+
+/// A callback that is further off than this, in seconds, begins the loop anew: the device stood still.
+const LOST: f64 = 0.02;
+
+/// The loop, on the audio thread.
+#[derive(Debug)]
+pub struct Follower {
+    rate: f64,
+    /// Frames asked for before the callback that is at hand.
+    frames: u64,
+    /// When that callback should come, and seconds a frame.
+    next: f64,
+    frame: f64,
+    /// Seconds since the loop began.
+    age: f64,
+    /// The longest block so far, in frames.
+    longest: u64,
+    running: bool,
+    face: Arc<Face>,
+}
+
+/// What the loop shows to other threads: a sequence lock, whose writer never waits.
+#[derive(Debug, Default)]
+struct Face {
+    turn: AtomicU64,
+    frames: AtomicU64,
+    time: AtomicU64,
+    frame: AtomicU64,
+    longest: AtomicU64,
+}
+
+/// Shows other threads how frames and wall time belong together.
+#[derive(Debug, Clone)]
+pub struct StreamClock(Arc<Face>);
+
+/// How frames and wall time belonged together at the last callback.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Frames asked for before that callback.
+    pub frames: u64,
+    /// When it should have come, seconds since the session began.
+    pub time: f64,
+    /// Seconds a frame, as the device has it.
+    pub frame: f64,
+    /// Frames by which events are played later than they arrive: the longest block so far.
+    pub ahead: u64,
+}
+
+impl Moment {
+    /// The frame at which an event is played that arrived at `stamp`.
+    pub fn frame_of(&self, stamp: Stamp) -> f64 {
+        let since = (stamp.seconds() - self.time) / self.frame;
+        (self.frames as f64 + self.ahead as f64 + since).max(0.0)
+    }
+
+    /// When the callback would come that asks for `frame` first, in seconds since the session began.
+    pub fn time_of(&self, frame: f64) -> f64 {
+        self.time + (frame - self.frames as f64) * self.frame
+    }
+}
+
+impl Follower {
+    /// For a device of `rate` frames a second that is expected to ask for blocks of `block` frames; both are found out as it runs.
+    pub fn new(rate: f64, block: u64) -> (Self, StreamClock) {
+        let face = Arc::new(Face::default());
+        let clock = StreamClock(Arc::clone(&face));
+        let frame = 1.0 / rate;
+        (Self { rate, frames: 0, next: 0.0, frame, age: 0.0, longest: block, running: false, face }, clock)
+    }
+
+    /// A callback came at `stamp` that asks for `frames`. Gives by how much it was late, in seconds.
+    pub fn callback(&mut self, stamp: Stamp, frames: u64) -> f64 {
+        let now = stamp.seconds();
+        let late = now - self.next;
+        if !self.running || late.abs() > LOST {
+            (self.running, self.next, self.frame, self.age) = (true, now, 1.0 / self.rate, 0.0);
+        } else {
+            // The loop's natural frequency in radians a callback; below 0.3 it is well damped.
+            let block = frames.max(1) as f64 * self.frame;
+            let bandwidth = if self.age < FIRST { EAGER } else { BANDWIDTH };
+            let omega = (TAU * bandwidth * block).min(0.3);
+            self.next += SQRT_2 * omega * late;
+            // No crystal is off by more than a thousandth.
+            let frame = self.frame + omega * omega * late / frames.max(1) as f64;
+            self.frame = frame.clamp(0.999 / self.rate, 1.001 / self.rate);
+        }
+        self.longest = self.longest.max(frames);
+        self.show();
+        self.frames += frames;
+        let block = frames as f64 * self.frame;
+        self.next += block;
+        self.age += block;
+        late
+    }
+
+    /// The device was away: the next callback begins the loop anew, and its blocks may have another length.
+    pub fn forget(&mut self, block: u64) {
+        (self.running, self.longest) = (false, block);
+    }
+
+    fn show(&self) {
+        let Face { turn, frames, time, frame, longest } = &*self.face;
+        let before = turn.load(Ordering::Relaxed);
+        turn.store(before + 1, Ordering::Relaxed);
+        fence(Ordering::Release);
+        frames.store(self.frames, Ordering::Relaxed);
+        time.store(self.next.to_bits(), Ordering::Relaxed);
+        frame.store(self.frame.to_bits(), Ordering::Relaxed);
+        longest.store(self.longest, Ordering::Relaxed);
+        turn.store(before + 2, Ordering::Release);
+    }
+}
+
+impl StreamClock {
+    /// How things stood at the last callback; `None` before the first. Not for the audio thread: it looks again where a callback
+    /// came in between.
+    pub fn moment(&self) -> Option<Moment> {
+        let Face { turn, frames, time, frame, longest } = &*self.0;
+        loop {
+            let before = turn.load(Ordering::Acquire);
+            if before == 0 {
+                return None;
+            }
+            let moment = Moment {
+                frames: frames.load(Ordering::Relaxed),
+                time: f64::from_bits(time.load(Ordering::Relaxed)),
+                frame: f64::from_bits(frame.load(Ordering::Relaxed)),
+                ahead: longest.load(Ordering::Relaxed),
+            };
+            fence(Ordering::Acquire);
+            if before.is_multiple_of(2) && turn.load(Ordering::Relaxed) == before {
+                return Some(moment);
+            }
+            std::hint::spin_loop();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Follower, Stamp};
+
+    /// Numbers from 0 to 1 that look random.
+    fn noise(n: u64) -> f64 {
+        let n = (n ^ (n >> 31)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        ((n ^ (n >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn stamp(seconds: f64) -> Stamp {
+        Stamp((seconds * 1e9).round() as u64)
+    }
+
+    /// Callbacks of a card of `rate` whose blocks are `block` frames, each up to `jitter` seconds late.
+    fn run(rate: f64, block: u64, jitter: f64, callbacks: u64) -> (Follower, super::StreamClock) {
+        let (mut follower, clock) = Follower::new(48_000.0, block);
+        for n in 0..callbacks {
+            let due = 1.0 + (n * block) as f64 / rate;
+            follower.callback(stamp(due + jitter * noise(n)), block);
+        }
+        (follower, clock)
+    }
+
+    #[test]
+    fn jitter_is_averaged_and_drift_is_followed() {
+        // A quarter of a millisecond of jitter, and a converter that is 80 millionths fast.
+        let rate = 48_000.0 * 1.000_08;
+        let (_, clock) = run(rate, 64, 250e-6, 30_000);
+        let moment = clock.moment().unwrap();
+        let due = 1.0 + moment.frames as f64 / rate + 125e-6;
+        assert!((moment.time - due).abs() < 20e-6, "{} s off", moment.time - due);
+        assert!((moment.frame * rate - 1.0).abs() < 60e-6, "{}", moment.frame * rate);
+    }
+
+    #[test]
+    fn an_event_keeps_its_place_within_the_block() {
+        let (_, clock) = run(48_000.0, 128, 0.0, 2000);
+        let moment = clock.moment().unwrap();
+        for offset in [0.0, 1.0, 63.5, 127.0] {
+            let arrived = 1.0 + (moment.frames as f64 + offset) / 48_000.0;
+            let played = moment.frame_of(stamp(arrived));
+            assert!((played - (moment.frames as f64 + 128.0 + offset)).abs() < 0.01, "{offset}");
+            assert!((moment.time_of(played) - arrived - 128.0 / 48_000.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn blocks_of_any_length_and_a_device_that_stood_still() {
+        let (mut follower, clock) = Follower::new(48_000.0, 64);
+        assert_eq!(clock.moment(), None);
+        let mut frames = 0;
+        for n in 0..5000 {
+            let block = 111 + (noise(n) * 40.0) as u64;
+            follower.callback(stamp(frames as f64 / 48_000.0), block);
+            frames += block;
+        }
+        let moment = clock.moment().unwrap();
+        assert!((moment.time - moment.frames as f64 / 48_000.0).abs() < 50e-6);
+        assert!((148..=151).contains(&moment.ahead), "{}", moment.ahead);
+        // Three seconds in which nobody asked for anything.
+        let pause = frames as f64 / 48_000.0 + 3.0;
+        assert!(follower.callback(stamp(pause), 128) > 2.9);
+        assert!((clock.moment().unwrap().time - pause).abs() < 1e-9);
+    }
+
+    #[test]
+    fn readers_never_see_half_of_it() {
+        let (mut follower, clock) = Follower::new(48_000.0, 1);
+        std::thread::scope(|scope| {
+            let writer = scope.spawn(move || {
+                // One frame a callback, on time: frames and time tell the same.
+                for n in 0..300_000_u64 {
+                    follower.callback(stamp(n as f64 / 48_000.0), 1);
+                }
+            });
+            while !writer.is_finished() {
+                if let Some(moment) = clock.moment() {
+                    assert!((moment.time - moment.frames as f64 / 48_000.0).abs() < 5e-9, "{moment:?}");
+                }
+            }
+        });
+    }
+}

@@ -1,0 +1,86 @@
+//! Between a device and the callback: reads the clocks that the callback must not know.
+
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+
+use cpu_time::ThreadTime;
+
+use super::board::Board;
+use super::callback::Callback;
+use super::clock::{Follower, StreamClock};
+use super::gate::Order;
+use super::stamp::Epoch;
+
+/// What a device calls to be filled. Only one device at a time has it; when that lets go of it, it goes home.
+pub struct Driver {
+    callback: Callback,
+    follower: Follower,
+    epoch: Epoch,
+    rate: f64,
+    board: Arc<Board>,
+}
+
+impl Driver {
+    /// For a device of `rate` frames a second that is expected to ask for blocks of `block` frames.
+    pub fn new(
+        callback: Callback,
+        rate: f64,
+        block: usize,
+        epoch: Epoch,
+        board: Arc<Board>,
+    ) -> (Self, StreamClock) {
+        let (follower, clock) = Follower::new(rate, block as u64);
+        (Self { callback, follower, epoch, rate, board }, clock)
+    }
+
+    /// Another device takes over, which asks for blocks of `block` frames: what it plays comes in as `order` says.
+    pub fn move_to(&mut self, block: usize, order: Order) {
+        self.follower.forget(block as u64);
+        self.callback.order(order);
+    }
+
+    /// Channels of a frame.
+    pub fn channels(&self) -> usize {
+        self.callback.channels()
+    }
+
+    /// Fills `output`, interleaved frames, which the device wants now.
+    pub fn fill(&mut self, input: &[f32], output: &mut [f32]) {
+        let frames = output.len() / self.callback.channels().max(1);
+        let begin = ThreadTime::now();
+        let late = self.follower.callback(self.epoch.now(), frames as u64);
+        self.callback.process(input, output);
+        self.board.load.note(begin.elapsed().as_secs_f64(), frames as f64 / self.rate);
+        self.board.latest_lateness(late);
+    }
+
+    /// To lend it to a device: when the device drops it, it comes back through `home`.
+    pub fn lend(self, home: Sender<Box<Driver>>) -> Lent {
+        Lent { driver: Some(Box::new(self)), home }
+    }
+}
+
+/// A driver that a device has.
+pub struct Lent {
+    driver: Option<Box<Driver>>,
+    home: Sender<Box<Driver>>,
+}
+
+impl Lent {
+    /// As [`Driver::fill`].
+    pub fn fill(&mut self, input: &[f32], output: &mut [f32]) {
+        match &mut self.driver {
+            Some(driver) => driver.fill(input, output),
+            None => output.fill(0.0),
+        }
+    }
+}
+
+impl Drop for Lent {
+    fn drop(&mut self) {
+        if let Some(driver) = self.driver.take() {
+            // Where nobody waits for it any more, the session is over.
+            let _ = self.home.send(driver);
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! The gate: the last thing before the device. It lets the output in gently, holds it down until the user says that actuators and not
+//! headphones hang there, and closes at once when asked.
+//!
+//! All it does is a function of frames and of what it was told at which frame, so a replay opens and closes as the session did.
+
+/// Where a gate is told to go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Order {
+    /// Open within [`RAMP_IN`]; a latch stays.
+    Open,
+    /// Open within [`RAMP_BACK`], after the device was away; a latch stays.
+    Return,
+    /// Close within [`RAMP_OUT`] and stay closed until [`Order::Release`].
+    Latch,
+    /// Takes back a latch, and opens within [`RAMP_IN`].
+    Release,
+    /// Close within [`RAMP_OUT`].
+    Close,
+    /// Go to this gain, from 0 to 1, within [`RAMP_IN`].
+    Gain(f32),
+}
+
+/// Seconds in which the output comes in.
+pub const RAMP_IN: f64 = 0.2;
+
+/// Seconds in which it comes back after the device was away.
+pub const RAMP_BACK: f64 = 0.02;
+
+/// Seconds in which it goes out. A callback that is told so ends in exact zeros after as many frames.
+pub const RAMP_OUT: f64 = 0.002;
+
+/// Until the user arms the output: -20 dB.
+pub const UNARMED: f32 = 0.1;
+
+/// A gain that moves to where it is told, in a curve without corners.
+#[derive(Debug, Clone, Copy)]
+struct Ramp {
+    from: f32,
+    to: f32,
+    /// Frames done, and frames in all.
+    done: u32,
+    length: u32,
+}
+
+impl Ramp {
+    fn resting(value: f32) -> Self {
+        Self { from: value, to: value, done: 0, length: 0 }
+    }
+
+    fn rests(&self) -> bool {
+        self.done >= self.length
+    }
+
+    fn value(&self) -> f32 {
+        if self.rests() {
+            return self.to;
+        }
+        let x = self.done as f32 / self.length as f32;
+        self.from + (self.to - self.from) * (x * x * (3.0 - 2.0 * x))
+    }
+
+    fn go(&mut self, to: f32, frames: f64) {
+        let from = self.value();
+        if from == to {
+            *self = Self::resting(to);
+        } else {
+            *self = Self { from, to, done: 0, length: (frames.ceil() as u32).max(1) };
+        }
+    }
+
+    fn step(&mut self) -> f32 {
+        if !self.rests() {
+            self.done += 1;
+        }
+        self.value()
+    }
+}
+
+/// The gate of a device.
+#[derive(Debug)]
+pub struct Gate {
+    rate: f64,
+    /// Open or closed, and how loud.
+    open: Ramp,
+    gain: Ramp,
+    latched: bool,
+}
+
+impl Gate {
+    /// Closed, for frames at `rate`; open, it has the gain `gain`.
+    pub fn new(rate: f64, gain: f32) -> Self {
+        Self { rate, open: Ramp::resting(0.0), gain: Ramp::resting(gain), latched: false }
+    }
+
+    /// Does as told, from the next frame on.
+    pub fn order(&mut self, order: Order) {
+        match order {
+            Order::Latch => self.latched = true,
+            Order::Release => self.latched = false,
+            _ => {}
+        }
+        let (to, seconds) = match order {
+            Order::Gain(gain) => {
+                let gain = if gain.is_finite() { gain.clamp(0.0, 1.0) } else { 0.0 };
+                self.gain.go(gain, RAMP_IN * self.rate);
+                return;
+            }
+            Order::Latch | Order::Close => (0.0, RAMP_OUT),
+            _ if self.latched => return,
+            Order::Return => (1.0, RAMP_BACK),
+            Order::Open | Order::Release => (1.0, RAMP_IN),
+        };
+        self.open.go(to, seconds * self.rate);
+    }
+
+    /// Whether it was latched and not yet released.
+    pub fn is_latched(&self) -> bool {
+        self.latched
+    }
+
+    /// Whether nothing comes through and nothing will until it is told.
+    pub fn is_shut(&self) -> bool {
+        self.open.rests() && self.open.to == 0.0
+    }
+
+    /// The gain with which the next frame comes through, were it not for the ramp.
+    pub fn gain(&self) -> f32 {
+        self.open.to * self.gain.to
+    }
+
+    /// Lets frames of so many channels through.
+    pub fn pass(&mut self, frames: &mut [f32], channels: usize) {
+        let mut rest = frames;
+        while !rest.is_empty() && !(self.open.rests() && self.gain.rests()) {
+            let gain = self.open.step() * self.gain.step();
+            let (frame, others) = rest.split_at_mut(channels.clamp(1, rest.len()));
+            scale(frame, gain);
+            rest = others;
+        }
+        scale(rest, self.open.value() * self.gain.value());
+    }
+}
+
+/// Zero is exact, whatever stood there; one leaves all as it is.
+fn scale(values: &mut [f32], gain: f32) {
+    if gain == 0.0 {
+        values.fill(0.0);
+    } else if gain != 1.0 {
+        values.iter_mut().for_each(|value| *value *= gain);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Gate, Order, UNARMED};
+
+    const RATE: f64 = 48_000.0;
+
+    fn pass(gate: &mut Gate, frames: usize) -> Vec<f32> {
+        let mut block = vec![1.0; 2 * frames];
+        gate.pass(&mut block, 2);
+        assert!(block.chunks(2).all(|frame| frame[0] == frame[1]));
+        block.into_iter().step_by(2).collect()
+    }
+
+    #[test]
+    fn it_opens_gently_and_then_leaves_all_as_it_is() {
+        let mut gate = Gate::new(RATE, 1.0);
+        assert_eq!(pass(&mut gate, 100), [0.0; 100]);
+        gate.order(Order::Open);
+        let rising = pass(&mut gate, 9600);
+        assert!(rising.windows(2).all(|w| (0.0..2e-4).contains(&(w[1] - w[0]))));
+        assert!(rising[0] < 1e-6 && (rising[4799] - 0.5).abs() < 1e-3);
+        assert_eq!(rising[9599], 1.0);
+        let mut odd = [0.1, -0.7, f32::MIN_POSITIVE, 1.0];
+        gate.pass(&mut odd, 2);
+        assert_eq!(odd, [0.1, -0.7, f32::MIN_POSITIVE, 1.0]);
+    }
+
+    #[test]
+    fn a_latch_ends_in_exact_zeros_and_holds() {
+        let mut gate = Gate::new(RATE, 1.0);
+        gate.order(Order::Open);
+        pass(&mut gate, 9600);
+        gate.order(Order::Latch);
+        let falling = pass(&mut gate, 200);
+        // Two milliseconds: 96 frames.
+        assert!(falling[..95].iter().all(|&x| x > 0.0) && falling[96..].iter().all(|&x| x == 0.0));
+        for order in [Order::Open, Order::Return, Order::Gain(1.0)] {
+            gate.order(order);
+            assert_eq!(pass(&mut gate, 10_000), [0.0; 10_000], "{order:?}");
+        }
+        assert!(gate.is_latched() && gate.is_shut());
+        gate.order(Order::Release);
+        assert_eq!(pass(&mut gate, 9600)[9599], 1.0);
+        // What is no number does not come through a closed gate either.
+        gate.order(Order::Close);
+        pass(&mut gate, 96);
+        let mut wild = [f32::NAN, f32::INFINITY];
+        gate.pass(&mut wild, 2);
+        assert_eq!(wild, [0.0, 0.0]);
+    }
+
+    #[test]
+    fn arming_goes_from_a_tenth_to_all() {
+        let mut gate = Gate::new(RATE, UNARMED);
+        gate.order(Order::Open);
+        assert_eq!(pass(&mut gate, 9600)[9599], 0.1);
+        gate.order(Order::Gain(1.0));
+        let rising = pass(&mut gate, 9600);
+        assert!(rising.windows(2).all(|w| w[1] >= w[0]) && rising[9599] == 1.0);
+        gate.order(Order::Gain(f32::NAN));
+        assert_eq!(pass(&mut gate, 9600)[9599], 0.0);
+    }
+
+    #[test]
+    fn cutting_time_changes_nothing() {
+        let run = |cuts: &[usize]| {
+            let mut gate = Gate::new(RATE, UNARMED);
+            gate.order(Order::Open);
+            gate.order(Order::Gain(1.0));
+            cuts.iter().flat_map(|&n| pass(&mut gate, n)).map(f32::to_bits).collect::<Vec<_>>()
+        };
+        assert_eq!(run(&[10_000]), run(&[1, 7, 64, 480, 9000, 448]));
+    }
+
+    #[test]
+    fn an_order_on_the_way_goes_on_from_there() {
+        let mut gate = Gate::new(RATE, 1.0);
+        gate.order(Order::Open);
+        let half = pass(&mut gate, 4800)[4799];
+        gate.order(Order::Close);
+        let falling = pass(&mut gate, 96);
+        assert!((half - falling[0]).abs() < 0.02 && falling[95] == 0.0);
+    }
+}

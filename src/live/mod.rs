@@ -1,0 +1,19 @@
+//! A session: a patch on a rig that plays in real time, and all the threads around it.
+//!
+//! ```text
+//! keys, MIDI, OSC, program ─ bounded channel ─ conductor ─ ring a source ─ callback ─ device
+//!                             (stamped on arrival)  │                         │
+//!                                  patterns, triggers, log ◀──── reports ─────┘
+//! ```
+//!
+//! Whatever arrives is stamped with wall time by the thread on which it arrives. The conductor turns that into a frame of the output
+//! ([`clock`]): as much later as the longest block, so that the callback has not computed it yet. The callback knows engine time
+//! alone.
+
+pub mod board;
+pub mod callback;
+pub mod clock;
+pub mod driver;
+pub mod gate;
+pub mod load;
+pub mod stamp;
