@@ -11,7 +11,7 @@ use pacinian::patch::{self, Events, Patch};
 use pacinian::player::Player;
 use pacinian::rig::{RATES, Rig, usual_ratio};
 use pacinian::score::EventStream;
-use pacinian::text::{Checked, Problem, Problems, Severity, nearest, reader::Sink};
+use pacinian::text::{Checked, Problem, Problems, Severity, Sink, nearest};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

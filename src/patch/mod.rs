@@ -5,20 +5,20 @@
 //! with it. [`Patch::parse`] reads it from a file's bytes and reports every problem at once, each at its place.
 
 mod advice;
-pub mod check;
-pub mod control;
+pub(crate) mod check;
+pub(crate) mod control;
 mod cycle;
-pub mod event;
-pub mod events_file;
-pub mod expr;
-pub mod node;
-pub mod pattern;
-pub mod place;
+pub(crate) mod event;
+pub(crate) mod events_file;
+pub(crate) mod expr;
+pub(crate) mod node;
+pub(crate) mod pattern;
+pub(crate) mod place;
 pub mod reference;
-pub mod schema;
-pub mod scope;
-pub mod trigger;
-pub mod voice;
+mod schema;
+pub(crate) mod scope;
+pub(crate) mod trigger;
+pub(crate) mod voice;
 
 pub use check::Names;
 pub use control::{Control, Curve};
@@ -29,7 +29,7 @@ pub use node::{Argument, Node, Value};
 pub use pattern::{Events, Jitter, Pattern, TimeBase};
 pub use place::Place;
 pub use schema::schema;
-pub use scope::{Scope, Target};
+pub(crate) use scope::{Scope, Target};
 pub use trigger::{Source, Trigger};
 pub use voice::{Start, Voice};
 
@@ -103,7 +103,7 @@ impl Options {
 }
 
 /// Its keys.
-pub static TABLE: Table = Table {
+pub(crate) static TABLE: Table = Table {
     name: "patch",
     doc: "Voices are node graphs, patterns are events in time, triggers start either.",
     fields: &[
@@ -126,7 +126,7 @@ pub static TABLE: Table = Table {
 };
 
 /// The keys of `[shared]`.
-pub static SHARED: Table = Table {
+pub(crate) static SHARED: Table = Table {
     name: "shared",
     doc: "What runs once for the whole engine.",
     fields: &[Field::new("nodes", Form::Defined("nodes"), "", "Nodes that every voice may read.")],
@@ -134,7 +134,7 @@ pub static SHARED: Table = Table {
 };
 
 /// The keys of `[render]`.
-pub static RENDER: Table = Table {
+pub(crate) static RENDER: Table = Table {
     name: "render",
     doc: "How to render the patch where the person says nothing else.",
     fields: &[
@@ -208,7 +208,7 @@ impl Patch {
     }
 
     /// Every voice that an event in it plays, alternatives included, with its pattern; those of events files are not.
-    pub fn each_play<'a>(&'a self, mut see: impl FnMut(&'a Play, &'a Pattern)) {
+    pub(crate) fn each_play<'a>(&'a self, mut see: impl FnMut(&'a Play, &'a Pattern)) {
         for pattern in &self.patterns {
             let Events::Inline(events) = &pattern.events else { continue };
             let actions = events.iter().flat_map(|event| match &event.action {

@@ -1,12 +1,12 @@
 //! The rig: what people write about their hardware. Device, amplifiers, actuators, and where on the body each tactor sits.
 
-pub mod actuator;
-pub mod amplifier;
-pub mod device;
-pub mod output;
+pub(crate) mod actuator;
+mod amplifier;
+pub(crate) mod device;
+pub(crate) mod output;
 pub mod reference;
-pub mod resolve;
-pub mod schema;
+mod resolve;
+mod schema;
 
 pub use actuator::{Actuator, Model, Peak};
 pub use amplifier::{Amplifier, Drive};
@@ -46,7 +46,7 @@ pub struct Rig {
 pub const FORMAT: &str = "pacinian-rig/1";
 
 /// Its keys.
-pub static TABLE: Table = Table {
+pub(crate) static TABLE: Table = Table {
     name: "rig",
     doc: "Hardware: a device, amplifiers, actuators, and where on the body each tactor sits.",
     fields: &[

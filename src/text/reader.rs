@@ -30,15 +30,15 @@ impl Sink {
         }
     }
     /// An error at a place.
-    pub fn error(&self, span: &Span, what: impl Into<String>) {
+    pub(crate) fn error(&self, span: &Span, what: impl Into<String>) {
         self.push(Problem::error(span, what));
     }
     /// An error with advice.
-    pub fn error_help(&self, span: &Span, what: impl Into<String>, help: &str) {
+    pub(crate) fn error_help(&self, span: &Span, what: impl Into<String>, help: &str) {
         self.push(Problem::error(span, what).help(help.to_string()));
     }
     /// A name that nothing has, with the nearest of those there are.
-    pub fn unknown<'a>(
+    pub(crate) fn unknown<'a>(
         &self,
         span: &Span,
         what: impl Into<String>,
@@ -49,11 +49,11 @@ impl Sink {
         self.push(Problem::error(span, what).help(help));
     }
     /// Whether further problems are only counted.
-    pub fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.list.borrow().len() >= Self::MOST
     }
     /// All of them, by line.
-    pub fn into_problems(self, file: &str, source: &str) -> Problems {
+    pub(crate) fn into_problems(self, file: &str, source: &str) -> Problems {
         let mut list = self.list.into_inner();
         if self.further.get() > 0 {
             list.push(Problem::error(
