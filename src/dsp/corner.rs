@@ -86,13 +86,13 @@ impl Corner {
 }
 
 /// Points of the frequency grid, from 0 to a quarter of the rate.
-const GRID: usize = 96;
+const POINTS: usize = 96;
 
 /// Least squares for one order: the factored normal equations.
 struct Fit {
     order: usize,
     /// Radians a sample, and the square of the weight there.
-    grid: [(f64, f64); GRID],
+    grid: [(f64, f64); POINTS],
     /// Lower triangle of Cholesky's factor.
     factor: [[f64; TAPS]; TAPS],
 }
@@ -102,7 +102,7 @@ impl Fit {
         // 0.14 of the rate is 1 kHz at 7,350 Hz, the lowest engine rate of the usual devices.
         let edge = std::f64::consts::TAU * 0.14;
         let grid = std::array::from_fn(|k| {
-            let w = std::f64::consts::FRAC_PI_2 * (k as f64 + 0.5) / GRID as f64;
+            let w = std::f64::consts::FRAC_PI_2 * (k as f64 + 0.5) / POINTS as f64;
             let weight = if w <= edge { 1.0 } else { 0.05 } * w.powi(order as i32 + 1);
             (w, weight * weight)
         });
@@ -112,7 +112,7 @@ impl Fit {
                 let mut sum: f64 = grid.iter().map(|(w, weight)| weight * (w * (i - j) as f64).cos()).sum();
                 if i == j {
                     // Tikhonov's term keeps the taps small where the band leaves them free.
-                    sum += 1e-12 * GRID as f64;
+                    sum += 1e-12 * POINTS as f64;
                 }
                 sum -= factor[i][..j].iter().zip(&factor[j]).map(|(a, b)| a * b).sum::<f64>();
                 factor[i][j] = if i == j { sum.sqrt() } else { sum / factor[j][j] };
