@@ -5,12 +5,13 @@
 //! with it. [`Patch::parse`] reads it from a file's bytes and reports every problem at once, each at its place.
 
 mod advice;
-pub(crate) mod check;
+mod check;
 pub(crate) mod control;
 mod cycle;
 pub(crate) mod event;
 pub(crate) mod events_file;
 pub(crate) mod expr;
+pub(crate) mod names;
 pub(crate) mod node;
 pub(crate) mod pattern;
 pub(crate) mod place;
@@ -20,11 +21,11 @@ pub(crate) mod scope;
 pub(crate) mod trigger;
 pub(crate) mod voice;
 
-pub use check::Names;
 pub use control::{Control, Curve};
 pub use event::{Action, Alternative, Event, Play, Repeat, Setting};
 pub use events_file::EventsFile;
 pub use expr::{Expr, Function, Operator};
+pub use names::Names;
 pub use node::{Argument, Node, Value};
 pub use pattern::{Events, Jitter, Pattern, TimeBase};
 pub use place::Place;
@@ -35,7 +36,8 @@ pub use voice::{Start, Voice};
 
 use crate::text::document;
 use crate::text::field::{Field, Form, Table};
-use crate::text::reader::{Reader, Sink};
+use crate::text::reader::Reader;
+use crate::text::sink::Sink;
 use crate::text::{Checked, Origin, Problem, Problems, Span};
 
 /// A patch.
@@ -77,12 +79,12 @@ pub const FORMAT: &str = "pacinian-patch/1";
 
 /// What a patch may do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Options {
+pub struct Permissions {
     /// Whether paths in it may leave its folder.
     pub allow_outside: bool,
 }
 
-impl Options {
+impl Permissions {
     /// A path as written, if it may be opened: relative, forward slashes, not leaving the folder unless that is allowed.
     pub(crate) fn path(self, path: &str, span: &Span, who: &str, sink: &Sink) -> Option<String> {
         let rooted = path.starts_with('/') || path.starts_with('\\') || path.get(1..2) == Some(":");
@@ -166,14 +168,14 @@ impl Patch {
     /// # Errors
     /// Every problem of the file at once, each with its place.
     pub fn parse(name: &str, bytes: &[u8]) -> Result<Checked<Self>, Problems> {
-        Self::parse_with(name, bytes, Options::default())
+        Self::parse_with(name, bytes, Permissions::default())
     }
 
     /// Reads a patch that may do what `options` say.
     ///
     /// # Errors
     /// Every problem of the file at once, each with its place.
-    pub fn parse_with(name: &str, bytes: &[u8], options: Options) -> Result<Checked<Self>, Problems> {
+    pub fn parse_with(name: &str, bytes: &[u8], options: Permissions) -> Result<Checked<Self>, Problems> {
         document::read(name, bytes, FORMAT, |document, sink| {
             let reader = Reader::new(&TABLE, document, 0..0, "the patch", sink);
             let (patch, broken) = Self::read(&reader, options);
@@ -224,7 +226,7 @@ impl Patch {
     }
 
     /// The patch, and the names of what is in the file but cannot be read: to name it is no further mistake.
-    fn read(reader: &Reader, options: Options) -> (Self, Vec<String>) {
+    fn read(reader: &Reader, options: Permissions) -> (Self, Vec<String>) {
         let mut broken = Vec::new();
         let mut patch = Self {
             title: reader.text("title").unwrap_or("").into(),

@@ -22,7 +22,8 @@ use std::collections::{HashMap, HashSet};
 use crate::text::document;
 use crate::text::field::{Field, Form, Table};
 use crate::text::nearest::suggest;
-use crate::text::reader::{Reader, Sink};
+use crate::text::reader::Reader;
+use crate::text::sink::Sink;
 use crate::text::{Checked, Problem, Problems};
 
 /// A rig.

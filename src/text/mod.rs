@@ -11,9 +11,10 @@ pub mod problem;
 pub(crate) mod reader;
 pub mod reference;
 pub(crate) mod schema;
+pub(crate) mod sink;
 
 pub use problem::{Checked, Origin, Problem, Problems, Severity, Span};
-pub use reader::Sink;
+pub use sink::Sink;
 
 /// A sentence as it goes on behind a colon: "What it is called." becomes "what it is called".
 pub(crate) fn lower(sentence: &str) -> String {
