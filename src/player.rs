@@ -5,8 +5,8 @@ mod heard;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use crate::engine::Counters;
 use crate::engine::Engine;
-use crate::engine::core::Counters;
 use crate::engine::event::{Event, Play, Source};
 use crate::graph::plan::Plan;
 use crate::graph::scene::{Options, Scene, scene};
@@ -257,7 +257,7 @@ impl Player {
     }
 
     /// Releases every voice that sounds now, held and always-on ones too: each falls silent by its own release, and one without
-    /// an envelope within [`crate::dsp::fade::FADE`]. The patterns go on, so what they play later sounds.
+    /// an envelope within 4 ms. The patterns go on, so what they play later sounds.
     pub fn release_all(&mut self) {
         let now = Instant { sample: self.engine.clock(), fraction: 0 };
         if self.engine.schedule(now, Source::Program, Event::ReleaseAll) {

@@ -11,7 +11,7 @@ use pacinian::patch::{self, Events, Patch};
 use pacinian::player::Player;
 use pacinian::rig::{RATES, Rig, usual_ratio};
 use pacinian::score::EventStream;
-use pacinian::text::{Checked, Problem, Problems, Severity, nearest, reader::Sink};
+use pacinian::text::{Checked, Problem, Problems, Severity, Sink, nearest};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -129,7 +129,7 @@ impl Scene {
     ) -> Result<Loaded, Failure> {
         let mut warnings = Vec::new();
         let Text { name, bytes } = patch;
-        let may = patch::Options { allow_outside: self.allow_outside };
+        let may = patch::Permissions { allow_outside: self.allow_outside };
         let parsed = bytes.as_ref().map(|bytes| Patch::parse_with(&name, bytes, may));
         let patch = parsed.and_then(|parsed| sound(parsed, 65, &mut warnings, &mut failure));
         let given = rig.map(|Text { name, bytes }| {

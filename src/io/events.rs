@@ -3,7 +3,7 @@
 use super::assets::Folder;
 use super::error::FileError;
 use super::open::open as opened;
-use crate::patch::check::Names;
+use crate::patch::names::Names;
 use crate::patch::{Action, Event, EventsFile, Patch, Place};
 use crate::score::{EventStream, MOST_HELD};
 use crate::text::Problem;

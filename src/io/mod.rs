@@ -7,6 +7,6 @@ pub mod input;
 pub mod log;
 mod open;
 pub mod out;
-pub mod resample;
+pub(crate) mod resample;
 pub mod text;
 pub mod wav;

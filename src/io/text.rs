@@ -20,7 +20,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Vec<u8>, FileError> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_up_to(path: impl AsRef<Path>, limit: u64) -> Result<Vec<u8>, FileError> {
+pub(crate) fn read_up_to(path: impl AsRef<Path>, limit: u64) -> Result<Vec<u8>, FileError> {
     let path = path.as_ref();
     let failed = |error: std::io::Error| FileError::reading(path, &error);
     let file = open(path)?;

@@ -2,7 +2,7 @@
 
 use super::{Action, Event, Events, Expr, Node, Patch, Play, Source, Start, Value, Voice};
 use crate::node::spec::{Family, Kind};
-use crate::text::reader::Sink;
+use crate::text::sink::Sink;
 use crate::text::{Problem, Span};
 use std::collections::HashMap;
 

@@ -181,7 +181,7 @@ impl<'a> Voice<'a> {
         for (i, op) in program.ops.iter().enumerate() {
             let start: Vec<f64> = op.inputs.iter().map(|input| steady[input.base as usize]).collect();
             let stream = random::stream(seed, play.id, op.node.stream());
-            let onset = Onset { age, stream, start: &start, duration: play.duration };
+            let onset = Onset { age, stream, start: &start };
             twins.push(twin(op.node.kind, &op.node.setup(fine, rate), &onset));
             let writer = |feed| if let Feed::Buffer(b) = feed { Some(last_writer[b as usize]) } else { None };
             writers.push(op.inputs.iter().map(|input| writer(input.feed)).collect());

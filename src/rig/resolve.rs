@@ -3,7 +3,7 @@
 use super::{Output, OutputKind, Rig};
 use crate::patch::{Patch, Place};
 use crate::text::nearest::suggest;
-use crate::text::reader::Sink;
+use crate::text::sink::Sink;
 use crate::text::{Problem, Span};
 
 fn sounds(output: &Output) -> bool {
