@@ -11,6 +11,7 @@ use super::plan::precision;
 use super::problems;
 use super::progress::Progress;
 use super::render::seconds;
+use super::setting::Setting;
 use super::stop::Stop;
 use super::table::Table;
 use super::terminal::Terminal;
@@ -72,6 +73,8 @@ pub struct Row {
 #[derive(Debug, Serialize)]
 struct Answer {
     seconds: f64,
+    /// Controls that the command line set.
+    set: Vec<Setting>,
     voices_stolen: u64,
     limited: u64,
     settings: Vec<Row>,
@@ -151,6 +154,7 @@ impl Error {
         drop(progress);
         let answer = Answer {
             seconds,
+            set: loaded.settings.clone(),
             voices_stolen: player.counters().stolen,
             limited: player.engine().stage().counts().limited,
             settings: rows,

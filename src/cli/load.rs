@@ -3,6 +3,7 @@
 use super::by_default;
 use super::failure::Failure;
 use super::named::{Codes, Watched, named};
+use super::setting::{self, Setting};
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
@@ -33,6 +34,9 @@ pub struct Scene {
     /// The seed of everything random [default: what the patch says, else 0]
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+    /// Sets a control of the patch from the start on, in place of its `default`; may be given for each control
+    #[arg(long = "set", value_name = "CONTROL=VALUE")]
+    pub settings: Vec<Setting>,
     /// Number type that voices are computed in
     #[arg(long, value_name = "TYPE", value_enum, default_value_t = Number::F32)]
     pub precision: Number,
@@ -74,6 +78,8 @@ pub struct Loaded {
     pub surveyed: Vec<(String, u64)>,
     /// Every file that was read.
     pub files: Vec<PathBuf>,
+    /// Controls that the command line set.
+    pub settings: Vec<Setting>,
     /// What the `input` nodes hear.
     pub input: Option<Arc<Input>>,
     /// Its name as the person wrote it.
@@ -109,6 +115,7 @@ impl Scene {
             pattern: None,
             rate: None,
             seed: None,
+            settings: Vec::new(),
             precision: Number::F32,
             taps: 6,
             input: None,
@@ -150,7 +157,7 @@ impl Scene {
     /// What is wrong with patch and rig together.
     fn join(
         &self,
-        patch: Patch,
+        mut patch: Patch,
         given: Option<Rig>,
         source: Problems,
         warnings: Vec<Problems>,
@@ -160,6 +167,7 @@ impl Scene {
         let by_default = given.is_none();
         let rig = given.unwrap_or_else(|| by_default::rig(&patch));
         self.check_words(&patch)?;
+        setting::set(&mut patch, &self.settings)?;
         let rate = self.rate.map(f64::from).or(rig.device.rate).unwrap_or(48_000.0);
         if rate.fract() != 0.0 {
             let what = format!("the rig's device has a rate of {rate} Hz, which no WAV file can say");
@@ -185,9 +193,12 @@ impl Scene {
         let watched = Watched::new(&folder);
         let mut problems = rig.check_places(&patch);
         let live = Options { live: true, ..options.clone() };
-        let mut listened = Vec::new();
+        let (mut listened, mut unheard) = (Vec::new(), None);
         match scene(&patch, &rig, if all { &live } else { &options }, &watched) {
-            Ok(scene) => listened = scene.plan.inputs(),
+            Ok(scene) => {
+                listened = scene.plan.inputs();
+                unheard = setting::unheard(&patch, &self.settings, &scene.plan.left_out);
+            }
             Err(more) => problems.extend(more.list),
         }
         // A comparison with the reference goes on for a moment.
@@ -227,6 +238,7 @@ impl Scene {
             options,
             warnings,
             surveyed,
+            settings: self.settings.clone(),
             files,
             input: None,
             input_name: self.input.as_ref().map(|path| path.display().to_string()),
@@ -236,6 +248,7 @@ impl Scene {
         let read = [Some(self.patch.clone()), self.rig.clone(), self.input.clone()];
         loaded.files.extend(read.into_iter().flatten());
         let deaf = self.input.is_none() && !listened.is_empty();
+        loaded.warnings.extend(unheard);
         loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf));
         let mut failure = Failure::default();
         if problems.iter().any(Problem::is_error) {
