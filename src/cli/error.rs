@@ -11,7 +11,7 @@ use super::plan::precision;
 use super::problems;
 use super::progress::Progress;
 use super::render::seconds;
-use super::setting::Setting;
+use super::setting::{self, Setting};
 use super::stop::Stop;
 use super::table::Table;
 use super::terminal::Terminal;
@@ -240,7 +240,9 @@ fn text(answer: &Answer, loaded: &Loaded, terminal: &Terminal) -> String {
             format!("{:.0}", row.times_real_time),
         ]);
     }
-    let mut text = format!("{}: {:.3} s\n{}", paint.bold(loaded.name()), answer.seconds, table.text());
+    let set =
+        if answer.set.is_empty() { String::new() } else { format!(", {}", setting::named(&answer.set)) };
+    let mut text = format!("{}: {:.3} s{set}\n{}", paint.bold(loaded.name()), answer.seconds, table.text());
     for what in answer.reservations(loaded) {
         text += &paint.yellow(&format!("  {what}\n"));
     }

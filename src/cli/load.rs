@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// What is played on what, and how.
 #[derive(Debug, Clone, Args)]
 pub struct Scene {
-    /// The patch, a TOML file: what is felt, and when
+    /// The patch, a TOML file: what is felt, and when; - for standard input
     pub patch: PathBuf,
     /// The rig, a TOML file: which tactor hangs on which channel [default: a line of tactors, t1 to t8, or as many as the patch needs]
     #[arg(long, value_name = "RIG")]
@@ -95,6 +95,12 @@ impl Scene {
     /// All problems of patch, rig, recordings and events files at once.
     pub fn load(&self, all: bool, duration: Option<f64>) -> Result<Loaded, Failure> {
         let mut failure = Failure::default();
+        if self.patch.as_os_str() == "-" && self.rig.as_ref() == Some(&self.patch) {
+            return Err(Failure::usage(
+                "patch and rig cannot both come from standard input",
+                "name a file for one of them: --rig RIG",
+            ));
+        }
         let patch = read(&self.patch, 65, &mut failure);
         let rig = self.rig.as_ref().map(|path| read(path, 78, &mut failure));
         self.understand(patch, rig, failure, all, duration)
@@ -174,7 +180,9 @@ impl Scene {
             return Err(Failure::usage(what, format!("give a whole number: --rate {rate:.0}")));
         }
         let engine_rate = rate / usual_ratio(rate) as f64;
-        let root = self.patch.parent().unwrap_or(Path::new(""));
+        // What comes through a pipe lies nowhere: its paths count from where the person is.
+        let parent = self.patch.parent().filter(|_| !text::is_stream(&self.patch));
+        let root = parent.unwrap_or(Path::new(""));
         // Twice the engine's rate, so that a recording may be played at half its speed and keep its band.
         let folder =
             Folder::new(root).allow_outside(self.allow_outside).at_rate(2.0 * engine_rate).holding(self.held);
@@ -245,8 +253,11 @@ impl Scene {
             source,
             folder,
         };
-        let read = [Some(self.patch.clone()), self.rig.clone(), self.input.clone()];
-        loaded.files.extend(read.into_iter().flatten());
+        let read = [Some(&self.patch), self.rig.as_ref(), self.input.as_ref()].into_iter().flatten();
+        // Standard input may be a file, too.
+        let on_disk =
+            |path: &PathBuf| if path.as_os_str() == "-" { "/dev/stdin".into() } else { path.clone() };
+        loaded.files.extend(read.map(on_disk));
         let deaf = self.input.is_none() && !listened.is_empty();
         loaded.warnings.extend(unheard);
         loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf));
@@ -384,7 +395,7 @@ fn sound<T>(
 
 /// A document; `code` is that of one whose content is wrong.
 fn read(path: &Path, code: u8, failure: &mut Failure) -> Text {
-    let name = path.display().to_string();
+    let name = if path.as_os_str() == "-" { "stdin".into() } else { path.display().to_string() };
     match text::read(path) {
         Ok(bytes) => Text { name, bytes: Some(bytes) },
         Err(error) => {

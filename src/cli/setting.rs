@@ -52,13 +52,20 @@ pub fn set(patch: &mut Patch, settings: &[Setting]) -> Result<(), Failure> {
         let control = &mut patch.controls[at];
         let [least, most] = control.range;
         if !(least..=most).contains(value) {
-            let what = format!("control `{name}` cannot be set to {value}: its range is from {least} to {most}");
+            let what =
+                format!("control `{name}` cannot be set to {value}: its range is from {least} to {most}");
             let near = value.clamp(least, most);
             return Err(Failure::usage(what, format!("give a value within it, such as --set {name}={near}")));
         }
         control.default = *value;
     }
     Ok(())
+}
+
+/// "strength = 0.5, roughness = 2".
+pub fn named(settings: &[Setting]) -> String {
+    let named: Vec<String> = settings.iter().map(|s| format!("{} = {}", s.control, s.value)).collect();
+    named.join(", ")
 }
 
 /// That nothing hears of a control that was set: warnings.

@@ -5,7 +5,7 @@ use super::left_out::{Left, left_out, left_out_text};
 use super::load::Loaded;
 use super::paint::Paint;
 use super::perform::Performed;
-use super::setting::Setting;
+use super::setting::{Setting, named};
 use super::table::{Table, dbfs, grouped, hertz, many};
 use pacinian::io::wav::{Encoding, Written};
 use pacinian::player::Player;
@@ -123,8 +123,7 @@ impl Summary {
         let speed = format!("{:.0} x real time", self.times_real_time);
         table.row(["run time".into(), format!("{:.3} s of wall time, {speed}", self.run_time_seconds)]);
         if !self.set.is_empty() {
-            let set: Vec<String> = self.set.iter().map(|s| format!("{} = {}", s.control, s.value)).collect();
-            table.row(["set".into(), set.join(", ")]);
+            table.row(["set".into(), named(&self.set)]);
         }
         if let Some(input) = &self.input {
             table.row(["input".into(), input.text()]);
