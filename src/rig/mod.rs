@@ -3,6 +3,7 @@
 pub mod actuator;
 pub mod amplifier;
 pub mod device;
+pub mod finder;
 pub mod output;
 pub mod reference;
 pub mod resolve;
@@ -11,6 +12,7 @@ pub mod schema;
 pub use actuator::{Actuator, Model, Peak};
 pub use amplifier::{Amplifier, Drive};
 pub use device::{Coupling, Device, RATES, usual_ratio};
+pub use finder::Finder;
 pub use output::{Output, OutputKind};
 pub use schema::schema;
 
