@@ -118,6 +118,7 @@ impl Error {
             input: input.as_ref().map_or(&[], |input| input.channels()),
             seconds,
         };
+        memory.check(seconds + take.rings(player.plan()), take.events.len())?;
         let mut ideals: Vec<(u8, Reference)> = Vec::new();
         let mut rows = Vec::new();
         for (i, (number, taps)) in settings.iter().enumerate() {
