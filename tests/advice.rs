@@ -95,6 +95,18 @@ fn what_works_and_was_hardly_meant_is_a_warning_in_the_first_line() {
 }
 
 #[test]
+fn what_an_events_file_has_beyond_the_band_is_told_once() {
+    let scratch = Scratch::new("beyond");
+    scratch.write("e.csv", "at,voice,frequency\n0,tap,200\n1,tap,3000\n2,tap,4000\n");
+    let (code, head, err) = scratch.check(&patch("[pattern.p]\nevents = \"e.csv\""), &[]);
+    assert_eq!((code, head.as_str()), (0, "p.toml: 1 warning"), "{err}");
+    assert!(
+        err.contains("p.toml:10:") && err.contains("frequency 3000 of e.csv:3: nothing above 1000 Hz"),
+        "{err}"
+    );
+}
+
+#[test]
 fn a_rig_in_millimetres_is_told_once() {
     let scratch = Scratch::new("millimetres");
     let tactor =

@@ -214,7 +214,7 @@ impl Scene {
         let heard = |path: &PathBuf| Input::open_for(path, rate, &listened, needed);
         let heard = self.input.as_ref().map(heard).transpose();
 
-        let mut surveyed = Vec::new();
+        let (mut surveyed, mut unfelt) = (Vec::new(), Vec::new());
         let mut seen = watched.finish();
         for pattern in &patch.patterns {
             let Events::File(path, span) = &pattern.events else { continue };
@@ -227,6 +227,7 @@ impl Scene {
                     seen.paths.extend(folder.resolve(path));
                     let at = |p: Problem| Problem { span: Some(span.clone()), ..p };
                     problems.extend(survey.problems.into_iter().map(at));
+                    unfelt.extend(survey.advice.into_iter().map(at));
                 }
                 Err(error) => {
                     problems.push(Problem::error(span, error.message.as_str()));
@@ -260,6 +261,9 @@ impl Scene {
         loaded.files.extend(read.map(on_disk));
         let deaf = self.input.is_none() && !listened.is_empty();
         loaded.warnings.extend(unheard);
+        if !unfelt.is_empty() {
+            loaded.warnings.push(loaded.patch.origin.problems(unfelt));
+        }
         loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf));
         let mut failure = Failure::default();
         if problems.iter().any(Problem::is_error) {
