@@ -78,15 +78,15 @@ impl Take<'_> {
     pub fn rings(&self, plan: &Plan) -> f64 {
         let Ok(engine) = Engine::new(plan) else { return 0.0 };
         let mut playing = Playing::new(engine, plan, self);
-        let mut frames = vec![0.0; BLOCK * plan.ratio * plan.channels];
+        let mut frames = vec![0.0; STEP * plan.ratio * plan.channels];
         let ears = playing.engine.input_channels();
         let all = ((self.seconds + RING) * plan.engine_rate()).ceil() as usize;
-        for first in (0..all).step_by(BLOCK) {
+        for first in (0..all).step_by(STEP) {
             let now = first as f64 / plan.engine_rate();
             if now >= self.seconds && playing.engine.is_silent() {
                 return (now - self.seconds).min(RING);
             }
-            let heard = interleaved(self.input, ears, first * plan.ratio, BLOCK * plan.ratio);
+            let heard = interleaved(self.input, ears, first * plan.ratio, STEP * plan.ratio);
             stretch::play(&mut playing, plan.ratio, &heard, &mut frames);
         }
         RING
@@ -163,6 +163,8 @@ impl Take<'_> {
 
 /// Samples of the engine that are played at once.
 const BLOCK: usize = 4096;
+/// And where the moment is looked for at which it falls silent.
+const STEP: usize = 64;
 
 /// A take on an engine.
 struct Playing<'a> {
@@ -265,21 +267,24 @@ mod tests {
     fn plan_of(patch: &[u8]) -> (Patch, Plan) {
         let head = b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n";
         let patch = Patch::parse("p", &[head, patch].concat()).unwrap_or_else(|p| panic!("{p}")).value;
-        let plan = scene(&patch, &Rig::default_for(1), &Options::default(), &NoAssets).unwrap().plan;
+        let options = Options { live: true, ..Options::default() };
+        let plan = scene(&patch, &Rig::default_for(1), &options, &NoAssets).unwrap().plan;
         (patch, plan)
     }
 
     /// More falls on a moment than the engine's queue holds: a take is played as it was.
     #[test]
     fn what_a_player_played_is_played_again_bit_by_bit() {
-        let (patch, plan) = plan_of(
-            b"[voice.a]\nvoices = 4\noutput = \"s\"\nnodes.s = { type = \"white\", amplitude = 0.2 }\n\
-              [pattern.p]\nevents = [{ at = 0.01, voice = \"a\", level = 0.1, duration = 0.002, \
-              repeat = { every = 0.0000001, times = 40000 } }, { at = 0.2, voice = \"a\" }]\n",
+        let one = "{ at = 0.01, voice = \"a\", level = 0.1, duration = 0.002, repeat = { every = 1e-6, times = 10000 } },";
+        let text = format!(
+            "[voice.a]\nvoices = 4\noutput = \"s\"\nnodes.s = {{ type = \"white\", amplitude = 0.2 }}\n\
+             [pattern.p]\nevents = [{}{{ at = 0.2, voice = \"a\" }}]\n",
+            one.repeat(4)
         );
+        let (patch, _) = plan_of(text.as_bytes());
         let mut player = Player::new(&patch, &Rig::default_for(1), &Options::default(), &NoAssets).unwrap();
         player.record();
-        let samples = 4000;
+        let (plan, samples) = (player.plan().clone(), 4000);
         let mut frames = vec![0.0; samples * plan.ratio];
         player.process(&mut frames);
         assert_eq!((player.recorded().len(), player.counters().late), (40_001, 0));
@@ -313,9 +318,7 @@ mod tests {
                 vec![held(0.1), held(0.3), held(2.0)],
             ),
         ] {
-            let (_, plan) = plan_of(
-                format!("[voice.v]\n{voice}\n[[trigger]]\non = \"start\"\nplay = \"v\"\n").as_bytes(),
-            );
+            let (_, plan) = plan_of(format!("[voice.v]\n{voice}\n").as_bytes());
             let take = Take { events: &events, input: &[], seconds: 0.8 };
             let measured = take.measure(&plan, &take.reference(&plan)).unwrap();
             assert!(measured.comparison.error_db < -80.0, "{voice}: {measured:?}");
