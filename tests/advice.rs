@@ -164,6 +164,29 @@ fn the_plan_says_what_plays_how_often_and_keeps_the_rest_short() {
     assert_eq!(pattern(1)["played_by"], serde_json::json!(["all"]));
 }
 
+/// A voice that is always on has no length of its own: it is released at the end, and compared as any other.
+#[test]
+fn the_error_of_what_never_ends_is_that_of_what_does() {
+    let scratch = Scratch::new("endless");
+    let error = |nodes: &str| {
+        let start = "start = \"always\"\noutput = \"o\"";
+        let text = format!(
+            "format = \"pacinian-patch/1\"\ntitle = \"T\"\n[voice.hum]\n{start}\n[voice.hum.nodes]\n{nodes}"
+        );
+        scratch.write("p.toml", &text);
+        let (code, out, err) = scratch.run(&["error", "p.toml", "--only", "--duration", "1", "--json"]);
+        assert_eq!(code, 0, "{err}");
+        let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+        (json["settings"][0]["error_db"].as_f64().unwrap(), json["rings_on"].as_bool().unwrap())
+    };
+    let (db, rings_on) = error("o = { type = \"sine\", frequency = 150, amplitude = 0.5 }");
+    assert!(db < -80.0 && !rings_on, "{db}");
+    // What no envelope ends goes on for longer than anybody waits, and that is said.
+    let lasting = "s = { type = \"sine\", frequency = 150 }\ne = { type = \"envelope\" }\n\
+                   o = { type = \"multiply\", inputs = [\"s\", \"1 + e\", 0.3] }";
+    assert!(error(lasting).1);
+}
+
 #[test]
 fn the_picture_of_error_has_both_columns_and_says_what_keeps_them_from_saying_much() {
     let scratch = Scratch::new("chart");

@@ -20,6 +20,7 @@ use pacinian::engine::refusal::Refusal;
 use pacinian::graph::plan::{Plan, Precision};
 use pacinian::io::out;
 use pacinian::player::Player;
+use pacinian::report::measure::RING;
 use pacinian::report::plot::{Axis, Chart, Point, Series};
 use pacinian::report::{Measured, Reference, Take};
 use pacinian::rig::OutputKind;
@@ -77,6 +78,8 @@ struct Answer {
     set: Vec<Setting>,
     voices_stolen: u64,
     limited: u64,
+    /// Whether something still rings so long after its release at the end that it was cut.
+    rings_on: bool,
     settings: Vec<Row>,
 }
 
@@ -118,7 +121,8 @@ impl Error {
             input: input.as_ref().map_or(&[], |input| input.channels()),
             seconds,
         };
-        memory.check(seconds + take.rings(player.plan()), take.events.len())?;
+        let rings = take.rings(player.plan());
+        memory.check(seconds + rings, take.events.len())?;
         let mut ideals: Vec<(u8, Reference)> = Vec::new();
         let mut rows = Vec::new();
         for (i, (number, taps)) in settings.iter().enumerate() {
@@ -158,6 +162,7 @@ impl Error {
             set: loaded.settings.clone(),
             voices_stolen: player.counters().stolen,
             limited: player.engine().stage().counts().limited,
+            rings_on: rings >= RING,
             settings: rows,
         };
         if let Some(output) = &self.output {
@@ -258,6 +263,10 @@ impl Answer {
             (
                 self.voices_stolen > 0,
                 "voices were stolen, which the reference does not model: the error says little",
+            ),
+            (
+                self.rings_on,
+                "something rings for 8 s and more after the end: where it is cut counts as error",
             ),
             (raw, "raw outputs are not band-limited: what they have above 1 kHz counts, too"),
             (

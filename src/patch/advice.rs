@@ -299,7 +299,9 @@ mod tests {
     #[test]
     fn what_a_trigger_sets_is_told() {
         let of = |rest: &str| {
-            let start = format!("events = []\n[[trigger]]\non = \"start\"\nplay = \"v\"\nset = {{ {rest} }}");
+            let start = format!(
+                "events = [{{ at = 0, marker = \"m\" }}]\n[[trigger]]\non = \"start\"\nplay = \"v\"\nset = {{ {rest} }}"
+            );
             told("event.frequency", "", "", &start)
         };
         one(of("frequency = \"2 * 600\""), "frequency 1200 of trigger 1: nothing above 1000 Hz is felt");

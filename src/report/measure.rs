@@ -298,7 +298,7 @@ mod tests {
     #[test]
     fn what_is_under_way_at_the_end_is_no_error() {
         let held = |at: f64| (at, Play { duration: f64::INFINITY, level: 0.5, id: 7, ..Play::default() });
-        let sine = "s = { type = \"sine\", frequency = 150 }";
+        let sine = "s = { type = \"sine\", frequency = 150, amplitude = 0.5 }";
         let product = "type = \"multiply\", inputs = [\"s\", \"e\"]";
         for (voice, events) in [
             (format!("start = \"always\"\noutput = \"s\"\n[voice.v.nodes]\n{sine}"), vec![]),
