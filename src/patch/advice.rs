@@ -53,6 +53,7 @@ impl<'a> Advice<'a> {
     }
 
     /// What there is to say of one event, which is called `who`.
+    #[cfg(feature = "io")] // Events files are read there.
     pub(crate) fn of(&mut self, event: &Event, who: &str) -> Vec<Problem> {
         self.event(event, who);
         std::mem::take(&mut self.problems)
