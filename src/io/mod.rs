@@ -4,6 +4,7 @@ pub mod assets;
 pub mod error;
 pub mod events;
 pub mod input;
+pub mod load;
 pub mod log;
 mod open;
 pub mod out;

@@ -4,7 +4,7 @@
 //! A [`Patch`] is a plain description with no state, and may as well be built in code; [`Patch::check`] finds what is wrong
 //! with it. [`Patch::parse`] reads it from a file's bytes and reports every problem at once, each at its place.
 
-mod advice;
+pub(crate) mod advice;
 mod check;
 pub(crate) mod control;
 mod cycle;

@@ -3,6 +3,7 @@
 pub(crate) mod actuator;
 mod amplifier;
 pub(crate) mod device;
+mod finder;
 pub(crate) mod output;
 pub mod reference;
 mod resolve;
@@ -11,6 +12,7 @@ mod schema;
 pub use actuator::{Actuator, Model, Peak};
 pub use amplifier::{Amplifier, Drive};
 pub use device::{Coupling, Device, RATES, usual_ratio};
+pub use finder::Finder;
 pub use output::{Output, OutputKind};
 pub use schema::schema;
 
