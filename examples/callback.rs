@@ -11,10 +11,8 @@ use pacinian::engine::event::{Event, Play, Source};
 use pacinian::engine::guard::Guard;
 use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::node::asset::NoAssets;
-use pacinian::patch::Patch;
-use pacinian::rig::Rig;
 use pacinian::schedule::Instant;
+use pacinian::{NoAssets, Patch, Rig};
 use ringbuf::HeapRb;
 use ringbuf::traits::{Consumer, Producer, Split};
 

@@ -7,11 +7,8 @@ use std::error::Error;
 
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::node::asset::NoAssets;
-use pacinian::patch::Patch;
-use pacinian::player::Player;
 use pacinian::report::measure;
-use pacinian::rig::Rig;
+use pacinian::{NoAssets, Patch, Player, Rig};
 
 const PATCH: &str = r#"
 format = "pacinian-patch/1"

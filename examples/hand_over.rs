@@ -9,11 +9,9 @@ use pacinian::engine::event::{Event, Source};
 use pacinian::engine::exchange::exchange;
 use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::node::asset::NoAssets;
-use pacinian::patch::Patch;
-use pacinian::rig::Rig;
 use pacinian::schedule::Instant;
 use pacinian::text::Problems;
+use pacinian::{NoAssets, Patch, Rig};
 
 const PATCH: &str = r#"
 format = "pacinian-patch/1"

@@ -1,10 +1,6 @@
 //! The smallest program: the text of a patch, a player, a buffer. Run it with `cargo run --example hello`.
 
-use pacinian::graph::scene::Options;
-use pacinian::node::asset::NoAssets;
-use pacinian::patch::Patch;
-use pacinian::player::{Note, Player};
-use pacinian::rig::Rig;
+use pacinian::{NoAssets, Note, Options, Patch, Player, Rig};
 
 const PATCH: &str = r#"
 format = "pacinian-patch/1"

@@ -5,12 +5,8 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use pacinian::graph::scene::Options;
 use pacinian::io::wav::{Encoding, WavReader, WavSpec, WavWriter};
-use pacinian::node::asset::NoAssets;
-use pacinian::patch::Patch;
-use pacinian::player::Player;
-use pacinian::rig::Rig;
+use pacinian::{NoAssets, Options, Patch, Player, Rig};
 
 const PATCH: &str = r#"
 format = "pacinian-patch/1"

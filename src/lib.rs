@@ -4,16 +4,14 @@
 //! which channel, and where on the body it sits. The two are compiled into a plan, and an engine runs the plan: from an audio
 //! callback, or straight into a buffer. All vibration is band-limited to 1 kHz, in engine samples of about 8 kHz.
 //!
-//! ```
-//! use pacinian::graph::scene::Options;
-//! use pacinian::node::asset::NoAssets;
-//! use pacinian::patch::{Patch, Place};
-//! use pacinian::player::{Note, Player};
-//! use pacinian::rig::Rig;
+#![cfg_attr(feature = "io", doc = "```")]
+#![cfg_attr(not(feature = "io"), doc = "```ignore")]
+//! use pacinian::{NoAssets, Note, Options, Place, Player, io};
 //!
 //! fn main() -> Result<(), Box<dyn std::error::Error>> {
-//!     let patch = Patch::parse("heartbeat.toml", &std::fs::read("patches/04-heartbeat.toml")?)?.value;
-//!     let rig = Rig::parse("belt.toml", &std::fs::read("rigs/belt.toml")?)?.value;
+//!     // With the feature `io`; `Patch::parse` and `Rig::parse` read texts that are at hand.
+//!     let patch = io::load::patch("patches/04-heartbeat.toml")?.value;
+//!     let rig = io::load::rig("rigs/belt.toml")?.value;
 //!     // `live` keeps voices that nothing in the patch starts, and what may be moved.
 //!     let options = Options { live: true, ..Options::default() };
 //!     let mut player = Player::new(&patch, &rig, &options, &NoAssets)?;
@@ -31,7 +29,7 @@
 //! }
 //! ```
 //!
-//! [`node::asset::NoAssets`] says that there are no recordings: a patch with a node `sample` or `scan` is refused. With the feature
+//! [`NoAssets`] says that there are no recordings: a patch with a node `sample` or `scan` is refused. With the feature
 //! `io`, `io::assets::Folder` reads them from a folder. The patch's own pattern plays as well, from the first frame on; a patch of
 //! voices alone is silent until something is played.
 //!
@@ -72,3 +70,10 @@ pub mod rig;
 pub mod schedule;
 pub mod score;
 pub mod text;
+
+// What most programs begin with.
+pub use graph::scene::Options;
+pub use node::asset::NoAssets;
+pub use patch::{Patch, Place};
+pub use player::{Note, Player};
+pub use rig::Rig;

@@ -1,18 +1,19 @@
 //! A patch on a rig, playing: the engine together with the patterns that feed it.
 
 mod heard;
+pub(crate) mod stretch;
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use crate::engine::Counters;
 use crate::engine::Engine;
-use crate::engine::core::Counters;
 use crate::engine::event::{Event, Play, Source};
 use crate::graph::plan::Plan;
 use crate::graph::scene::{Options, Scene, scene};
 use crate::node::asset::Assets;
 use crate::patch::{Patch, Place};
-use crate::rig::Rig;
+use crate::rig::{Finder, Rig};
 use crate::schedule::Instant;
 use crate::score::{EventStream, HORIZON, Score, Timed, What};
 use crate::text::{Problem, Problems};
@@ -30,6 +31,7 @@ pub struct Player {
     plan: Plan,
     patch: Arc<Patch>,
     rig: Arc<Rig>,
+    finder: Arc<Finder>,
     instruments: Vec<Option<u32>>,
     /// Places of voices in the patch: by name, and by instrument.
     voices: HashMap<String, usize>,
@@ -87,8 +89,9 @@ impl Player {
             }
         }
         let roots: Vec<(usize, f64)> = patterns.iter().map(|&p| (p, 0.0)).collect();
-        let of_rig = Arc::clone(&rig);
-        let places = move |place: Option<&Place>| of_rig.resolve(place, &(0..0)).map(|i| i as u32);
+        let finder = Arc::new(Finder::new(&rig));
+        let (of_rig, found) = (Arc::clone(&rig), Arc::clone(&finder));
+        let places = move |place: Option<&Place>| of_rig.resolve_by(&found, place, &(0..0)).map(|i| i as u32);
         let score = Score::new(&patch, places, &roots, plan.seed, files)
             .map_err(|p| patch.origin.problems(vec![p]))?;
         let mut player = Self {
@@ -97,6 +100,7 @@ impl Player {
             plan,
             patch,
             rig,
+            finder,
             instruments,
             voices,
             voice_of,
@@ -233,7 +237,7 @@ impl Player {
         fields.extend(note.fields.iter().map(|(name, value)| (name.as_str(), *value)));
         let own = self.plan.play(&voice.name, &fields)?.own;
         let place = note.place.as_ref().or(voice.place.as_ref());
-        let place = self.rig.resolve(place, &(0..0))? as u32;
+        let place = self.rig.resolve_by(&self.finder, place, &(0..0))? as u32;
         if self.engine.room() <= FOR_PATTERNS {
             return Err(Problem::of_file("the engine's queue is full; play less at once"));
         }
@@ -257,7 +261,7 @@ impl Player {
     }
 
     /// Releases every voice that sounds now, held and always-on ones too: each falls silent by its own release, and one without
-    /// an envelope within [`crate::dsp::fade::FADE`]. The patterns go on, so what they play later sounds.
+    /// an envelope within 4 ms. The patterns go on, so what they play later sounds.
     pub fn release_all(&mut self) {
         let now = Instant { sample: self.engine.clock(), fraction: 0 };
         if self.engine.schedule(now, Source::Program, Event::ReleaseAll) {
@@ -291,33 +295,13 @@ impl Player {
     /// As [`Player::process`], with what came in during the same frames: interleaved frames of [`Engine::input_channels`]. Missing
     /// frames count as silence.
     pub fn process_input(&mut self, input: &[f32], output: &mut [f32]) {
-        // In stretches short enough for the engine's queue to hold what they play.
-        let (channels, ears) = (self.plan.channels.max(1), self.engine.input_channels());
-        let (mut input, mut output) = (input, output);
-        while !output.is_empty() {
-            let wanted = output.len().div_ceil(channels).min(self.plan.ratio * 256);
-            let samples = wanted / self.plan.ratio + 2;
-            let full = self.feed(self.engine.clock() + samples as u64);
-            let mut frames = full.map_or(wanted, |sample| self.engine.frames_before(sample).min(wanted));
-            if frames == 0 {
-                let room = self.engine.room();
-                self.engine.run_ahead();
-                if self.engine.room() > room {
-                    continue;
-                }
-                // Unreachable as long as the program leaves room for the patterns: better late than never.
-                frames = wanted;
-            }
-            let (now, later) = output.split_at_mut((frames * channels).min(output.len()));
-            let (heard, unheard) = input.split_at((frames * ears).min(input.len()));
-            self.engine.process_input(heard, now);
-            (input, output) = (unheard, later);
-        }
+        let ratio = self.plan.ratio;
+        stretch::play(self, ratio, input, output);
     }
 
     /// Gives the engine all events before engine sample `until`, as long as it has room. Where it has not, the sample with which
     /// the first event takes effect that did not find any.
-    fn feed(&mut self, until: u64) -> Option<u64> {
+    fn feed_before(&mut self, until: u64) -> Option<u64> {
         let until = until as f64 / self.plan.engine_rate();
         while !self.over {
             let next = match self.ahead.take().map(Ok).or_else(|| self.score.next()) {
@@ -410,6 +394,16 @@ impl Player {
             drawn,
         });
         listener(&Heard { at, instant, origin, id, what });
+    }
+}
+
+impl stretch::Feeds for Player {
+    fn engine(&mut self) -> &mut Engine {
+        &mut self.engine
+    }
+
+    fn feed(&mut self, until: u64) -> Option<u64> {
+        self.feed_before(until)
     }
 }
 

@@ -95,6 +95,18 @@ fn what_works_and_was_hardly_meant_is_a_warning_in_the_first_line() {
 }
 
 #[test]
+fn what_an_events_file_has_beyond_the_band_is_told_once() {
+    let scratch = Scratch::new("beyond");
+    scratch.write("e.csv", "at,voice,frequency\n0,tap,200\n1,tap,3000\n2,tap,4000\n");
+    let (code, head, err) = scratch.check(&patch("[pattern.p]\nevents = \"e.csv\""), &[]);
+    assert_eq!((code, head.as_str()), (0, "p.toml: 1 warning"), "{err}");
+    assert!(
+        err.contains("p.toml:10:") && err.contains("frequency 3000 of e.csv:3: nothing above 1000 Hz"),
+        "{err}"
+    );
+}
+
+#[test]
 fn a_rig_in_millimetres_is_told_once() {
     let scratch = Scratch::new("millimetres");
     let tactor =
@@ -150,6 +162,29 @@ fn the_plan_says_what_plays_how_often_and_keeps_the_rest_short() {
     assert_eq!((&pattern(1)["plays"], &pattern(1)["reached"]), (&false.into(), &true.into()));
     assert_eq!((&pattern(3)["reached"], &pattern(1)["onsets"]), (&false.into(), &5.into()));
     assert_eq!(pattern(1)["played_by"], serde_json::json!(["all"]));
+}
+
+/// A voice that is always on has no length of its own: it is released at the end, and compared as any other.
+#[test]
+fn the_error_of_what_never_ends_is_that_of_what_does() {
+    let scratch = Scratch::new("endless");
+    let error = |nodes: &str| {
+        let start = "start = \"always\"\noutput = \"o\"";
+        let text = format!(
+            "format = \"pacinian-patch/1\"\ntitle = \"T\"\n[voice.hum]\n{start}\n[voice.hum.nodes]\n{nodes}"
+        );
+        scratch.write("p.toml", &text);
+        let (code, out, err) = scratch.run(&["error", "p.toml", "--only", "--duration", "1", "--json"]);
+        assert_eq!(code, 0, "{err}");
+        let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+        (json["settings"][0]["error_db"].as_f64().unwrap(), json["rings_on"].as_bool().unwrap())
+    };
+    let (db, rings_on) = error("o = { type = \"sine\", frequency = 150, amplitude = 0.5 }");
+    assert!(db < -80.0 && !rings_on, "{db}");
+    // What no envelope ends goes on for longer than anybody waits, and that is said.
+    let lasting = "s = { type = \"sine\", frequency = 150 }\ne = { type = \"envelope\" }\n\
+                   o = { type = \"multiply\", inputs = [\"s\", \"1 + e\", 0.3] }";
+    assert!(error(lasting).1);
 }
 
 #[test]

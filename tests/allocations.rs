@@ -5,6 +5,9 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use common::scenes::busy;
+#[cfg(feature = "fundsp-nodes")]
+use common::scenes::leaves;
 use common::{compiled, play};
 use pacinian::engine::Engine;
 use pacinian::engine::event::{Event, Source};
@@ -64,49 +67,10 @@ fn counted(work: impl FnOnce()) -> u64 {
     COUNT.with(|c| c.replace(None)).unwrap_or(0)
 }
 
-const PATCH: &str = r#"
-[control.strength]
-default = 0.7
-range = [0.0, 1.0]
-[shared.nodes]
-wobble = { type = "lfo", rate = 3 }
-[voice.beat]
-voices = 24
-output = "out"
-[voice.beat.nodes]
-tone = { type = "sawtooth", frequency = "event.frequency + 20 * wobble" }
-rough = { type = "white" }
-hit = { type = "envelope", attack = 0.004, decay = 0.03, sustain = 0.4, release = 0.02 }
-soft = { type = "lowpass", input = "tone + 0.2 * rough", cutoff = "400 + 100 * wobble" }
-echo = { type = "delay", input = "soft", time = 0.01, longest = 0.05 }
-out = { type = "multiply", inputs = ["soft + 0.5 * echo", "hit", "strength"] }
-[voice.plain]
-output = "tone"
-[voice.plain.nodes]
-tone = { type = "sine", frequency = "event.frequency" }
-"#;
-
-/// One of each unit of fundsp. Strings are tuned at every start.
-#[cfg(feature = "fundsp-nodes")]
-const LEAVES: &str = r#"
-[voice.leaves]
-voices = 24
-output = "out"
-[voice.leaves.nodes]
-string = { type = "pluck", frequency = "event.frequency" }
-orbit = { type = "chaos", frequency = "event.frequency" }
-turn = { type = "chaos", frequency = 3, system = "roessler" }
-rumble = { type = "brown", corner = "event.frequency" }
-soft = { type = "ladder", input = "string + rumble", cutoff = "300 + 100 * orbit", resonance = "0.5 + 0.3 * turn" }
-body = { type = "bell", input = "soft", frequency = 180, gain = "6 * turn" }
-hit = { type = "envelope", attack = 0.004, release = 0.02 }
-out = { type = "multiply", inputs = ["body", "hit"] }
-"#;
-
 #[cfg(feature = "fundsp-nodes")]
 #[test]
 fn units_of_fundsp_have_all_memory_from_the_beginning() {
-    let plan = compiled(LEAVES, 16, 48_000.0).plan;
+    let plan = compiled(&leaves(24, 8), 16, 48_000.0).plan;
     let (_director, mut stagehand) = exchange(&plan).unwrap();
     let mut frames = vec![0.0; 480 * 16];
     let mut total = 0;
@@ -137,8 +101,8 @@ fn the_counter_counts() {
 
 #[test]
 fn a_hundred_thousand_events_and_a_hundred_plans() {
-    let first = compiled(PATCH, 16, 48_000.0).plan;
-    let second = compiled(&PATCH.replace("time = 0.01", "time = 0.02"), 16, 48_000.0).plan;
+    let first = compiled(&busy(24, 8), 16, 48_000.0).plan;
+    let second = compiled(&busy(24, 8).replace("time = 0.01", "time = 0.02"), 16, 48_000.0).plan;
     let (mut director, mut stagehand) = exchange(&first).unwrap();
     let mut frames = vec![0.0; 480 * 16];
     let (mut total, mut sent, mut events) = (0, 0_u32, 0_u32);
@@ -170,25 +134,25 @@ fn a_hundred_thousand_events_and_a_hundred_plans() {
 }
 
 /// Sends a control to where a shared node is, at every sample.
-struct Servo;
+struct Servo(usize);
 
 impl Task for Servo {
     fn beat(&self) -> Beat {
         Beat::every(1)
     }
     fn run(&mut self, board: &mut dyn Values) {
-        let value = board.signal(0);
+        let value = board.signal(self.0);
         board.send(0, value);
     }
 }
 
 #[test]
 fn periodic_tasks() {
-    let plan = compiled(PATCH, 16, 48_000.0).plan;
+    let plan = compiled(&busy(24, 8), 16, 48_000.0).plan;
     let mut engine = Engine::new(&plan).unwrap();
     let (meter, level) = Meter::new(plan.signal("wobble").unwrap(), Beat::every(1));
     engine.add_task(Box::new(meter));
-    engine.add_task(Box::new(Servo));
+    engine.add_task(Box::new(Servo(plan.signal("wobble").unwrap())));
     engine.schedule(Instant::default(), Source::Program, Event::Play(play(0, 3, 80.0, 10.0, 1)));
     let mut frames = vec![0.0; 480 * 16];
     let total = counted(|| {
@@ -206,11 +170,11 @@ fn periodic_tasks() {
 fn memory_is_what_was_foreseen() {
     let delay = "[voice.v]\nvoices = 40\noutput = \"d\"\n[voice.v.nodes]\ns = { type = \"white\" }\n\
         d = { type = \"delay\", input = \"s\", time = 0.1, longest = 0.5 }\n";
-    let wide = PATCH.replace("voices = 24", "voices = 2000");
+    let wide = busy(2000, 8);
     #[allow(unused_mut)]
-    let mut scenes = vec![(delay.to_string(), 2), (PATCH.to_string(), 16), (wide.clone(), 16), (wide, 256)];
+    let mut scenes = vec![(delay.to_string(), 2), (busy(24, 8), 16), (wide.clone(), 16), (wide, 256)];
     #[cfg(feature = "fundsp-nodes")]
-    scenes.push((LEAVES.replace("voices = 24", "voices = 500"), 4));
+    scenes.push((leaves(500, 8), 4));
     for (text, channels) in scenes {
         let plan = compiled(&text, channels, 48_000.0).plan;
         for plan in [plan.clone(), Plan { precision: Precision::Double, ..plan }] {

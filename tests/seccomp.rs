@@ -11,6 +11,7 @@ use std::process::{Command, ExitStatus};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
+use common::scenes::busy;
 use common::{compiled, play};
 use pacinian::engine::event::{Event, Source};
 use pacinian::engine::exchange::{Stagehand, exchange};
@@ -22,29 +23,6 @@ const TASK: &str = "PACINIAN_SECCOMP";
 /// How a child ends that has done it, and one that could not be filtered; libtest uses neither.
 const DONE: i32 = 42;
 const NO_FILTER: i32 = 43;
-
-const PATCH: &str = r#"
-[control.strength]
-default = 0.7
-range = [0.0, 1.0]
-[shared.nodes]
-wobble = { type = "lfo", rate = 3 }
-ear = { type = "input" }
-[voice.beat]
-voices = 24
-output = "out"
-[voice.beat.nodes]
-tone = { type = "sawtooth", frequency = "event.frequency + 20 * wobble" }
-rough = { type = "white" }
-hit = { type = "envelope", attack = 0.004, decay = 0.03, sustain = 0.4, release = 0.02 }
-soft = { type = "lowpass", input = "tone + 0.2 * rough + ear", cutoff = "400 + 100 * wobble" }
-echo = { type = "delay", input = "soft", time = 0.01, longest = 0.05 }
-out = { type = "multiply", inputs = ["soft + 0.5 * echo", "hit", "strength"] }
-[voice.plain]
-output = "tone"
-[voice.plain.nodes]
-tone = { type = "sine", frequency = "event.frequency" }
-"#;
 
 const CHANNELS: usize = 16;
 const FRAMES: usize = 480;
@@ -125,8 +103,9 @@ fn perform(mut stagehand: Stagehand, task: &str, progress: &Progress) -> ! {
 #[test]
 fn child() {
     let Ok(task) = std::env::var(TASK) else { return };
-    let plan =
-        |time: &str| -> Plan { compiled(&PATCH.replace("0.01,", time), CHANNELS as u32, 48_000.0).plan };
+    let plan = |time: &str| -> Plan {
+        compiled(&busy(24, 8).replace("0.01,", time), CHANNELS as u32, 48_000.0).plan
+    };
     let plans = [plan("0.01,"), plan("0.02,")];
     let (mut director, stagehand) = exchange(&plans[0]).unwrap();
     // The audio thread goes on when this function ends.

@@ -2,6 +2,9 @@
 
 mod common;
 
+use common::scenes::busy;
+#[cfg(feature = "fundsp-nodes")]
+use common::scenes::leaves;
 use common::{compiled, play, run, schedule};
 use pacinian::dsp::isa::Isa;
 use pacinian::engine::Engine;
@@ -9,55 +12,15 @@ use pacinian::engine::event::{Event, Source};
 use pacinian::graph::plan::Precision;
 use pacinian::schedule::Instant;
 
-const PATCH: &str = r#"
-[control.strength]
-default = 0.7
-range = [0.0, 1.0]
-[shared.nodes]
-wobble = { type = "sine", frequency = 3 }
-[voice.beat]
-voices = 5
-output = "out"
-[voice.beat.nodes]
-tone = { type = "sawtooth", frequency = "event.frequency + 20 * wobble" }
-rough = { type = "white" }
-hit = { type = "envelope", attack = 0.004, decay = 0.03, sustain = 0.4, release = 0.02 }
-soft = { type = "lowpass", input = "tone + 0.2 * rough", cutoff = "400 + 100 * wobble" }
-out = { type = "multiply", inputs = ["soft", "hit", "strength"] }
-[voice.plain]
-voices = 3
-output = "tone"
-[voice.plain.nodes]
-tone = { type = "sine", frequency = "event.frequency" }
-"#;
-
-/// The same with units of fundsp.
-#[cfg(feature = "fundsp-nodes")]
-const LEAVES: &str = r#"
-[voice.beat]
-voices = 5
-output = "out"
-[voice.beat.nodes]
-string = { type = "pluck", frequency = "event.frequency" }
-orbit = { type = "chaos", frequency = "event.frequency" }
-turn = { type = "chaos", frequency = 3, system = "roessler" }
-rumble = { type = "brown", corner = "event.frequency" }
-soft = { type = "ladder", input = "string + rumble", cutoff = "300 + 100 * orbit", resonance = "0.5 + 0.3 * turn" }
-body = { type = "bell", input = "soft", frequency = 180, gain = "6 * turn" }
-hit = { type = "envelope", attack = 0.004, release = 0.02 }
-out = { type = "multiply", inputs = ["body", "hit"] }
-[voice.plain]
-voices = 3
-output = "string"
-[voice.plain.nodes]
-string = { type = "pluck", frequency = "event.frequency" }
-"#;
-
-const PATCHES: &[&str] = &[
-    PATCH,
-    #[cfg(feature = "fundsp-nodes")]
-    LEAVES,
-];
+/// Each with each precision.
+fn scenes() -> impl Iterator<Item = (String, Precision)> {
+    let patches = [
+        busy(5, 3),
+        #[cfg(feature = "fundsp-nodes")]
+        leaves(5, 3),
+    ];
+    patches.into_iter().flat_map(|patch| [(patch.clone(), Precision::Single), (patch, Precision::Double)])
+}
 
 fn rendered(patch: &str, isa: Isa, precision: Precision, calls: &[usize]) -> Vec<u32> {
     let mut plan = compiled(patch, 11, 48_000.0).plan;
@@ -81,12 +44,11 @@ fn rendered(patch: &str, isa: Isa, precision: Precision, calls: &[usize]) -> Vec
 
 #[test]
 fn any_cut_gives_the_same_bits() {
-    let each = PATCHES.iter().flat_map(|patch| [(*patch, Precision::Single), (*patch, Precision::Double)]);
-    for (patch, precision) in each {
-        let whole = rendered(patch, Isa::detect(), precision, &[24_000]);
+    for (patch, precision) in scenes() {
+        let whole = rendered(&patch, Isa::detect(), precision, &[24_000]);
         for calls in [&[1][..], &[7], &[64], &[480], &[3, 1000, 1, 17, 250, 64]] {
             assert!(
-                rendered(patch, Isa::detect(), precision, calls) == whole,
+                rendered(&patch, Isa::detect(), precision, calls) == whole,
                 "{precision:?} in calls of {calls:?}"
             );
         }
@@ -95,10 +57,9 @@ fn any_cut_gives_the_same_bits() {
 
 #[test]
 fn any_instruction_set_gives_the_same_bits() {
-    let each = PATCHES.iter().flat_map(|patch| [(*patch, Precision::Single), (*patch, Precision::Double)]);
-    for (patch, precision) in each {
-        let best = rendered(patch, Isa::detect(), precision, &[480]);
-        assert!(rendered(patch, Isa::Baseline, precision, &[480]) == best, "{precision:?}");
+    for (patch, precision) in scenes() {
+        let best = rendered(&patch, Isa::detect(), precision, &[480]);
+        assert!(rendered(&patch, Isa::Baseline, precision, &[480]) == best, "{precision:?}");
     }
 }
 

@@ -11,6 +11,7 @@ use super::plan::precision;
 use super::problems;
 use super::progress::Progress;
 use super::render::seconds;
+use super::setting::{self, Setting};
 use super::stop::Stop;
 use super::table::Table;
 use super::terminal::Terminal;
@@ -19,6 +20,7 @@ use pacinian::engine::refusal::Refusal;
 use pacinian::graph::plan::{Plan, Precision};
 use pacinian::io::out;
 use pacinian::player::Player;
+use pacinian::report::measure::RING;
 use pacinian::report::plot::{Axis, Chart, Point, Series};
 use pacinian::report::{Measured, Reference, Take};
 use pacinian::rig::OutputKind;
@@ -72,8 +74,12 @@ pub struct Row {
 #[derive(Debug, Serialize)]
 struct Answer {
     seconds: f64,
+    /// Controls that the command line set.
+    set: Vec<Setting>,
     voices_stolen: u64,
     limited: u64,
+    /// Whether something still rings so long after its release at the end that it was cut.
+    rings_on: bool,
     settings: Vec<Row>,
 }
 
@@ -115,6 +121,8 @@ impl Error {
             input: input.as_ref().map_or(&[], |input| input.channels()),
             seconds,
         };
+        let rings = take.rings(player.plan());
+        memory.check(seconds + rings, take.events.len())?;
         let mut ideals: Vec<(u8, Reference)> = Vec::new();
         let mut rows = Vec::new();
         for (i, (number, taps)) in settings.iter().enumerate() {
@@ -151,8 +159,10 @@ impl Error {
         drop(progress);
         let answer = Answer {
             seconds,
+            set: loaded.settings.clone(),
             voices_stolen: player.counters().stolen,
             limited: player.engine().stage().counts().limited,
+            rings_on: rings >= RING,
             settings: rows,
         };
         if let Some(output) = &self.output {
@@ -236,7 +246,9 @@ fn text(answer: &Answer, loaded: &Loaded, terminal: &Terminal) -> String {
             format!("{:.0}", row.times_real_time),
         ]);
     }
-    let mut text = format!("{}: {:.3} s\n{}", paint.bold(loaded.name()), answer.seconds, table.text());
+    let set =
+        if answer.set.is_empty() { String::new() } else { format!(", {}", setting::named(&answer.set)) };
+    let mut text = format!("{}: {:.3} s{set}\n{}", paint.bold(loaded.name()), answer.seconds, table.text());
     for what in answer.reservations(loaded) {
         text += &paint.yellow(&format!("  {what}\n"));
     }
@@ -251,6 +263,10 @@ impl Answer {
             (
                 self.voices_stolen > 0,
                 "voices were stolen, which the reference does not model: the error says little",
+            ),
+            (
+                self.rings_on,
+                "something rings for 8 s and more after the end: where it is cut counts as error",
             ),
             (raw, "raw outputs are not band-limited: what they have above 1 kHz counts, too"),
             (

@@ -3,6 +3,7 @@
 use super::by_default;
 use super::failure::Failure;
 use super::named::{Codes, Watched, named};
+use super::setting::{self, Setting};
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
@@ -11,7 +12,7 @@ use pacinian::patch::{self, Events, Patch};
 use pacinian::player::Player;
 use pacinian::rig::{RATES, Rig, usual_ratio};
 use pacinian::score::EventStream;
-use pacinian::text::{Checked, Problem, Problems, Severity, nearest, reader::Sink};
+use pacinian::text::{Checked, Problem, Problems, Severity, Sink, nearest};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,7 +20,7 @@ use std::sync::Arc;
 /// What is played on what, and how.
 #[derive(Debug, Clone, Args)]
 pub struct Scene {
-    /// The patch, a TOML file: what is felt, and when
+    /// The patch, a TOML file: what is felt, and when; - for standard input
     pub patch: PathBuf,
     /// The rig, a TOML file: which tactor hangs on which channel [default: a line of tactors, t1 to t8, or as many as the patch needs]
     #[arg(long, value_name = "RIG")]
@@ -33,6 +34,9 @@ pub struct Scene {
     /// The seed of everything random [default: what the patch says, else 0]
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+    /// Sets a control of the patch from the start on, in place of its `default`; may be given for each control
+    #[arg(long = "set", value_name = "CONTROL=VALUE")]
+    pub settings: Vec<Setting>,
     /// Number type that voices are computed in
     #[arg(long, value_name = "TYPE", value_enum, default_value_t = Number::F32)]
     pub precision: Number,
@@ -74,6 +78,8 @@ pub struct Loaded {
     pub surveyed: Vec<(String, u64)>,
     /// Every file that was read.
     pub files: Vec<PathBuf>,
+    /// Controls that the command line set.
+    pub settings: Vec<Setting>,
     /// What the `input` nodes hear.
     pub input: Option<Arc<Input>>,
     /// Its name as the person wrote it.
@@ -89,6 +95,12 @@ impl Scene {
     /// All problems of patch, rig, recordings and events files at once.
     pub fn load(&self, all: bool, duration: Option<f64>) -> Result<Loaded, Failure> {
         let mut failure = Failure::default();
+        if self.patch.as_os_str() == "-" && self.rig.as_ref() == Some(&self.patch) {
+            return Err(Failure::usage(
+                "patch and rig cannot both come from standard input",
+                "name a file for one of them: --rig RIG",
+            ));
+        }
         let patch = read(&self.patch, 65, &mut failure);
         let rig = self.rig.as_ref().map(|path| read(path, 78, &mut failure));
         self.understand(patch, rig, failure, all, duration)
@@ -109,6 +121,7 @@ impl Scene {
             pattern: None,
             rate: None,
             seed: None,
+            settings: Vec::new(),
             precision: Number::F32,
             taps: 6,
             input: None,
@@ -129,7 +142,7 @@ impl Scene {
     ) -> Result<Loaded, Failure> {
         let mut warnings = Vec::new();
         let Text { name, bytes } = patch;
-        let may = patch::Options { allow_outside: self.allow_outside };
+        let may = patch::Permissions { allow_outside: self.allow_outside };
         let parsed = bytes.as_ref().map(|bytes| Patch::parse_with(&name, bytes, may));
         let patch = parsed.and_then(|parsed| sound(parsed, 65, &mut warnings, &mut failure));
         let given = rig.map(|Text { name, bytes }| {
@@ -150,7 +163,7 @@ impl Scene {
     /// What is wrong with patch and rig together.
     fn join(
         &self,
-        patch: Patch,
+        mut patch: Patch,
         given: Option<Rig>,
         source: Problems,
         warnings: Vec<Problems>,
@@ -160,13 +173,16 @@ impl Scene {
         let by_default = given.is_none();
         let rig = given.unwrap_or_else(|| by_default::rig(&patch));
         self.check_words(&patch)?;
+        setting::set(&mut patch, &self.settings)?;
         let rate = self.rate.map(f64::from).or(rig.device.rate).unwrap_or(48_000.0);
         if rate.fract() != 0.0 {
             let what = format!("the rig's device has a rate of {rate} Hz, which no WAV file can say");
             return Err(Failure::usage(what, format!("give a whole number: --rate {rate:.0}")));
         }
         let engine_rate = rate / usual_ratio(rate) as f64;
-        let root = self.patch.parent().unwrap_or(Path::new(""));
+        // What comes through a pipe lies nowhere: its paths count from where the person is.
+        let parent = self.patch.parent().filter(|_| !text::is_stream(&self.patch));
+        let root = parent.unwrap_or(Path::new(""));
         // Twice the engine's rate, so that a recording may be played at half its speed and keep its band.
         let folder =
             Folder::new(root).allow_outside(self.allow_outside).at_rate(2.0 * engine_rate).holding(self.held);
@@ -185,9 +201,12 @@ impl Scene {
         let watched = Watched::new(&folder);
         let mut problems = rig.check_places(&patch);
         let live = Options { live: true, ..options.clone() };
-        let mut listened = Vec::new();
+        let (mut listened, mut unheard) = (Vec::new(), None);
         match scene(&patch, &rig, if all { &live } else { &options }, &watched) {
-            Ok(scene) => listened = scene.plan.inputs(),
+            Ok(scene) => {
+                listened = scene.plan.inputs();
+                unheard = setting::unheard(&patch, &self.settings, &scene.plan.left_out);
+            }
             Err(more) => problems.extend(more.list),
         }
         // A comparison with the reference goes on for a moment.
@@ -195,7 +214,7 @@ impl Scene {
         let heard = |path: &PathBuf| Input::open_for(path, rate, &listened, needed);
         let heard = self.input.as_ref().map(heard).transpose();
 
-        let mut surveyed = Vec::new();
+        let (mut surveyed, mut unfelt) = (Vec::new(), Vec::new());
         let mut seen = watched.finish();
         for pattern in &patch.patterns {
             let Events::File(path, span) = &pattern.events else { continue };
@@ -208,6 +227,7 @@ impl Scene {
                     seen.paths.extend(folder.resolve(path));
                     let at = |p: Problem| Problem { span: Some(span.clone()), ..p };
                     problems.extend(survey.problems.into_iter().map(at));
+                    unfelt.extend(survey.advice.into_iter().map(at));
                 }
                 Err(error) => {
                     problems.push(Problem::error(span, error.message.as_str()));
@@ -227,15 +247,23 @@ impl Scene {
             options,
             warnings,
             surveyed,
+            settings: self.settings.clone(),
             files,
             input: None,
             input_name: self.input.as_ref().map(|path| path.display().to_string()),
             source,
             folder,
         };
-        let read = [Some(self.patch.clone()), self.rig.clone(), self.input.clone()];
-        loaded.files.extend(read.into_iter().flatten());
+        let read = [Some(&self.patch), self.rig.as_ref(), self.input.as_ref()].into_iter().flatten();
+        // Standard input may be a file, too.
+        let on_disk =
+            |path: &PathBuf| if path.as_os_str() == "-" { "/dev/stdin".into() } else { path.clone() };
+        loaded.files.extend(read.map(on_disk));
         let deaf = self.input.is_none() && !listened.is_empty();
+        loaded.warnings.extend(unheard);
+        if !unfelt.is_empty() {
+            loaded.warnings.push(loaded.patch.origin.problems(unfelt));
+        }
         loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf));
         let mut failure = Failure::default();
         if problems.iter().any(Problem::is_error) {
@@ -371,7 +399,7 @@ fn sound<T>(
 
 /// A document; `code` is that of one whose content is wrong.
 fn read(path: &Path, code: u8, failure: &mut Failure) -> Text {
-    let name = path.display().to_string();
+    let name = if path.as_os_str() == "-" { "stdin".into() } else { path.display().to_string() };
     match text::read(path) {
         Ok(bytes) => Text { name, bytes: Some(bytes) },
         Err(error) => {

@@ -25,6 +25,7 @@ mod problems;
 mod progress;
 mod render;
 mod schema;
+mod setting;
 mod stop;
 mod summary;
 mod table;

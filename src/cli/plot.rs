@@ -68,7 +68,11 @@ impl Plot {
             out::write(&self.output, svg.as_bytes())?;
             let shown = terminal.out.bold(&self.output.display().to_string());
             let rows = super::table::many(collector.peaks().len(), "channel");
-            terminal.print(&format!("{shown}: {rows}, {:.3} s\n", collector.seconds()))?;
+            let set = match loaded.settings.as_slice() {
+                [] => String::new(),
+                set => format!(", {}", super::setting::named(set)),
+            };
+            terminal.print(&format!("{shown}: {rows}, {:.3} s{set}\n", collector.seconds()))?;
         }
         match (performed.stopped, player.trouble()) {
             (Some(code), _) => {
@@ -97,5 +101,8 @@ pub fn style(loaded: &Loaded) -> Style {
     } else {
         format!("{} on {}", loaded.name(), loaded.rig.title)
     };
+    if !loaded.settings.is_empty() {
+        style.subtitle += &format!(", {}", super::setting::named(&loaded.settings));
+    }
     style
 }

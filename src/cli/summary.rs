@@ -5,6 +5,7 @@ use super::left_out::{Left, left_out, left_out_text};
 use super::load::Loaded;
 use super::paint::Paint;
 use super::perform::Performed;
+use super::setting::{Setting, named};
 use super::table::{Table, dbfs, grouped, hertz, many};
 use pacinian::io::wav::{Encoding, Written};
 use pacinian::player::Player;
@@ -24,6 +25,8 @@ pub struct Summary {
     seconds: f64,
     bytes: u64,
     rf64: bool,
+    /// Controls that the command line set.
+    set: Vec<Setting>,
     /// What the patch listens to; null where that is nothing.
     input: Option<InputReport>,
     /// Largest magnitude by channel.
@@ -91,6 +94,7 @@ impl Summary {
             seconds,
             bytes: written.bytes,
             rf64: written.rf64,
+            set: loaded.settings.clone(),
             input: InputReport::of(loaded, player),
             peaks: performed.peaks.iter().enumerate().map(peak).collect(),
             run_time_seconds: run_time,
@@ -118,6 +122,9 @@ impl Summary {
         table.row(["length".into(), format!("{:.3} s, {}", self.seconds, size(self.bytes))]);
         let speed = format!("{:.0} x real time", self.times_real_time);
         table.row(["run time".into(), format!("{:.3} s of wall time, {speed}", self.run_time_seconds)]);
+        if !self.set.is_empty() {
+            table.row(["set".into(), named(&self.set)]);
+        }
         if let Some(input) = &self.input {
             table.row(["input".into(), input.text()]);
         }

@@ -19,7 +19,7 @@ impl Complex {
     }
 
     /// The unit vector at `angle` (radians).
-    pub fn turned(angle: f64) -> Self {
+    pub(crate) fn turned(angle: f64) -> Self {
         Self::new(angle.cos(), angle.sin())
     }
 
@@ -29,7 +29,7 @@ impl Complex {
     }
 
     /// Angle (radians, ±π).
-    pub fn angle(self) -> f64 {
+    pub(crate) fn angle(self) -> f64 {
         self.im.atan2(self.re)
     }
 }
@@ -70,7 +70,7 @@ impl Div for Complex {
 }
 
 /// Sections of an equaliser, at most, wherever one is described or built.
-pub const MOST_SECTIONS: usize = 16;
+pub(crate) const MOST_SECTIONS: usize = 16;
 
 /// A second-order section, (b0 + b1 z⁻¹ + b2 z⁻²) / (1 + a1 z⁻¹ + a2 z⁻²).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,7 +113,7 @@ impl Biquad {
     }
 
     /// One sample through the section (transposed direct form II); `state` starts at zero.
-    pub fn step(&self, state: &mut [f64; 2], x: f64) -> f64 {
+    pub(crate) fn step(&self, state: &mut [f64; 2], x: f64) -> f64 {
         let y = self.b[0] * x + state[0];
         state[0] = self.b[1] * x - self.a[0] * y + state[1];
         state[1] = self.b[2] * x - self.a[1] * y;

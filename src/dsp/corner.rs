@@ -86,13 +86,13 @@ impl Corner {
 }
 
 /// Points of the frequency grid, from 0 to a quarter of the rate.
-const GRID: usize = 96;
+const POINTS: usize = 96;
 
 /// Least squares for one order: the factored normal equations.
 struct Fit {
     order: usize,
     /// Radians a sample, and the square of the weight there.
-    grid: [(f64, f64); GRID],
+    grid: [(f64, f64); POINTS],
     /// Lower triangle of Cholesky's factor.
     factor: [[f64; TAPS]; TAPS],
 }
@@ -102,7 +102,7 @@ impl Fit {
         // 0.14 of the rate is 1 kHz at 7,350 Hz, the lowest engine rate of the usual devices.
         let edge = std::f64::consts::TAU * 0.14;
         let grid = std::array::from_fn(|k| {
-            let w = std::f64::consts::FRAC_PI_2 * (k as f64 + 0.5) / GRID as f64;
+            let w = std::f64::consts::FRAC_PI_2 * (k as f64 + 0.5) / POINTS as f64;
             let weight = if w <= edge { 1.0 } else { 0.05 } * w.powi(order as i32 + 1);
             (w, weight * weight)
         });
@@ -112,7 +112,7 @@ impl Fit {
                 let mut sum: f64 = grid.iter().map(|(w, weight)| weight * (w * (i - j) as f64).cos()).sum();
                 if i == j {
                     // Tikhonov's term keeps the taps small where the band leaves them free.
-                    sum += 1e-12 * GRID as f64;
+                    sum += 1e-12 * POINTS as f64;
                 }
                 sum -= factor[i][..j].iter().zip(&factor[j]).map(|(a, b)| a * b).sum::<f64>();
                 factor[i][j] = if i == j { sum.sqrt() } else { sum / factor[j][j] };
@@ -195,23 +195,13 @@ pub struct Corrections<R> {
     head: usize,
     /// Rows from the head on that may hold something.
     pending: usize,
-    /// Samples taken so far, and for each lane the count at which its last correction is over.
-    clock: u64,
-    over: [u64; LANES],
     table: &'static Corner,
 }
 
 impl<R: Real> Corrections<R> {
     /// None under way. Computes the table if that has not been done.
     pub fn new() -> Self {
-        Self {
-            rows: [[R::ZERO; LANES]; RING],
-            head: 0,
-            pending: 0,
-            clock: 0,
-            over: [0; LANES],
-            table: Corner::prepare(),
-        }
+        Self { rows: [[R::ZERO; LANES]; RING], head: 0, pending: 0, table: Corner::prepare() }
     }
 
     /// Forgets what is under way on `lane`.
@@ -219,7 +209,6 @@ impl<R: Real> Corrections<R> {
         for row in &mut self.rows {
             row[lane] = R::ZERO;
         }
-        self.over[lane] = self.clock;
     }
 
     /// Derivatives 0, 1, … of the signal on `lane`, by samples, jump by `heights` at 1 to 2 samples after the next one.
@@ -235,24 +224,12 @@ impl<R: Real> Corrections<R> {
                 self.rows[(self.head + k) % RING][lane] += R::of(height * tap);
             }
             self.pending = TAPS;
-            self.over[lane] = self.clock + TAPS as u64;
         }
-    }
-
-    /// The value on `lane` jumps by `height`; see [`Corrections::add`].
-    pub fn jump(&mut self, lane: usize, ahead: f64, height: f64) {
-        self.add(lane, ahead, &[height]);
-    }
-
-    /// The slope on `lane` changes by `change` a sample; see [`Corrections::add`].
-    pub fn corner(&mut self, lane: usize, ahead: f64, change: f64) {
-        self.add(lane, ahead, &[0.0, change]);
     }
 
     /// What is added to the next sample.
     #[inline(always)]
     pub fn next_row(&mut self) -> [R; LANES] {
-        self.clock += 1;
         if self.pending == 0 {
             return [R::ZERO; LANES];
         }
@@ -272,24 +249,12 @@ impl<R: Real> Corrections<R> {
                 out[l] += row[l];
             }
         }
-        self.clock += (output.len() - due) as u64;
     }
 
     /// Whether nothing is under way on any lane.
     #[inline(always)]
     pub fn are_over(&self) -> bool {
         self.pending == 0
-    }
-
-    /// Passes over samples to which there is nothing to add.
-    #[inline(always)]
-    pub fn skip(&mut self, samples: u64) {
-        self.clock += samples;
-    }
-
-    /// Whether nothing is under way on `lane`.
-    pub fn is_over(&self, lane: usize) -> bool {
-        self.clock >= self.over[lane]
     }
 }
 
@@ -376,11 +341,11 @@ mod tests {
         let mut corrections = Corrections::<f64>::new();
         let table = Corner::prepare();
         for round in 0..40_usize {
-            corrections.jump(2, 1.5, 2.0);
+            corrections.add(2, 1.5, &[2.0]);
             corrections.next_row();
-            corrections.corner(2, 1.25, 1.0);
-            corrections.jump(5, 2.0, f64::NAN);
-            assert!(!corrections.is_over(2) && corrections.is_over(5));
+            corrections.add(2, 1.25, &[0.0, 1.0]);
+            corrections.add(5, 2.0, &[f64::NAN]);
+            assert!(!corrections.are_over());
             for n in 1..TAPS + 1 + round % 5 {
                 let row = corrections.next_row();
                 let jump = if n < TAPS { 2.0 * table.taps(0, 1.5)[n] } else { 0.0 };
@@ -389,7 +354,7 @@ mod tests {
                     assert_eq!(value, if lane == 2 { jump + corner } else { 0.0 }, "lane {lane}, sample {n}");
                 }
             }
-            assert!((0..LANES).all(|lane| corrections.is_over(lane)));
+            assert!(corrections.are_over());
         }
     }
 
@@ -407,6 +372,6 @@ mod tests {
         }
         one.add(4, 1.1, &[1.0]);
         one.clear(4);
-        assert!(one.is_over(4) && one.next_row() == [0.0; LANES]);
+        assert_eq!(one.next_row(), [0.0; LANES]);
     }
 }

@@ -3,9 +3,11 @@
 //! T weights (a multiple of 8) for the samples 0 .. T − 1 give the value at a place between them. They minimise the mean square error over the
 //! frequencies up to `band` (least squares: Laakso, Välimäki, Karjalainen, Laine, "Splitting the unit delay", IEEE Signal
 //! Processing Magazine, 1996, III.B), with 1e-13 of that weight on their own size, so that what lies beyond is not amplified much.
-//! They are kept for every 1/512 of a sample, with a straight line between.
+//! They are kept for every 1/512 of a sample, with a straight line between; once for all that ask for the same.
 
 use super::lanes::Real;
+use std::any::Any;
+use std::sync::{Mutex, PoisonError};
 
 const STEPS: f64 = 512.0;
 
@@ -13,35 +15,51 @@ fn count(first: f64, last: f64) -> usize {
     ((last - first) * STEPS).ceil() as usize + 2
 }
 
+/// Weights, by the places and the band that they are for.
+type Table = ([u64; 3], Box<dyn Any + Send>);
+
+/// All that were asked for.
+static TABLES: Mutex<Vec<Table>> = Mutex::new(Vec::new());
+
 /// Weights for places from `first` on.
 #[derive(Debug)]
-pub struct Fractional<R, const T: usize> {
-    rows: Vec<[R; T]>,
+pub struct Fractional<R: 'static, const T: usize> {
+    rows: &'static [[R; T]],
     first: f64,
 }
 
 impl<R: Real, const T: usize> Fractional<R, T> {
-    /// Weights for places from `first` to `last`, for frequencies up to `band` (in shares of the rate).
+    /// Weights for places from `first` to `last`, for frequencies up to `band` (in shares of the rate). The first who asks computes
+    /// them, and they stay for as long as the program runs: it is for those who ask for the same few over and over, and not for
+    /// the audio thread.
     pub fn new(first: f64, last: f64, band: f64) -> Self {
+        let asked = [first, last, band].map(f64::to_bits);
+        let mut tables = TABLES.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = tables.iter().filter(|(of, _)| *of == asked);
+        // Of that number type and that many taps.
+        let rows = known.filter_map(|(_, rows)| rows.downcast_ref::<&'static [[R; T]]>()).next().copied();
+        let rows = rows.unwrap_or_else(|| {
+            let rows: &'static [[R; T]] = Self::compute(first, last, band).leak();
+            tables.push((asked, Box::new(rows)));
+            rows
+        });
+        Self { rows, first }
+    }
+
+    fn compute(first: f64, last: f64, band: f64) -> Vec<[R; T]> {
         let count = count(first, last);
         let sinc = |x: f64| {
             let angle = std::f64::consts::TAU * band * x;
             2.0 * band * if angle == 0.0 { 1.0 } else { angle.sin() / angle }
         };
         let inverse = inverse(|j, k| sinc(j as f64 - k as f64) + if j == k { 1e-13 } else { 0.0 }, T);
-        let rows = (0..count)
+        (0..count)
             .map(|n| {
                 let place = first + n as f64 / STEPS;
                 let target: Vec<f64> = (0..T).map(|k| sinc(k as f64 - place)).collect();
                 std::array::from_fn(|j| R::of(inverse[j].iter().zip(&target).map(|(a, b)| a * b).sum()))
             })
-            .collect();
-        Self { rows, first }
-    }
-
-    /// Bytes that weights for places from `first` to `last` take.
-    pub fn heap(first: f64, last: f64) -> usize {
-        count(first, last) * size_of::<[R; T]>()
+            .collect()
     }
 
     /// The value at `place` among `samples`; places outside the range count as its ends, what is not a number as the first.
@@ -113,6 +131,19 @@ mod tests {
                 assert!(error < most, "{turns} at {place}: {error}");
             }
         }
+    }
+
+    #[test]
+    fn who_asks_for_the_same_gets_the_same() {
+        let of = |last| Fractional::<f32, 8>::new(3.0, last, 0.136);
+        let (a, b, c) = (of(7.0), of(7.0), of(6.0));
+        assert!(std::ptr::eq(a.rows, b.rows));
+        assert!(!std::ptr::eq(a.rows, c.rows) && a.rows.len() > c.rows.len());
+        let wide = Fractional::<f64, 8>::new(3.0, 7.0, 0.136);
+        let long = Fractional::<f32, 16>::new(3.0, 7.0, 0.136);
+        assert_eq!((wide.rows.len(), long.rows.len()), (a.rows.len(), a.rows.len()));
+        // They are what would be computed anew.
+        assert_eq!(a.rows, Fractional::<f32, 8>::compute(3.0, 7.0, 0.136));
     }
 
     #[test]

@@ -42,8 +42,6 @@ pub trait Real:
     fn max(self, other: Self) -> Self;
     /// The smaller of two; the other one where one is not a number.
     fn min(self, other: Self) -> Self;
-    /// The largest whole number that is not above.
-    fn floor(self) -> Self;
     /// Neither infinite nor not-a-number.
     fn is_finite(self) -> bool;
     /// Whether all values are finite.
@@ -82,10 +80,6 @@ macro_rules! real {
             #[inline(always)]
             fn min(self, other: Self) -> Self {
                 if self < other || other.is_nan() { self } else { other }
-            }
-            #[inline(always)]
-            fn floor(self) -> Self {
-                self.floor()
             }
             #[inline(always)]
             fn is_finite(self) -> bool {

@@ -1,19 +1,19 @@
 //! Blocks that several rooms share.
 
 pub mod biquad;
-pub mod corner;
-pub mod elementary;
-pub mod elliptic;
-pub mod fade;
-pub mod fractional;
-pub mod interleaved;
-pub mod interpolator;
+pub(crate) mod corner;
+pub(crate) mod elementary;
+pub(crate) mod elliptic;
+pub(crate) mod fade;
+pub(crate) mod fractional;
+pub(crate) mod interleaved;
+pub(crate) mod interpolator;
 pub mod isa;
 pub mod lanes;
-pub mod phase;
-pub mod quadrature;
-pub mod random;
-pub mod recording;
-pub mod sine;
-pub mod svf;
-pub mod wavetable;
+pub(crate) mod phase;
+pub(crate) mod quadrature;
+pub(crate) mod random;
+pub(crate) mod recording;
+pub(crate) mod sine;
+pub(crate) mod svf;
+pub(crate) mod wavetable;

@@ -1,10 +1,5 @@
 //! Phase as a 64-bit fraction of a turn: it wraps by itself and keeps a frequency exact for hours.
 
-/// Phase step a sample for `frequency` (Hz, either sign) at `rate` (Hz). Not-a-number and infinity give 0.
-pub fn increment(frequency: f64, rate: f64) -> u64 {
-    turns(frequency / rate)
-}
-
 /// `turns` (any sign, any size) as a phase. Not-a-number and infinity give 0.
 pub fn turns(turns: f64) -> u64 {
     if !turns.is_finite() {
@@ -25,11 +20,11 @@ const TURN: f64 = 18_446_744_073_709_551_616.0;
 
 #[cfg(test)]
 mod tests {
-    use super::{increment, turns};
+    use super::turns;
 
     #[test]
     fn an_hour_of_phase_is_within_a_billionth_of_a_turn() {
-        let step = increment(250.1, 8000.0);
+        let step = turns(250.1 / 8000.0);
         let phase = step.wrapping_mul(8000 * 3600);
         let exact = 250.1_f64 * 3600.0;
         let error = phase as f64 / 2f64.powi(64) - exact;

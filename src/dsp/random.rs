@@ -89,11 +89,6 @@ pub fn uniform(stream: u64, index: u64) -> f64 {
     signed(bits(stream, index))
 }
 
-/// Number `index` of a stream, uniform in [0, 1).
-pub fn fraction(stream: u64, index: u64) -> f64 {
-    f64::from(bits(stream, index)) * (1.0 / 4_294_967_296.0)
-}
-
 /// White noise on eight lanes, each with its own stream from its first sample on.
 #[derive(Debug, Clone)]
 pub struct Source {

@@ -174,7 +174,7 @@ fn spread(values: &mut [[f64; 2]]) {
 
 /// Phase and tone of eight lanes that play tables.
 #[derive(Debug)]
-pub struct Player<R: Real> {
+pub struct TableLanes<R: Real> {
     /// The tables.
     pub tables: &'static Tables<R>,
     clock: Clockwork,
@@ -186,7 +186,7 @@ pub struct Player<R: Real> {
     rate: f64,
 }
 
-impl<R: Real> Player<R> {
+impl<R: Real> TableLanes<R> {
     /// Silent lanes at `rate` samples a second; `begins` as in [`Clockwork::of_what_begins`].
     pub fn new(wave: Wave, rate: f64, begins: bool) -> Self {
         Self {

@@ -110,7 +110,7 @@ impl<R: Real> Bank<R> {
         let (play, level, quiet) = (*play, 0.0, 0);
         self.lanes[lane] = Lane { play, born: at, serial, level, quiet, dying: Dying::default(), status };
         self.ops.set(lane, &play.fields());
-        self.ops.start(lane, play.id, at.until(clock) - LEAD, play.duration);
+        self.ops.start(lane, play.id, at.until(clock) - LEAD);
         self.place(lane, place);
         // A lane that still faded may have been taken over.
         self.taken += usize::from(self.live[group] & (1 << l) == 0);
@@ -160,7 +160,7 @@ impl<R: Real> Bank<R> {
             let missing = ops.iter().enumerate().filter(|(_, from)| from.is_none());
             for (op, _) in missing {
                 // As if the voice began here, so that what is new comes in gently.
-                self.ops.start_one(op, lane, voice.play.id, -LEAD + 1.0, voice.play.duration);
+                self.ops.start_one(op, lane, voice.play.id, -LEAD + 1.0);
             }
         }
     }
@@ -240,7 +240,7 @@ impl<R: Real> Bank<R> {
     fn run_groups(&mut self, work: &mut Workspace<R>, frames: usize, offset: usize, clock: u64) {
         for group in 0..self.live.len() {
             if self.live[group] != 0 {
-                self.ops.run(group, work, frames, clock);
+                self.ops.run(group, work, frames);
                 self.finish(group, work, frames, offset, clock);
             }
         }

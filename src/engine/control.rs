@@ -39,11 +39,6 @@ impl<R: Real> Ramp<R> {
         }
     }
 
-    /// Where it is going.
-    pub fn target(&self) -> f64 {
-        self.to
-    }
-
     /// Sends it to `value`, from wherever it is at `at`. Not-a-number is ignored.
     pub fn send(&mut self, value: f64, at: Instant) {
         if !value.is_nan() {
@@ -108,9 +103,9 @@ mod tests {
         ramp.fill(&mut signal, 1, 20);
         assert!(signal.still && signal.at(63) == [1.0; LANES]);
         ramp.send(9.0, Instant::of_samples(40.0));
-        assert_eq!(ramp.target(), 2.0);
+        assert_eq!(ramp.to, 2.0);
         ramp.send(f64::NAN, Instant::of_samples(41.0));
-        assert_eq!(ramp.target(), 2.0);
+        assert_eq!(ramp.to, 2.0);
     }
 
     #[test]

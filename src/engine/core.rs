@@ -116,7 +116,7 @@ impl<R: Real> Core<R> {
         if let Some(shared) = &mut self.shared {
             let fields = Fields { level: 1.0, duration: f64::INFINITY, own: [0.0; FIELDS] };
             shared.set(0, &fields);
-            shared.start(0, u64::MAX, -LEAD, fields.duration);
+            shared.start(0, u64::MAX, -LEAD);
         }
         plan.always().for_each(|play| self.play(&play, Instant::default()));
     }
@@ -424,7 +424,7 @@ impl<R: Real> Core<R> {
             }
         }
         if let Some(shared) = &mut self.shared {
-            shared.run(0, &mut self.work, frames, self.clock);
+            shared.run(0, &mut self.work, frames);
             for (i, source) in self.sources.iter().enumerate() {
                 let Shared::Node(output) = *source else { continue };
                 let Workspace { buffers, shared: signals, .. } = &mut self.work;

@@ -21,7 +21,7 @@ pub struct Play {
 
 impl Play {
     /// What start programs read of it.
-    pub fn fields(&self) -> Fields {
+    pub(crate) fn fields(&self) -> Fields {
         Fields { level: self.level, duration: self.duration, own: self.own }
     }
 }

@@ -1,9 +1,9 @@
 //! From one plan to the next while it sounds.
 //!
 //! The control thread compares the two plans, allocates everything the new one needs and says which part of the old goes
-//! where ([`prepare`]). The audio thread swaps pointers ([`super::core::Core::adopt`]): voices that still exist keep sounding with
-//! their states, controls keep their values, waiting events keep their times. Voices that have no counterpart fall silent within
-//! [`crate::dsp::fade::FADE`] in the old engine, which then goes back to the control thread to be freed.
+//! where. The audio thread swaps pointers: voices that still exist keep sounding with their states, controls keep their
+//! values, waiting events keep their times. Voices that have no counterpart fall silent within 4 ms in the old engine, which
+//! then goes back to the control thread to be freed.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ use crate::graph::program::Program;
 
 /// What a new plan takes over from an old one.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Inheritance {
+pub(crate) struct Inheritance {
     /// For each instrument of the new plan: the old one, and for each op the old op.
     pub instruments: Vec<Option<(usize, Vec<Option<usize>>)>>,
     /// For each op of the shared program: the old op.
@@ -25,7 +25,7 @@ pub struct Inheritance {
 }
 
 /// A new engine with what it takes over, ready for the audio thread.
-pub struct Handover {
+pub(crate) struct Handover {
     /// The engine of the new plan.
     pub(super) engine: Engine,
     /// What it takes over.
@@ -64,7 +64,7 @@ impl std::error::Error for Mismatch {}
 ///
 /// # Errors
 /// Plans that differ in what cannot change while it sounds.
-pub fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
+pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     if (old.device_rate, old.ratio, old.channels, old.taps)
         != (new.device_rate, new.ratio, new.channels, new.taps)
     {

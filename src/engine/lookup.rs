@@ -50,7 +50,7 @@ impl Plan {
     }
 
     /// The voices that sound from the beginning on, each under an id that nothing else has.
-    pub fn always(&self) -> impl Iterator<Item = Play> + Clone {
+    pub(crate) fn always(&self) -> impl Iterator<Item = Play> + Clone {
         let always = self.instruments.iter().enumerate().filter(|(_, instrument)| instrument.always);
         always.map(|(i, instrument)| Play { id: u64::MAX - 1 - i as u64, ..held(i, instrument) })
     }

@@ -1,25 +1,27 @@
 //! The run-time: runs a plan. It knows no files, no devices and no formats.
 
+#[doc(hidden)] // for benches/engine.rs
 pub mod bank;
-pub mod control;
-pub mod core;
-pub mod declick;
+mod control;
+mod core;
+mod declick;
 pub mod event;
 pub mod exchange;
 pub mod guard;
 pub mod handover;
-pub mod lane;
-pub mod listener;
-pub mod lookup;
+mod lane;
+mod listener;
+mod lookup;
 pub mod meter;
-pub mod mixer;
-pub mod ops;
-pub mod raw;
+mod mixer;
+mod ops;
+mod raw;
 pub mod refusal;
 pub mod stage;
 pub mod task;
-pub mod triggers;
+mod triggers;
 pub mod vibration;
+#[doc(hidden)] // for benches/engine.rs
 pub mod workspace;
 
 use std::ops::Range;
@@ -28,7 +30,7 @@ use crate::dsp::isa::Isa;
 use crate::graph::plan::{Plan, Precision};
 use crate::node::kernel::LEAD;
 use crate::schedule::Instant;
-use core::{Core, Counters};
+use core::Core;
 use event::{Event, Source};
 use handover::Handover;
 use listener::Listener;
@@ -36,6 +38,8 @@ use refusal::Refusal;
 use stage::Stage;
 use task::Task;
 use workspace::BLOCK;
+
+pub use core::Counters;
 
 /// A plan at work: give it input frames, get output frames.
 ///

@@ -87,18 +87,18 @@ impl<R: Real> Ops<R> {
     }
 
     /// Starts a lane, whose steady rows are set, at the voice time `age` (samples). `id` names its random numbers.
-    pub fn start(&mut self, lane: usize, id: u64, age: f64, duration: f64) {
+    pub fn start(&mut self, lane: usize, id: u64, age: f64) {
         let late = self.program.late.len();
         for row in &mut self.late[lane / LANES * late..][..late] {
             row[lane % LANES] = R::ZERO;
         }
         for op in 0..self.states.len() {
-            self.start_one(op, lane, id, age, duration);
+            self.start_one(op, lane, id, age);
         }
     }
 
     /// Starts one op of a lane.
-    pub fn start_one(&mut self, op: usize, lane: usize, id: u64, age: f64, duration: f64) {
+    pub fn start_one(&mut self, op: usize, lane: usize, id: u64, age: f64) {
         let (group, l) = (lane / LANES, lane % LANES);
         let rows = self.program.steady.len();
         let of = &self.program.ops[op];
@@ -107,7 +107,7 @@ impl<R: Real> Ops<R> {
             *value = self.bases[group * rows + input.base as usize][l];
         }
         let stream = random::stream(self.seed, id, of.node.stream());
-        let onset = Onset { age, stream, start: &start[..of.inputs.len().min(INPUTS)], duration };
+        let onset = Onset { age, stream, start: &start[..of.inputs.len().min(INPUTS)] };
         self.states[op].start(group, l, &onset);
     }
 
@@ -131,7 +131,7 @@ impl<R: Real> Ops<R> {
 
     /// Runs all ops of a group.
     #[inline(always)]
-    pub fn run(&mut self, group: usize, work: &mut Workspace<R>, frames: usize, clock: u64) {
+    pub fn run(&mut self, group: usize, work: &mut Workspace<R>, frames: usize) {
         let rows = self.program.steady.len();
         let steady = &self.steady[group * rows..][..rows];
         let bases = &self.bases[group * rows..][..rows];
@@ -147,7 +147,7 @@ impl<R: Real> Ops<R> {
             let sources = Sources { steady, bases, late, before, after, shared, frames };
             // Most ops have few inputs, and a short list is made sooner than a long one.
             let mut run = |inputs: &[Input<'_, R>]| {
-                let mut io = Io { inputs, output: &mut *rows, clock, still: false };
+                let mut io = Io { inputs, output: &mut *rows, still: false };
                 states.run(isa, group, &mut io);
                 io.still
             };

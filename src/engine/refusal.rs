@@ -44,7 +44,7 @@ impl Refusal {
     ///
     /// # Errors
     /// The first that is wrong; rates come first.
-    pub fn check(plan: &Plan) -> Result<(), Self> {
+    pub(crate) fn check(plan: &Plan) -> Result<(), Self> {
         let (rate, engine_rate) = (plan.device_rate, plan.engine_rate());
         if !vibration::DEVICE_RATES.contains(&rate) {
             return Err(Self::Stage(vibration::Refusal::Rate(rate)));

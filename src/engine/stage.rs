@@ -23,7 +23,7 @@ impl Stage {
     ///
     /// # Errors
     /// A rate or a number of taps that the stage cannot be built for.
-    pub fn new(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
+    pub(crate) fn new(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
         let (taps, equalisers) = (plan.taps, plan.equalisers());
         let options = Options { taps, ratio: Some(plan.ratio), equalisers, isa, ..Options::default() };
         let vibration = Vibration::new(plan.channels, plan.device_rate, &options)?;
@@ -54,20 +54,20 @@ impl Stage {
     }
 
     /// Whether nothing rings in it.
-    pub fn is_asleep(&self) -> bool {
+    pub(crate) fn is_asleep(&self) -> bool {
         self.triggers.is_idle()
             && self.raw.is_idle()
             && (0..self.vibration.groups()).all(|g| self.vibration.sleeps(g))
     }
 
     /// A marker at an instant.
-    pub fn mark(&mut self, marker: u32, at: Instant) {
+    pub(crate) fn mark(&mut self, marker: u32, at: Instant) {
         self.triggers.mark(marker, at);
     }
 
     /// Renders `samples` engine samples of the mix, from `clock` on, to interleaved frames of the device. The
     /// sample after those for which `output` has room goes to `rest`.
-    pub fn process<R: Real>(
+    pub(crate) fn process<R: Real>(
         &mut self,
         mix: &mut [[R; LANES]],
         fed: &[bool],

@@ -23,7 +23,7 @@ pub trait Values {
 }
 
 /// Values of an engine.
-pub struct Board<'a, R: Real> {
+pub(crate) struct Board<'a, R: Real> {
     /// The controls.
     pub controls: &'a mut [Ramp<R>],
     /// The signals' latest values.

@@ -26,7 +26,7 @@ impl<R: Real> Buffer<R> {
 
     /// As the input of a node; `base` is the part known at the onset.
     #[inline(always)]
-    pub fn input<'a>(&'a self, frames: usize, base: &'a [f64; LANES]) -> Input<'a, R> {
+    pub(crate) fn input<'a>(&'a self, frames: usize, base: &'a [f64; LANES]) -> Input<'a, R> {
         Input { rows: &self.rows[..frames], step: usize::from(!self.still), steady: false, base }
     }
 

@@ -59,7 +59,7 @@ impl Need {
     }
 
     /// What to do about it.
-    pub fn help(&self) -> String {
+    pub(crate) fn help(&self) -> String {
         match &self.most.node {
             Some((name, "delay")) => {
                 format!(
@@ -71,14 +71,14 @@ impl Need {
     }
 
     /// As a problem of the patch, without its place there.
-    pub fn problem(&self) -> Problem {
+    pub(crate) fn problem(&self) -> Problem {
         Problem::of_file(self.to_string()).help(self.help())
     }
 }
 
 /// The number of groups of eight lanes for an instrument of so many voices: spare lanes let a voice that makes room fade while the
 /// new one already sounds.
-pub fn groups(voices: usize) -> usize {
+pub(crate) fn groups(voices: usize) -> usize {
     voices.saturating_add(voices.min(LANES)).div_ceil(LANES)
 }
 

@@ -55,7 +55,7 @@ fn value(node: &mut Node) -> Option<Wire> {
     };
     if spec.family == Family::Arithmetic && node.inputs.iter().all(|w| constant(w).is_some()) {
         let inputs: Vec<f64> = node.inputs.iter().filter_map(constant).collect();
-        let onset = Onset { age: 0.0, stream: 0, start: &inputs, duration: f64::INFINITY };
+        let onset = Onset { age: 0.0, stream: 0, start: &inputs };
         let mut exact = twin(node.kind, &node.setup(8000.0, 8000.0), &onset);
         return Some(Wire::constant(exact.step(0.0, &inputs)));
     }

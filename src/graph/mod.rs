@@ -2,15 +2,15 @@
 //! order, prune again. Each pass is one function.
 
 pub mod budget;
-pub mod build;
-pub mod fold;
-pub mod late;
+mod build;
+mod fold;
+mod late;
 mod not_yet;
-pub mod onset;
-pub mod order;
+mod onset;
+mod order;
 pub mod plan;
 pub mod program;
-pub mod prune;
+mod prune;
 pub mod scene;
 pub mod start;
 
@@ -131,7 +131,6 @@ impl Node {
             choices: self.settings.choices.clone(),
             points: self.settings.points.clone(),
             asset: self.settings.asset.clone(),
-            inputs: self.inputs.len(),
             begins: self.settings.begins,
         }
     }

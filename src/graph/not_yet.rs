@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashSet};
 use super::plan::{LeftOut, Why};
 use crate::patch::control::Curve;
 use crate::patch::{Action, Events, Patch, Place, Source};
-use crate::rig::{self, Coupling, Rig};
+use crate::rig::{self, Coupling, Finder, Rig};
 
 /// What a patch and a rig name and nothing acts on yet.
 pub fn not_yet(patch: &Patch, rig: &Rig) -> Vec<LeftOut> {
@@ -59,7 +59,8 @@ const SHOWN: usize = 16;
 /// Outputs that no event of the voices and patterns at hand can reach, where all of them are known: the events stand in the patch.
 pub fn never_fed(patch: &Patch, rig: &Rig, voices: &BTreeSet<usize>) -> Vec<LeftOut> {
     let mut fed = BTreeSet::new();
-    let mut reach = |place: Option<&Place>| fed.extend(rig.resolve(place, &(0..0)).ok());
+    let finder = Finder::new(rig);
+    let mut reach = |place: Option<&Place>| fed.extend(rig.resolve_by(&finder, place, &(0..0)).ok());
     let sounding: HashSet<&str> = voices.iter().map(|v| patch.voices[*v].name.as_str()).collect();
     let sounds = |name: &str| sounding.contains(name);
     for &v in voices {

@@ -107,7 +107,7 @@ fn gives_nothing(node: &Node, begun: &[bool]) -> bool {
             _ => any,
         };
         let inputs: Vec<f64> = node.inputs.iter().map(value).collect();
-        let onset = Onset { age: 0.0, stream: 0, start: &inputs, duration: f64::INFINITY };
+        let onset = Onset { age: 0.0, stream: 0, start: &inputs };
         twin(node.kind, &node.setup(8000.0, 8000.0), &onset).step(0.0, &inputs) == 0.0
     })
 }

@@ -74,7 +74,7 @@ impl Plan {
     }
 
     /// Sections of the equaliser of each channel.
-    pub fn equalisers(&self) -> Vec<Vec<Biquad>> {
+    pub(crate) fn equalisers(&self) -> Vec<Vec<Biquad>> {
         let mut all = vec![Vec::new(); self.channels];
         for output in &self.outputs {
             if let Some(sections) = all.get_mut(output.channel as usize) {

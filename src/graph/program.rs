@@ -61,7 +61,7 @@ pub enum Feed {
 }
 
 /// The program of a graph whose nodes all stand after what they read (see [`super::prune`]).
-pub fn program(graph: Graph) -> Program {
+pub(crate) fn program(graph: Graph) -> Program {
     let mut rows = Rows::default();
     rows.row(Base::Constant(0.0));
     let Graph { nodes, starts, outputs, gain } = graph;

@@ -12,7 +12,7 @@ use crate::dsp::biquad::Biquad;
 use crate::node::NodeKind;
 use crate::node::asset::Assets;
 use crate::patch::{Action, Events, Patch, Scope, Source, Start};
-use crate::rig::{self, RATES, Rig, usual_ratio};
+use crate::rig::{self, Finder, RATES, Rig, usual_ratio};
 use crate::text::{Problem, Problems};
 
 /// What may be chosen about a rendering.
@@ -101,6 +101,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     let mut wanted = Wanted::default();
     let scope = Scope::new(patch, None);
     let (mut instruments, mut of_voice) = (Vec::new(), vec![None; patch.voices.len()]);
+    let finder = Finder::new(rig);
     for &v in &voices {
         let voice = &patch.voices[v];
         let graph = match build::voice(&scope, voice, assets, &mut wanted) {
@@ -110,7 +111,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
                 continue;
             }
         };
-        let place = rig.resolve(voice.place.as_ref(), &voice.place_span).unwrap_or_else(|p| {
+        let place = rig.resolve_by(&finder, voice.place.as_ref(), &voice.place_span).unwrap_or_else(|p| {
             problems.push(p);
             0
         });

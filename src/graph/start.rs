@@ -8,7 +8,7 @@ pub const FIELDS: usize = crate::patch::voice::MOST_FIELDS;
 
 /// What the event says, as start programs read it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fields {
+pub(crate) struct Fields {
     /// Level, 1 for a full one.
     pub level: f64,
     /// Seconds until the release; infinite while it is held.
@@ -74,7 +74,7 @@ pub enum Binary {
 
 impl Unary {
     /// The value.
-    pub fn of(self, x: f64) -> f64 {
+    pub(crate) fn of(self, x: f64) -> f64 {
         match self {
             Self::Negate => -x,
             Self::Abs => x.abs(),
@@ -89,7 +89,7 @@ impl Unary {
 
 impl Binary {
     /// The value.
-    pub fn of(self, a: f64, b: f64) -> f64 {
+    pub(crate) fn of(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Add => a + b,
             Self::Subtract => a - b,
@@ -135,7 +135,7 @@ impl StartProgram {
     }
 
     /// The value for an event. Not-a-number becomes 0; infinity becomes 1e300.
-    pub fn value(&self, fields: &Fields) -> f64 {
+    pub(crate) fn value(&self, fields: &Fields) -> f64 {
         let mut stack = [0.0; DEPTH + 1];
         let mut top = 0;
         for step in &self.steps {

@@ -36,12 +36,12 @@ pub struct FileError {
 
 impl FileError {
     /// An error that did not come from the system.
-    pub fn new(kind: FileErrorKind, message: impl Into<String>) -> Self {
+    pub(crate) fn new(kind: FileErrorKind, message: impl Into<String>) -> Self {
         Self { kind, io: None, message: message.into() }
     }
 
     /// What the system said when `path` was opened or read.
-    pub fn reading(path: &Path, error: &io::Error) -> Self {
+    pub(crate) fn reading(path: &Path, error: &io::Error) -> Self {
         let shown = path.display();
         let (kind, message) = match error.kind() {
             io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => (
@@ -78,7 +78,7 @@ impl FileError {
     }
 
     /// A folder where a file to read should be.
-    pub fn folder(path: &Path) -> Self {
+    pub(crate) fn folder(path: &Path) -> Self {
         Self {
             kind: FileErrorKind::Missing,
             io: Some(io::ErrorKind::IsADirectory),
@@ -117,7 +117,7 @@ impl FileError {
     }
 
     /// What the system said when more was written to `path`.
-    pub fn writing(path: &Path, error: &io::Error) -> Self {
+    pub(crate) fn writing(path: &Path, error: &io::Error) -> Self {
         let shown = path.display();
         let message = match error.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::WriteZero => {

@@ -3,7 +3,8 @@
 use super::assets::Folder;
 use super::error::FileError;
 use super::open::open as opened;
-use crate::patch::check::Names;
+use crate::patch::advice::Advice;
+use crate::patch::names::Names;
 use crate::patch::{Action, Event, EventsFile, Patch, Place};
 use crate::score::{EventStream, MOST_HELD};
 use crate::text::Problem;
@@ -21,6 +22,8 @@ pub struct Survey {
     pub places: Vec<Place>,
     /// Bad lines, at most [`MOST_PROBLEMS`]; their texts name file and line.
     pub problems: Vec<Problem>,
+    /// Warnings about the first line that works and will hardly be felt as it was meant; its text names file and line.
+    pub advice: Vec<Problem>,
 }
 
 /// After so many bad lines the file is read no further.
@@ -55,7 +58,7 @@ pub fn survey(
         }
     };
     let (mut names, mut channels) = (HashSet::new(), HashSet::new());
-    let mut order = Order::default();
+    let (mut order, mut advice) = (Order::default(), Advice::new(patch));
     while let Some(event) = reader.next() {
         if survey.problems.len() >= MOST_PROBLEMS {
             survey.problems.push(Problem::of_file(format!("{path}: too many bad lines to look at more")));
@@ -69,6 +72,9 @@ pub fn survey(
             }
         };
         survey.events += 1;
+        if survey.advice.is_empty() {
+            survey.advice = advice.of(&event, &format!("{path}:{}", reader.line()));
+        }
         if let Some(late) = order.take(event.at) {
             let what = format!("{path}:{}: `at` is {}, but {late}", reader.line(), event.at);
             let help = format!("sort the lines by `at`: none may come more than {MOST_HELD} lines late");
@@ -163,6 +169,31 @@ mod tests {
         assert_eq!(survey(&files, "none.csv", &patch, |_| None).unwrap_err().exit_code(), 66);
         assert_eq!(survey(&files, "../w.csv", &patch, |_| None).unwrap_err().exit_code(), 65);
         assert!(open(&files, ".").is_err());
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    /// Of many lines that will not be felt, the first is told, once.
+    #[test]
+    fn what_will_not_be_felt_is_told_of_the_first_line() {
+        let folder = std::env::temp_dir().join(format!("pacinian-unfelt-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let files = Folder::new(&folder);
+        let patch = [
+            PATCH,
+            b"[voice.b]\noutput = \"s\"\nnodes.s = { type = \"sine\", frequency = \"event.frequency\" }\n",
+        ];
+        let patch = Patch::parse("p", &patch.concat()).unwrap().value;
+        let told = |lines: &str| {
+            std::fs::write(folder.join("w.csv"), format!("at,voice,frequency,level\n{lines}")).unwrap();
+            let found = survey(&files, "w.csv", &patch, |_| None).unwrap();
+            assert_eq!(found.problems, []);
+            found.advice.into_iter().map(|p| (p.is_error(), p.what)).collect::<Vec<_>>()
+        };
+        let high = "frequency 5000 of w.csv:4: nothing above 1000 Hz is felt".to_string();
+        assert_eq!(told("0,b,300,\n1,b,,\n2,b,5000,\n3,b,7000,9\n"), [(false, high)]);
+        let loud = told("0,a,,0.5\n1,a,,2\n");
+        assert!(loud.len() == 1 && loud[0].1.starts_with("level 2 of w.csv:3"), "{loud:?}");
+        assert_eq!(told("0,b,1000,1\n1,b,,\n"), []);
         std::fs::remove_dir_all(&folder).unwrap();
     }
 

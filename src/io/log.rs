@@ -33,7 +33,6 @@ pub struct EventLog {
     file: BufWriter<OutputFile>,
     line: String,
     trouble: Option<FileError>,
-    events: u64,
 }
 
 impl EventLog {
@@ -43,7 +42,7 @@ impl EventLog {
     /// As [`OutputFile::create`].
     pub fn create(path: &Path, head: &Head) -> Result<Self, FileError> {
         let file = BufWriter::with_capacity(1 << 16, OutputFile::create(path)?);
-        let mut log = Self { file, line: String::new(), trouble: None, events: 0 };
+        let mut log = Self { file, line: String::new(), trouble: None };
         let Head { patch, seed, device_rate, engine_rate, delay } = head;
         let _ = writeln!(
             log.line,
@@ -59,7 +58,6 @@ impl EventLog {
         self.line.clear();
         // A string takes whatever it is given.
         let _ = line(&mut self.line, heard);
-        self.events += 1;
         self.put();
     }
 
@@ -69,11 +67,6 @@ impl EventLog {
         {
             self.trouble = Some(FileError::writing(self.file.get_ref().path(), &error));
         }
-    }
-
-    /// How many events were heard.
-    pub fn events(&self) -> u64 {
-        self.events
     }
 
     /// Whether all is well so far.

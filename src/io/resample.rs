@@ -9,22 +9,11 @@ const FILTER: u64 = 1024;
 /// The largest number in the ratio of two rates.
 const LARGEST: u64 = 1 << 18;
 
-/// `samples` of rate `from` at the rate `to` (both in hertz), band-limited to the lower of the two.
+/// A recording on its way to another rate, sample by sample, band-limited to the lower of the two; only what comes out is held.
 ///
 /// The first sample of the output is at the time of the first of the input. The output has as many samples as begin before
 /// the input's last ends. The ratio of the rates is exact where both of its terms are below 2¹⁸, as they are for whole
 /// numbers of hertz up to 262,144; else it is right to a few millionths.
-///
-/// # Errors
-/// When a rate is not a positive number, when the two are more than a factor of 4,096 apart, or for want of memory.
-pub fn resample(samples: &[f32], from: f64, to: f64) -> Result<Vec<f32>, String> {
-    let mut converter = Converter::new(from, to)?;
-    converter.reserve(samples.len() as u64)?;
-    samples.iter().try_for_each(|x| converter.push(*x))?;
-    converter.finish()
-}
-
-/// A recording on its way to another rate, sample by sample; only what comes out is held. See [`resample`].
 pub struct Converter {
     fft: Option<Fft<f64>>,
     from: f64,
@@ -45,7 +34,10 @@ impl Converter {
     /// From one rate to another, hertz.
     ///
     /// # Errors
-    /// As [`resample`].
+    /// From a rate to another, both in hertz.
+    ///
+    /// # Errors
+    /// When a rate is not a positive number, or when the two are more than a factor of 4,096 apart.
     pub fn new(from: f64, to: f64) -> Result<Self, String> {
         for rate in [from, to] {
             if !(rate.is_finite() && rate > 0.0) {
@@ -187,7 +179,7 @@ fn ratio(x: f64) -> (u64, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Converter, ratio, resample};
+    use super::{Converter, ratio};
     use std::f64::consts::TAU;
 
     /// Faded in and out over an eighth of its length, as an abrupt end has a spectrum of its own.
@@ -228,6 +220,13 @@ mod tests {
         [1_000.0, 7_999.0, 11_025.0, 16_000.0, 22_050.0, 44_100.0, 48_000.0, 96_000.0, 192_000.0];
     // 2/6 of 48 and 44.1 kHz, and 2/11 of 88.2 kHz, which is no whole number.
     const TARGETS: [f64; 3] = [16_000.0, 14_700.0, 2.0 * 88_200.0 / 11.0];
+
+    fn resample(samples: &[f32], from: f64, to: f64) -> Result<Vec<f32>, String> {
+        let mut converter = Converter::new(from, to)?;
+        converter.reserve(samples.len() as u64)?;
+        samples.iter().try_for_each(|x| converter.push(*x))?;
+        converter.finish()
+    }
 
     #[test]
     fn a_sine_keeps_its_place_and_level_and_nothing_is_added() {

@@ -1,9 +1,9 @@
-//! Patches and rigs, from disk to bytes.
+//! Patches and rigs, from disk or from standard input to bytes.
 
 use super::error::{FileError, FileErrorKind};
 use super::open::open;
-use std::io::Read;
-use std::path::Path;
+use std::io::{IsTerminal, Read};
+use std::path::{Component, Path};
 
 /// The most that [`read`] takes, in bytes: no patch that a person writes comes near it.
 pub const LIMIT: u64 = 16 << 20;
@@ -16,16 +16,41 @@ pub fn read(path: impl AsRef<Path>) -> Result<Vec<u8>, FileError> {
     read_up_to(path, LIMIT)
 }
 
+/// Whether a path is what others hand this program open: `-` for standard input, `/dev/stdin`, `/dev/fd/63`. Such a document lies
+/// in no folder, and may be a pipe: somebody writes into it, or has ended it.
+pub fn is_stream(path: &Path) -> bool {
+    if path.as_os_str() == "-" {
+        return true;
+    }
+    let mut parts = path.components();
+    if !cfg!(unix) || parts.next() != Some(Component::RootDir) {
+        return false;
+    }
+    let parts: Vec<_> = parts.filter_map(|part| part.as_os_str().to_str()).collect();
+    matches!(parts[..], ["dev", "stdin"] | ["dev", "fd", _] | ["proc", "self", "fd", _])
+}
+
 /// The bytes of a document of at most `limit` bytes. Never reads further than that, whatever the file turns out to be.
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_up_to(path: impl AsRef<Path>, limit: u64) -> Result<Vec<u8>, FileError> {
+pub(crate) fn read_up_to(path: impl AsRef<Path>, limit: u64) -> Result<Vec<u8>, FileError> {
     let path = path.as_ref();
     let failed = |error: std::io::Error| FileError::reading(path, &error);
-    let file = open(path)?;
+    let source: Box<dyn Read> = if path.as_os_str() == "-" {
+        let input = std::io::stdin();
+        if input.is_terminal() {
+            let what = "`-` is standard input, and that is the terminal: name a file, or send one, `... < patch.toml`";
+            return Err(FileError::new(FileErrorKind::Malformed, what));
+        }
+        Box::new(input)
+    } else if is_stream(path) && is_pipe(path) {
+        Box::new(std::fs::File::open(path).map_err(failed)?)
+    } else {
+        Box::new(open(path)?)
+    };
     let mut bytes = Vec::new();
-    file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
+    source.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > limit {
         let message = format!(
             "`{}` is longer than {limit} bytes, which is the most that is read of such a file: \
@@ -35,6 +60,10 @@ pub fn read_up_to(path: impl AsRef<Path>, limit: u64) -> Result<Vec<u8>, FileErr
         return Err(FileError::new(FileErrorKind::Malformed, message));
     }
     Ok(bytes)
+}
+
+fn is_pipe(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|about| super::open::kind(&about) == Some(super::open::Kind::Pipe))
 }
 
 #[cfg(test)]
@@ -60,6 +89,14 @@ mod tests {
         assert_eq!(error.exit_code(), 65);
         assert!(error.message.contains("longer than 99 bytes"), "{error}");
         std::fs::remove_file(&path).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_handed_over_open_is_told_from_files() {
+        let is = |path: &str| super::is_stream(std::path::Path::new(path));
+        assert!(["-", "/dev/stdin", "/dev/fd/63", "/proc/self/fd/0"].into_iter().all(is));
+        assert!(!["./-", "a.toml", "/dev/null", "/dev/fd", "dev/stdin", "/", ""].into_iter().any(is));
     }
 
     #[cfg(target_os = "linux")]

@@ -50,7 +50,7 @@ const BAND: f64 = 0.136;
 
 /// Eight lines.
 #[derive(Debug)]
-pub struct Lanes<R> {
+pub struct Lanes<R: 'static> {
     /// By lane: a ring, followed by its first samples again so that taps are always side by side. Lanes are a little more than a
     /// power of two apart, or all their places would share a few lines of the cache.
     lines: Vec<R>,
@@ -85,7 +85,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     }
 
     fn heap(setup: &Setup) -> usize {
-        (room(setup).1 + GAP) * LANES * size_of::<R>() + Fractional::<R, TAPS>::heap(FIRST, LAST)
+        (room(setup).1 + GAP) * LANES * size_of::<R>()
     }
 
     fn start(&mut self, lane: usize, _onset: &Onset) {

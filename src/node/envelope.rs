@@ -239,13 +239,13 @@ mod tests {
         let start = [0.004, 0.08, 0.3, 0.02, 0.0, -4.0, 0.0];
         let mut states = States::<f32>::new(bench.kind, &bench.setup, 1);
         let mut block = vec![[0.0; LANES]; 33];
-        let onset = |age: f64| Onset { age, stream: 0, start: &start, duration: 1.0 };
+        let onset = |age: f64| Onset { age, stream: 0, start: &start };
         let mut last = Vec::new();
         for age in [-1.9, -1.2, -1.6] {
             states.start(0, 3, &onset(age));
             last.clear();
             for _ in 0..3 {
-                states.run(crate::dsp::isa::Isa::detect(), 0, &mut Io { inputs: &[], output: &mut block, clock: 0, still: false });
+                states.run(crate::dsp::isa::Isa::detect(), 0, &mut Io { inputs: &[], output: &mut block, still: false });
                 last.extend(block.iter().map(|row| f64::from(row[3])));
             }
         }

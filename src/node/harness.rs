@@ -64,7 +64,6 @@ impl Bench {
                 Kind::Signals | Kind::Points | Kind::File => {}
             }
         }
-        let inputs = drives.len();
         let setup = Setup {
             rate,
             engine_rate: rate,
@@ -72,7 +71,6 @@ impl Bench {
             choices,
             points: Vec::new(),
             asset: None,
-            inputs,
             begins: false,
         };
         Self { kind, setup, stream: 7, age: -1.6, release: None, drives, frequency }
@@ -101,7 +99,6 @@ impl Bench {
     pub fn signal(mut self, base: f64, part: impl Fn(f64) -> f64 + 'static) -> Self {
         self.drives.push(Drive { base, part: Some(Rc::new(part)) });
         self.frequency.push(false);
-        self.setup.inputs = self.drives.len();
         self
     }
     /// Sets a [`Kind::Constant`].
@@ -148,7 +145,7 @@ impl Bench {
         self.drives.iter().map(|drive| drive.base).collect()
     }
     fn onset<'a>(&self, start: &'a [f64]) -> Onset<'a> {
-        Onset { age: self.age, stream: self.stream, start, duration: self.release.unwrap_or(f64::INFINITY) }
+        Onset { age: self.age, stream: self.stream, start }
     }
     /// Samples of the kernel before which it is told of the release.
     fn told(&self) -> usize {
@@ -202,7 +199,7 @@ impl Bench {
             if crowd && n % 50 == 20 && neighbour != lane {
                 let start: Vec<f64> = start.iter().map(|v| v * scale(neighbour)).collect();
                 let age = -1.0 - 0.1 * neighbour as f64;
-                states.start(0, neighbour, &Onset { age, stream: n as u64, start: &start, duration: 0.01 });
+                states.start(0, neighbour, &Onset { age, stream: n as u64, start: &start });
             }
             if crowd && n > 80 && (n - 80) % 50 == 20 && (n - 80) / 50 % LANES != lane {
                 let neighbour = (n - 80) / 50 % LANES;
@@ -248,7 +245,7 @@ impl Bench {
                 })
                 .collect();
             let mut block = vec![[R::of(f64::NAN); LANES]; frames];
-            let mut io = Io { inputs: &inputs, output: &mut block, clock, still: false };
+            let mut io = Io { inputs: &inputs, output: &mut block, still: false };
             states.run(crate::dsp::isa::Isa::detect(), 0, &mut io);
             if io.still {
                 let row = block[0];

@@ -10,7 +10,7 @@ use crate::dsp::lanes::{LANES, Real};
 pub const LEAD: f64 = 2.0;
 
 /// Inputs a node may have; longer lists of signals are split among several nodes.
-pub const INPUTS: usize = 16;
+pub(crate) const INPUTS: usize = 16;
 
 /// What a node is told when it is built. The same for kernel and twin.
 #[derive(Debug, Clone)]
@@ -27,9 +27,7 @@ pub struct Setup {
     pub points: Vec<Point>,
     /// The recording, where the node has one.
     pub asset: Option<Arc<Asset>>,
-    /// How many inputs it has.
-    pub inputs: usize,
-    /// Whether what moves a frequency is 0 before the onset, as an envelope is (see [`crate::graph::onset`]). Then it may jump
+    /// Whether what moves a frequency is 0 before the onset, as an envelope is. Then it may jump
     /// there, and all of it counts; otherwise it runs through the onset, and counts from there on.
     pub begins: bool,
 }
@@ -41,7 +39,7 @@ pub struct Point {
     pub at: f64,
     /// Value reached then.
     pub value: f64,
-    /// Curvature of the segment that leads here; see [`super::envelope`].
+    /// Curvature of the segment that leads here; see the node `envelope`.
     pub curve: f64,
 }
 
@@ -51,17 +49,15 @@ pub struct Onset<'a> {
     /// Voice time of the next sample that will be computed, in samples: between −2 and −1, since a voice's clock lags by
     /// [`LEAD`] and an onset may fall between samples.
     pub age: f64,
-    /// Names the random numbers of this node in this voice; see [`crate::dsp::random`].
+    /// Names the random numbers of this node in this voice; see [`crate::graph::Node::stream`].
     pub stream: u64,
     /// The part of each input that is known at the onset (a signal's part is 0).
     pub start: &'a [f64],
-    /// Seconds until the release; infinite for one that is held.
-    pub duration: f64,
 }
 
 /// An input over one block: `R` values by frame and lane.
 #[derive(Debug, Clone, Copy)]
-pub struct Input<'a, R> {
+pub(crate) struct Input<'a, R> {
     /// One row a frame, or a single row that holds for all.
     pub rows: &'a [[R; LANES]],
     /// 1, or 0 where a single row holds for the whole block.
@@ -88,13 +84,11 @@ impl<'a, R: Real> Input<'a, R> {
 
 /// What a kernel works on for one block.
 #[derive(Debug)]
-pub struct Io<'a, R> {
+pub(crate) struct Io<'a, R> {
     /// In the order of the parameters, up to the last that may move while it runs: the rest came with the [`Onset`].
     pub inputs: &'a [Input<'a, R>],
     /// One row a frame; holds old values on entry.
     pub output: &'a mut [[R; LANES]],
-    /// Engine sample of the first frame.
-    pub clock: u64,
     /// Set by a kernel that wrote the first row only, since all rows of this block are the same; false on entry.
     pub still: bool,
 }
@@ -114,7 +108,7 @@ impl<R: Real> Io<'_, R> {
 ///
 /// `run` is called from the audio thread: it may not allocate, lock, block or panic, and its result may not depend on how
 /// a stretch of time is cut into blocks. Lanes are independent of one another.
-pub trait Kernel<R: Real>: Send + Sized {
+pub(crate) trait Kernel<R: Real>: Send + Sized {
     /// State for a group of silent lanes.
     fn new(setup: &Setup) -> Self;
     /// Bytes that [`Kernel::new`] takes besides the state itself.

@@ -30,20 +30,20 @@ pub struct NodeKind(usize);
 /// Those that a graph needs to know: it makes them, or what they do lets it leave something out.
 #[allow(missing_docs)]
 impl NodeKind {
-    pub const ADD: Self = Self(Index::Add as usize);
-    pub const MULTIPLY: Self = Self(Index::Multiply as usize);
-    pub const MIX: Self = Self(Index::Mix as usize);
-    pub const DELAY: Self = Self(Index::Delay as usize);
-    pub const INPUT: Self = Self(Index::Input as usize);
-    pub const LFO: Self = Self(Index::Lfo as usize);
-    pub const ONSET: Self = Self(Index::Onset as usize);
+    pub(crate) const ADD: Self = Self(Index::Add as usize);
+    pub(crate) const MULTIPLY: Self = Self(Index::Multiply as usize);
+    pub(crate) const MIX: Self = Self(Index::Mix as usize);
+    pub(crate) const DELAY: Self = Self(Index::Delay as usize);
+    pub(crate) const INPUT: Self = Self(Index::Input as usize);
+    pub(crate) const LFO: Self = Self(Index::Lfo as usize);
+    pub(crate) const ONSET: Self = Self(Index::Onset as usize);
     #[cfg(feature = "fundsp-nodes")]
-    pub const PLUCK: Self = Self(Index::Pluck as usize);
+    pub(crate) const PLUCK: Self = Self(Index::Pluck as usize);
 }
 
 impl NodeKind {
     /// Whether its sound is set off by noise, which begins with the voice.
-    pub fn is_set_off_by_noise(self) -> bool {
+    pub(crate) fn is_set_off_by_noise(self) -> bool {
         #[cfg(feature = "fundsp-nodes")]
         return self == Self::PLUCK;
         #[cfg(not(feature = "fundsp-nodes"))]
@@ -87,7 +87,7 @@ fn ended<R: Real, K: Kernel<R>>(kernel: &K) -> u8 {
 
 macro_rules! registry {
     ($($(#[$attr:meta])* $variant:ident = $module:ident),* $(,)?) => {
-        $($(#[$attr])* pub mod $module;)*
+        $($(#[$attr])* pub(crate) mod $module;)*
 
         /// All node types.
         pub static REGISTRY: &[&NodeSpec] = &[$($(#[$attr])* &$module::SPEC),*];
@@ -98,7 +98,7 @@ macro_rules! registry {
 
         /// The states of one op, a group of lanes each.
         #[allow(missing_docs)]
-        pub enum States<R: Real> { $($(#[$attr])* $variant(Vec<$module::Lanes<R>>)),* }
+        pub(crate) enum States<R: Real> { $($(#[$attr])* $variant(Vec<$module::Lanes<R>>)),* }
 
         impl<R: Real> States<R> {
             /// States for `groups` groups of silent lanes.

@@ -4,7 +4,7 @@ use super::kernel::{Io, Kernel, Onset, Setup, Twin};
 use super::spec::{Family, Kind, NodeSpec, Numeric, Param};
 use crate::dsp::lanes::{LANES, Real};
 use crate::dsp::quadrature::{Turns, bend};
-use crate::dsp::wavetable::{Additive, Player, Wave};
+use crate::dsp::wavetable::{Additive, TableLanes, Wave};
 
 /// What the node says about itself.
 pub static SPEC: NodeSpec = NodeSpec {
@@ -45,11 +45,11 @@ pub static SPEC: NodeSpec = NodeSpec {
 
 /// Eight lanes.
 #[derive(Debug)]
-pub struct Lanes<R: Real>(Player<R>);
+pub struct Lanes<R: Real>(TableLanes<R>);
 
 impl<R: Real> Kernel<R> for Lanes<R> {
     fn new(setup: &Setup) -> Self {
-        Self(Player::new(Wave::Sawtooth, setup.rate, setup.begins))
+        Self(TableLanes::new(Wave::Sawtooth, setup.rate, setup.begins))
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {

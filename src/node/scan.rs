@@ -57,7 +57,7 @@ fn material(setup: &Setup) -> (Option<Arc<Copies>>, f64, Loop) {
 
 /// Eight readers.
 #[derive(Debug)]
-pub struct Lanes<R> {
+pub struct Lanes<R: 'static> {
     copies: Option<Arc<Copies>>,
     around: Loop,
     table: Fractional<R, TAPS>,
@@ -68,10 +68,6 @@ pub struct Lanes<R> {
 }
 
 impl<R: Real> Kernel<R> for Lanes<R> {
-    fn heap(_setup: &Setup) -> usize {
-        Fractional::<R, TAPS>::heap(7.0, 8.0)
-    }
-
     fn new(setup: &Setup) -> Self {
         let (copies, asset_rate, around) = material(setup);
         Self {

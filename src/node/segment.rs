@@ -289,7 +289,6 @@ impl<R: Real> Track<R> {
         if self.flat && !under_way && self.next_due - self.clock >= frames && self.corrections.are_over() {
             io.output[0] = self.base;
             io.still = true;
-            self.corrections.skip(frames);
             self.clock += frames;
         } else {
             self.move_on(io.output, script);

@@ -86,11 +86,11 @@ pub struct Numeric {
 
 impl Numeric {
     /// A range that must be given a value.
-    pub const fn required(least: f64, most: f64) -> Self {
+    pub(crate) const fn required(least: f64, most: f64) -> Self {
         Self { default: None, least, most }
     }
     /// A range with a default.
-    pub const fn or(default: f64, least: f64, most: f64) -> Self {
+    pub(crate) const fn or(default: f64, least: f64, most: f64) -> Self {
         Self { default: Some(default), least, most }
     }
 }
@@ -104,7 +104,7 @@ impl Kind {
 
 impl NodeSpec {
     /// How many of `inputs` a kernel is given while it runs: all up to the last that may move then.
-    pub fn running(&self, inputs: usize) -> usize {
+    pub(crate) fn running(&self, inputs: usize) -> usize {
         let (mut all, mut last) = (0, 0);
         for param in self.params.iter().filter(|p| p.kind.is_input()) {
             all += 1;

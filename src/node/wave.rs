@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::kernel::{Io, Kernel, Onset, Setup, Twin};
 use crate::dsp::lanes::{LANES, Real};
 use crate::dsp::quadrature::Turns;
-use crate::dsp::wavetable::{Additive, Player, Wave};
+use crate::dsp::wavetable::{Additive, TableLanes, Wave};
 
 /// Which wave a node plays.
 pub trait Shape: Send + 'static {
@@ -15,11 +15,11 @@ pub trait Shape: Send + 'static {
 
 /// Eight lanes.
 #[derive(Debug)]
-pub struct Lanes<R: Real, S>(Player<R>, PhantomData<S>);
+pub struct Lanes<R: Real, S>(TableLanes<R>, PhantomData<S>);
 
 impl<R: Real, S: Shape> Kernel<R> for Lanes<R, S> {
     fn new(setup: &Setup) -> Self {
-        Self(Player::new(S::WAVE, setup.rate, setup.begins), PhantomData)
+        Self(TableLanes::new(S::WAVE, setup.rate, setup.begins), PhantomData)
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {

@@ -1,8 +1,8 @@
 //! What a patch says that will not be felt as it was meant: warnings.
 
-use super::{Action, Event, Events, Expr, Node, Patch, Play, Source, Start, Value, Voice};
+use super::{Action, Event, Events, Expr, Node, Patch, Play, Source, Start, Trigger, Value, Voice};
 use crate::node::spec::{Family, Kind};
-use crate::text::reader::Sink;
+use crate::text::sink::Sink;
 use crate::text::{Problem, Span};
 use std::collections::HashMap;
 
@@ -15,8 +15,7 @@ const RISES: [(&str, &str); 2] = [("envelope", "attack"), ("gate", "rise")];
 impl Patch {
     /// Warnings about levels, frequencies and attacks.
     pub(super) fn advice(&self) -> Vec<Problem> {
-        let voices = self.voices.iter().map(|v| (v.name.as_str(), v)).collect();
-        let mut advice = Advice { voices, problems: Vec::new() };
+        let mut advice = Advice::new(self);
         for voice in &self.voices {
             let who = format!("the defaults of voice `{}`", voice.name);
             advice.values(voice, &[], None, &voice.span, &who);
@@ -26,6 +25,9 @@ impl Patch {
             for (i, event) in events.iter().enumerate() {
                 advice.event(event, &format!("event {} of pattern `{}`", i + 1, pattern.name));
             }
+        }
+        for (i, trigger) in self.triggers.iter().enumerate() {
+            advice.trigger(trigger, &format!("trigger {}", i + 1));
         }
         let longest = longest(self);
         for voice in &self.voices {
@@ -37,12 +39,43 @@ impl Patch {
     }
 }
 
-struct Advice<'a> {
+/// Warnings about the events of a patch.
+pub(crate) struct Advice<'a> {
     voices: HashMap<&'a str, &'a Voice>,
     problems: Vec<Problem>,
 }
 
-impl Advice<'_> {
+impl<'a> Advice<'a> {
+    /// None so far.
+    pub(crate) fn new(patch: &'a Patch) -> Self {
+        let voices = patch.voices.iter().map(|v| (v.name.as_str(), v)).collect();
+        Self { voices, problems: Vec::new() }
+    }
+
+    /// What there is to say of one event, which is called `who`.
+    #[cfg(feature = "io")] // Events files are read there.
+    pub(crate) fn of(&mut self, event: &Event, who: &str) -> Vec<Problem> {
+        self.event(event, who);
+        std::mem::take(&mut self.problems)
+    }
+
+    /// What a trigger sets to a number; of the rest, only whoever sets it off knows.
+    fn trigger(&mut self, trigger: &Trigger, who: &str) {
+        let Some(voice) = self.voices.get(trigger.play.as_str()).copied() else { return };
+        let mut fields = Vec::new();
+        let mut level = None;
+        for (field, expr, span) in &trigger.set {
+            match (field.as_str(), expr.constant()) {
+                ("level", value) => level = value,
+                (name, Some(value)) => fields.push((name, value, span)),
+                (_, None) => {}
+            }
+        }
+        if !fields.is_empty() || level.is_some() {
+            self.values(voice, &fields, level, &trigger.span, who);
+        }
+    }
+
     fn event(&mut self, event: &Event, who: &str) {
         match &event.action {
             Action::Voice(play) => self.play(play, who),
@@ -262,6 +295,19 @@ mod tests {
                 "{frequency} {fields}"
             );
         }
+    }
+
+    #[test]
+    fn what_a_trigger_sets_is_told() {
+        let of = |rest: &str| {
+            let start = format!(
+                "events = [{{ at = 0, marker = \"m\" }}]\n[[trigger]]\non = \"start\"\nplay = \"v\"\nset = {{ {rest} }}"
+            );
+            told("event.frequency", "", "", &start)
+        };
+        one(of("frequency = \"2 * 600\""), "frequency 1200 of trigger 1: nothing above 1000 Hz is felt");
+        one(of("level = 3"), "level 3 of trigger 1");
+        assert!(of("frequency = 300, level = 1, duration = 2000").is_empty());
     }
 
     /// Many voices and many events take time by their sum, not by their product.

@@ -8,8 +8,8 @@
 
 use std::io::{BufRead, Read};
 
-use super::check::Names;
 use super::event::{Action, Event, Play, Setting};
+use super::names::Names;
 use super::place::{self, Place};
 use crate::text::nearest::suggest;
 use crate::text::reader::range;

@@ -8,7 +8,7 @@ use crate::text::{Problem, Span};
 pub enum Expr {
     /// A number.
     Number(f64),
-    /// A node of the same voice, a shared node or a control; see [`super::Scope::find`].
+    /// A node of the same voice, a shared node or a control, in this order.
     Name(String, Span),
     /// A field of the event: `event.NAME`.
     Event(String, Span),
@@ -79,12 +79,8 @@ pub const FUNCTIONS: &[(&str, Function)] = &[
 
 impl Function {
     /// The function of that name.
-    pub fn find(name: &str) -> Option<Self> {
+    pub(crate) fn find(name: &str) -> Option<Self> {
         FUNCTIONS.iter().find(|(n, _)| *n == name).map(|(_, f)| *f)
-    }
-    /// What it is called.
-    pub fn name(self) -> &'static str {
-        FUNCTIONS.iter().find(|(_, f)| *f == self).map_or("", |(n, _)| n)
     }
     /// How many values it takes.
     pub const fn arity(self) -> usize {
@@ -95,7 +91,7 @@ impl Function {
         }
     }
     /// Its definition. Values that are missing count as 0.
-    pub fn apply(self, values: &[f64]) -> f64 {
+    pub(crate) fn apply(self, values: &[f64]) -> f64 {
         let at = |i: usize| values.get(i).copied().unwrap_or(0.0);
         match self {
             Self::Min => at(0).min(at(1)),
@@ -114,7 +110,7 @@ impl Function {
 
 impl Operator {
     /// Its definition.
-    pub fn apply(self, a: f64, b: f64) -> f64 {
+    pub(crate) fn apply(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Add => a + b,
             Self::Subtract => a - b,
@@ -150,7 +146,7 @@ impl Expr {
     }
 
     /// Its value where it reads no names and no event.
-    pub fn constant(&self) -> Option<f64> {
+    pub(crate) fn constant(&self) -> Option<f64> {
         match self {
             Self::Number(x) => Some(*x),
             Self::Name(..) | Self::Event(..) => None,
@@ -164,7 +160,7 @@ impl Expr {
     }
 
     /// Calls `see` with every name and every event field in it; for a field, the flag is set.
-    pub fn visit<'a>(&'a self, see: &mut dyn FnMut(&'a str, &'a Span, bool)) {
+    pub(crate) fn visit<'a>(&'a self, see: &mut dyn FnMut(&'a str, &'a Span, bool)) {
         match self {
             Self::Number(_) => {}
             Self::Name(name, span) => see(name, span, false),
@@ -418,7 +414,6 @@ mod tests {
     fn every_function_is_listed() {
         for (name, function) in FUNCTIONS {
             assert_eq!(Function::find(name), Some(*function));
-            assert_eq!(function.name(), *name);
             assert!((1..=3).contains(&function.arity()));
         }
     }

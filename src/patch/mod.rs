@@ -4,38 +4,40 @@
 //! A [`Patch`] is a plain description with no state, and may as well be built in code; [`Patch::check`] finds what is wrong
 //! with it. [`Patch::parse`] reads it from a file's bytes and reports every problem at once, each at its place.
 
-mod advice;
-pub mod check;
-pub mod control;
+pub(crate) mod advice;
+mod check;
+pub(crate) mod control;
 mod cycle;
-pub mod event;
-pub mod events_file;
-pub mod expr;
-pub mod node;
-pub mod pattern;
-pub mod place;
+pub(crate) mod event;
+pub(crate) mod events_file;
+pub(crate) mod expr;
+pub(crate) mod names;
+pub(crate) mod node;
+pub(crate) mod pattern;
+pub(crate) mod place;
 pub mod reference;
-pub mod schema;
-pub mod scope;
-pub mod trigger;
-pub mod voice;
+mod schema;
+pub(crate) mod scope;
+pub(crate) mod trigger;
+pub(crate) mod voice;
 
-pub use check::Names;
 pub use control::{Control, Curve};
 pub use event::{Action, Alternative, Event, Play, Repeat, Setting};
 pub use events_file::EventsFile;
 pub use expr::{Expr, Function, Operator};
+pub use names::Names;
 pub use node::{Argument, Node, Value};
 pub use pattern::{Events, Jitter, Pattern, TimeBase};
 pub use place::Place;
 pub use schema::schema;
-pub use scope::{Scope, Target};
+pub(crate) use scope::{Scope, Target};
 pub use trigger::{Source, Trigger};
 pub use voice::{Start, Voice};
 
 use crate::text::document;
 use crate::text::field::{Field, Form, Table};
-use crate::text::reader::{Reader, Sink};
+use crate::text::reader::Reader;
+use crate::text::sink::Sink;
 use crate::text::{Checked, Origin, Problem, Problems, Span};
 
 /// A patch.
@@ -77,12 +79,12 @@ pub const FORMAT: &str = "pacinian-patch/1";
 
 /// What a patch may do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Options {
+pub struct Permissions {
     /// Whether paths in it may leave its folder.
     pub allow_outside: bool,
 }
 
-impl Options {
+impl Permissions {
     /// A path as written, if it may be opened: relative, forward slashes, not leaving the folder unless that is allowed.
     pub(crate) fn path(self, path: &str, span: &Span, who: &str, sink: &Sink) -> Option<String> {
         let rooted = path.starts_with('/') || path.starts_with('\\') || path.get(1..2) == Some(":");
@@ -103,7 +105,7 @@ impl Options {
 }
 
 /// Its keys.
-pub static TABLE: Table = Table {
+pub(crate) static TABLE: Table = Table {
     name: "patch",
     doc: "Voices are node graphs, patterns are events in time, triggers start either.",
     fields: &[
@@ -126,7 +128,7 @@ pub static TABLE: Table = Table {
 };
 
 /// The keys of `[shared]`.
-pub static SHARED: Table = Table {
+pub(crate) static SHARED: Table = Table {
     name: "shared",
     doc: "What runs once for the whole engine.",
     fields: &[Field::new("nodes", Form::Defined("nodes"), "", "Nodes that every voice may read.")],
@@ -134,7 +136,7 @@ pub static SHARED: Table = Table {
 };
 
 /// The keys of `[render]`.
-pub static RENDER: Table = Table {
+pub(crate) static RENDER: Table = Table {
     name: "render",
     doc: "How to render the patch where the person says nothing else.",
     fields: &[
@@ -166,14 +168,14 @@ impl Patch {
     /// # Errors
     /// Every problem of the file at once, each with its place.
     pub fn parse(name: &str, bytes: &[u8]) -> Result<Checked<Self>, Problems> {
-        Self::parse_with(name, bytes, Options::default())
+        Self::parse_with(name, bytes, Permissions::default())
     }
 
     /// Reads a patch that may do what `options` say.
     ///
     /// # Errors
     /// Every problem of the file at once, each with its place.
-    pub fn parse_with(name: &str, bytes: &[u8], options: Options) -> Result<Checked<Self>, Problems> {
+    pub fn parse_with(name: &str, bytes: &[u8], options: Permissions) -> Result<Checked<Self>, Problems> {
         document::read(name, bytes, FORMAT, |document, sink| {
             let reader = Reader::new(&TABLE, document, 0..0, "the patch", sink);
             let (patch, broken) = Self::read(&reader, options);
@@ -208,7 +210,7 @@ impl Patch {
     }
 
     /// Every voice that an event in it plays, alternatives included, with its pattern; those of events files are not.
-    pub fn each_play<'a>(&'a self, mut see: impl FnMut(&'a Play, &'a Pattern)) {
+    pub(crate) fn each_play<'a>(&'a self, mut see: impl FnMut(&'a Play, &'a Pattern)) {
         for pattern in &self.patterns {
             let Events::Inline(events) = &pattern.events else { continue };
             let actions = events.iter().flat_map(|event| match &event.action {
@@ -224,7 +226,7 @@ impl Patch {
     }
 
     /// The patch, and the names of what is in the file but cannot be read: to name it is no further mistake.
-    fn read(reader: &Reader, options: Options) -> (Self, Vec<String>) {
+    fn read(reader: &Reader, options: Permissions) -> (Self, Vec<String>) {
         let mut broken = Vec::new();
         let mut patch = Self {
             title: reader.text("title").unwrap_or("").into(),

@@ -1,13 +1,14 @@
 //! A node of a voice, as written: its type and its parameters.
 
-use super::Options;
+use super::Permissions;
 use super::expr::Expr;
 use crate::node::kernel::Point;
 use crate::node::spec::{Kind, Numeric, Param};
 use crate::node::{NodeKind, OF_FUNDSP, REGISTRY};
 use crate::text::field::{Field, Form, Table};
 use crate::text::nearest::listed;
-use crate::text::reader::{At, Reader, Sink, range};
+use crate::text::reader::{At, Reader, range};
+use crate::text::sink::Sink;
 use crate::text::{Problem, Span, lower, measure};
 
 /// A node, `NAME = { type = "...", ... }`.
@@ -81,7 +82,7 @@ pub(crate) fn read(
     span: Span,
     value: At,
     of: &str,
-    options: &Options,
+    options: &Permissions,
     sink: &Sink,
 ) -> Option<Node> {
     let who = format!("node `{name}` of {of}");
@@ -135,7 +136,7 @@ pub(crate) fn read(
 struct Reading<'a> {
     param: &'static Param,
     who: &'a str,
-    options: &'a Options,
+    options: &'a Permissions,
     sink: &'a Sink,
 }
 
@@ -291,10 +292,11 @@ fn one_of(words: &[&str]) -> String {
 mod tests {
     use toml::de::DeTable;
 
-    use super::{Options, Reading, Value};
+    use super::{Permissions, Reading, Value};
     use crate::node::kernel::Point;
     use crate::node::spec::{Kind, Numeric, Param};
-    use crate::text::reader::{At, Sink};
+    use crate::text::reader::At;
+    use crate::text::sink::Sink;
 
     /// What a parameter of a kind makes of a value, and the problems.
     fn read(kind: Kind, source: &str) -> (Option<Value>, Vec<String>) {
@@ -303,7 +305,7 @@ mod tests {
         let source = format!("x = {source}");
         let value = {
             let document = DeTable::parse(&source).unwrap().into_inner();
-            let reading = Reading { param, who: "n", options: &Options::default(), sink: &sink };
+            let reading = Reading { param, who: "n", options: &Permissions::default(), sink: &sink };
             match document.get("x").map(At::new).filter(|v| v.text() != Some("absent")) {
                 Some(value) => reading.given(value),
                 None => reading.absent(&(0..0)),

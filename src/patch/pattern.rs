@@ -24,7 +24,7 @@
 //!
 //! Events at the same instant happen in the order of the list. A file of events is never shuffled.
 
-use super::Options;
+use super::Permissions;
 use super::event::{self, Event, Repeat, Setting};
 use crate::text::Span;
 use crate::text::field::{Field, Form, Table};
@@ -64,7 +64,7 @@ pub enum TimeBase {
 
 impl TimeBase {
     /// Seconds in one unit of it.
-    pub fn seconds(self) -> f64 {
+    pub(crate) fn seconds(self) -> f64 {
         match self {
             Self::Seconds => 1.0,
             Self::Beats(tempo) => 60.0 / tempo,
@@ -140,7 +140,7 @@ pub static JITTER: Table = Table {
     )),
 };
 
-pub(crate) fn read(name: &str, reader: &Reader, options: &Options) -> Pattern {
+pub(crate) fn read(name: &str, reader: &Reader, options: &Permissions) -> Pattern {
     let beats = reader.word("time") == 1;
     let tempo = reader.number_or_default("tempo");
     if reader.has("tempo") && !beats {

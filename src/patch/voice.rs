@@ -1,12 +1,13 @@
 //! A voice: a node graph that sounds once for every event.
 
-use super::Options;
+use super::Permissions;
 use super::event::RESERVED;
 use super::node::{self, Node};
 use super::place::{self, Place};
 use crate::text::Span;
 use crate::text::field::{Field, Form, Table};
-use crate::text::reader::{Reader, Sink, in_order};
+use crate::text::reader::{Reader, in_order};
+use crate::text::sink::Sink;
 use toml::de::DeTable;
 
 /// A voice, `[voice.NAME]`.
@@ -139,7 +140,7 @@ pub static DEFAULTS: Table = Table {
     others: Some(&Field::new("", Form::any_number(-1e9, 1e9), "", "A field of its own.")),
 };
 
-pub(crate) fn read(name: &str, reader: &Reader, options: &Options, broken: &mut Vec<String>) -> Voice {
+pub(crate) fn read(name: &str, reader: &Reader, options: &Permissions, broken: &mut Vec<String>) -> Voice {
     let mut voice = Voice::new(name, reader.text("output").unwrap_or(""));
     voice.output_span = reader.span_of("output");
     voice.voices = reader.count("voices").and_then(|n| u32::try_from(n).ok()).unwrap_or(8);
@@ -189,7 +190,7 @@ pub(crate) fn read(name: &str, reader: &Reader, options: &Options, broken: &mut 
 pub(crate) fn read_nodes(
     nodes: &DeTable,
     of: &str,
-    options: &Options,
+    options: &Permissions,
     sink: &Sink,
     broken: &mut Vec<String>,
 ) -> Vec<Node> {

@@ -11,10 +11,14 @@ use crate::engine::Engine;
 use crate::engine::event::{Event, Play, Source};
 use crate::engine::refusal::Refusal;
 use crate::graph::plan::Plan;
+use crate::player::stretch::{self, Feeds};
 use crate::schedule::Instant;
 
 /// Seconds that are added, so that all filters have rung out before the end.
 pub const TAIL: f64 = 0.3;
+
+/// Seconds that what was released at the end may ring, at most.
+pub const RING: f64 = 8.0;
 
 /// How many times the engine's rate the reference runs at.
 pub const OVER: usize = 16;
@@ -43,7 +47,8 @@ pub struct Take<'a> {
     pub events: &'a [(f64, Play)],
     /// Channels of the audio input at the device's rate, from the beginning; those that are missing are silence.
     pub input: &'a [Vec<f32>],
-    /// How long. Sound that is still under way at the end counts as error where the engine's delay moves it out.
+    /// How long: what sounds longer is released then, and let ring out for [`RING`] at most. What rings longer still counts as
+    /// error where the engine's delay moves it out of the time.
     pub seconds: f64,
 }
 
@@ -64,8 +69,32 @@ impl Take<'_> {
         plan: &Plan,
         watch: &mut dyn FnMut(f64) -> Result<(), S>,
     ) -> Result<Reference, S> {
-        let seconds = self.samples(plan) as f64 / plan.engine_rate();
-        reference_watched(plan, self.events, self.input, seconds, OVER, watch)
+        let samples = ((self.seconds + self.rings(plan) + TAIL) * plan.engine_rate()).ceil();
+        let seconds = samples / plan.engine_rate();
+        reference_watched(plan, self.before_the_end(), self.input, seconds, self.seconds, OVER, watch)
+    }
+
+    /// Seconds that it rings after its end, up to [`RING`]. A plan that no engine can be built for does not ring.
+    pub fn rings(&self, plan: &Plan) -> f64 {
+        let Ok(engine) = Engine::new(plan) else { return 0.0 };
+        let mut playing = Playing::new(engine, plan, self);
+        let mut frames = vec![0.0; STEP * plan.ratio * plan.channels];
+        let ears = playing.engine.input_channels();
+        let all = ((self.seconds + RING) * plan.engine_rate()).ceil() as usize;
+        for first in (0..all).step_by(STEP) {
+            let now = first as f64 / plan.engine_rate();
+            if now >= self.seconds && playing.engine.is_silent() {
+                return (now - self.seconds).min(RING);
+            }
+            let heard = interleaved(self.input, ears, first * plan.ratio, STEP * plan.ratio);
+            stretch::play(&mut playing, plan.ratio, &heard, &mut frames);
+        }
+        RING
+    }
+
+    /// What is played within its time.
+    fn before_the_end(&self) -> &[(f64, Play)] {
+        &self.events[..self.events.partition_point(|(at, _)| *at < self.seconds)]
     }
 
     /// Plays it on a plan and compares it with its reference.
@@ -86,11 +115,13 @@ impl Take<'_> {
         ideal: &Reference,
         watch: &mut dyn FnMut(f64) -> Result<(), S>,
     ) -> Result<Measured, S> {
-        let (mut engine, mut frames, mut run_time) = self.run(plan, &mut |share| watch(0.5 * share))?;
+        let samples = ideal.channels.first().map_or(0, Vec::len);
+        let (mut engine, mut frames, mut run_time) =
+            self.run(plan, samples, &mut |share| watch(0.5 * share))?;
         // A short scene is over before the machine has warmed up: the least of some runs says what it takes.
         let (begin, mut runs) = (Clock::now(), 1);
         while runs < MOST_RUNS && begin.elapsed() + run_time < WARM {
-            let (engine_again, frames_again, again) = self.run(plan, &mut |_| watch(0.5))?;
+            let (engine_again, frames_again, again) = self.run(plan, samples, &mut |_| watch(0.5))?;
             (engine, frames, run_time) = (engine_again, frames_again, run_time.min(again));
             runs += 1;
         }
@@ -103,53 +134,90 @@ impl Take<'_> {
             &|channel, hertz| designed(&engine, channel, hertz),
             &mut |share| watch(0.5 + 0.5 * share),
         )?;
-        let seconds = self.samples(plan) as f64 / plan.engine_rate();
+        let seconds = samples as f64 / plan.engine_rate();
         let stolen = engine.counters().stolen;
         Ok(Measured { comparison, seconds, run_time, stolen })
     }
 
-    /// Plays it once: the engine as it ends, what it gave out, and the wall time that took.
+    /// Plays it once, for so many samples of the engine: the engine as it ends, what it gave out, and the wall time that took.
     fn run<S: From<Refusal>>(
         &self,
         plan: &Plan,
+        samples: usize,
         watch: &mut dyn FnMut(f64) -> Result<(), S>,
     ) -> Result<(Engine, Vec<f32>, Duration), S> {
-        let mut engine = Engine::new(plan)?;
-        let (rate, samples) = (plan.engine_rate(), self.samples(plan));
-        let block = 64 * plan.ratio;
+        let mut playing = Playing::new(Engine::new(plan)?, plan, self);
         let mut frames = vec![0.0; samples * plan.ratio * plan.channels];
-        let heard = interleaved(self.input, engine.input_channels(), samples * plan.ratio);
-        let mut heard = heard.chunks(block * engine.input_channels().max(1));
-        let mut next = self.events.iter().peekable();
+        let ears = playing.engine.input_channels();
+        let heard = interleaved(self.input, ears, 0, samples * plan.ratio);
+        let mut heard = heard.chunks(BLOCK * plan.ratio * ears.max(1));
         let begin = Clock::now();
-        for (n, part) in frames.chunks_mut(block * plan.channels).enumerate() {
+        for part in frames.chunks_mut(BLOCK * plan.ratio * plan.channels) {
             // Seldom enough to take nothing of the time that is measured.
-            if n.is_multiple_of(64) {
-                watch(engine.clock() as f64 / samples as f64)?;
-            }
-            let until = (engine.clock() + 64) as f64 / rate;
-            while let Some((at, play)) = next.next_if(|(at, _)| *at < until && engine.room() > 0) {
-                engine.schedule(Instant::of_samples(at * rate), Source::Pattern, Event::Play(*play));
-            }
-            engine.process_input(heard.next().unwrap_or_default(), part);
+            watch(playing.engine.clock() as f64 / samples as f64)?;
+            stretch::play(&mut playing, plan.ratio, heard.next().unwrap_or_default(), part);
         }
-        Ok((engine, frames, begin.elapsed()))
-    }
-
-    fn samples(&self, plan: &Plan) -> usize {
-        ((self.seconds + TAIL) * plan.engine_rate()).ceil() as usize
+        Ok((playing.engine, frames, begin.elapsed()))
     }
 }
 
-fn interleaved(input: &[Vec<f32>], channels: usize, frames: usize) -> Vec<f32> {
+/// Samples of the engine that are played at once.
+const BLOCK: usize = 4096;
+/// And where the moment is looked for at which it falls silent.
+const STEP: usize = 64;
+
+/// A take on an engine.
+struct Playing<'a> {
+    engine: Engine,
+    events: std::slice::Iter<'a, (f64, Play)>,
+    rate: f64,
+    /// When everything is released; `None` as soon as the engine knows.
+    end: Option<f64>,
+}
+
+impl<'a> Playing<'a> {
+    fn new(engine: Engine, plan: &Plan, take: &Take<'a>) -> Self {
+        let events = &take.events[..take.before_the_end().len()];
+        Self { engine, events: events.iter(), rate: plan.engine_rate(), end: Some(take.seconds) }
+    }
+}
+
+impl Feeds for Playing<'_> {
+    fn engine(&mut self) -> &mut Engine {
+        &mut self.engine
+    }
+
+    fn feed(&mut self, until: u64) -> Option<u64> {
+        let before = until as f64 / self.rate;
+        let due = |at: f64| (at < before).then(|| Instant::of_samples(at * self.rate));
+        while let Some((at, play)) = self.events.as_slice().first() {
+            let at = due(*at)?;
+            if self.engine.room() == 0 {
+                return Some(at.ceiling());
+            }
+            self.engine.schedule(at, Source::Pattern, Event::Play(*play));
+            self.events.next();
+        }
+        let at = due(self.end?)?;
+        if self.engine.room() == 0 {
+            return Some(at.ceiling());
+        }
+        self.engine.schedule(at, Source::Pattern, Event::ReleaseAll);
+        self.end = None;
+        None
+    }
+}
+
+/// Frames of an input from `first` on; none where there is no input.
+fn interleaved(input: &[Vec<f32>], channels: usize, first: usize, frames: usize) -> Vec<f32> {
     let at = |channel: usize, frame: usize| input.get(channel).and_then(|c| c.get(frame)).copied();
     let frame = |n| (0..channels).map(move |c| at(c, n).unwrap_or(0.0));
-    (0..if input.is_empty() { 0 } else { frames }).flat_map(frame).collect()
+    (first..first + if input.is_empty() { 0 } else { frames }).flat_map(frame).collect()
 }
 
 /// Plays `events` (seconds from the beginning, in order) on a plan for `seconds` and a tail, by the engine and by the reference.
 ///
-/// Sound that is still under way at the end counts as error where the engine's delay moves it out; let everything end first.
+/// What is still under way then is released and rings out, as of a [`Take`].
 ///
 /// # Errors
 /// A plan that no engine can be built for.
@@ -169,10 +237,13 @@ pub fn designed(engine: &Engine, channel: usize, hertz: f64) -> Complex64 {
 #[cfg(test)]
 mod tests {
     use super::Take;
+    use crate::engine::event::Play;
     use crate::engine::refusal::Refusal;
+    use crate::graph::plan::Plan;
     use crate::graph::scene::{Options, scene};
     use crate::node::asset::NoAssets;
     use crate::patch::Patch;
+    use crate::player::Player;
     use crate::rig::Rig;
 
     /// Why it ended.
@@ -192,6 +263,68 @@ mod tests {
     const PATCH: &[u8] = b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n[shared.nodes]\nslow = { type = \"lfo\", rate = 2 }\n\
         [voice.a]\nstart = \"always\"\noutput = \"o\"\n[voice.a.nodes]\ns = { type = \"sine\", frequency = 250 }\n\
         o = { type = \"multiply\", inputs = [\"s\", \"slow\"] }\n";
+
+    fn plan_of(patch: &[u8]) -> (Patch, Plan) {
+        let head = b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n";
+        let patch = Patch::parse("p", &[head, patch].concat()).unwrap_or_else(|p| panic!("{p}")).value;
+        let options = Options { live: true, ..Options::default() };
+        let plan = scene(&patch, &Rig::default_for(1), &options, &NoAssets).unwrap().plan;
+        (patch, plan)
+    }
+
+    /// More falls on a moment than the engine's queue holds: a take is played as it was.
+    #[test]
+    fn what_a_player_played_is_played_again_bit_by_bit() {
+        let one = "{ at = 0.01, voice = \"a\", level = 0.1, duration = 0.002, repeat = { every = 1e-6, times = 10000 } },";
+        let text = format!(
+            "[voice.a]\nvoices = 4\noutput = \"s\"\nnodes.s = {{ type = \"white\", amplitude = 0.2 }}\n\
+             [pattern.p]\nevents = [{}{{ at = 0.2, voice = \"a\" }}]\n",
+            one.repeat(4)
+        );
+        let (patch, _) = plan_of(text.as_bytes());
+        let mut player = Player::new(&patch, &Rig::default_for(1), &Options::default(), &NoAssets).unwrap();
+        player.record();
+        let (plan, samples) = (player.plan().clone(), 4000);
+        let mut frames = vec![0.0; samples * plan.ratio];
+        player.process(&mut frames);
+        assert_eq!((player.recorded().len(), player.counters().late), (40_001, 0));
+        let take = Take { events: player.recorded(), input: &[], seconds: 0.5 };
+        let (engine, again, _) = take.run::<End>(&plan, samples, &mut |_| Ok(())).unwrap();
+        assert_eq!((engine.counters().late, engine.counters().dropped), (0, 0));
+        assert!(frames.iter().zip(&again).all(|(a, b)| a.to_bits() == b.to_bits()));
+    }
+
+    /// What would sound for ever is released at the end of the time, by engine and reference alike.
+    #[test]
+    fn what_is_under_way_at_the_end_is_no_error() {
+        let held = |at: f64| (at, Play { duration: f64::INFINITY, level: 0.5, id: 7, ..Play::default() });
+        let sine = "s = { type = \"sine\", frequency = 150, amplitude = 0.5 }";
+        let product = "type = \"multiply\", inputs = [\"s\", \"e\"]";
+        for (voice, events) in [
+            (format!("start = \"always\"\noutput = \"s\"\n[voice.v.nodes]\n{sine}"), vec![]),
+            (
+                format!(
+                    "start = \"always\"\noutput = \"o\"\n[voice.v.nodes]\n{sine}\n\
+                     e = {{ type = \"lfo\", rate = 3 }}\no = {{ {product} }}"
+                ),
+                vec![],
+            ),
+            (format!("output = \"s\"\n[voice.v.nodes]\n{sine}"), vec![held(0.1), held(0.7)]),
+            (
+                format!(
+                    "output = \"o\"\n[voice.v.nodes]\n{sine}\n\
+                     e = {{ type = \"envelope\", release = 1.5 }}\no = {{ {product} }}"
+                ),
+                vec![held(0.1), held(0.3), held(2.0)],
+            ),
+        ] {
+            let (_, plan) = plan_of(format!("[voice.v]\n{voice}\n").as_bytes());
+            let take = Take { events: &events, input: &[], seconds: 0.8 };
+            let measured = take.measure(&plan, &take.reference(&plan)).unwrap();
+            assert!(measured.comparison.error_db < -80.0, "{voice}: {measured:?}");
+            assert!(take.rings(&plan) < 2.0, "{voice}: {}", take.rings(&plan));
+        }
+    }
 
     #[test]
     fn who_waits_is_told_how_far_it_is_and_may_stop_it_anywhere() {

@@ -1,11 +1,11 @@
 //! Error against run time: what a scene should have been, and how far off it is.
 
-pub mod compare;
-pub mod decimate;
+mod compare;
+mod decimate;
 mod hearing;
 pub mod measure;
 pub mod plot;
-pub mod reference;
+mod reference;
 
 pub use compare::{Comparison, compare};
 pub use measure::{Measured, Take, measure};

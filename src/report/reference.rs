@@ -51,11 +51,12 @@ pub fn reference_hearing(
     seconds: f64,
     over: usize,
 ) -> Reference {
-    let Ok(all) = reference_watched(plan, events, input, seconds, over, &mut |_| Ok::<(), Infallible>(()));
+    let mut watch = |_| Ok::<(), Infallible>(());
+    let Ok(all) = reference_watched(plan, events, input, seconds, f64::INFINITY, over, &mut watch);
     all
 }
 
-/// As [`reference_hearing`], for somebody who waits: `watch` is asked many times a second with the share that is done, from 0 to 1.
+/// As [`reference_hearing`], with every voice that sounds after `released` seconds released then, and for somebody who waits: `watch` is asked many times a second with the share that is done, from 0 to 1.
 ///
 /// # Errors
 /// The first that `watch` gives, at once.
@@ -64,6 +65,7 @@ pub fn reference_watched<S>(
     events: &[(f64, Play)],
     input: &[Vec<f32>],
     seconds: f64,
+    released: f64,
     over: usize,
     watch: &mut dyn FnMut(f64) -> Result<(), S>,
 ) -> Result<Reference, S> {
@@ -73,7 +75,8 @@ pub fn reference_watched<S>(
     let decimator = Decimator::new(over);
     let voices = || plan.always().map(|play| (0.0, play)).chain(events.iter().copied());
     // How long each is computed for, about; what rings on is not known beforehand.
-    let work = |at: f64, play: &Play| play.duration.min(seconds - at).max(0.01);
+    let lasts = |at: f64, play: &Play| play.duration.min(released - at);
+    let work = |at: f64, play: &Play| lasts(at, play).min(seconds - at).max(0.01);
     let of_shared = if plan.shared_program.ops.is_empty() { 0.0 } else { seconds };
     let total = voices().map(|(at, play)| work(at, &play)).sum::<f64>() + of_shared;
     let mut share = |done: f64| watch((done / total.max(1e-9)).min(1.0));
@@ -83,11 +86,11 @@ pub fn reference_watched<S>(
     let mut done = of_shared;
     for (at, play) in voices() {
         let Some(instrument) = plan.instruments.get(play.instrument as usize) else { continue };
-        let own = work(at, &play);
+        let (own, lasts) = (work(at, &play), lasts(at, &play));
         let at = Instant::of_samples(at * rate);
         let voice = Voice::new(&instrument.program, &play, at, plan.seed, rate, fine);
         let mut within = |seconds: f64| share(done + seconds.clamp(0.0, own));
-        let rendered = voice.render(&play, &shared, length * over, instrument.tail + QUIET, &mut within)?;
+        let rendered = voice.render(lasts, &shared, length * over, instrument.tail + QUIET, &mut within)?;
         let (first, samples, gain) = rendered;
         done += own;
         for &(channel, part) in plan.places.get(play.place as usize).into_iter().flatten() {
@@ -181,7 +184,7 @@ impl<'a> Voice<'a> {
         for (i, op) in program.ops.iter().enumerate() {
             let start: Vec<f64> = op.inputs.iter().map(|input| steady[input.base as usize]).collect();
             let stream = random::stream(seed, play.id, op.node.stream());
-            let onset = Onset { age, stream, start: &start, duration: play.duration };
+            let onset = Onset { age, stream, start: &start };
             twins.push(twin(op.node.kind, &op.node.setup(fine, rate), &onset));
             let writer = |feed| if let Feed::Buffer(b) = feed { Some(last_writer[b as usize]) } else { None };
             writers.push(op.inputs.iter().map(|input| writer(input.feed)).collect());
@@ -236,10 +239,10 @@ impl<'a> Voice<'a> {
         }
     }
 
-    /// First fine sample, samples, and the gain they all have. `within` is told how many seconds are done.
+    /// First fine sample, samples, and the gain they all have, of a voice that is released after `duration` seconds. `within` is told how many seconds are done.
     fn render<S>(
         mut self,
-        play: &Play,
+        duration: f64,
         shared: &[Vec<f64>],
         length: usize,
         tail: f64,
@@ -249,7 +252,7 @@ impl<'a> Voice<'a> {
         // Noise is band-limited, so it begins before its first number, and so does what filters it. All else is 0 before the
         // onset where it is kept.
         let first = (self.born - (LEAD + NOISE_AHEAD) * self.over).floor() as i64 + 1;
-        let released = self.born + play.duration * self.fine;
+        let released = self.born + duration * self.fine;
         let (mut samples, mut quiet, mut is_released) = (Vec::new(), 0.0, false);
         for n in first..length as i64 {
             if samples.len().is_multiple_of(ASKED_EVERY) {
@@ -259,7 +262,7 @@ impl<'a> Voice<'a> {
             if !is_released && released <= n as f64 + 1.0 {
                 is_released = true;
                 for twin in &mut self.twins {
-                    twin.release(play.duration);
+                    twin.release(duration);
                 }
             }
             self.step(n, shared);

@@ -41,7 +41,7 @@ pub enum Model {
 
 impl Model {
     /// All, in the order of the words in a file.
-    pub const ALL: [Self; 5] =
+    pub(crate) const ALL: [Self; 5] =
         [Self::Generic, Self::VoiceCoil, Self::InertialMotor, Self::RumbleMotor, Self::Lra];
 }
 

@@ -1,16 +1,18 @@
 //! The rig: what people write about their hardware. Device, amplifiers, actuators, and where on the body each tactor sits.
 
-pub mod actuator;
-pub mod amplifier;
-pub mod device;
-pub mod output;
+pub(crate) mod actuator;
+mod amplifier;
+pub(crate) mod device;
+mod finder;
+pub(crate) mod output;
 pub mod reference;
-pub mod resolve;
-pub mod schema;
+mod resolve;
+mod schema;
 
 pub use actuator::{Actuator, Model, Peak};
 pub use amplifier::{Amplifier, Drive};
 pub use device::{Coupling, Device, RATES, usual_ratio};
+pub use finder::Finder;
 pub use output::{Output, OutputKind};
 pub use schema::schema;
 
@@ -22,7 +24,8 @@ use std::collections::{HashMap, HashSet};
 use crate::text::document;
 use crate::text::field::{Field, Form, Table};
 use crate::text::nearest::suggest;
-use crate::text::reader::{Reader, Sink};
+use crate::text::reader::Reader;
+use crate::text::sink::Sink;
 use crate::text::{Checked, Problem, Problems};
 
 /// A rig.
@@ -46,7 +49,7 @@ pub struct Rig {
 pub const FORMAT: &str = "pacinian-rig/1";
 
 /// Its keys.
-pub static TABLE: Table = Table {
+pub(crate) static TABLE: Table = Table {
     name: "rig",
     doc: "Hardware: a device, amplifiers, actuators, and where on the body each tactor sits.",
     fields: &[

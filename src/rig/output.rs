@@ -53,7 +53,7 @@ pub enum OutputKind {
 
 impl OutputKind {
     /// The word for it in a file.
-    pub fn word(&self) -> &'static str {
+    pub(crate) fn word(&self) -> &'static str {
         match self {
             Self::Vibration => "vibration",
             Self::Drive => "drive",

@@ -1,9 +1,9 @@
 //! From a place in a patch to an output of the rig.
 
-use super::{Output, OutputKind, Rig};
+use super::{Finder, Output, OutputKind, Rig};
 use crate::patch::{Patch, Place};
 use crate::text::nearest::suggest;
-use crate::text::reader::Sink;
+use crate::text::sink::Sink;
 use crate::text::{Problem, Span};
 
 fn sounds(output: &Output) -> bool {
@@ -17,13 +17,30 @@ impl Rig {
     /// # Errors
     /// Says what the rig lacks and suggests the nearest name; points at `span`.
     pub fn resolve(&self, place: Option<&Place>, span: &Span) -> Result<usize, Problem> {
+        self.answer(|place| self.find(place), place, span)
+    }
+
+    /// As [`Rig::resolve`], for many places: `finder` is this rig's.
+    ///
+    /// # Errors
+    /// As [`Rig::resolve`].
+    pub fn resolve_by(&self, finder: &Finder, place: Option<&Place>, span: &Span) -> Result<usize, Problem> {
+        self.answer(|place| finder.find(place), place, span)
+    }
+
+    fn answer(
+        &self,
+        find: impl Fn(Option<&Place>) -> Option<usize>,
+        place: Option<&Place>,
+        span: &Span,
+    ) -> Result<usize, Problem> {
         if let Some(Place::Position(position)) = place
             && !position.iter().all(|x| x.is_finite())
         {
             let what = format!("{position:?} is no position");
             return Err(Problem::error(span, what).help("give metres, finite numbers".to_string()));
         }
-        match (self.find(place).and_then(|i| self.outputs.get(i).map(|o| (i, o))), place) {
+        match (find(place).and_then(|i| self.outputs.get(i).map(|o| (i, o))), place) {
             (Some((i, output)), _) if sounds(output) => Ok(i),
             (Some((_, output)), _) => Err(Problem::error(
                 span,
@@ -74,12 +91,13 @@ impl Rig {
     /// Every place of a patch that the rig lacks, up to [`Sink::MOST`]; those of events files are left to their reader.
     pub fn check_places(&self, patch: &Patch) -> Vec<Problem> {
         let (mut problems, mut further, mut last) = (Vec::new(), 0_usize, 0..0);
+        let finder = Finder::new(self);
         patch.each_place(|place, span| {
             if problems.len() < Sink::MOST {
-                problems.extend(self.resolve(Some(place), span).err());
+                problems.extend(self.resolve_by(&finder, Some(place), span).err());
             } else {
                 // Without advice, which takes a look at every name there is.
-                let found = self.find(Some(place)).and_then(|i| self.outputs.get(i));
+                let found = finder.find(Some(place)).and_then(|i| self.outputs.get(i));
                 if !found.is_some_and(sounds) {
                     (further, last) = (further + 1, span.clone());
                 }
@@ -94,11 +112,11 @@ impl Rig {
 
     /// What a patch says of places that plays, but hardly where it was meant: warnings. Those of events files are left out.
     pub fn advise(&self, patch: &Patch) -> Vec<Problem> {
-        let mut problems = Vec::new();
+        let (mut problems, finder) = (Vec::new(), Finder::new(self));
         patch.each_place(|place, span| {
             let Place::Position(position) = place else { return };
             let Some((far, output)) =
-                self.nearest_of(position).and_then(|(far, i)| Some((far, self.outputs.get(i)?)))
+                finder.nearest(position).and_then(|(far, i)| Some((far, self.outputs.get(i)?)))
             else {
                 return;
             };
@@ -116,11 +134,6 @@ impl Rig {
     }
 
     fn nearest(&self, position: &[f64; 3]) -> Option<usize> {
-        self.nearest_of(position).map(|(_, i)| i)
-    }
-
-    /// The nearest tactor with its distance in metres.
-    fn nearest_of(&self, position: &[f64; 3]) -> Option<(f64, usize)> {
         let mut best: Option<(f64, usize)> = None;
         for (i, output) in self.outputs.iter().enumerate() {
             let (OutputKind::Vibration, Some(at)) = (&output.kind, &output.position) else { continue };
@@ -129,7 +142,7 @@ impl Rig {
                 best = Some((far, i));
             }
         }
-        best.map(|(square, i)| (square.sqrt(), i))
+        best.map(|(_, i)| i)
     }
 }
 

@@ -90,11 +90,6 @@ impl<T> Queue<T> {
         self.heap = BinaryHeap::from(entries);
     }
 
-    /// Entries waiting.
-    pub fn len(&self) -> usize {
-        self.heap.len()
-    }
-
     /// Whether nothing waits.
     pub fn is_empty(&self) -> bool {
         self.heap.is_empty()
@@ -147,6 +142,6 @@ mod tests {
         assert!(queue.pop_due(3).is_none());
         assert_eq!(queue.next(), Some(4));
         assert_eq!(queue.pop_due(4).unwrap().what, 1);
-        assert_eq!(queue.len(), 1);
+        assert_eq!(queue.room(), 1);
     }
 }

@@ -121,7 +121,8 @@ impl<'a> Score<'a> {
     }
 
     /// How many things are under way; memory grows with it and with nothing else.
-    pub fn under_way(&self) -> usize {
+    #[cfg(test)]
+    fn under_way(&self) -> usize {
         self.0.under_way()
     }
 }

@@ -88,6 +88,7 @@ impl<'a> Unroll<'a> {
         self.length
     }
 
+    #[cfg(test)]
     pub fn under_way(&self) -> usize {
         self.heap.len()
     }

@@ -3,7 +3,8 @@
 use toml::de::DeTable;
 
 use super::problem::{Checked, Problem, Problems};
-use super::reader::{At, Sink};
+use super::reader::At;
+use super::sink::Sink;
 
 /// The most bytes a file may have.
 pub const MAX_BYTES: usize = 16 << 20;

@@ -72,33 +72,33 @@ impl Field {
     }
     /// The same, but it must be there.
     #[must_use]
-    pub const fn required(self) -> Self {
+    pub(crate) const fn required(self) -> Self {
         Self { required: true, ..self }
     }
 }
 
 impl Form {
     /// A number with a default.
-    pub const fn number(default: f64, least: f64, most: f64) -> Self {
+    pub(crate) const fn number(default: f64, least: f64, most: f64) -> Self {
         Self::Number { default: Some(default), least, most }
     }
     /// A number without one.
-    pub const fn any_number(least: f64, most: f64) -> Self {
+    pub(crate) const fn any_number(least: f64, most: f64) -> Self {
         Self::Number { default: None, least, most }
     }
     /// A whole number with a default.
-    pub const fn count(default: u64, least: u64, most: u64) -> Self {
+    pub(crate) const fn count(default: u64, least: u64, most: u64) -> Self {
         Self::Count { default: Some(default), least, most }
     }
     /// A whole number without one.
-    pub const fn any_count(least: u64, most: u64) -> Self {
+    pub(crate) const fn any_count(least: u64, most: u64) -> Self {
         Self::Count { default: None, least, most }
     }
 }
 
 impl Table {
     /// The description of a key.
-    pub fn field(&self, key: &str) -> Option<&'static Field> {
+    pub(crate) fn field(&self, key: &str) -> Option<&'static Field> {
         self.fields.iter().find(|f| f.key == key)
     }
     /// Whether it is a whole file, in which a list of tables is written one by one.
@@ -106,7 +106,7 @@ impl Table {
         self.field("format").is_some()
     }
     /// How to add what is missing, and what it is.
-    pub fn to_add(&self, field: &Field) -> String {
+    pub(crate) fn to_add(&self, field: &Field) -> String {
         let (key, doc) = (field.key, super::lower(field.doc));
         let value = match field.form {
             Form::One(_) if self.is_file() => return format!("add [{key}]: {doc}"),
@@ -135,7 +135,7 @@ impl Table {
         }
     }
     /// All keys.
-    pub fn keys(&self) -> impl Iterator<Item = &'static str> {
+    pub(crate) fn keys(&self) -> impl Iterator<Item = &'static str> {
         self.fields.iter().map(|f| f.key)
     }
 }

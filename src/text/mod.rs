@@ -1,19 +1,20 @@
 //! Reading what people write: problems that point at their line, tables whose keys are described once, nearest names.
 //!
-//! [`crate::patch`] and [`crate::rig`] stand on it. A file is parsed into a tree that keeps its places
-//! ([`document::parse`]); a [`reader::Reader`] takes typed fields out of a table by its description
-//! ([`field::Table`]), from which [`schema`] makes the JSON Schema as well.
+//! [`crate::patch`] and [`crate::rig`] stand on it. A file is parsed into a tree that keeps its places;
+//! typed fields are taken out of a table by its description ([`field::Table`]), from which the JSON Schema is made as well.
 
-pub mod document;
+pub(crate) mod document;
 pub mod field;
-pub mod measure;
+pub(crate) mod measure;
 pub mod nearest;
 pub mod problem;
-pub mod reader;
+pub(crate) mod reader;
 pub mod reference;
-pub mod schema;
+pub(crate) mod schema;
+pub(crate) mod sink;
 
 pub use problem::{Checked, Origin, Problem, Problems, Severity, Span};
+pub use sink::Sink;
 
 /// A sentence as it goes on behind a colon: "What it is called." becomes "what it is called".
 pub(crate) fn lower(sentence: &str) -> String {

@@ -20,7 +20,7 @@ pub fn suggest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 }
 
 /// Advice that names the candidate nearest to `word`, where one is near and they are not too many.
-pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
+pub(crate) fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let candidates: Vec<&str> = candidates.into_iter().take(MOST_CANDIDATES + 1).collect();
     let few = candidates.len() <= MOST_CANDIDATES;
     nearest(word, candidates.into_iter().filter(|_| few)).map(|name| format!("did you mean `{name}`?"))
@@ -91,7 +91,7 @@ const SYNONYMS: &[(&str, &[&str])] = &[
 ];
 
 /// "`a`, `b` and `c`".
-pub fn listed(names: &[&str]) -> String {
+pub(crate) fn listed(names: &[&str]) -> String {
     let quoted: Vec<String> = names.iter().map(|n| format!("`{n}`")).collect();
     match quoted.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),

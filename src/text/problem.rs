@@ -100,10 +100,6 @@ pub struct Problems {
 }
 
 impl Problems {
-    /// A single error of a file as a whole.
-    pub fn of_file(file: &str, what: impl Into<String>) -> Self {
-        Self { file: file.into(), source: String::new(), list: vec![Problem::of_file(what)] }
-    }
     /// Whether one of them refuses the file.
     pub fn has_errors(&self) -> bool {
         self.list.iter().any(Problem::is_error)

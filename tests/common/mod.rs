@@ -1,6 +1,8 @@
 //! What several tests share.
 #![allow(dead_code)]
 
+pub mod scenes;
+
 use pacinian::engine::Engine;
 use pacinian::engine::event::{Event, Play, Source};
 use pacinian::graph::plan::Plan;

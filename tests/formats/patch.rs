@@ -2,8 +2,8 @@
 
 use pacinian::node::NodeKind;
 use pacinian::patch::{
-    Action, Argument, Control, Curve, Events, Expr, Node, Operator, Options, Patch, Place, Repeat, Source,
-    Start, TimeBase, Value, Voice,
+    Action, Argument, Control, Curve, Events, Expr, Node, Operator, Patch, Permissions, Place, Repeat,
+    Source, Start, TimeBase, Value, Voice,
 };
 
 use super::assert_told;
@@ -472,7 +472,7 @@ fn hidden_names_are_a_warning() {
 fn paths_may_leave_the_folder_when_allowed() {
     let source = format!("{HEAD}[pattern.p]\nevents = \"../x.csv\"\n");
     assert!(Patch::parse("p.toml", source.as_bytes()).is_err());
-    assert!(Patch::parse_with("p.toml", source.as_bytes(), Options { allow_outside: true }).is_ok());
+    assert!(Patch::parse_with("p.toml", source.as_bytes(), Permissions { allow_outside: true }).is_ok());
 }
 
 #[test]

@@ -111,7 +111,7 @@ impl Collector {
     }
 
     /// The spectrum of what has come: the mean of the channels that sound, of the first [`ROWS`].
-    pub fn spectrum(&self) -> Spectrum {
+    pub(crate) fn spectrum(&self) -> Spectrum {
         self.welch.finish(self.sounding())
     }
 

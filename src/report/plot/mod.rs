@@ -18,4 +18,3 @@ mod wave;
 pub use chart::{Axis, Chart, Point, Series};
 pub use collector::{Collector, ROWS};
 pub use picture::Style;
-pub use spectrum::Spectrum;

@@ -27,16 +27,9 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Hertz of the band that [`level`](Self::level) sums.
+    /// Hertz of the band that a level sums.
     pub fn band_hertz(&self) -> f64 {
         self.bin_hertz * (2 * LOBE + 1) as f64
-    }
-
-    /// Power in the band around a frequency in hertz, in dB; 0 dB is that of a sine of full scale, wherever it lies between
-    /// the bins. −∞ where there is none.
-    pub fn level(&self, hertz: f64) -> f64 {
-        let centre = (hertz / self.bin_hertz).round().max(0.0) as usize;
-        self.level_of_bin(centre)
     }
 
     /// The greatest level between two frequencies in hertz; where no bin lies there, the level between its neighbours.
@@ -52,6 +45,8 @@ impl Spectrum {
         low + share * (high - low)
     }
 
+    /// Power in the band around a bin, in dB; 0 dB is that of a sine of full scale, wherever it lies between the bins. −∞ where
+    /// there is none.
     fn level_of_bin(&self, centre: usize) -> f64 {
         let first = centre.saturating_sub(LOBE);
         let power: f64 = self.power.iter().take(centre.saturating_add(LOBE + 1)).skip(first).sum();
@@ -195,6 +190,10 @@ mod tests {
         welch.finish(1)
     }
 
+    fn level(spectrum: &Spectrum, hertz: f64) -> f64 {
+        spectrum.level_of_bin((hertz / spectrum.bin_hertz).round() as usize)
+    }
+
     fn sine(hertz: f64, rate: f64, seconds: f64) -> impl Iterator<Item = f32> {
         (0..(rate * seconds) as usize).map(move |n| (TAU * hertz * n as f64 / rate).sin() as f32)
     }
@@ -211,9 +210,10 @@ mod tests {
             [(48e3, 20.0), (48e3, 100.0), (48e3, 250.97), (44.1e3, 1000.0), (8e3, 333.3), (192e3, 60.0)]
         {
             let spectrum = of(&rising(hertz, rate, 10.0).collect::<Vec<_>>(), rate);
-            let level = spectrum.level(hertz);
+            let at = |hertz: f64| level(&spectrum, hertz);
+            let level = at(hertz);
             assert!(level.abs() < 0.1, "{level} dB for {hertz} Hz at {rate}");
-            assert!(spectrum.level(hertz + 40.0) < -60.0, "{hertz}: {}", spectrum.level(hertz + 40.0));
+            assert!(at(hertz + 40.0) < -60.0, "{hertz}: {}", at(hertz + 40.0));
             assert!(spectrum.band_hertz() < 11.0);
         }
     }
@@ -260,7 +260,7 @@ mod tests {
         let frames: Vec<f32> = one.iter().flat_map(|x| [*x, 0.0, 0.5 * x]).collect();
         let mut welch = Welch::new(3, 8e3);
         welch.push(&frames, 3);
-        let level = welch.finish(2).level(200.0);
+        let level = level(&welch.finish(2), 200.0);
         assert!((level - 10.0 * (1.25f64 / 2.0).log10()).abs() < 0.1, "{level}");
     }
 
@@ -268,6 +268,6 @@ mod tests {
     fn silence_and_low_rates_have_no_share() {
         assert_eq!(of(&[0.0; 100], 8e3).above(1000.0), None);
         assert_eq!(of(&[1.0; 100], 1500.0).above(1000.0), None);
-        assert_eq!(of(&[], 8e3).level(100.0), f64::NEG_INFINITY);
+        assert_eq!(level(&of(&[], 8e3), 100.0), f64::NEG_INFINITY);
     }
 }
