@@ -63,6 +63,7 @@ pub mod io;
 pub mod live;
 pub mod node;
 pub mod patch;
+pub mod performer;
 pub mod player;
 #[cfg(feature = "report")]
 pub mod report;

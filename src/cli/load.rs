@@ -9,7 +9,7 @@ use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::io::{assets::Folder, error::FileErrorKind, events, input::Input, text};
 use pacinian::patch::{self, Events, Patch};
-use pacinian::player::Player;
+use pacinian::player::{OpenEvents, Player};
 use pacinian::rig::{RATES, Rig, usual_ratio};
 use pacinian::score::EventStream;
 use pacinian::text::{Checked, Problem, Problems, Severity, Sink, nearest};
@@ -327,10 +327,19 @@ impl Loaded {
     /// # Errors
     /// What only shows when the engine is built.
     pub fn player(&self) -> Result<Player, Failure> {
-        let folder = Arc::clone(&self.folder);
-        let files = Box::new(move |path: &str| events::open(&folder, path));
-        Player::with_files(&self.patch, &self.rig, &self.options, &*self.folder, files)
+        Player::with_files(&self.patch, &self.rig, &self.options, self.folder(), self.open_events())
             .map_err(|problems| self.refuse(problems.list, &Codes::new()))
+    }
+
+    /// Where its recordings are.
+    pub fn folder(&self) -> &Folder {
+        &self.folder
+    }
+
+    /// Opens its events files.
+    pub fn open_events(&self) -> OpenEvents {
+        let folder = Arc::clone(&self.folder);
+        Box::new(move |path: &str| events::open(&folder, path))
     }
 
     /// Problems of the patch, with its source. Those that are a file's have the exit code of that.

@@ -4,6 +4,7 @@ mod advice;
 mod by_default;
 mod check;
 mod demo;
+mod devices;
 mod error;
 mod failure;
 mod form;
@@ -20,6 +21,7 @@ mod patterns;
 mod perform;
 mod place;
 mod plan;
+mod play;
 mod plot;
 mod problems;
 mod progress;
@@ -70,6 +72,8 @@ enum Command {
     Demo(demo::Demo),
     Check(check::Check),
     Render(render::Render),
+    Play(play::Play),
+    Devices(devices::Devices),
     Plot(plot::Plot),
     Error(error::Error),
     Nodes(nodes::Nodes),
@@ -96,6 +100,8 @@ fn run() -> u8 {
         Command::Error(error) => error.run(&terminal),
         Command::Check(check) => check.run(&terminal),
         Command::Render(render) => render.run(&terminal),
+        Command::Play(play) => play.run(&terminal),
+        Command::Devices(devices) => devices.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),
         Command::Format(format) => format.run(&terminal),
         Command::Schema(schema) => schema.run(&terminal),

@@ -11,5 +11,7 @@ pub mod log;
 mod open;
 pub mod out;
 pub(crate) mod resample;
+#[cfg(feature = "live")]
+pub mod session;
 pub mod text;
 pub mod wav;

@@ -53,6 +53,8 @@ pub struct Board {
     pub clamped: Figure,
     /// Samples that the limiter turned down.
     pub limited: Figure,
+    /// Signals and orders that found no room.
+    pub refused: Figure,
     /// Frames that the recording missed.
     pub unrecorded: Figure,
     /// Things done that the log did not hear of.

@@ -13,7 +13,10 @@
 pub mod board;
 pub mod callback;
 pub mod clock;
+pub mod conductor;
 pub mod driver;
 pub mod gate;
 pub mod load;
+pub mod reload;
+pub mod signal;
 pub mod stamp;

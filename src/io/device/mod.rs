@@ -1,7 +1,9 @@
 //! Sound cards, those that are there and one that is not.
 
 pub mod card;
+pub mod choose;
 pub mod failure;
+pub mod keeper;
 pub mod list;
 pub mod priority;
 pub mod virtual_card;

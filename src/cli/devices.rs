@@ -1,0 +1,157 @@
+//! `pacinian devices`.
+
+use super::failure::Failure;
+use super::table::{Table, grouped};
+use super::terminal::Terminal;
+use clap::Args;
+use pacinian::io::device::list::{self, Found, Offer};
+use serde_json::json;
+
+/// Lists sound cards: channels, rates, blocks, and what is missing
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  pacinian devices\n  pacinian play PATCH --device \"USB Sound\"\n\n\
+    A device is meant by its id, its name, or a part of its name that no other has. `virtual` is a card that keeps real time and \
+    plays to nobody.\n\nOne session plays on one device. Several cards are joined by the sound server into one: with PipeWire, \
+    `pactl load-module module-combine-sink`; with ALSA, a `multi` device in ~/.asoundrc. Cards that do not share a clock drift \
+    apart, by some 50 microseconds a second, unless the server resamples.")]
+pub struct Devices {
+    /// As one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+impl Devices {
+    /// Runs it.
+    pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
+        let mut hosts = Vec::new();
+        for (name, host) in list::hosts() {
+            let found = match &host {
+                Some(host) => {
+                    list::devices(host).map(|all| all.into_iter().map(|(_, found)| found).collect())
+                }
+                None => Ok(Vec::new()),
+            };
+            hosts.push((name, host.is_some(), found.map_err(|error| error.to_string())));
+        }
+        if self.json {
+            let hosts: Vec<_> =
+                hosts.iter().map(|(name, runs, found)| host_as_json(name, *runs, found)).collect();
+            let said = json!({ "hosts": hosts, "advice": advice() });
+            return terminal.print(&format!("{said:#}\n"));
+        }
+        let mut text = String::new();
+        for (name, runs, found) in &hosts {
+            text += &terminal.out.bold(name);
+            match (runs, found) {
+                (false, _) => text += ": does not run\n",
+                (true, Err(error)) => text += &format!(": {error}\n"),
+                (true, Ok(found)) if found.is_empty() => text += ": no device\n",
+                (true, Ok(found)) => text += &format!("\n{}", table(found)),
+            }
+        }
+        text += &format!(
+            "{}\n  keeps real time and plays to nobody: --device virtual\n",
+            terminal.out.bold("virtual")
+        );
+        for (what, help) in advice() {
+            text += &format!("\n{what}\n  {help}\n");
+        }
+        terminal.print(&text)
+    }
+}
+
+fn host_as_json(name: &str, runs: bool, found: &Result<Vec<Found>, String>) -> serde_json::Value {
+    let offer = |offer: &Option<Offer>| {
+        offer.as_ref().map(|o| {
+            json!({
+                "channels": o.channels, "rates": [o.rates.0, o.rates.1],
+                "blocks": o.blocks.map(|(least, most)| [least, most]), "formats": o.formats,
+            })
+        })
+    };
+    let device = |f: &Found| json!({ "id": f.id, "name": f.name, "default": f.default, "output": offer(&f.output), "input": offer(&f.input) });
+    let (devices, trouble) = match found {
+        Ok(all) => (all.iter().map(device).collect(), None),
+        Err(error) => (Vec::new(), Some(error)),
+    };
+    json!({ "name": name, "runs": runs, "devices": devices, "trouble": trouble })
+}
+
+fn table(found: &[Found]) -> String {
+    let mut table = Table::default();
+    table.row(["", "name", "outputs", "inputs", "rates", "blocks", "id"]);
+    for device in found {
+        let offer = device.output.as_ref().or(device.input.as_ref());
+        let channels = |offer: &Option<Offer>| offer.as_ref().map_or("-".into(), |o| counts(&o.channels));
+        let rates = offer.map_or(String::new(), |o| range(o.rates) + " Hz");
+        let blocks = offer.and_then(|o| o.blocks).map_or(String::new(), range);
+        table.row([
+            if device.default { "*" } else { "" }.to_string(),
+            device.name.clone(),
+            channels(&device.output),
+            channels(&device.input),
+            rates,
+            blocks,
+            device.id.clone(),
+        ]);
+    }
+    table.text()
+}
+
+fn range((least, most): (u32, u32)) -> String {
+    let (least, most) = (grouped(u64::from(least)), grouped(u64::from(most)));
+    if least == most { least } else { format!("{least} to {most}") }
+}
+
+/// Numbers of channels: a row of them as its ends.
+fn counts(channels: &[u16]) -> String {
+    match channels {
+        [] => String::new(),
+        [one] => one.to_string(),
+        [first, .., last] if usize::from(last - first) + 1 == channels.len() => format!("{first} to {last}"),
+        several => several.iter().map(u16::to_string).collect::<Vec<_>>().join(", "),
+    }
+}
+
+/// What is missing on this machine, and how to get it.
+fn advice() -> Vec<(String, String)> {
+    let mut advice: Vec<(String, String)> = Vec::new();
+    #[cfg(target_os = "linux")]
+    {
+        use std::path::Path;
+        let mut say = |what: &str, help: &str| advice.push((what.into(), help.into()));
+        if !Path::new("/dev/snd").exists() {
+            say(
+                "This system has no sound hardware: there is no /dev/snd.",
+                "plug a card in, or load its driver; in a container, pass the device: --device /dev/snd",
+            );
+        } else if std::fs::read_dir("/dev/snd").is_ok_and(|all| {
+            all.flatten().any(|entry| {
+                std::fs::OpenOptions::new()
+                    .read(true)
+                    .open(entry.path())
+                    .is_err_and(|error| error.kind() == std::io::ErrorKind::PermissionDenied)
+            })
+        }) {
+            say(
+                "Sound cards may not be used by this user.",
+                "sudo usermod -aG audio $USER, then log in again",
+            );
+        }
+    }
+    advice
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{counts, range};
+
+    #[test]
+    fn numbers_of_channels_are_short() {
+        assert_eq!(counts(&[2]), "2");
+        assert_eq!(counts(&[1, 2, 3, 4]), "1 to 4");
+        assert_eq!(counts(&[2, 4, 8]), "2, 4, 8");
+        assert_eq!(range((48_000, 48_000)), "48,000");
+        assert_eq!(range((44_100, 192_000)), "44,100 to 192,000");
+    }
+}

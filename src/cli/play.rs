@@ -1,0 +1,193 @@
+//! `pacinian play`.
+
+use super::failure::Failure;
+use super::load::{Loaded, Scene};
+use super::problems;
+use super::stop::Stop;
+use super::table::dbfs;
+use super::terminal::Terminal;
+use clap::Args;
+use pacinian::graph::scene::{Options, scene};
+use pacinian::io::device::choose::{Chosen, Wish};
+use pacinian::io::device::failure::DeviceError;
+use pacinian::io::device::keeper::Fate;
+use pacinian::io::device::priority::{self, Priority};
+use pacinian::io::session::{Beginning, Session, SessionError};
+use pacinian::live::board::Board;
+use pacinian::live::conductor::Told;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
+
+/// Plays a patch on a sound card, in real time
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  pacinian play patches/04-heartbeat.toml --rig rigs/belt.toml --device \"USB Sound\"\n  \
+    pacinian play patches/04-heartbeat.toml --device virtual --duration 5\n\n\
+    With no device named, here or in the rig, it plays on the system's default, which may be headphones: at -20 dB until --arm. \
+    With no sound card at all it plays on a virtual one, which keeps real time and is heard by nobody.\n\
+    Ctrl-C ends it: the output goes to exact zeros within 2 ms."
+)]
+pub struct Play {
+    #[command(flatten)]
+    scene: Scene,
+    /// The sound card: its id, its name or a part of that, or `virtual` [default: what the rig says, else the system's default]
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
+    /// Frames in a block [default: as the card likes]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    block: Option<u32>,
+    /// Full level on a device that nobody has named
+    #[arg(long)]
+    arm: bool,
+    /// Seconds to play [default: until Ctrl-C]
+    #[arg(long, value_name = "S", value_parser = super::render::seconds)]
+    duration: Option<f64>,
+}
+
+/// What threads of the session say.
+enum Said {
+    Problem(String),
+    Fate(Fate),
+}
+
+impl From<DeviceError> for Failure {
+    fn from(error: DeviceError) -> Self {
+        let code = error.kind.exit_code();
+        let mut failure = Self::usage(error.what, error.help.unwrap_or_default());
+        failure = failure.with_code(code);
+        failure
+    }
+}
+
+impl Play {
+    /// Runs it.
+    pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
+        let loaded = self.scene.load(true, None)?;
+        for warnings in &loaded.warnings {
+            terminal.note(&problems::shown(warnings, terminal));
+        }
+        let wish = Wish::of(self.device.as_deref(), loaded.rig.device.name.as_deref());
+        let device = wish.choose()?;
+        let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
+        let armed = self.arm || wish != Wish::Default || matches!(device, Chosen::Virtual(_));
+        let name = match &device {
+            Chosen::Card(_, found) => found.name.clone(),
+            Chosen::Virtual(why) => format!("a virtual card, since {why}"),
+        };
+        let options = Options { rate: Some(f64::from(rate)), live: true, ..loaded.options.clone() };
+        let reload = loaded.reload(&options)?;
+        let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
+        let (say, said) = channel();
+        let (say_fate, say_told) = (say.clone(), say);
+        let stop = Stop::listen()?;
+        let mut session = Session::start(Beginning {
+            scene: reload,
+            device,
+            block: self.block,
+            armed,
+            record: false,
+            listener: None,
+            audience: Box::new(move |told| tell(told, &say_told)),
+            fate: Box::new(move |fate| drop(say_fate.send(Said::Fate(fate)))),
+        })
+        .map_err(|error| match error {
+            SessionError::Device(error) => error.into(),
+            SessionError::Plan(what) => Failure::said(65, what),
+        })?;
+        terminal.note(&format!(
+            "{} plays on {name}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
+            loaded.name(),
+            if armed { "" } else { ", at -20 dB: --arm for full level" }
+        ));
+        let ended = self.watch(&session, &stop, &said, terminal);
+        session.stop();
+        self.conclude(&loaded, session.board(), terminal)?;
+        match ended {
+            Some(code) => Err(Failure::told(code)),
+            None => Ok(()),
+        }
+    }
+
+    /// Until somebody asks to stop; gives the exit code then.
+    fn watch(
+        &self,
+        session: &Session,
+        stop: &Stop,
+        said: &Receiver<Said>,
+        terminal: &Terminal,
+    ) -> Option<u8> {
+        let begin = Instant::now();
+        loop {
+            if let Some(code) = stop.asked() {
+                return Some(code);
+            }
+            if self.duration.is_some_and(|seconds| begin.elapsed().as_secs_f64() >= seconds) {
+                return None;
+            }
+            while let Ok(said) = said.try_recv() {
+                terminal.note(&match said {
+                    Said::Problem(what) => format!("{what}\n"),
+                    Said::Fate(Fate::Lost(why)) => {
+                        format!("the device is gone ({why}); going on in silence\n")
+                    }
+                    Said::Fate(Fate::Back) => "the device is back\n".into(),
+                    Said::Fate(Fate::Moved) => "the system moved the stream to another device\n".into(),
+                    Said::Fate(Fate::Said(what)) => format!("{what}\n"),
+                });
+            }
+            if session.board().frames.get() > 0 && priority::latest() == Priority::Refused {
+                // Said once, at the end.
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    fn conclude(&self, loaded: &Loaded, board: &Arc<Board>, terminal: &Terminal) -> Result<(), Failure> {
+        let load = &board.load;
+        let mut text = format!(
+            "{}: {} frames, {} voices, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost\n",
+            loaded.name(),
+            board.frames.get(),
+            board.started.get(),
+            100.0 * load.mean(),
+            100.0 * load.quantile(0.999),
+            load.over(),
+            board.xruns.get(),
+            board.late.get(),
+            board.dropped.get() + board.refused.get(),
+        );
+        for (channel, name) in loaded.tactors().iter().enumerate() {
+            let peak = board.take_peak(channel);
+            if peak > 0.0 {
+                text += &format!("  {name}: {}\n", dbfs(peak));
+            }
+        }
+        terminal.print(&text)
+    }
+}
+
+fn tell(told: Told<'_>, say: &Sender<Said>) {
+    let what = match told {
+        Told::Report(_) => return,
+        Told::Refused(problem) => problem.to_string(),
+        Told::Reloaded => "reloaded".into(),
+        Told::Kept(why) => format!("the old one plays on: {why}"),
+    };
+    let _ = say.send(Said::Problem(what));
+}
+
+impl Loaded {
+    /// Compiled, ready to take over.
+    fn reload(&self, options: &Options) -> Result<pacinian::live::reload::Reload, Failure> {
+        let refuse =
+            |problems: pacinian::text::Problems| self.refuse(problems.list, &super::named::Codes::new());
+        let scene = scene(&self.patch, &self.rig, options, self.folder()).map_err(refuse)?;
+        Ok(pacinian::live::reload::Reload {
+            scene,
+            patch: Arc::clone(&self.patch),
+            rig: Arc::new(self.rig.clone()),
+            files: self.open_events(),
+        })
+    }
+}

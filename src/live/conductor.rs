@@ -1,0 +1,285 @@
+//! The conductor: one thread that hears of everything and leads the performer.
+//!
+//! It turns the moments at which signals arrived into frames, lets the performer make events of them, and sends those to the
+//! callback ahead of their time. It compiles nothing and waits for nothing but signals.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
+use std::time::Duration;
+
+use ringbuf::traits::{Consumer, Observer, Producer};
+
+use super::board::Board;
+use super::callback::{Cue, Report, Rings, SOURCES};
+use super::clock::StreamClock;
+use super::gate::{Order, UNARMED};
+use super::reload::Reload;
+use super::signal::{Handle, Signal, Stamped, WAITING};
+use super::stamp::{Epoch, Stamp};
+use crate::engine::event::{Event, Source};
+use crate::engine::exchange::Director;
+use crate::performer::{Outlet, Performer, When};
+use crate::schedule::Instant;
+use crate::text::Problem;
+
+/// Seconds that patterns are sent ahead.
+const AHEAD: f64 = 0.05;
+
+/// How often it looks whether patterns must be fed, where no signal comes.
+const EVERY: Duration = Duration::from_millis(5);
+
+/// What a conductor tells of.
+#[derive(Debug)]
+pub enum Told<'a> {
+    /// What the callback did.
+    Report(&'a Report),
+    /// Something that was asked for and cannot be done.
+    Refused(&'a Problem),
+    /// A new patch or rig took over.
+    Reloaded,
+    /// A new patch or rig cannot take over; the old one plays on.
+    Kept(&'a str),
+}
+
+/// Hears what a conductor tells of, in its thread.
+pub type Audience = Box<dyn FnMut(Told<'_>) + Send>;
+
+/// Leads a session.
+pub struct Conductor {
+    performer: Performer,
+    director: Director,
+    rings: Rings,
+    clock: StreamClock,
+    board: Arc<Board>,
+    signals: Receiver<Stamped>,
+    audience: Audience,
+    /// The performer's ids and serial numbers by those that handles gave out.
+    voices: HashMap<u64, u64>,
+    patterns: HashMap<u64, u64>,
+    /// One that waits until an engine has come back.
+    waiting: Option<Box<Reload>>,
+    rate: f64,
+    ratio: f64,
+    ended: bool,
+}
+
+/// The rings as an outlet.
+struct ToCallback<'a> {
+    rings: &'a mut Rings,
+    clock: u64,
+}
+
+impl Outlet for ToCallback<'_> {
+    fn clock(&self) -> u64 {
+        self.clock
+    }
+
+    fn room(&self, source: Source) -> usize {
+        let ring = SOURCES.iter().position(|s| *s == source).and_then(|number| self.rings.cues.get(number));
+        ring.map_or(0, Observer::vacant_len)
+    }
+
+    fn send(&mut self, at: Instant, source: Source, event: Event) -> bool {
+        let ring =
+            SOURCES.iter().position(|s| *s == source).and_then(|number| self.rings.cues.get_mut(number));
+        ring.is_some_and(|ring| ring.try_push(Cue { at, event }).is_ok())
+    }
+}
+
+impl Conductor {
+    /// For a callback that has its other ends.
+    pub fn new(
+        performer: Performer,
+        director: Director,
+        rings: Rings,
+        clock: StreamClock,
+        epoch: Epoch,
+        board: &Arc<Board>,
+        audience: Audience,
+    ) -> (Self, Handle) {
+        let (out, signals): (SyncSender<_>, _) = std::sync::mpsc::sync_channel(WAITING);
+        let handle = Handle::new(out, epoch, Arc::clone(board));
+        let plan = performer.plan();
+        let (rate, ratio) = (plan.engine_rate(), plan.ratio as f64);
+        let conductor = Self {
+            performer,
+            director,
+            rings,
+            clock,
+            board: Arc::clone(board),
+            signals,
+            audience,
+            voices: HashMap::new(),
+            patterns: HashMap::new(),
+            waiting: None,
+            rate,
+            ratio,
+            ended: false,
+        };
+        (conductor, handle)
+    }
+
+    /// Leads until it is told to end, or nobody can tell it anything any more. Opens the gate first.
+    pub fn lead(mut self) {
+        self.begin();
+        while !self.ended {
+            match self.signals.recv_timeout(EVERY) {
+                Ok(stamped) => {
+                    self.take(stamped);
+                    // What has piled up is taken before patterns are fed.
+                    while let Ok(stamped) = self.signals.try_recv() {
+                        self.take(stamped);
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => self.end(),
+            }
+            self.go_on();
+        }
+    }
+
+    /// What sounds from the beginning; the gate opens.
+    pub fn begin(&mut self) {
+        let mut outlet = ToCallback { rings: &mut self.rings, clock: 0 };
+        if let Err(problem) = self.performer.begin(&mut outlet) {
+            (self.audience)(Told::Refused(&problem));
+        }
+        self.feed();
+        self.order(Order::Open);
+    }
+
+    /// Feeds patterns, hears what the callback did, and lets a plan that waits take over if it can.
+    pub fn go_on(&mut self) {
+        self.feed();
+        if let Some(reload) = self.waiting.take() {
+            self.reload(reload);
+        }
+        while let Some(report) = self.rings.reports.try_pop() {
+            (self.audience)(Told::Report(&report));
+        }
+        self.director.collect();
+    }
+
+    fn feed(&mut self) {
+        let clock = self.board.clock.get();
+        let until = clock + (AHEAD * self.rate) as u64;
+        let mut outlet = ToCallback { rings: &mut self.rings, clock };
+        let troubled = self.performer.trouble().is_some();
+        self.performer.feed(until, &mut outlet);
+        if let Some(problem) = self.performer.trouble().filter(|_| !troubled) {
+            (self.audience)(Told::Refused(problem));
+        }
+    }
+
+    /// When something takes effect that arrived at `stamp`: a whole block later, so that no callback has computed it yet.
+    fn when(&self, stamp: Stamp) -> When {
+        match self.clock.moment() {
+            Some(moment) => {
+                When::of_instant(Instant::of_samples(moment.frame_of(stamp) / self.ratio), self.rate)
+            }
+            None => When::of_sample(self.board.clock.get(), self.rate),
+        }
+    }
+
+    /// Does what a signal asks for.
+    pub fn take(&mut self, Stamped { stamp, signal }: Stamped) {
+        let at = self.when(stamp);
+        let mut outlet = ToCallback { rings: &mut self.rings, clock: self.board.clock.get() };
+        let outlet = &mut outlet;
+        let done = match signal {
+            Signal::Play(number, voice, note) => self.performer.play(at, &voice, &note, outlet).map(|id| {
+                self.voices.insert(number, id);
+            }),
+            Signal::Release(number) => match self.voices.remove(&number) {
+                Some(id) => sent(self.performer.release(at, id, outlet)),
+                None => Ok(()),
+            },
+            Signal::ReleaseAll => {
+                self.voices.clear();
+                sent(self.performer.release_all(at, outlet))
+            }
+            Signal::Set(control, value) => self.performer.set(at, &control, value, outlet),
+            Signal::Start(number, name) => self.performer.start_pattern(at, &name).map(|serial| {
+                self.patterns.insert(number, serial);
+            }),
+            Signal::Stop(number) => {
+                if let Some(serial) = self.patterns.remove(&number) {
+                    self.performer.stop_pattern(serial);
+                }
+                Ok(())
+            }
+            Signal::StopNamed(name) => {
+                let serials: Vec<u64> =
+                    self.performer.patterns().filter(|(_, n)| *n == Some(&*name)).map(|(s, _)| s).collect();
+                for serial in serials {
+                    self.performer.stop_pattern(serial);
+                }
+                Ok(())
+            }
+            Signal::Key(_) => Ok(()),
+            Signal::Panic => {
+                // The board's brake has closed the gate, or will.
+                self.board.panic();
+                let serials: Vec<u64> = self.performer.patterns().map(|(serial, _)| serial).collect();
+                for serial in serials {
+                    self.performer.stop_pattern(serial);
+                }
+                self.voices.clear();
+                sent(self.performer.release_all(at, outlet))
+            }
+            Signal::Calm => {
+                self.board.calm();
+                self.order(Order::Release);
+                Ok(())
+            }
+            Signal::Arm(armed) => {
+                self.order(Order::Gain(if armed { 1.0 } else { UNARMED }));
+                Ok(())
+            }
+            Signal::Reload(reload) => {
+                self.reload(reload);
+                Ok(())
+            }
+            Signal::End => {
+                self.end();
+                Ok(())
+            }
+        };
+        if let Err(problem) = done {
+            (self.audience)(Told::Refused(&problem));
+        }
+    }
+
+    fn end(&mut self) {
+        self.order(Order::Close);
+        self.ended = true;
+    }
+
+    fn order(&mut self, order: Order) {
+        let untaken = self.rings.orders.try_push(order).is_err();
+        self.board.refused.add(u64::from(untaken));
+    }
+
+    /// Lets another scene take over. Where two engines are still under way, it waits.
+    fn reload(&mut self, reload: Box<Reload>) {
+        match self.director.send(&reload.scene.plan) {
+            Ok(false) => self.waiting = Some(reload),
+            Ok(true) => {
+                let Reload { scene, patch, rig, files } = *reload;
+                match self.performer.become_of(scene, patch, rig, files) {
+                    Ok(()) => (self.audience)(Told::Reloaded),
+                    Err(problem) => (self.audience)(Told::Refused(&problem)),
+                }
+            }
+            Err(mismatch) => (self.audience)(Told::Kept(&mismatch.to_string())),
+        }
+    }
+}
+
+fn sent(sent: bool) -> Result<(), Problem> {
+    match sent {
+        true => Ok(()),
+        false => Err(Problem::of_file("more events came than the engine could take; play less at once")),
+    }
+}

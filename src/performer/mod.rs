@@ -1,0 +1,507 @@
+//! Who plays a patch: patterns and what the program asks for become events of the engine.
+//!
+//! A performer has no engine. It gives its events to an [`Outlet`], which may be an engine at once ([`crate::player`]) or a ring that
+//! leads to one in another thread. It may allocate and read files.
+
+mod heard;
+mod note;
+mod outlet;
+mod run;
+mod when;
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::dsp::random;
+use crate::engine::event::{Event, Play, Source};
+use crate::graph::plan::Plan;
+use crate::graph::scene::Scene;
+use crate::patch::{Patch, Place};
+use crate::rig::{Finder, Rig};
+use crate::score::{EventStream, HORIZON, Score, Timed, What};
+use crate::text::Problem;
+use crate::text::nearest::suggest;
+
+pub use heard::{Happening, Heard, Listener, Origin};
+pub use note::Note;
+pub use outlet::Outlet;
+use run::Run;
+pub use when::When;
+
+/// Opens events files for the score, by their path as written in the patch.
+pub type OpenEvents = Box<dyn FnMut(&str) -> Result<EventStream<'static>, Problem> + Send>;
+
+/// Plays a patch on a rig.
+pub struct Performer {
+    plan: Plan,
+    patch: Arc<Patch>,
+    rig: Arc<Rig>,
+    finder: Arc<Finder>,
+    instruments: Vec<Option<u32>>,
+    /// Places of voices in the patch: by name, and by instrument.
+    voices: HashMap<String, usize>,
+    voice_of: Vec<usize>,
+    files: Arc<Mutex<OpenEvents>>,
+    runs: Vec<Run>,
+    length: Option<f64>,
+    cut: bool,
+    trouble: Option<Problem>,
+    /// What the program played, and patterns it started.
+    played: u64,
+    started: u64,
+    record: Option<Vec<(f64, Play)>>,
+    listener: Option<Listener>,
+    /// What was played before anything was computed, for a listener who comes then.
+    first: Vec<(When, Play)>,
+    /// Seconds up to which patterns have been fed.
+    fed: f64,
+}
+
+/// Voices that the program plays have ids from here on, so that they share no random numbers with those of patterns.
+const PROGRAM: u64 = 1 << 62;
+
+/// Ids of a pattern that the program starts have its serial number from this bit on.
+const OF_RUN: u32 = 40;
+
+impl Performer {
+    /// For a patch compiled for a rig. What plays from the beginning is ready to be fed.
+    ///
+    /// # Errors
+    /// What is wrong with the patterns that play from the beginning.
+    pub fn new(scene: Scene, patch: Arc<Patch>, rig: Arc<Rig>, files: OpenEvents) -> Result<Self, Problem> {
+        let roots: Vec<(usize, f64)> = scene.patterns.iter().map(|&p| (p, 0.0)).collect();
+        let mut performer = Self::bare(scene, patch, rig, files);
+        let run = Run::new(0, None, 0.0, performer.score(&roots, performer.plan.seed)?);
+        performer.length = run.length();
+        performer.runs.push(run);
+        Ok(performer)
+    }
+
+    /// Without anything that plays.
+    fn bare(scene: Scene, patch: Arc<Patch>, rig: Arc<Rig>, files: OpenEvents) -> Self {
+        let Scene { plan, instruments, .. } = scene;
+        // Where two voices share a name, the first has it.
+        let voices = patch.voices.iter().enumerate().rev().map(|(i, v)| (v.name.clone(), i)).collect();
+        let mut voice_of = vec![usize::MAX; plan.instruments.len()];
+        for (voice, instrument) in instruments.iter().enumerate() {
+            if let Some(slot) = instrument.and_then(|i| voice_of.get_mut(i as usize)) {
+                *slot = voice;
+            }
+        }
+        let finder = Arc::new(Finder::new(&rig));
+        Self {
+            plan,
+            patch,
+            rig,
+            finder,
+            instruments,
+            voices,
+            voice_of,
+            files: Arc::new(Mutex::new(files)),
+            runs: Vec::new(),
+            length: Some(0.0),
+            cut: false,
+            trouble: None,
+            played: 0,
+            started: 0,
+            record: None,
+            listener: None,
+            first: Vec::new(),
+            fed: 0.0,
+        }
+    }
+
+    fn score(&self, roots: &[(usize, f64)], seed: u64) -> Result<Score<'static>, Problem> {
+        let (rig, finder) = (Arc::clone(&self.rig), Arc::clone(&self.finder));
+        let places = move |place: Option<&Place>| rig.resolve_by(&finder, place, &(0..0)).map(|i| i as u32);
+        let files = Arc::clone(&self.files);
+        // Whoever panicked while a file was opened has left nothing half-done here.
+        let open = move |path: &str| (files.lock().unwrap_or_else(PoisonError::into_inner))(path);
+        Score::new(&self.patch, places, roots, seed, open)
+    }
+
+    /// Goes on with another scene: patterns that play go on where they stand if the new patch still has them, in the words of the
+    /// new patch.
+    ///
+    /// # Errors
+    /// What is wrong with its patterns; then the old ones are gone, and the new ones do not play.
+    pub fn become_of(
+        &mut self,
+        scene: Scene,
+        patch: Arc<Patch>,
+        rig: Arc<Rig>,
+        files: OpenEvents,
+    ) -> Result<(), Problem> {
+        let (old, fed) = (Arc::clone(&self.patch), self.fed);
+        let runs: Vec<(u64, Option<usize>, f64)> =
+            self.runs.drain(..).map(|run| (run.serial, run.pattern, run.start)).collect();
+        let began = runs.iter().any(|(serial, ..)| *serial == 0);
+        let roots: Vec<(usize, f64)> = scene.patterns.iter().map(|&p| (p, 0.0)).collect();
+        let mut new = Self::bare(scene, patch, rig, files);
+        std::mem::swap(self, &mut new);
+        (self.played, self.started, self.fed) = (new.played, new.started, fed);
+        (self.record, self.listener) = (new.record.take(), new.listener.take());
+        (self.length, self.cut) = (new.length, new.cut);
+        if began {
+            let score = self.score(&roots, self.plan.seed)?;
+            self.resume(Run::new(0, None, 0.0, score))?;
+        }
+        for (serial, pattern, start) in runs.into_iter().filter(|(serial, ..)| *serial != 0) {
+            let name = pattern.and_then(|p| old.patterns.get(p)).map(|p| &p.name);
+            let Some(pattern) = self.patch.patterns.iter().position(|p| Some(&p.name) == name) else {
+                continue;
+            };
+            let score = self.score(&[(pattern, start)], self.seed_of(serial))?;
+            self.resume(Run::new(serial, Some(pattern), start, score))?;
+        }
+        Ok(())
+    }
+
+    /// Takes a run up where feeding stands.
+    fn resume(&mut self, mut run: Run) -> Result<(), Problem> {
+        while run.next()?.is_some_and(|at| at < self.fed) {
+            run.take();
+        }
+        self.runs.push(run);
+        Ok(())
+    }
+
+    /// The seed of what is drawn in a pattern that was started.
+    fn seed_of(&self, serial: u64) -> u64 {
+        random::stream(self.plan.seed, serial, 0)
+    }
+
+    /// Voices with a trigger `start` sound at the beginning.
+    ///
+    /// # Errors
+    /// What a trigger sets that cannot be.
+    pub fn begin(&mut self, outlet: &mut dyn Outlet) -> Result<(), Problem> {
+        let patch = Arc::clone(&self.patch);
+        for trigger in patch.triggers.iter().filter(|t| t.on == crate::patch::Source::Start) {
+            if self.voices.contains_key(&trigger.play) {
+                let mut note = Note { place: trigger.place.clone(), ..Note::default() };
+                for (field, expr, span) in &trigger.set {
+                    let value = expr.constant().ok_or_else(|| {
+                        let what = format!("`{field}` must be a number: `start` gives nothing to read");
+                        Problem::error(span, what)
+                    })?;
+                    match field.as_str() {
+                        "level" => note.level = Some(value),
+                        "duration" => note.duration = Some(value),
+                        _ => note.fields.push((field.clone(), value)),
+                    }
+                }
+                self.play(When::BEGINNING, &trigger.play, &note, outlet)
+                    .map_err(|problem| Problem { span: Some(trigger.span.clone()), ..problem })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the engine runs.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The patch.
+    pub fn patch(&self) -> &Arc<Patch> {
+        &self.patch
+    }
+
+    /// Seconds until the last event of what plays from the beginning has ended, where that is known beforehand.
+    pub fn length(&self) -> Option<f64> {
+        self.length
+    }
+
+    /// Whether something of the patterns was left out so far because it lies past [`HORIZON`].
+    pub fn is_cut(&self) -> bool {
+        self.cut || self.runs.iter().any(Run::is_cut)
+    }
+
+    /// Whether all patterns have ended.
+    pub fn is_over(&self) -> bool {
+        self.runs.is_empty()
+    }
+
+    /// What stopped a pattern before its end, if something did: an events file with a bad line.
+    pub fn trouble(&self) -> Option<&Problem> {
+        self.trouble.as_ref()
+    }
+
+    /// Keeps what is played from now on, in seconds, for a reference.
+    pub fn record(&mut self) {
+        self.record.get_or_insert_default();
+    }
+
+    /// What was played since [`Performer::record`].
+    pub fn recorded(&self) -> &[(f64, Play)] {
+        self.record.as_deref().unwrap_or_default()
+    }
+
+    /// Tells `listener` of every event from now on, as it is given to the outlet, and of those that were played at the
+    /// beginning if nothing was fed yet. Voices that are always on are no events.
+    pub fn listen(&mut self, listener: Listener) {
+        self.listener = Some(listener);
+        for (at, play) in std::mem::take(&mut self.first) {
+            self.tell_play(at, None, &play);
+        }
+    }
+
+    /// Plays a voice. Gives an id to release it by.
+    ///
+    /// # Errors
+    /// A voice that the patch does not have or the plan left out, a field it does not declare, a place the rig does not have,
+    /// a number that is not finite, a time before the beginning or past [`HORIZON`], or no room at the outlet.
+    pub fn play(
+        &mut self,
+        at: When,
+        voice: &str,
+        note: &Note,
+        outlet: &mut dyn Outlet,
+    ) -> Result<u64, Problem> {
+        in_time(at)?;
+        let patch = Arc::clone(&self.patch);
+        let index = self.voices.get(voice).copied();
+        let Some((index, instrument)) = index.and_then(|v| Some((v, self.instruments[v]?))) else {
+            // Of a name that the patch does not have either, the plan says which are near.
+            self.plan.play(voice, &[]).map_err(|problem| match index {
+                Some(_) => Problem::of_file(format!("voice `{voice}` was left out, since nothing starts it"))
+                    .help("compile it with `live`".to_string()),
+                None => problem,
+            })?;
+            return Err(Problem::of_file(format!("voice `{voice}` cannot be played")));
+        };
+        let voice = &patch.voices[index];
+        let (level, duration) = (note.level.unwrap_or(voice.level), note.duration.unwrap_or(voice.duration));
+        let mut fields = vec![("level", level), ("duration", duration)];
+        fields.extend(note.fields.iter().map(|(name, value)| (name.as_str(), *value)));
+        let own = self.plan.play(&voice.name, &fields)?.own;
+        let place = note.place.as_ref().or(voice.place.as_ref());
+        let place = self.rig.resolve_by(&self.finder, place, &(0..0))? as u32;
+        let id = PROGRAM + self.played + 1;
+        let play = Play { instrument, place, level, duration, own, id };
+        if outlet.room(Source::Program) == 0 || !self.send(at, Source::Program, play, outlet) {
+            return Err(full());
+        }
+        self.played += 1;
+        if self.listener.is_none() && outlet.clock() == 0 {
+            self.first.push((at, play));
+        }
+        self.tell_play(at, None, &play);
+        Ok(id)
+    }
+
+    /// Releases what was played under an id. Says whether there was room.
+    pub fn release(&mut self, at: When, id: u64, outlet: &mut dyn Outlet) -> bool {
+        self.order(at, Event::Release(id), Some(id), Happening::Release, outlet)
+    }
+
+    /// Releases every voice that sounds then, held and always-on ones too. The patterns go on, so what they play later sounds.
+    pub fn release_all(&mut self, at: When, outlet: &mut dyn Outlet) -> bool {
+        self.order(at, Event::ReleaseAll, None, Happening::ReleaseAll, outlet)
+    }
+
+    /// Sends a control to a value; it arrives after its smoothing. The control's range holds.
+    ///
+    /// # Errors
+    /// A control that the patch does not have or that nothing reads, a value that is not finite, or no room at the outlet.
+    pub fn set(
+        &mut self,
+        at: When,
+        control: &str,
+        value: f64,
+        outlet: &mut dyn Outlet,
+    ) -> Result<(), Problem> {
+        let index = self.plan.control(control)?;
+        if !value.is_finite() {
+            let what = format!("control `{control}` cannot be set to {value}");
+            return Err(Problem::of_file(what).help("give a finite number".to_string()));
+        }
+        let event = Event::Control(index, value);
+        match self.order(at, event, None, Happening::Control(control, value), outlet) {
+            true => Ok(()),
+            false => Err(full()),
+        }
+    }
+
+    fn order(
+        &mut self,
+        at: When,
+        event: Event,
+        id: Option<u64>,
+        what: Happening<'_>,
+        outlet: &mut dyn Outlet,
+    ) -> bool {
+        let sent = outlet.send(at.instant, Source::Program, event);
+        if sent {
+            self.tell(at, None, id, what);
+        }
+        sent
+    }
+
+    /// Starts a pattern. Gives a number to stop it by. What it draws differs from one start to the next.
+    ///
+    /// # Errors
+    /// A pattern that the patch does not have, what is wrong with it, or a time that cannot be.
+    pub fn start_pattern(&mut self, at: When, name: &str) -> Result<u64, Problem> {
+        in_time(at)?;
+        let names = || self.patch.patterns.iter().map(|p| p.name.as_str());
+        let Some(pattern) = names().position(|n| n == name) else {
+            let what = format!("there is no pattern `{name}`");
+            return Err(Problem::of_file(what).help(suggest(name, names())));
+        };
+        let serial = self.started + 1;
+        let score = self.score(&[(pattern, at.seconds)], self.seed_of(serial))?;
+        self.started = serial;
+        self.runs.push(Run::new(serial, Some(pattern), at.seconds, score));
+        Ok(serial)
+    }
+
+    /// Stops a pattern by the number under which it was started, or what plays from the beginning by 0: nothing more of it will be
+    /// fed. What it has played sounds its time. Says whether it still played.
+    pub fn stop_pattern(&mut self, serial: u64) -> bool {
+        let before = self.runs.len();
+        self.cut |= self.runs.iter().any(|run| run.serial == serial && run.is_cut());
+        self.runs.retain(|run| run.serial != serial);
+        self.runs.len() < before
+    }
+
+    /// The patterns that play: number, and name; what plays from the beginning has none.
+    pub fn patterns(&self) -> impl Iterator<Item = (u64, Option<&str>)> {
+        let name = |pattern: usize| self.patch.patterns.get(pattern).map(|p| p.name.as_str());
+        self.runs.iter().map(move |run| (run.serial, run.pattern.and_then(name)))
+    }
+
+    /// Gives the outlet all that patterns have before engine sample `until`, as long as it has room. Where it has not, the sample
+    /// with which the first event takes effect that did not find any.
+    pub fn feed(&mut self, until: u64, outlet: &mut dyn Outlet) -> Option<u64> {
+        let until = until as f64 / self.plan.engine_rate();
+        while let Some(first) = self.first_run() {
+            let (number, at) = first;
+            if at >= until {
+                break;
+            }
+            if outlet.room(Source::Pattern) == 0 {
+                return Some(self.when(at).instant.ceiling());
+            }
+            let run = &mut self.runs[number];
+            let (serial, timed) = (run.serial, run.take());
+            if let Some(timed) = timed {
+                self.fed = timed.at;
+                self.perform(serial, timed, outlet);
+            }
+        }
+        self.fed = self.fed.max(until);
+        None
+    }
+
+    /// Which pattern says something next, and when; of those at the same time, the one that was started first. Takes those away
+    /// that have ended.
+    fn first_run(&mut self) -> Option<(usize, f64)> {
+        let mut first: Option<(usize, f64)> = None;
+        let mut number = 0;
+        while number < self.runs.len() {
+            let next = self.runs[number].next().unwrap_or_else(|problem| {
+                self.trouble.get_or_insert(problem);
+                None
+            });
+            match next {
+                Some(at) => {
+                    if first.is_none_or(|(_, earliest)| at < earliest) {
+                        first = Some((number, at));
+                    }
+                    number += 1;
+                }
+                None => {
+                    let run = self.runs.remove(number);
+                    self.cut |= run.is_cut();
+                }
+            }
+        }
+        first
+    }
+
+    fn perform(&mut self, serial: u64, timed: Timed, outlet: &mut dyn Outlet) {
+        let from = Stand { pattern: timed.pattern, event: timed.event, drawn: timed.drawn };
+        let (id, at) = ((serial << OF_RUN) + timed.id, self.when(timed.at));
+        match timed.what {
+            What::Play(note) => {
+                let Some(instrument) = self.instruments[note.voice] else { return };
+                let (place, level, duration, own) = (note.place, note.level, note.duration, note.own);
+                let play = Play { instrument, place, level, duration, own, id };
+                if self.send(at, Source::Pattern, play, outlet) {
+                    self.tell_play(at, Some(from), &play);
+                }
+            }
+            What::Marker(name) => {
+                let number = self.plan.markers.iter().position(|m| *m == name);
+                let event = Event::Marker(number.map_or(u32::MAX, |i| i as u32));
+                if outlet.send(at.instant, Source::Pattern, event) {
+                    self.tell(at, Some(from), Some(id), Happening::Marker(&name));
+                }
+            }
+        }
+    }
+
+    fn when(&self, seconds: f64) -> When {
+        When::of_seconds(seconds, self.plan.engine_rate())
+    }
+
+    fn send(&mut self, at: When, source: Source, play: Play, outlet: &mut dyn Outlet) -> bool {
+        let taken = outlet.send(at.instant, source, Event::Play(play));
+        if let Some(record) = self.record.as_mut().filter(|_| taken) {
+            record.push((at.seconds, play));
+        }
+        taken
+    }
+
+    /// Tells the listener of a voice.
+    fn tell_play(&mut self, at: When, from: Option<Stand>, play: &Play) {
+        if self.listener.is_none() {
+            return;
+        }
+        let (patch, rig) = (Arc::clone(&self.patch), Arc::clone(&self.rig));
+        let voice = self.voice_of.get(play.instrument as usize);
+        let Some(voice) = voice.and_then(|voice| patch.voices.get(*voice)) else { return };
+        let what = Happening::Voice {
+            name: &voice.name,
+            place: rig.outputs.get(play.place as usize).map_or("", |output| &output.name),
+            level: play.level,
+            duration: play.duration,
+            fields: &voice.fields,
+            own: &play.own,
+        };
+        self.tell(at, from, Some(play.id), what);
+    }
+
+    /// Tells the listener of anything.
+    fn tell(&mut self, at: When, from: Option<Stand>, id: Option<u64>, what: Happening<'_>) {
+        let Some(listener) = &mut self.listener else { return };
+        let origin = from.map(|Stand { pattern, event, drawn }| Origin {
+            pattern: self.patch.patterns.get(pattern).map_or("", |p| &p.name),
+            event,
+            drawn,
+        });
+        listener(&Heard { at: at.seconds, instant: at.instant, origin, id, what });
+    }
+}
+
+fn full() -> Problem {
+    Problem::of_file("the engine's queue is full; play less at once")
+}
+
+fn in_time(When { seconds: at, .. }: When) -> Result<(), Problem> {
+    if (0.0..=HORIZON).contains(&at) {
+        return Ok(());
+    }
+    let what = format!("nothing can be played at {at} s");
+    Err(Problem::of_file(what).help(format!("give the seconds from the beginning, 0 to {HORIZON}")))
+}
+
+/// Where in the patterns an event stands: pattern, event and alternative, by number.
+#[derive(Debug, Clone, Copy)]
+struct Stand {
+    pattern: usize,
+    event: u64,
+    drawn: Option<u32>,
+}
