@@ -123,6 +123,16 @@ mod tests {
     }
 
     #[test]
+    fn a_small_change_is_heard_through_jitter() {
+        let (mut clocks, mut now, mut said) = (Clocks::default(), 0.0, 0.0);
+        for i in 0..100 + 2 * CLOCKS_A_BEAT {
+            now += interval(if i < 100 { 120.0 } else { 121.2 });
+            said = clocks.clock(now + if i % 2 == 0 { 0.001 } else { -0.001 }).unwrap_or(said);
+        }
+        assert!((said / 121.2_f64 - 1.0).abs() < 0.003, "{said}");
+    }
+
+    #[test]
     fn what_is_no_clock_has_no_tempo() {
         let mut clocks = Clocks::default();
         assert!((0..100).all(|_| clocks.clock(1.0).is_none()), "all at once");
@@ -147,7 +157,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn jitter_of_two_milliseconds_is_below_one_percent(
+        fn jitter_of_two_milliseconds_hardly_matters(
             jitter in proptest::collection::vec(-0.002_f64..0.002, 240),
             bpm in 60.0_f64..180.0,
         ) {

@@ -60,6 +60,8 @@ fn the_sustain_pedal_keeps_note_offs_back() {
     let struck = hear(&mut i, 0.0, &[0xB0, 64, 127, 0x90, 60, 127, 0x80, 60, 1, 0x90, 60, 127, 0xB0, 64, 0]);
     assert_eq!(struck, [on(2, 1, 60, REST), on(3, 1, 60, REST), off(2, 1)]);
     assert_eq!(hear(&mut i, 0.0, &[0x80, 60, 2]), [off(3, 2)]);
+    hear(&mut i, 0.0, &[0xB0, 64, 127, 0x90, 60, 127, 0x80, 60, 1, 0x90, 60, 127, 0x80, 60, 2]);
+    assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 0]), [off(4, 1), off(5, 2)], "each note-off has its own");
 }
 
 #[test]
@@ -108,6 +110,12 @@ fn pressure_of_a_key_is_its_own() {
     assert_eq!(hear(&mut i, 0.0, &[0xD0, 0]), [pressure(0, 0), pressure(1, 50)]);
     assert_eq!(hear(&mut i, 0.0, &[0xA0, 62, 50]), []);
     assert_eq!(i.counts().unmatched, 1);
+    assert_eq!(
+        hear(&mut i, 0.0, &[0xB0, 64, 127, 0x80, 61, 1, 0xA0, 61, 99]),
+        [],
+        "the pedal holds it, and no finger"
+    );
+    assert_eq!(i.counts().unmatched, 2);
 }
 
 /// RPN 6 on a manager.
@@ -118,7 +126,15 @@ fn zone(status: u8, members: u8) -> [u8; 9] {
 #[test]
 fn in_a_zone_each_note_has_its_own_bend_and_the_manager_adds() {
     let mut i = Interpreter::new();
+    hear(&mut i, 0.0, &[0xE2, 0, 0, 0xD2, 127, 0xB2, 74, 127]);
     assert_eq!(hear(&mut i, 0.0, &zone(0xB0, 3)), []);
+    assert_eq!(
+        hear(&mut i, 0.0, &[0x92, 60, 127, 0x82, 60, 1]),
+        [on(0, 3, 60, REST), off(0, 1)],
+        "at rest in the zone"
+    );
+    let mut i = Interpreter::new();
+    hear(&mut i, 0.0, &zone(0xB0, 3));
     // Channel 2 by a quarter of its 48 semitones downwards, the manager by both of its own up, before and after the notes.
     hear(&mut i, 0.0, &[0xE1, 0, 48, 0xE0, 127, 127]);
     let bent = |bend| Expression { bend, ..REST };
@@ -130,6 +146,8 @@ fn in_a_zone_each_note_has_its_own_bend_and_the_manager_adds() {
         hear(&mut i, 0.0, &[0x90, 61, 127, 0x95, 62, 127]),
         [on(2, 1, 61, bent(2.0)), on(3, 6, 62, REST)]
     );
+    let wider = hear(&mut i, 0.0, &[0xB0, 101, 0, 100, 0, 6, 4]);
+    assert_eq!(wider, [bend(0, -8.0), bend(1, 4.0), bend(2, 4.0)], "the manager's range");
     let middle = hear(&mut i, 0.0, &[0xE0, 0, 64]);
     assert_eq!(middle, [bend(0, -12.0), bend(1, 0.0), bend(2, 0.0)]);
     assert_eq!(hear(&mut i, 0.0, &[0xE2, 127, 127]), [bend(1, 48.0)]);
@@ -154,8 +172,8 @@ fn in_a_zone_each_note_has_its_own_bend_and_the_manager_adds() {
     assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 0]), [off(0, 1)]);
     // A smaller zone: all that sounded on its channels ends, what did not belong to it goes on.
     assert_eq!(hear(&mut i, 0.0, &zone(0xB0, 1)), [off(1, 64), off(2, 64)]);
-    let fresh = hear(&mut i, 0.0, &[0xE2, 127, 127, 0x92, 60, 127]);
-    assert_eq!(fresh, [on(4, 3, 60, bent(2.0))], "channel 3 is an ordinary one again");
+    let fresh = hear(&mut i, 0.0, &[0x92, 60, 127, 0xE2, 127, 127]);
+    assert_eq!(fresh, [on(4, 3, 60, REST), bend(4, 2.0)], "channel 3 is an ordinary one again");
     assert_eq!(hear(&mut i, 0.0, &zone(0xB3, 1)), []);
     assert_eq!(hear(&mut i, 0.0, &zone(0xB0, 16)), []);
     assert_eq!(i.counts(), Counts { left_out: 2, ..Counts::default() });
@@ -244,6 +262,10 @@ fn a_lost_cable_is_noticed_only_after_it_promised() {
         i.tick(seconds, &mut |g| out.push(g));
         out
     };
+    let mut i = Interpreter::new();
+    hear(&mut i, 0.0, &[0xFE]);
+    assert_eq!(tick(&mut i, 0.3), [], "exactly");
+    assert_eq!(tick(&mut i, 0.300_001), lost);
     let mut i = Interpreter::new();
     hear(&mut i, 1.0, &[0x90, 60, 127, 0xE0, 0, 0]);
     assert_eq!(tick(&mut i, 100.0), [], "nothing was promised");
