@@ -2,9 +2,11 @@
 //!
 //! Status bytes and lengths are those of the MIDI 1.0 Detailed Specification, tables I to VI.
 
+use std::fmt;
 use std::ops::Deref;
 
 use super::channel::Channel;
+use super::pitch;
 
 /// A message of a channel, or one of the system messages that say something about playing. Data are 0 to 127 (7 bits) where nothing else is
 /// said; greater values in a message made by hand lose their upper bits.
@@ -172,6 +174,38 @@ impl Message {
     }
 }
 
+/// One line for monitors and logs.
+impl fmt::Display for Message {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(channel) = self.channel() {
+            write!(f, "channel {channel}: ")?;
+        }
+        let name = |note: u8| pitch::name(note & 127).unwrap_or_default();
+        match *self {
+            Self::NoteOff { note, velocity, .. } => {
+                write!(f, "note {note} ({}) off, velocity {velocity}", name(note))
+            }
+            Self::NoteOn { note, velocity, .. } => {
+                write!(f, "note {note} ({}) on, velocity {velocity}", name(note))
+            }
+            Self::PolyPressure { note, pressure, .. } => {
+                write!(f, "note {note} ({}), pressure {pressure}", name(note))
+            }
+            Self::Controller { number, value, .. } => write!(f, "controller {number} at {value}"),
+            Self::Program { program, .. } => write!(f, "program {program}"),
+            Self::ChannelPressure { pressure, .. } => write!(f, "pressure {pressure}"),
+            Self::Bend { bend, .. } => write!(f, "bend {bend:+}"),
+            Self::SongPosition { sixteenths } => write!(f, "song position {sixteenths}"),
+            Self::Clock => f.write_str("clock"),
+            Self::Start => f.write_str("start"),
+            Self::Continue => f.write_str("continue"),
+            Self::Stop => f.write_str("stop"),
+            Self::ActiveSensing => f.write_str("active sensing"),
+            Self::Reset => f.write_str("reset"),
+        }
+    }
+}
+
 /// How many data bytes follow a status byte. `None` for what is no status, has no fixed length (system exclusive and its end), or is
 /// undefined (0xF4, 0xF5, 0xF9, 0xFD).
 pub(super) fn data_bytes(status: u8) -> Option<usize> {
@@ -285,6 +319,14 @@ pub(super) mod tests {
         for bytes in wrong {
             assert_eq!(Message::parse(bytes), None, "{bytes:X?}");
         }
+    }
+
+    #[test]
+    fn monitors_show_channels_from_one_and_names_of_notes() {
+        let shown = |bytes: &[u8]| Message::parse(bytes).unwrap().to_string();
+        assert_eq!(shown(&[0x91, 60, 9]), "channel 2: note 60 (C4) on, velocity 9");
+        assert_eq!(shown(&[0xEF, 1, 64]), "channel 16: bend +1");
+        assert_eq!(shown(&[0xFE]), "active sensing");
     }
 
     #[test]

@@ -72,6 +72,10 @@ fn the_tempo_of_any_track_is_that_of_all() {
     let second = [&[0x81, 0x70, 0xFF, 0x51, 3, 0x0F, 0x42, 0x40][..], &END].concat();
     let found = song(&file(1, BEATS, &[&first, &second]));
     assert_eq!(times(&found), [0.0, 0.25 + 0.5], "from the middle of the beat on twice as slow");
+    let late = [&QUARTER[..], &[0xFF, 0x51, 3, 0x07, 0xA1, 0x20], &note(&QUARTER, 3), &END].concat();
+    let found = song(&file(1, BEATS, &[&late, &second]));
+    assert_eq!(times(&found), [0.25 + 0.5 + 0.5], "and at 120 again for the second beat");
+    assert_eq!(found.tempi, [(0.25, 60.0), (0.75, 120.0)]);
     let found = song(&file(2, BEATS, &[&first, &second, &first]));
     assert_eq!(times(&found), [0.0, 0.5, 0.75, 1.25], "one piece after another, each with its own tempo");
     assert_eq!((found.seconds, found.tempi), (1.25, vec![(0.75, 60.0)]));
@@ -145,6 +149,15 @@ fn everything_that_a_track_says() {
     assert_eq!((found.tracks, found.exclusive), (vec![Some("walk".to_string())], 2));
     let mark = |seconds, cue, text: &str| Mark { seconds, track: 0, cue, text: text.into() };
     assert_eq!(found.marks, [mark(0.0, false, "aé"), mark(0.5, true, "é!")]);
+}
+
+#[test]
+fn marks_of_all_tracks_are_in_the_order_of_time() {
+    let late = [&QUARTER[..], &[0xFF, 6, 1, b'b'], &END].concat();
+    let early = [&[0, 0xFF, 6, 1, b'a'][..], &QUARTER, &[0xFF, 6, 1, b'c'], &END].concat();
+    let found = song(&file(1, BEATS, &[&late, &early]));
+    let marks: Vec<_> = found.marks.iter().map(|m| (m.seconds, m.track, m.text.as_str())).collect();
+    assert_eq!(marks, [(0.0, 1, "a"), (0.5, 0, "b"), (0.5, 1, "c")]);
 }
 
 #[test]

@@ -302,6 +302,9 @@ fn the_song_and_its_clock() {
         matches!(said[..], [Gesture::Tempo { beats_per_minute }] if (beats_per_minute - 120.0).abs() < 1e-9),
         "{said:?}"
     );
+    i.let_go(&mut |g| panic!("{g:?}"));
+    let anew: Vec<Gesture> = (0..48).flat_map(|n| hear(&mut i, 5.0 + f64::from(n) / 48.0, &[0xF8])).collect();
+    assert_eq!(anew.len(), 1, "another cable says its own");
 }
 
 #[test]
