@@ -27,7 +27,8 @@ pub const MOST_TRACKS: usize = 65_535;
 /// Most warnings that are listed; then they are counted.
 pub const MOST_WARNINGS: usize = 20;
 
-/// What a file plays, in the order of time.
+/// What a file plays, in the order of time. Notes may still sound in the end, where the file forgot them: whoever plays it with
+/// [`super::Interpreter`] ends them with [`super::Interpreter::let_go`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Song {
     /// 0: one track; 1: tracks that play together; 2: tracks that are pieces of their own, here one after another.

@@ -165,6 +165,7 @@ impl Interpreter {
     }
 
     /// Makes a zone of MPE with so many members, at most 15, as RPN 6 does; 0 ends it. For controllers that do not say it themselves.
+    /// A system reset ends zones, these too: make them again after [`Reason::Reset`].
     pub fn set_zone(&mut self, zone: Zone, members: u8, sink: Sink<'_>) {
         let channels = self.desk.set_zone(zone, members);
         self.end(channels, sink);
