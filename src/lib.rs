@@ -47,6 +47,7 @@
 //! | [`graph`] | a node graph and the passes that turn it into a plan |
 //! | [`score`] | patterns unrolled in time |
 //! | [`patch`], [`rig`] | what people write, and its checks |
+//! | [`midi`] | bytes of MIDI into messages, messages into gestures; with the feature `midi` files too |
 //! | [`text`] | problems that point at their line, schemas |
 //! | [`node`] | the node library, one file a node; with the feature `fundsp-nodes` a few units of `fundsp` too |
 //! | [`schedule`] | the sample clock |
@@ -61,6 +62,7 @@ pub mod graph;
 pub mod io;
 #[cfg(feature = "live")]
 pub mod live;
+pub mod midi;
 pub mod node;
 pub mod patch;
 pub mod performer;

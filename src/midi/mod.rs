@@ -1,0 +1,34 @@
+//! MIDI as it is meant: bytes become messages, messages become gestures.
+//!
+//! Everything here is pure. There are no ports, threads or clocks, and no file is opened: bytes and times come from outside, and what they
+//! mean goes out again. [`parser::Parser`] makes [`Message`]s of bytes in any cuts;
+//! [`interpreter::Interpreter`] makes [`Gesture`]s of messages and their times: notes that begin, move and end, controllers, tempo, panic.
+//! With the feature `midi`, `file::Song` reads Standard MIDI Files from bytes.
+//!
+//! The numbers are those of the MIDI 1.0 Detailed Specification (MIDI Association, M1 4.2.1) and of its additions, each named where it
+//! is used.
+
+pub mod channel;
+pub mod curve;
+mod desk;
+#[cfg(feature = "midi")]
+pub mod file;
+pub mod gesture;
+pub mod interpreter;
+pub mod message;
+mod parameter;
+pub mod parser;
+pub mod pitch;
+pub mod sensing;
+pub mod sounding;
+mod strip;
+pub mod tempo;
+pub mod zone;
+
+pub use channel::Channel;
+pub use curve::Curve;
+pub use gesture::{Expression, Gesture, Reason, Transport, What};
+pub use interpreter::Interpreter;
+pub use message::Message;
+pub use parser::Parser;
+pub use zone::Zone;

@@ -1,0 +1,242 @@
+//! What one channel stands at.
+
+use super::parameter::{self, Selection};
+
+/// A controller that never moved.
+const NEVER: u8 = 0xFF;
+
+/// Sustain pedal.
+pub(super) const SUSTAIN: u8 = 64;
+/// Sostenuto pedal.
+pub(super) const SOSTENUTO: u8 = 66;
+/// The third dimension of MPE.
+pub(super) const TIMBRE: u8 = 74;
+/// The first channel mode message.
+pub(super) const MODES: u8 = 120;
+
+const BANK: [u8; 2] = [0, 32];
+/// What Reset All Controllers (RP-015) sets among the ordinary controllers: modulation, expression, portamento, soft pedal.
+const RESETS: [(u8, u8); 4] = [(1, 0), (11, 127), (65, 0), (67, 0)];
+
+/// How far the pitch wheel bends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Range {
+    pub semitones: u8,
+    pub cents: u8,
+}
+
+impl Range {
+    /// MIDI 1.0, and of a manager of MPE.
+    pub const TWO: Self = Self { semitones: 2, cents: 0 };
+    /// Of a member of MPE.
+    pub const MEMBER: Self = Self { semitones: 48, cents: 0 };
+
+    /// One cent more or less, with 100 of them in a semitone (RP-018).
+    pub fn step(self, by: i16) -> Self {
+        let cents = (i16::from(self.semitones) * 100 + i16::from(self.cents) + by).clamp(0, 12_799);
+        Self { semitones: (cents / 100) as u8, cents: (cents % 100) as u8 }
+    }
+    fn as_semitones(self) -> f64 {
+        f64::from(self.semitones) + f64::from(self.cents) / 100.0
+    }
+}
+
+/// A controller that moved: its number, where it stands, and whether that has 14 bits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Moved {
+    pub number: u8,
+    pub value: f64,
+    pub fine: bool,
+}
+
+impl Moved {
+    fn coarse(number: u8, value: u8) -> Self {
+        Self { number, value: f64::from(value) / 127.0, fine: false }
+    }
+}
+
+/// Controllers, pitch wheel, pressure, bend range and chosen parameter of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Strip {
+    values: [u8; 128],
+    pub bend: i16,
+    pub pressure: u8,
+    pub range: Range,
+    pub selection: Selection,
+}
+
+impl Default for Strip {
+    fn default() -> Self {
+        Self {
+            values: [NEVER; 128],
+            bend: 0,
+            pressure: 0,
+            range: Range::TWO,
+            selection: Selection::default(),
+        }
+    }
+}
+
+impl Strip {
+    fn value(&self, number: u8) -> Option<u8> {
+        self.values.get(usize::from(number)).copied().filter(|v| *v != NEVER)
+    }
+    fn set(&mut self, number: u8, value: u8) {
+        if let Some(slot) = self.values.get_mut(usize::from(number)) {
+            *slot = value;
+        }
+    }
+
+    /// Notes where a controller stands; gives what an ordinary one moved to.
+    ///
+    /// Controllers 0 to 31 may have seven more bits in those from 32 to 63. The upper half applies at once, as upper / 127, and takes the
+    /// lower one for 0 from then on; the lower half refines it to (128 upper + lower) / 16,383. The first of these always lies among
+    /// the values that the second can have, and both reach 0 and 1. A controller from 32 to 63 whose partner never moved on this
+    /// channel is an ordinary one of 7 bits: there are boxes that send them so.
+    pub fn controller(&mut self, number: u8, value: u8) -> Option<Moved> {
+        self.set(number, value);
+        let moved = match number {
+            0..32 => {
+                if self.value(number + 32).is_some() {
+                    self.set(number + 32, 0);
+                }
+                Moved::coarse(number, value)
+            }
+            32..64 => match self.value(number - 32) {
+                Some(upper) => {
+                    let long = u16::from(upper) << 7 | u16::from(value);
+                    Moved { number: number - 32, value: f64::from(long) / 16_383.0, fine: true }
+                }
+                None => Moved::coarse(number, value),
+            },
+            _ => Moved::coarse(number, value),
+        };
+        let ordinary = !parameter::concerns(number)
+            && ![SUSTAIN, SOSTENUTO].contains(&number)
+            && !BANK.contains(&number);
+        Some(moved).filter(|_| ordinary && number < MODES)
+    }
+
+    /// Semitones, with both ends of the wheel exact: −8192 and 8191 are the whole range.
+    pub fn bend_semitones(&self) -> f64 {
+        let end = if self.bend < 0 { 8192.0 } else { 8191.0 };
+        f64::from(self.bend) / end * self.range.as_semitones()
+    }
+    /// 0 to 127; 64 at rest.
+    pub fn timbre(&self) -> u8 {
+        self.value(TIMBRE).unwrap_or(64)
+    }
+    /// Whether a pedal is down: from 64 on.
+    pub fn pedal(&self, number: u8) -> bool {
+        self.value(number).is_some_and(|v| v >= 64)
+    }
+    /// 14 bits; 0 where none was chosen.
+    pub fn bank(&self) -> u16 {
+        let [upper, lower] = BANK.map(|n| u16::from(self.value(n).unwrap_or(0)));
+        upper << 7 | lower
+    }
+
+    /// What a player's hands and feet hold goes to rest; what was set up stays.
+    pub fn rest(&mut self) {
+        (self.bend, self.pressure) = (0, 0);
+        [SUSTAIN, SOSTENUTO, TIMBRE].into_iter().for_each(|n| self.set(n, NEVER));
+        self.selection.close();
+    }
+
+    /// Reset All Controllers, after RP-015: wheel, pressure, pedals, modulation, expression, chosen parameter. Volume, pan, sounds (70 to 79,
+    /// so timbre too), effects, bank and bend range stay. Gives the ordinary controllers that this moves.
+    pub fn reset(&mut self) -> impl Iterator<Item = Moved> + use<> {
+        (self.bend, self.pressure) = (0, 0);
+        [SUSTAIN, SOSTENUTO].into_iter().for_each(|n| self.set(n, NEVER));
+        self.selection.close();
+        RESETS
+            .map(|(number, value)| {
+                let fine = (number < 32).then(|| self.value(number + 32)).flatten().unwrap_or(0);
+                self.value(number).filter(|stands| *stands != value || fine != 0)?;
+                self.controller(number, value)
+            })
+            .into_iter()
+            .flatten()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Moved, Range, Strip};
+
+    fn coarse(number: u8, value: f64) -> Option<Moved> {
+        Some(Moved { number, value, fine: false })
+    }
+
+    #[test]
+    fn the_upper_half_applies_and_the_lower_refines() {
+        let mut strip = Strip::default();
+        assert_eq!(strip.controller(33, 127), coarse(33, 1.0), "without a partner it is an ordinary one");
+        assert_eq!(strip.controller(1, 64), coarse(1, 64.0 / 127.0));
+        let fine = |value: u16| Some(Moved { number: 1, value: f64::from(value) / 16_383.0, fine: true });
+        assert_eq!(strip.controller(33, 5), fine(64 << 7 | 5));
+        assert_eq!(strip.controller(33, 6), fine(64 << 7 | 6));
+        assert_eq!(strip.controller(1, 127), coarse(1, 1.0));
+        assert_eq!(strip.controller(33, 127), fine(16_383));
+        assert_eq!(fine(16_383).map(|m| m.value), Some(1.0));
+        for upper in 0..128 {
+            let once = strip.controller(1, upper).unwrap().value;
+            let range = [0, 127].map(|lower| strip.controller(33, lower).unwrap().value);
+            assert!((range[0]..=range[1]).contains(&once), "{upper}");
+        }
+    }
+
+    #[test]
+    fn what_has_a_meaning_of_its_own_is_no_ordinary_controller() {
+        let not = |n: u8| Strip::default().controller(n, 1).is_none();
+        let special: Vec<u8> = (0..128).filter(|n| not(*n)).collect();
+        let expected: Vec<u8> = [0, 6, 32, 38, 64, 66].into_iter().chain(96..=101).chain(120..128).collect();
+        assert_eq!(special, expected);
+    }
+
+    #[test]
+    fn banks_have_two_halves() {
+        let mut strip = Strip::default();
+        assert_eq!(strip.bank(), 0);
+        strip.controller(0, 2);
+        strip.controller(32, 3);
+        assert_eq!(strip.bank(), 2 << 7 | 3);
+        strip.controller(0, 1);
+        assert_eq!(strip.bank(), 1 << 7);
+    }
+
+    #[test]
+    fn the_wheel_reaches_both_ends_of_its_range() {
+        let mut strip = Strip::default();
+        let mut at = |bend, range| {
+            (strip.bend, strip.range) = (bend, range);
+            strip.bend_semitones()
+        };
+        assert_eq!(at(8191, Range::TWO), 2.0);
+        assert_eq!(at(-8192, Range::TWO), -2.0);
+        assert_eq!(at(-4096, Range::MEMBER), -24.0);
+        assert_eq!(at(8191, Range { semitones: 1, cents: 50 }), 1.5);
+        assert_eq!(Range::TWO.step(-1), Range { semitones: 1, cents: 99 });
+        assert_eq!(Range { semitones: 127, cents: 99 }.step(1), Range { semitones: 127, cents: 99 });
+        assert_eq!(Range { semitones: 0, cents: 0 }.step(-1), Range { semitones: 0, cents: 0 });
+        assert_eq!(Range { semitones: 127, cents: 127 }.step(1), Range { semitones: 127, cents: 99 });
+    }
+
+    #[test]
+    fn a_reset_moves_what_had_moved_and_leaves_what_rp_015_leaves() {
+        let mut strip = Strip::default();
+        assert_eq!(strip.reset().count(), 0, "nothing had moved");
+        for (number, value) in [(1, 9), (7, 9), (10, 9), (11, 9), (67, 9), (74, 9), (64, 127), (0, 3)] {
+            strip.controller(number, value);
+        }
+        (strip.bend, strip.pressure, strip.range) = (5, 5, Range::MEMBER);
+        let moved: Vec<(u8, f64)> = strip.reset().map(|m| (m.number, m.value)).collect();
+        assert_eq!(moved, [(1, 0.0), (11, 1.0), (67, 0.0)]);
+        assert_eq!((strip.bend, strip.pressure, strip.timbre(), strip.bank()), (0, 0, 9, 3 << 7));
+        assert!(!strip.pedal(64) && strip.range == Range::MEMBER);
+        assert_eq!(strip.reset().count(), 0, "it stands there now");
+        strip.controller(1, 0);
+        strip.controller(33, 1);
+        assert_eq!(strip.reset().map(|m| m.number).collect::<Vec<_>>(), [1], "its lower half");
+    }
+}
