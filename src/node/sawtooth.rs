@@ -11,7 +11,7 @@ pub static SPEC: NodeSpec = NodeSpec {
     summary: "A rising sawtooth, band-limited.",
     detail: "amplitude × the sawtooth that rises from 0 at phase 0 to 1 at ½, jumps to −1 and rises on; mean 0. \
              Phase and frequency are those of `sine`. Harmonic k of frequency f fades out as k f goes through the octave below 0.4375 of the \
-             engine's rate (the fundamental from there to half the rate), so what would fold back is never made; below 1.7 Hz there are 1024 harmonics. See `dsp::wavetable` for the weights.",
+             engine's rate (the fundamental from there to half the rate), so what would fold back is never made; below 1.7 Hz there are 1024 harmonics.",
     params: &[
         Param {
             name: "frequency",

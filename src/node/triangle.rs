@@ -11,7 +11,7 @@ pub static SPEC: NodeSpec = NodeSpec {
     summary: "A triangle, band-limited.",
     detail: "amplitude × the triangle that is 0 at phase 0, 1 at ¼ and −1 at ¾. \
              Phase and frequency are those of `sine`. Harmonic k of frequency f fades out as k f goes through the octave below 0.4375 of the \
-             engine's rate (the fundamental from there to half the rate), so what would fold back is never made; below 7 Hz there are 256 harmonics. See `dsp::wavetable` for the weights.",
+             engine's rate (the fundamental from there to half the rate), so what would fold back is never made; below 7 Hz there are 256 harmonics.",
     params: &[
         Param {
             name: "frequency",
