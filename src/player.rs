@@ -8,6 +8,7 @@ use crate::engine::event::Play;
 use crate::engine::{Counters, Engine};
 use crate::graph::plan::Plan;
 use crate::graph::scene::{Options, scene};
+use crate::midi::Message;
 use crate::node::asset::Assets;
 use crate::patch::Patch;
 use crate::performer::{Performer, When};
@@ -88,6 +89,12 @@ impl Player {
     /// Whether the patterns have ended and nothing sounds or rings any more.
     pub fn is_over(&self) -> bool {
         self.performer.is_over() && self.engine.is_silent()
+    }
+
+    /// Plays messages of MIDI, each at its time in seconds from the beginning, in order of time, through the triggers and bindings of
+    /// the patch; `seconds` is when the song ends and what keys still hold is let go.
+    pub fn play_song(&mut self, messages: impl IntoIterator<Item = (f64, Message)>, seconds: f64) {
+        self.performer.play_song(messages, seconds);
     }
 
     /// What stopped the patterns before their end, if something did: an events file with a bad line.

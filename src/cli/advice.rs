@@ -16,7 +16,9 @@ pub fn of(loaded: &Loaded, by_default: bool, deaf: bool) -> Option<Problems> {
     if deaf {
         list.push(whole("the patch listens, and hears silence", "give it a WAV file: --input FILE.wav"));
     }
-    if !plays(loaded) {
+    // Whoever plays it live knows what to do.
+    let waits = loaded.options.live && loaded.patch.triggers.iter().any(|t| t.on.is_live());
+    if !plays(loaded) && !waits {
         list.push(whole(
             "nothing in this patch plays by itself",
             "give it a [pattern], a [[trigger]] with on = \"start\", or a voice with start = \"always\"",

@@ -86,6 +86,12 @@ struct Answer {
 impl Error {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
+        if self.scene.midi.is_some() {
+            return Err(Failure::usage(
+                "the reference plays patterns, not MIDI",
+                "leave --midi out, or render with it: pacinian render",
+            ));
+        }
         let mut loaded = self.scene.load(false, self.duration)?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));

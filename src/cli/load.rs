@@ -7,7 +7,8 @@ use super::setting::{self, Setting};
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::io::{assets::Folder, error::FileErrorKind, events, input::Input, text};
+use pacinian::io::{assets::Folder, error::FileErrorKind, events, input::Input, song, song::SongError, text};
+use pacinian::midi::file::Song;
 use pacinian::patch::{self, Events, Patch};
 use pacinian::player::{OpenEvents, Player};
 use pacinian::rig::{RATES, Rig, usual_ratio};
@@ -46,6 +47,9 @@ pub struct Scene {
     /// What the patch's `input` nodes hear, a WAV file of any rate [default: silence]
     #[arg(long, value_name = "FILE.wav")]
     pub input: Option<PathBuf>,
+    /// A Standard MIDI File that plays the patch, through its triggers and bindings
+    #[arg(long, value_name = "SONG.mid")]
+    pub midi: Option<PathBuf>,
     /// Lets recordings and events files lie outside the patch's folder
     #[arg(long)]
     pub allow_outside: bool,
@@ -80,6 +84,8 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
     /// Controls that the command line set.
     pub settings: Vec<Setting>,
+    /// What plays the patch besides its patterns.
+    pub song: Option<Arc<Song>>,
     /// What the `input` nodes hear.
     pub input: Option<Arc<Input>>,
     /// Its name as the person wrote it.
@@ -125,6 +131,7 @@ impl Scene {
             precision: Number::F32,
             taps: 6,
             input: None,
+            midi: None,
             allow_outside: false,
             held,
         };
@@ -196,6 +203,7 @@ impl Scene {
             taps: usize::from(self.taps),
             seed: self.seed,
             pattern: self.pattern.clone(),
+            live: self.midi.is_some() || (all && patch.triggers.iter().any(|t| t.on.is_live())),
             ..Options::default()
         };
         let watched = Watched::new(&folder);
@@ -249,12 +257,15 @@ impl Scene {
             surveyed,
             settings: self.settings.clone(),
             files,
+            song: None,
             input: None,
             input_name: self.input.as_ref().map(|path| path.display().to_string()),
             source,
             folder,
         };
-        let read = [Some(&self.patch), self.rig.as_ref(), self.input.as_ref()].into_iter().flatten();
+        let read = [Some(&self.patch), self.rig.as_ref(), self.input.as_ref(), self.midi.as_ref()]
+            .into_iter()
+            .flatten();
         // Standard input may be a file, too.
         let on_disk =
             |path: &PathBuf| if path.as_os_str() == "-" { "/dev/stdin".into() } else { path.clone() };
@@ -268,6 +279,17 @@ impl Scene {
         let mut failure = Failure::default();
         if problems.iter().any(Problem::is_error) {
             failure.join(loaded.refuse(problems, &codes));
+        }
+        match self.midi.as_ref().map(song::read).transpose() {
+            Ok(song) => {
+                let song = song.map(|song| {
+                    loaded.warnings.extend(Some(song.warnings).filter(|warnings| !warnings.list.is_empty()));
+                    Arc::new(song.value)
+                });
+                loaded.song = song;
+            }
+            Err(SongError::File(error)) => failure.join(error.into()),
+            Err(SongError::Song(problems)) => failure.join(Failure::of(65, problems)),
         }
         match heard {
             Ok(heard) if failure.is_none() => loaded.hear(heard, &listened),
@@ -328,7 +350,15 @@ impl Loaded {
     /// What only shows when the engine is built.
     pub fn player(&self) -> Result<Player, Failure> {
         Player::with_files(&self.patch, &self.rig, &self.options, self.folder(), self.open_events())
+            .map(|player| self.with_song(player))
             .map_err(|problems| self.refuse(problems.list, &Codes::new()))
+    }
+
+    fn with_song(&self, mut player: Player) -> Player {
+        if let Some(song) = &self.song {
+            player.play_song(song.messages.iter().copied(), song.seconds);
+        }
+        player
     }
 
     /// Where its recordings are.

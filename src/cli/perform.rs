@@ -6,6 +6,7 @@ use super::plan::{is_endless, playing};
 use super::progress::Progress;
 use super::stop::Stop;
 use super::terminal::Terminal;
+use pacinian::patch::Source;
 use pacinian::player::Player;
 use pacinian::score::{Score, What};
 use std::time::{Duration, Instant};
@@ -73,9 +74,15 @@ impl Until {
             (_, Some(voice)) => format!("voice `{}` is always on", voice.name),
             (None, None) if player.plan().instruments.is_empty() => {
                 let what = format!("{}: nothing in this patch plays by itself", loaded.name());
+                let notes = patch.triggers.iter().any(|t| t.on == Source::MidiNote);
                 return Err(Failure::usage(
                     what,
-                    "give it a [pattern], a [[trigger]] with on = \"start\", or a voice with start = \"always\"",
+                    match notes {
+                        true => "give it a song: --midi SONG.mid; or play it live: pacinian play",
+                        false => {
+                            "give it a [pattern], a [[trigger]] with on = \"start\", or a voice with start = \"always\""
+                        }
+                    },
                 )
                 .with_code(65));
             }

@@ -73,7 +73,9 @@ impl Play {
         let armed = self.arm || wish != Wish::Default || matches!(device, Chosen::Virtual(_));
         let name = match &device {
             Chosen::Card(_, found) => found.name.clone(),
-            Chosen::Virtual(why) => format!("a virtual card, since {why}"),
+            Chosen::Virtual(why) => {
+                why.map_or("a virtual card".into(), |why| format!("a virtual card, since {why}"))
+            }
         };
         let options = Options { rate: Some(f64::from(rate)), live: true, ..loaded.options.clone() };
         let reload = loaded.reload(&options)?;
@@ -87,6 +89,7 @@ impl Play {
             block: self.block,
             armed,
             record: false,
+            song: loaded.song.clone(),
             listener: None,
             audience: Box::new(move |told| tell(told, &say_told)),
             fate: Box::new(move |fate| drop(say_fate.send(Said::Fate(fate)))),

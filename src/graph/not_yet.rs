@@ -3,7 +3,6 @@
 use std::collections::{BTreeSet, HashSet};
 
 use super::plan::{LeftOut, Why};
-use crate::patch::control::Curve;
 use crate::patch::{Action, Events, Patch, Place, Source};
 use crate::rig::{self, Coupling, Finder, Rig};
 
@@ -17,17 +16,16 @@ pub fn not_yet(patch: &Patch, rig: &Rig) -> Vec<LeftOut> {
     };
     for trigger in &patch.triggers {
         let on = match &trigger.on {
-            Source::Start => continue,
-            Source::Key(key) => format!("key.{key}"),
-            Source::MidiNote => "midi.note".into(),
-            Source::Osc(address) => format!("osc.{address}"),
+            Source::Start
+            | Source::Key(_)
+            | Source::MidiNote
+            | Source::MidiProgram(_)
+            | Source::MidiController { .. }
+            | Source::Osc(_) => continue,
             Source::KnobDetent => "knob.detent".into(),
             Source::Node { node, .. } => format!("node.{node}"),
         };
         say(true, format!("trigger `{on}` of `{}`", trigger.play));
-    }
-    for control in &patch.controls {
-        say(control.curve != Curve::Linear, format!("`curve` of control `{}`", control.name));
     }
     say(rig.device.coupling != Coupling::Dc, "`coupling` of the device".into());
     say(rig.device.full_scale_volts.is_some(), "`full_scale_volts` of the device".into());

@@ -268,7 +268,9 @@ fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Ve
     let started: Vec<usize> =
         patch.triggers.iter().filter(|t| t.on == Source::Start).filter_map(|t| find(&t.play)).collect();
     let any_start = patch.triggers.iter().any(|t| t.on == Source::Start);
-    if any_start || patch.patterns.is_empty() { started } else { vec![0] }
+    // Where keys and messages play, patterns wait for them.
+    let waits = options.live && !patch.triggers.is_empty();
+    if any_start || waits || patch.patterns.is_empty() { started } else { vec![0] }
 }
 
 /// The voices that may sound: those of the patterns that play, of triggers, and those that always do.

@@ -8,10 +8,14 @@ pub mod events;
 pub mod input;
 pub mod load;
 pub mod log;
+#[cfg(feature = "live")]
+pub mod midi_in;
 mod open;
 pub mod out;
 pub(crate) mod resample;
 #[cfg(feature = "live")]
 pub mod session;
+#[cfg(feature = "midi")]
+pub mod song;
 pub mod text;
 pub mod wav;

@@ -21,6 +21,7 @@ use crate::live::gate::{Gate, RAMP_OUT, UNARMED};
 use crate::live::reload::Reload;
 use crate::live::signal::{Handle, Signal};
 use crate::live::stamp::Epoch;
+use crate::midi::file::Song;
 use crate::performer::{Listener, Performer};
 
 /// How a session begins.
@@ -35,6 +36,8 @@ pub struct Beginning {
     pub armed: bool,
     /// Whether everything that goes out is to be fetched through [`Session::recording`].
     pub record: bool,
+    /// A song that plays it from the beginning.
+    pub song: Option<Arc<Song>>,
     /// Hears of every event as it is made.
     pub listener: Option<Listener>,
     /// Hears what the conductor tells of.
@@ -62,7 +65,8 @@ impl Session {
     /// # Errors
     /// A device that cannot be opened, or a plan that no engine can be built for.
     pub fn start(beginning: Beginning) -> Result<Self, SessionError> {
-        let Beginning { scene: reload, device, block, armed, record, listener, audience, fate } = beginning;
+        let Beginning { scene: reload, device, block, armed, record, song, listener, audience, fate } =
+            beginning;
         let Reload { scene, patch, rig, files } = reload;
         let (rate, channels) = (scene.plan.device_rate, scene.plan.channels);
         let (director, stagehand) =
@@ -71,6 +75,9 @@ impl Session {
             Performer::new(scene, patch, rig, files).map_err(|why| SessionError::Plan(why.to_string()))?;
         if let Some(listener) = listener {
             performer.listen(listener);
+        }
+        if let Some(song) = song {
+            performer.play_song(song.messages.iter().copied(), song.seconds);
         }
         let board = Arc::new(Board::new(channels));
         let gate = Gate::new(rate, if armed { 1.0 } else { UNARMED });

@@ -51,6 +51,7 @@ pub struct Conductor {
     director: Director,
     rings: Rings,
     clock: StreamClock,
+    epoch: Epoch,
     board: Arc<Board>,
     signals: Receiver<Stamped>,
     audience: Audience,
@@ -107,6 +108,7 @@ impl Conductor {
             director,
             rings,
             clock,
+            epoch,
             board: Arc::clone(board),
             signals,
             audience,
@@ -151,6 +153,7 @@ impl Conductor {
 
     /// Feeds patterns, hears what the callback did, and lets a plan that waits take over if it can.
     pub fn go_on(&mut self) {
+        self.tick();
         self.feed();
         if let Some(reload) = self.waiting.take() {
             self.reload(reload);
@@ -159,6 +162,15 @@ impl Conductor {
             (self.audience)(Told::Report(&report));
         }
         self.director.collect();
+    }
+
+    /// Cables that promised to stay may be lost.
+    fn tick(&mut self) {
+        let at = self.when(self.epoch.now());
+        let mut outlet = ToCallback { rings: &mut self.rings, clock: self.board.clock.get() };
+        if let Err(problem) = self.performer.midi_tick(at, &mut outlet) {
+            (self.audience)(Told::Refused(&problem));
+        }
     }
 
     fn feed(&mut self) {
@@ -217,7 +229,9 @@ impl Conductor {
                 }
                 Ok(())
             }
-            Signal::Key(_) => Ok(()),
+            Signal::Key(key) => self.performer.key(at, key, outlet),
+            Signal::Midi(port, message) => self.performer.midi(at, port, message, outlet),
+            Signal::MidiGone(port) => self.performer.midi_gone(at, port, outlet),
             Signal::Panic => {
                 // The board's brake has closed the gate, or will.
                 self.board.panic();

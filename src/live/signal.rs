@@ -6,6 +6,7 @@ use std::sync::{Arc, atomic::AtomicU64, atomic::Ordering};
 use super::board::Board;
 use super::reload::Reload;
 use super::stamp::{Epoch, Stamp};
+use crate::midi::Message;
 use crate::performer::Note;
 
 /// Something that a session is to do.
@@ -27,6 +28,10 @@ pub enum Signal {
     StopNamed(String),
     /// A key of the computer, from 1.
     Key(u32),
+    /// A message of MIDI, and the number of the port through which it came.
+    Midi(u16, Message),
+    /// A port of MIDI is gone.
+    MidiGone(u16),
     /// Close the gate at once and keep it closed; stop all patterns and release all voices.
     Panic,
     /// Take back a panic.

@@ -6,7 +6,8 @@ use super::cycle::{chain, cycles};
 use super::names::{Names, no_field};
 use super::voice::MOST_VOICES;
 use super::{
-    Action, Control, Events, Expr, Node, Patch, Pattern, Scope, Source, Start, Target, Trigger, Value, Voice,
+    Action, Bind, Control, Curve, Events, Expr, Node, Patch, Pattern, Scope, Source, Spread, Start, Target,
+    Trigger, Value, Voice,
 };
 use crate::node::spec::Kind;
 use crate::text::nearest::{did_you_mean, listed, suggest};
@@ -31,6 +32,10 @@ impl Patch {
         check.nesting(self);
         for trigger in &self.triggers {
             check.trigger(trigger, &names, &shared);
+            check.midi(trigger);
+        }
+        for bind in &self.binds {
+            check.bind(bind, &self.controls);
         }
         // Of what is broken, nobody wants to know how it would feel.
         if !check.problems.iter().any(Problem::is_error) && broken.is_empty() {
@@ -291,6 +296,47 @@ impl Check<'_> {
             let name = |i: usize| patch.patterns.get(i).map_or("", |p| p.name.as_str());
             let what = format!("pattern `{}` contains itself: {}", first.name, chain(&cycle, name));
             self.error(&first.span, what, "take one of them out of the other".to_string());
+        }
+    }
+
+    /// Keys of a trigger that only MIDI gives a meaning.
+    fn midi(&mut self, trigger: &Trigger) {
+        let note = trigger.on == Source::MidiNote;
+        let midi = note || matches!(trigger.on, Source::MidiProgram(_) | Source::MidiController { .. });
+        let by_note = trigger.notes.is_some() || trigger.spread == Spread::Notes;
+        let key = if trigger.notes.is_some() { "notes" } else { "spread" };
+        if by_note && !note {
+            let what = format!("`{key}` goes with notes, and this trigger is set off by something else");
+            self.error(&trigger.span, what, "set it off by on = \"midi.note\"".to_string());
+        } else if !midi && (trigger.channel.is_some() || trigger.spread == Spread::Channels) {
+            let what = "a MIDI channel goes with MIDI, and this trigger is set off by something else";
+            self.error(&trigger.span, what.into(), "set it off by on = \"midi.note\"".to_string());
+        }
+        if trigger.spread != Spread::Off && trigger.place.is_some() {
+            let what = "a trigger cannot have a `place` and `spread` over the tactors, too";
+            self.error(&trigger.span, what.into(), "take one of them out".to_string());
+        }
+    }
+
+    /// Whether there is what a binding moves.
+    fn bind(&mut self, bind: &Bind, controls: &[Control]) {
+        let Some(control) = controls.iter().find(|control| control.name == bind.control) else {
+            let help = suggest(&bind.control, controls.iter().map(|control| control.name.as_str()));
+            self.error(&bind.control_span, format!("there is no control `{}`", bind.control), help);
+            return;
+        };
+        let Some([from, to]) = bind.range else { return };
+        let [least, most] = control.range;
+        if from.min(to) < least || from.max(to) > most {
+            let what = format!(
+                "`range` goes from {from} to {to}; control `{}` from {least} to {most}",
+                control.name
+            );
+            self.error(&bind.span, what, None);
+        }
+        if bind.curve == Some(Curve::Exponential) && from.min(to) <= 0.0 {
+            let what = "for an exponential curve, `range` must lie above 0";
+            self.error(&bind.span, what.into(), None);
         }
     }
 

@@ -147,13 +147,19 @@ impl Expr {
 
     /// Its value where it reads no names and no event.
     pub(crate) fn constant(&self) -> Option<f64> {
+        self.value(&|_| None)
+    }
+
+    /// Its value where it reads no event, and no names but those that `known` knows.
+    pub(crate) fn value(&self, known: &dyn Fn(&str) -> Option<f64>) -> Option<f64> {
         match self {
             Self::Number(x) => Some(*x),
-            Self::Name(..) | Self::Event(..) => None,
-            Self::Negate(a) => a.constant().map(|a| -a),
-            Self::Binary(op, a, b) => Some(op.apply(a.constant()?, b.constant()?)),
+            Self::Name(name, _) => known(name),
+            Self::Event(..) => None,
+            Self::Negate(a) => a.value(known).map(|a| -a),
+            Self::Binary(op, a, b) => Some(op.apply(a.value(known)?, b.value(known)?)),
             Self::Call(function, values) => {
-                let values: Option<Vec<f64>> = values.iter().map(Self::constant).collect();
+                let values: Option<Vec<f64>> = values.iter().map(|v| v.value(known)).collect();
                 values.map(|v| function.apply(&v))
             }
         }

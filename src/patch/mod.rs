@@ -5,6 +5,7 @@
 //! with it. [`Patch::parse`] reads it from a file's bytes and reports every problem at once, each at its place.
 
 pub(crate) mod advice;
+pub(crate) mod bind;
 mod check;
 pub(crate) mod control;
 mod cycle;
@@ -21,6 +22,7 @@ pub(crate) mod scope;
 pub(crate) mod trigger;
 pub(crate) mod voice;
 
+pub use bind::{Bind, Mover};
 pub use control::{Control, Curve};
 pub use event::{Action, Alternative, Event, Play, Repeat, Setting};
 pub use events_file::EventsFile;
@@ -31,7 +33,7 @@ pub use pattern::{Events, Jitter, Pattern, TimeBase};
 pub use place::Place;
 pub use schema::schema;
 pub(crate) use scope::{Scope, Target};
-pub use trigger::{Source, Trigger};
+pub use trigger::{Source, Spread, Trigger};
 pub use voice::{Start, Voice};
 
 use crate::text::document;
@@ -57,6 +59,8 @@ pub struct Patch {
     pub patterns: Vec<Pattern>,
     /// What starts voices and patterns.
     pub triggers: Vec<Trigger>,
+    /// What moves controls.
+    pub binds: Vec<Bind>,
     /// How to render it where the person says nothing else.
     pub render: Render,
     /// The file that it was read from.
@@ -122,6 +126,7 @@ pub(crate) static TABLE: Table = Table {
         Field::new("shared", Form::One(&SHARED), "", "What runs once for the whole engine."),
         Field::new("pattern", Form::Named(&pattern::TABLE), "", "Patterns, by name."),
         Field::new("trigger", Form::Many(&trigger::TABLE), "", "What starts voices and patterns."),
+        Field::new("bind", Form::Many(&bind::TABLE), "", "What moves controls from outside."),
         Field::new("render", Form::One(&RENDER), "", "How to render it where the person says nothing else."),
     ],
     others: None,
@@ -250,6 +255,7 @@ impl Patch {
         }
         let triggers = reader.many("trigger", |n| format!("trigger {n}"));
         patch.triggers = triggers.iter().filter_map(trigger::read).collect();
+        patch.binds = reader.many("bind", |n| format!("binding {n}")).iter().filter_map(bind::read).collect();
         if let Some(render) = reader.one("render", "`render`") {
             patch.render = Render {
                 duration: render.number("duration"),

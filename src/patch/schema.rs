@@ -19,6 +19,13 @@ pub fn schema() -> Value {
             "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2,
         }),
     );
+    let note = json!({
+        "oneOf": [
+            { "type": "integer", "minimum": 0, "maximum": 127 },
+            { "type": "string", "pattern": "^[A-Ga-g][#b]?-?[0-9]$", "description": "Name of a note; C4 is 60." },
+        ],
+    });
+    defs.insert("notes".into(), json!({ "type": "array", "items": note, "minItems": 2, "maxItems": 2 }));
     defs.insert("expression".into(), json!({
         "type": "string",
         "minLength": 1,

@@ -2,9 +2,10 @@
 
 use super::expr::Expr;
 use super::place::{self, Place};
+use crate::midi::pitch;
 use crate::text::field::{Field, Form, Table};
 use crate::text::nearest::suggest;
-use crate::text::reader::{Reader, in_order};
+use crate::text::reader::{At, Reader, in_order};
 use crate::text::{Problem, Span};
 
 /// A trigger, `[[trigger]]`.
@@ -22,9 +23,29 @@ pub struct Trigger {
     pub set: Vec<(String, Expr, Span)>,
     /// Where; `None`: the voice's place.
     pub place: Option<Place>,
+    /// The MIDI channel, from 1, that sets it off; `None`: any.
+    pub channel: Option<u8>,
+    /// The lowest and the highest note that set it off; `None`: any.
+    pub notes: Option<[u8; 2]>,
+    /// Whether what it plays goes to different tactors.
+    pub spread: Spread,
     /// Where it stands.
     pub span: Span,
 }
+
+/// How what a trigger plays is spread over the tactors of a rig, in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Spread {
+    /// Not at all.
+    #[default]
+    Off,
+    /// By note: those of [`Trigger::notes`] from the first tactor to the last; without such, round and round.
+    Notes,
+    /// By MIDI channel: channel 1 on the first tactor, and round and round.
+    Channels,
+}
+
+const SPREADS: [Spread; 3] = [Spread::Off, Spread::Notes, Spread::Channels];
 
 /// What sets off a trigger.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +56,17 @@ pub enum Source {
     Key(u32),
     /// A note begins.
     MidiNote,
+    /// A program is chosen, 0 to 127.
+    MidiProgram(u8),
+    /// A controller (0 to 119) passes a position from 0 to 1.
+    MidiController {
+        /// Which.
+        number: u8,
+        /// Upwards; else downwards.
+        rises: bool,
+        /// The position.
+        threshold: f64,
+    },
     /// An OSC message to this address.
     Osc(String),
     /// The knob passes a detent.
@@ -59,18 +91,45 @@ pub static TABLE: Table = Table {
             "on",
             Form::Text,
             "",
-            "start, key.1, midi.note, osc./address, knob.detent, node.NAME rises 0.3 or node.NAME falls 0.3.",
+            "start, key.1, midi.note, midi.program 3, midi.controller 64 rises 0.5, osc./address, knob.detent, or node.NAME rises 0.3 \
+             (or falls).",
         )
         .required(),
         Field::new("play", Form::Text, "", "The voice or pattern it plays.").required(),
         Field::new("set", Form::Defined("set"), "", "Fields of the event it makes: numbers or expressions."),
         Field::new("place", Form::Defined("place"), "", "Where; the voice's place where nothing is said."),
+        Field::new(
+            "channel",
+            Form::any_count(1, 16),
+            "",
+            "The MIDI channel that sets it off; any where nothing is said.",
+        ),
+        Field::new(
+            "notes",
+            Form::Defined("notes"),
+            "",
+            "The lowest and the highest note that set it off, as numbers or names: [36, \"D#3\"]; any where nothing is said.",
+        ),
+        Field::new(
+            "spread",
+            Form::Word(&["off", "notes", "channels"]),
+            "",
+            "Spreads what it plays over the tactors of the rig, in their order, by note or by MIDI channel.",
+        ),
     ],
     others: None,
 };
 
-const SOURCES: &[&str] =
-    &["start", "key.1", "midi.note", "osc./address", "knob.detent", "node.NAME rises 0.3"];
+const SOURCES: &[&str] = &[
+    "start",
+    "key.1",
+    "midi.note",
+    "midi.program 3",
+    "midi.controller 64 rises 0.5",
+    "osc./address",
+    "knob.detent",
+    "node.NAME rises 0.3",
+];
 
 impl Source {
     /// Reads what stands at `on`.
@@ -97,26 +156,86 @@ impl Source {
                 Err("an OSC address begins with `/`: osc./hit".into())
             };
         }
-        if let Some(node) = text.strip_prefix("node.") {
-            let words: Vec<&str> = node.split_whitespace().collect();
-            return match words.as_slice() {
-                [node, way @ ("rises" | "falls"), threshold] => match threshold.parse::<f64>() {
-                    Ok(x) if x.is_finite() => {
-                        Ok(Self::Node { node: (*node).into(), rises: *way == "rises", threshold: x })
-                    }
-                    _ => Err(format!("`{threshold}` is no threshold")),
-                },
-                _ => Err("a node sets it off like this: node.NAME rises 0.3, or falls".into()),
+        if let Some(program) = text.strip_prefix("midi.program ") {
+            return match program.trim().parse() {
+                Ok(program) if program <= 127 => Ok(Self::MidiProgram(program)),
+                _ => Err(format!("`{program}` is no program; they count from 0 to 127")),
             };
+        }
+        if let Some(controller) = text.strip_prefix("midi.controller ") {
+            let (number, rises, threshold) = crossing(controller)
+                .ok_or("a controller sets it off like this: midi.controller 64 rises 0.5, or falls")??;
+            return match number.parse() {
+                Ok(number) if number <= 119 && (0.0..=1.0).contains(&threshold) => {
+                    Ok(Self::MidiController { number, rises, threshold })
+                }
+                Ok(number) if number <= 119 => Err("a controller stands between 0 and 1".into()),
+                _ => Err(format!("`{number}` is no controller; they count from 0 to 119")),
+            };
+        }
+        if let Some(node) = text.strip_prefix("node.") {
+            let (node, rises, threshold) =
+                crossing(node).ok_or("a node sets it off like this: node.NAME rises 0.3, or falls")??;
+            return Ok(Self::Node { node: node.into(), rises, threshold });
         }
         Err("nothing like that sets off a trigger".into())
     }
+    /// Whether it comes from outside while a patch plays: a key, MIDI, OSC.
+    pub fn is_live(&self) -> bool {
+        match self {
+            Self::Key(_)
+            | Self::MidiNote
+            | Self::MidiProgram(_)
+            | Self::MidiController { .. }
+            | Self::Osc(_) => true,
+            Self::Start | Self::KnobDetent | Self::Node { .. } => false,
+        }
+    }
+
     /// What the expressions in `set` may read.
     pub fn names(&self) -> &'static [&'static str] {
         match self {
-            Self::MidiNote => &["note", "velocity"],
+            Self::MidiNote => &["note", "velocity", "pitch", "channel", "bend", "pressure", "timbre"],
+            Self::MidiProgram(_) => &["program", "channel"],
+            Self::MidiController { .. } => &["value", "channel"],
             Self::Osc(_) | Self::Node { .. } => &["value"],
             Self::Start | Self::Key(_) | Self::KnobDetent => &[],
+        }
+    }
+}
+
+/// `NAME rises 0.3`: name, way and threshold; `None` where it is nothing of the kind.
+fn crossing(text: &str) -> Option<Result<(&str, bool, f64), String>> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let [name, way @ ("rises" | "falls"), threshold] = words[..] else { return None };
+    Some(match threshold.parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok((name, way == "rises", x)),
+        _ => Err(format!("`{threshold}` is no threshold")),
+    })
+}
+
+/// Two notes, as numbers or names.
+fn notes(reader: &Reader) -> Option<[u8; 2]> {
+    let value = reader.at("notes")?;
+    let note = |value: &At| match (value.count(), value.text()) {
+        (Some(number), _) => u8::try_from(number).ok().filter(|number| *number <= 127),
+        (_, Some(name)) => pitch::note(name),
+        _ => None,
+    };
+    let notes: Option<Vec<u8>> = value.list().and_then(|list| list.map(|v| note(&v)).collect());
+    match notes.as_deref() {
+        Some(&[least, most]) if least <= most => Some([least, most]),
+        Some(&[_, _]) => {
+            reader.wrong("notes", &value, "the lower note must stand first");
+            None
+        }
+        _ => {
+            reader.wrong(
+                "notes",
+                &value,
+                "it must be two notes, as numbers from 0 to 127 or names: [36, \"D#3\"]",
+            );
+            None
         }
     }
 }
@@ -147,6 +266,9 @@ pub(crate) fn read(reader: &Reader) -> Option<Trigger> {
     }
     Some(Trigger {
         place: place::read(reader, "place"),
+        channel: reader.count("channel").and_then(|n| u8::try_from(n).ok()),
+        notes: notes(reader),
+        spread: SPREADS.get(reader.word("spread")).copied().unwrap_or_default(),
         play: reader.text("play")?.into(),
         play_span: reader.span_of("play"),
         on: on?,

@@ -3,28 +3,33 @@
 //! A performer has no engine. It gives its events to an [`Outlet`], which may be an engine at once ([`crate::player`]) or a ring that
 //! leads to one in another thread. It may allocate and read files.
 
+mod hands;
 mod heard;
 mod note;
 mod outlet;
+mod pickup;
 mod run;
 mod when;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::dsp::random;
 use crate::engine::event::{Event, Play, Source};
 use crate::graph::plan::Plan;
 use crate::graph::scene::Scene;
+use crate::midi::Message;
 use crate::patch::{Patch, Place};
 use crate::rig::{Finder, Rig};
-use crate::score::{EventStream, HORIZON, Score, Timed, What};
+use crate::score::{EventStream, HORIZON, Root, Score, Timed, What};
 use crate::text::Problem;
 use crate::text::nearest::suggest;
 
+use hands::Hands;
 pub use heard::{Happening, Heard, Listener, Origin};
 pub use note::Note;
 pub use outlet::Outlet;
+use pickup::Pickup;
 use run::Run;
 pub use when::When;
 
@@ -49,6 +54,13 @@ pub struct Performer {
     /// What the program played, and patterns it started.
     played: u64,
     started: u64,
+    /// One for each port of MIDI.
+    hands: Vec<Hands>,
+    /// Messages that are played from a file, in order of time; `None` lets go of all keys.
+    song: VecDeque<(f64, Option<Message>)>,
+    pickups: Vec<Pickup>,
+    /// Where each control of the patch was sent last.
+    targets: Vec<f64>,
     record: Option<Vec<(f64, Play)>>,
     listener: Option<Listener>,
     /// What was played before anything was computed, for a listener who comes then.
@@ -69,9 +81,9 @@ impl Performer {
     /// # Errors
     /// What is wrong with the patterns that play from the beginning.
     pub fn new(scene: Scene, patch: Arc<Patch>, rig: Arc<Rig>, files: OpenEvents) -> Result<Self, Problem> {
-        let roots: Vec<(usize, f64)> = scene.patterns.iter().map(|&p| (p, 0.0)).collect();
+        let roots: Vec<Root> = scene.patterns.iter().map(|&p| Root::at(p, 0.0)).collect();
         let mut performer = Self::bare(scene, patch, rig, files);
-        let run = Run::new(0, None, 0.0, performer.score(&roots, performer.plan.seed)?);
+        let run = Run::new(0, None, performer.score(&roots, performer.plan.seed)?);
         performer.length = run.length();
         performer.runs.push(run);
         Ok(performer)
@@ -89,6 +101,8 @@ impl Performer {
             }
         }
         let finder = Arc::new(Finder::new(&rig));
+        let targets = patch.controls.iter().map(|control| control.default).collect();
+        let pickups = vec![Pickup::default(); patch.binds.len()];
         Self {
             plan,
             patch,
@@ -104,6 +118,10 @@ impl Performer {
             trouble: None,
             played: 0,
             started: 0,
+            hands: Vec::new(),
+            song: VecDeque::new(),
+            pickups,
+            targets,
             record: None,
             listener: None,
             first: Vec::new(),
@@ -111,13 +129,13 @@ impl Performer {
         }
     }
 
-    fn score(&self, roots: &[(usize, f64)], seed: u64) -> Result<Score<'static>, Problem> {
+    fn score(&self, roots: &[Root], seed: u64) -> Result<Score<'static>, Problem> {
         let (rig, finder) = (Arc::clone(&self.rig), Arc::clone(&self.finder));
         let places = move |place: Option<&Place>| rig.resolve_by(&finder, place, &(0..0)).map(|i| i as u32);
         let files = Arc::clone(&self.files);
         // Whoever panicked while a file was opened has left nothing half-done here.
         let open = move |path: &str| (files.lock().unwrap_or_else(PoisonError::into_inner))(path);
-        Score::new(&self.patch, places, roots, seed, open)
+        Score::of(&self.patch, places, roots, seed, open)
     }
 
     /// Goes on with another scene: patterns that play go on where they stand if the new patch still has them, in the words of the
@@ -133,26 +151,36 @@ impl Performer {
         files: OpenEvents,
     ) -> Result<(), Problem> {
         let (old, fed) = (Arc::clone(&self.patch), self.fed);
-        let runs: Vec<(u64, Option<usize>, f64)> =
-            self.runs.drain(..).map(|run| (run.serial, run.pattern, run.start)).collect();
-        let began = runs.iter().any(|(serial, ..)| *serial == 0);
-        let roots: Vec<(usize, f64)> = scene.patterns.iter().map(|&p| (p, 0.0)).collect();
+        let runs: Vec<(u64, Option<Root>)> = self.runs.drain(..).map(|run| (run.serial, run.root)).collect();
+        let began = runs.iter().any(|(serial, _)| *serial == 0);
+        let roots: Vec<Root> = scene.patterns.iter().map(|&p| Root::at(p, 0.0)).collect();
         let mut new = Self::bare(scene, patch, rig, files);
         std::mem::swap(self, &mut new);
         (self.played, self.started, self.fed) = (new.played, new.started, fed);
+        self.hands = std::mem::take(&mut new.hands);
+        self.song = std::mem::take(&mut new.song);
+        // Controls that still exist keep their values.
+        for (control, target) in self.patch.controls.iter().zip(&mut self.targets) {
+            let before = old.controls.iter().position(|c| c.name == control.name);
+            if let Some(value) = before.and_then(|number| new.targets.get(number)) {
+                *target = value.clamp(control.range[0], control.range[1]);
+            }
+        }
         (self.record, self.listener) = (new.record.take(), new.listener.take());
         (self.length, self.cut) = (new.length, new.cut);
         if began {
             let score = self.score(&roots, self.plan.seed)?;
-            self.resume(Run::new(0, None, 0.0, score))?;
+            self.resume(Run::new(0, None, score))?;
         }
-        for (serial, pattern, start) in runs.into_iter().filter(|(serial, ..)| *serial != 0) {
-            let name = pattern.and_then(|p| old.patterns.get(p)).map(|p| &p.name);
+        for (serial, root) in runs {
+            let Some(root) = root else { continue };
+            let name = old.patterns.get(root.pattern).map(|p| &p.name);
             let Some(pattern) = self.patch.patterns.iter().position(|p| Some(&p.name) == name) else {
                 continue;
             };
-            let score = self.score(&[(pattern, start)], self.seed_of(serial))?;
-            self.resume(Run::new(serial, Some(pattern), start, score))?;
+            let root = Root { pattern, ..root };
+            let score = self.score(&[root], self.seed_of(serial))?;
+            self.resume(Run::new(serial, Some(root), score))?;
         }
         Ok(())
     }
@@ -218,9 +246,16 @@ impl Performer {
         self.cut || self.runs.iter().any(Run::is_cut)
     }
 
-    /// Whether all patterns have ended.
+    /// Whether all patterns have ended, and a song if there is one.
     pub fn is_over(&self) -> bool {
-        self.runs.is_empty()
+        self.runs.is_empty() && self.song.is_empty()
+    }
+
+    /// Plays messages of MIDI, each at its time in seconds from the beginning, in order of time.
+    pub fn play_song(&mut self, messages: impl IntoIterator<Item = (f64, Message)>, seconds: f64) {
+        self.song.extend(messages.into_iter().map(|(at, message)| (at, Some(message))));
+        self.song.push_back((seconds, None));
+        self.length = self.length.map(|length| length.max(seconds));
     }
 
     /// What stopped a pattern before its end, if something did: an events file with a bad line.
@@ -318,10 +353,16 @@ impl Performer {
             return Err(Problem::of_file(what).help("give a finite number".to_string()));
         }
         let event = Event::Control(index, value);
-        match self.order(at, event, None, Happening::Control(control, value), outlet) {
-            true => Ok(()),
-            false => Err(full()),
+        if !self.order(at, event, None, Happening::Control(control, value), outlet) {
+            return Err(full());
         }
+        if let Some(number) = self.patch.controls.iter().position(|c| c.name == control)
+            && let (Some(target), Some(control)) =
+                (self.targets.get_mut(number), self.patch.controls.get(number))
+        {
+            *target = value.clamp(control.range[0], control.range[1]);
+        }
+        Ok(())
     }
 
     fn order(
@@ -344,6 +385,11 @@ impl Performer {
     /// # Errors
     /// A pattern that the patch does not have, what is wrong with it, or a time that cannot be.
     pub fn start_pattern(&mut self, at: When, name: &str) -> Result<u64, Problem> {
+        self.start_scaled(at, name, 1.0, 1.0)
+    }
+
+    /// The same, with a gain and a rate.
+    fn start_scaled(&mut self, at: When, name: &str, gain: f64, rate: f64) -> Result<u64, Problem> {
         in_time(at)?;
         let names = || self.patch.patterns.iter().map(|p| p.name.as_str());
         let Some(pattern) = names().position(|n| n == name) else {
@@ -351,9 +397,10 @@ impl Performer {
             return Err(Problem::of_file(what).help(suggest(name, names())));
         };
         let serial = self.started + 1;
-        let score = self.score(&[(pattern, at.seconds)], self.seed_of(serial))?;
+        let root = Root { pattern, at: at.seconds, gain, rate };
+        let score = self.score(&[root], self.seed_of(serial))?;
         self.started = serial;
-        self.runs.push(Run::new(serial, Some(pattern), at.seconds, score));
+        self.runs.push(Run::new(serial, Some(root), score));
         Ok(serial)
     }
 
@@ -369,13 +416,16 @@ impl Performer {
     /// The patterns that play: number, and name; what plays from the beginning has none.
     pub fn patterns(&self) -> impl Iterator<Item = (u64, Option<&str>)> {
         let name = |pattern: usize| self.patch.patterns.get(pattern).map(|p| p.name.as_str());
-        self.runs.iter().map(move |run| (run.serial, run.pattern.and_then(name)))
+        self.runs.iter().map(move |run| (run.serial, run.root.and_then(|root| name(root.pattern))))
     }
 
     /// Gives the outlet all that patterns have before engine sample `until`, as long as it has room. Where it has not, the sample
     /// with which the first event takes effect that did not find any.
     pub fn feed(&mut self, until: u64, outlet: &mut dyn Outlet) -> Option<u64> {
         let until = until as f64 / self.plan.engine_rate();
+        if let Some(full) = self.feed_song(until, outlet) {
+            return Some(full);
+        }
         while let Some(first) = self.first_run() {
             let (number, at) = first;
             if at >= until {
@@ -392,6 +442,26 @@ impl Performer {
             }
         }
         self.fed = self.fed.max(until);
+        None
+    }
+
+    /// The messages of a song before `until` seconds, as far as there is room; where there is not, the sample of the first without.
+    fn feed_song(&mut self, until: f64, outlet: &mut dyn Outlet) -> Option<u64> {
+        while let Some((at, message)) = self.song.front().copied().filter(|(at, _)| *at < until) {
+            let at = self.when(at);
+            // A message may set several triggers off.
+            if outlet.room(Source::Program) <= self.patch.triggers.len() + self.patch.binds.len() {
+                return Some(at.instant.ceiling());
+            }
+            self.song.pop_front();
+            let played = match message {
+                Some(message) => self.midi(at, 0, message, outlet),
+                None => self.midi_gone(at, 0, outlet),
+            };
+            if let Err(problem) = played {
+                self.trouble.get_or_insert(problem);
+            }
+        }
         None
     }
 

@@ -1,24 +1,22 @@
 //! A pattern that plays.
 
-use crate::score::{Score, Timed};
+use crate::score::{Root, Score, Timed};
 use crate::text::Problem;
 
 /// A score that plays, and what it says next.
 pub(super) struct Run {
     /// 0 for what plays from the beginning; then as they were started.
     pub serial: u64,
-    /// The pattern that was started, by its place in the patch; `None` for what plays from the beginning.
-    pub pattern: Option<usize>,
-    /// Seconds from the beginning at which it was started.
-    pub start: f64,
+    /// What was started; `None` for what plays from the beginning.
+    pub root: Option<Root>,
     score: Score<'static>,
     ahead: Option<Timed>,
     over: bool,
 }
 
 impl Run {
-    pub fn new(serial: u64, pattern: Option<usize>, start: f64, score: Score<'static>) -> Self {
-        Self { serial, pattern, start, score, ahead: None, over: false }
+    pub fn new(serial: u64, root: Option<Root>, score: Score<'static>) -> Self {
+        Self { serial, root, score, ahead: None, over: false }
     }
 
     /// When it says something next; `None` when it has ended.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::sheet::{Content, Deed, Deviations, Item, Nested, Play, Sheet};
-use super::{EventStream, FIELDS, length};
+use super::{EventStream, FIELDS, Root, length};
 use crate::patch::{self, Action, Event, Events, Patch, Pattern, Place, Repeat};
 use crate::text::{Problem, Span};
 
@@ -39,12 +39,7 @@ pub(super) struct Book<'a> {
 
 impl<'a> Book<'a> {
     /// Of what can be reached from the roots.
-    pub fn new(
-        patch: &Patch,
-        roots: &[(usize, f64)],
-        places: Places<'a>,
-        files: Files<'a>,
-    ) -> Result<Self, Problem> {
+    pub fn new(patch: &Patch, roots: &[Root], places: Places<'a>, files: Files<'a>) -> Result<Self, Problem> {
         let instrument = |voice: &patch::Voice| {
             let mut own = [0.0; FIELDS];
             for (slot, (_, value)) in own.iter_mut().zip(&voice.fields) {
@@ -68,7 +63,7 @@ impl<'a> Book<'a> {
             places,
             files,
         };
-        let mut ahead: Vec<usize> = roots.iter().map(|(i, _)| *i).collect();
+        let mut ahead: Vec<usize> = roots.iter().map(|root| root.pattern).collect();
         while let Some(index) = ahead.pop() {
             let Some(pattern) = patch.patterns.get(index) else {
                 let last = patch.patterns.len();

@@ -82,6 +82,26 @@ pub struct Note {
     pub own: [f64; FIELDS],
 }
 
+/// A pattern that a score begins with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Root {
+    /// Which, by its place in [`Patch::patterns`].
+    pub pattern: usize,
+    /// When it starts, in seconds.
+    pub at: f64,
+    /// Multiplies the level of all it plays; 0 to 100.
+    pub gain: f64,
+    /// 2 is twice as fast; 0.001 to 1000.
+    pub rate: f64,
+}
+
+impl Root {
+    /// A pattern as it is, from a time in seconds on.
+    pub fn at(pattern: usize, at: f64) -> Self {
+        Self { pattern, at, gain: 1.0, rate: 1.0 }
+    }
+}
+
 /// The patterns of a patch, unrolled.
 ///
 /// It gives what happens in order of time. At the same instant, what stands first in the file comes first, what a nested
@@ -102,6 +122,21 @@ impl<'a> Score<'a> {
         patch: &Patch,
         places: impl FnMut(Option<&Place>) -> Result<u32, Problem> + Send + 'a,
         roots: &[(usize, f64)],
+        seed: u64,
+        files: impl FnMut(&str) -> Result<EventStream<'a>, Problem> + Send + 'a,
+    ) -> Result<Self, Problem> {
+        let roots: Vec<Root> = roots.iter().map(|&(pattern, at)| Root::at(pattern, at)).collect();
+        Self::of(patch, places, &roots, seed, files)
+    }
+
+    /// The same, each pattern with its gain and rate.
+    ///
+    /// # Errors
+    /// As [`Score::new`].
+    pub fn of(
+        patch: &Patch,
+        places: impl FnMut(Option<&Place>) -> Result<u32, Problem> + Send + 'a,
+        roots: &[Root],
         seed: u64,
         files: impl FnMut(&str) -> Result<EventStream<'a>, Problem> + Send + 'a,
     ) -> Result<Self, Problem> {

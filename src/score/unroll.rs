@@ -8,7 +8,7 @@ use super::entry::{Entry, Task, Which};
 use super::playing::{Leaf, Playing};
 use super::sheet::{Content, Deed, Deviations, Item, Nested, Play, Sheet};
 use super::walk::Walk;
-use super::{HORIZON, MOST_AT_ONCE, MOST_DEEP, Note, Timed, What, keys};
+use super::{HORIZON, MOST_AT_ONCE, MOST_DEEP, Note, Root, Timed, What, keys};
 use crate::text::Problem;
 
 /// At what a score gives up.
@@ -52,7 +52,7 @@ pub(super) struct Unroll<'a> {
 }
 
 impl<'a> Unroll<'a> {
-    pub fn new(book: Book<'a>, roots: &[(usize, f64)], seed: u64) -> Result<Self, Problem> {
+    pub fn new(book: Book<'a>, roots: &[Root], seed: u64) -> Result<Self, Problem> {
         let heap = BinaryHeap::new();
         let mut unroll = Self {
             book,
@@ -65,20 +65,25 @@ impl<'a> Unroll<'a> {
             length: Some(0.0),
             cut: false,
         };
-        for (number, &(index, start)) in (0..).zip(roots) {
+        for (number, &Root { pattern: index, at: start, gain, rate }) in (0..).zip(roots) {
             let sheet = unroll.book.sheet(index)?;
             if !(start >= 0.0 && start.is_finite()) {
                 let what = format!("pattern `{}` cannot start at {start} s", sheet.name);
                 return Err(Problem::error(&sheet.span, what));
             }
+            if !((0.0..=100.0).contains(&gain) && (0.001..=1000.0).contains(&rate)) {
+                let what = format!("pattern `{}` cannot play with gain {gain} and rate {rate}", sheet.name);
+                let help = "a gain is from 0 to 100, a rate from 0.001 to 1000".to_string();
+                return Err(Problem::error(&sheet.span, what).help(help));
+            }
             if sheet.barren {
                 continue;
             }
-            let end = sheet.length.map(|length| start + length).filter(|end| *end <= HORIZON);
+            let end = sheet.length.map(|length| start + length / rate).filter(|end| *end <= HORIZON);
             unroll.length = unroll.length.zip(end).map(|(a, b)| a.max(b));
             let leaf = Leaf { event: number, k: 0 };
             let base = keys::root(seed, number);
-            let nested = Nested { sheet: index, gain: 1.0, rate: 1.0 };
+            let nested = Nested { sheet: index, gain, rate };
             unroll.begin(None, leaf, base, &nested, start + 0.0)?;
         }
         Ok(unroll)

@@ -20,8 +20,8 @@ pub enum Wish {
 pub enum Chosen {
     /// A card.
     Card(Device, Found),
-    /// The virtual card, and why.
-    Virtual(&'static str),
+    /// The virtual card, and why nothing better if it was not asked for.
+    Virtual(Option<&'static str>),
 }
 
 impl Chosen {
@@ -66,7 +66,7 @@ impl Wish {
     pub fn choose(&self) -> Result<Chosen, DeviceError> {
         let plays = |found: &Found| found.output.is_some();
         match self {
-            Self::Virtual => Ok(Chosen::Virtual("as was asked for")),
+            Self::Virtual => Ok(Chosen::Virtual(None)),
             Self::Default => {
                 for (_, host) in list::hosts() {
                     let Some(host) = host else { continue };
@@ -75,7 +75,7 @@ impl Wish {
                         return Ok(Chosen::Card(device, found));
                     }
                 }
-                Ok(Chosen::Virtual("no sound card is there"))
+                Ok(Chosen::Virtual(Some("no sound card is there")))
             }
             Self::Named(name) => {
                 let mut all = Vec::new();

@@ -1,0 +1,189 @@
+//! Ports of MIDI: all that there are, or those that are named, as they come and go.
+//!
+//! A system says nothing when a cable is pulled, so ports are looked for once a second. What came through one that is gone is let go.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use midir::{Ignore, MidiInput, MidiInputConnection};
+
+use crate::live::signal::{Handle, Signal};
+use crate::midi::Parser;
+
+/// What becomes of ports.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PortNews {
+    /// A port is listened to.
+    Opened(String),
+    /// A port is gone.
+    Gone(String),
+    /// The system has no MIDI, or does not let us at it.
+    None(String),
+    /// A port that cannot be opened.
+    Refused(String, String),
+}
+
+/// Ports that are listened to until this is dropped.
+pub struct MidiPorts {
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+    messages: Arc<AtomicU64>,
+}
+
+/// How often ports are looked for.
+const EVERY: Duration = Duration::from_millis(1000);
+
+/// How often it looks whether it is to stop.
+const GLANCE: Duration = Duration::from_millis(50);
+
+struct Open {
+    id: String,
+    name: String,
+    number: u16,
+    _connection: MidiInputConnection<Line>,
+}
+
+/// What a port's callback has.
+struct Line {
+    number: u16,
+    parser: Parser,
+    handle: Handle,
+    messages: Arc<AtomicU64>,
+}
+
+impl Line {
+    fn hear(&mut self, bytes: &[u8]) {
+        let stamp = self.handle.epoch().now();
+        let (handle, number, messages) = (&self.handle, self.number, &self.messages);
+        self.parser.read(bytes, &mut |message| {
+            messages.fetch_add(1, Ordering::Relaxed);
+            // What finds no room is counted there.
+            let _ = handle.send_at(stamp, Signal::Midi(number, message));
+        });
+    }
+}
+
+/// The names of all ports, or why there are none.
+///
+/// # Errors
+/// A system without MIDI.
+pub fn names() -> Result<Vec<String>, String> {
+    let input = MidiInput::new("pacinian").map_err(|error| error.to_string())?;
+    Ok(input.ports().iter().filter_map(|port| input.port_name(port).ok()).collect())
+}
+
+impl MidiPorts {
+    /// Listens to every port whose name contains `wanted` (to all, where nothing is wanted), those that come later too.
+    ///
+    /// # Errors
+    /// A system that has no thread left.
+    pub fn listen(
+        handle: &Handle,
+        wanted: Option<String>,
+        mut news: Box<dyn FnMut(PortNews) + Send>,
+    ) -> std::io::Result<Self> {
+        let (stop, messages) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
+        let (stopped, counted, handle) = (Arc::clone(&stop), Arc::clone(&messages), handle.clone());
+        let look = move || {
+            let mut open: Vec<Open> = Vec::new();
+            let mut refused: Vec<String> = Vec::new();
+            let (mut next, mut without) = (0, false);
+            while !stopped.load(Ordering::Acquire) {
+                match MidiInput::new("pacinian") {
+                    Ok(input) => {
+                        without = false;
+                        search(
+                            &input,
+                            &wanted,
+                            &mut open,
+                            &mut refused,
+                            &mut next,
+                            &handle,
+                            &counted,
+                            &mut news,
+                        );
+                    }
+                    Err(error) => {
+                        if !std::mem::replace(&mut without, true) {
+                            news(PortNews::None(error.to_string()));
+                        }
+                    }
+                }
+                let mut waited = Duration::ZERO;
+                while waited < EVERY && !stopped.load(Ordering::Acquire) {
+                    std::thread::sleep(GLANCE);
+                    waited += GLANCE;
+                }
+            }
+        };
+        let thread = std::thread::Builder::new().name("midi ports".into()).spawn(look)?;
+        Ok(Self { stop, thread: Some(thread), messages })
+    }
+
+    /// Messages that came so far.
+    pub fn messages(&self) -> u64 {
+        self.messages.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for MidiPorts {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            // One that has panicked has nothing more to say.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Lets go of ports that are gone, and opens those that are new.
+#[expect(clippy::too_many_arguments, reason = "what the thread holds")]
+fn search(
+    input: &MidiInput,
+    wanted: &Option<String>,
+    open: &mut Vec<Open>,
+    refused: &mut Vec<String>,
+    next: &mut u16,
+    handle: &Handle,
+    messages: &Arc<AtomicU64>,
+    news: &mut Box<dyn FnMut(PortNews) + Send>,
+) {
+    let ports = input.ports();
+    let there: Vec<(String, String)> =
+        ports.iter().map(|port| (port.id(), input.port_name(port).unwrap_or_default())).collect();
+    open.retain(|port| {
+        let stays = there.iter().any(|(id, _)| *id == port.id);
+        if !stays {
+            let _ = handle.send(Signal::MidiGone(port.number));
+            news(PortNews::Gone(port.name.clone()));
+        }
+        stays
+    });
+    refused.retain(|id| there.iter().any(|(there, _)| there == id));
+    for (port, (id, name)) in ports.iter().zip(&there) {
+        let fits = wanted.as_ref().is_none_or(|part| name.to_lowercase().contains(&part.to_lowercase()));
+        // What the program itself offers, or the system's loop-back, would answer to itself.
+        let known = open.iter().any(|port| port.id == *id) || refused.contains(id);
+        if !fits || known || name.starts_with("Midi Through") {
+            continue;
+        }
+        let Ok(mut line) = MidiInput::new("pacinian") else { continue };
+        line.ignore(Ignore::None);
+        let number = *next;
+        let state =
+            Line { number, parser: Parser::new(), handle: handle.clone(), messages: Arc::clone(messages) };
+        match line.connect(port, "in", |_, bytes, line| line.hear(bytes), state) {
+            Ok(connection) => {
+                *next = next.wrapping_add(1);
+                open.push(Open { id: id.clone(), name: name.clone(), number, _connection: connection });
+                news(PortNews::Opened(name.clone()));
+            }
+            Err(error) => {
+                refused.push(id.clone());
+                news(PortNews::Refused(name.clone(), error.to_string()));
+            }
+        }
+    }
+}

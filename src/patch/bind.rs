@@ -1,0 +1,209 @@
+//! What moves a control from outside.
+
+use super::control::{Control, Curve};
+use crate::text::field::{Field, Form, Table};
+use crate::text::nearest::suggest;
+use crate::text::reader::Reader;
+use crate::text::{Problem, Span};
+
+/// A binding, `[[bind]]`: something that moves outside moves a control.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bind {
+    /// What moves it.
+    pub from: Mover,
+    /// The control.
+    pub control: String,
+    /// Where that stands.
+    pub control_span: Span,
+    /// The MIDI channel, from 1; `None`: any.
+    pub channel: Option<u8>,
+    /// What its ends become, in the control's unit; `None`: the control's range.
+    pub range: Option<[f64; 2]>,
+    /// How a position between them maps; `None`: as the control says.
+    pub curve: Option<Curve>,
+    /// Whether it moves the control only from where that stands, so that nothing jumps.
+    pub pickup: bool,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// What moves a control.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Mover {
+    /// A MIDI controller, 0 to 119; of a pair of 14 bits the lower number.
+    Controller(u8),
+    /// The wheel: from 0, down, to 1, up.
+    Bend,
+    /// The pressure on a channel or a key.
+    Pressure,
+    /// A message to this OSC address, with a position from 0 to 1.
+    Osc(String),
+}
+
+/// Its keys.
+pub(crate) static TABLE: Table = Table {
+    name: "bind",
+    doc: "What moves a control from outside.",
+    fields: &[
+        Field::new("from", Form::Text, "", "midi.controller 21, midi.bend, midi.pressure or osc./address.")
+            .required(),
+        Field::new("control", Form::Text, "", "The control that it moves.").required(),
+        Field::new("channel", Form::any_count(1, 16), "", "The MIDI channel; any where nothing is said."),
+        Field::new(
+            "range",
+            Form::Defined("range"),
+            "",
+            "What its ends become, in the control's unit, the first more than the second to turn it round; the control's range where \
+             nothing is said.",
+        ),
+        Field::new(
+            "curve",
+            Form::Word(&["control", "linear", "exponential"]),
+            "",
+            "How positions between the ends map; `control` as the control says.",
+        ),
+        Field::new(
+            "pickup",
+            Form::Flag(true),
+            "",
+            "Whether it moves the control only once it has come to where that stands, so that nothing jumps.",
+        ),
+    ],
+    others: None,
+};
+
+const MOVERS: &[&str] = &["midi.controller 21", "midi.bend", "midi.pressure", "osc./address"];
+
+impl Mover {
+    /// Reads what stands at `from`.
+    ///
+    /// # Errors
+    /// Says what it cannot be.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        if let Some(number) = text.strip_prefix("midi.controller ") {
+            return match number.trim().parse() {
+                Ok(number) if number <= 119 => Ok(Self::Controller(number)),
+                _ => Err(format!("`{number}` is no controller; they count from 0 to 119")),
+            };
+        }
+        match (text, text.strip_prefix("osc.")) {
+            ("midi.bend", _) => Ok(Self::Bend),
+            ("midi.pressure", _) => Ok(Self::Pressure),
+            (_, Some(address)) if address.starts_with('/') && !address.contains(char::is_whitespace) => {
+                Ok(Self::Osc(address.into()))
+            }
+            (_, Some(_)) => Err("an OSC address begins with `/`: osc./strength".into()),
+            _ => Err("nothing like that moves a control".into()),
+        }
+    }
+}
+
+impl Bind {
+    /// What the control becomes at a position from 0 to 1.
+    pub fn value(&self, control: &Control, position: f64) -> f64 {
+        let [from, to] = self.range.unwrap_or(control.range);
+        let position = position.clamp(0.0, 1.0);
+        match self.curve.unwrap_or(control.curve) {
+            Curve::Exponential if from > 0.0 && to > 0.0 => from * (to / from).powf(position),
+            _ => from + (to - from) * position,
+        }
+    }
+
+    /// The position at which the control is what it is, where there is one.
+    pub fn position(&self, control: &Control, value: f64) -> Option<f64> {
+        let [from, to] = self.range.unwrap_or(control.range);
+        let position = match self.curve.unwrap_or(control.curve) {
+            Curve::Exponential if from > 0.0 && to > 0.0 => (value / from).ln() / (to / from).ln(),
+            _ => (value - from) / (to - from),
+        };
+        (-1e-9..=1.0 + 1e-9).contains(&position).then_some(position)
+    }
+}
+
+pub(crate) fn read(reader: &Reader) -> Option<Bind> {
+    let from = reader.text("from").and_then(|text| match Mover::parse(text) {
+        Ok(from) => Some(from),
+        Err(why) => {
+            let what = format!("`from` of {} cannot be \"{text}\": {why}", reader.who);
+            let problem = Problem::error(&reader.span_of("from"), what);
+            reader.sink.push(problem.help(suggest(text, MOVERS.iter().copied())));
+            None
+        }
+    });
+    let range = reader.at("range").and_then(|value| {
+        let numbers: Option<Vec<f64>> = value.list().and_then(|list| list.map(|v| v.number()).collect());
+        match numbers.as_deref() {
+            Some(&[from, to]) if from.is_finite() && to.is_finite() && from != to => Some([from, to]),
+            _ => {
+                reader.wrong("range", &value, "it must be two different numbers, [from, to]");
+                None
+            }
+        }
+    });
+    let curve = match reader.word("curve") {
+        1 => Some(Curve::Linear),
+        2 => Some(Curve::Exponential),
+        _ => None,
+    };
+    Some(Bind {
+        control: reader.text("control")?.into(),
+        control_span: reader.span_of("control"),
+        channel: reader.count("channel").and_then(|n| u8::try_from(n).ok()),
+        range,
+        curve,
+        pickup: reader.flag("pickup"),
+        span: reader.span.clone(),
+        from: from?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Bind, Mover};
+    use crate::patch::{Control, Curve};
+
+    #[test]
+    fn what_may_stand_there() {
+        assert_eq!(Mover::parse("midi.controller 21"), Ok(Mover::Controller(21)));
+        assert_eq!(Mover::parse("osc./a/b"), Ok(Mover::Osc("/a/b".into())));
+        for wrong in ["midi.controller 120", "midi.controller x", "osc.a", "midi.note", ""] {
+            assert!(Mover::parse(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn positions_and_values_are_inverse() {
+        let control = |curve| Control {
+            name: "c".into(),
+            default: 20.0,
+            range: [10.0, 1000.0],
+            unit: String::new(),
+            curve,
+            smoothing: 0.0,
+            span: 0..0,
+        };
+        let bind = |range, curve| Bind {
+            from: Mover::Bend,
+            control: "c".into(),
+            control_span: 0..0,
+            channel: None,
+            range,
+            curve,
+            pickup: true,
+            span: 0..0,
+        };
+        let exponential = bind(None, None);
+        // A tenth of the way in ratios: 10 * 100^0.5.
+        assert!((exponential.value(&control(Curve::Exponential), 0.5) - 100.0).abs() < 1e-9);
+        for curve in [Curve::Linear, Curve::Exponential] {
+            for bind in [bind(None, None), bind(Some([500.0, 20.0]), None), bind(None, Some(Curve::Linear))] {
+                let control = control(curve);
+                for position in [0.0, 0.25, 1.0] {
+                    let back = bind.position(&control, bind.value(&control, position)).unwrap();
+                    assert!((back - position).abs() < 1e-12);
+                }
+            }
+        }
+        assert_eq!(bind(Some([500.0, 20.0]), None).position(&control(Curve::Linear), 900.0), None);
+    }
+}
