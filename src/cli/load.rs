@@ -101,7 +101,7 @@ impl Scene {
     /// All problems of patch, rig, recordings and events files at once.
     pub fn load(&self, all: bool, duration: Option<f64>) -> Result<Loaded, Failure> {
         let mut failure = Failure::default();
-        if self.patch.as_os_str() == "-" && self.rig.as_ref() == Some(&self.patch) {
+        if self.rig.as_ref().is_some_and(|rig| text::is_same_stream(&self.patch, rig)) {
             return Err(Failure::usage(
                 "patch and rig cannot both come from standard input",
                 "name a file for one of them: --rig RIG",

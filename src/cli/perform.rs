@@ -36,6 +36,12 @@ pub struct Performed {
 /// Frames of a block, where there are few channels.
 const BLOCK: usize = 4096;
 
+/// Frames of the first stretch: nobody knows yet how densely it plays.
+const FIRST: usize = 16;
+
+/// How long a stretch may take before the next is shorter.
+const SLOW: Duration = Duration::from_millis(100);
+
 /// Samples of a block, at most.
 const MOST: usize = 1 << 19;
 
@@ -163,13 +169,13 @@ pub fn perform<E>(
         Until::Seconds(seconds) => Some((seconds * rate).round() as u64),
         Until::Over(_) => None,
     };
-    let mut stopped = None;
+    let (mut stopped, mut stretch) = (None, FIRST.min(block));
     loop {
         if let (None, Until::Over(tail), true) = (end, until, player.is_over()) {
             end = Some(frames + (tail * rate).round() as u64);
         }
         stopped = stopped.or_else(|| stop.asked());
-        let left = end.map_or(block, |end| end.saturating_sub(frames).min(block as u64) as usize);
+        let left = end.map_or(stretch, |end| end.saturating_sub(frames).min(stretch as u64) as usize);
         if left == 0 || stopped.is_some() {
             break;
         }
@@ -178,7 +184,14 @@ pub fn perform<E>(
         if let Some(input) = input {
             input.fill(frames, ears, heard);
         }
+        let began = Instant::now();
         player.process_input(heard, part);
+        // What plays densely is played in shorter stretches, so that whoever waits sees it, and may stop it.
+        stretch = match began.elapsed() {
+            slow if slow > SLOW => (left / 4).max(1),
+            quick if quick < SLOW / 8 => (stretch * 2).min(block),
+            _ => stretch,
+        };
         peaks.take(part);
         sink(player, part).map_err(|error| (error, frames))?;
         frames += left as u64;

@@ -66,7 +66,8 @@ impl Plot {
             terminal.print(&svg)?;
         } else {
             out::write(&self.output, svg.as_bytes())?;
-            let shown = terminal.out.bold(&self.output.display().to_string());
+            let shown =
+                terminal.out.bold(&pacinian::text::problem::escaped(&self.output.display().to_string()));
             let rows = super::table::many(collector.peaks().len(), "channel");
             let set = match loaded.settings.as_slice() {
                 [] => String::new(),

@@ -102,7 +102,7 @@ fn clean(text: &str) -> String {
         '\r' => ' ',
         _ if c.is_ascii_control() => '?',
         // Those of two bytes.
-        _ if c.is_control() => '·',
+        _ if pacinian::text::problem::is_hidden(c) => '·',
         _ => c,
     };
     text.chars().map(shown).collect()

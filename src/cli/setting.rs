@@ -5,6 +5,7 @@ use pacinian::graph::plan::LeftOut;
 use pacinian::patch::Patch;
 use pacinian::text::{Problem, Problems, Severity, nearest};
 use serde::Serialize;
+use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
 
 /// `CONTROL=VALUE`: in place of the `default` that the patch gives the control.
@@ -36,15 +37,18 @@ impl FromStr for Setting {
 /// # Errors
 /// Of usage: for a control that the patch does not have, one that is set twice, and a value outside its range.
 pub fn set(patch: &mut Patch, settings: &[Setting]) -> Result<(), Failure> {
-    for (n, Setting { control: name, value }) in settings.iter().enumerate() {
-        if settings[..n].iter().any(|other| other.control == *name) {
+    let places: HashMap<String, usize> =
+        patch.controls.iter().enumerate().rev().map(|(at, control)| (control.name.clone(), at)).collect();
+    let mut seen = HashSet::new();
+    for Setting { control: name, value } in settings {
+        if !seen.insert(name.as_str()) {
             return Err(Failure::usage(
                 format!("control `{name}` is set twice"),
                 format!("give --set {name}=VALUE once"),
             ));
         }
         let names = || patch.controls.iter().map(|c| c.name.as_str());
-        let Some(at) = names().position(|other| other == name) else {
+        let Some(&at) = places.get(name) else {
             let help = nearest::suggest(name, names())
                 .unwrap_or_else(|| "a patch declares them with [control.NAME]".into());
             return Err(Failure::usage(format!("the patch has no control `{name}`"), help));
@@ -53,7 +57,7 @@ pub fn set(patch: &mut Patch, settings: &[Setting]) -> Result<(), Failure> {
         let [least, most] = control.range;
         if !(least..=most).contains(value) {
             let what =
-                format!("control `{name}` cannot be set to {value}: its range is from {least} to {most}");
+                format!("control `{name}` cannot be set to {value:?}: its range is from {least} to {most}");
             let near = value.clamp(least, most);
             return Err(Failure::usage(what, format!("give a value within it, such as --set {name}={near}")));
         }
@@ -70,7 +74,8 @@ pub fn named(settings: &[Setting]) -> String {
 
 /// That nothing hears of a control that was set: warnings.
 pub fn unheard(patch: &Patch, settings: &[Setting], left_out: &[LeftOut]) -> Option<Problems> {
-    let named = |name: &str| left_out.iter().any(|left| left.what == format!("control `{name}`"));
+    let all: HashSet<&str> = left_out.iter().map(|left| left.what.as_str()).collect();
+    let named = |name: &str| all.contains(format!("control `{name}`").as_str());
     let list: Vec<Problem> = settings
         .iter()
         .filter(|setting| named(&setting.control))

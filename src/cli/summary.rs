@@ -157,7 +157,8 @@ impl Summary {
             let what = format!("what lies past {HORIZON:e} s was left out");
             table.row(["cut".into(), paint.yellow(&what)]);
         }
-        let mut text = format!("{}\n{}", paint.bold(&self.file), table.text());
+        let mut text =
+            format!("{}\n{}", paint.bold(&pacinian::text::problem::escaped(&self.file)), table.text());
         text += &format!("\n{}\n{}", paint.bold("peaks"), self.peak_lines());
         if !self.left_out_text.is_empty() {
             text += &format!("\n{}\n{}", paint.bold("left out, and why"), self.left_out_text);

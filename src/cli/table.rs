@@ -43,7 +43,7 @@ fn plain(cell: String) -> String {
     };
     let mut out = String::new();
     let mut rest = cell.as_str();
-    while let Some((at, c)) = rest.char_indices().find(|(_, c)| c.is_control()) {
+    while let Some((at, c)) = rest.char_indices().find(|(_, c)| pacinian::text::problem::is_hidden(*c)) {
         let (before, from) = rest.split_at(at);
         out += before;
         let colour = from.strip_prefix("\x1b[").and_then(|code| code.split_once('m')).map(|(code, _)| code);

@@ -21,7 +21,12 @@ pub struct Wanted {
     /// What each number stands for.
     pub list: Vec<Want>,
     place: HashMap<Want, u32>,
+    /// Nodes that expressions have become, of all graphs.
+    made: usize,
 }
+
+/// Nodes that the expressions of a patch may become, which takes half a gigabyte to compile.
+const MOST_MADE: usize = 1 << 19;
 
 /// An engine-wide signal that a graph asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -253,6 +258,17 @@ impl Builder<'_> {
             self.problems.push(Problem::of_file(format!("there is no node type `{kind}`")));
             return Signal::Node(0);
         };
+        self.wanted.made += 1;
+        if self.wanted.made > MOST_MADE {
+            if self.wanted.made == MOST_MADE + 1 {
+                let what = format!(
+                    "the expressions of this patch come to more than {MOST_MADE} operations, those of `{owner}` among them"
+                );
+                let help = "add up many signals with a node `add` or `mix`, and compute once what several nodes read";
+                self.problems.push(Problem::of_file(what).help(help.to_string()));
+            }
+            return Signal::Node(0);
+        }
         let place = choice.map(|word| {
             let words = kind.spec().params.iter().find_map(|p| match p.kind {
                 Kind::Choice(words, _) => Some(words),

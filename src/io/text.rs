@@ -27,7 +27,31 @@ pub fn is_stream(path: &Path) -> bool {
         return false;
     }
     let parts: Vec<_> = parts.filter_map(|part| part.as_os_str().to_str()).collect();
-    matches!(parts[..], ["dev", "stdin"] | ["dev", "fd", _] | ["proc", "self", "fd", _])
+    match parts[..] {
+        ["dev", "stdin"] => true,
+        // The program's own output is nothing to read.
+        ["dev", "fd", number] | ["proc", "self", "fd", number] => !matches!(number, "1" | "2"),
+        _ => false,
+    }
+}
+
+/// Whether two paths are the same stream, so that the second to be read would find nothing left.
+pub fn is_same_stream(a: &Path, b: &Path) -> bool {
+    if !is_stream(a) || !is_stream(b) {
+        return false;
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let at = |path: &Path| {
+            let path = if path.as_os_str() == "-" { Path::new("/dev/stdin") } else { path };
+            std::fs::metadata(path).ok().map(|about| (about.dev(), about.ino()))
+        };
+        if let (Some(a), Some(b)) = (at(a), at(b)) {
+            return a == b;
+        }
+    }
+    a == b
 }
 
 /// The bytes of a document of at most `limit` bytes. Never reads further than that, whatever the file turns out to be.
@@ -96,7 +120,11 @@ mod tests {
     fn what_is_handed_over_open_is_told_from_files() {
         let is = |path: &str| super::is_stream(std::path::Path::new(path));
         assert!(["-", "/dev/stdin", "/dev/fd/63", "/proc/self/fd/0"].into_iter().all(is));
-        assert!(!["./-", "a.toml", "/dev/null", "/dev/fd", "dev/stdin", "/", ""].into_iter().any(is));
+        assert!(
+            !["/dev/fd/1", "/proc/self/fd/2", "./-", "a.toml", "/dev/null", "/dev/fd", "dev/stdin", "/", ""]
+                .into_iter()
+                .any(is)
+        );
     }
 
     #[cfg(target_os = "linux")]

@@ -15,7 +15,7 @@ pub static SPEC: NodeSpec = NodeSpec {
     summary: "Noise between two frequencies.",
     detail: "White noise through a high-pass filter at `low` and a low-pass filter at `high` (both of second order with q = 1/√2, as `highpass` and \
              `lowpass`), times √(rate / 2 (high − low)), so that its RMS is about amplitude / √3 for bands of an octave or more; filters of second order get no narrower \
-             than about 0.28 of their frequency, so narrower bands are louder: by 6 dB at 240 to 260 Hz. Peaks are about four times as high. Both edges are limited as the filters do; a band below 1 Hz is scaled as one of 1 Hz.",
+             than about 0.28 of their frequency, so narrower bands are louder: by 6 dB at 240 to 260 Hz. Peaks are about four times as high. Both edges are limited as the filters do, and may stand in either order; a band below 1 Hz is scaled as one of 1 Hz.",
     params: &[
         Param {
             name: "low",
@@ -55,7 +55,7 @@ pub struct Lanes<R> {
 /// Power of white noise over that of a band of it.
 #[inline(always)]
 fn ratio(low: f64, high: f64, rate: f64) -> f64 {
-    let width = high - low;
+    let width = if high > low { high - low } else { low - high };
     let width = if width > 1.0 { width } else { 1.0 };
     rate / (width + width)
 }
@@ -69,8 +69,9 @@ impl<R: Real> Kernel<R> for Lanes<R> {
 
     fn start(&mut self, lane: usize, onset: &Onset) {
         self.source.start(lane, onset.stream);
-        self.above.start(lane, onset.start[0], Q);
-        self.below.start(lane, onset.start[1], Q);
+        let [a, b] = [onset.start[0], onset.start[1]];
+        self.above.start(lane, if b < a { b } else { a }, Q);
+        self.below.start(lane, if b < a { a } else { b }, Q);
         self.scale[lane] = ratio(onset.start[0], onset.start[1], self.rate).sqrt();
     }
 
@@ -80,7 +81,12 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         let steady = low.is_steady() && high.is_steady();
         for (frame, out) in io.output.iter_mut().enumerate() {
             if !steady {
-                let (low, high) = (low.at(frame).map(R::wide), high.at(frame).map(R::wide));
+                let (mut low, mut high) = (low.at(frame).map(R::wide), high.at(frame).map(R::wide));
+                for l in 0..LANES {
+                    let (a, b) = (low[l], high[l]);
+                    low[l] = if b < a { b } else { a };
+                    high[l] = if b < a { a } else { b };
+                }
                 self.above.tune(&low, &[Q; LANES]);
                 self.below.tune(&high, &[Q; LANES]);
                 for l in 0..LANES {
@@ -121,9 +127,10 @@ impl Twin for Exact {
     fn step(&mut self, t: f64, inputs: &[f64]) -> f64 {
         let x = self.white.at(t);
         let [above, below] = self.filters.turn();
-        let (low, band) = above.step(x, inputs[0], Q, self.rate);
-        let (y, _) = below.step(x - low - band, inputs[1], Q, self.rate);
-        inputs[2] * y * (self.rate / 2.0 / (inputs[1] - inputs[0]).max(1.0)).sqrt()
+        let (lower, upper) = (inputs[0].min(inputs[1]), inputs[0].max(inputs[1]));
+        let (low, band) = above.step(x, lower, Q, self.rate);
+        let (y, _) = below.step(x - low - band, upper, Q, self.rate);
+        inputs[2] * y * (self.rate / 2.0 / (upper - lower).max(1.0)).sqrt()
     }
 }
 
@@ -142,6 +149,18 @@ mod tests {
         assert!(moving.error_db::<f32>(80_000) < -110.0);
         let error = moving.moving("amplitude", 0.0, |t| 1.0 - (100.0 * t.max(0.0)).cos()).band_error_db::<f32>(2000, 16);
         assert!(error < -80.0, "{error}");
+    }
+
+    #[test]
+    fn its_edges_stand_in_any_order() {
+        let of = |low: f64, high: f64| {
+            Bench::new("band_noise", 8000.0).steady("low", low).steady("high", high).kernel::<f32>(4000, &[64])
+        };
+        assert_eq!(of(300.0, 200.0), of(200.0, 300.0));
+        let crossing = Bench::new("band_noise", 8000.0)
+            .moving("low", 200.0, |t| 150.0 * (9.0 * t).sin())
+            .moving("high", 250.0, |t| -150.0 * (9.0 * t).sin());
+        assert!(crossing.error_db::<f32>(20_000) < -110.0);
     }
 
     #[test]

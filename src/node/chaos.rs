@@ -14,9 +14,9 @@ pub static SPEC: NodeSpec = NodeSpec {
     family: Family::Noise,
     summary: "A movement that swings, but never the same way twice.",
     detail: "The first number of a system of three, from Euler's rule at the engine's rate; the units `lorenz` and `rossler` of fundsp. \
-             `lorenz` (J. Atmospheric Sciences 20, 1963) dx = 10 (y − x), dy = x (28 − z) − y, dz = xy − 8z/3 with 0.75 / frequency seconds \
-             for a unit of time, out comes 0.05107 x: it circles on one side, and goes over to the other when one expects it least. `roessler` \
-             (Physics Letters 57A, 1976) dx = −y − z, dy = x + 0.15 y, dz = 0.2 + z (x − 10) with 5.88 / frequency seconds for a unit, \
+             `lorenz` (J. Atmospheric Sciences 20, 1963) dx = 10 (y − x), dy = x (28 − z) − y, dz = xy − 8z/3 with 0.75 frequency units \
+             of time a second, out comes 0.05107 x: it circles on one side, and goes over to the other when one expects it least. `roessler` \
+             (Physics Letters 57A, 1976) dx = −y − z, dy = x + 0.15 y, dz = 0.2 + z (x − 10) with 5.88 frequency units a second, \
              out comes 0.05757 x: a swing that stays in step, but for its size. It begins at y = z = 1 and x random in 0 to 1 from the stream of the \
              node in the voice: the same seed gives the same movement. All of it in 32 bits, in the order written here, since of a chaotic system any other \
              rounding makes another movement. Peaks lie within ±1.2 amplitude, the RMS is 0.4 to 0.55 amplitude. The sequence begins with the \
@@ -173,7 +173,7 @@ mod tests {
         assert!(error < -80.0, "{error}");
     }
 
-    /// Swings are counted by the peaks, of which Lorenz's first number has one a circle and Rössler's too.
+    /// Circles are counted by the peaks, of which Lorenz's first number has one a circle and Rössler's too.
     #[test]
     fn it_swings_as_often_as_it_is_told_and_stays_within_its_bounds() {
         for (choice, frequency) in [(0, 5.0), (0, 40.0), (0, 75.0), (1, 5.0), (1, 40.0), (1, 75.0)] {

@@ -14,8 +14,8 @@ pub static SPEC: NodeSpec = NodeSpec {
     detail: "(s/qω) / (1 + s/qω + s²/ω²): gain 1 at its frequency, and after a knock it falls by 60 dB in `decay` seconds. \
              It is the bilinear (trapezoidal) state-variable filter at the engine's rate, exact at its frequency, with the q that \
              makes its poles decay in that time: q = sin(2π frequency / rate) / (2 tanh(ln 1000 / (decay rate))), which is about \
-             π frequency decay / ln 1000. The frequency is limited to 1 Hz to \
-             0.45 of that rate, q to 0.1 to 1000, at every sample, however they move; an input that is not a number counts as 0. A tail \
+             π frequency decay / ln 1000. With q = 1/2 it dies away as fast as it can, in about 1.5 / frequency: no `decay` makes it shorter. The frequency is limited to 1 Hz to \
+             0.45 of that rate, q to 0.5 to 1000, at every sample, however they move; an input that is not a number counts as 0. A tail \
              below −140 dB ends in silence.",
     params: &[
         Param {
@@ -44,6 +44,9 @@ pub static SPEC: NodeSpec = NodeSpec {
 #[derive(Debug)]
 pub enum Ring {}
 
+/// With less the poles are real, and the slower of them would ring longer.
+const LEAST_Q: f64 = 0.5;
+
 /// ln 1000: 60 dB.
 const FALL: f64 = 6.907_755_278_982_137;
 
@@ -64,13 +67,15 @@ impl Part for Ring {
         let z = a * a;
         // Padé's fraction of tanh.
         let tanh = a * (945.0 + z * (105.0 + z)) / (945.0 + z * (420.0 + z * 15.0));
-        sine64(phase::turns(hertz / rate)) / (2.0 * tanh)
+        let q = sine64(phase::turns(hertz / rate)) / (2.0 * tanh);
+        if q > LEAST_Q { q } else { LEAST_Q }
     }
 
     fn exact_q(frequency: f64, decay: f64, rate: f64) -> f64 {
         let hertz = frequency.max(LEAST_CUTOFF).min(MOST_CUTOFF * rate);
         let seconds = if decay > 0.0 { decay } else { 0.0 };
-        (std::f64::consts::TAU * hertz / rate).sin() / (2.0 * (1000f64.ln() / (seconds * rate)).tanh())
+        let q = (std::f64::consts::TAU * hertz / rate).sin() / (2.0 * (1000f64.ln() / (seconds * rate)).tanh());
+        q.max(0.5)
     }
 }
 
@@ -92,6 +97,26 @@ mod tests {
         follows_its_twin("resonator", inputs, [(5.0, 0.7), (250.0, 0.3), (800.0, 0.01)], (0.05, 0.04));
         is_the_same_at_sixteen_times_the_rate("resonator", inputs, 0.03);
         hostile_input_stays_bounded("resonator", inputs);
+    }
+
+    /// A decay too short for the frequency is the shortest there is, (1 + x) exp(-x) = 1/1000 at x = 9.2 = 2π frequency t.
+    #[test]
+    fn nothing_rings_longer_for_a_shorter_decay() {
+        for hertz in [60.0, 180.0, 400.0] {
+            let seconds = |decay: f64| {
+                let bench = Bench::new("resonator", 8000.0)
+                    .age(-1.0)
+                    .moving("input", 0.0, |t| if t == 0.0 { 1.0 } else { 0.0 })
+                    .steady("frequency", hertz)
+                    .steady("decay", decay);
+                let out = bench.kernel::<f64>(4000, &[64]);
+                let peak = out.iter().fold(0.0, |p: f64, x| p.max(x.abs()));
+                out.iter().rposition(|x| x.abs() > 1e-3 * peak).unwrap_or(0) as f64 / 8000.0
+            };
+            let times = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0].map(seconds);
+            assert!(times.windows(2).all(|w| w[1] <= w[0] + 1e-3), "{hertz} Hz: {times:?}");
+            assert!(times[5] < 1.7 / hertz, "{hertz} Hz: {times:?}");
+        }
     }
 
     /// Up to the edge of the band.

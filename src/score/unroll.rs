@@ -23,7 +23,7 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    pub const DEFAULT: Self = Self { patience: 1 << 24, at_once: MOST_AT_ONCE, permuted: 1 << 25 };
+    pub const DEFAULT: Self = Self { patience: 1 << 22, at_once: MOST_AT_ONCE, permuted: 1 << 25 };
 }
 
 const INSTANT: f64 = 1e-6;
@@ -161,6 +161,8 @@ impl<'a> Unroll<'a> {
                     return Ok(None);
                 }
                 self.next_round(&playing)?;
+                // To shuffle takes a while, too.
+                self.steps += walk.holds() as u64 / 16;
                 self.permuted += walk.holds();
                 if self.permuted > self.limits.permuted {
                     let sheet = self.book.sheet(playing.sheet)?;

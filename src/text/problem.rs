@@ -175,12 +175,19 @@ pub fn shown(text: &str) -> String {
     out + &escaped(rest)
 }
 
-/// On one line, and without what moves a cursor: control characters as in a program's text, such as `\\n`.
+/// What a terminal would act on rather than show: control characters, and those that turn the direction of writing, break lines
+/// or take no room (Unicode's bidirectional controls, U+2028 and U+2029, zero-width marks).
+pub fn is_hidden(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
+}
+
+/// On one line, and without what moves a cursor: such characters as in a program's text, `\\n`.
 pub fn escaped(text: &str) -> Cow<'_, str> {
-    if !text.contains(char::is_control) {
+    if !text.contains(is_hidden) {
         return text.into();
     }
-    let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    let escape = |c: char| if is_hidden(c) { c.escape_default().to_string() } else { c.to_string() };
     text.chars().map(escape).collect::<String>().into()
 }
 
