@@ -94,3 +94,28 @@ fn no_more_than_two_are_under_way() {
     assert_eq!(director.collect(), 0);
     assert!(director.send(&plan).unwrap());
 }
+
+/// A voice that is always on begins in every engine that is built for it; what takes over must go on with the one that sounds.
+#[test]
+fn a_voice_that_is_always_on_goes_on_alone() {
+    let hum = "[voice.hum]\nstart = \"always\"\noutput = \"tone\"\n[voice.hum.nodes]\n\
+               tone = { type = \"sine\", frequency = 100, amplitude = 0.5 }\n";
+    let plan = |text: &str| compiled(text, 1, 48_000.0).plan;
+    let run = |change: &dyn Fn(usize) -> Option<Plan>| {
+        let (mut director, mut stagehand) = exchange(&plan(hum)).unwrap();
+        let mut output = vec![0.0; 400 * 64];
+        for (n, part) in output.chunks_mut(64).enumerate() {
+            if let Some(plan) = change(n) {
+                director.send(&plan).unwrap();
+            }
+            stagehand.process(&[], part);
+        }
+        output
+    };
+    let steady = run(&|_| None);
+    assert_eq!(run(&|n| (n % 20 == 7).then(|| plan(hum))), steady);
+    let changed = run(&|n| (n == 200).then(|| plan(&format!("{hum}{OTHER}"))));
+    let error = changed.iter().zip(&steady).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    // What the extrapolation of two samples misses of a sine: 0.5 (2π 100 / 8000)² at most.
+    assert!(error < 0.0031, "{error}");
+}

@@ -140,6 +140,8 @@ impl<R: Real> Bank<R> {
         if self.lanes.len() != old.lanes.len() {
             return;
         }
+        // A voice of its own that is always on has begun here already; that of the old bank goes on in its place.
+        (0..self.lanes.len()).for_each(|lane| self.free(lane));
         self.ops.take_states(&mut old.ops, ops);
         std::mem::swap(&mut self.lanes, &mut old.lanes);
         std::mem::swap(&mut self.live, &mut old.live);

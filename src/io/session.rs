@@ -90,7 +90,10 @@ impl Session {
         let epoch = Epoch::begin();
         let expected = block.map_or(BLOCK, |block| block as usize);
         let (driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
-        let (conductor, handle) = Conductor::new(performer, director, rings, clock, epoch, &board, audience);
+        let (mut conductor, handle) =
+            Conductor::new(performer, director, rings, clock, epoch, &board, audience);
+        // What plays from the beginning is there before the device asks for it, so that it plays as it would be rendered.
+        conductor.begin();
         let shape = Shape { channels, rate: rate as u32, block };
         let keeper = Keeper::start(driver, device, shape, &board, fate).map_err(SessionError::Device)?;
         let conductor = std::thread::Builder::new()

@@ -122,9 +122,8 @@ impl Conductor {
         (conductor, handle)
     }
 
-    /// Leads until it is told to end, or nobody can tell it anything any more. Opens the gate first.
+    /// Leads until it is told to end, or nobody can tell it anything any more; after [`Conductor::begin`].
     pub fn lead(mut self) {
-        self.begin();
         while !self.ended {
             match self.signals.recv_timeout(EVERY) {
                 Ok(stamped) => {
@@ -141,7 +140,7 @@ impl Conductor {
         }
     }
 
-    /// What sounds from the beginning; the gate opens.
+    /// Sends what sounds from the beginning, and opens the gate.
     pub fn begin(&mut self) {
         let mut outlet = ToCallback { rings: &mut self.rings, clock: 0 };
         if let Err(problem) = self.performer.begin(&mut outlet) {
@@ -243,9 +242,11 @@ impl Conductor {
                 sent(self.performer.release_all(at, outlet))
             }
             Signal::Calm => {
+                let was = self.board.is_panicked();
                 self.board.calm();
+                let woken = !was || self.performer.wake(at, outlet);
                 self.order(Order::Release);
-                Ok(())
+                sent(woken)
             }
             Signal::Arm(armed) => {
                 self.order(Order::Gain(if armed { 1.0 } else { UNARMED }));

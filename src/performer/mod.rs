@@ -380,6 +380,14 @@ impl Performer {
         sent
     }
 
+    /// Lets the voices that are always on sound again, after [`Performer::release_all`]. Says whether there was room.
+    pub fn wake(&mut self, at: When, outlet: &mut dyn Outlet) -> bool {
+        let plays: Vec<Play> = self.plan.always().collect();
+        plays
+            .into_iter()
+            .fold(true, |sent, play| sent & outlet.send(at.instant, Source::Program, Event::Play(play)))
+    }
+
     /// Starts a pattern. Gives a number to stop it by. What it draws differs from one start to the next.
     ///
     /// # Errors

@@ -1,0 +1,266 @@
+//! Playing on a sound card that ALSA drives: one in user space that keeps real time and writes down what it is given.
+//!
+//! The card is built from `tests/devices/card.c`. Where there is no C compiler or no ALSA, a test says that it was skipped, and why.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A folder of a test's own, with a card's driver and its configuration.
+struct Bench {
+    folder: PathBuf,
+}
+
+impl Bench {
+    /// `None`, and a word about it, where the card cannot be had.
+    fn new(name: &str) -> Option<Self> {
+        let folder = std::env::temp_dir().join(format!("pacinian-devices-{}-{name}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let driver = folder.join("libasound_module_pcm_testcard.so");
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/devices/card.c");
+        let flags = ["-O2", "-shared", "-fPIC", "-DPIC"];
+        let built = Command::new("cc").args(flags).arg(source).args(["-lasound", "-o"]).arg(&driver).output();
+        let why = match built {
+            Ok(output) if output.status.success() => None,
+            Ok(output) => {
+                Some(String::from_utf8_lossy(&output.stderr).lines().next().unwrap_or("").to_string())
+            }
+            Err(error) => Some(error.to_string()),
+        };
+        let system = Path::new("/usr/share/alsa/alsa.conf");
+        let why = why.or_else(|| (!system.exists()).then(|| "there is no /usr/share/alsa/alsa.conf".into()));
+        if let Some(why) = why {
+            println!("skipped: the card cannot be built: {why}");
+            return None;
+        }
+        let bench = Self { folder };
+        let (driver, played, gone) = (driver.display(), bench.played(), bench.gone());
+        let card = |channels: u32| {
+            format!(
+                "pcm.card{channels} {{ type testcard channels {channels} played \"{}\" gone \"{}\" \
+                 hint {{ show on description \"Card of {channels} channels\" }} }}\n",
+                played.display(),
+                gone.display()
+            )
+        };
+        let text = format!("pcm_type.testcard {{ lib \"{driver}\" }}\n{}{}", card(8), card(24));
+        fs::write(bench.folder.join("asound.conf"), text).unwrap();
+        Some(bench)
+    }
+
+    fn played(&self) -> PathBuf {
+        self.folder.join("played.raw")
+    }
+
+    fn gone(&self) -> PathBuf {
+        self.folder.join("gone")
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pacinian"));
+        let config = format!("/usr/share/alsa/alsa.conf:{}", self.folder.join("asound.conf").display());
+        command
+            .args(arguments)
+            .env("ALSA_CONFIG_PATH", config)
+            .current_dir(&self.folder)
+            .stdin(Stdio::null());
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    fn start(&self, arguments: &[&str]) -> Child {
+        self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.folder.join(name), text).unwrap();
+    }
+
+    /// What the card was given, sample by sample.
+    fn samples(&self) -> Vec<f32> {
+        let bytes = fs::read(self.played()).unwrap_or_default();
+        bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// Waits until something holds, ten seconds at most.
+fn wait(what: &str, holds: impl Fn() -> bool) {
+    let begin = Instant::now();
+    while !holds() {
+        assert!(begin.elapsed() < Duration::from_secs(10), "{what} did not come");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+}
+
+/// A tone on each of so many channels, each its own, with hard onsets between samples, for a second.
+fn scene(bench: &Bench, channels: u32) {
+    let mut patch = String::from(
+        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nvoices = 64\noutput = \"o\"\n[voice.v.nodes]\n\
+         s = { type = \"sine\", frequency = \"event.frequency\" }\ne = { type = \"envelope\", attack = 0.003, release = 0.02 }\n\
+         o = { type = \"multiply\", inputs = [\"s\", \"e\"] }\n[pattern.p]\nevents = [\n",
+    );
+    for channel in 1..=channels {
+        let at = 0.3 + 0.013_37 * f64::from(channel);
+        patch += &format!(
+            "  {{ at = {at}, voice = \"v\", level = 0.6, duration = 0.4, place = {channel}, frequency = {} }},\n",
+            60 + 20 * channel
+        );
+    }
+    patch += "]\n";
+    let mut rig = format!("format = \"pacinian-rig/1\"\n[device]\nchannels = {channels}\nrate = 48000\n");
+    for channel in 1..=channels {
+        rig += &format!("[[tactor]]\nname = \"c{channel}\"\nchannel = {channel}\n");
+    }
+    bench.write("patch.toml", &patch);
+    bench.write("rig.toml", &rig);
+}
+
+#[test]
+fn the_card_is_listed_with_what_it_offers() {
+    let Some(bench) = Bench::new("list") else { return };
+    let output = bench.run(&["devices", "--json"]);
+    assert!(output.status.success());
+    let said: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let all: Vec<_> =
+        said["hosts"].as_array().unwrap().iter().flat_map(|h| h["devices"].as_array().unwrap()).collect();
+    let card = all.iter().find(|d| d["name"] == "Card of 24 channels").unwrap_or_else(|| panic!("{said:#}"));
+    assert_eq!(card["output"]["channels"], serde_json::json!([24]));
+    assert_eq!(card["output"]["rates"], serde_json::json!([44_100, 192_000]));
+}
+
+#[test]
+fn twenty_four_channels_arrive_as_they_would_be_rendered() {
+    let Some(bench) = Bench::new("exact") else { return };
+    scene(&bench, 24);
+    let rendered =
+        bench.run(&["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"]);
+    assert!(rendered.status.success(), "{}", String::from_utf8_lossy(&rendered.stderr));
+    // A gap drops a block, on this machine or that; then it is tried again.
+    for attempt in 0..5 {
+        let _ = fs::remove_file(bench.played());
+        let arguments = [
+            "play",
+            "patch.toml",
+            "--rig",
+            "rig.toml",
+            "--device",
+            "card24",
+            "--block",
+            "512",
+            "--duration",
+            "2",
+        ];
+        let played = bench.run(&arguments);
+        let said =
+            String::from_utf8_lossy(&played.stdout).into_owned() + &String::from_utf8_lossy(&played.stderr);
+        assert!(played.status.success(), "{said}");
+        if !said.contains(" 0 xruns") && attempt < 4 {
+            continue;
+        }
+        let wav = fs::read(bench.folder.join("offline.wav")).unwrap();
+        let data = wav.windows(4).position(|w| w == b"data").unwrap() + 8;
+        let offline: Vec<f32> =
+            wav[data..].chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        let online = bench.samples();
+        // Behind the ramp of the beginning, in which nothing sounds yet.
+        let first = 24 * 9600;
+        let last = offline.len().min(24 * 57_000);
+        assert!(online.len() >= last, "{} samples of {last}", online.len());
+        assert!(offline[first..last].iter().any(|x| x.abs() > 0.3));
+        let differs = (first..last).find(|&n| online[n].to_bits() != offline[n].to_bits());
+        assert_eq!(differs, None, "{said}");
+        return;
+    }
+}
+
+#[test]
+fn a_card_that_is_pulled_and_plugged_in_again_is_found_and_no_other() {
+    let Some(bench) = Bench::new("pulled") else { return };
+    bench.write(
+        "hum.toml",
+        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"s\"\n[voice.v.nodes]\n\
+         s = { type = \"sine\", frequency = 100, amplitude = 0.5 }\n",
+    );
+    let child = bench.start(&["play", "hum.toml", "--device", "card8", "--block", "256"]);
+    let length = || fs::metadata(bench.played()).map_or(0, |about| about.len());
+    for _ in 0..3 {
+        let before = length();
+        wait("sound", || length() > before + 8 * 4 * 24_000);
+        fs::write(bench.gone(), "").unwrap();
+        std::thread::sleep(Duration::from_millis(500));
+        let silent = length();
+        std::thread::sleep(Duration::from_millis(200));
+        assert_eq!(length(), silent, "nothing is played on a card that is gone");
+        fs::remove_file(bench.gone()).unwrap();
+        wait("the card's return", || length() > silent);
+    }
+    let before = length();
+    wait("sound", || length() > before + 8 * 4 * 12_000);
+    signal(&child, "INT");
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert_eq!(
+        (said.matches("the device is gone").count(), said.matches("the device is back").count()),
+        (3, 3),
+        "{said}"
+    );
+    // The output ended in exact zeros.
+    let samples = bench.samples();
+    assert!(samples[samples.len() - 8 * 100..].iter().all(|x| *x == 0.0));
+    assert!(samples.iter().any(|x| x.abs() > 0.45));
+    // It never jumped: 0.5 times the slope of 100 Hz is 0.0066 a frame, and ramps of 2 ms add 0.5 / 96 each frame.
+    let channel: Vec<f32> = samples.iter().step_by(8).copied().collect();
+    let within_a_stream = |w: &[f32]| (w[1] - w[0]).abs() < 0.03;
+    let jumps = channel.windows(2).filter(|w| !within_a_stream(w)).count();
+    // Where the card was pulled, what it had not played yet is lost.
+    assert!(jumps <= 3, "{jumps} jumps");
+}
+
+#[test]
+fn what_a_card_does_not_offer_is_refused_with_what_it_does() {
+    let Some(bench) = Bench::new("refused") else { return };
+    scene(&bench, 6);
+    let of = |arguments: &[&str]| {
+        let mut all = vec!["play", "patch.toml", "--rig", "rig.toml", "--duration", "1"];
+        all.extend(arguments);
+        let output = bench.run(&all);
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, said) = of(&["--device", "card8"]);
+    assert!(
+        code == Some(69) && said.contains("6 channels are not offered") && said.contains("it offers 8"),
+        "{said}"
+    );
+    let (code, said) = of(&["--device", "card9"]);
+    assert!(
+        code == Some(69) && said.contains("there is no device `card9`") && said.contains("Card of 8"),
+        "{said}"
+    );
+    let (code, said) = of(&["--device", "card"]);
+    assert!(code == Some(69) && said.contains("may be"), "{said}");
+    scene(&bench, 8);
+    let (code, said) = of(&["--device", "card8", "--block", "60000"]);
+    assert!(code == Some(69) && said.contains("blocks of 60000 frames are not offered"), "{said}");
+    let (code, said) = of(&["--device", "card8", "--rate", "22050"]);
+    assert!(code == Some(69) && said.contains("22050 Hz are not offered"), "{said}");
+    fs::write(bench.gone(), "").unwrap();
+    let (code, said) = of(&["--device", "card8"]);
+    assert!(code == Some(69), "{said}");
+}

@@ -1,0 +1,177 @@
+//! A whole session on the virtual card: what is sent is played when it should be, stops when it must, and what takes over does so
+//! without a gap.
+
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use pacinian::graph::scene::{Options, scene};
+use pacinian::io::device::choose::Chosen;
+use pacinian::io::session::{Beginning, Session};
+use pacinian::live::callback::Report;
+use pacinian::live::conductor::Told;
+use pacinian::live::reload::Reload;
+use pacinian::live::signal::Signal;
+use pacinian::node::asset::NoAssets;
+use pacinian::text::Problem;
+use pacinian::{Note, Patch, Rig};
+use ringbuf::HeapCons;
+use ringbuf::traits::Consumer;
+
+const HUM: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.hum]\nstart = \"always\"\noutput = \"s\"\n[voice.hum.nodes]\n\
+    s = { type = \"sine\", frequency = 100, amplitude = 0.5 }\n[voice.tap]\noutput = \"o\"\nplace = \"t2\"\n[voice.tap.nodes]\n\
+    s = { type = \"sine\", frequency = 250 }\ne = { type = \"envelope\", attack = 0.001, release = 0.005 }\n\
+    o = { type = \"multiply\", inputs = [\"s\", \"e\"] }\n";
+
+fn reload(text: &str) -> Reload {
+    let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let rig = Rig::default_for(2);
+    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+    let files = Box::new(|_: &str| Err(Problem::of_file("no files here")));
+    Reload { scene, patch: Arc::new(patch), rig: Arc::new(rig), files }
+}
+
+/// What was told, in words.
+type Words = Arc<Mutex<Vec<String>>>;
+
+fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
+    let words = Words::default();
+    let heard = Arc::clone(&words);
+    let audience = move |told: Told<'_>| {
+        heard.lock().unwrap().push(match told {
+            Told::Report(Report::Event { at, due, event, .. }) => {
+                format!("event {} {} {event:?}", at.sample, due.sample)
+            }
+            Told::Report(report) => format!("{report:?}"),
+            Told::Refused(problem) => format!("refused: {problem}"),
+            Told::Reloaded => "reloaded".into(),
+            Told::Kept(why) => format!("kept: {why}"),
+        });
+    };
+    let mut session = Session::start(Beginning {
+        scene: reload(text),
+        device: Chosen::Virtual(None),
+        block: Some(64),
+        armed: true,
+        record: true,
+        song: None,
+        listener: None,
+        audience: Box::new(audience),
+        fate: Box::new(|_| {}),
+    })
+    .unwrap_or_else(|error| panic!("{error}"));
+    let recording = session.recording().unwrap();
+    (session, recording, words)
+}
+
+fn wait(what: &str, holds: impl Fn() -> bool) {
+    let begin = Instant::now();
+    while !holds() {
+        assert!(begin.elapsed() < Duration::from_secs(10), "{what} did not come");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Fetches what was recorded so far, a channel of two.
+fn fetch(recording: &mut HeapCons<f32>, all: &mut Vec<f32>) {
+    all.extend(recording.pop_iter());
+}
+
+fn channel(all: &[f32], number: usize) -> Vec<f32> {
+    all.iter().skip(number).step_by(2).copied().collect()
+}
+
+#[test]
+fn a_panic_ends_in_exact_zeros_within_its_ramp_and_holds_through_a_reload() {
+    let (mut session, mut recording, words) = start(HUM);
+    let mut all = Vec::new();
+    wait("the ramp's end", || session.board().frames.get() > 12_000);
+    session.handle().panic();
+    wait("the gate", || session.board().shut.get() == 1);
+    let shut = session.board().frames.get() as usize;
+    session.handle().send(Signal::Reload(Box::new(reload(&HUM.replace("100", "150"))))).unwrap();
+    session.handle().send(Signal::Arm(true)).unwrap();
+    wait("the new patch", || words.lock().unwrap().iter().any(|w| w.contains("Swap")));
+    wait("a while", || session.board().frames.get() > shut as u64 + 9600);
+    session.stop();
+    fetch(&mut recording, &mut all);
+    let hum = channel(&all, 0);
+    assert!(hum[10_000..12_000].iter().any(|x| x.abs() > 0.45));
+    // The order was given before one of the frames; two milliseconds later nothing comes through.
+    let latch =
+        words.lock().unwrap().iter().find_map(|w| {
+            w.strip_prefix("Order(").and_then(|w| w.strip_suffix(", Latch)")).map(str::to_string)
+        });
+    let latch: usize = latch.unwrap_or_else(|| panic!("{:?}", words.lock().unwrap())).parse().unwrap();
+    let last = hum.iter().rposition(|x| *x != 0.0).unwrap();
+    assert!(last < latch + 96, "{last} after {latch}");
+    assert!(all[2 * (latch + 96)..].iter().all(|x| x.to_bits() == 0), "exact zeros, not small ones");
+}
+
+#[test]
+fn calm_brings_it_back_and_the_voice_that_is_always_on() {
+    let (mut session, mut recording, _) = start(HUM);
+    wait("the ramp's end", || session.board().frames.get() > 10_000);
+    session.handle().panic();
+    wait("the gate", || session.board().shut.get() == 1);
+    session.handle().send(Signal::Calm).unwrap();
+    let from = session.board().frames.get();
+    wait("a while", || session.board().frames.get() > from + 14_400);
+    session.stop();
+    let mut all = Vec::new();
+    fetch(&mut recording, &mut all);
+    let hum = channel(&all, 0);
+    assert!(hum[from as usize + 9800..from as usize + 14_000].iter().any(|x| x.abs() > 0.45));
+}
+
+#[test]
+fn what_is_played_comes_a_block_later_and_never_late() {
+    let (mut session, mut recording, words) = start(HUM);
+    wait("the ramp's end", || session.board().frames.get() > 10_000);
+    let mut voices = Vec::new();
+    for _ in 0..20 {
+        std::thread::sleep(Duration::from_millis(21));
+        voices.push(session.handle().play("tap", Note::default()).unwrap());
+    }
+    session.handle().play("tab", Note::default()).unwrap();
+    voices.into_iter().for_each(|voice| session.handle().release(voice).unwrap());
+    let from = session.board().frames.get();
+    wait("a while", || session.board().frames.get() > from + 4800);
+    session.stop();
+    let words = words.lock().unwrap();
+    let plays: Vec<&String> =
+        words.iter().filter(|w| w.contains("Play") && w.contains("instrument: 1")).collect();
+    assert_eq!(plays.len(), 20, "{words:?}");
+    assert!(
+        words.iter().any(|w| w.contains("refused") && w.contains("tab") && w.contains("tap")),
+        "{words:?}"
+    );
+    // This machine may stop for milliseconds, but not twenty times.
+    let late = plays.iter().filter(|w| w.split(' ').nth(1) != w.split(' ').nth(2)).count();
+    assert!(late <= 5, "{late} of 20");
+    let mut all = Vec::new();
+    fetch(&mut recording, &mut all);
+    assert!(channel(&all, 1).iter().any(|x| x.abs() > 0.5));
+}
+
+#[test]
+fn another_patch_takes_over_without_a_gap_or_a_jump() {
+    let (mut session, mut recording, words) = start(HUM);
+    wait("the ramp's end", || session.board().frames.get() > 10_000);
+    // A hundred times another voice beside the one that hums.
+    for n in 0..100 {
+        let text = HUM.replace("frequency = 250", &format!("frequency = {}", 200 + n));
+        while session.handle().send(Signal::Reload(Box::new(reload(&text)))).is_err() {}
+        let swaps = || words.lock().unwrap().iter().filter(|w| w.starts_with("Swap")).count();
+        wait("the new patch", || swaps() == n + 1);
+    }
+    session.stop();
+    let mut all = Vec::new();
+    fetch(&mut recording, &mut all);
+    let hum = channel(&all, 0);
+    let end = hum.len() - 500;
+    // The steepest step of a sine of 100 Hz and 0.5 at 48 kHz is 0.00654.
+    let steepest = hum[9700..end].windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f32::max);
+    assert!(steepest < 0.0066, "{steepest}");
+    assert!(hum[9700..end].chunks(480).filter(|c| c.len() == 480).all(|c| c.iter().any(|x| x.abs() > 0.45)));
+}
