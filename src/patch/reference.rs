@@ -8,6 +8,7 @@ pub const DEFINED: Defined = &[
     ("format", "\"pacinian-patch/1\""),
     ("place", "a place: \"top\", 3 or [0, -0.2]"),
     ("range", "[least, most]"),
+    ("notes", "two notes: [36, \"D#3\"]"),
     ("set", "a table of numbers and expressions"),
     ("events", "a list of events, or \"FILE.csv\""),
     ("nodes", "nodes by name"),
@@ -229,11 +230,17 @@ pub const TOPICS: &[Topic] = &[
         text: "`on` is one of these:\n\n\
                - start: the beginning. Where any trigger says so, only those patterns play by themselves\n\
                - node.NAME rises 0.3, node.NAME falls 0.3: a shared node passes a threshold; `set` may read `value`\n\
-               - midi.note: a note begins; `set` may read `note` and `velocity`\n\
-               - osc./address: a message to that address; `set` may read `value`\n\
+               - midi.note: a note begins; `set` may read `note`, `pitch` (its frequency in Hz), `velocity`, `channel`, and how it is bent and \
+               pressed then: `bend` (semitones), `pressure` and `timbre` (0 to 1)\n\
+               - midi.program 3: program 3 is chosen; `set` may read `program` and `channel`\n\
+               - midi.controller 64 rises 0.5, or falls: a controller passes a position from 0 to 1; `set` may read `value` and `channel`\n\
+               - osc./address: a message to that address; `set` may read `value`, its first number\n\
                - key.1: a key of the computer, from 1\n\
                - knob.detent: a knob passes a notch\n\n\
-               Only start sets anything off yet; the others are read and checked.",
+               A note sounds as long as its key or the pedal holds it, unless `set` gives it a `duration`; its velocity is its level, unless \
+               `set` gives it a `level`. Of a pattern, `set` gives `gain` and `rate`. In `pacinian play` and with `--midi`, no pattern begins by \
+               itself in a patch that has triggers, but those with start.\n\n\
+               Nodes and knobs set nothing off yet; they are read and checked.",
         tables: &[&trigger::TABLE],
         example: "[shared.nodes]\n\
                   breath = { type = \"lfo\", rate = 0.5 }\n\
@@ -243,6 +250,24 @@ pub const TOPICS: &[Topic] = &[
                   play = \"tap\"\n\
                   place = \"t2\"\n\
                   set = { frequency = \"100 + 50 * value\" }",
+    },
+    Topic {
+        name: "bind",
+        written: "[[bind]]",
+        doc: "What moves a control from outside.",
+        text: "`from` is one of these:\n\n\
+               - midi.controller 21: a controller, 0 to 119; of a pair of 14 bits the lower number\n\
+               - midi.bend, midi.pressure: the wheel, and how hard keys are pressed\n\
+               - osc./address: a message with a position from 0 to 1\n\n\
+               With `pickup` a fader moves its control only from where that stands. Turn it off for a wheel that comes back to its rest.",
+        tables: &[&super::bind::TABLE],
+        example: "[control.strength]\n\
+                  default = 0.8\n\
+                  \n\
+                  [[bind]]\n\
+                  from = \"midi.controller 7\"\n\
+                  control = \"strength\"\n\
+                  range = [0.1, 1]",
     },
     Topic {
         name: "render",
