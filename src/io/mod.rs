@@ -9,6 +9,8 @@ pub mod input;
 pub mod load;
 pub mod log;
 mod open;
+#[cfg(feature = "live")]
+pub mod osc;
 pub mod out;
 pub(crate) mod resample;
 #[cfg(feature = "live")]

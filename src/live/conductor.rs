@@ -217,7 +217,7 @@ impl Conductor {
                 }
                 Ok(())
             }
-            Signal::Key(_) => Ok(()),
+            Signal::Key(_) | Signal::Osc(..) => Ok(()),
             Signal::Panic => {
                 // The board's brake has closed the gate, or will.
                 self.board.panic();
