@@ -49,7 +49,9 @@ fn tokens(part: &str) -> Option<Vec<Token>> {
             '*' if tokens.last() == Some(&Token::Many) => continue,
             '*' => Token::Many,
             '[' => among(&until(&mut chars, ']')?),
-            '{' => Token::Either(until(&mut chars, '}')?.split(|c| *c == ',').map(<[char]>::to_vec).collect()),
+            '{' => {
+                Token::Either(until(&mut chars, '}')?.split(|c| *c == ',').map(<[char]>::to_vec).collect())
+            }
             ']' | '}' => return None,
             c => Token::Literal(c),
         };

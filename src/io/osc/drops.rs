@@ -12,7 +12,10 @@ pub(super) fn dropped(local: SocketAddr) -> Option<u64> {
 fn find(table: &str, local: SocketAddr) -> Option<u64> {
     // Addresses stand there in words of the machine's order.
     let words = |bytes: &[u8]| -> String {
-        bytes.chunks_exact(4).map(|w| format!("{:08X}", u32::from_ne_bytes([w[0], w[1], w[2], w[3]]))).collect()
+        bytes
+            .chunks_exact(4)
+            .map(|w| format!("{:08X}", u32::from_ne_bytes([w[0], w[1], w[2], w[3]])))
+            .collect()
     };
     let address = match local.ip() {
         IpAddr::V4(ip) => words(&ip.octets()),

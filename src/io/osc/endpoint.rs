@@ -20,7 +20,9 @@ impl FromStr for Endpoint {
             .or_else(|| local(text))
             .or_else(|| local(text.strip_prefix("localhost:")?))
             .map(Self)
-            .ok_or_else(|| "give a port, 9000, or an address with one: 127.0.0.1:9000, 0.0.0.0:9000, [::1]:9000".into())
+            .ok_or_else(|| {
+                "give a port, 9000, or an address with one: 127.0.0.1:9000, 0.0.0.0:9000, [::1]:9000".into()
+            })
     }
 }
 
@@ -57,7 +59,10 @@ impl BindError {
             ErrorKind::AddrInUse => (
                 75,
                 "another program listens there".into(),
-                format!("give another port: --osc {}", SocketAddr::new(at.ip(), port.checked_add(1).unwrap_or(9000))),
+                format!(
+                    "give another port: --osc {}",
+                    SocketAddr::new(at.ip(), port.checked_add(1).unwrap_or(9000))
+                ),
             ),
             ErrorKind::PermissionDenied => (
                 77,
@@ -67,7 +72,10 @@ impl BindError {
             ErrorKind::AddrNotAvailable => (
                 69,
                 "this machine does not have that address".into(),
-                format!("for this machine alone: --osc {port}; for all that can reach it: --osc {}", open(at)),
+                format!(
+                    "for this machine alone: --osc {port}; for all that can reach it: --osc {}",
+                    open(at)
+                ),
             ),
             _ => (71, error.to_string(), format!("try --osc {port}, which is loopback")),
         };
@@ -116,7 +124,10 @@ mod tests {
         let taken = any.bind().unwrap();
         let there = Endpoint(taken.local_addr().unwrap());
         let error = there.bind().unwrap_err();
-        assert!(error.what.contains(&there.0.to_string()) && error.what.contains("another program"), "{error}");
+        assert!(
+            error.what.contains(&there.0.to_string()) && error.what.contains("another program"),
+            "{error}"
+        );
         assert!(error.help.contains("--osc 127.0.0.1:"), "{error}");
         assert_eq!(error.exit_code, 75);
         // An address for documentation (RFC 5737), which no machine has.

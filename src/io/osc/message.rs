@@ -238,7 +238,9 @@ mod tests {
         assert_eq!(place(f(3.0)), Ok(Some(Place::Channel(3))));
         let array = |content: Vec<OscType>| OscType::Array(OscArray { content });
         assert_eq!(place(array(vec![f(0.5), 1.into()])), Ok(Some(Place::Position([0.5, 1.0, 0.0]))));
-        for wrong in [0.into(), (-1).into(), f(1.5), s(""), array(vec![]), array(vec![f(1e9); 2]), true.into()] {
+        for wrong in
+            [0.into(), (-1).into(), f(1.5), s(""), array(vec![]), array(vec![f(1e9); 2]), true.into()]
+        {
             assert_eq!(place(wrong), Err(Wrong));
         }
         assert_eq!(play(&[s("duration"), OscType::Inf]).unwrap().0.duration, Some(f64::INFINITY));
@@ -264,7 +266,8 @@ mod tests {
             assert_eq!(set(&[one]), Ok(Ask::Set(3, 1.0)));
         }
         assert_eq!(set(&[false.into()]), Ok(Ask::Set(3, 0.0)));
-        for wrong in [&[][..], &[s("1")], &[f(1.0), f(1.0)], &[f(f32::NAN)], &[OscType::Inf], &[OscType::Nil]] {
+        for wrong in [&[][..], &[s("1")], &[f(1.0), f(1.0)], &[f(f32::NAN)], &[OscType::Inf], &[OscType::Nil]]
+        {
             assert_eq!(set(wrong), Err(Wrong), "{wrong:?}");
         }
         assert_eq!(ask(&Method::Release, &[OscType::Double(5.0)]), Ok(Ask::Release(5)));
@@ -307,7 +310,10 @@ mod tests {
     fn triggers_hear_numbers() {
         let hear = |args: &[OscType]| ask(&Method::Trigger("/hit".into()), args);
         assert_eq!(hear(&[]), Ok(Ask::Trigger("/hit".into(), vec![])));
-        assert_eq!(hear(&[2.into(), f(0.5), true.into()]), Ok(Ask::Trigger("/hit".into(), vec![2.0, 0.5, 1.0])));
+        assert_eq!(
+            hear(&[2.into(), f(0.5), true.into()]),
+            Ok(Ask::Trigger("/hit".into(), vec![2.0, 0.5, 1.0]))
+        );
         assert_eq!(hear(&[s("hard")]), Err(Wrong));
     }
 }

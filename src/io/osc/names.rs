@@ -148,7 +148,9 @@ mod tests {
         // A trigger cannot take what is pacinian's own.
         assert_eq!(find("/ping"), [Method::Ping]);
         assert_eq!(find("/input/mouse"), [Method::Input("mouse".into())]);
-        for nothing in ["/", "/voice", "/voice/none/play", "/voice/low/play/", "/nothing*", "/input/", "voice"] {
+        for nothing in
+            ["/", "/voice", "/voice/none/play", "/voice/low/play/", "/nothing*", "/input/", "voice"]
+        {
             assert_eq!(find(nothing), [], "{nothing}");
         }
         for wrong in ["/voice/[a/play", "/a{", &format!("/{}", "a".repeat(300))] {

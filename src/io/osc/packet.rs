@@ -115,7 +115,8 @@ mod tests {
             ],
         );
         let found = unpack(&encoder::encode(&packet).unwrap()).unwrap();
-        let found: Vec<_> = found.iter().map(|(tag, m)| (tag.0 >> 32, m.addr.as_str(), m.args.len())).collect();
+        let found: Vec<_> =
+            found.iter().map(|(tag, m)| (tag.0 >> 32, m.addr.as_str(), m.args.len())).collect();
         assert_eq!(found, [(9, "/a", 1), (9, "/b", 0), (12, "/c", 0), (12, "/d", 0), (9, "/e", 2)]);
     }
 
@@ -130,7 +131,8 @@ mod tests {
 
     #[test]
     fn what_is_broken_is_refused_as_a_whole() {
-        let whole = encoder::encode(&bundle(0, vec![message("/a", vec![]), message("/b", vec![1.into()])])).unwrap();
+        let whole =
+            encoder::encode(&bundle(0, vec![message("/a", vec![]), message("/b", vec![1.into()])])).unwrap();
         assert_eq!(unpack(&whole).unwrap().len(), 2);
         for length in 0..whole.len() {
             // Between two elements a bundle may end.

@@ -295,7 +295,9 @@ impl Listener {
             Ask::Set(number, value) => {
                 let Some(control) = self.names.controls.get(number) else { return };
                 let (name, value) = (control.name.clone(), value.clamp(control.range[0], control.range[1]));
-                if let (true, Some(slot)) = (self.send(at, Signal::Set(name, value)), self.values.get_mut(number)) {
+                if let (true, Some(slot)) =
+                    (self.send(at, Signal::Set(name, value)), self.values.get_mut(number))
+                {
                     *slot = value;
                 }
             }

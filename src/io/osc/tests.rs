@@ -117,7 +117,9 @@ fn s(text: &str) -> OscType {
 #[test]
 fn what_is_said_is_heard() {
     let scene = Scene::new();
-    let Signal::Play(_, voice, note) = &scene.hears("/voice/low/play", &[f(0.5), 2.into()])[0] else { panic!() };
+    let Signal::Play(_, voice, note) = &scene.hears("/voice/low/play", &[f(0.5), 2.into()])[0] else {
+        panic!()
+    };
     assert_eq!((voice.as_str(), note.level, note.duration), ("low", Some(0.5), Some(2.0)));
     let one = |addr: &str, args: &[OscType]| {
         let mut heard = scene.hears(addr, args);
@@ -169,7 +171,9 @@ fn controls_are_told_as_they_were_sent() {
         scene.settle()
     };
     assert_eq!(told("/control/depth/get", &[]), [("/control/depth".into(), vec![f(0.5)])]);
-    for (value, kept) in [(OscType::Double(1.5), 1.5), (1.into(), 1.0), (OscType::Long(9), 2.0), (false.into(), 0.0)] {
+    for (value, kept) in
+        [(OscType::Double(1.5), 1.5), (1.into(), 1.0), (OscType::Long(9), 2.0), (false.into(), 0.0)]
+    {
         assert_eq!(told("/control/depth", &[value]), []);
         assert_eq!(told("/control/d*/get", &[]), [("/control/depth".into(), vec![f(kept)])]);
     }
@@ -195,8 +199,9 @@ fn answers() {
         scene.settle()
     };
     let board = scene.handle.board();
-    (board.frames.set(5_000_000_000), board.voices.set(3), board.xruns.set(2), board.late.set(4));
-    (board.dropped.set(5), board.refused.set(6));
+    board.frames.set(5_000_000_000);
+    let figures = [&board.voices, &board.xruns, &board.late, &board.dropped, &board.refused];
+    figures.iter().zip([3, 2, 4, 5, 6]).for_each(|(figure, value)| figure.set(value));
     let status = vec![OscType::Long(5_000_000_000), 3.into(), f(0.0), 2.into(), 4.into(), 11.into()];
     assert_eq!(told("/status", &[]), [("/status".into(), status)]);
     let answer = told("/input/mouse", &[f(1.0)]);
@@ -242,11 +247,15 @@ fn bundles_are_played_at_their_time() {
     let epoch = scene.handle.epoch();
     let start = epoch.now();
     let inner = bundle(400, vec![message("/pattern/walk/stop", &[])]);
-    scene.send(&bundle(200, vec![inner, message("/control/depth", &[f(2.0)]), message("/pattern/walk/play", &[])]));
+    scene.send(&bundle(
+        200,
+        vec![inner, message("/control/depth", &[f(2.0)]), message("/pattern/walk/play", &[])],
+    ));
     // Until shortly before, a control is where it was.
     scene.say("/control/depth/get", &[]);
     assert_eq!(scene.settle(), [("/control/depth".into(), vec![f(0.5)])]);
-    let heard: Vec<Stamped> = (0..3).map(|_| scene.heard.recv_timeout(Duration::from_secs(20)).unwrap()).collect();
+    let heard: Vec<Stamped> =
+        (0..3).map(|_| scene.heard.recv_timeout(Duration::from_secs(20)).unwrap()).collect();
     let kinds: Vec<&str> = heard
         .iter()
         .map(|h| match h.signal {

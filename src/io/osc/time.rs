@@ -104,7 +104,10 @@ mod tests {
                 assert!(stamp.0.abs_diff(now.0 + ms * 1_000_000) <= 1, "{ms} {stamp:?}");
             }
         }
-        assert_eq!(Tag(u64::MAX).due(Stamp(u64::MAX - 5), Tag(u64::MAX - (1 << 32))), Due::At(Stamp(u64::MAX)));
+        assert_eq!(
+            Tag(u64::MAX).due(Stamp(u64::MAX - 5), Tag(u64::MAX - (1 << 32))),
+            Due::At(Stamp(u64::MAX))
+        );
     }
 
     #[test]
