@@ -2,6 +2,8 @@
 #![cfg(feature = "live")]
 
 mod common;
+#[cfg(feature = "cli")]
+mod program;
 
 use std::net::UdpSocket;
 use std::sync::Arc;
@@ -200,4 +202,23 @@ fn a_flood_is_played_or_counted() {
     until("what was taken is played", &mut || heard() >= counts.taken.get());
     std::thread::sleep(Duration::from_millis(200));
     assert_eq!(heard(), counts.taken.get());
+}
+
+/// Through the program: where it listens, what went wrong, and a port that is taken.
+#[cfg(feature = "cli")]
+#[test]
+fn the_program_says_where_it_listens() {
+    let scratch = program::Scratch::new("osc");
+    scratch.write("p.toml", format!("{}{PATCH}", program::HEAD));
+    let play =
+        |at: &str| scratch.run(&["play", "p.toml", "--device", "virtual", "--duration", "0.3", "--osc", at]);
+    let run = play("0");
+    run.succeeds();
+    assert!(run.err.contains("OSC is heard on 127.0.0.1:"), "{}", run.err);
+    assert!(run.err.contains("from programs on this machine") && !run.err.contains("OSC, of"), "{}", run.err);
+    let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    play(&port)
+        .fails(75, &[&format!("127.0.0.1:{port}"), "another program listens there", "--osc 127.0.0.1:"]);
+    play("nowhere").fails(2, &["--osc", "0.0.0.0:9000"]);
 }

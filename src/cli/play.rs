@@ -114,7 +114,9 @@ impl Play {
         let listen = |at| Server::start(at, session.handle().clone(), &loaded.patch);
         let osc = self.osc.map(listen).transpose()?;
         if let Some(osc) = &osc {
-            terminal.note(&format!("OSC is heard on {}\n", osc.address()));
+            let open = self.osc.is_some_and(|at| at.is_open());
+            let by = if open { "all that can reach it" } else { "programs on this machine" };
+            terminal.note(&format!("OSC is heard on {}, from {by}\n", osc.address()));
         }
         let ended = self.watch(&session, &stop, &said, terminal);
         // What the system dropped last is counted when the server ends.

@@ -93,7 +93,8 @@ mod tests {
     #[test]
     fn due_now_then_and_never() {
         let now = Stamp(5_000_000_000);
-        for start in [1_700_000_000, 2_085_978_490_u64] {
+        // The second time six seconds before the tags begin anew.
+        for start in [1_700_000_000, 2_085_978_470_u64] {
             let at = |ms: u64| Tag::of(UNIX_EPOCH + Duration::from_millis(start * 1000 + ms));
             let due = |tag: Tag| tag.due(now, at(20_000));
             assert_eq!(due(at(19_999)), Due::Late);
