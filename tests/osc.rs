@@ -181,6 +181,9 @@ fn a_flood_is_played_or_counted() {
         stage.client.recv_from(&mut [0; 99]).is_ok()
     });
     stage.client.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    // What was taken are voices: started, or told as refused by the conductor.
+    let heard = || board.started.get() - before + board.dropped.get() + stage.refused.load(Ordering::Relaxed);
+    until("what was taken is played", &mut || heard() >= counts.taken.get());
     let held = [OscType::Float(0.5), OscType::Inf, s("place"), 2.into()];
     stage.say("/meter/subscribe", &[20.into()]);
     stage.say("/voice/hum/play", &held);
@@ -197,8 +200,6 @@ fn a_flood_is_played_or_counted() {
     assert_eq!(counts.messages.get(), counts.datagrams.get());
     let others = counts.messages.get() - counts.taken.get() - counts.refused.get();
     assert!((2..=pings + 1).contains(&others), "{others} of {pings}: {:?}", counts.trouble());
-    // What was taken are voices: started, or told as refused by the conductor.
-    let heard = || board.started.get() - before + board.dropped.get() + stage.refused.load(Ordering::Relaxed);
     until("what was taken is played", &mut || heard() >= counts.taken.get());
     std::thread::sleep(Duration::from_millis(200));
     assert_eq!(heard(), counts.taken.get());
