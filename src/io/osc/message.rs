@@ -83,7 +83,7 @@ pub fn ask(method: &Method, args: &[OscType]) -> Result<Ask, Wrong> {
             [every] => Ask::Report(*control, Some(often(every)?)),
             _ => return Err(Wrong),
         },
-        Method::List => Ask::List,
+        Method::List => button(args, Ask::List)?,
         Method::Panic => button(args, Ask::Panic)?,
         Method::Calm => button(args, Ask::Calm)?,
         Method::Arm => match args {
@@ -95,9 +95,9 @@ pub fn ask(method: &Method, args: &[OscType]) -> Result<Ask, Wrong> {
             [every] => Ask::Subscribe(often(every)?),
             _ => return Err(Wrong),
         },
-        Method::Unsubscribe => Ask::Unsubscribe,
-        Method::Status => Ask::Status,
-        Method::Ping => Ask::Ping,
+        Method::Unsubscribe => button(args, Ask::Unsubscribe)?,
+        Method::Status => button(args, Ask::Status)?,
+        Method::Ping => button(args, Ask::Ping)?,
         Method::Trigger(address) => {
             Ask::Trigger(address.clone(), args.iter().map(finite).collect::<Result<_, _>>()?)
         }
@@ -105,7 +105,8 @@ pub fn ask(method: &Method, args: &[OscType]) -> Result<Ask, Wrong> {
     })
 }
 
-/// Surfaces with buttons send 1 when one is pressed and 0 when it is let go.
+/// Surfaces with buttons send 1 when one is pressed and 0 when it is let go. More than that is no question: it may be another's
+/// answer to one, which must not be answered.
 fn button(args: &[OscType], pressed: Ask) -> Result<Ask, Wrong> {
     match args {
         [] => Ok(pressed),

@@ -120,6 +120,22 @@ mod tests {
         assert_eq!(found, [(9, "/a", 1), (9, "/b", 0), (12, "/c", 0), (12, "/d", 0), (9, "/e", 2)]);
     }
 
+    /// The examples of the specification (OSC 1.0, "Examples of OSC messages").
+    #[test]
+    fn as_the_specification_writes_them() {
+        let one = |bytes: &[u8]| unpack(bytes).unwrap().remove(0).1;
+        let found = one(b"/oscillator/4/frequency\0,f\0\0\x43\xdc\0\0");
+        assert_eq!(
+            (found.addr.as_str(), found.args),
+            ("/oscillator/4/frequency", vec![OscType::Float(440.0)])
+        );
+        let found = one(
+            b"/foo\0\0\0\0,iisff\0\0\0\0\x03\xe8\xff\xff\xff\xffhello\0\0\0\x3f\x9d\xf3\xb6\x40\xb5\xb2\x2d",
+        );
+        let wanted = vec![1000.into(), (-1).into(), "hello".into(), 1.234_f32.into(), 5.678_f32.into()];
+        assert_eq!((found.addr.as_str(), found.args), ("/foo", wanted));
+    }
+
     #[test]
     fn without_types_it_has_no_arguments() {
         for bytes in [&b"/ping\0\0\0"[..], b"/ab\0", b"/abc\0\0\0\0"] {

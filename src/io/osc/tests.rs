@@ -209,6 +209,22 @@ fn answers() {
     assert!(matches!(&answer[0].1[1], OscType::String(text) if text.starts_with("not yet")));
 }
 
+/// Two servers that were made to talk to each other, by a sender that says it is another, would go on for ever.
+#[test]
+fn no_answer_is_answered() {
+    let scene = Scene::new();
+    scene.say("/control/*/get", &[]);
+    scene.say("/controls", &[]);
+    scene.say("/status", &[]);
+    scene.say("/input/mouse", &[]);
+    scene.say("/meter/subscribe", &[10_000.into()]);
+    let mut answers = scene.settle();
+    assert_eq!(answers.len(), 8);
+    answers.extend([("/pong".into(), vec![]), ("/meter".into(), vec![f(0.5); 3]), ("/meter".into(), vec![])]);
+    answers.iter().for_each(|(addr, args)| scene.say(addr, args));
+    assert_eq!(scene.settle(), []);
+}
+
 #[test]
 fn reports_come_again_and_again_until_nobody_wants_them() {
     let scene = Scene::new();
@@ -295,11 +311,12 @@ fn late_far_and_cancelled() {
     assert_eq!((scene.counts().cancelled.get(), scene.counts().far.get()), (2, 1));
     // Nor one that came another way.
     scene.handle.board().calm();
-    scene.settle();
+    // The brake is looked at after an answer, so only the second is sure to come after that.
+    (0..2).for_each(|_| drop(scene.settle()));
     scene.send(&bundle(30_000, vec![play()]));
     scene.settle();
     scene.handle.board().panic();
-    scene.settle();
+    (0..2).for_each(|_| drop(scene.settle()));
     assert_eq!(scene.counts().cancelled.get(), 3);
 }
 
