@@ -12,6 +12,8 @@ use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
 use pacinian::io::device::keeper::Fate;
 use pacinian::io::device::priority::{self, Priority};
+use pacinian::io::osc::endpoint::{BindError, Endpoint};
+use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::board::Board;
 use pacinian::live::conductor::Told;
@@ -40,6 +42,9 @@ pub struct Play {
     /// Full level on a device that nobody has named
     #[arg(long)]
     arm: bool,
+    /// Listen for OSC on this UDP port, or address and port; a port alone is for this machine only. docs/osc.md lists what it hears
+    #[arg(long, value_name = "ADDR")]
+    osc: Option<Endpoint>,
     /// Seconds to play [default: until Ctrl-C]
     #[arg(long, value_name = "S", value_parser = super::render::seconds)]
     duration: Option<f64>,
@@ -57,6 +62,12 @@ impl From<DeviceError> for Failure {
         let mut failure = Self::usage(error.what, error.help.unwrap_or_default());
         failure = failure.with_code(code);
         failure
+    }
+}
+
+impl From<BindError> for Failure {
+    fn from(error: BindError) -> Self {
+        Self::usage(error.what, error.help).with_code(error.exit_code)
     }
 }
 
@@ -103,8 +114,20 @@ impl Play {
             loaded.name(),
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
+        let listen = |at| Server::start(at, session.handle().clone(), &loaded.patch);
+        let osc = self.osc.map(listen).transpose()?;
+        if let Some(osc) = &osc {
+            let open = self.osc.is_some_and(|at| at.is_open());
+            let by = if open { "all that can reach it" } else { "programs on this machine" };
+            terminal.note(&format!("OSC is heard on {}, from {by}\n", osc.address()));
+        }
         let ended = self.watch(&session, &stop, &said, terminal);
+        // What the system dropped last is counted when the server ends.
+        let counts = osc.map(|osc| Arc::clone(osc.counts()));
         session.stop();
+        if let Some(trouble) = counts.and_then(|counts| counts.trouble()) {
+            terminal.note(&format!("{trouble}\n"));
+        }
         self.conclude(&loaded, session.board(), terminal)?;
         match ended {
             Some(code) => Err(Failure::told(code)),

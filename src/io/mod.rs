@@ -11,6 +11,8 @@ pub mod log;
 #[cfg(feature = "live")]
 pub mod midi_in;
 mod open;
+#[cfg(feature = "live")]
+pub mod osc;
 pub mod out;
 pub(crate) mod resample;
 #[cfg(feature = "live")]

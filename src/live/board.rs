@@ -33,6 +33,8 @@ pub struct Board {
     panic: AtomicBool,
     /// By channel: the largest magnitude since it was fetched last, as bits of a number that is never negative.
     peaks: Vec<AtomicU32>,
+    /// The same for whoever sends them on, so that the two do not take them from each other.
+    sent_peaks: Vec<AtomicU32>,
     /// Frames given to the device.
     pub frames: Figure,
     /// The next engine sample.
@@ -76,7 +78,8 @@ pub struct Board {
 impl Board {
     /// For so many channels.
     pub fn new(channels: usize) -> Self {
-        Self { peaks: (0..channels).map(|_| AtomicU32::new(0)).collect(), ..Self::default() }
+        let peaks = || (0..channels).map(|_| AtomicU32::new(0)).collect();
+        Self { peaks: peaks(), sent_peaks: peaks(), ..Self::default() }
     }
 
     /// Pulls the emergency brake: the next callback closes the gate, and it stays closed until [`Board::calm`].
@@ -104,6 +107,11 @@ impl Board {
         self.peaks.get(channel).map_or(0.0, |peak| f32::from_bits(peak.swap(0, Ordering::Relaxed)))
     }
 
+    /// As [`Board::take_peak`], since it was asked here last: for meters that are sent on.
+    pub fn take_sent_peak(&self, channel: usize) -> f32 {
+        self.sent_peaks.get(channel).map_or(0.0, |peak| f32::from_bits(peak.swap(0, Ordering::Relaxed)))
+    }
+
     pub(super) fn latest_lateness(&self, seconds: f64) {
         self.lateness.set((seconds.max(0.0) * 1e9) as u64);
     }
@@ -112,7 +120,8 @@ impl Board {
     pub(super) fn meter(&self, frames: &[f32], channels: usize) {
         /// Channels that are looked at side by side.
         const ABREAST: usize = 16;
-        for (number, cells) in self.peaks.chunks(ABREAST).enumerate() {
+        let cells = self.peaks.chunks(ABREAST).zip(self.sent_peaks.chunks(ABREAST));
+        for (number, (cells, sent)) in cells.enumerate() {
             let first = number * ABREAST;
             let mut peaks = [0.0_f32; ABREAST];
             for frame in frames.chunks_exact(channels.max(1)) {
@@ -122,9 +131,10 @@ impl Board {
                     *peak = if size > *peak { size } else { *peak };
                 }
             }
-            for (cell, peak) in cells.iter().zip(peaks) {
+            for ((cell, sent), peak) in cells.iter().zip(sent).zip(peaks) {
                 if peak > 0.0 {
                     cell.fetch_max(peak.to_bits(), Ordering::Relaxed);
+                    sent.fetch_max(peak.to_bits(), Ordering::Relaxed);
                 }
             }
         }
@@ -150,6 +160,8 @@ mod tests {
                 assert_eq!(board.take_peak(0), 0.5);
             }
             assert_eq!(board.take_peak(channels), 0.0);
+            // Whoever sends them on has not had any yet.
+            assert_eq!((board.take_sent_peak(channels - 1), board.take_sent_peak(channels - 1)), (0.75, 0.0));
         }
     }
 }

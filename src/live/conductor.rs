@@ -3,7 +3,7 @@
 //! It turns the moments at which signals arrived into frames, lets the performer make events of them, and sends those to the
 //! callback ahead of their time. It compiles nothing and waits for nothing but signals.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
@@ -28,6 +28,9 @@ const AHEAD: f64 = 0.05;
 
 /// How often it looks whether patterns must be fed, where no signal comes.
 const EVERY: Duration = Duration::from_millis(5);
+
+/// Voices that can still be released by their numbers.
+const REMEMBERED: usize = 1 << 14;
 
 /// What a conductor tells of.
 #[derive(Debug)]
@@ -56,7 +59,7 @@ pub struct Conductor {
     signals: Receiver<Stamped>,
     audience: Audience,
     /// The performer's ids and serial numbers by those that handles gave out.
-    voices: HashMap<u64, u64>,
+    voices: BTreeMap<u64, u64>,
     patterns: HashMap<u64, u64>,
     /// One that waits until an engine has come back.
     waiting: Option<Box<Reload>>,
@@ -112,7 +115,7 @@ impl Conductor {
             board: Arc::clone(board),
             signals,
             audience,
-            voices: HashMap::new(),
+            voices: BTreeMap::new(),
             patterns: HashMap::new(),
             waiting: None,
             rate,
@@ -200,7 +203,11 @@ impl Conductor {
         let outlet = &mut outlet;
         let done = match signal {
             Signal::Play(number, voice, note) => self.performer.play(at, &voice, &note, outlet).map(|id| {
-                self.voices.insert(number, id);
+                // Numbers come in order. Whoever has let go of none for so long has no use for the oldest.
+                    if self.voices.len() >= REMEMBERED {
+                        self.voices.pop_first();
+                    }
+                    self.voices.insert(number, id);
             }),
             Signal::Release(number) => match self.voices.remove(&number) {
                 Some(id) => sent(self.performer.release(at, id, outlet)),
@@ -231,6 +238,7 @@ impl Conductor {
             Signal::Key(key) => self.performer.key(at, key, outlet),
             Signal::Midi(port, message) => self.performer.midi(at, port, message, outlet),
             Signal::MidiGone(port) => self.performer.midi_gone(at, port, outlet),
+            Signal::Osc(address, values) => self.performer.osc(at, &address, &values, outlet).map(drop),
             Signal::Panic => {
                 // The board's brake has closed the gate, or will.
                 self.board.panic();

@@ -131,7 +131,10 @@ impl Gate {
     /// Lets frames of so many channels through.
     pub fn pass(&mut self, frames: &mut [f32], channels: usize) {
         let mut rest = frames;
-        while !rest.is_empty() && !(self.open.rests() && self.gain.rests()) {
+        while !self.open.rests() || !self.gain.rests() {
+            if rest.is_empty() {
+                return;
+            }
             let gain = self.open.step() * self.gain.step();
             let (frame, others) = rest.split_at_mut(channels.clamp(1, rest.len()));
             scale(frame, gain);

@@ -32,6 +32,8 @@ pub enum Signal {
     Midi(u16, Message),
     /// A port of MIDI is gone.
     MidiGone(u16),
+    /// An OSC message that is for the patch's triggers: its address, and its numbers.
+    Osc(String, Vec<f64>),
     /// Close the gate at once and keep it closed; stop all patterns and release all voices.
     Panic,
     /// Take back a panic.
@@ -86,7 +88,7 @@ impl std::fmt::Display for Refused {
 impl std::error::Error for Refused {}
 
 impl Handle {
-    pub(super) fn new(out: SyncSender<Stamped>, epoch: Epoch, board: Arc<Board>) -> Self {
+    pub(crate) fn new(out: SyncSender<Stamped>, epoch: Epoch, board: Arc<Board>) -> Self {
         Self { out, epoch, board, numbers: Arc::default() }
     }
 

@@ -17,6 +17,7 @@ pub enum Wish {
 }
 
 /// The device that was found.
+#[expect(clippy::large_enum_variant, reason = "there is one, for a moment")]
 pub enum Chosen {
     /// A card.
     Card(Device, Found),

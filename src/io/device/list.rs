@@ -80,8 +80,8 @@ pub fn devices(host: &Host) -> Result<Vec<(Device, Found)>, DeviceError> {
         let found = Found {
             name: device.to_string(),
             default: default.as_ref() == Some(&id),
-            output: device.supported_output_configs().ok().and_then(|all| Offer::of(all)),
-            input: device.supported_input_configs().ok().and_then(|all| Offer::of(all)),
+            output: device.supported_output_configs().ok().and_then(Offer::of),
+            input: device.supported_input_configs().ok().and_then(Offer::of),
             id,
         };
         (device, found)

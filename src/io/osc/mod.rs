@@ -1,0 +1,21 @@
+//! OSC (Open Sound Control 1.0) in and out, over UDP: what other programs play, move and ask, and what they are told.
+//!
+//! A datagram is stamped as it arrives, unpacked ([`packet`]), its address patterns are matched against what the patch has
+//! ([`names`]), and what it asks for ([`message`]) goes to the session, or into the [`agenda`] until its time has come. What cannot be
+//! done is counted by kind in [`counts::Counts`]. The addresses are listed in `docs/osc.md`.
+
+pub mod address;
+pub mod agenda;
+pub mod counts;
+mod drops;
+pub mod endpoint;
+mod ids;
+pub mod message;
+pub mod names;
+pub mod packet;
+pub mod peers;
+pub mod server;
+pub mod time;
+
+#[cfg(test)]
+mod tests;

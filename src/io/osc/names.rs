@@ -1,0 +1,160 @@
+//! The addresses there are: those of pacinian, and those that a patch gives.
+
+use std::collections::HashMap;
+
+use super::address::{LONGEST, Pattern};
+use crate::patch::{Control, Patch, Source};
+
+/// What an address does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Method {
+    /// Plays a voice.
+    Play(String),
+    /// Releases what was played under an id.
+    Release,
+    /// Starts a pattern.
+    Start(String),
+    /// Stops a pattern.
+    Stop(String),
+    /// Moves a control, by its number in the patch.
+    Set(usize),
+    /// Tells the value of a control, once or again and again.
+    Get(usize),
+    /// Tells all controls.
+    List,
+    /// Closes the gate.
+    Panic,
+    /// Takes a panic back.
+    Calm,
+    /// Full level, or that for headphones.
+    Arm,
+    /// Tells peaks again and again.
+    Subscribe,
+    /// No more.
+    Unsubscribe,
+    /// Tells how the session stands.
+    Status,
+    /// Answers.
+    Ping,
+    /// An input stream: reserved.
+    Input(String),
+    /// Is for the patch's triggers.
+    Trigger(String),
+}
+
+/// The addresses there are for a patch.
+#[derive(Debug, Clone, Default)]
+pub struct Names {
+    methods: Vec<(String, Method)>,
+    places: HashMap<String, usize>,
+    /// The patch's controls.
+    pub controls: Vec<Control>,
+}
+
+/// Where input streams are.
+const INPUT: &str = "/input/";
+
+impl Names {
+    /// Of a patch. Where two things would share an address, the first has it: pacinian's own, then voices, patterns, controls, triggers.
+    pub fn of(patch: &Patch) -> Self {
+        let mut names = Self { controls: patch.controls.clone(), ..Self::default() };
+        for (address, method) in [
+            ("/voice/release", Method::Release),
+            ("/controls", Method::List),
+            ("/panic", Method::Panic),
+            ("/calm", Method::Calm),
+            ("/arm", Method::Arm),
+            ("/meter/subscribe", Method::Subscribe),
+            ("/meter/unsubscribe", Method::Unsubscribe),
+            ("/status", Method::Status),
+            ("/ping", Method::Ping),
+        ] {
+            names.add(address.into(), method);
+        }
+        for voice in &patch.voices {
+            names.add(format!("/voice/{}/play", voice.name), Method::Play(voice.name.clone()));
+        }
+        for pattern in &patch.patterns {
+            names.add(format!("/pattern/{}/play", pattern.name), Method::Start(pattern.name.clone()));
+            names.add(format!("/pattern/{}/stop", pattern.name), Method::Stop(pattern.name.clone()));
+        }
+        for (number, control) in patch.controls.iter().enumerate() {
+            names.add(format!("/control/{}", control.name), Method::Set(number));
+            names.add(format!("/control/{}/get", control.name), Method::Get(number));
+        }
+        for trigger in &patch.triggers {
+            if let Source::Osc(address) = &trigger.on {
+                names.add(address.clone(), Method::Trigger(address.clone()));
+            }
+        }
+        names
+    }
+
+    fn add(&mut self, address: String, method: Method) {
+        self.places.entry(address.clone()).or_insert_with(|| {
+            self.methods.push((address, method));
+            self.methods.len() - 1
+        });
+    }
+
+    /// What an address means: that which has it to the letter, else all that it matches as a pattern. Nothing, if there is none.
+    ///
+    /// # Errors
+    /// An address that is too long, or no pattern.
+    pub fn find(&self, address: &str) -> Result<Vec<Method>, NoPattern> {
+        if let Some((_, method)) = self.places.get(address).and_then(|place| self.methods.get(*place)) {
+            return Ok(vec![method.clone()]);
+        }
+        if address.len() > LONGEST {
+            return Err(NoPattern);
+        }
+        if let Some(name) = address.strip_prefix(INPUT).filter(|name| !name.is_empty()) {
+            return Ok(vec![Method::Input(name.into())]);
+        }
+        if !address.contains(['?', '*', '[', ']', '{', '}']) {
+            return Ok(Vec::new());
+        }
+        let pattern = Pattern::parse(address).ok_or(NoPattern)?;
+        let found = self.methods.iter().filter(|(address, _)| pattern.matches(address));
+        Ok(found.map(|(_, method)| method.clone()).collect())
+    }
+}
+
+/// An address that is no pattern.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NoPattern;
+
+#[cfg(test)]
+mod tests {
+    use super::{Method, Names, NoPattern};
+    use crate::io::osc::tests::PATCH;
+    use crate::patch::Patch;
+
+    #[test]
+    fn to_the_letter_and_by_pattern() {
+        let names = Names::of(&Patch::parse("p", PATCH.as_bytes()).unwrap().value);
+        let find = |address: &str| names.find(address).unwrap();
+        assert_eq!(find("/voice/low/play"), [Method::Play("low".into())]);
+        assert_eq!(
+            find("/voice/*/play"),
+            [Method::Play("low".into()), Method::Play("high".into()), Method::Play("release".into())]
+        );
+        assert_eq!(find("/voice/{high,none}/play"), [Method::Play("high".into())]);
+        assert_eq!(find("/voice/release"), [Method::Release]);
+        assert_eq!(find("/pattern/walk/stop"), [Method::Stop("walk".into())]);
+        assert_eq!(find("/control/tem?o"), [Method::Set(1)]);
+        assert_eq!(find("/control/*/get"), [Method::Get(0), Method::Get(1)]);
+        assert_eq!(find("/hit/left"), [Method::Trigger("/hit/left".into())]);
+        // A trigger cannot take what is pacinian's own.
+        assert_eq!(find("/ping"), [Method::Ping]);
+        assert_eq!(find("/input/mouse"), [Method::Input("mouse".into())]);
+        for nothing in
+            ["/", "/voice", "/voice/none/play", "/voice/low/play/", "/nothing*", "/input/", "voice"]
+        {
+            assert_eq!(find(nothing), [], "{nothing}");
+        }
+        for wrong in ["/voice/[a/play", "/a{", &format!("/{}", "a".repeat(300))] {
+            assert_eq!(names.find(wrong), Err(NoPattern), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,382 @@
+//! The thread that listens, does what is asked, and answers.
+
+use std::io::ErrorKind;
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, SystemTime};
+
+use rosc::{OscMessage, OscPacket, OscType, encoder};
+
+use super::agenda::Agenda;
+use super::counts::Counts;
+use super::drops::dropped;
+use super::endpoint::{BindError, Endpoint};
+use super::ids::Ids;
+use super::message::{Ask, ask};
+use super::names::Names;
+use super::packet::{Unreadable, unpack};
+use super::peers::{LIFE, Peers, What};
+use super::time::{Due, Tag};
+use crate::live::signal::{Handle, Signal};
+use crate::live::stamp::Stamp;
+use crate::patch::{Control, Patch};
+
+/// The session is told of what is due this long before: more than this thread can wake too late, less than patterns are fed ahead.
+const AHEAD: u64 = 20_000_000;
+
+/// It looks this often whether it is to stop.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// The largest datagram of UDP.
+const DATAGRAM: usize = 1 << 16;
+
+/// A server that listens until it is dropped.
+pub struct Server {
+    address: SocketAddr,
+    counts: Arc<Counts>,
+    names: Sender<Names>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Server {
+    /// Listens at `endpoint` for a session that plays `patch`.
+    ///
+    /// # Errors
+    /// As [`Endpoint::bind`], or a system that has no thread left.
+    pub fn start(endpoint: Endpoint, handle: Handle, patch: &Patch) -> Result<Self, BindError> {
+        let failed = |error: std::io::Error| BindError::of(endpoint.0, &error);
+        let socket = endpoint.bind()?;
+        let address = socket.local_addr().map_err(failed)?;
+        socket.set_write_timeout(Some(LOOK)).map_err(failed)?;
+        let (counts, stop) = (Arc::new(Counts::default()), Arc::new(AtomicBool::new(false)));
+        let (send, names) = channel();
+        let mut listener = Listener {
+            socket,
+            handle,
+            counts: Arc::clone(&counts),
+            to_come: names,
+            names: Names::default(),
+            values: Vec::new(),
+            agenda: Agenda::default(),
+            ids: Ids::default(),
+            peers: Peers::default(),
+            panicked: false,
+            messages: 0,
+            space: vec![0; DATAGRAM],
+            timeout: Duration::ZERO,
+            looked: Stamp::default(),
+        };
+        listener.follow(Names::of(patch));
+        let stopped = Arc::clone(&stop);
+        let listen = move || {
+            while !stopped.load(Ordering::Acquire) {
+                listener.turn();
+            }
+            listener.look();
+        };
+        let thread = std::thread::Builder::new().name("osc".into()).spawn(listen).map_err(failed)?;
+        Ok(Self { address, counts, names: send, stop, thread: Some(thread) })
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// What came, and what became of it.
+    pub fn counts(&self) -> &Arc<Counts> {
+        &self.counts
+    }
+
+    /// The session plays another patch from now on. Controls that it still has keep what is known of them; reports on controls end.
+    pub fn follow(&self, patch: &Patch) {
+        // Nobody hears it only where the thread has ended.
+        let _ = self.names.send(Names::of(patch));
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            // One that has panicked has nothing more to say.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What the thread has.
+struct Listener {
+    socket: UdpSocket,
+    handle: Handle,
+    counts: Arc<Counts>,
+    to_come: Receiver<Names>,
+    names: Names,
+    /// What each control was sent to last.
+    values: Vec<f64>,
+    agenda: Agenda<(SocketAddr, u64, Ask)>,
+    ids: Ids,
+    peers: Peers,
+    /// Whether the brake was pulled when that was looked at last.
+    panicked: bool,
+    messages: u64,
+    /// Where datagrams are received.
+    space: Vec<u8>,
+    timeout: Duration,
+    /// When what the system dropped was looked at last.
+    looked: Stamp,
+}
+
+impl Listener {
+    /// Waits for one datagram, or until something is due.
+    fn turn(&mut self) {
+        let epoch = self.handle.epoch();
+        self.wait(epoch.now());
+        let mut space = std::mem::take(&mut self.space);
+        let received = self.socket.recv_from(&mut space);
+        let (now, wall) = (epoch.now(), SystemTime::now());
+        match received {
+            Ok((length, from)) => {
+                self.hear(space.get(..length).unwrap_or_default(), from, now, Tag::of(wall));
+            }
+            Err(error) => match error.kind() {
+                // Somebody who was answered does not listen any more; some systems say so here.
+                ErrorKind::WouldBlock
+                | ErrorKind::TimedOut
+                | ErrorKind::Interrupted
+                | ErrorKind::ConnectionReset
+                | ErrorKind::ConnectionRefused => {}
+                _ => {
+                    self.counts.failed.add(1);
+                    std::thread::sleep(LOOK);
+                }
+            },
+        }
+        self.space = space;
+        while let Ok(names) = self.to_come.try_recv() {
+            self.follow(names);
+        }
+        self.go_on(epoch.now());
+    }
+
+    /// Sees to it that nothing is waited for longer than until something is due.
+    fn wait(&mut self, now: Stamp) {
+        let due = self.agenda.next().map(|at| Stamp(at.0.saturating_sub(AHEAD)));
+        let due = due.into_iter().chain(self.peers.next()).min();
+        let wait = due.map_or(LOOK, |at| Duration::from_nanos(at.0.saturating_sub(now.0)));
+        // In whole milliseconds, so that the system is not told anew at every turn; never 0, which would be for ever.
+        let wait = Duration::from_millis(wait.min(LOOK).as_millis().max(1) as u64);
+        if wait != self.timeout && self.socket.set_read_timeout(Some(wait)).is_ok() {
+            self.timeout = wait;
+        }
+    }
+
+    fn follow(&mut self, names: Names) {
+        let known = |control: &Control| {
+            let at = self.names.controls.iter().position(|c| c.name == control.name)?;
+            self.values.get(at).copied()
+        };
+        let value = |control: &Control| known(control).unwrap_or(control.default);
+        self.values = names.controls.iter().map(|c| value(c).clamp(c.range[0], c.range[1])).collect();
+        self.names = names;
+        self.peers.forget_controls();
+    }
+
+    /// Does what a datagram asks for, which came at `now`, or `wall` by the clock of the system.
+    fn hear(&mut self, datagram: &[u8], from: SocketAddr, now: Stamp, wall: Tag) {
+        self.counts.datagrams.add(1);
+        let messages = match unpack(datagram) {
+            Ok(messages) => messages,
+            Err(Unreadable::Malformed) => return self.counts.malformed.add(1),
+            Err(Unreadable::Deep) => return self.counts.deep.add(1),
+        };
+        for (tag, message) in messages {
+            self.messages += 1;
+            self.counts.messages.add(1);
+            let methods = match self.names.find(&message.addr) {
+                Ok(methods) if methods.is_empty() => {
+                    self.counts.unknown.add(1);
+                    continue;
+                }
+                Ok(methods) => methods,
+                Err(_) => {
+                    self.counts.malformed.add(1);
+                    continue;
+                }
+            };
+            let due = tag.due(now, wall);
+            self.counts.late.add(u64::from(due == Due::Late));
+            for method in methods {
+                match (ask(&method, &message.args), due) {
+                    (Err(_), _) => self.counts.wrong.add(1),
+                    // A brake waits for nothing.
+                    (Ok(Ask::Panic), _) => self.act(now, from, self.messages, Ask::Panic),
+                    (Ok(_), Due::Far) => self.counts.far.add(1),
+                    (Ok(what), Due::At(at)) => {
+                        let room = self.agenda.add(at, (from, self.messages, what));
+                        self.counts.refused.add(u64::from(!room));
+                    }
+                    (Ok(what), Due::AtOnce | Due::Late) => self.act(now, from, self.messages, what),
+                }
+            }
+        }
+    }
+
+    /// Does what is due, and tells what is.
+    fn go_on(&mut self, now: Stamp) {
+        let panicked = self.handle.board().is_panicked();
+        if panicked && !self.panicked {
+            self.cancel();
+        }
+        self.panicked = panicked;
+        while let Some((at, (from, message, what))) = self.agenda.take(Stamp(now.0.saturating_add(AHEAD))) {
+            self.act(at, from, message, what);
+        }
+        if self.peers.next().is_some_and(|next| next <= now) {
+            let mut peers = std::mem::take(&mut self.peers);
+            let board = self.handle.board();
+            let peaks = || (0..board.channels()).map(|channel| board.take_sent_peak(channel)).collect();
+            peers.tell(now, peaks, |to, what, peaks| match what {
+                What::Meter => self.answer(to, "/meter", peaks.iter().map(|p| OscType::Float(*p)).collect()),
+                What::Control(control) => self.tell(to, control),
+            });
+            self.peers = peers;
+        }
+        if now.0.saturating_sub(self.looked.0) > 1_000_000_000 {
+            self.looked = now;
+            self.look();
+        }
+    }
+
+    /// Forgets what waits for its time.
+    fn cancel(&mut self) {
+        self.counts.cancelled.add(self.agenda.clear() as u64);
+    }
+
+    /// Looks how much the system has dropped.
+    fn look(&self) {
+        if let Some(missed) = self.socket.local_addr().ok().and_then(dropped) {
+            self.counts.missed.set(missed);
+        }
+    }
+
+    fn send(&self, at: Stamp, signal: Signal) -> bool {
+        let taken = self.handle.send_at(at, signal).is_ok();
+        if taken { &self.counts.taken } else { &self.counts.refused }.add(1);
+        taken
+    }
+
+    /// Does what was asked for, as of `at`.
+    fn act(&mut self, at: Stamp, from: SocketAddr, message: u64, what: Ask) {
+        match what {
+            Ask::Play(voice, note, id) => {
+                let number = self.handle.number();
+                if let (true, Some(id)) = (self.send(at, Signal::Play(number, voice, note)), id) {
+                    self.counts.forgotten.add(self.ids.keep(id, message, number));
+                }
+            }
+            Ask::Release(id) => match self.ids.take(id) {
+                Some(numbers) => {
+                    for number in numbers {
+                        if !self.send(at, Signal::Release(number)) {
+                            // It can be tried again.
+                            self.ids.keep(id, message, number);
+                        }
+                    }
+                }
+                None => self.counts.unknown.add(1),
+            },
+            Ask::Start(name) => drop(self.send(at, Signal::Start(self.handle.number(), name))),
+            Ask::Stop(name) => drop(self.send(at, Signal::StopNamed(name))),
+            Ask::Set(number, value) => {
+                let Some(control) = self.names.controls.get(number) else { return };
+                let (name, value) = (control.name.clone(), value.clamp(control.range[0], control.range[1]));
+                if let (true, Some(slot)) =
+                    (self.send(at, Signal::Set(name, value)), self.values.get_mut(number))
+                {
+                    *slot = value;
+                }
+            }
+            Ask::Get(control) => self.tell(from, control),
+            Ask::Report(control, Some(every)) => {
+                self.tell(from, control);
+                self.subscribe(from, What::Control(control), every);
+            }
+            Ask::Report(control, None) => self.peers.unsubscribe(from, What::Control(control)),
+            Ask::List => self.list(from),
+            Ask::Panic => {
+                // The brake is pulled, even where there is no room for what follows.
+                self.handle.board().panic();
+                self.send(at, Signal::Panic);
+                self.cancel();
+            }
+            Ask::Calm => drop(self.send(at, Signal::Calm)),
+            Ask::Arm(armed) => drop(self.send(at, Signal::Arm(armed))),
+            Ask::Subscribe(every) => {
+                if self.subscribe(from, What::Meter, every) {
+                    let every = OscType::Int(every.as_millis() as i32);
+                    self.answer(from, "/meter/subscribed", vec![every, OscType::Int(LIFE as i32)]);
+                }
+            }
+            Ask::Unsubscribe => self.peers.unsubscribe(from, What::Meter),
+            Ask::Status => self.status(from),
+            Ask::Ping => self.answer(from, "/pong", vec![]),
+            Ask::Trigger(address, numbers) => drop(self.send(at, Signal::Osc(address, numbers))),
+            Ask::Input(name) => {
+                let address = OscType::String(format!("/input/{name}"));
+                self.answer(from, "/error", vec![address, "not yet: no node reads input streams".into()]);
+            }
+            Ask::Nothing => {}
+        }
+    }
+
+    fn subscribe(&mut self, to: SocketAddr, what: What, every: Duration) -> bool {
+        let room = self.peers.subscribe(to, what, every, self.handle.epoch().now());
+        self.counts.crowded.add(u64::from(!room));
+        room
+    }
+
+    fn answer(&self, to: SocketAddr, addr: &str, args: Vec<OscType>) {
+        let packet = OscPacket::Message(OscMessage { addr: addr.into(), args });
+        let sent = encoder::encode(&packet).is_ok_and(|bytes| self.socket.send_to(&bytes, to).is_ok());
+        self.counts.unsent.add(u64::from(!sent));
+    }
+
+    fn tell(&self, to: SocketAddr, control: usize) {
+        if let (Some(c), Some(value)) = (self.names.controls.get(control), self.values.get(control)) {
+            self.answer(to, &format!("/control/{}", c.name), vec![OscType::Float(*value as f32)]);
+        }
+    }
+
+    fn list(&self, to: SocketAddr) {
+        for (control, value) in self.names.controls.iter().zip(&self.values) {
+            let [least, most] = control.range;
+            let numbers = [*value, least, most, control.default].map(|x| OscType::Float(x as f32));
+            let args = std::iter::once(control.name.as_str().into()).chain(numbers);
+            self.answer(to, "/controls", args.chain([control.unit.as_str().into()]).collect());
+        }
+        self.answer(to, "/controls/end", vec![count(self.values.len() as u64)]);
+    }
+
+    fn status(&self, to: SocketAddr) {
+        let board = self.handle.board();
+        let args = vec![
+            OscType::Long(i64::try_from(board.frames.get()).unwrap_or(i64::MAX)),
+            count(board.voices.get()),
+            OscType::Float(board.load.mean() as f32),
+            count(board.xruns.get()),
+            count(board.late.get()),
+            count(board.dropped.get() + board.refused.get()),
+        ];
+        self.answer(to, "/status", args);
+    }
+}
+
+/// As many as 32 bits hold.
+fn count(n: u64) -> OscType {
+    OscType::Int(i32::try_from(n).unwrap_or(i32::MAX))
+}

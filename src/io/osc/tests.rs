@@ -1,0 +1,379 @@
+//! What is said over UDP, and what a session would hear of it.
+
+/// A patch with something of everything.
+pub(super) const PATCH: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n\
+    [control.depth]\ndefault = 0.5\nrange = [0, 2]\nunit = \"mm\"\n[control.tempo]\ndefault = 90\nrange = [30, 240]\n\
+    [voice.low]\noutput = \"s\"\n[voice.low.nodes]\ns = { type = \"sine\", frequency = 80 }\n\
+    [voice.high]\noutput = \"s\"\n[voice.high.nodes]\ns = { type = \"sine\", frequency = 200 }\n\
+    [voice.release]\noutput = \"s\"\n[voice.release.nodes]\ns = { type = \"sine\", frequency = 200 }\n\
+    [pattern.walk]\nevents = [{ at = 0, voice = \"low\" }]\n\
+    [[trigger]]\non = \"osc./hit/left\"\nplay = \"low\"\n[[trigger]]\non = \"osc./ping\"\nplay = \"low\"\n";
+
+use std::net::UdpSocket;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::time::{Duration, SystemTime};
+
+use proptest::prelude::{ProptestConfig, any, prop, proptest};
+use rosc::{OscArray, OscBundle, OscMessage, OscPacket, OscTime, OscType, encoder};
+
+use super::counts::Counts;
+use super::peers::MOST_PEERS;
+use super::server::Server;
+use super::time::Tag;
+use crate::live::board::Board;
+use crate::live::signal::{Handle, Signal, Stamped, WAITING};
+use crate::live::stamp::Epoch;
+use crate::patch::Patch;
+
+/// A server, someone who sends to it, and what a session would hear.
+struct Scene {
+    server: Server,
+    client: UdpSocket,
+    heard: Receiver<Stamped>,
+    handle: Handle,
+}
+
+fn client() -> UdpSocket {
+    let client = UdpSocket::bind("127.0.0.1:0").unwrap();
+    client.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    client
+}
+
+fn message(addr: &str, args: &[OscType]) -> OscPacket {
+    OscPacket::Message(OscMessage { addr: addr.into(), args: args.to_vec() })
+}
+
+/// A bundle whose time comes in so many milliseconds.
+fn bundle(ms: i64, content: Vec<OscPacket>) -> OscPacket {
+    let now = SystemTime::now();
+    let time = match u64::try_from(ms) {
+        Ok(ms) => now + Duration::from_millis(ms),
+        Err(_) => now - Duration::from_millis(ms.unsigned_abs()),
+    };
+    let Tag(tag) = Tag::of(time);
+    let timetag = OscTime { seconds: (tag >> 32) as u32, fractional: tag as u32 };
+    OscPacket::Bundle(OscBundle { timetag, content })
+}
+
+/// The next message to a client.
+fn receive(client: &UdpSocket) -> (String, Vec<OscType>) {
+    let mut bytes = [0; 65_536];
+    let (length, _) = client.recv_from(&mut bytes).unwrap();
+    match rosc::decoder::decode_udp(&bytes[..length]) {
+        Ok(([], OscPacket::Message(message))) => (message.addr, message.args),
+        other => panic!("{other:?}"),
+    }
+}
+
+impl Scene {
+    fn new() -> Self {
+        let (out, heard) = sync_channel(WAITING);
+        let handle = Handle::new(out, Epoch::begin(), Arc::new(Board::new(3)));
+        let patch = Patch::parse("p", PATCH.as_bytes()).unwrap().value;
+        let server = Server::start("0".parse().unwrap(), handle.clone(), &patch).unwrap();
+        Self { server, client: client(), heard, handle }
+    }
+
+    fn send(&self, packet: &OscPacket) {
+        self.send_bytes(&encoder::encode(packet).unwrap());
+    }
+
+    fn send_bytes(&self, bytes: &[u8]) {
+        self.client.send_to(bytes, self.server.address()).unwrap();
+    }
+
+    fn say(&self, addr: &str, args: &[OscType]) {
+        self.send(&message(addr, args));
+    }
+
+    /// Waits until everything that was sent so far is done; gives what was answered.
+    fn settle(&self) -> Vec<(String, Vec<OscType>)> {
+        self.say("/ping", &[]);
+        std::iter::from_fn(|| Some(receive(&self.client)).filter(|(addr, _)| addr != "/pong")).collect()
+    }
+
+    /// What a session would hear of what is said.
+    fn hears(&self, addr: &str, args: &[OscType]) -> Vec<Signal> {
+        self.say(addr, args);
+        assert_eq!(self.settle(), [], "{addr}");
+        self.heard.try_iter().map(|stamped| stamped.signal).collect()
+    }
+
+    fn counts(&self) -> &Counts {
+        self.server.counts()
+    }
+}
+
+fn f(x: f32) -> OscType {
+    OscType::Float(x)
+}
+
+fn s(text: &str) -> OscType {
+    OscType::String(text.into())
+}
+
+/// Each address and the signal it makes.
+#[test]
+fn what_is_said_is_heard() {
+    let scene = Scene::new();
+    let Signal::Play(_, voice, note) = &scene.hears("/voice/low/play", &[f(0.5), 2.into()])[0] else {
+        panic!()
+    };
+    assert_eq!((voice.as_str(), note.level, note.duration), ("low", Some(0.5), Some(2.0)));
+    let one = |addr: &str, args: &[OscType]| {
+        let mut heard = scene.hears(addr, args);
+        assert_eq!(heard.len(), 1, "{addr} {heard:?}");
+        heard.remove(0)
+    };
+    assert!(matches!(one("/pattern/walk/play", &[]), Signal::Start(_, name) if name == "walk"));
+    assert!(matches!(one("/pattern/walk/stop", &[]), Signal::StopNamed(name) if name == "walk"));
+    assert!(matches!(one("/control/depth", &[1.into()]), Signal::Set(name, 1.0) if name == "depth"));
+    assert!(matches!(one("/calm", &[]), Signal::Calm));
+    assert!(matches!(one("/arm", &[true.into()]), Signal::Arm(true)));
+    assert!(matches!(one("/arm", &[0.into()]), Signal::Arm(false)));
+    let Signal::Osc(address, numbers) = one("/hit/*", &[f(0.25), 3.into()]) else { panic!() };
+    assert_eq!((address.as_str(), numbers.as_slice()), ("/hit/left", &[0.25, 3.0][..]));
+    assert!(!scene.handle.board().is_panicked());
+    assert!(matches!(one("/panic", &[]), Signal::Panic));
+    assert!(scene.handle.board().is_panicked());
+    assert_eq!(scene.hears("/voice/*/play", &[]).len(), 3);
+    assert_eq!(scene.hears("/control/*", &[f(1.0)]).len(), 2);
+    assert_eq!(scene.counts().trouble(), None);
+    assert_eq!(scene.counts().taken.get(), 14);
+}
+
+#[test]
+fn ids_release_what_they_played() {
+    let scene = Scene::new();
+    let numbers = |heard: Vec<Signal>| -> Vec<u64> {
+        heard.iter().map(|signal| if let Signal::Play(n, ..) = signal { *n } else { panic!() }).collect()
+    };
+    let released = |id: i32| -> Vec<u64> {
+        let heard = scene.hears("/voice/release", &[id.into()]);
+        heard.iter().map(|signal| if let Signal::Release(n) = signal { *n } else { panic!() }).collect()
+    };
+    let seven = numbers(scene.hears("/voice/low/play", &[f(0.5), s("id"), 7.into()]));
+    let eight = numbers(scene.hears("/voice/{low,high}/play", &[s("id"), 8.into()]));
+    assert_eq!((seven.len(), eight.len()), (1, 2));
+    assert_eq!(released(8), eight);
+    assert_eq!(released(7), seven);
+    assert_eq!(scene.counts().unknown.get(), 0);
+    assert!(released(7).is_empty());
+    assert_eq!(scene.counts().unknown.get(), 1);
+}
+
+#[test]
+fn controls_are_told_as_they_were_sent() {
+    let scene = Scene::new();
+    let told = |addr: &str, args: &[OscType]| {
+        scene.say(addr, args);
+        scene.settle()
+    };
+    assert_eq!(told("/control/depth/get", &[]), [("/control/depth".into(), vec![f(0.5)])]);
+    for (value, kept) in
+        [(OscType::Double(1.5), 1.5), (1.into(), 1.0), (OscType::Long(9), 2.0), (false.into(), 0.0)]
+    {
+        assert_eq!(told("/control/depth", &[value]), []);
+        assert_eq!(told("/control/d*/get", &[]), [("/control/depth".into(), vec![f(kept)])]);
+    }
+    let list = [
+        ("/controls".into(), vec![s("depth"), f(0.0), f(0.0), f(2.0), f(0.5), s("mm")]),
+        ("/controls".into(), vec![s("tempo"), f(90.0), f(30.0), f(240.0), f(90.0), s("")]),
+        ("/controls/end".into(), vec![2.into()]),
+    ];
+    assert_eq!(told("/controls", &[]), list);
+    // Another patch: what it still has is where it was.
+    let other = PATCH.replace("control.tempo", "control.rest").replace("default = 0.5", "default = 1");
+    scene.server.follow(&Patch::parse("p", other.as_bytes()).unwrap().value);
+    scene.settle();
+    let told = told("/control/*/get", &[]);
+    assert_eq!(told, [("/control/depth".into(), vec![f(0.0)]), ("/control/rest".into(), vec![f(90.0)])]);
+}
+
+#[test]
+fn answers() {
+    let scene = Scene::new();
+    let told = |addr: &str, args: &[OscType]| {
+        scene.say(addr, args);
+        scene.settle()
+    };
+    let board = scene.handle.board();
+    board.frames.set(5_000_000_000);
+    let figures = [&board.voices, &board.xruns, &board.late, &board.dropped, &board.refused];
+    figures.iter().zip([3, 2, 4, 5, 6]).for_each(|(figure, value)| figure.set(value));
+    let status = vec![OscType::Long(5_000_000_000), 3.into(), f(0.0), 2.into(), 4.into(), 11.into()];
+    assert_eq!(told("/status", &[]), [("/status".into(), status)]);
+    let answer = told("/input/mouse", &[f(1.0)]);
+    assert_eq!((answer[0].0.as_str(), &answer[0].1[0]), ("/error", &s("/input/mouse")));
+    assert!(matches!(&answer[0].1[1], OscType::String(text) if text.starts_with("not yet")));
+}
+
+/// Two servers that were made to talk to each other, by a sender that says it is another, would go on for ever.
+#[test]
+fn no_answer_is_answered() {
+    let scene = Scene::new();
+    scene.say("/control/*/get", &[]);
+    scene.say("/controls", &[]);
+    scene.say("/status", &[]);
+    scene.say("/input/mouse", &[]);
+    scene.say("/meter/subscribe", &[10_000.into()]);
+    let mut answers = scene.settle();
+    assert_eq!(answers.len(), 8);
+    answers.extend([("/pong".into(), vec![]), ("/meter".into(), vec![f(0.5); 3]), ("/meter".into(), vec![])]);
+    answers.iter().for_each(|(addr, args)| scene.say(addr, args));
+    assert_eq!(scene.settle(), []);
+}
+
+#[test]
+fn reports_come_again_and_again_until_nobody_wants_them() {
+    let scene = Scene::new();
+    let next = || receive(&scene.client);
+    scene.say("/meter/subscribe", &[10.into()]);
+    assert_eq!(next(), ("/meter/subscribed".into(), vec![10.into(), 60.into()]));
+    for _ in 0..3 {
+        assert_eq!(next(), ("/meter".into(), vec![f(0.0); 3]));
+    }
+    scene.say("/meter/unsubscribe", &[]);
+    scene.settle();
+    scene.say("/control/tempo/get", &[10.into()]);
+    for _ in 0..3 {
+        assert_eq!(next(), ("/control/tempo".into(), vec![f(90.0)]));
+    }
+    scene.say("/control/tempo/get", &[0.into()]);
+    scene.settle();
+    scene.client.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
+    assert!(scene.client.recv_from(&mut [0; 99]).is_err(), "nobody wants it any more");
+    // As many peers as there is room for.
+    let crowd: Vec<UdpSocket> = (0..MOST_PEERS).map(|_| client()).collect();
+    let subscribe = encoder::encode(&message("/meter/subscribe", &[10_000.into()])).unwrap();
+    for peer in &crowd {
+        peer.send_to(&subscribe, scene.server.address()).unwrap();
+        assert_eq!(receive(peer).0, "/meter/subscribed");
+    }
+    scene.client.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    scene.say("/meter/subscribe", &[]);
+    assert_eq!(scene.settle(), []);
+    assert_eq!(scene.counts().crowded.get(), 1);
+}
+
+#[test]
+fn bundles_are_played_at_their_time() {
+    let scene = Scene::new();
+    let epoch = scene.handle.epoch();
+    let start = epoch.now();
+    let inner = bundle(400, vec![message("/pattern/walk/stop", &[])]);
+    scene.send(&bundle(
+        200,
+        vec![inner, message("/control/depth", &[f(2.0)]), message("/pattern/walk/play", &[])],
+    ));
+    // Until shortly before, a control is where it was.
+    scene.say("/control/depth/get", &[]);
+    assert_eq!(scene.settle(), [("/control/depth".into(), vec![f(0.5)])]);
+    let heard: Vec<Stamped> =
+        (0..3).map(|_| scene.heard.recv_timeout(Duration::from_secs(20)).unwrap()).collect();
+    let kinds: Vec<&str> = heard
+        .iter()
+        .map(|h| match h.signal {
+            Signal::Set(..) => "set",
+            Signal::Start(..) => "start",
+            Signal::StopNamed(_) => "stop",
+            _ => "other",
+        })
+        .collect();
+    assert_eq!(kinds, ["set", "start", "stop"]);
+    assert_eq!(heard[0].stamp, heard[1].stamp);
+    for (heard, due) in heard.iter().zip([0.2, 0.2, 0.4]) {
+        assert!((heard.stamp.since(start) - due).abs() < 0.05, "{heard:?}");
+    }
+    scene.say("/control/depth/get", &[]);
+    assert_eq!(scene.settle(), [("/control/depth".into(), vec![f(2.0)])]);
+    assert_eq!(scene.counts().trouble(), None);
+}
+
+#[test]
+fn late_far_and_cancelled() {
+    let scene = Scene::new();
+    let play = || message("/voice/low/play", &[]);
+    scene.send(&bundle(-5000, vec![play(), play()]));
+    scene.send(&bundle(70_000, vec![play()]));
+    scene.settle();
+    assert_eq!(scene.heard.try_iter().count(), 2);
+    assert_eq!((scene.counts().late.get(), scene.counts().far.get()), (2, 1));
+    scene.send(&bundle(30_000, vec![play(), message("/calm", &[])]));
+    scene.settle();
+    assert_eq!((scene.heard.try_iter().count(), scene.counts().cancelled.get()), (0, 0));
+    // A panic waits for no time, however far, and nothing survives it.
+    scene.send(&bundle(70_000, vec![message("/panic", &[])]));
+    scene.settle();
+    assert!(matches!(scene.heard.try_recv().unwrap().signal, Signal::Panic));
+    assert!(scene.handle.board().is_panicked());
+    assert_eq!((scene.counts().cancelled.get(), scene.counts().far.get()), (2, 1));
+    // Nor one that came another way.
+    scene.handle.board().calm();
+    // The brake is looked at after an answer, so only the second is sure to come after that.
+    (0..2).for_each(|_| drop(scene.settle()));
+    scene.send(&bundle(30_000, vec![play()]));
+    scene.settle();
+    scene.handle.board().panic();
+    (0..2).for_each(|_| drop(scene.settle()));
+    assert_eq!(scene.counts().cancelled.get(), 3);
+}
+
+#[test]
+fn what_cannot_be_done_is_counted_by_kind() {
+    let scene = Scene::new();
+    scene.say("/voice/none/play", &[]);
+    scene.say("/nothing", &[]);
+    scene.say("/control/depth", &[s("high")]);
+    scene.say("/control/*", &[f(f32::NAN)]);
+    scene.say("/voice/[low/play", &[]);
+    scene.send_bytes(b"");
+    scene.send_bytes(b"hello");
+    scene.send(&(0..20).fold(message("/ping", &[]), |inner, _| bundle(0, vec![inner])));
+    scene.say("/voice/low/play", &[s("place"), OscType::Array(OscArray { content: vec![] })]);
+    assert_eq!(scene.settle(), []);
+    let c = scene.counts();
+    assert_eq!((c.unknown.get(), c.wrong.get(), c.malformed.get(), c.deep.get()), (2, 4, 3, 1));
+    assert_eq!((c.datagrams.get(), c.messages.get(), c.taken.get()), (10, 7, 0));
+    assert_eq!(scene.heard.try_iter().count(), 0);
+}
+
+/// Nobody takes the signals: as many as may wait are taken, the rest is counted, and the server goes on.
+#[test]
+fn what_the_session_refuses_is_counted() {
+    let scene = Scene::new();
+    let play = encoder::encode(&message("/voice/low/play", &[])).unwrap();
+    for _ in 0..50 {
+        (0..100).for_each(|_| scene.send_bytes(&play));
+        scene.settle();
+    }
+    let c = scene.counts();
+    assert_eq!((c.taken.get(), c.refused.get()), (WAITING as u64, 5000 - WAITING as u64));
+    assert_eq!(scene.handle.board().refused.get(), c.refused.get());
+    // The brake works all the same.
+    scene.say("/panic", &[]);
+    scene.settle();
+    assert!(scene.handle.board().is_panicked());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(20))]
+
+    /// Whatever comes, the server answers afterwards, and every datagram is accounted for.
+    #[test]
+    fn nothing_stops_the_server(
+        datagrams in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..60), 0..30),
+        addresses in prop::collection::vec("/(voice|control|pattern|\\*|[a-z{}\\[*?]{0,5})/[a-z{},*?]{0,6}(/play|/get|/stop)?", 0..30),
+        numbers in prop::collection::vec(any::<f32>(), 0..3),
+    ) {
+        let scene = Scene::new();
+        let args: Vec<OscType> = numbers.into_iter().map(OscType::Float).collect();
+        datagrams.iter().for_each(|bytes| scene.send_bytes(bytes));
+        addresses.iter().for_each(|addr| scene.say(addr, &args));
+        scene.settle();
+        let c = scene.counts();
+        assert_eq!(c.datagrams.get(), (datagrams.len() + addresses.len() + 1) as u64);
+        assert_eq!(c.taken.get(), scene.heard.try_iter().count() as u64);
+    }
+}

@@ -1,0 +1,226 @@
+//! A session on the virtual card that is driven over UDP.
+#![cfg(feature = "live")]
+
+mod common;
+#[cfg(feature = "cli")]
+mod program;
+
+use std::net::UdpSocket;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use pacinian::graph::scene::{Options, scene};
+use pacinian::io::device::choose::Chosen;
+use pacinian::io::osc::server::Server;
+use pacinian::io::session::{Beginning, Session};
+use pacinian::live::conductor::Told;
+use pacinian::live::reload::Reload;
+use pacinian::node::asset::NoAssets;
+use pacinian::rig::Rig;
+use pacinian::text::Problem;
+use rosc::{OscMessage, OscPacket, OscType, encoder};
+
+const CHANNELS: u32 = 2;
+
+/// One voice that sounds as long as it is held, a pattern that plays from the beginning and is over soon, and one that never ends.
+const PATCH: &str = "[control.depth]\ndefault = 1\n[voice.hum]\nvoices = 16\noutput = \"o\"\n[voice.hum.nodes]\n\
+    s = { type = \"sine\", frequency = 200 }\ne = { type = \"envelope\", attack = 0.005, release = 0.02 }\n\
+    o = { type = \"multiply\", inputs = [\"s\", \"e\", \"depth\"] }\n\
+    [pattern.once]\nevents = [{ at = 0, voice = \"hum\", duration = 0.01 }]\n\
+    [pattern.beat]\nevents = [{ at = 0, voice = \"hum\", duration = 0.05, place = 2 }]\nrepeat = { every = 0.1 }\n";
+
+struct Stage {
+    session: Session,
+    server: Option<Server>,
+    client: UdpSocket,
+    /// What the conductor could not do.
+    refused: Arc<AtomicU64>,
+}
+
+impl Stage {
+    fn new() -> Self {
+        // The rate of the virtual card.
+        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+        let (patch, rig) = (Arc::new(common::patch(PATCH)), Arc::new(Rig::default_for(CHANNELS)));
+        let compiled = scene(&patch, &rig, &options, &NoAssets).unwrap();
+        let refused = Arc::new(AtomicU64::new(0));
+        let count = Arc::clone(&refused);
+        let session = Session::start(Beginning {
+            scene: Reload {
+                scene: compiled,
+                patch: Arc::clone(&patch),
+                rig,
+                files: Box::new(|path| Err(Problem::of_file(path))),
+            },
+            device: Chosen::Virtual(None),
+            block: Some(64),
+            armed: true,
+            song: None,
+            record: false,
+            listener: None,
+            audience: Box::new(move |told| {
+                if let Told::Refused(_) = told {
+                    count.fetch_add(1, Ordering::Relaxed);
+                }
+            }),
+            fate: Box::new(|_| {}),
+        })
+        .unwrap();
+        let server = Server::start("0".parse().unwrap(), session.handle().clone(), &patch).unwrap();
+        let client = UdpSocket::bind("127.0.0.1:0").unwrap();
+        client.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        Self { session, server: Some(server), client, refused }
+    }
+
+    fn say(&self, addr: &str, args: &[OscType]) {
+        let packet = OscPacket::Message(OscMessage { addr: addr.into(), args: args.to_vec() });
+        self.send(&encoder::encode(&packet).unwrap());
+    }
+
+    fn send(&self, bytes: &[u8]) {
+        self.client.send_to(bytes, self.server.as_ref().unwrap().address()).unwrap();
+    }
+
+    /// Hears meters until one is as is wanted.
+    #[track_caller]
+    fn wait_for(&self, what: &str, wanted: impl Fn(&[f32]) -> bool) {
+        let begin = Instant::now();
+        let mut bytes = [0; 65_536];
+        while begin.elapsed() < Duration::from_secs(20) {
+            let (length, _) = self.client.recv_from(&mut bytes).unwrap();
+            let Ok((_, OscPacket::Message(message))) = rosc::decoder::decode_udp(&bytes[..length]) else {
+                panic!("no OSC")
+            };
+            if message.addr == "/meter" {
+                let peaks: Vec<f32> = message.args.into_iter().filter_map(OscType::float).collect();
+                assert_eq!(peaks.len(), CHANNELS as usize);
+                if wanted(&peaks) {
+                    return;
+                }
+            }
+        }
+        panic!("the meter never showed {what}");
+    }
+}
+
+fn s(text: &str) -> OscType {
+    OscType::String(text.into())
+}
+
+#[test]
+fn the_meter_shows_what_was_asked_for() {
+    let stage = Stage::new();
+    stage.say("/meter/subscribe", &[20.into()]);
+    stage.say("/pattern/beat/play", &[]);
+    stage.wait_for("the pattern", |peaks| peaks[1] > 0.3 && peaks[0] < 1e-4);
+    stage.say("/pattern/*/stop", &[]);
+    stage.say("/meter/subscribe", &[500.into()]);
+    stage.wait_for("an end of it", |peaks| peaks[1] < 1e-4);
+    stage.say("/meter/subscribe", &[20.into()]);
+    stage.say(
+        "/voice/hum/play",
+        &[OscType::Float(0.5), OscType::Inf, s("place"), 1.into(), s("id"), 7.into()],
+    );
+    stage.wait_for("the voice", |peaks| peaks[0] > 0.4 && peaks[0] < 0.6);
+    stage.say("/control/depth", &[OscType::Double(0.5)]);
+    stage.wait_for("the control", |peaks| peaks[0] > 0.2 && peaks[0] < 0.3);
+    stage.say("/voice/release", &[7.into()]);
+    stage.wait_for("the release", |peaks| peaks[0] < 1e-4);
+
+    // A panic closes the gate, and nothing is heard until it is taken back.
+    stage.say("/voice/hum/play", &[OscType::Float(1.0), OscType::Inf, s("place"), 1.into()]);
+    stage.wait_for("the next voice", |peaks| peaks[0] > 0.4);
+    assert_eq!(stage.session.board().shut.get(), 0);
+    stage.say("/panic", &[]);
+    stage.wait_for("silence", |peaks| peaks == [0.0, 0.0]);
+    assert_eq!(stage.session.board().shut.get(), 1);
+    let play = [OscType::Float(1.0), OscType::Inf, s("place"), 1.into(), s("id"), 8.into()];
+    stage.say("/voice/hum/play", &play);
+    for _ in 0..5 {
+        stage.wait_for("silence", |peaks| {
+            assert_eq!(peaks, [0.0, 0.0], "the gate is closed");
+            true
+        });
+    }
+    stage.say("/calm", &[]);
+    stage.wait_for("the voice again", |peaks| peaks[0] > 0.4);
+    assert_eq!(stage.server.as_ref().unwrap().counts().trouble(), None);
+    assert_eq!(stage.refused.load(Ordering::Relaxed), 0);
+}
+
+/// As fast as they can be sent: playing goes on, and each is played or counted.
+#[test]
+fn a_flood_is_played_or_counted() {
+    const FLOOD: u64 = 100_000;
+    let mut stage = Stage::new();
+    let play = OscMessage {
+        addr: "/voice/hum/play".into(),
+        args: vec![OscType::Float(0.01), OscType::Float(0.002)],
+    };
+    let play = encoder::encode(&OscPacket::Message(play)).unwrap();
+    let board = Arc::clone(stage.session.board());
+    let until = |what: &str, done: &mut dyn FnMut() -> bool| {
+        let begin = Instant::now();
+        while !done() {
+            assert!(begin.elapsed() < Duration::from_secs(20), "{what}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    let counts = Arc::clone(stage.server.as_ref().unwrap().counts());
+    until("the first pattern has ended", &mut || board.started.get() == 1 && board.voices.get() == 0);
+    let (before, frames) = (board.started.get(), board.frames.get());
+    (0..FLOOD).for_each(|_| stage.send(&play));
+    assert!(board.frames.get() > frames, "playing goes on");
+
+    // Afterwards all is as it was. What is said too early is dropped by the system as well.
+    let mut pings = 0;
+    stage.client.set_read_timeout(Some(Duration::from_secs(1))).unwrap();
+    until("it answers", &mut || {
+        stage.say("/ping", &[]);
+        pings += 1;
+        stage.client.recv_from(&mut [0; 99]).is_ok()
+    });
+    stage.client.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    // What was taken are voices: started, or told as refused by the conductor.
+    let heard = || board.started.get() - before + board.dropped.get() + stage.refused.load(Ordering::Relaxed);
+    until("what was taken is played", &mut || heard() >= counts.taken.get());
+    let held = [OscType::Float(0.5), OscType::Inf, s("place"), 2.into()];
+    stage.say("/meter/subscribe", &[20.into()]);
+    stage.say("/voice/hum/play", &held);
+    stage.wait_for("a voice after the flood", |peaks| peaks[1] > 0.4);
+
+    // The last counts come as the server ends.
+    drop(stage.server.take());
+    // Besides the flood and the pings: a subscription, and the last voice.
+    let sent = FLOOD + pings + 2;
+    assert!(counts.datagrams.get() <= sent);
+    if std::path::Path::new("/proc/net/udp").exists() {
+        assert_eq!(counts.datagrams.get() + counts.missed.get(), sent, "{:?}", counts.trouble());
+    }
+    assert_eq!(counts.messages.get(), counts.datagrams.get());
+    let others = counts.messages.get() - counts.taken.get() - counts.refused.get();
+    assert!((2..=pings + 1).contains(&others), "{others} of {pings}: {:?}", counts.trouble());
+    until("what was taken is played", &mut || heard() >= counts.taken.get());
+    std::thread::sleep(Duration::from_millis(200));
+    assert_eq!(heard(), counts.taken.get());
+}
+
+/// Through the program: where it listens, what went wrong, and a port that is taken.
+#[cfg(feature = "cli")]
+#[test]
+fn the_program_says_where_it_listens() {
+    let scratch = program::Scratch::new("osc");
+    scratch.write("p.toml", format!("{}{PATCH}", program::HEAD));
+    let play =
+        |at: &str| scratch.run(&["play", "p.toml", "--device", "virtual", "--duration", "0.3", "--osc", at]);
+    let run = play("0");
+    run.succeeds();
+    assert!(run.err.contains("OSC is heard on 127.0.0.1:"), "{}", run.err);
+    assert!(run.err.contains("from programs on this machine") && !run.err.contains("OSC, of"), "{}", run.err);
+    let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    play(&port)
+        .fails(75, &[&format!("127.0.0.1:{port}"), "another program listens there", "--osc 127.0.0.1:"]);
+    play("nowhere").fails(2, &["--osc", "0.0.0.0:9000"]);
+}
