@@ -36,6 +36,9 @@ pub enum Told<'a> {
     Report(&'a Report),
     /// Something that was asked for and cannot be done.
     Refused(&'a Problem),
+    /// Other patterns play than before. Those that play now: number, and name; what plays from the beginning has number 0 and no
+    /// name.
+    Playing(&'a [(u64, Option<&'a str>)]),
     /// A new patch or rig took over.
     Reloaded,
     /// A new patch or rig cannot take over; the old one plays on.
@@ -57,6 +60,8 @@ pub struct Conductor {
     /// The performer's ids and serial numbers by those that handles gave out.
     voices: HashMap<u64, u64>,
     patterns: HashMap<u64, u64>,
+    /// The serial numbers of the patterns that it told of last.
+    playing: Vec<u64>,
     /// One that waits until an engine has come back.
     waiting: Option<Box<Reload>>,
     rate: f64,
@@ -111,7 +116,8 @@ impl Conductor {
             signals,
             audience,
             voices: HashMap::new(),
-            patterns: HashMap::new(),
+            patterns: HashMap::from([(0, 0)]),
+            playing: Vec::new(),
             waiting: None,
             rate,
             ratio,
@@ -158,7 +164,16 @@ impl Conductor {
         while let Some(report) = self.rings.reports.try_pop() {
             (self.audience)(Told::Report(&report));
         }
+        self.tell_playing();
         self.director.collect();
+    }
+
+    fn tell_playing(&mut self) {
+        if !self.performer.patterns().map(|(serial, _)| serial).eq(self.playing.iter().copied()) {
+            let playing: Vec<_> = self.performer.patterns().collect();
+            self.playing = playing.iter().map(|(serial, _)| *serial).collect();
+            (self.audience)(Told::Playing(&playing));
+        }
     }
 
     fn feed(&mut self) {
@@ -267,6 +282,8 @@ impl Conductor {
             Ok(false) => self.waiting = Some(reload),
             Ok(true) => {
                 let Reload { scene, patch, rig, files } = *reload;
+                // Those that play on may be called otherwise now.
+                self.playing = vec![u64::MAX];
                 match self.performer.become_of(scene, patch, rig, files) {
                     Ok(()) => (self.audience)(Told::Reloaded),
                     Err(problem) => (self.audience)(Told::Refused(&problem)),
