@@ -72,7 +72,7 @@ impl Play {
         let armed = self.arm || wish != Wish::Default || matches!(device, Chosen::Virtual(_));
         let name = match &device {
             Chosen::Card(_, found) => found.name.clone(),
-            Chosen::Virtual(why) => format!("a virtual card, since {why}"),
+            Chosen::Virtual(why) => format!("a virtual card ({why})"),
         };
         let options = Options { rate: Some(f64::from(rate)), live: true, ..loaded.options.clone() };
         let reload = loaded.reload(&options)?;
@@ -140,6 +140,7 @@ impl Play {
             match show.step(session) {
                 None => {}
                 Some(Ending::Asked(code)) => return code,
+                Some(Ending::Closed) if guard::has_panicked() => return Some(guard::BUG),
                 Some(Ending::Closed) => return Some(stop.asked().unwrap_or(CLOSED)),
             }
         }

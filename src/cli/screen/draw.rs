@@ -18,7 +18,10 @@ const PANIC: [&str; 5] = [
 /// The same in a line.
 const SHUT: &str = " PANIC: the output is shut; c opens it again ";
 
-/// How many pages the meters have, for the keys that turn them.
+/// From so many columns on, the parts of the latency are shown.
+const PARTS: usize = 80;
+
+/// A screen.
 pub struct Drawn {
     /// As many as the screen has, none of them wider.
     pub lines: Vec<Line>,
@@ -48,7 +51,7 @@ pub fn draw(snapshot: &Snapshot, width: usize, height: usize) -> Drawn {
         10..16 => 2,
         _ => 4,
     };
-    top.extend(flow(figures(snapshot), width).into_iter().take(most));
+    top.extend(flow(figures(snapshot, width), width).into_iter().take(most));
     if height >= 8 {
         let mut keys = flow(snapshot.keys.iter().map(|key| face(key, snapshot.fancy)), width);
         keys.truncate(if height >= 16 { 3 } else { 1 });
@@ -131,7 +134,7 @@ fn fault(name: &str, count: u64) -> Line {
 }
 
 /// Load, counters and latency, the most telling first.
-fn figures(snapshot: &Snapshot) -> Vec<Line> {
+fn figures(snapshot: &Snapshot, width: usize) -> Vec<Line> {
     let (figures, latency) = (&snapshot.figures, &snapshot.latency);
     let share = |share: f64| match share {
         x if x >= 0.7 => Ink::Hot,
@@ -143,10 +146,12 @@ fn figures(snapshot: &Snapshot) -> Vec<Line> {
     load.put(share(figures.p999), &format!("{:.1} %", 100.0 * figures.p999));
     let milli = |seconds: f64| format!("{:.1}", 1000.0 * seconds);
     let mut delay = figure("latency", &format!("{} ms", milli(latency.total())), Ink::Plain);
-    delay.put(Ink::Dim, &format!(" = block {} + engine {}", milli(latency.block), milli(latency.engine)));
-    match latency.device {
-        Some(device) => delay.put(Ink::Dim, &format!(" + device {}", milli(device))),
-        None => delay.put(Ink::Dim, " + device unknown"),
+    if width >= PARTS {
+        delay.put(Ink::Dim, &format!(" = block {} + engine {}", milli(latency.block), milli(latency.engine)));
+        match latency.device {
+            Some(device) => delay.put(Ink::Dim, &format!(" + device {}", milli(device))),
+            None => delay.put(Ink::Dim, " + device unknown"),
+        }
     }
     let touched = |name: &str, count: u64| {
         figure(name, &grouped(count), if count == 0 { Ink::Plain } else { Ink::Warm })
@@ -185,7 +190,7 @@ fn face(key: &super::snapshot::KeyFace, fancy: bool) -> Line {
 
 /// What the keys do; in a narrow terminal, the most important of it.
 fn help(snapshot: &Snapshot, width: usize) -> Line {
-    let panic = if snapshot.panicked { ("c", "open again") } else { ("p", "panic") };
+    let panic = if snapshot.panicked { ("c", "opens") } else { ("p", "panic") };
     let arm = if snapshot.armed { "-20 dB" } else { "arm" };
     let mut items = vec![panic, ("q", "end"), ("space", "all patterns"), ("a", arm)];
     match snapshot.keys.as_slice() {
@@ -370,7 +375,7 @@ mod tests {
             let text = text(&snapshot, width, height);
             assert!(text.starts_with(SHUT[..17].trim_end()), "{text}");
             assert!(
-                height < 5 || text.trim_end().lines().last().unwrap().starts_with(" c open again   q"),
+                height < 5 || text.trim_end().lines().last().unwrap().starts_with(" c opens   q"),
                 "{text}"
             );
         }

@@ -16,12 +16,13 @@ pub mod tty;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crossterm::event::Event;
 use pacinian::io::device::keeper::Fate;
+use pacinian::io::device::priority::{self, Priority};
 use pacinian::io::session::Session;
 use pacinian::live::board::Board;
 use pacinian::live::signal::Signal;
@@ -102,6 +103,8 @@ pub struct Show {
     xruns: u64,
     /// Whether a frame is due now.
     due: bool,
+    /// Whether it was said that the system gives no priority.
+    humble: bool,
 }
 
 impl Show {
@@ -144,6 +147,7 @@ impl Show {
             panicked: false,
             xruns: 0,
             due: true,
+            humble: false,
         };
         Ok((show, post))
     }
@@ -152,9 +156,9 @@ impl Show {
     ///
     /// # Errors
     /// A terminal that does not let itself be taken.
-    pub fn begin(&self) -> Result<(), Failure> {
-        let Out::Screen(_) = self.out else { return Ok(()) };
-        tty::take().map_err(|error| {
+    pub fn begin(&mut self) -> Result<(), Failure> {
+        let Out::Screen(screen) = &mut self.out else { return Ok(()) };
+        screen.begin().map_err(|error| {
             Failure::said(74, format!("the terminal cannot be used ({error}); --plain does without"))
         })
     }
@@ -164,8 +168,8 @@ impl Show {
         self.listen(session.board());
         let ending = match &mut self.out {
             Out::Screen(screen) => match screen.keys() {
-                Ok(typed) => typed.into_iter().find_map(|event| self.typed(&event, session)),
-                Err(_) => Some(Ending::Closed),
+                Some(typed) => typed.into_iter().find_map(|event| self.typed(&event, session)),
+                None => Some(Ending::Closed),
             },
             Out::Lines(_) => {
                 std::thread::sleep(LOOK);
@@ -185,7 +189,7 @@ impl Show {
             }
         }
         if elapsed - self.told >= STATUS {
-            self.told = elapsed;
+            (self.told, self.snapshot.elapsed) = (elapsed, elapsed);
             let line = lines::status(&self.snapshot, self.highest);
             self.highest = 0.0;
             if let Out::Lines(lines) = &mut self.out {
@@ -228,6 +232,11 @@ impl Show {
             self.note(Happened::new(now, mood, text));
         }
         self.snapshot.panicked = panicked;
+        if !self.humble && priority::latest() == Priority::Refused {
+            self.humble = true;
+            let text = "the system gives no real-time priority, so gaps are likelier; see `pacinian devices`";
+            self.note(Happened::new(now, Mood::Told, text));
+        }
     }
 
     /// Shows that something happened; where the same happens again and again, how often.
@@ -363,6 +372,7 @@ struct Face {
 /// A screen: the thread that paints it may have to wait for the terminal, and nobody waits for that thread.
 struct Screen {
     frames: Option<SyncSender<Snapshot>>,
+    typed: Option<Receiver<Event>>,
     thread: JoinHandle<std::io::Result<()>>,
     face: Arc<Face>,
 }
@@ -375,18 +385,38 @@ impl Screen {
         let thread = std::thread::Builder::new()
             .name("screen".into())
             .spawn(move || paint(&come, &shared, colours))?;
-        Ok(Self { frames: Some(frames), thread, face })
+        Ok(Self { frames: Some(frames), typed: None, thread, face })
     }
 
-    /// Waits for keys for a moment.
-    fn keys(&mut self) -> std::io::Result<Vec<Event>> {
-        let mut typed = Vec::new();
-        let mut wait = LOOK;
-        while typed.len() < KEPT && crossterm::event::poll(wait)? {
-            typed.push(crossterm::event::read()?);
-            wait = Duration::ZERO;
+    /// Takes the terminal over, and listens to its keys from then on: in a thread of its own, which never comes back from a terminal
+    /// that is closed.
+    fn begin(&mut self) -> std::io::Result<()> {
+        tty::take()?;
+        let (out, typed) = sync_channel(KEPT);
+        std::thread::Builder::new().name("keys".into()).spawn(move || {
+            while tty::is_taken() {
+                match crossterm::event::poll(LOOK)
+                    .and_then(|some| some.then(crossterm::event::read).transpose())
+                {
+                    Ok(None) => {}
+                    // More keys than anybody can type at once are left out.
+                    Ok(Some(event)) => drop(out.try_send(event)),
+                    Err(_) => break,
+                }
+            }
+        })?;
+        self.typed = Some(typed);
+        Ok(())
+    }
+
+    /// Waits for keys for a moment; `None` where there is no terminal any more.
+    fn keys(&mut self) -> Option<Vec<Event>> {
+        let typed = self.typed.as_ref()?;
+        match typed.recv_timeout(LOOK) {
+            Ok(first) => Some(std::iter::once(first).chain(typed.try_iter().take(KEPT)).collect()),
+            Err(RecvTimeoutError::Timeout) => Some(Vec::new()),
+            Err(RecvTimeoutError::Disconnected) => None,
         }
-        Ok(typed)
     }
 
     /// Shows a frame, unless the last one is not shown yet. Says whether there is still a terminal.

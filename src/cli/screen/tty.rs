@@ -117,6 +117,7 @@ impl Painter {
 mod tests {
     use super::{ENTER, LEAVE, Painter, is_fancy};
     use crate::cli::screen::line::{Ink, Line};
+    use std::num::NonZero;
 
     fn lines(texts: &[&str]) -> Vec<Line> {
         texts.iter().map(|text| Line::of(Ink::Bold, text)).collect()
@@ -124,7 +125,8 @@ mod tests {
 
     #[test]
     fn the_terminal_shows_what_was_drawn_last() {
-        let mut terminal = vt100::Parser::new(3, 10, 0);
+        let some = |n| NonZero::new(n).unwrap();
+        let mut terminal = vt100::Parser::new(some(3), some(10), 0);
         terminal.process(b"before");
         terminal.process(ENTER.as_bytes());
         let mut painter = Painter::new(true);
@@ -140,7 +142,7 @@ mod tests {
             assert_eq!(terminal.screen().contents().trim_end(), shown.trim_end());
         }
         // Another size, and whatever else stood there.
-        terminal.screen_mut().set_size(2, 7);
+        terminal.screen_mut().set_size(some(2), some(7));
         terminal.process(b"\x1b[1;1Hxxxxxxxxxxx");
         terminal.process(painter.frame(&lines(&["abc", "1234567"]), 7, 2).as_bytes());
         assert_eq!(terminal.screen().contents(), "abc\n1234567");
