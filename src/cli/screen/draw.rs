@@ -4,7 +4,7 @@ use super::happened::{Happened, Mood, clock, moment};
 use super::line::{Ink, Line, flow};
 use super::meters::meters;
 use super::snapshot::Snapshot;
-use crate::cli::table::{grouped, hertz};
+use crate::cli::table::{grouped, hertz, many};
 
 /// What is written in large letters while the output is shut.
 const PANIC: [&str; 5] = [
@@ -53,7 +53,10 @@ pub fn draw(snapshot: &Snapshot, width: usize, height: usize) -> Drawn {
     };
     top.extend(flow(figures(snapshot, width), width).into_iter().take(most));
     if height >= 8 {
-        let mut keys = flow(snapshot.keys.iter().map(|key| face(key, snapshot.fancy)), width);
+        let more = (snapshot.keyless > 0)
+            .then(|| Line::of(Ink::Dim, &format!("and {} without a key", many(snapshot.keyless, "pattern"))));
+        let faces = snapshot.keys.iter().map(|key| face(key, snapshot.fancy));
+        let mut keys = flow(faces.chain(more), width);
         keys.truncate(if height >= 16 { 3 } else { 1 });
         keys.extend(foot);
         foot = keys;
@@ -341,7 +344,7 @@ mod tests {
     #[test]
     fn everything_is_there() {
         let mut snapshot = scene(16, |n| format!("t{n}"));
-        snapshot.figures.xruns = 1234;
+        (snapshot.figures.xruns, snapshot.keyless) = (1234, 3);
         snapshot.events.push(Happened { again: 2, ..Happened::new(3.0, Mood::Bad, "no such voice") });
         let text = text(&snapshot, 100, 30);
         for part in [
@@ -359,6 +362,7 @@ mod tests {
             " t15 ",
             "-10.5",
             "2 ▶ t2",
+            "and 3 patterns without a key",
             "0:03.000  no such voice (x 3)",
             "p panic   q end   1-9 pattern   space all patterns   a -20 dB",
         ] {

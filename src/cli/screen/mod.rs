@@ -182,6 +182,7 @@ impl Show {
             if let Out::Screen(screen) = &mut self.out {
                 self.snapshot.events = self.events.iter().cloned().collect();
                 self.snapshot.keys = self.players.faces();
+                self.snapshot.keyless = self.players.keyless();
                 self.snapshot.missed = self.fetch.missed();
                 if !screen.show(&self.snapshot) {
                     return Some(Ending::Closed);
@@ -234,7 +235,7 @@ impl Show {
         self.snapshot.panicked = panicked;
         if !self.humble && priority::latest() == Priority::Refused {
             self.humble = true;
-            let text = "the system gives no real-time priority, so gaps are likelier; see `pacinian devices`";
+            let text = "the system gives no real-time priority, so gaps are likelier; on Linux, allow rtprio in /etc/security/limits.d";
             self.note(Happened::new(now, Mood::Told, text));
         }
     }
@@ -355,7 +356,10 @@ impl Show {
         let peaks = self.snapshot.tactors.iter().enumerate().map(peak).collect();
         drop(self.out);
         let troubles: String = self.troubles.iter().map(|trouble| lines::event(trouble) + "\n").collect();
-        terminal.note(&troubles);
+        // Where there is nothing to say, nobody waits for who does not read.
+        if !troubles.is_empty() {
+            terminal.note(&troubles);
+        }
         peaks
     }
 }

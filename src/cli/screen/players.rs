@@ -59,6 +59,12 @@ impl Players {
         (1..=DIGITS).filter_map(face).collect()
     }
 
+    /// Patterns that no digit plays: those behind the ninth, and those whose digit is a trigger's.
+    pub fn keyless(&self) -> usize {
+        let with_key = self.faces().iter().filter(|face| !face.trigger).count();
+        self.patterns.len() - with_key
+    }
+
     /// What a digit asks for; `number` gives numbers that nobody else has.
     ///
     /// # Errors
@@ -152,6 +158,7 @@ mod tests {
         let faces = players.faces();
         assert_eq!(faces.iter().map(|f| f.digit).collect::<Vec<_>>(), [1, 2, 3, 5]);
         assert_eq!((faces[2].name.as_str(), faces[2].trigger), ("knock", true));
+        assert_eq!(players.keyless(), 1);
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub struct Snapshot {
     pub tactors: Vec<(String, Meter)>,
     /// By key, from 1.
     pub keys: Vec<KeyFace>,
+    /// Patterns for which there is no digit left.
+    pub keyless: usize,
     /// The latest events, the last at the end.
     pub events: Vec<Happened>,
     /// Events that came too fast to be shown.

@@ -48,6 +48,11 @@ pub fn is_fancy(lookup: impl Fn(&str) -> Option<String>) -> bool {
 /// # Errors
 /// What the system says.
 pub fn take() -> std::io::Result<()> {
+    // Older Windows must be asked to understand escape sequences.
+    #[cfg(windows)]
+    if !crossterm::ansi_support::supports_ansi() {
+        return Err(std::io::ErrorKind::Unsupported.into());
+    }
     crossterm::terminal::enable_raw_mode()?;
     TAKEN.store(true, Ordering::SeqCst);
     let mut out = stdout().lock();
