@@ -3,6 +3,7 @@
 mod bar;
 mod draw;
 mod happened;
+mod head;
 mod keys;
 mod line;
 mod lines;
@@ -12,12 +13,9 @@ mod players;
 mod post;
 mod snapshot;
 pub mod tty;
+mod window;
 
 use std::collections::VecDeque;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crossterm::event::Event;
@@ -30,7 +28,6 @@ use pacinian::live::signal::Signal;
 use super::failure::Failure;
 use super::load::Loaded;
 use super::terminal::Terminal;
-use draw::draw;
 use happened::{Happened, Mood};
 use keys::{Act, Keys};
 use lines::Lines;
@@ -39,6 +36,7 @@ use players::Players;
 pub use post::Post;
 use post::{PostBox, State, post};
 use snapshot::{Figures, Latency, Snapshot};
+use window::Screen;
 
 /// From one drawing to the next.
 const FRAME: Duration = Duration::from_millis(50);
@@ -52,9 +50,6 @@ const STATUS: f64 = 10.0;
 /// Events that are kept for the screen, and problems for after it.
 const KEPT: usize = 200;
 const TROUBLES: usize = 20;
-
-/// So long a terminal may take for the last frame.
-const PATIENCE: Duration = Duration::from_millis(300);
 
 /// What is played on what.
 pub struct Scenery<'a> {
@@ -321,7 +316,7 @@ impl Show {
             Act::All => self.players.all(number),
             Act::Turn(by) => {
                 let Out::Screen(screen) = &self.out else { return None };
-                let pages = screen.face.pages.load(Ordering::Relaxed).max(1);
+                let pages = screen.pages();
                 let page = self.snapshot.page.min(pages - 1) + pages;
                 self.snapshot.page = page.saturating_add_signed(by as isize) % pages;
                 Ok(Vec::new())
@@ -332,7 +327,7 @@ impl Show {
             }
             Act::Redraw => {
                 if let Out::Screen(screen) = &self.out {
-                    screen.face.redraw.store(true, Ordering::Relaxed);
+                    screen.redraw();
                 }
                 Ok(Vec::new())
             }
@@ -362,105 +357,4 @@ impl Show {
         }
         peaks
     }
-}
-
-/// What the thread that paints shares with the one that listens.
-#[derive(Default)]
-struct Face {
-    /// Pages of the meters.
-    pages: AtomicUsize,
-    /// Whether everything is to be written again.
-    redraw: AtomicBool,
-}
-
-/// A screen: the thread that paints it may have to wait for the terminal, and nobody waits for that thread.
-struct Screen {
-    frames: Option<SyncSender<Snapshot>>,
-    typed: Option<Receiver<Event>>,
-    thread: JoinHandle<std::io::Result<()>>,
-    face: Arc<Face>,
-}
-
-impl Screen {
-    fn new(colours: bool) -> std::io::Result<Self> {
-        let (frames, come) = sync_channel(1);
-        let face = Arc::<Face>::default();
-        let shared = Arc::clone(&face);
-        let thread = std::thread::Builder::new()
-            .name("screen".into())
-            .spawn(move || paint(&come, &shared, colours))?;
-        Ok(Self { frames: Some(frames), typed: None, thread, face })
-    }
-
-    /// Takes the terminal over, and listens to its keys from then on: in a thread of its own, which never comes back from a terminal
-    /// that is closed.
-    fn begin(&mut self) -> std::io::Result<()> {
-        tty::take()?;
-        let (out, typed) = sync_channel(KEPT);
-        std::thread::Builder::new().name("keys".into()).spawn(move || {
-            while tty::is_taken() {
-                match crossterm::event::poll(LOOK)
-                    .and_then(|some| some.then(crossterm::event::read).transpose())
-                {
-                    Ok(None) => {}
-                    // More keys than anybody can type at once are left out.
-                    Ok(Some(event)) => drop(out.try_send(event)),
-                    Err(_) => break,
-                }
-            }
-        })?;
-        self.typed = Some(typed);
-        Ok(())
-    }
-
-    /// Waits for keys for a moment; `None` where there is no terminal any more.
-    fn keys(&mut self) -> Option<Vec<Event>> {
-        let typed = self.typed.as_ref()?;
-        match typed.recv_timeout(LOOK) {
-            Ok(first) => Some(std::iter::once(first).chain(typed.try_iter().take(KEPT)).collect()),
-            Err(RecvTimeoutError::Timeout) => Some(Vec::new()),
-            Err(RecvTimeoutError::Disconnected) => None,
-        }
-    }
-
-    /// Shows a frame, unless the last one is not shown yet. Says whether there is still a terminal.
-    fn show(&mut self, snapshot: &Snapshot) -> bool {
-        if let Some(frames) = &self.frames {
-            // One that finds no room is left out: the next comes soon.
-            let _ = frames.try_send(snapshot.clone());
-        }
-        !self.thread.is_finished()
-    }
-}
-
-impl Drop for Screen {
-    fn drop(&mut self) {
-        drop(self.frames.take());
-        let until = Instant::now() + PATIENCE;
-        while !self.thread.is_finished() && Instant::now() < until {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        tty::give_back();
-    }
-}
-
-fn paint(frames: &Receiver<Snapshot>, face: &Face, colours: bool) -> std::io::Result<()> {
-    use std::io::Write;
-    let mut painter = tty::Painter::new(colours);
-    let mut out = std::io::stdout();
-    for snapshot in frames {
-        if !tty::is_taken() {
-            break;
-        }
-        let (width, height) = tty::size().ok_or(std::io::ErrorKind::NotConnected)?;
-        let (width, height) = (usize::from(width), usize::from(height));
-        if face.redraw.swap(false, Ordering::Relaxed) {
-            painter.forget();
-        }
-        let drawn = draw(&snapshot, width, height);
-        face.pages.store(drawn.pages, Ordering::Relaxed);
-        out.write_all(painter.frame(&drawn.lines, width, height).as_bytes())?;
-        out.flush()?;
-    }
-    Ok(())
 }
