@@ -1,5 +1,5 @@
-//! The screen: a thread that paints it, which may have to wait for the terminal, and one that listens to keys, which never comes back
-//! from a terminal that is closed. Nobody waits for either.
+//! The screen: a thread that paints it, and one that listens to keys. Both may have to wait for a terminal that is slow or closed, and
+//! nobody waits for them.
 
 use std::io::Write;
 use std::sync::Arc;
