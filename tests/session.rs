@@ -45,6 +45,7 @@ fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
             Told::Report(report) => format!("{report:?}"),
             Told::Refused(problem) => format!("refused: {problem}"),
             Told::Reloaded => "reloaded".into(),
+            Told::Playing(_) => "playing".into(),
             Told::Kept(why) => format!("kept: {why}"),
         });
     };

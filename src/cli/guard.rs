@@ -2,13 +2,23 @@
 
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The exit code of a bug, `EX_SOFTWARE` of `sysexits.h`.
-const BUG: u8 = 70;
+pub const BUG: u8 = 70;
+
+static PANICKED: AtomicBool = AtomicBool::new(false);
+
+/// Whether a thread of the program has panicked.
+pub fn has_panicked() -> bool {
+    PANICKED.load(Ordering::Relaxed)
+}
 
 /// Runs `work`. A panic in it is told as the bug it is; files that are being written are completed as far as they are.
 pub fn guarded(work: impl FnOnce() -> u8) -> u8 {
     set_hook(Box::new(|info| {
+        PANICKED.store(true, Ordering::Relaxed);
+        super::screen::tty::give_back();
         let place = info.location().map(ToString::to_string).unwrap_or_default();
         let payload = info.payload();
         let text = payload.downcast_ref::<String>().map(String::as_str);

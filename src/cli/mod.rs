@@ -27,6 +27,7 @@ mod problems;
 mod progress;
 mod render;
 mod schema;
+mod screen;
 mod setting;
 mod stop;
 mod summary;

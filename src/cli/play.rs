@@ -1,8 +1,10 @@
 //! `pacinian play`.
 
 use super::failure::Failure;
+use super::guard;
 use super::load::{Loaded, Scene};
 use super::problems;
+use super::screen::{Ending, Scenery, Show};
 use super::stop::Stop;
 use super::table::dbfs;
 use super::terminal::Terminal;
@@ -10,16 +12,14 @@ use clap::Args;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
-use pacinian::io::device::keeper::Fate;
-use pacinian::io::device::priority::{self, Priority};
+use pacinian::io::midi_in::MidiPorts;
 use pacinian::io::osc::endpoint::{BindError, Endpoint};
 use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::board::Board;
-use pacinian::live::conductor::Told;
+use pacinian::live::signal::Signal;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Plays a patch on a sound card, in real time
 #[derive(Debug, Args)]
@@ -28,6 +28,9 @@ use std::time::{Duration, Instant};
     pacinian play patches/04-heartbeat.toml --device virtual --duration 5\n\n\
     With no device named, here or in the rig, it plays on the system's default, which may be headphones: at -20 dB until --arm. \
     With no sound card at all it plays on a virtual one, which keeps real time and is heard by nobody.\n\
+    In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, space all of them, p or Escape shuts \
+    the output at once (c opens it again), a is full level or -20 dB, q ends it. Anywhere else, and with --plain, it writes a line for \
+    everything that happens.\n\
     Ctrl-C ends it: the output goes to exact zeros within 2 ms."
 )]
 pub struct Play {
@@ -45,16 +48,16 @@ pub struct Play {
     /// Listen for OSC on this UDP port, or address and port; a port alone is for this machine only. docs/osc.md lists what it hears
     #[arg(long, value_name = "ADDR")]
     osc: Option<Endpoint>,
+    /// The ports of MIDI to listen to, by a part of their names; `none` for none [default: all, if the patch has use for MIDI]
+    #[arg(long, value_name = "NAME")]
+    midi_in: Option<String>,
     /// Seconds to play [default: until Ctrl-C]
     #[arg(long, value_name = "S", value_parser = super::render::seconds)]
     duration: Option<f64>,
 }
 
-/// What threads of the session say.
-enum Said {
-    Problem(String),
-    Fate(Fate),
-}
+/// The exit code where the terminal was closed, as that of SIGHUP.
+const CLOSED: u8 = 129;
 
 impl From<DeviceError> for Failure {
     fn from(error: DeviceError) -> Self {
@@ -91,8 +94,16 @@ impl Play {
         let options = Options { rate: Some(f64::from(rate)), live: true, ..loaded.options.clone() };
         let reload = loaded.reload(&options)?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
-        let (say, said) = channel();
-        let (say_fate, say_told) = (say.clone(), say);
+        let scenery = Scenery {
+            loaded: &loaded,
+            first: &reload.scene.patterns,
+            device: device.name(),
+            rate,
+            armed,
+            duration: self.duration,
+        };
+        let (mut show, post) = Show::new(&scenery, terminal)?;
+        let (heard, told, fate, ports) = (post.clone(), post.clone(), post.clone(), post);
         let stop = Stop::listen()?;
         let mut session = Session::start(Beginning {
             scene: reload,
@@ -101,9 +112,9 @@ impl Play {
             armed,
             record: false,
             song: loaded.song.clone(),
-            listener: None,
-            audience: Box::new(move |told| tell(told, &say_told)),
-            fate: Box::new(move |fate| drop(say_fate.send(Said::Fate(fate)))),
+            listener: Some(Box::new(move |event| heard.hear(event))),
+            audience: Box::new(move |what| told.told(what)),
+            fate: Box::new(move |what| fate.fate(what)),
         })
         .map_err(|error| match error {
             SessionError::Device(error) => error.into(),
@@ -121,55 +132,64 @@ impl Play {
             let by = if open { "all that can reach it" } else { "programs on this machine" };
             terminal.note(&format!("OSC is heard on {}, from {by}\n", osc.address()));
         }
-        let ended = self.watch(&session, &stop, &said, terminal);
+        // What nothing listens to is not opened.
+        let wanted = self.midi_in.clone().filter(|name| name != "none");
+        let midi = (wanted.is_some() || (self.midi_in.is_none() && loaded.patch.hears_midi()))
+            .then(|| MidiPorts::listen(session.handle(), wanted, Box::new(move |news| ports.port(&news))))
+            .transpose()
+            .map_err(|error| Failure::said(71, format!("no thread for MIDI: {error}")))?;
+        show.begin()?;
+        let ended = self.watch(&session, &stop, &mut show);
+        drop(midi);
         // What the system dropped last is counted when the server ends.
         let counts = osc.map(|osc| Arc::clone(osc.counts()));
+        // The gate closes before anything else is done, even where the conductor is no more.
+        if guard::has_panicked() {
+            session.board().panic();
+        }
+        let _ = session.handle().send(Signal::End);
+        let peaks = show.end(session.board(), terminal);
         session.stop();
         if let Some(trouble) = counts.and_then(|counts| counts.trouble()) {
             terminal.note(&format!("{trouble}\n"));
         }
-        self.conclude(&loaded, session.board(), terminal)?;
+        let concluded = self.conclude(&loaded, session.board(), &peaks, terminal);
         match ended {
+            // A terminal that is closed cannot be written to either.
             Some(code) => Err(Failure::told(code)),
-            None => Ok(()),
+            None => concluded,
         }
     }
 
     /// Until somebody asks to stop; gives the exit code then.
-    fn watch(
-        &self,
-        session: &Session,
-        stop: &Stop,
-        said: &Receiver<Said>,
-        terminal: &Terminal,
-    ) -> Option<u8> {
+    fn watch(&self, session: &Session, stop: &Stop, show: &mut Show) -> Option<u8> {
         let begin = Instant::now();
         loop {
             if let Some(code) = stop.asked() {
                 return Some(code);
             }
+            if guard::has_panicked() {
+                return Some(guard::BUG);
+            }
             if self.duration.is_some_and(|seconds| begin.elapsed().as_secs_f64() >= seconds) {
                 return None;
             }
-            while let Ok(said) = said.try_recv() {
-                terminal.note(&match said {
-                    Said::Problem(what) => format!("{what}\n"),
-                    Said::Fate(Fate::Lost(why)) => {
-                        format!("the device is gone ({why}); going on in silence\n")
-                    }
-                    Said::Fate(Fate::Back) => "the device is back\n".into(),
-                    Said::Fate(Fate::Moved) => "the system moved the stream to another device\n".into(),
-                    Said::Fate(Fate::Said(what)) => format!("{what}\n"),
-                });
+            match show.step(session) {
+                None => {}
+                Some(Ending::Asked(code)) => return code,
+                Some(Ending::Closed) if guard::has_panicked() => return Some(guard::BUG),
+                Some(Ending::Closed) => return Some(stop.asked().unwrap_or(CLOSED)),
             }
-            if session.board().frames.get() > 0 && priority::latest() == Priority::Refused {
-                // Said once, at the end.
-            }
-            std::thread::sleep(Duration::from_millis(20));
         }
     }
 
-    fn conclude(&self, loaded: &Loaded, board: &Arc<Board>, terminal: &Terminal) -> Result<(), Failure> {
+    fn conclude(
+        &self,
+        loaded: &Loaded,
+        board: &Board,
+        peaks: &[f32],
+        terminal: &Terminal,
+    ) -> Result<(), Failure> {
         let load = &board.load;
         let mut text = format!(
             "{}: {} frames, {} voices, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost\n",
@@ -183,24 +203,13 @@ impl Play {
             board.late.get(),
             board.dropped.get() + board.refused.get(),
         );
-        for (channel, name) in loaded.tactors().iter().enumerate() {
-            let peak = board.take_peak(channel);
+        for (name, &peak) in loaded.tactors().iter().zip(peaks) {
             if peak > 0.0 {
                 text += &format!("  {name}: {}\n", dbfs(peak));
             }
         }
         terminal.print(&text)
     }
-}
-
-fn tell(told: Told<'_>, say: &Sender<Said>) {
-    let what = match told {
-        Told::Report(_) => return,
-        Told::Refused(problem) => problem.to_string(),
-        Told::Reloaded => "reloaded".into(),
-        Told::Kept(why) => format!("the old one plays on: {why}"),
-    };
-    let _ = say.send(Said::Problem(what));
 }
 
 impl Loaded {

@@ -65,12 +65,24 @@ impl Line {
     }
 }
 
+/// What leads to the ports. Where the system's own is missing, its library would say so on standard error each time it is asked.
+fn input() -> Result<MidiInput, String> {
+    let sequencer = std::path::Path::new("/dev/snd/seq");
+    if cfg!(target_os = "linux") && !sequencer.exists() {
+        return Err(
+            "there is no /dev/snd/seq: load the sequencer, sudo modprobe snd-seq, or plug an instrument in"
+                .into(),
+        );
+    }
+    MidiInput::new("pacinian").map_err(|error| error.to_string())
+}
+
 /// The names of all ports, or why there are none.
 ///
 /// # Errors
 /// A system without MIDI.
 pub fn names() -> Result<Vec<String>, String> {
-    let input = MidiInput::new("pacinian").map_err(|error| error.to_string())?;
+    let input = input()?;
     Ok(input.ports().iter().filter_map(|port| input.port_name(port).ok()).collect())
 }
 
@@ -91,7 +103,7 @@ impl MidiPorts {
             let mut refused: Vec<String> = Vec::new();
             let (mut next, mut without) = (0, false);
             while !stopped.load(Ordering::Acquire) {
-                match MidiInput::new("pacinian") {
+                match input() {
                     Ok(input) => {
                         without = false;
                         search(
@@ -107,7 +119,7 @@ impl MidiPorts {
                     }
                     Err(error) => {
                         if !std::mem::replace(&mut without, true) {
-                            news(PortNews::None(error.to_string()));
+                            news(PortNews::None(error));
                         }
                     }
                 }
@@ -169,7 +181,7 @@ fn search(
         if !fits || known || name.starts_with("Midi Through") {
             continue;
         }
-        let Ok(mut line) = MidiInput::new("pacinian") else { continue };
+        let Ok(mut line) = self::input() else { continue };
         line.ignore(Ignore::None);
         let number = *next;
         let state =

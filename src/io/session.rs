@@ -12,6 +12,7 @@ use super::device::card::Shape;
 use super::device::choose::Chosen;
 use super::device::failure::DeviceError;
 use super::device::keeper::{BLOCK, Fate, Keeper};
+use crate::engine::Delay;
 use crate::engine::exchange::exchange;
 use crate::live::board::Board;
 use crate::live::callback::Callback;
@@ -54,6 +55,7 @@ pub struct Session {
     conductor: Option<JoinHandle<()>>,
     recording: Option<HeapCons<f32>>,
     rate: f64,
+    delay: Delay,
 }
 
 /// Seconds of recording that may wait to be fetched.
@@ -69,7 +71,7 @@ impl Session {
             beginning;
         let Reload { scene, patch, rig, files } = reload;
         let (rate, channels) = (scene.plan.device_rate, scene.plan.channels);
-        let (director, stagehand) =
+        let (director, mut stagehand) =
             exchange(&scene.plan).map_err(|why| SessionError::Plan(why.to_string()))?;
         let mut performer =
             Performer::new(scene, patch, rig, files).map_err(|why| SessionError::Plan(why.to_string()))?;
@@ -79,6 +81,7 @@ impl Session {
         if let Some(song) = song {
             performer.play_song(song.messages.iter().copied(), song.seconds);
         }
+        let delay = stagehand.engine().delay();
         let board = Arc::new(Board::new(channels));
         let gate = Gate::new(rate, if armed { 1.0 } else { UNARMED });
         let (mut callback, rings) = Callback::new(stagehand, gate, Arc::clone(&board));
@@ -100,7 +103,7 @@ impl Session {
             .name("conductor".into())
             .spawn(move || conductor.lead())
             .map_err(|error| SessionError::Plan(format!("no thread for the conductor: {error}")))?;
-        Ok(Self { handle, board, keeper: Some(keeper), conductor: Some(conductor), recording, rate })
+        Ok(Self { handle, board, keeper: Some(keeper), conductor: Some(conductor), recording, rate, delay })
     }
 
     /// By which other threads reach it.
@@ -111,6 +114,11 @@ impl Session {
     /// How it stands.
     pub fn board(&self) -> &Arc<Board> {
         &self.board
+    }
+
+    /// The delay of the engine that it began with.
+    pub fn delay(&self) -> Delay {
+        self.delay
     }
 
     /// What has gone out and was not fetched yet, interleaved frames, if it is recorded. Whoever takes it must fetch it several

@@ -39,6 +39,9 @@ pub enum Told<'a> {
     Report(&'a Report),
     /// Something that was asked for and cannot be done.
     Refused(&'a Problem),
+    /// Other patterns play than before. Those that play now: number, and name; what plays from the beginning has number 0 and no
+    /// name.
+    Playing(&'a [(u64, Option<&'a str>)]),
     /// A new patch or rig took over.
     Reloaded,
     /// A new patch or rig cannot take over; the old one plays on.
@@ -61,6 +64,8 @@ pub struct Conductor {
     /// The performer's ids and serial numbers by those that handles gave out.
     voices: BTreeMap<u64, u64>,
     patterns: HashMap<u64, u64>,
+    /// The serial numbers of the patterns that it told of last.
+    playing: Vec<u64>,
     /// One that waits until an engine has come back.
     waiting: Option<Box<Reload>>,
     rate: f64,
@@ -116,7 +121,8 @@ impl Conductor {
             signals,
             audience,
             voices: BTreeMap::new(),
-            patterns: HashMap::new(),
+            patterns: HashMap::from([(0, 0)]),
+            playing: Vec::new(),
             waiting: None,
             rate,
             ratio,
@@ -163,6 +169,7 @@ impl Conductor {
         while let Some(report) = self.rings.reports.try_pop() {
             (self.audience)(Told::Report(&report));
         }
+        self.tell_playing();
         self.director.collect();
     }
 
@@ -172,6 +179,14 @@ impl Conductor {
         let mut outlet = ToCallback { rings: &mut self.rings, clock: self.board.clock.get() };
         if let Err(problem) = self.performer.midi_tick(at, &mut outlet) {
             (self.audience)(Told::Refused(&problem));
+        }
+    }
+
+    fn tell_playing(&mut self) {
+        if !self.performer.patterns().map(|(serial, _)| serial).eq(self.playing.iter().copied()) {
+            let playing: Vec<_> = self.performer.patterns().collect();
+            self.playing = playing.iter().map(|(serial, _)| *serial).collect();
+            (self.audience)(Told::Playing(&playing));
         }
     }
 
@@ -204,10 +219,10 @@ impl Conductor {
         let done = match signal {
             Signal::Play(number, voice, note) => self.performer.play(at, &voice, &note, outlet).map(|id| {
                 // Numbers come in order. Whoever has let go of none for so long has no use for the oldest.
-                    if self.voices.len() >= REMEMBERED {
-                        self.voices.pop_first();
-                    }
-                    self.voices.insert(number, id);
+                if self.voices.len() >= REMEMBERED {
+                    self.voices.pop_first();
+                }
+                self.voices.insert(number, id);
             }),
             Signal::Release(number) => match self.voices.remove(&number) {
                 Some(id) => sent(self.performer.release(at, id, outlet)),
@@ -290,6 +305,8 @@ impl Conductor {
             Ok(false) => self.waiting = Some(reload),
             Ok(true) => {
                 let Reload { scene, patch, rig, files } = *reload;
+                // Those that play on may be called otherwise now.
+                self.playing = vec![u64::MAX];
                 match self.performer.become_of(scene, patch, rig, files) {
                     Ok(()) => (self.audience)(Told::Reloaded),
                     Err(problem) => (self.audience)(Told::Refused(&problem)),

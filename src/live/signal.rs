@@ -22,7 +22,7 @@ pub enum Signal {
     Set(String, f64),
     /// Start a pattern, under a number by which it can be stopped.
     Start(u64, String),
-    /// Stop the pattern of that number.
+    /// Stop the pattern of that number; 0: what plays from the beginning.
     Stop(u64),
     /// Stop all that a pattern of that name plays, however it was started.
     StopNamed(String),

@@ -203,6 +203,14 @@ impl Patch {
         self.problems(&[])
     }
 
+    /// Whether a trigger or a binding of it hears MIDI.
+    pub fn hears_midi(&self) -> bool {
+        let set_off = |trigger: &Trigger| {
+            matches!(trigger.on, Source::MidiNote | Source::MidiProgram(_) | Source::MidiController { .. })
+        };
+        self.triggers.iter().any(set_off) || self.binds.iter().any(|bind| !matches!(bind.from, Mover::Osc(_)))
+    }
+
     /// Every place that stands in it, with where it stands: of voices, of events, of triggers that are set off by the start.
     pub fn each_place(&self, mut see: impl FnMut(&Place, &Span)) {
         for voice in &self.voices {

@@ -1,0 +1,338 @@
+//! From a snapshot to the lines of the screen.
+
+use super::happened::{Happened, Mood, moment};
+use super::head::{figures, title};
+use super::line::{Ink, Line, flow};
+use super::meters::meters;
+use super::snapshot::{KeyFace, Snapshot};
+use crate::cli::table::{grouped, many};
+
+/// What is written in large letters while the output is shut.
+const PANIC: [&str; 5] = [
+    "#####   ####  ##  ## ######  ####",
+    "##  ## ##  ## ### ##   ##   ##  ##",
+    "#####  ###### ######   ##   ##",
+    "##     ##  ## ## ###   ##   ##  ##",
+    "##     ##  ## ##  ## ######  ####",
+];
+
+/// The same in a line.
+const SHUT: &str = " PANIC: the output is shut; c opens it again ";
+
+/// A screen.
+pub struct Drawn {
+    /// As many as the screen has, none of them wider.
+    pub lines: Vec<Line>,
+    /// Pages of the meters.
+    pub pages: usize,
+}
+
+/// Draws a screen of `width` by `height`.
+pub fn draw(snapshot: &Snapshot, width: usize, height: usize) -> Drawn {
+    let mark = if snapshot.fancy { "…" } else { "~" };
+    let mut top = Vec::new();
+    let mut foot = Vec::new();
+    if snapshot.panicked {
+        let mut line = Line::of(Ink::Alarm, SHUT).clip(width, mark);
+        line.fill_with(Ink::Alarm, ' ', width);
+        top.push(line);
+    }
+    if height >= 3 {
+        top.push(title(snapshot, width));
+    }
+    if height >= 5 {
+        foot.push(help(snapshot, width));
+    }
+    let most = match height {
+        0..6 => 0,
+        6..10 => 1,
+        10..16 => 2,
+        _ => 4,
+    };
+    top.extend(flow(figures(snapshot, width), width).into_iter().take(most));
+    if height >= 8 {
+        let more = (snapshot.keyless > 0)
+            .then(|| Line::of(Ink::Dim, &format!("and {} without a key", many(snapshot.keyless, "pattern"))));
+        let faces = snapshot.keys.iter().map(|key| face(key, snapshot.fancy));
+        let mut keys = flow(faces.chain(more), width);
+        keys.truncate(if height >= 16 { 3 } else { 1 });
+        keys.extend(foot);
+        foot = keys;
+    }
+    let mut rest = height.saturating_sub(top.len() + foot.len());
+    if snapshot.panicked && rest >= PANIC.len() + 9 && width >= 40 {
+        let banner = banner(snapshot, width);
+        rest -= banner.len();
+        top.extend(banner);
+    }
+
+    // A heading for the meters, and one for the events where both have room.
+    let headed = rest >= 4;
+    rest -= usize::from(headed);
+    let for_events = if rest >= 6 { (rest / 4).clamp(4, 8) } else { 0 };
+    let meters = meters(snapshot, width, rest - for_events);
+    if headed {
+        top.push(heading(&meters.note, width, snapshot.fancy));
+    }
+    rest = rest.saturating_sub(meters.lines.len());
+    top.extend(meters.lines);
+    if rest >= 2 && for_events > 0 {
+        let note = match snapshot.missed {
+            0 => "events".to_string(),
+            missed => format!("events ({} more came too fast to be shown)", grouped(missed)),
+        };
+        top.push(heading(&note, width, snapshot.fancy));
+        rest -= 1;
+    }
+    if for_events > 0 || headed {
+        top.extend(events(&snapshot.events, rest));
+    }
+    top.truncate(height.saturating_sub(foot.len()));
+    top.resize(height.saturating_sub(foot.len()), Line::default());
+    top.extend(foot);
+    top.truncate(height);
+    Drawn { lines: top.into_iter().map(|line| line.clip(width, mark)).collect(), pages: meters.pages }
+}
+
+/// A key that plays something.
+fn face(key: &KeyFace, fancy: bool) -> Line {
+    let mut line = Line::of(Ink::Accent, &key.digit.to_string());
+    let sign = match (key.playing, key.trigger, fancy) {
+        (true, _, true) => " ▶ ",
+        (true, _, false) => " > ",
+        (_, true, _) => " ! ",
+        _ => " ",
+    };
+    line.put(Ink::Good, sign);
+    let name = Line::of(if key.playing { Ink::Bold } else { Ink::Plain }, &key.name);
+    line.join(name.clip(24, if fancy { "…" } else { "~" }));
+    line
+}
+
+/// What the keys do; in a narrow terminal, the most important of it.
+fn help(snapshot: &Snapshot, width: usize) -> Line {
+    let panic = if snapshot.panicked { ("c", "opens") } else { ("p", "panic") };
+    let arm = if snapshot.armed { "-20 dB" } else { "arm" };
+    let mut items = vec![panic, ("q", "end"), ("space", "all patterns"), ("a", arm)];
+    match snapshot.keys.as_slice() {
+        [] => items.retain(|(key, _)| *key != "space"),
+        [_] => items.insert(2, ("1", "pattern")),
+        keys => items.insert(
+            2,
+            (["1-2", "1-3", "1-4", "1-5", "1-6", "1-7", "1-8", "1-9"][keys.len().clamp(2, 9) - 2], "pattern"),
+        ),
+    }
+    let mut line = Line::of(Ink::Plain, " ");
+    for (key, does) in items {
+        let mut item = Line::of(Ink::Accent, key);
+        item.put(Ink::Dim, &format!(" {does}"));
+        let gap = if line.width() > 1 { 3 } else { 0 };
+        if line.width() + gap + item.width() > width {
+            break;
+        }
+        line.fill_to(line.width() + gap);
+        line.join(item);
+    }
+    line
+}
+
+fn heading(text: &str, width: usize, fancy: bool) -> Line {
+    let rule = if fancy { '─' } else { '-' };
+    let mut line = Line::default();
+    line.fill_with(Ink::Dim, rule, 2);
+    line.put(Ink::Dim, &format!(" {text} "));
+    line.fill_with(Ink::Dim, rule, width);
+    line
+}
+
+/// The last events, the latest at the foot.
+fn events(all: &[Happened], rows: usize) -> Vec<Line> {
+    let latest = all.get(all.len().saturating_sub(rows)..).unwrap_or_default();
+    let line = |event: &Happened| {
+        let mut line = Line::of(Ink::Dim, &format!(" {:>9}  ", moment(event.at)));
+        let ink = match event.mood {
+            Mood::Usual => Ink::Plain,
+            Mood::Told => Ink::Accent,
+            Mood::Good => Ink::Good,
+            Mood::Bad => Ink::Hot,
+        };
+        line.put(ink, &event.told());
+        line
+    };
+    latest.iter().map(line).collect()
+}
+
+fn banner(snapshot: &Snapshot, width: usize) -> Vec<Line> {
+    let wide = PANIC.iter().map(|row| row.len()).max().unwrap_or(0);
+    let begin = width.saturating_sub(wide) / 2;
+    let mut lines = vec![Line::default()];
+    for row in PANIC {
+        let mut line = Line::default();
+        line.fill_to(begin);
+        let sign = if snapshot.fancy { "█" } else { "#" };
+        line.put(Ink::Hot, &row.replace('#', sign));
+        lines.push(line);
+    }
+    lines.push(Line::default());
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SHUT, draw};
+    use crate::cli::screen::happened::{Happened, Mood};
+    use crate::cli::screen::line::Ink;
+    use crate::cli::screen::meter::Meter;
+    use crate::cli::screen::snapshot::{Figures, KeyFace, Latency, Snapshot};
+
+    fn scene(tactors: usize, name: impl Fn(usize) -> String) -> Snapshot {
+        let mut meter = Meter::default();
+        meter.hear(0.3, 0.05);
+        Snapshot {
+            title: name(0),
+            device: "USB Sound".into(),
+            rate: 48_000,
+            elapsed: 75.0,
+            armed: true,
+            figures: Figures { mean: 0.0021, p999: 0.012, voices: 3, ..Figures::default() },
+            latency: Latency { block: 0.0027, engine: 0.0015, device: Some(0.001) },
+            tactors: (0..tactors).map(|n| (name(n), meter)).collect(),
+            keys: (1..=9)
+                .map(|digit| KeyFace {
+                    digit,
+                    name: name(digit as usize),
+                    playing: digit == 2,
+                    trigger: false,
+                })
+                .collect(),
+            events: (0..50).map(|n| Happened::new(f64::from(n), Mood::Usual, name(n as usize))).collect(),
+            fancy: true,
+            ..Snapshot::default()
+        }
+    }
+
+    fn text(snapshot: &Snapshot, width: usize, height: usize) -> String {
+        draw(snapshot, width, height)
+            .lines
+            .iter()
+            .map(|line| line.text().trim_end().to_string() + "\n")
+            .collect()
+    }
+
+    #[test]
+    fn no_size_and_no_name_breaks_the_frame() {
+        let names: [&dyn Fn(usize) -> String; 4] = [
+            &|n| format!("t{n}"),
+            &|n| format!("手首の右側にある{n}番目の振動子"),
+            &|n| format!("a\x1b[31m\n\r\t\u{202e}{n}{}", "x".repeat(5000)),
+            &|n| format!("e\u{301}\u{200d}\u{1f9e0}{n}"),
+        ];
+        for name in names {
+            for tactors in [0, 1, 2, 7, 16, 64, 300, 1024] {
+                let mut snapshot = scene(tactors, name);
+                for (width, height) in [
+                    (1, 1),
+                    (2, 3),
+                    (20, 5),
+                    (20, 6),
+                    (33, 9),
+                    (80, 24),
+                    (100, 30),
+                    (300, 90),
+                    (300, 6),
+                    (20, 100),
+                    (0, 9),
+                    (9, 0),
+                ] {
+                    for state in 0..8 {
+                        (snapshot.panicked, snapshot.fancy, snapshot.paged) =
+                            (state & 1 > 0, state & 2 > 0, state & 4 > 0);
+                        let lines = draw(&snapshot, width, height).lines;
+                        assert_eq!(lines.len(), height);
+                        for line in lines {
+                            assert!(line.width() <= width, "{width} x {height}: {}", line.text());
+                            assert!(!line.text().contains(char::is_control));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn everything_is_there() {
+        let mut snapshot = scene(16, |n| format!("t{n}"));
+        (snapshot.figures.xruns, snapshot.keyless) = (1234, 3);
+        snapshot.events.push(Happened { again: 2, ..Happened::new(3.0, Mood::Bad, "no such voice") });
+        let text = text(&snapshot, 100, 30);
+        for part in [
+            "USB Sound, 48,000 Hz, 16 ch",
+            "1:15  ARMED",
+            "load 0.21 %, p99.9 1.2 %",
+            "voices 3",
+            "xruns 1,234",
+            "late 0",
+            "lost 0",
+            "latency 5.2 ms = block 2.7 + engine 1.5 + device 1.0",
+            "limited 0",
+            "clamped 0",
+            "16 tactors",
+            " t15 ",
+            "-10.5",
+            "2 ▶ t2",
+            "and 3 patterns without a key",
+            "0:03.000  no such voice (x 3)",
+            "p panic   q end   1-9 pattern   space all patterns   a -20 dB",
+        ] {
+            assert!(text.contains(part), "no `{part}` in\n{text}");
+        }
+        assert!(!text.contains("over time"));
+    }
+
+    #[test]
+    fn what_matters_most_survives_the_smallest_screen() {
+        let mut snapshot = scene(16, |n| format!("a rather long name {n}"));
+        snapshot.panicked = true;
+        for (width, height) in [(20, 1), (20, 5), (20, 6), (60, 12), (100, 30)] {
+            let text = text(&snapshot, width, height);
+            assert!(text.starts_with(SHUT[..17].trim_end()), "{text}");
+            assert!(
+                height < 5 || text.trim_end().lines().last().unwrap().starts_with(" c opens   q"),
+                "{text}"
+            );
+        }
+        // The large letters, where there is room.
+        assert!(text(&snapshot, 100, 30).contains("█████   ████"));
+        assert!(!text(&snapshot, 100, 14).contains("█████   ████"));
+        // The state is seen though the name of the patch is too long.
+        snapshot.panicked = false;
+        (snapshot.armed, snapshot.title) = (false, "x".repeat(500));
+        assert!(text(&snapshot, 40, 10).lines().next().unwrap().ends_with("1:15  -20 dB"));
+        snapshot.lost = true;
+        let first = draw(&snapshot, 40, 10).lines.remove(0);
+        assert_eq!(first.pieces().last().unwrap(), &(Ink::Alarm, " DEVICE GONE ".to_string()));
+    }
+
+    #[test]
+    fn the_latest_event_is_shown_and_those_that_are_not_are_counted() {
+        let mut snapshot = scene(1000, |n| format!("t{n}"));
+        snapshot.missed = 4321;
+        for height in [16, 24, 40] {
+            let text = text(&snapshot, 100, height);
+            assert!(text.contains("0:49.000  t49"), "{height}: {text}");
+            assert!(text.contains("4,321 more"));
+        }
+    }
+
+    #[test]
+    fn where_there_is_only_ascii_there_is_only_ascii() {
+        let mut snapshot = scene(16, |n| format!("t{n}"));
+        snapshot.fancy = false;
+        for panicked in [false, true] {
+            snapshot.panicked = panicked;
+            for (width, height) in [(20, 6), (100, 30)] {
+                assert!(text(&snapshot, width, height).is_ascii());
+            }
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! What happened, in a line each.
+
+use std::fmt::Write;
+
+use pacinian::io::device::keeper::Fate;
+use pacinian::performer::{Happening, Heard};
+
+/// How it is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mood {
+    /// What was to be expected.
+    #[default]
+    Usual,
+    /// What somebody has asked for.
+    Told,
+    /// What is good news.
+    Good,
+    /// What is not.
+    Bad,
+}
+
+/// What happened.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Happened {
+    /// Seconds since the beginning.
+    pub at: f64,
+    /// What.
+    pub text: String,
+    /// How it is meant.
+    pub mood: Mood,
+    /// How often the same happened since, without anything in between.
+    pub again: u64,
+}
+
+impl Happened {
+    /// At so many seconds.
+    pub fn new(at: f64, mood: Mood, text: impl Into<String>) -> Self {
+        Self { at, text: text.into(), mood, again: 0 }
+    }
+
+    /// An event that the performer tells of.
+    pub fn heard(heard: &Heard<'_>) -> Self {
+        let mut text = String::new();
+        let _ = match heard.what {
+            Happening::Voice { name, place, level, duration, fields, own } => {
+                let frequency = fields.iter().zip(own).find(|((name, _), _)| name == "frequency");
+                write!(text, "{name} on {place} at {}", short(level))
+                    .and_then(|()| match frequency {
+                        Some((_, hertz)) => write!(text, ", {} Hz", short(*hertz)),
+                        None => Ok(()),
+                    })
+                    .and_then(|()| match duration.is_finite() {
+                        true => write!(text, ", {}", seconds(duration)),
+                        false => write!(text, ", held"),
+                    })
+            }
+            Happening::Marker(name) => write!(text, "marker {name}"),
+            Happening::Control(name, value) => write!(text, "{name} to {}", short(value)),
+            Happening::Release => write!(text, "a voice is released"),
+            Happening::ReleaseAll => write!(text, "all voices are released"),
+        };
+        if let Some(origin) = heard.origin {
+            let _ = write!(text, "  [{}]", origin.pattern);
+        }
+        let mood = match heard.what {
+            Happening::Voice { .. } | Happening::Release => Mood::Usual,
+            Happening::Marker(_) | Happening::Control(..) | Happening::ReleaseAll => Mood::Told,
+        };
+        Self::new(heard.at, mood, text)
+    }
+
+    /// What became of the device.
+    pub fn fate(at: f64, fate: Fate) -> Self {
+        match fate {
+            Fate::Lost(why) => {
+                Self::new(at, Mood::Bad, format!("the device is gone ({why}); going on in silence"))
+            }
+            Fate::Back => Self::new(at, Mood::Good, "the device is back"),
+            Fate::Moved => Self::new(at, Mood::Bad, "the system moved the stream to another device"),
+            Fate::Said(what) => Self::new(at, Mood::Bad, what),
+        }
+    }
+
+    /// Its text, with how often.
+    pub fn told(&self) -> String {
+        match self.again {
+            0 => self.text.clone(),
+            again => format!("{} (x {})", self.text, again + 1),
+        }
+    }
+}
+
+/// A number in as many digits as one reads at a glance: three, or all before the point.
+fn short(value: f64) -> String {
+    let digits = match value.abs() {
+        x if x >= 99.95 => 0,
+        x if x >= 9.995 => 1,
+        _ => 2,
+    };
+    let text = format!("{value:.digits$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".into() } else { text.into() }
+}
+
+/// A duration.
+fn seconds(value: f64) -> String {
+    if value < 1.0 { format!("{} ms", short(1000.0 * value)) } else { format!("{} s", short(value)) }
+}
+
+/// Minutes and seconds since the beginning, and hours where there are any.
+pub fn clock(seconds: f64) -> String {
+    let (whole, hour) = (seconds.max(0.0) as u64, 3600);
+    let (minutes, rest) = (whole % hour / 60, whole % 60);
+    if whole >= hour {
+        format!("{}:{minutes:02}:{rest:02}", whole / hour)
+    } else {
+        format!("{minutes}:{rest:02}")
+    }
+}
+
+/// The same, to the millisecond.
+pub fn moment(seconds: f64) -> String {
+    let thousandths = (seconds.max(0.0) * 1000.0).round() as u64;
+    format!("{}.{:03}", clock((thousandths / 1000) as f64), thousandths % 1000)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Happened, clock, moment, short};
+    use pacinian::performer::{Happening, Heard, Origin};
+    use pacinian::schedule::Instant;
+
+    #[test]
+    fn times_and_numbers_are_short() {
+        assert_eq!(
+            [0.0, 59.9, 61.0, 3600.0, 36_061.0].map(clock),
+            ["0:00", "0:59", "1:01", "1:00:00", "10:01:01"]
+        );
+        assert_eq!([0.0, 1.2345, 59.9996].map(moment), ["0:00.000", "0:01.235", "1:00.000"]);
+        assert_eq!(
+            [0.0, -0.001, 0.804, 12.34, 250.0, 999.6, 12_345.6].map(short),
+            ["0", "0", "0.8", "12.3", "250", "1000", "12346"]
+        );
+    }
+
+    #[test]
+    fn a_voice_says_what_where_and_how() {
+        let fields = [("roughness".to_string(), 0.0), ("frequency".to_string(), 1.0)];
+        let what = |duration| Happening::Voice {
+            name: "pulse",
+            place: "chest",
+            level: 0.8,
+            duration,
+            fields: &fields,
+            own: &[0.3, 175.0],
+        };
+        let origin = Some(Origin { pattern: "beat", event: 0, drawn: None });
+        let heard = Heard { at: 1.5, instant: Instant::default(), origin, id: Some(1), what: what(0.12) };
+        assert_eq!(Happened::heard(&heard).text, "pulse on chest at 0.8, 175 Hz, 120 ms  [beat]");
+        let heard = Heard { origin: None, what: what(f64::INFINITY), ..heard };
+        assert_eq!(Happened::heard(&heard).text, "pulse on chest at 0.8, 175 Hz, held");
+    }
+}

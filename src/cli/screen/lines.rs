@@ -1,0 +1,98 @@
+//! Where there is no screen: a line for each thing that happens, written by a thread of its own, for whoever reads them may be slow.
+
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::happened::{Happened, clock, moment};
+use super::line::{Ink, Line};
+use super::snapshot::Snapshot;
+use crate::cli::table::{dbfs, grouped};
+use crate::cli::terminal::Terminal;
+
+/// Lines that may wait to be written.
+const WAITING: usize = 1 << 10;
+
+/// So long whoever reads may take for the last ones.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// Writes lines.
+pub struct Lines {
+    out: Option<SyncSender<String>>,
+    thread: Option<JoinHandle<()>>,
+    /// Lines that found no room and nobody was told of yet.
+    lost: u64,
+}
+
+impl Lines {
+    /// To standard error.
+    ///
+    /// # Errors
+    /// What the system says where it gives no thread.
+    pub fn begin(terminal: Terminal) -> std::io::Result<Self> {
+        let (out, lines) = sync_channel::<String>(WAITING);
+        let write = move || lines.iter().for_each(|line| terminal.note(&line));
+        let thread = std::thread::Builder::new().name("log".into()).spawn(write)?;
+        Ok(Self { out: Some(out), thread: Some(thread), lost: 0 })
+    }
+
+    /// Writes a line, now or soon.
+    pub fn put(&mut self, line: &str) {
+        if self.lost > 0 && self.send(format!("{} lines were left out here\n", grouped(self.lost))) {
+            self.lost = 0;
+        }
+        let sent = self.send(format!("{line}\n"));
+        self.lost += u64::from(!sent);
+    }
+
+    fn send(&self, text: String) -> bool {
+        self.out.as_ref().is_some_and(|out| !matches!(out.try_send(text), Err(TrySendError::Full(_))))
+    }
+}
+
+impl Drop for Lines {
+    fn drop(&mut self) {
+        if self.lost > 0 {
+            let _ = self.send(format!("{} lines were left out here\n", grouped(self.lost)));
+        }
+        drop(self.out.take());
+        let until = Instant::now() + PATIENCE;
+        while let Some(thread) = &self.thread
+            && !thread.is_finished()
+            && Instant::now() < until
+        {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+}
+
+/// The line of an event.
+pub fn event(happened: &Happened) -> String {
+    let mut line = Line::of(Ink::Plain, &format!("{:>9}  ", moment(happened.at)));
+    line.put(Ink::Plain, &happened.text);
+    line.text()
+}
+
+/// The line that says how things stand.
+pub fn status(snapshot: &Snapshot, highest: f32) -> String {
+    let (figures, latency) = (&snapshot.figures, &snapshot.latency);
+    format!(
+        "{:>9}  -- load {:.2} % (99.9 %: {:.1} %), {} voices, {} xruns, {} late, {} lost, {} limited, {} clamped, latency {:.1} ms, peak {}{}",
+        clock(snapshot.elapsed),
+        100.0 * figures.mean,
+        100.0 * figures.p999,
+        figures.voices,
+        figures.xruns,
+        figures.late,
+        figures.lost,
+        figures.limited,
+        figures.clamped,
+        1000.0 * latency.total(),
+        dbfs(highest),
+        match (snapshot.lost, snapshot.panicked) {
+            (true, _) => ", device gone",
+            (_, true) => ", shut by a panic",
+            _ => "",
+        }
+    )
+}

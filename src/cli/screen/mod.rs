@@ -1,0 +1,360 @@
+//! What a person sees while a session plays: a screen where there is a terminal for it, and lines of a log elsewhere.
+
+mod bar;
+mod draw;
+mod happened;
+mod head;
+mod keys;
+mod line;
+mod lines;
+mod meter;
+mod meters;
+mod players;
+mod post;
+mod snapshot;
+pub mod tty;
+mod window;
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use crossterm::event::Event;
+use pacinian::io::device::keeper::Fate;
+use pacinian::io::device::priority::{self, Priority};
+use pacinian::io::session::Session;
+use pacinian::live::board::Board;
+use pacinian::live::signal::Signal;
+
+use super::failure::Failure;
+use super::load::Loaded;
+use super::terminal::Terminal;
+use happened::{Happened, Mood};
+use keys::{Act, Keys};
+use lines::Lines;
+use meter::Meter;
+use players::Players;
+pub use post::Post;
+use post::{PostBox, State, post};
+use snapshot::{Figures, Latency, Snapshot};
+use window::Screen;
+
+/// From one drawing to the next.
+const FRAME: Duration = Duration::from_millis(50);
+
+/// So often it is looked whether somebody has typed or asked to stop.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// From one line that says how things stand to the next, seconds.
+const STATUS: f64 = 10.0;
+
+/// Events that are kept for the screen, and problems for after it.
+const KEPT: usize = 200;
+const TROUBLES: usize = 20;
+
+/// What is played on what.
+pub struct Scenery<'a> {
+    /// Patch and rig.
+    pub loaded: &'a Loaded,
+    /// The patterns that play from the beginning.
+    pub first: &'a [usize],
+    /// The device.
+    pub device: &'a str,
+    /// Frames a second.
+    pub rate: u32,
+    /// Full level, or -20 dB.
+    pub armed: bool,
+    /// Seconds that it is to last.
+    pub duration: Option<f64>,
+}
+
+/// Why a session is to end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// Somebody wants it to, with this exit code if not with success.
+    Asked(Option<u8>),
+    /// The terminal is closed.
+    Closed,
+}
+
+enum Out {
+    Screen(Screen),
+    Lines(Lines),
+}
+
+/// Shows a session.
+pub struct Show {
+    out: Out,
+    snapshot: Snapshot,
+    players: Players,
+    keys: Keys,
+    fetch: PostBox,
+    events: VecDeque<Happened>,
+    troubles: VecDeque<Happened>,
+    heard: f64,
+    told: f64,
+    /// The highest of all channels since the last line that said how things stand.
+    highest: f32,
+    panicked: bool,
+    xruns: u64,
+    /// Whether a frame is due now.
+    due: bool,
+    /// Whether it was said that the system gives no priority.
+    humble: bool,
+}
+
+impl Show {
+    /// Ready to show what comes by post. The terminal is taken over by [`Show::begin`].
+    ///
+    /// # Errors
+    /// A thread that the system does not give.
+    pub fn new(scenery: &Scenery<'_>, terminal: &Terminal) -> Result<(Self, Post), Failure> {
+        let loaded = scenery.loaded;
+        let title = Some(&loaded.patch.title).filter(|t| !t.is_empty());
+        let players = Players::new(&loaded.patch, scenery.first);
+        let snapshot = Snapshot {
+            title: title.map_or(loaded.name(), String::as_str).into(),
+            device: scenery.device.into(),
+            rate: scenery.rate,
+            duration: scenery.duration,
+            armed: scenery.armed,
+            tactors: loaded.tactors().into_iter().map(|name| (name, Meter::default())).collect(),
+            fancy: tty::is_fancy(|name| std::env::var(name).ok()),
+            ..Snapshot::default()
+        };
+        let no_thread =
+            |error: std::io::Error| Failure::said(71, format!("the system gives no thread ({error})"));
+        let out = match tty::is_fit(terminal) {
+            true => Out::Screen(Screen::new(terminal.out.0).map_err(no_thread)?),
+            false => Out::Lines(Lines::begin(*terminal).map_err(no_thread)?),
+        };
+        let (post, fetch) = post();
+        let show = Self {
+            out,
+            snapshot,
+            players,
+            keys: Keys::default(),
+            fetch,
+            events: VecDeque::new(),
+            troubles: VecDeque::new(),
+            heard: 0.0,
+            told: 0.0,
+            highest: 0.0,
+            panicked: false,
+            xruns: 0,
+            due: true,
+            humble: false,
+        };
+        Ok((show, post))
+    }
+
+    /// Takes the terminal over, where there is to be a screen.
+    ///
+    /// # Errors
+    /// A terminal that does not let itself be taken.
+    pub fn begin(&mut self) -> Result<(), Failure> {
+        let Out::Screen(screen) = &mut self.out else { return Ok(()) };
+        screen.begin().map_err(|error| {
+            Failure::said(74, format!("the terminal cannot be used ({error}); --plain does without"))
+        })
+    }
+
+    /// Waits for keys for a moment, does what they say, and shows how the session stands.
+    pub fn step(&mut self, session: &Session) -> Option<Ending> {
+        self.listen(session.board());
+        let ending = match &mut self.out {
+            Out::Screen(screen) => match screen.keys() {
+                Some(typed) => typed.into_iter().find_map(|event| self.typed(&event, session)),
+                None => Some(Ending::Closed),
+            },
+            Out::Lines(_) => {
+                std::thread::sleep(LOOK);
+                None
+            }
+        };
+        let elapsed = self.fetch.elapsed();
+        if std::mem::take(&mut self.due) || elapsed - self.heard >= FRAME.as_secs_f64() {
+            self.look(session, elapsed);
+            if let Out::Screen(screen) = &mut self.out {
+                self.snapshot.events = self.events.iter().cloned().collect();
+                self.snapshot.keys = self.players.faces();
+                self.snapshot.keyless = self.players.keyless();
+                self.snapshot.missed = self.fetch.missed();
+                if !screen.show(&self.snapshot) {
+                    return Some(Ending::Closed);
+                }
+            }
+        }
+        if elapsed - self.told >= STATUS {
+            (self.told, self.snapshot.elapsed) = (elapsed, elapsed);
+            let line = lines::status(&self.snapshot, self.highest);
+            self.highest = 0.0;
+            if let Out::Lines(lines) = &mut self.out {
+                lines.put(&line);
+            }
+        }
+        ending
+    }
+
+    /// Takes what has come by post, and what the board says by itself.
+    fn listen(&mut self, board: &Board) {
+        let now = self.fetch.elapsed();
+        let states: Vec<State> = self.fetch.states().collect();
+        for state in states {
+            match state {
+                State::Device(fate) => {
+                    match fate {
+                        Fate::Lost(_) => self.snapshot.lost = true,
+                        Fate::Back => self.snapshot.lost = false,
+                        Fate::Moved | Fate::Said(_) => {}
+                    }
+                    self.note(Happened::fate(now, fate));
+                }
+                State::Armed(armed) => {
+                    self.snapshot.armed = armed;
+                    let text = if armed { "armed: full level" } else { "at -20 dB" };
+                    self.note(Happened::new(now, Mood::Told, text));
+                }
+                State::Playing(playing) => self.players.play(playing),
+            }
+        }
+        let events: Vec<Happened> = self.fetch.events().collect();
+        events.into_iter().for_each(|happened| self.note(happened));
+        let panicked = board.is_panicked();
+        if panicked != std::mem::replace(&mut self.panicked, panicked) {
+            let (mood, text) = match panicked {
+                true => (Mood::Bad, "panic: the output is shut"),
+                false => (Mood::Good, "the output is open again"),
+            };
+            self.note(Happened::new(now, mood, text));
+        }
+        self.snapshot.panicked = panicked;
+        if !self.humble && priority::latest() == Priority::Refused {
+            self.humble = true;
+            let text = "the system gives no real-time priority, so gaps are likelier; on Linux, allow rtprio in /etc/security/limits.d";
+            self.note(Happened::new(now, Mood::Told, text));
+        }
+    }
+
+    /// Shows that something happened; where the same happens again and again, how often.
+    fn note(&mut self, happened: Happened) {
+        if let Out::Lines(lines) = &mut self.out {
+            lines.put(&lines::event(&happened));
+            return;
+        }
+        if happened.mood == Mood::Bad {
+            if self.troubles.len() >= TROUBLES {
+                self.troubles.pop_front();
+            }
+            self.troubles.push_back(happened.clone());
+            if let Some(last) = self.events.back_mut().filter(|last| last.text == happened.text) {
+                (last.at, last.again) = (happened.at, last.again + 1);
+                return;
+            }
+        }
+        if self.events.len() >= KEPT {
+            self.events.pop_front();
+        }
+        self.events.push_back(happened);
+    }
+
+    /// Reads the board.
+    fn look(&mut self, session: &Session, elapsed: f64) {
+        let (board, since) = (session.board(), elapsed - self.heard);
+        self.heard = elapsed;
+        for (channel, (_, meter)) in self.snapshot.tactors.iter_mut().enumerate() {
+            let peak = board.take_peak(channel);
+            meter.hear(peak, since);
+            self.highest = self.highest.max(peak);
+        }
+        let device = board.device_delay.get();
+        self.snapshot.elapsed = elapsed;
+        self.snapshot.latency = Latency {
+            block: board.block.get() as f64 / f64::from(self.snapshot.rate.max(1)),
+            engine: session.delay().total(),
+            device: (device > 0).then_some(device as f64 * 1e-9),
+        };
+        self.snapshot.figures = Figures {
+            mean: board.load.mean(),
+            p999: board.load.quantile(0.999),
+            over: board.load.over(),
+            xruns: board.xruns.get(),
+            late: board.late.get(),
+            lost: board.dropped.get() + board.refused.get(),
+            limited: board.limited.get(),
+            clamped: board.clamped.get(),
+            masked: board.masked.get(),
+            voices: board.voices.get(),
+            started: board.started.get(),
+            stolen: board.stolen.get(),
+        };
+        let xruns = self.snapshot.figures.xruns;
+        let before = std::mem::replace(&mut self.xruns, xruns);
+        if xruns > before {
+            let text =
+                if xruns - before == 1 { "an xrun".into() } else { format!("{} xruns", xruns - before) };
+            self.note(Happened::new(elapsed, Mood::Bad, text));
+        }
+    }
+
+    fn typed(&mut self, event: &Event, session: &Session) -> Option<Ending> {
+        let act = match event {
+            Event::Key(key) => self.keys.press(*key, Instant::now(), session.board().is_panicked())?,
+            Event::Resize(..) => Act::Redraw,
+            _ => return None,
+        };
+        let handle = session.handle();
+        let number = || handle.number();
+        let signals = match act {
+            Act::End(code) => return Some(Ending::Asked(code)),
+            Act::Panic => {
+                handle.panic();
+                Ok(Vec::new())
+            }
+            Act::Calm => Ok(vec![Signal::Calm]),
+            Act::Arm => Ok(vec![Signal::Arm(!self.snapshot.armed)]),
+            Act::Digit(digit) => self.players.digit(digit, number),
+            Act::All => self.players.all(number),
+            Act::Turn(by) => {
+                let Out::Screen(screen) = &self.out else { return None };
+                let pages = screen.pages();
+                let page = self.snapshot.page.min(pages - 1) + pages;
+                self.snapshot.page = page.saturating_add_signed(by as isize) % pages;
+                Ok(Vec::new())
+            }
+            Act::Form => {
+                (self.snapshot.paged, self.snapshot.page) = (!self.snapshot.paged, 0);
+                Ok(Vec::new())
+            }
+            Act::Redraw => {
+                if let Out::Screen(screen) = &self.out {
+                    screen.redraw();
+                }
+                Ok(Vec::new())
+            }
+        };
+        let sent = signals.and_then(|signals| {
+            signals.into_iter().try_for_each(|s| handle.send(s)).map_err(|refused| refused.to_string())
+        });
+        if let Err(why) = sent {
+            self.note(Happened::new(self.fetch.elapsed(), Mood::Bad, why));
+        }
+        // What was asked for is to be seen at once.
+        self.due = true;
+        None
+    }
+
+    /// Gives the terminal back, and says what went wrong while the screen was there. Gives the highest magnitude of each channel.
+    pub fn end(mut self, board: &Board, terminal: &Terminal) -> Vec<f32> {
+        self.listen(board);
+        let peak =
+            |(channel, (_, meter)): (usize, &(String, Meter))| meter.most.max(board.take_peak(channel));
+        let peaks = self.snapshot.tactors.iter().enumerate().map(peak).collect();
+        drop(self.out);
+        let troubles: String = self.troubles.iter().map(|trouble| lines::event(trouble) + "\n").collect();
+        // Where there is nothing to say, nobody waits for who does not read.
+        if !troubles.is_empty() {
+            terminal.note(&troubles);
+        }
+        peaks
+    }
+}

@@ -1,0 +1,176 @@
+//! What the digits play, and what plays.
+
+use super::snapshot::KeyFace;
+use pacinian::live::signal::Signal;
+use pacinian::patch::{Patch, Source};
+
+/// Digits that play something.
+const DIGITS: u32 = 9;
+
+/// What the digits play, and what plays.
+#[derive(Debug, Default)]
+pub struct Players {
+    patterns: Vec<String>,
+    /// Those that play from the beginning.
+    first: Vec<String>,
+    /// What a key sets off.
+    triggers: Vec<(u32, String)>,
+    /// Those that were started and play.
+    playing: Vec<String>,
+    /// Whether those from the beginning still play.
+    beginning: bool,
+}
+
+impl Players {
+    /// Of a patch of which these patterns play from the beginning.
+    pub fn new(patch: &Patch, first: &[usize]) -> Self {
+        let name = |&pattern: &usize| patch.patterns.get(pattern).map(|p| p.name.clone());
+        let trigger = |on: &Source| match on {
+            Source::Key(key) => Some(*key),
+            _ => None,
+        };
+        Self {
+            patterns: patch.patterns.iter().map(|p| p.name.clone()).collect(),
+            first: first.iter().filter_map(name).collect(),
+            triggers: patch.triggers.iter().filter_map(|t| Some((trigger(&t.on)?, t.play.clone()))).collect(),
+            ..Self::default()
+        }
+    }
+
+    /// These play now; those from the beginning have number 0.
+    pub fn play(&mut self, playing: Vec<(u64, Option<String>)>) {
+        self.beginning = playing.iter().any(|(number, _)| *number == 0);
+        self.playing = playing.into_iter().filter_map(|(_, name)| name).collect();
+    }
+
+    fn plays(&self, name: &String) -> bool {
+        self.playing.contains(name) || (self.beginning && self.first.contains(name))
+    }
+
+    /// The digits that play something.
+    pub fn faces(&self) -> Vec<KeyFace> {
+        let face = |digit: u32| {
+            if let Some((_, play)) = self.triggers.iter().find(|(key, _)| *key == digit) {
+                return Some(KeyFace { digit, name: play.clone(), playing: false, trigger: true });
+            }
+            let name = self.patterns.get(digit as usize - 1)?;
+            Some(KeyFace { digit, name: name.clone(), playing: self.plays(name), trigger: false })
+        };
+        (1..=DIGITS).filter_map(face).collect()
+    }
+
+    /// Patterns that no digit plays: those behind the ninth, and those whose digit is a trigger's.
+    pub fn keyless(&self) -> usize {
+        let with_key = self.faces().iter().filter(|face| !face.trigger).count();
+        self.patterns.len() - with_key
+    }
+
+    /// What a digit asks for; `number` gives numbers that nobody else has.
+    ///
+    /// # Errors
+    /// A digit that plays nothing.
+    pub fn digit(&self, digit: u32, number: impl FnMut() -> u64) -> Result<Vec<Signal>, String> {
+        if self.triggers.iter().any(|(key, _)| *key == digit) {
+            return Ok(vec![Signal::Key(digit)]);
+        }
+        let name = (digit as usize).checked_sub(1).and_then(|place| self.patterns.get(place));
+        let Some(name) = name else {
+            let count = self.patterns.len();
+            return Err(match count {
+                0 => "this patch has no patterns".into(),
+                1 => format!("there is no pattern {digit}: this patch has only one"),
+                _ => format!("there is no pattern {digit}: this patch has {count}"),
+            });
+        };
+        Ok(if self.plays(name) { self.stop(|n| n == name) } else { start(&[name], number) })
+    }
+
+    /// What the space bar asks for: that all patterns stop, or where none plays, that those play again that played from the
+    /// beginning, or else the first.
+    ///
+    /// # Errors
+    /// Where there are no patterns.
+    pub fn all(&self, number: impl FnMut() -> u64) -> Result<Vec<Signal>, String> {
+        if self.beginning || !self.playing.is_empty() {
+            return Ok(self.stop(|_| true));
+        }
+        let first: Vec<&String> = match self.first.is_empty() {
+            true => self.patterns.iter().take(1).collect(),
+            false => self.first.iter().collect(),
+        };
+        if first.is_empty() { Err("this patch has no patterns".into()) } else { Ok(start(&first, number)) }
+    }
+
+    fn stop(&self, which: impl Fn(&String) -> bool) -> Vec<Signal> {
+        let mut signals = Vec::new();
+        if self.beginning && self.first.iter().any(&which) {
+            signals.push(Signal::Stop(0));
+        }
+        let mut names: Vec<&String> = self.playing.iter().filter(|name| which(name)).collect();
+        names.sort();
+        names.dedup();
+        signals.extend(names.into_iter().map(|name| Signal::StopNamed(name.clone())));
+        signals
+    }
+}
+
+fn start(names: &[&String], mut number: impl FnMut() -> u64) -> Vec<Signal> {
+    names.iter().map(|name| Signal::Start(number(), (*name).clone())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Players;
+    use pacinian::live::signal::Signal;
+
+    fn players() -> Players {
+        let names = |names: &[&str]| names.iter().map(ToString::to_string).collect();
+        Players {
+            patterns: names(&["walk", "run", "rest"]),
+            first: names(&["run"]),
+            triggers: vec![(5, "bump".into()), (3, "knock".into())],
+            ..Players::default()
+        }
+    }
+
+    fn said(signals: Result<Vec<Signal>, String>) -> String {
+        signals.map_or_else(|why| why, |signals| signals.iter().map(|s| format!("{s:?};")).collect())
+    }
+
+    #[test]
+    fn a_digit_starts_and_stops() {
+        let mut players = players();
+        assert_eq!(said(players.digit(1, || 7)), "Start(7, \"walk\");");
+        players.play(vec![(0, None), (4, Some("walk".into())), (5, Some("walk".into()))]);
+        assert_eq!(said(players.digit(1, || 7)), "StopNamed(\"walk\");");
+        assert_eq!(said(players.digit(2, || 7)), "Stop(0);");
+        assert_eq!(said(players.digit(4, || 7)), "there is no pattern 4: this patch has 3");
+        assert_eq!(said(players.digit(0, || 7)), "there is no pattern 0: this patch has 3");
+        // Ended by itself: a digit starts it again.
+        players.play(vec![(9, Some("rest".into()))]);
+        assert_eq!(said(players.digit(2, || 7)), "Start(7, \"run\");");
+    }
+
+    #[test]
+    fn a_trigger_goes_first() {
+        let players = players();
+        assert_eq!(said(players.digit(3, || 7)), "Key(3);");
+        let faces = players.faces();
+        assert_eq!(faces.iter().map(|f| f.digit).collect::<Vec<_>>(), [1, 2, 3, 5]);
+        assert_eq!((faces[2].name.as_str(), faces[2].trigger), ("knock", true));
+        assert_eq!(players.keyless(), 1);
+    }
+
+    #[test]
+    fn space_stops_all_and_then_begins_again() {
+        let mut players = players();
+        players.play(vec![(0, None), (4, Some("walk".into()))]);
+        assert!(players.faces()[0].playing && players.faces()[1].playing);
+        assert_eq!(said(players.all(|| 7)), "Stop(0);StopNamed(\"walk\");");
+        players.play(vec![]);
+        assert_eq!(said(players.all(|| 7)), "Start(7, \"run\");");
+        players.first.clear();
+        assert_eq!(said(players.all(|| 7)), "Start(7, \"walk\");");
+        assert_eq!(said(Players::default().all(|| 7)), "this patch has no patterns");
+    }
+}

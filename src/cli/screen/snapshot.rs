@@ -1,0 +1,105 @@
+//! Everything that the screen shows at one moment.
+
+use super::happened::Happened;
+use super::meter::Meter;
+
+/// Everything that the screen shows at one moment.
+#[derive(Debug, Clone, Default)]
+pub struct Snapshot {
+    /// The patch.
+    pub title: String,
+    /// The device.
+    pub device: String,
+    /// Frames a second.
+    pub rate: u32,
+    /// Seconds since the session began, and how many it is to last.
+    pub elapsed: f64,
+    /// See `elapsed`.
+    pub duration: Option<f64>,
+    /// Full level, or -20 dB.
+    pub armed: bool,
+    /// Whether the brake is pulled.
+    pub panicked: bool,
+    /// Whether the device is away.
+    pub lost: bool,
+    /// How the engine is doing.
+    pub figures: Figures,
+    /// What lies between an event and the skin.
+    pub latency: Latency,
+    /// By channel: the tactor's name, "" where nothing hangs, and its meter.
+    pub tactors: Vec<(String, Meter)>,
+    /// By key, from 1.
+    pub keys: Vec<KeyFace>,
+    /// Patterns for which there is no digit left.
+    pub keyless: usize,
+    /// The latest events, the last at the end.
+    pub events: Vec<Happened>,
+    /// Events that came too fast to be shown.
+    pub missed: u64,
+    /// Which page of the meters, where they have pages.
+    pub page: usize,
+    /// Rather pages with names than one sign for each tactor.
+    pub paged: bool,
+    /// Whether the terminal shows more than ASCII.
+    pub fancy: bool,
+}
+
+/// What a digit does.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct KeyFace {
+    /// The digit.
+    pub digit: u32,
+    /// The pattern or voice.
+    pub name: String,
+    /// Whether the pattern plays.
+    pub playing: bool,
+    /// Whether it sets off a trigger of the patch rather than a pattern.
+    pub trigger: bool,
+}
+
+/// Counters and loads.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Figures {
+    /// Share of all time that callbacks take, and that which 99.9 % of them do not pass.
+    pub mean: f64,
+    /// See `mean`.
+    pub p999: f64,
+    /// Callbacks that took longer than their period.
+    pub over: u64,
+    /// Gaps that the device told of.
+    pub xruns: u64,
+    /// Events that came too late.
+    pub late: u64,
+    /// Events and signals for which there was no room.
+    pub lost: u64,
+    /// Samples that the limiter turned down, that were cut at full scale, and that were no numbers.
+    pub limited: u64,
+    /// See `limited`.
+    pub clamped: u64,
+    /// See `limited`.
+    pub masked: u64,
+    /// Voices that sound, that were started, and that had to make room.
+    pub voices: u64,
+    /// See `voices`.
+    pub started: u64,
+    /// See `voices`.
+    pub stolen: u64,
+}
+
+/// What lies between an event and the skin, seconds.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Latency {
+    /// A block of the device.
+    pub block: f64,
+    /// The engine, for the envelope of a tone of 250 Hz.
+    pub engine: f64,
+    /// The device, as far as it says.
+    pub device: Option<f64>,
+}
+
+impl Latency {
+    /// All of it.
+    pub fn total(&self) -> f64 {
+        self.block + self.engine + self.device.unwrap_or(0.0)
+    }
+}
