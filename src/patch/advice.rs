@@ -158,8 +158,8 @@ impl<'a> Advice<'a> {
         }
         for (param, argument) in node.kind.spec().params.iter().zip(&node.arguments) {
             let Value::Expr(expr) = &argument.value else { continue };
-            let said = matches!(param.kind, Kind::Frequency(_)) && argument.span != node.span;
-            let Some(hertz) = expr.constant().filter(|hertz| said && hertz.abs() > BAND) else { continue };
+            let hertz = expr.constant().filter(|_| matches!(param.kind, Kind::Frequency(_)));
+            let Some(hertz) = hertz.filter(|hertz| hertz.abs() > BAND) else { continue };
             let what = format!(
                 "`{}` of node `{}` of {of} is {hertz}: nothing above 1000 Hz is felt",
                 param.name, node.name
@@ -318,6 +318,23 @@ mod tests {
                 "{frequency} {fields}"
             );
         }
+    }
+
+    #[test]
+    fn so_are_those_that_stand_in_a_node() {
+        let events = "events = [{ at = 0, voice = \"v\" }, { at = 1, voice = \"v\", level = 0.5 }]";
+        for frequency in ["1500", "3 * 500"] {
+            one(
+                told(frequency, "", "", events),
+                "`frequency` of node `n` of voice `v` is 1500: nothing above",
+            );
+        }
+        let shared = "[shared.nodes]\ns = { type = \"triangle\", frequency = -2000 }\n";
+        one(told("200", shared, "", events), "`frequency` of node `s` of the shared nodes is -2000");
+        assert!(
+            told("1000", "nodes.f = { type = \"lowpass\", input = \"n\", cutoff = 2000 }", "", events)
+                .is_empty()
+        );
     }
 
     #[test]
