@@ -43,7 +43,7 @@ pub struct Render {
     #[arg(long, value_name = "FORMAT", default_value = "f32")]
     format: Encoding,
     /// Seconds to render [default: what the patch says, else until everything is over]
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Writes every event that is played to a table too: when, which of which pattern, what was drawn
     #[arg(long, value_name = "FILE.csv")]

@@ -55,7 +55,8 @@ mod tests {
 
     #[test]
     fn what_is_said_last_holds() {
-        let note = Note::default().frequency(50.0).level(0.5).at_place("left").field("bite", 2.0).frequency(90.0);
+        let note =
+            Note::default().frequency(50.0).level(0.5).at_place("left").field("bite", 2.0).frequency(90.0);
         let fields = vec![("bite".to_string(), 2.0), ("frequency".into(), 90.0)];
         let place = Some(Place::Name("left".into()));
         assert_eq!(note, Note { level: Some(0.5), duration: None, place, fields });
