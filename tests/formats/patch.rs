@@ -370,7 +370,7 @@ fn every_mistake_is_told_at_its_line() {
         ),
         (
             "events = [{ at = 0, marker = \"m\" }]\n[[trigger]]\non = \"midi.note\"\nplay = \"beat\"\nset = { level = \"velocty\", depth = 1 }",
-            &[(14, "it gives `note` and `velocity`"), (14, "have no field `depth`")],
+            &[(14, "it gives `note`, `velocity`"), (14, "have no field `depth`")],
         ),
     ];
     let mut count = 0;
