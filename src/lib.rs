@@ -6,7 +6,7 @@
 //!
 #![cfg_attr(feature = "io", doc = "```")]
 #![cfg_attr(not(feature = "io"), doc = "```ignore")]
-//! use pacinian::{NoAssets, Note, Options, Place, Player, io};
+//! use pacinian::{NoAssets, Note, Options, Player, io};
 //!
 //! fn main() -> Result<(), Box<dyn std::error::Error>> {
 //!     // With the feature `io`; `Patch::parse` and `Rig::parse` read texts that are at hand.
@@ -16,8 +16,8 @@
 //!     let options = Options { live: true, ..Options::default() };
 //!     let mut player = Player::new(&patch, &rig, &options, &NoAssets)?;
 //!
-//!     let left = Some(Place::Name("left".into())); // the seventh channel of the belt
-//!     player.play("beat", &Note { level: Some(0.5), place: left, ..Note::default() })?;
+//!     // The seventh channel of the belt is called `left`.
+//!     player.play("beat", &Note::default().level(0.5).at_place("left"))?;
 //!     player.set("strength", 0.5)?;
 //!     let mut second = vec![0.0; 48_000 * player.engine().channels()];
 //!     player.process(&mut second); // interleaved frames

@@ -101,7 +101,7 @@ fn what_an_events_file_has_beyond_the_band_is_told_once() {
     let (code, head, err) = scratch.check(&patch("[pattern.p]\nevents = \"e.csv\""), &[]);
     assert_eq!((code, head.as_str()), (0, "p.toml: 1 warning"), "{err}");
     assert!(
-        err.contains("p.toml:10:") && err.contains("frequency 3000 of e.csv:3: nothing above 1000 Hz"),
+        err.contains("e.csv:3:7: ") && err.contains("frequency 3000 of line 3: nothing above 1000 Hz"),
         "{err}"
     );
 }

@@ -147,12 +147,15 @@ fn no_length_is_no_rendering() {
     let scratch = Scratch::new("short");
     let words = ["0.000000001 s", "less than a frame at 48000 Hz"];
     scratch.run(&["render", "good.toml", "-o", "x.wav", "--duration", "1e-9"]).fails(2, &words);
-    scratch.write("none.toml", with(&format!("{PLAY}[render]\nduration = 0\n")));
+    scratch.write("none.toml", with(&format!("{PLAY}[render]\nduration = 0.000002\n")));
     for command in [&["render", "none.toml", "-o", "x.wav"][..], &["error", "none.toml"]] {
         scratch.run(command).fails(65, &["none.toml", "[render]", "less than a frame"]);
     }
     assert!(!scratch.0.join("x.wav").exists());
     scratch.run(&["render", "none.toml", "-o", "x.wav", "--duration", "0.1"]).succeeds();
+    // Zero is no length, whoever asks.
+    scratch.write("zero.toml", with(&format!("{PLAY}[render]\nduration = 0\n")));
+    scratch.run(&["check", "zero.toml"]).fails(65, &["zero.toml:12:12: error: `duration`", "from 0.000001"]);
 }
 
 #[test]

@@ -34,12 +34,21 @@ fn channels(patch: &Patch) -> u32 {
     most.max(8)
 }
 
-/// A place that the rig lacks is no wonder where nobody named a rig.
-pub fn advise_a_rig(problem: &mut Problem) {
-    if problem.what.contains("the rig has no tactor `") {
-        problem.help =
-            Some("name the rig that has it with --rig; without, there are `t1`, `t2`, ... in a line".into());
-    }
+/// Places that the rig lacks are no wonder where nobody named a rig. That is said once; `source` is the patch, which may name its rig
+/// in a line `# rig: PATH`.
+pub fn advise_a_rig(problems: &mut [Problem], source: &str) {
+    let named = source.lines().find_map(|line| line.strip_prefix("# rig:")).map(str::trim);
+    let help = match named.filter(|path| !path.is_empty()) {
+        Some(path) => {
+            format!("the patch names its rig: --rig {path}; without, there are `t1`, `t2`, ... in a line")
+        }
+        None => "name the rig that has it with --rig; without, there are `t1`, `t2`, ... in a line".into(),
+    };
+    let mut lacking: Vec<&mut Problem> =
+        problems.iter_mut().filter(|p| p.what.contains("the rig has no tactor `")).collect();
+    lacking.sort_by_key(|p| p.span.as_ref().map_or(0, |s| s.start));
+    lacking.iter_mut().for_each(|p| p.help = None);
+    lacking.into_iter().take(1).for_each(|p| p.help = Some(help.clone()));
 }
 
 #[cfg(test)]

@@ -45,7 +45,7 @@ pub struct Error {
     #[arg(long)]
     only: bool,
     /// Seconds to measure [default: what the patch says, else until everything is over]
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Draws error against run time into this SVG file, too; one that is there is replaced
     #[arg(short, long, value_name = "FILE.svg")]

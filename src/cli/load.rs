@@ -2,7 +2,7 @@
 
 use super::by_default;
 use super::failure::Failure;
-use super::named::{Codes, Watched, named};
+use super::named::{Codes, Watched, named, unreadable};
 use super::setting::{self, Setting};
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
@@ -13,7 +13,7 @@ use pacinian::patch::{self, Events, Patch};
 use pacinian::player::{OpenEvents, Player};
 use pacinian::rig::{RATES, Rig, usual_ratio};
 use pacinian::score::EventStream;
-use pacinian::text::{Checked, Problem, Problems, Severity, Sink, nearest};
+use pacinian::text::{Checked, Origin, Problem, Problems, Severity, Sink, nearest};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,10 +30,10 @@ pub struct Scene {
     #[arg(long, value_name = "NAME")]
     pub pattern: Option<String>,
     /// Samples a second [default: what the rig says, else 48000]
-    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(RATES[0] as i64..=RATES[1] as i64))]
+    #[arg(long, value_name = "HZ", value_parser = hertz, allow_negative_numbers = true)]
     pub rate: Option<u32>,
     /// The seed of everything random [default: what the patch says, else 0]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Sets a control of the patch from the start on, in place of its `default`; may be given for each control
     #[arg(long = "set", value_name = "CONTROL=VALUE")]
@@ -56,6 +56,34 @@ pub struct Scene {
     /// Recordings that need no disk.
     #[arg(skip)]
     pub held: &'static [(&'static str, &'static [u8])],
+}
+
+/// A rate that a WAV file can say and the engine can serve.
+fn hertz(word: &str) -> Result<u32, String> {
+    let [least, most] = RATES;
+    let known = format!("whole hertz from {least} to {most}, such as 44100 or 48000");
+    if let Ok(rate) = word.parse::<f64>() {
+        return match rate {
+            _ if rate.fract() == 0.0 && (least..=most).contains(&rate) => Ok(rate as u32),
+            _ if (least / 1e3..=most / 1e3).contains(&rate) => {
+                Err(format!("it is in {known}; is {} meant?", (rate * 1e3).round()))
+            }
+            _ => Err(format!("it must be {known}")),
+        };
+    }
+    let thousands = word.trim_end_matches("Hz").trim_end_matches("hz").trim_end_matches(['k', 'K']);
+    match thousands.trim().parse::<f64>() {
+        Ok(rate) if rate.is_finite() => {
+            let factor = if word.contains(['k', 'K']) { 1e3 } else { 1.0 };
+            Err(format!("it is a number without a unit, {known}: --rate {}", (rate * factor).round()))
+        }
+        _ => Err(format!("it must be {known}")),
+    }
+}
+
+/// A seed.
+fn seed(word: &str) -> Result<u64, String> {
+    word.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
 }
 
 /// A number type.
@@ -150,7 +178,16 @@ impl Scene {
         let mut warnings = Vec::new();
         let Text { name, bytes } = patch;
         let may = patch::Permissions { allow_outside: self.allow_outside };
-        let parsed = bytes.as_ref().map(|bytes| Patch::parse_with(&name, bytes, may));
+        let parsed = bytes.as_ref().map(|bytes| {
+            Patch::parse_with(&name, bytes, may).map_err(|mut problems| {
+                // Nothing will be compiled, but trouble with its files is told along with the rest.
+                let part = Patch::readable(bytes, may);
+                let folder = Folder::new(self.root()).allow_outside(self.allow_outside).holding(self.held);
+                problems.list.extend(part.iter().flat_map(|part| unreadable(part, &folder)).take(Sink::MOST));
+                problems.list.sort_by_key(|p| p.span.as_ref().map_or(0, |s| s.start + 1));
+                problems
+            })
+        });
         let patch = parsed.and_then(|parsed| sound(parsed, 65, &mut warnings, &mut failure));
         let given = rig.map(|Text { name, bytes }| {
             let parsed = Rig::parse(&name, &bytes?);
@@ -165,6 +202,13 @@ impl Scene {
         let source = String::from_utf8(bytes.unwrap_or_default()).unwrap_or_default();
         let source = Problems { file: name, source, list: Vec::new() };
         self.join(patch, rig, source, warnings, all, duration)
+    }
+
+    /// The folder that paths of the patch count from.
+    fn root(&self) -> &Path {
+        // What comes through a pipe lies nowhere: its paths count from where the person is.
+        let parent = self.patch.parent().filter(|_| !text::is_stream(&self.patch));
+        parent.unwrap_or(Path::new(""))
     }
 
     /// What is wrong with patch and rig together.
@@ -187,9 +231,7 @@ impl Scene {
             return Err(Failure::usage(what, format!("give a whole number: --rate {rate:.0}")));
         }
         let engine_rate = rate / usual_ratio(rate) as f64;
-        // What comes through a pipe lies nowhere: its paths count from where the person is.
-        let parent = self.patch.parent().filter(|_| !text::is_stream(&self.patch));
-        let root = parent.unwrap_or(Path::new(""));
+        let root = self.root();
         // Twice the engine's rate, so that a recording may be played at half its speed and keep its band.
         let folder =
             Folder::new(root).allow_outside(self.allow_outside).at_rate(2.0 * engine_rate).holding(self.held);
@@ -222,7 +264,7 @@ impl Scene {
         let heard = |path: &PathBuf| Input::open_for(path, rate, &listened, needed);
         let heard = self.input.as_ref().map(heard).transpose();
 
-        let (mut surveyed, mut unfelt) = (Vec::new(), Vec::new());
+        let (mut surveyed, mut unfelt, mut bad_tables) = (Vec::new(), Vec::new(), Vec::new());
         let mut seen = watched.finish();
         for pattern in &patch.patterns {
             let Events::File(path, span) = &pattern.events else { continue };
@@ -230,12 +272,25 @@ impl Scene {
                 continue;
             }
             match events::survey(&folder, path, &patch, |place| rig.resolve(Some(place), &(0..0)).err()) {
-                Ok(survey) => {
+                Ok(mut survey) => {
                     surveyed.push((path.clone(), survey.events));
                     seen.paths.extend(folder.resolve(path));
-                    let at = |p: Problem| Problem { span: Some(span.clone()), ..p };
-                    problems.extend(survey.problems.into_iter().map(at));
-                    unfelt.extend(survey.advice.into_iter().map(at));
+                    if by_default {
+                        by_default::advise_a_rig(&mut survey.problems, &source.source);
+                    }
+                    // Where the table is named is told once.
+                    let line = source.position(span.start).0;
+                    if let Some(first) = survey.problems.iter_mut().find(|p| p.is_error()) {
+                        let named = format!("`{path}` is named in {}:{line}", source.file);
+                        let help = first.help.take();
+                        first.help = Some(help.map_or(named.clone(), |help| format!("{help}; {named}")));
+                    }
+                    let table = Origin {
+                        file: root.join(path).display().to_string().into(),
+                        source: survey.source.into(),
+                    };
+                    bad_tables.extend(Some(table.problems(survey.problems)).filter(Problems::has_errors));
+                    unfelt.extend(Some(table.problems(survey.advice)).filter(|p| !p.list.is_empty()));
                 }
                 Err(error) => {
                     problems.push(Problem::error(span, error.message.as_str()));
@@ -244,7 +299,7 @@ impl Scene {
             }
         }
         if by_default {
-            problems.iter_mut().for_each(by_default::advise_a_rig);
+            by_default::advise_a_rig(&mut problems, &source.source);
         }
         let codes = seen.codes(&patch);
         let mut files = seen.paths;
@@ -272,14 +327,13 @@ impl Scene {
         loaded.files.extend(read.map(on_disk));
         let deaf = self.input.is_none() && !listened.is_empty();
         loaded.warnings.extend(unheard);
-        if !unfelt.is_empty() {
-            loaded.warnings.push(loaded.patch.origin.problems(unfelt));
-        }
+        loaded.warnings.extend(unfelt);
         loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf));
         let mut failure = Failure::default();
         if problems.iter().any(Problem::is_error) {
             failure.join(loaded.refuse(problems, &codes));
         }
+        bad_tables.into_iter().for_each(|table| failure.join(Failure::of(65, table)));
         match self.midi.as_ref().map(song::read).transpose() {
             Ok(song) => {
                 let song = song.map(|song| {

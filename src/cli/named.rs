@@ -2,8 +2,8 @@
 
 use pacinian::io::assets::Folder;
 use pacinian::node::asset::{Asset, Assets};
-use pacinian::patch::{Events, Patch, Value};
-use pacinian::text::Span;
+use pacinian::patch::{Argument, Events, Patch, Value};
+use pacinian::text::{Problem, Span};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -56,6 +56,34 @@ impl Assets for Watched<'_> {
         }
         result.map_err(|error| error.message)
     }
+}
+
+/// What is wrong with the files that a patch names, where nothing is compiled that would find out.
+pub fn unreadable(patch: &Patch, folder: &Folder) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    let nodes = patch.voices.iter().flat_map(|voice| &voice.nodes).chain(&patch.shared);
+    for node in nodes {
+        let constant = |argument: &Argument| match argument.value {
+            Value::Constant(x) => Some(x as usize),
+            _ => None,
+        };
+        let channel = node.arguments.iter().find_map(constant).unwrap_or(1);
+        for argument in &node.arguments {
+            let Value::File(path) = &argument.value else { continue };
+            let trouble = folder.recording(path, channel).err();
+            problems.extend(trouble.map(|error| Problem::error(&argument.span, error.message)));
+        }
+    }
+    for pattern in &patch.patterns {
+        // What is empty was refused for where it leads.
+        if let Events::File(path, span) = &pattern.events
+            && !path.is_empty()
+        {
+            let trouble = folder.resolve(path).err();
+            problems.extend(trouble.map(|error| Problem::error(span, error.message)));
+        }
+    }
+    problems
 }
 
 /// Every file that a patch names, be it ever played or not, and where it names it.

@@ -8,8 +8,7 @@ use super::table::Table;
 use super::terminal::Terminal;
 use clap::Args;
 use pacinian::node::spec::{Family, Kind, NodeSpec, Numeric, Param};
-use pacinian::node::{NodeKind, REGISTRY};
-use pacinian::text::nearest;
+use pacinian::node::{NodeKind, REGISTRY, words};
 use pacinian::text::reference::short;
 use serde::Serialize;
 
@@ -62,13 +61,10 @@ impl Nodes {
             return terminal.print(&text);
         };
         let Some(kind) = NodeKind::find(name) else {
-            let near = nearest::nearest(name, REGISTRY.iter().map(|spec| spec.name));
-            let help = match near {
-                _ if format::knows(name) => {
-                    format!("it is a part of a patch or a rig: pacinian format {name}")
-                }
-                Some(near) => format!("did you mean `{near}`?"),
-                None => "`pacinian nodes` lists all, `pacinian format` what else there is".into(),
+            let help = if format::knows(name) {
+                format!("it is a part of a patch or a rig: pacinian format {name}")
+            } else {
+                words::advice(name)
             };
             return Err(Failure::usage(format!("there is no node `{name}`"), help));
         };

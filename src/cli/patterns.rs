@@ -23,7 +23,7 @@ pub struct PatternReport {
     file: Option<String>,
     /// As they stand in the patch or its file.
     events: u64,
-    /// How often they begin, repetitions counted; null where that is drawn, endless or not known.
+    /// How often they begin, repetitions counted; null where that depends on chance, is endless or not known.
     onsets: Option<u64>,
 }
 
@@ -115,7 +115,7 @@ impl<'a> Onsets<'a> {
         Self { patterns, known: BTreeMap::new() }
     }
 
-    /// `None` where it is drawn, read from a file or without end, or where patterns nest deeper than any that plays.
+    /// `None` where it depends on what is drawn, is read from a file or without end, or where patterns nest deeper than any that plays.
     fn of(&mut self, name: &str, depth: usize) -> Option<u64> {
         let pattern = *self.patterns.get(name)?;
         if let Some(known) = self.known.get(name) {
@@ -130,15 +130,24 @@ impl<'a> Onsets<'a> {
         let Events::Inline(events) = &pattern.events else { return None };
         let mut sum: u64 = 0;
         for event in events {
-            let one = match &event.action {
-                Action::Voice(_) | Action::Marker(_) => 1,
-                Action::Pattern { pattern, .. } => self.of(pattern, depth + 1)?,
-                Action::Choose(_) => return None,
-            };
+            let one = self.begun(&event.action, depth)?;
             let times = event.repeat.map_or(Some(1), |r| r.times)?;
             sum = sum.checked_add(one.checked_mul(times)?)?;
         }
         sum.checked_mul(pattern.repeat.map_or(Some(1), |r| r.times)?)
+    }
+
+    fn begun(&mut self, action: &Action, depth: usize) -> Option<u64> {
+        match action {
+            Action::Voice(_) | Action::Marker(_) => Some(1),
+            Action::Pattern { pattern, .. } => self.of(pattern, depth + 1),
+            // Whatever is drawn, where all that may be begins as often.
+            Action::Choose(list) => {
+                let mut counts = list.iter().map(|a| self.begun(&a.action, depth));
+                let first = counts.next()??;
+                counts.all(|n| n == Some(first)).then_some(first)
+            }
+        }
     }
 }
 
@@ -209,10 +218,14 @@ mod tests {
             [pattern.a]\nrepeat = { every = 1, times = 3 }\nevents = [{ at = 0, pattern = \"b\", repeat = { every = 1, times = 2 } }, { at = 0, marker = \"m\" }]\n\
             [pattern.b]\nevents = [{ at = 0, voice = \"v\", repeat = { every = 0.1, times = 5 } }]\n\
             [pattern.c]\nrepeat = { every = 1 }\nevents = [{ at = 0, voice = \"v\" }]\n\
-            [pattern.d]\nevents = [{ at = 0, choose = [{ voice = \"v\" }] }]\n";
+            [pattern.d]\nevents = [{ at = 0, choose = [{ voice = \"v\" }, { marker = \"m\" }], repeat = { every = 1, times = 4 } }]\n\
+            [pattern.e]\nevents = [{ at = 0, choose = [{ voice = \"v\" }, { pattern = \"b\" }] }]\n";
         let patch = Patch::parse("p.toml", text.as_bytes()).unwrap().value;
         let mut onsets = Onsets::new(&patch);
-        assert_eq!(["a", "b", "c", "d", "e"].map(|p| onsets.of(p, 0)), [Some(33), Some(5), None, None, None]);
+        assert_eq!(
+            ["a", "b", "c", "d", "e"].map(|p| onsets.of(p, 0)),
+            [Some(33), Some(5), None, Some(4), None]
+        );
         assert_eq!(players(&patch).get("b"), Some(&vec!["a".to_string()]));
     }
 }

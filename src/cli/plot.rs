@@ -28,7 +28,7 @@ pub struct Plot {
     #[arg(short, long, value_name = "FILE.svg")]
     output: PathBuf,
     /// Seconds to draw [default: what the patch says, else until everything is over]
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Width of the picture in pixels, 500 to 4000
     #[arg(long, value_name = "PX", default_value_t = 1200, value_parser = clap::value_parser!(u16).range(500..=4000))]

@@ -27,7 +27,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
     pacinian render patches/19-countdown.toml -o countdown.wav --log countdown.csv\n\n\
     The file plays at any time, also while it is written and when the program is stopped: Ctrl-C completes it as far as it is.\n\
     It ends when the patterns are over and nothing rings any more; patterns without end need --duration or --input.\n\n\
-    The log of --log has a first line with patch, seed and rates, a second with the names of the columns, and a line for each \
+    The log of --log has a first line with patch, seed and rates, and set=\"CONTROL=VALUE;...\" after --set, a second with the names of the columns, and a line for each \
     event as it is scheduled: seconds, engine sample and fraction of one; voice, marker or control; the pattern, which of its \
     events (from 1, in the order of the file, so a shuffled pattern shows what landed where) and which alternative of a `choose` \
     was drawn (from 1); name, tactor, level, frequency, other fields, duration, id. Instants are those of the events: what is felt \
@@ -43,7 +43,7 @@ pub struct Render {
     #[arg(long, value_name = "FORMAT", default_value = "f32")]
     format: Encoding,
     /// Seconds to render [default: what the patch says, else until everything is over]
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Writes every event that is played to a table too: when, which of which pattern, what was drawn
     #[arg(long, value_name = "FILE.csv")]
@@ -74,6 +74,7 @@ impl Log {
             device_rate: plan.device_rate,
             engine_rate: plan.engine_rate(),
             delay: player.engine().delay().total(),
+            set: loaded.settings.iter().map(|s| (s.control.clone(), s.value)).collect(),
         };
         let log = Self(Arc::new(Mutex::new(EventLog::create(path, &head)?)));
         let heard = log.clone();

@@ -7,7 +7,7 @@ use crate::patch::advice::Advice;
 use crate::patch::names::Names;
 use crate::patch::{Action, Event, EventsFile, Patch, Place};
 use crate::score::{EventStream, MOST_HELD};
-use crate::text::Problem;
+use crate::text::{Problem, Severity, Span};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashSet};
 use std::fs::File;
@@ -20,10 +20,12 @@ pub struct Survey {
     pub events: u64,
     /// Places that they name: each tactor and channel once.
     pub places: Vec<Place>,
-    /// Bad lines, at most [`MOST_PROBLEMS`]; their texts name file and line.
+    /// What is wrong, each at its place in `source`; of at most [`MOST_PROBLEMS`] lines.
     pub problems: Vec<Problem>,
-    /// Warnings about the first line that works and will hardly be felt as it was meant; its text names file and line.
+    /// Warnings about the first line that works and will hardly be felt as it was meant, at its place in `source`.
     pub advice: Vec<Problem>,
+    /// What stands in the file, as [`EventsFile::source`] has it.
+    pub source: String,
 }
 
 /// After so many bad lines the file is read no further.
@@ -50,37 +52,47 @@ pub fn survey(
 ) -> Result<Survey, FileError> {
     let file = file(folder, path)?;
     let mut survey = Survey::default();
-    let mut reader = match EventsFile::new(path, BufReader::new(file), Some(Names::new(patch))) {
+    let mut reader = match EventsFile::checked(path, BufReader::new(file), Names::new(patch)) {
         Ok(reader) => reader,
-        Err(problem) => {
+        Err((problem, source)) => {
             survey.problems.push(problem);
+            survey.source = source;
             return Ok(survey);
         }
     };
+    let head = reader.whole();
     let (mut names, mut channels) = (HashSet::new(), HashSet::new());
     let (mut order, mut advice) = (Order::default(), Advice::new(patch));
-    while let Some(event) = reader.next() {
-        if survey.problems.len() >= MOST_PROBLEMS {
-            survey.problems.push(Problem::of_file(format!("{path}: too many bad lines to look at more")));
+    let mut bad = 0;
+    while let Some(event) = reader.line_of_events() {
+        if bad >= MOST_PROBLEMS {
+            survey.problems.push(Problem::of_file("too many bad lines to look at more"));
             break;
         }
         let event = match event {
             Ok(event) => event,
-            Err(problem) => {
-                survey.problems.push(problem);
+            Err(problems) => {
+                survey.problems.extend(problems);
+                bad += 1;
                 continue;
             }
         };
         survey.events += 1;
         if survey.advice.is_empty() {
-            survey.advice = advice.of(&event, &format!("{path}:{}", reader.line()));
+            let told = advice.of(&event, &format!("line {}", reader.line())).into_iter();
+            let severity = Severity::Warning;
+            let at = |p: Problem| {
+                let span = p.span.clone().unwrap_or(event.span.clone());
+                Problem { severity, ..reader.wrong(&span, &p.what, p.help) }
+            };
+            survey.advice = told.map(at).collect();
         }
         if let Some(late) = order.take(event.at) {
-            let what = format!("{path}:{}: `at` is {}, but {late}", reader.line(), event.at);
+            let what = format!("`at` is {}, but {late}", event.at);
             let help = format!("sort the lines by `at`: none may come more than {MOST_HELD} lines late");
-            survey.problems.push(Problem::of_file(what).help(help));
+            survey.problems.push(reader.wrong(&event.span, &what, Some(help)));
         }
-        let Some(place) = place(&event) else { continue };
+        let Some((place, span)) = place(&event) else { continue };
         let is_new = match place {
             Place::Name(name) => names.len() < MOST_NAMES && names.insert(name.clone()),
             Place::Channel(channel) => channels.insert(*channel),
@@ -88,12 +100,16 @@ pub fn survey(
         };
         if is_new {
             survey.places.push(place.clone());
-            survey.problems.extend(resolve(place).map(|problem| {
-                let what = format!("{path}:{}: {}", reader.line(), problem.what);
-                Problem::of_file(what).help(problem.help)
-            }));
+            survey.problems.extend(resolve(place).map(|p| reader.wrong(span, &p.what, p.help)));
         }
     }
+    if survey.events == 0 && survey.problems.is_empty() {
+        let help = "write a line for each, below the names of the columns".to_string();
+        survey
+            .advice
+            .push(Problem::warning(&head, "the file has no events, only names of columns").help(help));
+    }
+    survey.source = reader.source();
     Ok(survey)
 }
 
@@ -129,8 +145,12 @@ impl Order {
 /// More names than this no rig has, so one of them has been complained about.
 const MOST_NAMES: usize = 2 * crate::rig::MAX_CHANNELS as usize;
 
-fn place(event: &Event) -> Option<&Place> {
-    if let Action::Voice(play) = &event.action { play.place.as_ref() } else { None }
+fn place(event: &Event) -> Option<(&Place, &Span)> {
+    if let Action::Voice(play) = &event.action {
+        Some((play.place.as_ref()?, &play.place_span))
+    } else {
+        None
+    }
 }
 
 fn file(folder: &Folder, path: &str) -> Result<File, FileError> {
@@ -143,8 +163,44 @@ mod tests {
     use crate::io::assets::Folder;
     use crate::patch::{Patch, Place};
     use crate::rig::Rig;
+    use crate::text::Problems;
 
     const PATCH: &[u8] = b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"s\"\nnodes.s = { type = \"white\" }\n";
+
+    /// Line and column of each problem.
+    fn places_of(found: &super::Survey) -> Vec<(usize, usize)> {
+        let shown = Problems { source: found.source.clone(), ..Problems::default() };
+        found.problems.iter().map(|p| shown.position(p.span.as_ref().unwrap().start)).collect()
+    }
+
+    /// A line with several mistakes tells them all, each at its cell; the lines of a large table keep their numbers.
+    #[test]
+    fn every_mistake_of_a_line_is_told_at_its_cell() {
+        let folder = std::env::temp_dir().join(format!("pacinian-cells-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let patch = Patch::parse("p", PATCH).unwrap().value;
+        let files = Folder::new(&folder);
+        for (before, spaces) in [(1, ""), (100_000, "  ")] {
+            let good = "0.25,a,0.5\n".repeat(before);
+            let text = format!("\u{feff}at,voice,level\n{good}\n# µ\n{spaces}x,\"b\",loud\n{good},,1\n");
+            std::fs::write(folder.join("w.csv"), text).unwrap();
+            let found = survey(&files, "w.csv", &patch, |_| None).unwrap();
+            let (bad, indent) = (before + 4, spaces.len());
+            let last = 2 * before + 5;
+            let expected = [(bad, 1 + indent), (bad, 3 + indent), (bad, 7 + indent), (last, 1), (last, 1)];
+            assert_eq!(places_of(&found), expected, "{:?}", found.problems);
+            assert!(found.source.contains("x,\"b\",loud") && found.source.len() < 1 << 20);
+        }
+        std::fs::write(folder.join("w.csv"), "at,voice\n").unwrap();
+        let found = survey(&files, "w.csv", &patch, |_| None).unwrap();
+        assert!(found.advice.len() == 1 && found.advice[0].what.contains("no events"), "{:?}", found.advice);
+        for text in ["at;voice;level\n0;a;1\n", "at\tvoice\n"] {
+            std::fs::write(folder.join("w.csv"), text).unwrap();
+            let found = survey(&files, "w.csv", &patch, |_| None).unwrap();
+            assert!(found.problems[0].to_string().contains("divided by commas"), "{:?}", found.problems);
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 
     #[test]
     fn every_bad_line_and_every_place_is_found() {
@@ -156,8 +212,7 @@ mod tests {
         let rig = Rig::default_for(2);
         let files = Folder::new(&folder);
         let found = survey(&files, "w.csv", &patch, |p| rig.resolve(Some(p), &(0..0)).err()).unwrap();
-        let lines: Vec<&str> = found.problems.iter().map(|p| p.what.split(": ").next().unwrap()).collect();
-        assert_eq!(lines, ["w.csv:3", "w.csv:4", "w.csv:5"], "{:?}", found.problems);
+        assert_eq!(places_of(&found), [(3, 3), (4, 5), (5, 1)], "{:?}", found.problems);
         let places = [Place::Name("t1".into()), Place::Name("nowhere".into()), Place::Channel(2)];
         assert_eq!((found.events, found.places.as_slice()), (5, &places[..]));
 
@@ -189,10 +244,10 @@ mod tests {
             assert_eq!(found.problems, []);
             found.advice.into_iter().map(|p| (p.is_error(), p.what)).collect::<Vec<_>>()
         };
-        let high = "frequency 5000 of w.csv:4: nothing above 1000 Hz is felt".to_string();
+        let high = "frequency 5000 of line 4: nothing above 1000 Hz is felt".to_string();
         assert_eq!(told("0,b,300,\n1,b,,\n2,b,5000,\n3,b,7000,9\n"), [(false, high)]);
         let loud = told("0,a,,0.5\n1,a,,2\n");
-        assert!(loud.len() == 1 && loud[0].1.starts_with("level 2 of w.csv:3"), "{loud:?}");
+        assert!(loud.len() == 1 && loud[0].1.starts_with("level 2 of line 3"), "{loud:?}");
         assert_eq!(told("0,b,1000,1\n1,b,,\n"), []);
         std::fs::remove_dir_all(&folder).unwrap();
     }
@@ -214,7 +269,8 @@ mod tests {
             let mut score = Score::new(&patch, |_| Ok(0), &[(0, 0.0)], 0, |path| open(&files, path)).unwrap();
             assert_eq!(score.all(|event| event.is_ok()), good, "{before}");
             if let [problem] = &found.problems[..] {
-                assert!(problem.what.starts_with(&format!("w.csv:{}: `at` is 0", before + 2)), "{problem}");
+                assert!(problem.what.starts_with("`at` is 0"), "{problem}");
+                assert_eq!(places_of(&found), [(before + 2, 1)]);
             }
         }
         std::fs::remove_dir_all(&folder).unwrap();

@@ -21,6 +21,8 @@ pub struct Head {
     pub engine_rate: f64,
     /// Seconds by which the output is later than the log, at 250 Hz.
     pub delay: f64,
+    /// Controls that were set from the start on, in place of their defaults.
+    pub set: Vec<(String, f64)>,
 }
 
 /// Names of the columns.
@@ -43,12 +45,17 @@ impl EventLog {
     pub fn create(path: &Path, head: &Head) -> Result<Self, FileError> {
         let file = BufWriter::with_capacity(1 << 16, OutputFile::create(path)?);
         let mut log = Self { file, line: String::new(), trouble: None };
-        let Head { patch, seed, device_rate, engine_rate, delay } = head;
-        let _ = writeln!(
+        let Head { patch, seed, device_rate, engine_rate, delay, set } = head;
+        let _ = write!(
             log.line,
             "# pacinian-log/1 patch={patch:?} seed={seed} device_rate={device_rate} engine_rate={engine_rate} \
-             delay={delay}\n{COLUMNS}"
+             delay={delay}"
         );
+        if !set.is_empty() {
+            let set: Vec<String> = set.iter().map(|(control, value)| format!("{control}={value}")).collect();
+            let _ = write!(log.line, " set={:?}", set.join(";"));
+        }
+        let _ = writeln!(log.line, "\n{COLUMNS}");
         log.put();
         Ok(log)
     }

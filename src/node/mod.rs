@@ -14,6 +14,7 @@ mod second_order;
 mod segment;
 pub mod spec;
 mod wave;
+pub mod words;
 
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};

@@ -8,6 +8,8 @@ use std::collections::HashMap;
 
 /// Where the band ends, Hz.
 const BAND: f64 = 1000.0;
+/// What to do about what lies beyond.
+const HELP: &str = "the band ends at 1000 Hz; the skin feels most from 200 to 300 Hz";
 
 /// Envelopes that a release cuts short, and the parameter that says how long they rise.
 const RISES: [(&str, &str); 2] = [("envelope", "attack"), ("gate", "rise")];
@@ -29,8 +31,13 @@ impl Patch {
         for (i, trigger) in self.triggers.iter().enumerate() {
             advice.trigger(trigger, &format!("trigger {}", i + 1));
         }
+        for node in self.shared.iter() {
+            advice.literal(node, "the shared nodes");
+        }
         let longest = longest(self);
         for voice in &self.voices {
+            let who = format!("voice `{}`", voice.name);
+            voice.nodes.iter().for_each(|node| advice.literal(node, &who));
             if let Some(longest) = longest.get(voice.name.as_str()) {
                 advice.rises(voice, *longest);
             }
@@ -139,9 +146,25 @@ impl<'a> Advice<'a> {
             } else {
                 format!("node `{}` comes to {hertz} Hz in {who}: nothing above 1000 Hz is felt", node.name)
             };
-            let help = "the band ends at 1000 Hz; the skin feels most from 200 to 300 Hz".to_string();
-            self.problems.push(Problem::warning(said.map_or(span, |f| f.2), what).help(help));
+            self.problems.push(Problem::warning(said.map_or(span, |f| f.2), what).help(HELP.to_string()));
             return;
+        }
+    }
+
+    /// An oscillator whose frequency is a number above the band.
+    fn literal(&mut self, node: &Node, of: &str) {
+        if self.problems.len() >= Sink::MOST || node.kind.spec().family != Family::Oscillator {
+            return;
+        }
+        for (param, argument) in node.kind.spec().params.iter().zip(&node.arguments) {
+            let Value::Expr(expr) = &argument.value else { continue };
+            let hertz = expr.constant().filter(|_| matches!(param.kind, Kind::Frequency(_)));
+            let Some(hertz) = hertz.filter(|hertz| hertz.abs() > BAND) else { continue };
+            let what = format!(
+                "`{}` of node `{}` of {of} is {hertz}: nothing above 1000 Hz is felt",
+                param.name, node.name
+            );
+            self.problems.push(Problem::warning(&argument.span, what).help(HELP.to_string()));
         }
     }
 
@@ -295,6 +318,23 @@ mod tests {
                 "{frequency} {fields}"
             );
         }
+    }
+
+    #[test]
+    fn so_are_those_that_stand_in_a_node() {
+        let events = "events = [{ at = 0, voice = \"v\" }, { at = 1, voice = \"v\", level = 0.5 }]";
+        for frequency in ["1500", "3 * 500"] {
+            one(
+                told(frequency, "", "", events),
+                "`frequency` of node `n` of voice `v` is 1500: nothing above",
+            );
+        }
+        let shared = "[shared.nodes]\ns = { type = \"triangle\", frequency = -2000 }\n";
+        one(told("200", shared, "", events), "`frequency` of node `s` of the shared nodes is -2000");
+        assert!(
+            told("1000", "nodes.f = { type = \"lowpass\", input = \"n\", cutoff = 2000 }", "", events)
+                .is_empty()
+        );
     }
 
     #[test]

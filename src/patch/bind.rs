@@ -153,7 +153,8 @@ pub(crate) fn read(reader: &Reader) -> Option<Bind> {
         curve,
         pickup: reader.flag("pickup"),
         span: reader.span.clone(),
-        from: from?,
+        // What is wrong has been reported; what it moves can be looked at all the same.
+        from: from.unwrap_or(Mover::Bend),
     })
 }
 

@@ -1,8 +1,8 @@
 //! A live parameter: what MIDI, OSC or a program may move while a patch plays.
 
-use crate::text::Span;
 use crate::text::field::{Field, Form, Table};
 use crate::text::reader::Reader;
+use crate::text::{Problem, Span};
 
 /// A control, `[control.NAME]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +80,9 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Control {
         if default < least || default > most {
             let what =
                 format!("`default` of {} is {default}; its range is from {least} to {most}", reader.who);
-            reader.sink.error(&reader.span_of("default"), what);
+            let help = (!reader.has("range"))
+                .then(|| "give it `range = [LEAST, MOST]`; without, it is [0, 1]".to_string());
+            reader.sink.push(Problem::error(&reader.span_of("default"), what).help(help));
         }
         if curve == Curve::Exponential && least <= 0.0 {
             let what = format!(

@@ -227,23 +227,23 @@ pub(crate) fn read(reader: &Reader) -> Option<Event> {
         for (word, span, _) in reader.others() {
             unknown(reader, word, &span);
         }
-        let alternatives: Option<Vec<Alternative>> = reader
-            .many("choose", who)
-            .iter()
-            .map(|r| Some(Alternative { weight: r.number("weight")?, action: read_action(r)? }))
-            .collect();
-        if alternatives.as_ref().is_some_and(Vec::is_empty) {
+        let readers = reader.many("choose", who);
+        if readers.is_empty() && reader.at("choose").is_some_and(|v| v.list().is_some_and(|l| l.len() == 0)) {
             reader
                 .sink
                 .error(&reader.span_of("choose"), format!("`choose` of {} has no alternatives", reader.who));
         }
-        alternatives.map(Action::Choose)
+        // Whatever is wrong with one, the others are read as well.
+        let alternative =
+            |r: &Reader| Some(Alternative { weight: r.number_or_default("weight"), action: read_action(r)? });
+        Some(Action::Choose(readers.iter().filter_map(alternative).collect()))
     } else {
         read_action(reader)
     };
+    // What is missing or wrong has been reported; the rest is read on, for what else there is to say.
     Some(Event {
-        at: at?,
-        delay: delay?,
+        at: at.unwrap_or(0.0),
+        delay: delay.unwrap_or(0.0),
         repeat: repeat.flatten(),
         action: action?,
         span: reader.span.clone(),
@@ -261,9 +261,21 @@ fn read_action(reader: &Reader) -> Option<Action> {
             });
             let help = match near {
                 Some((key, name)) => format!("did you mean `{name}` instead of `{key}`?"),
-                None => "say what happens: voice = \"...\", pattern = \"...\" or marker = \"...\"".into(),
+                None => {
+                    let choose = if reader.describes("choose") { ", or choose = [{ ... }]" } else { "" };
+                    format!(
+                        "say what happens: voice = \"...\", pattern = \"...\" or marker = \"...\"{choose}"
+                    )
+                }
             };
             reader.sink.error_help(&reader.span, format!("{} has no voice", reader.who), &help);
+            // Other keys may be fields of whatever voice was meant, unless they are hardly anything but a slip.
+            let meant = near.map(|(key, _)| *key);
+            for (word, span, _) in &others {
+                if Some(*word) != meant && did_you_mean(word, TABLE.keys()).is_some() {
+                    unknown(reader, word, span);
+                }
+            }
             return None;
         }
         several => {
@@ -297,8 +309,8 @@ fn read_action(reader: &Reader) -> Option<Action> {
                 if value.number().is_none() && did_you_mean(word, TABLE.keys()).is_some() {
                     unknown(reader, word, &span);
                 } else {
-                    let value = reader.number_in(word, &value, -1e9, 1e9)?;
-                    fields.push(Setting { name: word.into(), value, span });
+                    let value = reader.number_in(word, &value, -1e9, 1e9);
+                    fields.extend(value.map(|value| Setting { name: word.into(), value, span }));
                 }
             }
             Some(Action::Voice(Play {
@@ -314,8 +326,8 @@ fn read_action(reader: &Reader) -> Option<Action> {
         "pattern" => Some(Action::Pattern {
             pattern: name,
             span,
-            gain: reader.number("gain")?,
-            rate: reader.number("rate")?,
+            gain: reader.number_or_default("gain"),
+            rate: reader.number_or_default("rate"),
         }),
         _ => Some(Action::Marker(name)),
     }

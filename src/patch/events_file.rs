@@ -13,12 +13,14 @@ use super::names::Names;
 use super::place::{self, Place};
 use crate::text::nearest::suggest;
 use crate::text::reader::range;
-use crate::text::{Problem, measure};
+use crate::text::{Problem, Span, measure};
 
 /// The longest line, bytes.
 pub const MAX_LINE: u64 = 64 << 10;
 
 /// Reads events line by line. A bad line gives a [`Problem`] that names file and line, and reading goes on behind it.
+///
+/// With names to check against, [`EventsFile::line_of_events`] gives all problems of a line, at their place in [`EventsFile::source`].
 #[derive(Debug)]
 pub struct EventsFile<'a, R> {
     input: R,
@@ -29,6 +31,31 @@ pub struct EventsFile<'a, R> {
     bytes: usize,
     buffer: Vec<u8>,
     ended: bool,
+    kept: Option<Kept>,
+}
+
+/// What of a file is kept to show its problems.
+#[derive(Debug, Default)]
+struct Kept {
+    text: String,
+    /// Where the line begins that was read last.
+    line: usize,
+    /// Whether something is wrong with it.
+    wrong: bool,
+    /// Whether no more is kept.
+    full: bool,
+}
+
+/// Of a file with more bytes, only the lines are kept with which something is wrong, and the ends of the others.
+const SHOWN: usize = 1 << 19;
+/// Where so many bytes are kept, no more are: problems behind it are told by the number of their line.
+const MOST_KEPT: usize = 16 << 20;
+
+/// A cell of a line, and where it stands in it.
+#[derive(Debug, Clone, PartialEq)]
+struct Cell {
+    text: String,
+    span: Span,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +86,14 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
     /// # Errors
     /// Says what is wrong with the columns.
     pub fn new(name: &str, input: R, names: Option<Names<'a>>) -> Result<Self, Problem> {
-        let mut file = Self {
+        let mut file = Self::unread(name, input, names);
+        file.head().map(|()| file)
+    }
+
+    fn unread(name: &str, input: R, names: Option<Names<'a>>) -> Self {
+        let kept = names.is_some().then(Kept::default);
+        Self {
+            kept,
             input,
             name: name.into(),
             names,
@@ -68,12 +102,39 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
             bytes: 0,
             buffer: Vec::new(),
             ended: false,
+        }
+    }
+
+    /// As [`EventsFile::new`], with what was read to show the problem in.
+    #[cfg(feature = "io")] // Files are checked there.
+    pub(crate) fn checked(name: &str, input: R, names: Names<'a>) -> Result<Self, (Problem, String)> {
+        let mut file = Self::unread(name, input, Some(names));
+        match file.head() {
+            Ok(()) => Ok(file),
+            Err(problem) => Err((problem, file.source())),
+        }
+    }
+
+    fn head(&mut self) -> Result<(), Problem> {
+        let file = self;
+        let Some((header, from)) = file.next_line()? else {
+            let what = "the file has no events";
+            return Err(match file.kept {
+                Some(_) => Problem::of_file(what),
+                None => Problem::of_file(format!("{}: {what}", file.name)),
+            });
         };
-        let Some(header) = file.next_line()? else {
-            return Err(Problem::of_file(format!("{name}: the file has no events")));
-        };
-        let cells = cells(&header).map_err(|what| file.wrong(&what, None))?;
-        for cell in cells {
+        let cells = cells(&header).map_err(|what| file.wrong(&file.whole(), &what, None))?;
+        if let [Cell { text, .. }] = &cells[..]
+            && let Some(divider) = [';', '\t'].into_iter().find(|c| text.contains(*c))
+        {
+            let divider = if divider == ';' { "semicolons" } else { "tabs" };
+            let what = format!("the columns are divided by {divider}");
+            let help = "cells are divided by commas: at,voice,level".to_string();
+            return Err(file.wrong(&file.whole(), &what, Some(help)));
+        }
+        for Cell { text: cell, span } in cells {
+            let span = file.place_of(from, &span);
             let column = match COLUMNS.iter().find(|(word, _)| *word == cell) {
                 Some((_, column)) => column.clone(),
                 None => {
@@ -81,22 +142,23 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
                     if !known || cell.is_empty() || ["pattern", "choose", "repeat"].contains(&cell.as_str()) {
                         let fields: Vec<&str> = file.names.iter().flat_map(Names::fields).collect();
                         let help = suggest(&cell, COLUMNS.iter().map(|(w, _)| *w).chain(fields));
-                        return Err(file.wrong(&format!("there is no column `{cell}`"), help));
+                        return Err(file.wrong(&span, &format!("there is no column `{cell}`"), help));
                     }
                     Column::Field(cell)
                 }
             };
             if file.columns.contains(&column) {
-                return Err(file.wrong("a column stands there twice", None));
+                return Err(file.wrong(&span, "a column stands there twice", None));
             }
             file.columns.push(column);
         }
         let has = |c: &Column| file.columns.contains(c);
         if !has(&Column::At) || !(has(&Column::Voice) || has(&Column::Marker)) {
             let help = "the first line names the columns: at,voice,level,duration,place".to_string();
-            return Err(file.wrong("the columns `at` and `voice` (or `marker`) must be there", Some(help)));
+            let what = "the columns `at` and `voice` (or `marker`) must be there";
+            return Err(file.wrong(&file.whole(), what, Some(help)));
         }
-        Ok(file)
+        Ok(())
     }
 
     /// The line that was read last, from 1.
@@ -104,133 +166,231 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
         self.line
     }
 
-    fn wrong(&self, what: &str, help: Option<String>) -> Problem {
-        Problem::of_file(format!("{}:{}: {what}", self.name, self.line)).help(help)
+    /// What was read so far, for its problems to be shown in: the whole file where it is not large, else the lines that something is
+    /// wrong with, each at its number. Empty where no names were given.
+    pub fn source(&self) -> String {
+        self.kept.as_ref().map(|kept| kept.text.clone()).unwrap_or_default()
     }
 
-    /// The next line that says something.
-    fn next_line(&mut self) -> Result<Option<String>, Problem> {
+    /// A problem at a place of the line that was read last.
+    pub(crate) fn wrong(&mut self, span: &Span, what: &str, help: Option<String>) -> Problem {
+        match &mut self.kept {
+            Some(kept) if !kept.full => {
+                kept.wrong = true;
+                Problem::error(span, what).help(help)
+            }
+            Some(_) => Problem::of_file(format!("line {}: {what}", self.line)).help(help),
+            None => Problem::of_file(format!("{}:{}: {what}", self.name, self.line)).help(help),
+        }
+    }
+
+    /// That of a line read last: in what is kept, else in the file.
+    pub(crate) fn whole(&self) -> Span {
+        match &self.kept {
+            Some(kept) if !kept.full => kept.line..kept.text.trim_end().len().max(kept.line),
+            _ => self.bytes - self.buffer.len()..self.bytes,
+        }
+    }
+
+    /// That of a part of the line, which begins `from` bytes behind the line's beginning.
+    fn place_of(&self, from: usize, part: &Span) -> Span {
+        match &self.kept {
+            Some(kept) if !kept.full => kept.line + from + part.start..kept.line + from + part.end,
+            _ => self.whole(),
+        }
+    }
+
+    /// Keeps the line that was read last, and of the one before only what is needed.
+    fn keep(&mut self) {
+        let Some(kept) = self.kept.as_mut().filter(|kept| !kept.full) else { return };
+        if kept.text.len() > SHOWN && !std::mem::take(&mut kept.wrong) && kept.line < kept.text.len() {
+            kept.text.truncate(kept.line);
+            kept.text.push('\n');
+        }
+        kept.wrong = false;
+        kept.full = kept.text.len() > MOST_KEPT;
+        if !kept.full {
+            kept.line = kept.text.len();
+            let text = String::from_utf8_lossy(&self.buffer);
+            let text = if self.line == 1 { text.trim_start_matches('\u{feff}') } else { &text };
+            kept.text.push_str(text);
+        }
+    }
+
+    /// The next line that says something, and how far behind the line's beginning it begins.
+    fn next_line(&mut self) -> Result<Option<(String, usize)>, Problem> {
         loop {
             self.buffer.clear();
             self.line += 1;
             let read = (&mut self.input).take(MAX_LINE + 1).read_until(b'\n', &mut self.buffer);
             let length = read.map_err(|e| {
                 self.ended = true;
-                self.wrong(&format!("the file cannot be read further: {e}"), None)
+                self.wrong(&self.whole(), &format!("the file cannot be read further: {e}"), None)
             })?;
             if length == 0 {
                 self.ended = true;
                 return Ok(None);
             }
             self.bytes += length;
+            self.keep();
             if length as u64 > MAX_LINE {
                 // Where this line ends is anyone's guess.
                 self.ended = true;
-                return Err(self.wrong(&format!("the line is longer than {MAX_LINE} bytes"), None));
+                return Err(self.wrong(
+                    &self.whole(),
+                    &format!("the line is longer than {MAX_LINE} bytes"),
+                    None,
+                ));
             }
-            let text =
-                std::str::from_utf8(&self.buffer).map_err(|_| self.wrong("the line is not UTF-8", None))?;
+            let Ok(text) = std::str::from_utf8(&self.buffer) else {
+                return Err(self.wrong(&self.whole(), "the line is not UTF-8", None));
+            };
             let text = if self.line == 1 { text.trim_start_matches('\u{feff}') } else { text };
+            let from = text.len() - text.trim_start().len();
             let text = text.trim();
             if !text.is_empty() && !text.starts_with('#') {
-                return Ok(Some(text.into()));
+                return Ok(Some((text.into(), from)));
             }
         }
     }
 
-    fn event(&self, text: &str) -> Result<Event, Problem> {
-        let cells = cells(text).map_err(|what| self.wrong(&what, None))?;
+    fn event(&mut self, text: &str, from: usize) -> Result<Event, Vec<Problem>> {
+        let whole = self.whole();
+        let cells = cells(text).map_err(|what| vec![self.wrong(&whole, &what, None)])?;
         if cells.len() != self.columns.len() {
             let what =
                 format!("the line has {} cells, there are {} columns", cells.len(), self.columns.len());
-            return Err(self.wrong(&what, None));
+            return Err(vec![self.wrong(&whole, &what, None)]);
         }
-        let span = self.bytes - self.buffer.len()..self.bytes;
         let (mut at, mut delay, mut level, mut duration, mut place) = (None, 0.0, None, None, None);
-        let (mut voice, mut marker, mut fields) = (None, None, Vec::new());
-        for (column, cell) in self.columns.iter().zip(cells).filter(|(_, cell)| !cell.is_empty()) {
+        let (mut voice, mut marker, mut fields, mut place_span) = (None, None, Vec::new(), whole.clone());
+        let mut problems = Vec::new();
+        let columns = std::mem::take(&mut self.columns);
+        for (column, Cell { text: cell, span }) in columns.iter().zip(cells) {
+            if cell.is_empty() {
+                continue;
+            }
+            let span = self.place_of(from, &span);
+            // Something to go on with; what is wrong is reported.
+            let mut number = |key: &str, least, most| match number(key, &cell, least, most) {
+                Ok(x) => x,
+                Err((what, help)) => {
+                    problems.push(self.wrong(&span, &what, help));
+                    0.0
+                }
+            };
             match column {
-                Column::At => at = Some(self.number("at", &cell, 0.0, 1e9)?),
-                Column::Delay => delay = self.number("delay", &cell, 0.0, 1e9)?,
-                Column::Level => level = Some(self.number("level", &cell, 0.0, 100.0)?),
-                Column::Duration => duration = Some(self.number("duration", &cell, 0.0, 1e6)?),
-                Column::Place => place = Some(self.place(&cell)?),
-                Column::Voice => voice = Some(cell),
-                Column::Marker => marker = Some(cell),
+                Column::At => at = Some(number("at", 0.0, 1e9)),
+                Column::Delay => delay = number("delay", 0.0, 1e9),
+                Column::Level => level = Some(number("level", 0.0, 100.0)),
+                Column::Duration => duration = Some(number("duration", 0.0, 1e6)),
+                Column::Place => match place_in(&cell) {
+                    Ok(read) => (place, place_span) = (Some(read), span),
+                    Err(what) => problems.push(self.wrong(&span, &what, None)),
+                },
+                Column::Voice => voice = Some((cell, span)),
+                Column::Marker => marker = Some((cell, span)),
                 Column::Field(name) => {
-                    let value = self.number(name, &cell, -1e9, 1e9)?;
-                    fields.push(Setting { name: name.clone(), value, span: span.clone() });
+                    // A column may concern some voices only; a voice that lacks the field is a mistake where its cell is filled.
+                    let value = number(name, -1e9, 1e9);
+                    fields.push(Setting { name: name.clone(), value, span });
                 }
             }
         }
+        self.columns = columns;
         let action = match (voice, marker) {
-            (Some(voice), None) => {
-                // A column may concern some voices only; a voice that lacks the field is a mistake where its cell is filled.
-                let place_span = span.clone();
-                Action::Voice(Play { voice, span: span.clone(), place_span, level, duration, place, fields })
+            (Some((voice, span)), None) => {
+                Some(Action::Voice(Play { voice, span, place_span, level, duration, place, fields }))
             }
-            (None, Some(marker)) => Action::Marker(marker),
-            (None, None) => return Err(self.wrong("the event has no voice", None)),
-            (Some(_), Some(_)) => return Err(self.wrong("the event has `voice` and `marker` at once", None)),
+            (None, Some((marker, _))) => Some(Action::Marker(marker)),
+            (None, None) => {
+                problems.push(self.wrong(&whole, "the event has no voice", None));
+                None
+            }
+            (Some(_), Some((_, span))) => {
+                problems.push(self.wrong(&span, "the event has `voice` and `marker` at once", None));
+                None
+            }
         };
-        let Some(at) = at else { return Err(self.wrong("the event lacks `at`", None)) };
-        let event = Event { at, delay, repeat: None, action, span };
-        match self.names.as_ref().and_then(|n| n.check_event(&event).into_iter().next()) {
-            Some(problem) => Err(self.wrong(&problem.what, problem.help)),
-            None => Ok(event),
+        if at.is_none() {
+            problems.push(self.wrong(&whole, "the event lacks `at`", None));
+        }
+        let event = action.map(|action| Event {
+            at: at.unwrap_or(0.0),
+            delay,
+            repeat: None,
+            action,
+            span: whole.clone(),
+        });
+        let found = event.as_ref().zip(self.names.as_ref()).map(|(event, names)| names.check_event(event));
+        for Problem { what, help, span, .. } in found.unwrap_or_default() {
+            problems.push(self.wrong(&span.unwrap_or(whole.clone()), &what, help));
+        }
+        problems.sort_by_key(|p| p.span.as_ref().map_or(0, |s| s.start));
+        match event {
+            Some(event) if problems.is_empty() => Ok(event),
+            _ => Err(problems),
         }
     }
 
-    fn number(&self, key: &str, cell: &str, least: f64, most: f64) -> Result<f64, Problem> {
-        match cell.parse::<f64>() {
-            Ok(x) if x.is_finite() && x >= least && x <= most => Ok(x),
-            read => {
-                // "4 ms" is no number; one that is out of range has no unit to take off.
-                let advice = if read.is_err() { measure::advice(key, cell) } else { None };
-                let help = advice.map(|help| help.replacen(&format!("{key} = "), "", 1));
-                Err(self.wrong(&format!("`{key}` is \"{cell}\"; it must be {}", range(least, most)), help))
-            }
+    /// The next event, or everything that is wrong with its line; `None` at the end.
+    pub fn line_of_events(&mut self) -> Option<Result<Event, Vec<Problem>>> {
+        if self.ended {
+            return None;
+        }
+        match self.next_line() {
+            Ok(Some((text, from))) => Some(self.event(&text, from)),
+            Ok(None) => None,
+            Err(problem) => Some(Err(vec![problem])),
         }
     }
+}
 
-    fn place(&self, cell: &str) -> Result<Place, Problem> {
-        if let Ok(n) = cell.parse::<u64>() {
-            return place::channel(n)
-                .map(Place::Channel)
-                .ok_or_else(|| self.wrong(&format!("`place` is {n}; channels count from 1 to 4096"), None));
+fn number(key: &str, cell: &str, least: f64, most: f64) -> Result<f64, (String, Option<String>)> {
+    match cell.parse::<f64>() {
+        Ok(x) if x.is_finite() && x >= least && x <= most => Ok(x),
+        read => {
+            // "4 ms" is no number; one that is out of range has no unit to take off.
+            let advice = if read.is_err() { measure::advice(key, cell) } else { None };
+            let help = advice.map(|help| help.replacen(&format!("{key} = "), "", 1));
+            Err((format!("`{key}` is \"{cell}\"; it must be {}", range(least, most)), help))
         }
-        let numbers: Result<Vec<f64>, _> = cell.split_whitespace().map(str::parse).collect();
-        let Ok(numbers) = numbers else { return Ok(Place::Name(cell.into())) };
-        place::position(&numbers).map(Place::Position).ok_or_else(|| {
-            self.wrong(
-                &format!("`place` is \"{cell}\"; a position is two or three coordinates in metres"),
-                None,
-            )
-        })
     }
+}
+
+fn place_in(cell: &str) -> Result<Place, String> {
+    if let Ok(n) = cell.parse::<u64>() {
+        return place::channel(n)
+            .map(Place::Channel)
+            .ok_or_else(|| format!("`place` is {n}; channels count from 1 to 4096"));
+    }
+    let numbers: Result<Vec<f64>, _> = cell.split_whitespace().map(str::parse).collect();
+    let Ok(numbers) = numbers else { return Ok(Place::Name(cell.into())) };
+    place::position(&numbers)
+        .map(Place::Position)
+        .ok_or_else(|| format!("`place` is \"{cell}\"; a position is two or three coordinates in metres"))
 }
 
 impl<R: BufRead> Iterator for EventsFile<'_, R> {
     type Item = Result<Event, Problem>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.ended {
-            return None;
-        }
-        match self.next_line() {
-            Ok(Some(text)) => Some(self.event(&text)),
-            Ok(None) => None,
-            Err(problem) => Some(Err(problem)),
-        }
+        // One is enough to end a performance; the others are for who checks the file.
+        let first = |problems: Vec<Problem>| problems.into_iter().next();
+        Some(match self.line_of_events()? {
+            Ok(event) => Ok(event),
+            Err(problems) => Err(first(problems)?),
+        })
     }
 }
 
 /// The cells of a line.
-fn cells(line: &str) -> Result<Vec<String>, String> {
+fn cells(line: &str) -> Result<Vec<Cell>, String> {
     let mut cells = Vec::new();
     let mut rest = line;
     loop {
         rest = rest.trim_start();
+        let start = line.len() - rest.len();
         let mut cell = String::new();
         if let Some(mut quoted) = rest.strip_prefix('"') {
             loop {
@@ -258,7 +418,8 @@ fn cells(line: &str) -> Result<Vec<String>, String> {
             cell.push_str(text.trim_end());
             rest = behind;
         }
-        cells.push(cell);
+        let end = start + line[start..line.len() - rest.len()].trim_end().len();
+        cells.push(Cell { text: cell, span: start..end });
         match rest.strip_prefix(',') {
             Some(more) => rest = more,
             None => return Ok(cells),
@@ -350,7 +511,11 @@ mod tests {
 
     #[test]
     fn quotes_are_taken_off() {
-        assert_eq!(cells("a,\"b,\"\"c\"\" \" , d,").unwrap(), ["a", "b,\"c\" ", "d", ""]);
+        let line = "a,\"b,\"\"c\"\" \" , d,";
+        let read = cells(line).unwrap();
+        assert_eq!(read.iter().map(|c| c.text.as_str()).collect::<Vec<_>>(), ["a", "b,\"c\" ", "d", ""]);
+        let stand: Vec<&str> = read.iter().map(|c| &line[c.span.clone()]).collect();
+        assert_eq!(stand, ["a", "\"b,\"\"c\"\" \"", "d", ""]);
         assert!(cells("\"a\"b").is_err());
     }
 }

@@ -147,7 +147,7 @@ pub(crate) static RENDER: Table = Table {
     fields: &[
         Field::new(
             "duration",
-            Form::any_number(0.0, 1e9),
+            Form::any_number(1e-6, 1e9),
             "s",
             "Length; until everything has ended where nothing is said.",
         ),
@@ -195,6 +195,17 @@ impl Patch {
             checked.value.origin = Origin { file: name.into(), source: source.into() };
             checked
         })
+    }
+
+    /// What can be read of a patch in which something is wrong, for who looks for further trouble, as in the files that it names;
+    /// `None` where it is no TOML at all.
+    pub fn readable(bytes: &[u8], options: Permissions) -> Option<Self> {
+        let mut part = None;
+        let _ = document::read("", bytes, FORMAT, |document, sink| {
+            let reader = Reader::new(&TABLE, document, 0..0, "the patch", sink);
+            part = Some(Self::read(&reader, options).0);
+        });
+        part
     }
 
     /// What is wrong with it as a whole: names that nothing has, cycles, patterns that contain themselves. Spans are those of

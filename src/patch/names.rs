@@ -2,7 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Action, Event, Patch, Pattern, Play, Start, Voice};
+use super::event::RESERVED;
+use super::{Action, Event, Patch, Pattern, Play, Setting, Start, Voice};
 use crate::text::nearest::suggest;
 use crate::text::{Problem, Span};
 
@@ -76,6 +77,14 @@ impl<'a> Names<'a> {
             });
             problems
                 .push(Problem::error(&play.span, format!("there is no voice `{}`", play.voice)).help(help));
+            // What no voice has, the one that was meant has not, either.
+            for Setting { name, span, .. } in &play.fields {
+                if name != "frequency" && !self.fields.contains(name.as_str()) {
+                    let what = format!("there is no field `{name}` in events of any voice");
+                    let help = suggest(name, self.fields().chain(RESERVED.iter().copied()));
+                    problems.push(Problem::error(span, what).help(help));
+                }
+            }
             return;
         };
         if voice.start == Start::Always {

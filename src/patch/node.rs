@@ -4,9 +4,10 @@ use super::Permissions;
 use super::expr::Expr;
 use crate::node::kernel::Point;
 use crate::node::spec::{Kind, Numeric, Param};
-use crate::node::{NodeKind, OF_FUNDSP, REGISTRY};
+use crate::node::words::advice;
+use crate::node::{NodeKind, OF_FUNDSP};
 use crate::text::field::{Field, Form, Table};
-use crate::text::nearest::listed;
+use crate::text::nearest::{listed, nearest};
 use crate::text::reader::{At, Reader, range};
 use crate::text::sink::Sink;
 use crate::text::{Problem, Span, lower, measure};
@@ -105,17 +106,20 @@ pub(crate) fn read(
             return None;
         }
         let what = format!("{who}: there is no node type {}", word.shown());
-        sink.unknown(&word.span(), what, word.text().unwrap_or(""), REGISTRY.iter().map(|s| s.name));
+        sink.push(Problem::error(&word.span(), what).help(advice(word.text().unwrap_or(""))));
         return None;
     };
     let spec = kind.spec();
     let who = format!("{who} ({})", spec.name);
     let mut fine = true;
+    // A parameter that is there under a slip of its name is told once, at the slip.
+    let mut slips = Vec::new();
     for (key, value) in entries {
         let word = key.get_ref();
         if word != "type" && spec.param(word).is_none() {
             let span = if key.span().is_empty() { value.span() } else { key.span() };
             let keys = spec.params.iter().map(|p| p.name);
+            slips.extend(nearest(word, keys.clone()).filter(|_| !sink.is_full()));
             sink.unknown(&span, format!("{who} has no parameter `{word}`"), word, keys);
             fine = false;
         }
@@ -125,6 +129,7 @@ pub(crate) fn read(
         let reading = Reading { param, who: &who, options, sink };
         let argument = match entries.get(param.name).map(At::new) {
             Some(value) => reading.given(value).map(|v| Argument { value: v, span: value.span() }),
+            None if slips.contains(&param.name) => None,
             None => reading.absent(&span).map(|v| Argument { value: v, span: span.clone() }),
         };
         fine &= argument.is_some();

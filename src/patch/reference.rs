@@ -206,7 +206,7 @@ pub const TOPICS: &[Topic] = &[
         name: "control",
         written: "[control.NAME]",
         doc: "A live parameter, which nodes read by its name and a program may move while the patch plays.",
-        text: "In a rendering it stays at its default.",
+        text: "In a rendering it stays at its default, or where `--set NAME=VALUE` put it, unless a `[[bind]]` and `--midi` move it.",
         tables: &[&control::TABLE],
         example: "[control.strength]\n\
                   default = 0.5\n\

@@ -264,14 +264,30 @@ pub(crate) fn read(reader: &Reader) -> Option<Trigger> {
         };
         set.extend(expr.map(|e| (field.to_string(), e, span)));
     }
+    let place = place::read(reader, "place");
+    let Some(on) = on else {
+        // What it plays and where can be looked at all the same; what it sets depends on what sets it off.
+        return Some(Trigger {
+            on: Source::Start,
+            on_span: reader.span_of("on"),
+            play: reader.text("play")?.into(),
+            play_span: reader.span_of("play"),
+            set: Vec::new(),
+            place,
+            channel: None,
+            notes: None,
+            spread: Spread::Off,
+            span: reader.span.clone(),
+        });
+    };
     Some(Trigger {
-        place: place::read(reader, "place"),
+        place,
         channel: reader.count("channel").and_then(|n| u8::try_from(n).ok()),
         notes: notes(reader),
         spread: SPREADS.get(reader.word("spread")).copied().unwrap_or_default(),
         play: reader.text("play")?.into(),
         play_span: reader.span_of("play"),
-        on: on?,
+        on,
         on_span: reader.span_of("on"),
         set,
         span: reader.span.clone(),

@@ -23,8 +23,10 @@ pub const RING: f64 = 8.0;
 /// How many times the engine's rate the reference runs at.
 pub const OVER: usize = 16;
 
-/// Runs of a scene for its run time, at most, and how long they may take together.
+/// Runs of a scene for its run time: so many at most, unless all together are over sooner than the least time that says anything of
+/// a machine that does other things, too; and how long they may take together.
 const MOST_RUNS: u32 = 9;
+const LEAST: Duration = Duration::from_millis(100);
 const WARM: Duration = Duration::from_millis(300);
 
 /// What was measured.
@@ -34,7 +36,7 @@ pub struct Measured {
     pub comparison: Comparison,
     /// Seconds of vibration that were rendered.
     pub seconds: f64,
-    /// Wall time that the engine took: the least of up to nine runs, fewer for long scenes.
+    /// Wall time that the engine took: the least of several runs, fewer for long scenes.
     pub run_time: Duration,
     /// Voices that had to make room; the reference does not model that, so with any the error says little.
     pub stolen: u64,
@@ -120,7 +122,8 @@ impl Take<'_> {
             self.run(plan, samples, &mut |share| watch(0.5 * share))?;
         // A short scene is over before the machine has warmed up: the least of some runs says what it takes.
         let (begin, mut runs) = (Clock::now(), 1);
-        while runs < MOST_RUNS && begin.elapsed() + run_time < WARM {
+        let more = |runs| runs < MOST_RUNS || begin.elapsed() < LEAST;
+        while more(runs) && begin.elapsed() + run_time < WARM {
             let (engine_again, frames_again, again) = self.run(plan, samples, &mut |_| watch(0.5))?;
             (engine, frames, run_time) = (engine_again, frames_again, run_time.min(again));
             runs += 1;

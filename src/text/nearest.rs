@@ -80,6 +80,8 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("dur", &["duration"]),
     ("time", &["at", "duration"]),
     ("start", &["at"]),
+    ("when", &["at"]),
+    ("onset", &["at"]),
     ("tactor", &["place"]),
     ("location", &["place", "position"]),
     ("position", &["place"]),

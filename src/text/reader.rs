@@ -5,6 +5,7 @@ use toml::de::{DeString, DeTable, DeValue};
 
 use super::field::{Field, Form, Table};
 use super::measure;
+use super::nearest::nearest;
 use super::problem::{Problem, Span};
 use super::sink::Sink;
 
@@ -112,15 +113,19 @@ impl<'a> Reader<'a> {
         sink: &'a Sink,
     ) -> Self {
         let reader = Self { table, entries, span, who: who.into(), sink };
+        // A key that is there under a slip of its name is told once, at the slip.
+        let mut slips = Vec::new();
         for (key, value) in entries {
             if table.others.is_none() && table.field(key.get_ref()).is_none() {
                 let word = key.get_ref();
                 let span = key.span();
                 let span = if span.is_empty() { value.span() } else { span };
                 sink.unknown(&span, format!("{} has no key `{word}`", reader.who), word, table.keys());
+                slips.extend(nearest(word, table.keys()).filter(|_| !sink.is_full()));
             }
         }
-        for field in table.fields.iter().filter(|f| f.required && !entries.contains_key(f.key)) {
+        let lacks = |f: &&Field| f.required && !entries.contains_key(f.key) && !slips.contains(&f.key);
+        for field in table.fields.iter().filter(lacks) {
             let what = format!("{} lacks `{}`", reader.who, field.key);
             sink.push(Problem::error(&reader.span, what).help(table.to_add(field)));
         }
@@ -131,6 +136,10 @@ impl<'a> Reader<'a> {
     pub fn at(&self, key: &str) -> Option<At<'a>> {
         debug_assert!(self.table.field(key).is_some(), "{} describes no {key}", self.table.name);
         self.entries.get(key).map(At::new)
+    }
+    /// Whether the table may have the key.
+    pub fn describes(&self, key: &str) -> bool {
+        self.table.field(key).is_some()
     }
     /// Whether the key is there.
     pub fn has(&self, key: &str) -> bool {
