@@ -72,7 +72,7 @@ fn what_works_and_was_hardly_meant_is_a_warning_in_the_first_line() {
             &["`t22` makes the line 22 tactors long; without a rig there are 8", "--rig"],
         ),
         ("", &["nothing in this patch plays by itself", "give it a [pattern]"]),
-        ("[[trigger]]\non = \"midi.note\"\nplay = \"tap\"", &["nothing in this patch plays by itself"]),
+        ("[[trigger]]\non = \"knob.detent\"\nplay = \"tap\"", &["nothing in this patch plays by itself"]),
         (
             "[voice.ear]\noutput = \"e\"\nstart = \"always\"\nnodes.e = { type = \"input\" }",
             &["the patch listens, and hears silence", "--input FILE.wav"],
@@ -92,6 +92,8 @@ fn what_works_and_was_hardly_meant_is_a_warning_in_the_first_line() {
     assert_eq!((head.as_str(), err.as_str()), ("p.toml: nothing is wrong", ""));
     let (_, head, _) = scratch.check(&patch("[[trigger]]\non = \"start\"\nplay = \"tap\""), &[]);
     assert_eq!(head, "p.toml: nothing is wrong", "a voice that the start sets off plays by itself");
+    let (_, head, _) = scratch.check(&patch("[[trigger]]\non = \"midi.note\"\nplay = \"tap\""), &[]);
+    assert_eq!(head, "p.toml: nothing is wrong", "whoever plays it knows");
 }
 
 #[test]

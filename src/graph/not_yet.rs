@@ -146,7 +146,7 @@ events = [{ at = 0, voice = "tap" }, { at = 1, voice = "tap", place = "c" }]
 on = "start"
 play = "p"
 [[trigger]]
-on = "key.2"
+on = "knob.detent"
 play = "tap"
 "#;
 
@@ -167,8 +167,7 @@ play = "tap"
     #[test]
     fn what_nothing_acts_on_is_told() {
         let wanted = [
-            "trigger `key.2` of `tap`",
-            "`curve` of control `strength`",
+            "trigger `knob.detent` of `tap`",
             "`coupling` of the device",
             "`full_scale_volts` of the device",
             "amplifier `class-d`",
