@@ -194,3 +194,61 @@ fn memory_is_what_was_foreseen() {
         }
     }
 }
+
+/// What a session's callback does besides: cues from rings, orders to the gate, reports, meters, the recording.
+#[cfg(feature = "live")]
+#[test]
+fn a_callback_in_a_storm_of_events_orders_and_plans() {
+    use pacinian::live::board::Board;
+    use pacinian::live::callback::{Callback, Cue};
+    use pacinian::live::gate::{Gate, Order};
+    use ringbuf::HeapRb;
+    use ringbuf::traits::{Consumer, Producer, Split};
+
+    let first = compiled(&busy(24, 8), 16, 48_000.0).plan;
+    let second = compiled(&busy(24, 8).replace("time = 0.01", "time = 0.02"), 16, 48_000.0).plan;
+    let (mut director, stagehand) = exchange(&first).unwrap();
+    let board = std::sync::Arc::new(Board::new(16));
+    let gate = Gate::new(48_000.0, 1.0);
+    let (mut callback, mut rings) = Callback::new(stagehand, gate, std::sync::Arc::clone(&board));
+    let (out, mut back) = HeapRb::new(16 * 960).split();
+    callback.record(out);
+    let mut frames = vec![0.0; 128 * 16];
+    let (mut total, mut sent, mut events, mut reports) = (0, 0_u32, 0_u32, 0);
+    while events < 100_000 || sent < 100 {
+        let plan = if sent.is_multiple_of(2) { &second } else { &first };
+        if events.is_multiple_of(1000) && director.send(plan).unwrap() {
+            sent += 1;
+        }
+        for i in events..events + 50 {
+            let at = Instant {
+                sample: board.clock.get() + u64::from(i % 30),
+                fraction: i.wrapping_mul(2_654_435_761),
+            };
+            let event = match i % 10 {
+                0 => Event::Control(0, f64::from(i % 7) / 7.0),
+                1 => Event::Release(u64::from(i - 1)),
+                _ => Event::Play(play(i % 2, i % 16, 40.0 + f64::from(i % 300), 0.003, u64::from(i))),
+            };
+            assert!(rings.cues[(i % 2) as usize].try_push(Cue { at, event }).is_ok());
+        }
+        events += 50;
+        match events % 5000 {
+            1000 => board.panic(),
+            2000 => board.calm(),
+            _ => {}
+        }
+        let orders = [Order::Open, Order::Release, Order::Gain(0.5), Order::Return, Order::Gain(1.0)];
+        assert!(rings.orders.try_push(orders[events as usize / 50 % orders.len()]).is_ok());
+        total += counted(|| callback.process(&[], &mut frames));
+        assert!(frames.iter().all(|x| x.is_finite()));
+        reports += std::iter::from_fn(|| rings.reports.try_pop()).count();
+        // What is not fetched finds no room one day, and is counted.
+        if events.is_multiple_of(500) {
+            back.clear();
+        }
+    }
+    assert_eq!(total, 0, "allocations and frees in {events} events, {reports} reports and {sent} plans");
+    assert!(board.started.get() > 70_000 && reports > 100_000);
+    assert!(board.unrecorded.get() > 0 && board.untold.get() == 0);
+}

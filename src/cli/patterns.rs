@@ -226,6 +226,6 @@ mod tests {
             ["a", "b", "c", "d", "e"].map(|p| onsets.of(p, 0)),
             [Some(33), Some(5), None, Some(4), None]
         );
-        assert_eq!(players(&patch).get("b"), Some(&vec!["a".to_string()]));
+        assert_eq!(players(&patch).get("b"), Some(&vec!["a".to_string(), "e".to_string()]));
     }
 }
