@@ -165,7 +165,7 @@ fn recordings_and_events_files() {
     scratch.write("file.toml", with("[pattern.p]\nevents = \"w.csv\"\n"));
     check("file.toml").fails(66, &["w.csv", "is not there"]);
     scratch.write("w.csv", "at,voice,level\n0,beat,1\n1,beat,loud\n2,bat,1\n");
-    check("file.toml").fails(65, &["file.toml:10:", "w.csv:3:", "w.csv:4:", "did you mean `beat`"]);
+    check("file.toml").fails(65, &["file.toml:10", "w.csv:3:", "w.csv:4:", "did you mean `beat`"]);
     scratch.run(&["render", "file.toml", "-o", "x.wav"]).fails(65, &["w.csv:3:"]);
     scratch.write("w.csv", "at,voice,level\n0,beat,0.5\n0.1,beat,0.5\n");
     let summary = scratch.run(&["render", "file.toml", "-o", "x.wav", "--json"]).succeeds().json();

@@ -1,6 +1,6 @@
 //! Every shipped patch and rig: it reads without a word of complaint, plays to its end within its limits, and is what it should
 //! have been.
-#![cfg(all(feature = "io", feature = "report", feature = "fundsp-nodes"))]
+#![cfg(all(feature = "io", feature = "midi", feature = "report", feature = "fundsp-nodes"))]
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -14,6 +14,8 @@ use pacinian::graph::scene::Options;
 use pacinian::io::assets::Folder;
 use pacinian::io::input::Input;
 use pacinian::io::wav::WavReader;
+use pacinian::midi::Message;
+use pacinian::midi::file::Song;
 use pacinian::node::NodeKind;
 use pacinian::patch::{EventsFile, Patch};
 use pacinian::player::{OpenEvents, Player};
@@ -71,8 +73,21 @@ fn input_of(path: &Path, player: &Player) -> Option<Input> {
     Some(Input::open(&root().join(asked.trim()), plan.device_rate, &plan.inputs()).unwrap())
 }
 
+/// What plays a patch, as it asks in a line `# midi: PATH`: its notes. The reference knows nothing of controls that move.
+fn song_of(path: &Path) -> Option<Song> {
+    let text = fs::read_to_string(path).unwrap();
+    let asked = text.lines().find_map(|line| line.strip_prefix("# midi: "))?;
+    let checked =
+        Song::read(asked, &fs::read(root().join(asked.trim())).unwrap()).unwrap_or_else(|p| panic!("{p}"));
+    assert!(checked.warnings.list.is_empty(), "{}", checked.warnings);
+    let mut song = checked.value;
+    song.messages.retain(|(_, message)| !matches!(message, Message::Controller { .. }));
+    Some(song)
+}
+
 fn player(path: &Path) -> Player {
-    let options = Options { rate: Some(48_000.0), ..Options::default() };
+    let song = song_of(path);
+    let options = Options { rate: Some(48_000.0), live: song.is_some(), ..Options::default() };
     let folder = path.parent().unwrap().to_path_buf();
     let recordings = Folder::new(&folder).at_rate(16_000.0);
     let events: OpenEvents = Box::new(move |path| {
@@ -83,8 +98,12 @@ fn player(path: &Path) -> Player {
     let (patch, rig) = (patch(path), rig_of(path));
     let problems = rig.check_places(&patch);
     assert!(problems.is_empty(), "{}: {problems:?}", name(path));
-    Player::with_files(&patch, &rig, &options, &recordings, events)
-        .unwrap_or_else(|problems| panic!("{problems}"))
+    let mut player = Player::with_files(&patch, &rig, &options, &recordings, events)
+        .unwrap_or_else(|problems| panic!("{problems}"));
+    if let Some(song) = song {
+        player.play_song(song.messages, song.seconds);
+    }
+    player
 }
 
 /// What a patch came to.

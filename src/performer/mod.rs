@@ -328,6 +328,11 @@ impl Performer {
 
     /// Releases what was played under an id. Says whether there was room.
     pub fn release(&mut self, at: When, id: u64, outlet: &mut dyn Outlet) -> bool {
+        // A reference hears of it as the end of what was played.
+        let held = self.record.iter_mut().flatten().rev().find(|(_, play)| play.id == id);
+        if let Some((start, play)) = held.filter(|(_, play)| play.duration == f64::INFINITY) {
+            play.duration = (at.seconds - *start).max(0.0);
+        }
         self.order(at, Event::Release(id), Some(id), Happening::Release, outlet)
     }
 
