@@ -126,7 +126,7 @@ fn calm_brings_it_back_and_the_voice_that_is_always_on() {
 }
 
 #[test]
-fn what_is_played_comes_a_block_later_and_never_late() {
+fn what_is_played_comes_and_never_before_its_time() {
     let (mut session, mut recording, words) = start(HUM);
     wait("the ramp's end", || session.board().frames.get() > 10_000);
     let mut voices = Vec::new();
@@ -147,9 +147,11 @@ fn what_is_played_comes_a_block_later_and_never_late() {
         words.iter().any(|w| w.contains("refused") && w.contains("tab") && w.contains("tap")),
         "{words:?}"
     );
-    // This machine may stop for milliseconds, but not twenty times.
-    let late = plays.iter().filter(|w| w.split(' ').nth(1) != w.split(' ').nth(2)).count();
-    assert!(late <= 5, "{late} of 20");
+    // Where the machine stood still, one may be late; it is then played with the next sample, and never before its time.
+    for play in &plays {
+        let samples: Vec<u64> = play.split(' ').skip(1).take(2).map(|n| n.parse().unwrap()).collect();
+        assert!(samples[0] >= samples[1], "{play}");
+    }
     let mut all = Vec::new();
     fetch(&mut recording, &mut all);
     assert!(channel(&all, 1).iter().any(|x| x.abs() > 0.5));
@@ -158,6 +160,7 @@ fn what_is_played_comes_a_block_later_and_never_late() {
 #[test]
 fn another_patch_takes_over_without_a_gap_or_a_jump() {
     let (mut session, mut recording, words) = start(HUM);
+    let mut all = Vec::new();
     wait("the ramp's end", || session.board().frames.get() > 10_000);
     // A hundred times another voice beside the one that hums.
     for n in 0..100 {
@@ -165,9 +168,9 @@ fn another_patch_takes_over_without_a_gap_or_a_jump() {
         while session.handle().send(Signal::Reload(Box::new(reload(&text)))).is_err() {}
         let swaps = || words.lock().unwrap().iter().filter(|w| w.starts_with("Swap")).count();
         wait("the new patch", || swaps() == n + 1);
+        fetch(&mut recording, &mut all);
     }
     session.stop();
-    let mut all = Vec::new();
     fetch(&mut recording, &mut all);
     let hum = channel(&all, 0);
     let end = hum.len() - 500;
