@@ -230,7 +230,7 @@ fn a_callback_in_a_storm_of_events_orders_and_plans() {
                 1 => Event::Release(u64::from(i - 1)),
                 _ => Event::Play(play(i % 2, i % 16, 40.0 + f64::from(i % 300), 0.003, u64::from(i))),
             };
-            assert!(rings.cues[(i % 2) as usize].try_push(Cue { at, event }).is_ok());
+            assert!(rings.cues[(i % 2) as usize].try_push(Cue { plan: u64::from(sent), at, event }).is_ok());
         }
         events += 50;
         match events % 5000 {

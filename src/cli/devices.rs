@@ -5,9 +5,10 @@ use super::table::{Table, grouped};
 use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::device::list::{self, Found, Offer};
+use pacinian::io::midi_in;
 use serde_json::json;
 
-/// Lists sound cards: channels, rates, blocks, and what is missing
+/// Lists sound cards (channels, rates, blocks), ports of MIDI, and what is missing
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  pacinian devices\n  pacinian play PATCH --device \"USB Sound\"\n\n\
     A device is meant by its id, its name, or a part of its name that no other has. `virtual` is a card that keeps real time and \
@@ -36,7 +37,12 @@ impl Devices {
         if self.json {
             let hosts: Vec<_> =
                 hosts.iter().map(|(name, runs, found)| host_as_json(name, *runs, found)).collect();
-            let said = json!({ "hosts": hosts, "advice": advice() });
+            let (ports, trouble) = match midi_in::names() {
+                Ok(ports) => (ports, None),
+                Err(why) => (Vec::new(), Some(why)),
+            };
+            let said =
+                json!({ "hosts": hosts, "midi": { "ports": ports, "trouble": trouble }, "advice": advice() });
             return terminal.print(&format!("{said:#}\n"));
         }
         let mut text = String::new();
@@ -53,6 +59,15 @@ impl Devices {
             "{}\n  keeps real time and plays to nobody: --device virtual\n",
             terminal.out.bold("virtual")
         );
+        text += &match midi_in::names() {
+            Ok(ports) if ports.is_empty() => format!("{}: no port\n", terminal.out.bold("MIDI")),
+            Ok(ports) => {
+                let mut table = Table::default();
+                ports.into_iter().for_each(|port| table.row([port]));
+                format!("{}\n{}", terminal.out.bold("MIDI"), table.text())
+            }
+            Err(why) => format!("{}: {why}\n", terminal.out.bold("MIDI")),
+        };
         for (what, help) in advice() {
             text += &format!("\n{what}\n  {help}\n");
         }

@@ -61,10 +61,7 @@ const CLOSED: u8 = 129;
 
 impl From<DeviceError> for Failure {
     fn from(error: DeviceError) -> Self {
-        let code = error.kind.exit_code();
-        let mut failure = Self::usage(error.what, error.help.unwrap_or_default());
-        failure = failure.with_code(code);
-        failure
+        Self::usage(error.what, error.help.unwrap_or_default()).with_code(error.kind.exit_code())
     }
 }
 

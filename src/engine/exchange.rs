@@ -76,17 +76,27 @@ impl Stagehand {
         &mut self.engine
     }
 
-    /// Takes a new plan if one has come, and computes as [`Engine::process_input`]. Neither allocates nor frees. Says whether a plan
-    /// took over.
-    pub fn process(&mut self, input: &[f32], output: &mut [f32]) -> bool {
-        let mut swapped = false;
+    /// Takes a new plan if one has come and the one before has died away, as [`Stagehand::process`] does by itself. Says whether a
+    /// plan took over: events from here on are those of that plan.
+    pub fn take_over(&mut self) -> bool {
         if self.leaving.is_none()
             && let Some(mut new) = self.new.try_pop()
         {
             self.engine.adopt(&mut new);
             self.leaving = Some(new);
-            swapped = true;
+            return true;
         }
+        false
+    }
+
+    /// Takes a new plan if one has come, and computes as [`Engine::process_input`]. Neither allocates nor frees.
+    pub fn process(&mut self, input: &[f32], output: &mut [f32]) {
+        self.take_over();
+        self.compute(input, output);
+    }
+
+    /// Computes on the plan that plays.
+    pub(crate) fn compute(&mut self, input: &[f32], output: &mut [f32]) {
         match &mut self.leaving {
             Some(old) => self.engine.process_with(input, output, Some(&mut old.engine)),
             None => self.engine.process_with(input, output, None),
@@ -97,6 +107,5 @@ impl Stagehand {
         {
             self.leaving = Some(old);
         }
-        swapped
     }
 }

@@ -3,7 +3,7 @@
 //! A system says nothing when a cable is pulled, so ports are looked for once a second. What came through one that is gone is let go.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -29,7 +29,6 @@ pub enum PortNews {
 pub struct MidiPorts {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
-    messages: Arc<AtomicU64>,
 }
 
 /// How often ports are looked for.
@@ -50,15 +49,13 @@ struct Line {
     number: u16,
     parser: Parser,
     handle: Handle,
-    messages: Arc<AtomicU64>,
 }
 
 impl Line {
     fn hear(&mut self, bytes: &[u8]) {
         let stamp = self.handle.epoch().now();
-        let (handle, number, messages) = (&self.handle, self.number, &self.messages);
+        let (handle, number) = (&self.handle, self.number);
         self.parser.read(bytes, &mut |message| {
-            messages.fetch_add(1, Ordering::Relaxed);
             // What finds no room is counted there.
             let _ = handle.send_at(stamp, Signal::Midi(number, message));
         });
@@ -96,26 +93,17 @@ impl MidiPorts {
         wanted: Option<String>,
         mut news: Box<dyn FnMut(PortNews) + Send>,
     ) -> std::io::Result<Self> {
-        let (stop, messages) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
-        let (stopped, counted, handle) = (Arc::clone(&stop), Arc::clone(&messages), handle.clone());
+        let stop = Arc::new(AtomicBool::new(false));
+        let (stopped, handle) = (Arc::clone(&stop), handle.clone());
         let look = move || {
             let mut open: Vec<Open> = Vec::new();
             let mut refused: Vec<String> = Vec::new();
-            let (mut next, mut without) = (0, false);
+            let mut without = false;
             while !stopped.load(Ordering::Acquire) {
                 match input() {
                     Ok(input) => {
                         without = false;
-                        search(
-                            &input,
-                            &wanted,
-                            &mut open,
-                            &mut refused,
-                            &mut next,
-                            &handle,
-                            &counted,
-                            &mut news,
-                        );
+                        search(&input, &wanted, &mut open, &mut refused, &handle, &mut news);
                     }
                     Err(error) => {
                         if !std::mem::replace(&mut without, true) {
@@ -131,12 +119,7 @@ impl MidiPorts {
             }
         };
         let thread = std::thread::Builder::new().name("midi ports".into()).spawn(look)?;
-        Ok(Self { stop, thread: Some(thread), messages })
-    }
-
-    /// Messages that came so far.
-    pub fn messages(&self) -> u64 {
-        self.messages.load(Ordering::Relaxed)
+        Ok(Self { stop, thread: Some(thread) })
     }
 }
 
@@ -151,15 +134,12 @@ impl Drop for MidiPorts {
 }
 
 /// Lets go of ports that are gone, and opens those that are new.
-#[expect(clippy::too_many_arguments, reason = "what the thread holds")]
 fn search(
     input: &MidiInput,
     wanted: &Option<String>,
     open: &mut Vec<Open>,
     refused: &mut Vec<String>,
-    next: &mut u16,
     handle: &Handle,
-    messages: &Arc<AtomicU64>,
     news: &mut Box<dyn FnMut(PortNews) + Send>,
 ) {
     let ports = input.ports();
@@ -183,12 +163,11 @@ fn search(
         }
         let Ok(mut line) = self::input() else { continue };
         line.ignore(Ignore::None);
-        let number = *next;
-        let state =
-            Line { number, parser: Parser::new(), handle: handle.clone(), messages: Arc::clone(messages) };
+        // Lowest first, so that a port that comes back has the number it had.
+        let number = (0..u16::MAX).find(|n| open.iter().all(|port| port.number != *n)).unwrap_or(u16::MAX);
+        let state = Line { number, parser: Parser::new(), handle: handle.clone() };
         match line.connect(port, "in", |_, bytes, line| line.hear(bytes), state) {
             Ok(connection) => {
-                *next = next.wrapping_add(1);
                 open.push(Open { id: id.clone(), name: name.clone(), number, _connection: connection });
                 news(PortNews::Opened(name.clone()));
             }

@@ -20,7 +20,7 @@ use crate::live::conductor::{Audience, Conductor};
 use crate::live::driver::Driver;
 use crate::live::gate::{Gate, RAMP_OUT, UNARMED};
 use crate::live::reload::Reload;
-use crate::live::signal::{Handle, Signal};
+use crate::live::signal::{Handle, Refused, Signal};
 use crate::live::stamp::Epoch;
 use crate::midi::file::Song;
 use crate::performer::{Listener, Performer};
@@ -129,7 +129,10 @@ impl Session {
 
     /// Closes the gate, waits until the device has been given silence, and lets go of it.
     pub fn stop(&mut self) {
-        let _ = self.handle.send(Signal::End);
+        // Whoever floods the session cannot keep it from ending.
+        while self.conductor.is_some() && self.handle.send(Signal::End) == Err(Refused::Busy) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
         if let Some(conductor) = self.conductor.take() {
             let _ = conductor.join();
         }

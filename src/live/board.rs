@@ -69,8 +69,6 @@ pub struct Board {
     pub xruns: Figure,
     /// Frames of the last block.
     pub block: Figure,
-    /// Nanoseconds by which the last callback came later than it should have; 0 for one that came early.
-    pub lateness: Figure,
     /// Nanoseconds from a callback to when the device plays its first frame, as the device has it; 0 where it does not say.
     pub device_delay: Figure,
 }
@@ -110,10 +108,6 @@ impl Board {
     /// As [`Board::take_peak`], since it was asked here last: for meters that are sent on.
     pub fn take_sent_peak(&self, channel: usize) -> f32 {
         self.sent_peaks.get(channel).map_or(0.0, |peak| f32::from_bits(peak.swap(0, Ordering::Relaxed)))
-    }
-
-    pub(super) fn latest_lateness(&self, seconds: f64) {
-        self.lateness.set((seconds.max(0.0) * 1e9) as u64);
     }
 
     /// Notes the peaks of interleaved frames.

@@ -29,6 +29,8 @@ const REPORTS: usize = 1 << 15;
 /// An event on its way to the engine.
 #[derive(Debug, Clone, Copy)]
 pub struct Cue {
+    /// How many plans had followed the first when it was made: voices, places and controls have the numbers of that plan.
+    pub plan: u64,
     /// When it is due.
     pub at: Instant,
     /// What is.
@@ -75,6 +77,10 @@ pub struct Callback {
     board: Arc<Board>,
     record: Option<HeapProd<f32>>,
     channels: usize,
+    /// Plans that have followed the first.
+    plan: u64,
+    /// Events that came too late for their plan.
+    outdated: u64,
     /// Frames given out.
     frames: u64,
 }
@@ -86,8 +92,19 @@ impl Callback {
         let (to_gate, orders) = HeapRb::new(ORDERS).split();
         let (reports, told) = HeapRb::new(REPORTS).split();
         let channels = stagehand.engine().channels();
-        let callback =
-            Self { stagehand, cues, orders, reports, gate, board, record: None, channels, frames: 0 };
+        let callback = Self {
+            stagehand,
+            cues,
+            orders,
+            reports,
+            gate,
+            board,
+            record: None,
+            channels,
+            plan: 0,
+            outdated: 0,
+            frames: 0,
+        };
         (callback, Rings { cues: senders, orders: to_gate, reports: told })
     }
 
@@ -115,10 +132,14 @@ impl Callback {
     /// blocks or asks the system for anything.
     pub fn process(&mut self, input: &[f32], output: &mut [f32]) {
         self.obey();
+        // What was meant for the plan that goes is with it before it goes, and is taken over with what waits there.
         self.take_cues();
-        if self.stagehand.process(input, output) {
+        if self.stagehand.take_over() {
+            self.plan += 1;
             self.tell(Report::Swap(self.frames));
+            self.take_cues();
         }
+        self.stagehand.compute(input, output);
         self.gate.pass(output, self.channels);
         self.frames += (output.len() / self.channels.max(1)) as u64;
         self.show(output);
@@ -149,11 +170,20 @@ impl Callback {
         self.tell(Report::Order(self.frames, order));
     }
 
-    /// Gives the engine what has come, as long as it has room; the rest waits in its ring.
+    /// Gives the engine what has come for its plan, as long as it has room; the rest waits in its ring.
     fn take_cues(&mut self) {
         for (number, source) in SOURCES.into_iter().enumerate() {
             while self.stagehand.engine().room() > 0 {
-                let Some(Cue { at: due, event }) = self.cues[number].try_pop() else { break };
+                let Some(&Cue { plan, at: due, event }) = self.cues[number].try_peek() else { break };
+                if plan > self.plan {
+                    break;
+                }
+                self.cues[number].try_pop();
+                if plan < self.plan {
+                    // It found no room before its plan went; what its numbers name now is something else.
+                    self.outdated += 1;
+                    continue;
+                }
                 let clock = self.stagehand.engine().clock();
                 let at = if due.ceiling() < clock { Instant { sample: clock, fraction: 0 } } else { due };
                 self.stagehand.engine().schedule(at, source, event);
@@ -177,7 +207,7 @@ impl Callback {
         let (counters, counts) = (engine.counters(), engine.stage().counts());
         self.board.started.set(counters.started);
         self.board.stolen.set(counters.stolen);
-        self.board.dropped.set(counters.dropped);
+        self.board.dropped.set(counters.dropped + self.outdated);
         self.board.masked.set(counters.masked + counts.masked);
         self.board.clamped.set(counts.clamped);
         self.board.limited.set(counts.limited);

@@ -73,11 +73,6 @@ impl Moment {
         let since = (stamp.seconds() - self.time) / self.frame;
         (self.frames as f64 + self.ahead as f64 + since).max(0.0)
     }
-
-    /// When the callback would come that asks for `frame` first, in seconds since the session began.
-    pub fn time_of(&self, frame: f64) -> f64 {
-        self.time + (frame - self.frames as f64) * self.frame
-    }
 }
 
 impl Follower {
@@ -200,7 +195,6 @@ mod tests {
             let arrived = 1.0 + (moment.frames as f64 + offset) / 48_000.0;
             let played = moment.frame_of(stamp(arrived));
             assert!((played - (moment.frames as f64 + 128.0 + offset)).abs() < 0.01, "{offset}");
-            assert!((moment.time_of(played) - arrived - 128.0 / 48_000.0).abs() < 1e-6);
         }
     }
 

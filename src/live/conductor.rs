@@ -66,6 +66,8 @@ pub struct Conductor {
     patterns: HashMap<u64, u64>,
     /// The serial numbers of the patterns that it told of last.
     playing: Vec<u64>,
+    /// Plans that were sent after the first.
+    plan: u64,
     /// One that waits until an engine has come back.
     waiting: Option<Box<Reload>>,
     rate: f64,
@@ -77,6 +79,7 @@ pub struct Conductor {
 struct ToCallback<'a> {
     rings: &'a mut Rings,
     clock: u64,
+    plan: u64,
 }
 
 impl Outlet for ToCallback<'_> {
@@ -92,7 +95,7 @@ impl Outlet for ToCallback<'_> {
     fn send(&mut self, at: Instant, source: Source, event: Event) -> bool {
         let ring =
             SOURCES.iter().position(|s| *s == source).and_then(|number| self.rings.cues.get_mut(number));
-        ring.is_some_and(|ring| ring.try_push(Cue { at, event }).is_ok())
+        ring.is_some_and(|ring| ring.try_push(Cue { plan: self.plan, at, event }).is_ok())
     }
 }
 
@@ -123,6 +126,7 @@ impl Conductor {
             voices: BTreeMap::new(),
             patterns: HashMap::from([(0, 0)]),
             playing: Vec::new(),
+            plan: 0,
             waiting: None,
             rate,
             ratio,
@@ -137,8 +141,9 @@ impl Conductor {
             match self.signals.recv_timeout(EVERY) {
                 Ok(stamped) => {
                     self.take(stamped);
-                    // What has piled up is taken before patterns are fed.
-                    while let Ok(stamped) = self.signals.try_recv() {
+                    // What has piled up is taken before patterns are fed, but not what comes meanwhile: they must not wait for ever.
+                    for _ in 0..WAITING {
+                        let Ok(stamped) = self.signals.try_recv() else { break };
                         self.take(stamped);
                     }
                 }
@@ -151,7 +156,7 @@ impl Conductor {
 
     /// Sends what sounds from the beginning, and opens the gate.
     pub fn begin(&mut self) {
-        let mut outlet = ToCallback { rings: &mut self.rings, clock: 0 };
+        let mut outlet = ToCallback { rings: &mut self.rings, clock: 0, plan: self.plan };
         if let Err(problem) = self.performer.begin(&mut outlet) {
             (self.audience)(Told::Refused(&problem));
         }
@@ -176,7 +181,8 @@ impl Conductor {
     /// Cables that promised to stay may be lost.
     fn tick(&mut self) {
         let at = self.when(self.epoch.now());
-        let mut outlet = ToCallback { rings: &mut self.rings, clock: self.board.clock.get() };
+        let mut outlet =
+            ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan };
         if let Err(problem) = self.performer.midi_tick(at, &mut outlet) {
             (self.audience)(Told::Refused(&problem));
         }
@@ -193,7 +199,7 @@ impl Conductor {
     fn feed(&mut self) {
         let clock = self.board.clock.get();
         let until = clock + (AHEAD * self.rate) as u64;
-        let mut outlet = ToCallback { rings: &mut self.rings, clock };
+        let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
         let troubled = self.performer.trouble().is_some();
         self.performer.feed(until, &mut outlet);
         if let Some(problem) = self.performer.trouble().filter(|_| !troubled) {
@@ -214,7 +220,8 @@ impl Conductor {
     /// Does what a signal asks for.
     pub fn take(&mut self, Stamped { stamp, signal }: Stamped) {
         let at = self.when(stamp);
-        let mut outlet = ToCallback { rings: &mut self.rings, clock: self.board.clock.get() };
+        let clock = self.board.clock.get();
+        let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
         let outlet = &mut outlet;
         let done = match signal {
             Signal::Play(number, voice, note) => self.performer.play(at, &voice, &note, outlet).map(|id| {
@@ -243,11 +250,7 @@ impl Conductor {
                 Ok(())
             }
             Signal::StopNamed(name) => {
-                let serials: Vec<u64> =
-                    self.performer.patterns().filter(|(_, n)| *n == Some(&*name)).map(|(s, _)| s).collect();
-                for serial in serials {
-                    self.performer.stop_pattern(serial);
-                }
+                self.performer.stop_patterns(|playing| playing == Some(&name));
                 Ok(())
             }
             Signal::Key(key) => self.performer.key(at, key, outlet),
@@ -257,10 +260,7 @@ impl Conductor {
             Signal::Panic => {
                 // The board's brake has closed the gate, or will.
                 self.board.panic();
-                let serials: Vec<u64> = self.performer.patterns().map(|(serial, _)| serial).collect();
-                for serial in serials {
-                    self.performer.stop_pattern(serial);
-                }
+                self.performer.stop_patterns(|_| true);
                 self.voices.clear();
                 sent(self.performer.release_all(at, outlet))
             }
@@ -276,6 +276,8 @@ impl Conductor {
                 Ok(())
             }
             Signal::Reload(reload) => {
+                // One that still waits is out of date.
+                self.waiting = None;
                 self.reload(reload);
                 Ok(())
             }
@@ -304,6 +306,7 @@ impl Conductor {
         match self.director.send(&reload.scene.plan) {
             Ok(false) => self.waiting = Some(reload),
             Ok(true) => {
+                self.plan += 1;
                 let Reload { scene, patch, rig, files } = *reload;
                 // Those that play on may be called otherwise now.
                 self.playing = vec![u64::MAX];
@@ -321,5 +324,168 @@ fn sent(sent: bool) -> Result<(), Problem> {
     match sent {
         true => Ok(()),
         false => Err(Problem::of_file("more events came than the engine could take; play less at once")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use super::{Audience, Board, Conductor, Report, Signal, Stamped, Told};
+    use crate::engine::event::Event;
+    use crate::engine::exchange::exchange;
+    use crate::graph::scene::{Options, Scene, scene};
+    use crate::live::callback::Callback;
+    use crate::live::clock::Follower;
+    use crate::live::gate::Gate;
+    use crate::live::reload::Reload;
+    use crate::live::stamp::{Epoch, Stamp};
+    use crate::node::asset::NoAssets;
+    use crate::patch::Patch;
+    use crate::performer::{Note, Performer};
+    use crate::rig::Rig;
+    use crate::text::Problem;
+
+    /// A voice of each name, in this order.
+    fn compiled(voices: &[&str]) -> (Scene, Arc<Patch>, Arc<Rig>) {
+        let mut text = String::from("format = \"pacinian-patch/1\"\ntitle = \"t\"\n");
+        for name in voices {
+            text += &format!(
+                "[voice.{name}]\noutput = \"o\"\n[voice.{name}.nodes]\ns = {{ type = \"sine\", frequency = 100 }}\n\
+                 e = {{ type = \"envelope\", release = 0.01 }}\no = {{ type = \"multiply\", inputs = [\"s\", \"e\"] }}\n"
+            );
+        }
+        let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let rig = Rig::default_for(1);
+        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+        let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+        (scene, Arc::new(patch), Arc::new(rig))
+    }
+
+    fn reload(voices: &[&str]) -> Box<Reload> {
+        let (scene, patch, rig) = compiled(voices);
+        Box::new(Reload { scene, patch, rig, files: Box::new(|_| Err(Problem::of_file("none"))) })
+    }
+
+    /// A session whose device asks for 96 frames whenever the test says so, every 2 ms.
+    struct Bench {
+        conductor: Conductor,
+        callback: Callback,
+        follower: Follower,
+        reports: Arc<Mutex<Vec<Report>>>,
+        blocks: u64,
+    }
+
+    impl Bench {
+        fn new(voices: &[&str]) -> Self {
+            let (scene, patch, rig) = compiled(voices);
+            let (director, stagehand) = exchange(&scene.plan).unwrap();
+            let files = Box::new(|_: &str| Err(Problem::of_file("none")));
+            let performer = Performer::new(scene, patch, rig, files).unwrap();
+            let board = Arc::new(Board::new(1));
+            let (callback, rings) = Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board));
+            let (follower, clock) = Follower::new(48_000.0, 96);
+            let reports = Arc::<Mutex<Vec<Report>>>::default();
+            let heard = Arc::clone(&reports);
+            let audience: Audience = Box::new(move |told| {
+                if let Told::Report(report) = told {
+                    heard.lock().unwrap().push(*report);
+                }
+            });
+            let (mut conductor, _) =
+                Conductor::new(performer, director, rings, clock, Epoch::begin(), &board, audience);
+            conductor.begin();
+            let mut bench = Self { conductor, callback, follower, reports, blocks: 0 };
+            (0..500).for_each(|_| bench.block());
+            bench
+        }
+
+        /// Nanoseconds at which the next block is asked for.
+        fn next(&self) -> u64 {
+            self.blocks * 2_000_000
+        }
+
+        fn block(&mut self) {
+            self.follower.callback(Stamp(self.next()), 96);
+            self.callback.process(&[], &mut [0.0; 96]);
+            self.blocks += 1;
+        }
+
+        fn take(&mut self, nanoseconds: u64, signal: Signal) {
+            self.conductor.take(Stamped { stamp: Stamp(nanoseconds), signal });
+        }
+
+        /// The voices that were played: instant in frames, due and effective, and instrument.
+        fn played(&mut self) -> Vec<(f64, f64, u32)> {
+            self.conductor.go_on();
+            let frames = |at: crate::schedule::Instant| at.since(crate::schedule::Instant::default()) * 6.0;
+            let play = |report: &Report| match report {
+                Report::Event { at, due, event: Event::Play(play), .. } => {
+                    Some((frames(*due), frames(*at), play.instrument))
+                }
+                _ => None,
+            };
+            self.reports.lock().unwrap().iter().filter_map(play).collect()
+        }
+    }
+
+    #[test]
+    fn what_arrives_within_a_block_is_played_a_block_later_to_the_sample() {
+        let mut bench = Bench::new(&["a"]);
+        let mut expected = Vec::new();
+        for n in 0..40_u64 {
+            // Between the callback that came last and the next.
+            let offset = 49_999 * n;
+            let arrived = bench.next() - 2_000_000 + offset;
+            bench.take(arrived, Signal::Play(n, "a".into(), Note::default()));
+            let first = (bench.blocks - 1) * 96;
+            expected.push(first as f64 + 96.0 + offset as f64 * 48e-6);
+            bench.block();
+        }
+        let played = bench.played();
+        assert_eq!(played.len(), 40);
+        for ((due, at, _), expected) in played.iter().zip(expected) {
+            assert!((due - expected).abs() < 0.1 && due == at, "{due}, {at} for {expected}");
+        }
+    }
+
+    #[test]
+    fn what_is_meant_for_a_plan_reaches_that_plan() {
+        let mut bench = Bench::new(&["a", "b"]);
+        // The other way round, so that their numbers change places; and again, while the first still fades out.
+        for (number, voices) in [(1, ["b", "a"]), (2, ["a", "b"]), (3, ["b", "a"])] {
+            let now = bench.next();
+            bench.take(now - 1_500_000, Signal::Play(10 * number, "a".into(), Note::default()));
+            bench.take(now - 1_000_000, Signal::Reload(reload(&voices)));
+            bench.take(now - 500_000, Signal::Play(10 * number + 1, "a".into(), Note::default()));
+            (0..20).for_each(|_| bench.block());
+            bench.conductor.go_on();
+        }
+        let reports = bench.reports.lock().unwrap().clone();
+        let (mut plan, mut heard) = (0, Vec::new());
+        for report in &reports {
+            match report {
+                Report::Swap(_) => plan += 1,
+                Report::Event { event: Event::Play(play), .. } => heard.push((plan, play.instrument)),
+                _ => {}
+            }
+        }
+        // Voice `a` is the first of the plans 0 and 2, and the second of 1 and 3.
+        assert_eq!(heard, [(0, 0), (1, 1), (1, 1), (2, 0), (2, 0), (3, 1)]);
+        assert_eq!(bench.conductor.board.dropped.get(), 0);
+    }
+
+    #[test]
+    fn of_two_patches_that_wait_the_later_plays() {
+        let mut bench = Bench::new(&["a"]);
+        for voices in [&["b"][..], &["c"], &["d"], &["e"]] {
+            let now = bench.next();
+            bench.take(now, Signal::Reload(reload(voices)));
+        }
+        for _ in 0..200 {
+            bench.block();
+            bench.conductor.go_on();
+        }
+        assert_eq!(bench.conductor.performer.patch().voices[0].name, "e");
     }
 }

@@ -48,10 +48,9 @@ impl Driver {
     pub fn fill(&mut self, input: &[f32], output: &mut [f32]) {
         let frames = output.len() / self.callback.channels().max(1);
         let begin = ThreadTime::now();
-        let late = self.follower.callback(self.epoch.now(), frames as u64);
+        self.follower.callback(self.epoch.now(), frames as u64);
         self.callback.process(input, output);
         self.board.load.note(begin.elapsed().as_secs_f64(), frames as f64 / self.rate);
-        self.board.latest_lateness(late);
     }
 
     /// To lend it to a device: when the device drops it, it comes back through `home`.

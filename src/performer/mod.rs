@@ -7,8 +7,10 @@ mod hands;
 mod heard;
 mod note;
 mod outlet;
+mod patterns;
 mod pickup;
 mod run;
+mod succession;
 mod when;
 
 use std::collections::{HashMap, VecDeque};
@@ -21,9 +23,8 @@ use crate::graph::scene::Scene;
 use crate::midi::Message;
 use crate::patch::{Patch, Place};
 use crate::rig::{Finder, Rig};
-use crate::score::{EventStream, HORIZON, Root, Score, Timed, What};
+use crate::score::{EventStream, HORIZON, Root, Score};
 use crate::text::Problem;
-use crate::text::nearest::suggest;
 
 use hands::Hands;
 pub use heard::{Happening, Heard, Listener, Origin};
@@ -71,9 +72,6 @@ pub struct Performer {
 
 /// Voices that the program plays have ids from here on, so that they share no random numbers with those of patterns.
 const PROGRAM: u64 = 1 << 62;
-
-/// Ids of a pattern that the program starts have its serial number from this bit on.
-const OF_RUN: u32 = 40;
 
 impl Performer {
     /// For a patch compiled for a rig. What plays from the beginning is ready to be fed.
@@ -136,62 +134,6 @@ impl Performer {
         // Whoever panicked while a file was opened has left nothing half-done here.
         let open = move |path: &str| (files.lock().unwrap_or_else(PoisonError::into_inner))(path);
         Score::of(&self.patch, places, roots, seed, open)
-    }
-
-    /// Goes on with another scene: patterns that play go on where they stand if the new patch still has them, in the words of the
-    /// new patch.
-    ///
-    /// # Errors
-    /// What is wrong with its patterns; then the old ones are gone, and the new ones do not play.
-    pub fn become_of(
-        &mut self,
-        scene: Scene,
-        patch: Arc<Patch>,
-        rig: Arc<Rig>,
-        files: OpenEvents,
-    ) -> Result<(), Problem> {
-        let (old, fed) = (Arc::clone(&self.patch), self.fed);
-        let runs: Vec<(u64, Option<Root>)> = self.runs.drain(..).map(|run| (run.serial, run.root)).collect();
-        let began = runs.iter().any(|(serial, _)| *serial == 0);
-        let roots: Vec<Root> = scene.patterns.iter().map(|&p| Root::at(p, 0.0)).collect();
-        let mut new = Self::bare(scene, patch, rig, files);
-        std::mem::swap(self, &mut new);
-        (self.played, self.started, self.fed) = (new.played, new.started, fed);
-        self.hands = std::mem::take(&mut new.hands);
-        self.song = std::mem::take(&mut new.song);
-        // Controls that still exist keep their values.
-        for (control, target) in self.patch.controls.iter().zip(&mut self.targets) {
-            let before = old.controls.iter().position(|c| c.name == control.name);
-            if let Some(value) = before.and_then(|number| new.targets.get(number)) {
-                *target = value.clamp(control.range[0], control.range[1]);
-            }
-        }
-        (self.record, self.listener) = (new.record.take(), new.listener.take());
-        (self.length, self.cut) = (new.length, new.cut);
-        if began {
-            let score = self.score(&roots, self.plan.seed)?;
-            self.resume(Run::new(0, None, score))?;
-        }
-        for (serial, root) in runs {
-            let Some(root) = root else { continue };
-            let name = old.patterns.get(root.pattern).map(|p| &p.name);
-            let Some(pattern) = self.patch.patterns.iter().position(|p| Some(&p.name) == name) else {
-                continue;
-            };
-            let root = Root { pattern, ..root };
-            let score = self.score(&[root], self.seed_of(serial))?;
-            self.resume(Run::new(serial, Some(root), score))?;
-        }
-        Ok(())
-    }
-
-    /// Takes a run up where feeding stands.
-    fn resume(&mut self, mut run: Run) -> Result<(), Problem> {
-        while run.next()?.is_some_and(|at| at < self.fed) {
-            run.take();
-        }
-        self.runs.push(run);
-        Ok(())
     }
 
     /// The seed of what is drawn in a pattern that was started.
@@ -391,139 +333,6 @@ impl Performer {
         plays
             .into_iter()
             .fold(true, |sent, play| sent & outlet.send(at.instant, Source::Program, Event::Play(play)))
-    }
-
-    /// Starts a pattern. Gives a number to stop it by. What it draws differs from one start to the next.
-    ///
-    /// # Errors
-    /// A pattern that the patch does not have, what is wrong with it, or a time that cannot be.
-    pub fn start_pattern(&mut self, at: When, name: &str) -> Result<u64, Problem> {
-        self.start_scaled(at, name, 1.0, 1.0)
-    }
-
-    /// The same, with a gain and a rate.
-    fn start_scaled(&mut self, at: When, name: &str, gain: f64, rate: f64) -> Result<u64, Problem> {
-        in_time(at)?;
-        let names = || self.patch.patterns.iter().map(|p| p.name.as_str());
-        let Some(pattern) = names().position(|n| n == name) else {
-            let what = format!("there is no pattern `{name}`");
-            return Err(Problem::of_file(what).help(suggest(name, names())));
-        };
-        let serial = self.started + 1;
-        let root = Root { pattern, at: at.seconds, gain, rate };
-        let score = self.score(&[root], self.seed_of(serial))?;
-        self.started = serial;
-        self.runs.push(Run::new(serial, Some(root), score));
-        Ok(serial)
-    }
-
-    /// Stops a pattern by the number under which it was started, or what plays from the beginning by 0: nothing more of it will be
-    /// fed. What it has played sounds its time. Says whether it still played.
-    pub fn stop_pattern(&mut self, serial: u64) -> bool {
-        let before = self.runs.len();
-        self.cut |= self.runs.iter().any(|run| run.serial == serial && run.is_cut());
-        self.runs.retain(|run| run.serial != serial);
-        self.runs.len() < before
-    }
-
-    /// The patterns that play: number, and name; what plays from the beginning has none.
-    pub fn patterns(&self) -> impl Iterator<Item = (u64, Option<&str>)> {
-        let name = |pattern: usize| self.patch.patterns.get(pattern).map(|p| p.name.as_str());
-        self.runs.iter().map(move |run| (run.serial, run.root.and_then(|root| name(root.pattern))))
-    }
-
-    /// Gives the outlet all that patterns have before engine sample `until`, as long as it has room. Where it has not, the sample
-    /// with which the first event takes effect that did not find any.
-    pub fn feed(&mut self, until: u64, outlet: &mut dyn Outlet) -> Option<u64> {
-        let until = until as f64 / self.plan.engine_rate();
-        if let Some(full) = self.feed_song(until, outlet) {
-            return Some(full);
-        }
-        while let Some(first) = self.first_run() {
-            let (number, at) = first;
-            if at >= until {
-                break;
-            }
-            if outlet.room(Source::Pattern) == 0 {
-                return Some(self.when(at).instant.ceiling());
-            }
-            let run = &mut self.runs[number];
-            let (serial, timed) = (run.serial, run.take());
-            if let Some(timed) = timed {
-                self.fed = timed.at;
-                self.perform(serial, timed, outlet);
-            }
-        }
-        self.fed = self.fed.max(until);
-        None
-    }
-
-    /// The messages of a song before `until` seconds, as far as there is room; where there is not, the sample of the first without.
-    fn feed_song(&mut self, until: f64, outlet: &mut dyn Outlet) -> Option<u64> {
-        while let Some((at, message)) = self.song.front().copied().filter(|(at, _)| *at < until) {
-            let at = self.when(at);
-            // A message may set several triggers off.
-            if outlet.room(Source::Program) <= self.patch.triggers.len() + self.patch.binds.len() {
-                return Some(at.instant.ceiling());
-            }
-            self.song.pop_front();
-            let played = match message {
-                Some(message) => self.midi(at, 0, message, outlet),
-                None => self.midi_gone(at, 0, outlet),
-            };
-            if let Err(problem) = played {
-                self.trouble.get_or_insert(problem);
-            }
-        }
-        None
-    }
-
-    /// Which pattern says something next, and when; of those at the same time, the one that was started first. Takes those away
-    /// that have ended.
-    fn first_run(&mut self) -> Option<(usize, f64)> {
-        let mut first: Option<(usize, f64)> = None;
-        let mut number = 0;
-        while number < self.runs.len() {
-            let next = self.runs[number].next().unwrap_or_else(|problem| {
-                self.trouble.get_or_insert(problem);
-                None
-            });
-            match next {
-                Some(at) => {
-                    if first.is_none_or(|(_, earliest)| at < earliest) {
-                        first = Some((number, at));
-                    }
-                    number += 1;
-                }
-                None => {
-                    let run = self.runs.remove(number);
-                    self.cut |= run.is_cut();
-                }
-            }
-        }
-        first
-    }
-
-    fn perform(&mut self, serial: u64, timed: Timed, outlet: &mut dyn Outlet) {
-        let from = Stand { pattern: timed.pattern, event: timed.event, drawn: timed.drawn };
-        let (id, at) = ((serial << OF_RUN) + timed.id, self.when(timed.at));
-        match timed.what {
-            What::Play(note) => {
-                let Some(instrument) = self.instruments[note.voice] else { return };
-                let (place, level, duration, own) = (note.place, note.level, note.duration, note.own);
-                let play = Play { instrument, place, level, duration, own, id };
-                if self.send(at, Source::Pattern, play, outlet) {
-                    self.tell_play(at, Some(from), &play);
-                }
-            }
-            What::Marker(name) => {
-                let number = self.plan.markers.iter().position(|m| *m == name);
-                let event = Event::Marker(number.map_or(u32::MAX, |i| i as u32));
-                if outlet.send(at.instant, Source::Pattern, event) {
-                    self.tell(at, Some(from), Some(id), Happening::Marker(&name));
-                }
-            }
-        }
     }
 
     fn when(&self, seconds: f64) -> When {

@@ -1,0 +1,161 @@
+//! Patterns and songs that play: started, stopped, and fed to the outlet in order of time.
+
+use super::run::Run;
+use super::{Happening, Outlet, Performer, Stand, When, in_time};
+use crate::engine::event::{Event, Play, Source};
+use crate::score::{Root, Timed, What};
+use crate::text::Problem;
+use crate::text::nearest::suggest;
+
+/// Ids of a pattern that the program starts have its serial number from this bit on.
+const OF_RUN: u32 = 40;
+
+impl Performer {
+    /// Starts a pattern. Gives a number to stop it by. What it draws differs from one start to the next.
+    ///
+    /// # Errors
+    /// A pattern that the patch does not have, what is wrong with it, or a time that cannot be.
+    pub fn start_pattern(&mut self, at: When, name: &str) -> Result<u64, Problem> {
+        self.start_scaled(at, name, 1.0, 1.0)
+    }
+
+    /// The same, with a gain and a rate.
+    pub(super) fn start_scaled(
+        &mut self,
+        at: When,
+        name: &str,
+        gain: f64,
+        rate: f64,
+    ) -> Result<u64, Problem> {
+        in_time(at)?;
+        let names = || self.patch.patterns.iter().map(|p| p.name.as_str());
+        let Some(pattern) = names().position(|n| n == name) else {
+            let what = format!("there is no pattern `{name}`");
+            return Err(Problem::of_file(what).help(suggest(name, names())));
+        };
+        let serial = self.started + 1;
+        let root = Root { pattern, at: at.seconds, gain, rate };
+        let score = self.score(&[root], self.seed_of(serial))?;
+        self.started = serial;
+        self.runs.push(Run::new(serial, Some(root), score));
+        Ok(serial)
+    }
+
+    /// Stops a pattern by the number under which it was started, or what plays from the beginning by 0: nothing more of it will be
+    /// fed. What it has played sounds its time. Says whether it still played.
+    pub fn stop_pattern(&mut self, serial: u64) -> bool {
+        let before = self.runs.len();
+        self.cut |= self.runs.iter().any(|run| run.serial == serial && run.is_cut());
+        self.runs.retain(|run| run.serial != serial);
+        self.runs.len() < before
+    }
+
+    /// Stops all patterns that `which` says yes to by their names; what plays from the beginning has none.
+    pub fn stop_patterns(&mut self, which: impl Fn(Option<&str>) -> bool) {
+        let serials: Vec<u64> =
+            self.patterns().filter(|(_, name)| which(*name)).map(|(serial, _)| serial).collect();
+        for serial in serials {
+            self.stop_pattern(serial);
+        }
+    }
+
+    /// The patterns that play: number, and name; what plays from the beginning has none.
+    pub fn patterns(&self) -> impl Iterator<Item = (u64, Option<&str>)> {
+        let name = |pattern: usize| self.patch.patterns.get(pattern).map(|p| p.name.as_str());
+        self.runs.iter().map(move |run| (run.serial, run.root.and_then(|root| name(root.pattern))))
+    }
+
+    /// Gives the outlet all that patterns have before engine sample `until`, as long as it has room. Where it has not, the sample
+    /// with which the first event takes effect that did not find any.
+    pub fn feed(&mut self, until: u64, outlet: &mut dyn Outlet) -> Option<u64> {
+        let until = until as f64 / self.plan.engine_rate();
+        if let Some(full) = self.feed_song(until, outlet) {
+            return Some(full);
+        }
+        while let Some(first) = self.first_run() {
+            let (number, at) = first;
+            if at >= until {
+                break;
+            }
+            if outlet.room(Source::Pattern) == 0 {
+                return Some(self.when(at).instant.ceiling());
+            }
+            let run = &mut self.runs[number];
+            let (serial, timed) = (run.serial, run.take());
+            if let Some(timed) = timed {
+                self.fed = timed.at;
+                self.perform(serial, timed, outlet);
+            }
+        }
+        self.fed = self.fed.max(until);
+        None
+    }
+
+    /// The messages of a song before `until` seconds, as far as there is room; where there is not, the sample of the first without.
+    fn feed_song(&mut self, until: f64, outlet: &mut dyn Outlet) -> Option<u64> {
+        while let Some((at, message)) = self.song.front().copied().filter(|(at, _)| *at < until) {
+            let at = self.when(at);
+            // A message may set several triggers off.
+            if outlet.room(Source::Program) <= self.patch.triggers.len() + self.patch.binds.len() {
+                return Some(at.instant.ceiling());
+            }
+            self.song.pop_front();
+            let played = match message {
+                Some(message) => self.midi(at, 0, message, outlet),
+                None => self.midi_gone(at, 0, outlet),
+            };
+            if let Err(problem) = played {
+                self.trouble.get_or_insert(problem);
+            }
+        }
+        None
+    }
+
+    /// Which pattern says something next, and when; of those at the same time, the one that was started first. Takes those away
+    /// that have ended.
+    fn first_run(&mut self) -> Option<(usize, f64)> {
+        let mut first: Option<(usize, f64)> = None;
+        let mut number = 0;
+        while number < self.runs.len() {
+            let next = self.runs[number].next().unwrap_or_else(|problem| {
+                self.trouble.get_or_insert(problem);
+                None
+            });
+            match next {
+                Some(at) => {
+                    if first.is_none_or(|(_, earliest)| at < earliest) {
+                        first = Some((number, at));
+                    }
+                    number += 1;
+                }
+                None => {
+                    let run = self.runs.remove(number);
+                    self.cut |= run.is_cut();
+                }
+            }
+        }
+        first
+    }
+
+    fn perform(&mut self, serial: u64, timed: Timed, outlet: &mut dyn Outlet) {
+        let from = Stand { pattern: timed.pattern, event: timed.event, drawn: timed.drawn };
+        let (id, at) = ((serial << OF_RUN) + timed.id, self.when(timed.at));
+        match timed.what {
+            What::Play(note) => {
+                let Some(instrument) = self.instruments[note.voice] else { return };
+                let (place, level, duration, own) = (note.place, note.level, note.duration, note.own);
+                let play = Play { instrument, place, level, duration, own, id };
+                if self.send(at, Source::Pattern, play, outlet) {
+                    self.tell_play(at, Some(from), &play);
+                }
+            }
+            What::Marker(name) => {
+                let number = self.plan.markers.iter().position(|m| *m == name);
+                let event = Event::Marker(number.map_or(u32::MAX, |i| i as u32));
+                if outlet.send(at.instant, Source::Pattern, event) {
+                    self.tell(at, Some(from), Some(id), Happening::Marker(&name));
+                }
+            }
+        }
+    }
+}
