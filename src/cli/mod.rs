@@ -11,6 +11,7 @@ mod form;
 mod format;
 mod guard;
 mod input;
+mod keep;
 mod left_out;
 mod load;
 mod memory;
@@ -25,7 +26,9 @@ mod play;
 mod plot;
 mod problems;
 mod progress;
+mod provenance;
 mod render;
+mod replay;
 mod schema;
 mod screen;
 mod setting;
@@ -74,6 +77,7 @@ enum Command {
     Check(check::Check),
     Render(render::Render),
     Play(play::Play),
+    Replay(replay::Replay),
     Devices(devices::Devices),
     Plot(plot::Plot),
     Error(error::Error),
@@ -102,6 +106,7 @@ fn run() -> u8 {
         Command::Check(check) => check.run(&terminal),
         Command::Render(render) => render.run(&terminal),
         Command::Play(play) => play.run(&terminal),
+        Command::Replay(replay) => replay.run(&terminal),
         Command::Devices(devices) => devices.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),
         Command::Format(format) => format.run(&terminal),

@@ -2,8 +2,10 @@
 
 use super::failure::Failure;
 use super::guard;
+use super::keep::{Keep, Kept};
 use super::load::{Loaded, Scene};
 use super::problems;
+use super::provenance::provenance;
 use super::screen::{Ending, Scenery, Show};
 use super::stop::Stop;
 use super::table::dbfs;
@@ -17,6 +19,7 @@ use pacinian::io::osc::endpoint::{BindError, Endpoint};
 use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::board::Board;
+use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use std::sync::Arc;
 use std::time::Instant;
@@ -51,6 +54,8 @@ pub struct Play {
     /// The ports of MIDI to listen to, by a part of their names; `none` for none [default: all, if the patch has use for MIDI]
     #[arg(long, value_name = "NAME")]
     midi_in: Option<String>,
+    #[command(flatten)]
+    keep: Keep,
     /// Seconds to play [default: until Ctrl-C]
     #[arg(long, value_name = "S", value_parser = super::render::seconds)]
     duration: Option<f64>,
@@ -89,7 +94,8 @@ impl Play {
             }
         };
         let options = Options { rate: Some(f64::from(rate)), live: true, ..loaded.options.clone() };
-        let reload = loaded.reload(&options)?;
+        self.keep.check(&loaded)?;
+        let reload = loaded.reload(&options, self.keep.events.is_some())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
         let scenery = Scenery {
             loaded: &loaded,
@@ -102,21 +108,33 @@ impl Play {
         let (mut show, post) = Show::new(&scenery, terminal)?;
         let (heard, told, fate, ports) = (post.clone(), post.clone(), post.clone(), post);
         let stop = Stop::listen()?;
+        let journal = self.keep.journal(&reload, scenery.device, armed)?;
+        let (hears, is_told, of_device) = (journal.clone(), journal.clone(), journal.clone());
         let mut session = Session::start(Beginning {
             scene: reload,
             device,
             block: self.block,
             armed,
-            record: false,
+            record: self.keep.record.is_some(),
             song: loaded.song.clone(),
-            listener: Some(Box::new(move |event| heard.hear(event))),
-            audience: Box::new(move |what| told.told(what)),
-            fate: Box::new(move |what| fate.fate(what)),
+            listener: Some(Box::new(move |event| {
+                hears.iter().for_each(|journal| journal.hear(event));
+                heard.hear(event);
+            })),
+            audience: Box::new(move |what| {
+                is_told.iter().for_each(|journal| journal.told(&what));
+                told.told(what);
+            }),
+            fate: Box::new(move |what| {
+                of_device.iter().for_each(|journal| journal.fate(&what));
+                fate.fate(what);
+            }),
         })
         .map_err(|error| match error {
             SessionError::Device(error) => error.into(),
             SessionError::Plan(what) => Failure::said(65, what),
         })?;
+        let mut kept = self.keep.begin(&mut session, journal, &loaded)?;
         terminal.note(&format!(
             "{} plays on {name}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
             loaded.name(),
@@ -136,7 +154,7 @@ impl Play {
             .transpose()
             .map_err(|error| Failure::said(71, format!("no thread for MIDI: {error}")))?;
         show.begin()?;
-        let ended = self.watch(&session, &stop, &mut show);
+        let ended = self.watch(&session, &stop, &mut show, &mut kept);
         drop(midi);
         // What the system dropped last is counted when the server ends.
         let counts = osc.map(|osc| Arc::clone(osc.counts()));
@@ -151,6 +169,7 @@ impl Play {
             terminal.note(&format!("{trouble}\n"));
         }
         let concluded = self.conclude(&loaded, session.board(), &peaks, terminal);
+        let concluded = kept.finish(terminal).and(concluded);
         match ended {
             // A terminal that is closed cannot be written to either.
             Some(code) => Err(Failure::told(code)),
@@ -159,9 +178,12 @@ impl Play {
     }
 
     /// Until somebody asks to stop; gives the exit code then.
-    fn watch(&self, session: &Session, stop: &Stop, show: &mut Show) -> Option<u8> {
+    fn watch(&self, session: &Session, stop: &Stop, show: &mut Show, kept: &mut Kept) -> Option<u8> {
         let begin = Instant::now();
         loop {
+            if let Some(trouble) = kept.look(session) {
+                show.say(&trouble);
+            }
             if let Some(code) = stop.asked() {
                 return Some(code);
             }
@@ -210,16 +232,18 @@ impl Play {
 }
 
 impl Loaded {
-    /// Compiled, ready to take over.
-    fn reload(&self, options: &Options) -> Result<pacinian::live::reload::Reload, Failure> {
+    /// Compiled, ready to take over; with what a journal says of it, if there is one.
+    fn reload(&self, options: &Options, journalled: bool) -> Result<Reload, Failure> {
         let refuse =
             |problems: pacinian::text::Problems| self.refuse(problems.list, &super::named::Codes::new());
         let scene = scene(&self.patch, &self.rig, options, self.folder()).map_err(refuse)?;
-        Ok(pacinian::live::reload::Reload {
+        let provenance = journalled.then(|| provenance(self, options)).transpose()?;
+        Ok(Reload {
             scene,
             patch: Arc::clone(&self.patch),
             rig: Arc::new(self.rig.clone()),
             files: self.open_events(),
+            provenance: provenance.map(Arc::new),
         })
     }
 }
