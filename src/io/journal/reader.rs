@@ -120,7 +120,8 @@ impl<R: BufRead> Reader<R> {
                 },
             };
             if self.number == 1 && !matches!(&item, Ok(Item::Session(_))) {
-                return Err(self.wrong(&no_journal()));
+                let what = other_format(text).unwrap_or_else(no_journal);
+                return Err(self.wrong(&what));
             }
             return item.map(Some).map_err(|what| self.wrong(&what));
         }
@@ -129,6 +130,17 @@ impl<R: BufRead> Reader<R> {
 
 fn no_journal() -> String {
     "this is no journal of a session: pacinian play --events FILE writes one".into()
+}
+
+/// What a first line is told that says that it is of another format.
+fn other_format(line: &str) -> Option<String> {
+    #[derive(Deserialize)]
+    struct Tag {
+        format: String,
+    }
+    let json = line.trim_start_matches('#');
+    let Tag { format } = serde_json::from_str(json).ok()?;
+    (format != FORMAT).then(|| format!("it has the format `{format}`; this program reads `{FORMAT}`"))
 }
 
 fn object(json: &str) -> Result<Item, String> {
@@ -142,10 +154,7 @@ fn object(json: &str) -> Result<Item, String> {
     match read::<Tag>(json)?.kind.as_str() {
         "session" => {
             let head: Box<Head> = read(json)?;
-            match head.format.as_str() {
-                FORMAT => Ok(Item::Session(head)),
-                other => Err(format!("it has the format `{other}`; this program reads `{FORMAT}`")),
-            }
+            if head.format == FORMAT { Ok(Item::Session(head)) } else { Err(no_journal()) }
         }
         "plan" => read(json).map(Item::Plan),
         _ => read(json).map(Item::Line),
