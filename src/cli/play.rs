@@ -116,6 +116,7 @@ impl Play {
             block: self.block,
             armed,
             record: self.keep.record.is_some(),
+            tasks: Vec::new(),
             song: loaded.song.clone(),
             listener: Some(Box::new(move |event| {
                 hears.iter().for_each(|journal| journal.hear(event));
