@@ -33,6 +33,7 @@ mod stop;
 mod summary;
 mod table;
 mod terminal;
+mod watch;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;

@@ -8,6 +8,7 @@ use super::screen::{Ending, Scenery, Show};
 use super::stop::Stop;
 use super::table::dbfs;
 use super::terminal::Terminal;
+use super::watch::{Course, News, Watching};
 use clap::Args;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
@@ -17,9 +18,11 @@ use pacinian::io::osc::endpoint::{BindError, Endpoint};
 use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::board::Board;
+use pacinian::live::conductor::Told;
 use pacinian::live::signal::Signal;
 use std::sync::Arc;
-use std::time::Instant;
+use std::sync::mpsc::channel;
+use std::time::{Instant, SystemTime};
 
 /// Plays a patch on a sound card, in real time
 #[derive(Debug, Args)]
@@ -31,6 +34,8 @@ use std::time::Instant;
     In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, space all of them, p or Escape shuts \
     the output at once (c opens it again), a is full level or -20 dB, q ends it. Anywhere else, and with --plain, it writes a line for \
     everything that happens.\n\
+    With --watch, what is saved takes over while it sounds: what still exists keeps sounding, controls keep their values, and of a file \
+    that is broken the errors are shown while the old one plays on.\n\
     Ctrl-C ends it: the output goes to exact zeros within 2 ms."
 )]
 pub struct Play {
@@ -51,6 +56,9 @@ pub struct Play {
     /// The ports of MIDI to listen to, by a part of their names; `none` for none [default: all, if the patch has use for MIDI]
     #[arg(long, value_name = "NAME")]
     midi_in: Option<String>,
+    /// Take over what is saved while it plays: the patch, the rig, and the recordings and tables that the patch names
+    #[arg(long)]
+    watch: bool,
     /// Seconds to play [default: until Ctrl-C]
     #[arg(long, value_name = "S", value_parser = super::render::seconds)]
     duration: Option<f64>,
@@ -74,7 +82,11 @@ impl From<BindError> for Failure {
 impl Play {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let loaded = self.scene.load(true, None)?;
+        if self.watch {
+            self.scene.check_watch()?;
+        }
+        let since = SystemTime::now();
+        let mut loaded = self.scene.load(true, None)?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
@@ -101,6 +113,7 @@ impl Play {
         };
         let (mut show, post) = Show::new(&scenery, terminal)?;
         let (heard, told, fate, ports) = (post.clone(), post.clone(), post.clone(), post);
+        let (verdict, verdicts) = channel();
         let stop = Stop::listen()?;
         let mut session = Session::start(Beginning {
             scene: reload,
@@ -110,7 +123,14 @@ impl Play {
             record: false,
             song: loaded.song.clone(),
             listener: Some(Box::new(move |event| heard.hear(event))),
-            audience: Box::new(move |what| told.told(what)),
+            audience: Box::new(move |what| {
+                match &what {
+                    Told::Reloaded => drop(verdict.send(Ok(()))),
+                    Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
+                    _ => {}
+                }
+                told.told(what);
+            }),
             fate: Box::new(move |what| fate.fate(what)),
         })
         .map_err(|error| match error {
@@ -135,8 +155,32 @@ impl Play {
             .then(|| MidiPorts::listen(session.handle(), wanted, Box::new(move |news| ports.port(&news))))
             .transpose()
             .map_err(|error| Failure::said(71, format!("no thread for MIDI: {error}")))?;
+        let course = || Course {
+            scene: Scene { midi: None, tactors: channels as u32, ..self.scene.clone() },
+            device_rate: f64::from(rate),
+            device: self.device.clone(),
+            wish: wish.clone(),
+            rate: loaded.rig.device.rate,
+            channels,
+        };
+        let watching =
+            self.watch.then(|| Watching::begin(course(), since, session.handle().clone(), verdicts));
+        let watching = watching
+            .transpose()
+            .map_err(|error| Failure::said(71, format!("no thread to watch files: {error}")))?;
         show.begin()?;
-        let ended = self.watch(&session, &stop, &mut show);
+        let ended = self.until_the_end(&session, &stop, &mut show, |show| {
+            for news in watching.iter().flat_map(Watching::news) {
+                show.watched(&news);
+                if let News::Took(new, ..) = news {
+                    loaded = *new;
+                    if let Some(osc) = &osc {
+                        osc.follow(&loaded.patch);
+                    }
+                }
+            }
+        });
+        drop(watching);
         drop(midi);
         // What the system dropped last is counted when the server ends.
         let counts = osc.map(|osc| Arc::clone(osc.counts()));
@@ -159,9 +203,16 @@ impl Play {
     }
 
     /// Until somebody asks to stop; gives the exit code then.
-    fn watch(&self, session: &Session, stop: &Stop, show: &mut Show) -> Option<u8> {
+    fn until_the_end(
+        &self,
+        session: &Session,
+        stop: &Stop,
+        show: &mut Show,
+        mut meanwhile: impl FnMut(&mut Show),
+    ) -> Option<u8> {
         let begin = Instant::now();
         loop {
+            meanwhile(show);
             if let Some(code) = stop.asked() {
                 return Some(code);
             }
@@ -211,7 +262,7 @@ impl Play {
 
 impl Loaded {
     /// Compiled, ready to take over.
-    fn reload(&self, options: &Options) -> Result<pacinian::live::reload::Reload, Failure> {
+    pub fn reload(&self, options: &Options) -> Result<pacinian::live::reload::Reload, Failure> {
         let refuse =
             |problems: pacinian::text::Problems| self.refuse(problems.list, &super::named::Codes::new());
         let scene = scene(&self.patch, &self.rig, options, self.folder()).map_err(refuse)?;

@@ -20,4 +20,5 @@ pub mod session;
 #[cfg(feature = "midi")]
 pub mod song;
 pub mod text;
+pub mod watch;
 pub mod wav;
