@@ -30,7 +30,7 @@ struct Playing {
 
 impl Playing {
     fn new(scratch: &Scratch, arguments: &[&str]) -> Self {
-        let all = [&["play"], arguments, &["--device", "virtual", "--watch"]].concat();
+        let all = [&["play"], arguments, &["--watch"]].concat();
         let mut child = scratch.command(&all).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
         let mut err = child.stderr.take().unwrap();
         let said = Arc::<Mutex<String>>::default();
@@ -74,7 +74,7 @@ impl Drop for Playing {
 fn what_is_saved_plays_and_what_is_broken_is_shown_at_its_line() {
     let scratch = Scratch::new("watch-saved");
     let patch = scratch.write("p.toml", PATCH);
-    let mut playing = Playing::new(&scratch, &["p.toml"]);
+    let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual"]);
     // Another voice.
     fs::write(&patch, PATCH.replace("tap", "knock")).unwrap();
     playing.hears("p.toml: taken up");
@@ -97,7 +97,7 @@ fn what_is_saved_plays_and_what_is_broken_is_shown_at_its_line() {
 fn a_file_that_is_gone_or_is_a_folder_is_waited_for() {
     let scratch = Scratch::new("watch-gone");
     let patch = scratch.write("p.toml", PATCH);
-    let mut playing = Playing::new(&scratch, &["p.toml"]);
+    let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual"]);
     fs::remove_file(&patch).unwrap();
     playing.hears("the old one plays on: `p.toml` is not there");
     for _ in 0..5 {
@@ -123,7 +123,7 @@ fn a_file_that_is_gone_or_is_a_folder_is_waited_for() {
 fn the_last_of_many_saves_plays() {
     let scratch = Scratch::new("watch-many");
     let patch = scratch.write("p.toml", PATCH);
-    let mut playing = Playing::new(&scratch, &["p.toml"]);
+    let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual"]);
     for n in 0..100 {
         // Half of it, and then all.
         let text = PATCH.replace("tap", &format!("tap{n}"));
@@ -140,8 +140,9 @@ fn the_last_of_many_saves_plays() {
 fn what_the_patch_names_is_watched_and_what_another_session_needs_is_kept() {
     let scratch = Scratch::new("watch-named");
     let table = PATCH.replace("[{ at = 0.0, voice = \"tap\", duration = 0.05 }]", "\"steps.csv\"");
-    let rig = "format = \"pacinian-rig/1\"\ntitle = \"r\"\n[device]\nname = \"virtual\"\nrate = 48000\nchannels = 2\n\
-        [[output]]\nname = \"t1\"\nchannel = 1\n[[output]]\nname = \"left\"\nchannel = 2\n";
+    let rig = "format = \"pacinian-rig/1\"\ntitle = \"r\"\n[device]\nname = \"virtual\"\nrate = 48000\nchannels = 3\n\
+        [[output]]\nname = \"t1\"\nkind = \"vibration\"\nchannel = 1\n\
+        [[output]]\nname = \"left\"\nkind = \"vibration\"\nchannel = 2\n";
     scratch.write("p.toml", &table);
     scratch.write("steps.csv", "at,voice,place\n0,tap,t1\n");
     scratch.write("r.toml", rig);
@@ -151,26 +152,109 @@ fn what_the_patch_names_is_watched_and_what_another_session_needs_is_kept() {
     playing.hears("tap on left");
     scratch.write("steps.csv", "at,voice,place\n0,tap,right\n");
     playing.hears("the old one plays on: steps.csv:2: ");
-    playing.hears("`steps.csv` is named in p.toml:12");
+    playing.hears("`steps.csv` is named in p.toml:14");
     scratch.write("r.toml", rig.replace("left", "right"));
     playing.hears("r.toml: taken up");
     playing.hears("tap on right");
     for (from, to, why) in [
-        ("channels = 2", "channels = 3", "the rig has 3 channels, and the session began with 2: end this session"),
+        (
+            "channels = 3",
+            "channels = 4",
+            "the rig has 4 channels, and the session began with 3: end this session",
+        ),
         ("name = \"virtual\"", "name = \"Other\"", "the rig names another device, `Other`: end this session"),
         ("rate = 48000", "rate = 44100", "the rig says another rate, 44100 Hz: end this session"),
-        ("channel = 2\n", "channel = 2\nkind = \"trigger\"\n", "the new rig has other outputs"),
+        (
+            "[[",
+            "[[output]]\nname = \"eeg\"\nkind = \"trigger\"\nchannel = 3\n[[",
+            "the new rig has other outputs",
+        ),
     ] {
-        scratch.write("r.toml", rig.replace("left", "right").replace(from, to));
+        scratch.write("r.toml", rig.replace("left", "right").replacen(from, to, 1));
         playing.hears(&format!("the old one plays on: {why}"));
     }
     // A file that the broken patch names before it is there.
     scratch.write("r.toml", rig);
     scratch.write("p.toml", table.replace("steps", "more"));
-    playing.hears("the old one plays on: p.toml:12: ");
+    playing.hears("the old one plays on: p.toml:14: ");
     scratch.write("more.csv", "at,voice,place\n0,tap,left\n");
     playing.hears("more.csv: taken up");
     playing.hears("tap on left");
+}
+
+/// From Rust: a session, files that are watched, and what comes out.
+#[test]
+fn nothing_jumps_while_files_are_saved() {
+    use pacinian::graph::scene::{Options, scene};
+    use pacinian::io::device::choose::Chosen;
+    use pacinian::io::session::{Beginning, Session};
+    use pacinian::io::{load, watch::Watch};
+    use pacinian::live::conductor::Told;
+    use pacinian::live::reload::Reload;
+    use pacinian::live::signal::Signal;
+    use pacinian::{NoAssets, Rig};
+    use ringbuf::traits::Consumer;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    let scratch = Scratch::new("watch-rust");
+    let original = PATCH.replace("start = \"always\"", "start = \"always\"\nplace = \"t2\"");
+    let file = scratch.write("p.toml", &original);
+    let read = |path: &std::path::Path| {
+        let patch = load::patch(path)?.value;
+        let rig = Rig::default_for(2);
+        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+        let scene = scene(&patch, &rig, &options, &NoAssets)?;
+        let files = Box::new(|_: &str| Err(pacinian::text::Problem::of_file("no files here")));
+        Ok::<_, pacinian::text::Problems>(Reload { scene, patch: Arc::new(patch), rig: Arc::new(rig), files })
+    };
+    let mut watch = Watch::of([&file]);
+    let taken = Arc::<AtomicUsize>::default();
+    let count = Arc::clone(&taken);
+    let mut session = Session::start(Beginning {
+        scene: read(&file).unwrap(),
+        device: Chosen::Virtual(None),
+        block: Some(64),
+        armed: true,
+        record: true,
+        song: None,
+        listener: None,
+        audience: Box::new(move |told| {
+            drop(matches!(told, Told::Reloaded).then(|| count.fetch_add(1, Ordering::Relaxed)))
+        }),
+        fate: Box::new(|_| {}),
+    })
+    .unwrap();
+    let (mut recording, mut all) = (session.recording().unwrap(), Vec::<f32>::new());
+    let (begin, mut saved, mut broken) = (Instant::now(), 0, 0);
+    while begin.elapsed() < PATIENCE && (saved < 8 || session.board().frames.get() < 96_000) {
+        if taken.load(Ordering::Relaxed) + broken >= saved && saved < 8 {
+            saved += 1;
+            // Every fourth is broken; the others play something else beside the hum.
+            let text = original.replace("frequency = 90", &format!("frequency = {}", 90 + saved));
+            let text = if saved % 4 == 3 { text.replace("[voice.hum]", "[voice.hum") } else { text };
+            fs::write(&file, text).unwrap();
+        }
+        for path in watch.look() {
+            match read(&path) {
+                Ok(reload) => session.handle().send(Signal::Reload(Box::new(reload))).unwrap(),
+                Err(problems) => {
+                    assert!(problems.to_string().contains("p.toml:5:"), "{problems}");
+                    broken += 1;
+                }
+            }
+        }
+        all.extend(recording.pop_iter());
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    session.stop();
+    all.extend(recording.pop_iter());
+    assert_eq!((taken.load(Ordering::Relaxed), broken), (6, 2));
+    let hum: Vec<f32> = all.iter().skip(1).step_by(2).copied().collect();
+    let hum = &hum[9700..hum.len() - 500];
+    // The steepest step of a sine of 100 Hz and 0.25 at 48 kHz is 0.00327.
+    let steepest = hum.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f32::max);
+    assert!(steepest < 0.0033, "{steepest}");
+    assert!(hum.chunks_exact(480).all(|c| c.iter().any(|x| x.abs() > 0.22)), "a gap");
 }
 
 #[test]
