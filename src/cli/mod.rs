@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each a thin use of the library.
 
 mod advice;
+mod ask;
 mod by_default;
 mod check;
 mod demo;
@@ -33,6 +34,7 @@ mod stop;
 mod summary;
 mod table;
 mod terminal;
+mod walk;
 mod watch;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -76,6 +78,7 @@ enum Command {
     Render(render::Render),
     Play(play::Play),
     Devices(devices::Devices),
+    Walk(walk::Walk),
     Plot(plot::Plot),
     Error(error::Error),
     Nodes(nodes::Nodes),
@@ -104,6 +107,7 @@ fn run() -> u8 {
         Command::Render(render) => render.run(&terminal),
         Command::Play(play) => play.run(&terminal),
         Command::Devices(devices) => devices.run(&terminal),
+        Command::Walk(walk) => walk.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),
         Command::Format(format) => format.run(&terminal),
         Command::Schema(schema) => schema.run(&terminal),

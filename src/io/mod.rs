@@ -14,6 +14,7 @@ mod open;
 #[cfg(feature = "live")]
 pub mod osc;
 pub mod out;
+pub mod replace;
 pub(crate) mod resample;
 #[cfg(feature = "live")]
 pub mod session;
