@@ -96,10 +96,7 @@ mod tests {
         let swapped = [(1, Some(2)), (2, Some(3)), (3, Some(0)), (4, Some(1))];
         assert_eq!(told(&rig, &swapped), Ok(vec![(0, 3), (1, 4), (2, 1), (3, 2)]));
         // The fourth stays, as nobody took its channel; for the first, the second channel is left.
-        assert_eq!(
-            told(&rig, &[(1, Some(2)), (3, Some(1)), (4, None)]),
-            Ok(vec![(0, 2), (1, 3), (2, 1)])
-        );
+        assert_eq!(told(&rig, &[(1, Some(2)), (3, Some(1)), (4, None)]), Ok(vec![(0, 2), (1, 3), (2, 1)]));
         assert!(
             told(&rig, &[(1, Some(2)), (3, Some(2))])
                 .unwrap_err()
