@@ -52,6 +52,7 @@ impl Stage {
                 patch: Arc::clone(&patch),
                 rig,
                 files: Box::new(|path| Err(Problem::of_file(path))),
+                provenance: None,
             },
             device: Chosen::Virtual(None),
             block: Some(64),

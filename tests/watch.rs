@@ -205,7 +205,13 @@ fn nothing_jumps_while_files_are_saved() {
         let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
         let scene = scene(&patch, &rig, &options, &NoAssets)?;
         let files = Box::new(|_: &str| Err(pacinian::text::Problem::of_file("no files here")));
-        Ok::<_, pacinian::text::Problems>(Reload { scene, patch: Arc::new(patch), rig: Arc::new(rig), files })
+        Ok::<_, pacinian::text::Problems>(Reload {
+            scene,
+            patch: Arc::new(patch),
+            rig: Arc::new(rig),
+            files,
+            provenance: None,
+        })
     };
     let mut watch = Watch::of([&file]);
     let taken = Arc::<AtomicUsize>::default();

@@ -7,11 +7,19 @@ use super::setting::{self, Setting};
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::io::{assets::Folder, error::FileErrorKind, events, input::Input, song, song::SongError, text};
+use pacinian::io::{
+    assets::{Folder, recordings_rate},
+    error::FileErrorKind,
+    events,
+    input::Input,
+    song,
+    song::SongError,
+    text,
+};
 use pacinian::midi::file::Song;
 use pacinian::patch::{self, Events, Patch};
 use pacinian::player::{OpenEvents, Player};
-use pacinian::rig::{RATES, Rig, usual_ratio};
+use pacinian::rig::{RATES, Rig};
 use pacinian::score::EventStream;
 use pacinian::text::{Checked, Origin, Problem, Problems, Severity, Sink, nearest};
 use std::collections::HashSet;
@@ -121,6 +129,8 @@ pub struct Loaded {
     pub input: Option<Arc<Input>>,
     /// Its name as the person wrote it.
     pub input_name: Option<String>,
+    /// The rig as it was read; `None` for the one that is there where nobody names any.
+    pub rig_source: Option<Origin>,
     source: Problems,
     folder: Arc<Folder>,
 }
@@ -193,6 +203,10 @@ impl Scene {
             })
         });
         let patch = parsed.and_then(|parsed| sound(parsed, 65, &mut warnings, &mut failure));
+        let rig_source = rig.as_ref().map(|rig| {
+            let text = rig.bytes.as_deref().map(String::from_utf8_lossy).unwrap_or_default();
+            Origin { file: rig.name.as_str().into(), source: text.as_ref().into() }
+        });
         let given = rig.map(|Text { name, bytes }| {
             let parsed = Rig::parse(&name, &bytes?);
             sound(parsed, 78, &mut warnings, &mut failure)
@@ -205,7 +219,9 @@ impl Scene {
         warnings.retain(|w: &Problems| !w.list.is_empty());
         let source = String::from_utf8(bytes.unwrap_or_default()).unwrap_or_default();
         let source = Problems { file: name, source, list: Vec::new() };
-        self.join(patch, rig, source, warnings, all, duration)
+        let mut loaded = self.join(patch, rig, source, warnings, all, duration)?;
+        loaded.rig_source = rig_source;
+        Ok(loaded)
     }
 
     /// The folder that paths of the patch count from.
@@ -234,11 +250,11 @@ impl Scene {
             let what = format!("the rig's device has a rate of {rate} Hz, which no WAV file can say");
             return Err(Failure::usage(what, format!("give a whole number: --rate {rate:.0}")));
         }
-        let engine_rate = rate / usual_ratio(rate) as f64;
         let root = self.root();
-        // Twice the engine's rate, so that a recording may be played at half its speed and keep its band.
-        let folder =
-            Folder::new(root).allow_outside(self.allow_outside).at_rate(2.0 * engine_rate).holding(self.held);
+        let folder = Folder::new(root)
+            .allow_outside(self.allow_outside)
+            .at_rate(recordings_rate(rate))
+            .holding(self.held);
         let folder = Arc::new(folder);
         let options = Options {
             rate: Some(rate),
@@ -319,6 +335,7 @@ impl Scene {
             song: None,
             input: None,
             input_name: self.input.as_ref().map(|path| path.display().to_string()),
+            rig_source: None,
             source,
             folder,
         };
@@ -417,6 +434,11 @@ impl Loaded {
             player.play_song(song.messages.iter().copied(), song.seconds);
         }
         player
+    }
+
+    /// The patch as it was read.
+    pub fn source(&self) -> &Problems {
+        &self.source
     }
 
     /// Where its recordings are.

@@ -12,6 +12,7 @@ mod form;
 mod format;
 mod guard;
 mod input;
+mod keep;
 mod left_out;
 mod load;
 mod memory;
@@ -26,7 +27,9 @@ mod play;
 mod plot;
 mod problems;
 mod progress;
+mod provenance;
 mod render;
+mod replay;
 mod schema;
 mod screen;
 mod setting;
@@ -77,6 +80,7 @@ enum Command {
     Check(check::Check),
     Render(render::Render),
     Play(play::Play),
+    Replay(replay::Replay),
     Devices(devices::Devices),
     Walk(walk::Walk),
     Plot(plot::Plot),
@@ -106,6 +110,7 @@ fn run() -> u8 {
         Command::Check(check) => check.run(&terminal),
         Command::Render(render) => render.run(&terminal),
         Command::Play(play) => play.run(&terminal),
+        Command::Replay(replay) => replay.run(&terminal),
         Command::Devices(devices) => devices.run(&terminal),
         Command::Walk(walk) => walk.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),

@@ -2,8 +2,10 @@
 
 use super::failure::Failure;
 use super::guard;
+use super::keep::Keep;
 use super::load::{Loaded, Scene};
 use super::problems;
+use super::provenance::provenance;
 use super::screen::{Ending, Scenery, Show};
 use super::stop::Stop;
 use super::table::dbfs;
@@ -19,6 +21,7 @@ use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::board::Board;
 use pacinian::live::conductor::Told;
+use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
@@ -56,6 +59,8 @@ pub struct Play {
     /// The ports of MIDI to listen to, by a part of their names; `none` for none [default: all, if the patch has use for MIDI]
     #[arg(long, value_name = "NAME")]
     midi_in: Option<String>,
+    #[command(flatten)]
+    keep: Keep,
     /// Take over what is saved while it plays: the patch, the rig, and the recordings and tables that the patch names
     #[arg(long)]
     watch: bool,
@@ -101,7 +106,8 @@ impl Play {
             }
         };
         let options = Options { rate: Some(f64::from(rate)), live: true, ..loaded.options.clone() };
-        let reload = loaded.reload(&options)?;
+        self.keep.check(&loaded)?;
+        let reload = loaded.reload(&options, self.keep.events.is_some())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
         let scenery = Scenery {
             loaded: &loaded,
@@ -115,15 +121,21 @@ impl Play {
         let (heard, told, fate, ports) = (post.clone(), post.clone(), post.clone(), post);
         let (verdict, verdicts) = channel();
         let stop = Stop::listen()?;
+        let journal = self.keep.journal(&reload, scenery.device, armed)?;
+        let (hears, is_told, of_device) = (journal.clone(), journal.clone(), journal.clone());
         let mut session = Session::start(Beginning {
             scene: reload,
             device,
             block: self.block,
             armed,
-            record: false,
+            record: self.keep.record.is_some(),
             song: loaded.song.clone(),
-            listener: Some(Box::new(move |event| heard.hear(event))),
+            listener: Some(Box::new(move |event| {
+                hears.iter().for_each(|journal| journal.hear(event));
+                heard.hear(event);
+            })),
             audience: Box::new(move |what| {
+                is_told.iter().for_each(|journal| journal.told(&what));
                 match &what {
                     Told::Reloaded => drop(verdict.send(Ok(()))),
                     Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
@@ -131,12 +143,16 @@ impl Play {
                 }
                 told.told(what);
             }),
-            fate: Box::new(move |what| fate.fate(what)),
+            fate: Box::new(move |what| {
+                of_device.iter().for_each(|journal| journal.fate(&what));
+                fate.fate(what);
+            }),
         })
         .map_err(|error| match error {
             SessionError::Device(error) => error.into(),
             SessionError::Plan(what) => Failure::said(65, what),
         })?;
+        let mut kept = self.keep.begin(&mut session, journal, &loaded)?;
         terminal.note(&format!(
             "{} plays on {name}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
             loaded.name(),
@@ -162,6 +178,7 @@ impl Play {
             wish: wish.clone(),
             rate: loaded.rig.device.rate,
             channels,
+            journalled: self.keep.events.is_some(),
         };
         let watching =
             self.watch.then(|| Watching::begin(course(), since, session.handle().clone(), verdicts));
@@ -170,6 +187,9 @@ impl Play {
             .map_err(|error| Failure::said(71, format!("no thread to watch files: {error}")))?;
         show.begin()?;
         let ended = self.until_the_end(&session, &stop, &mut show, |show| {
+            if let Some(trouble) = kept.look(&session) {
+                show.say(&trouble);
+            }
             for news in watching.iter().flat_map(Watching::news) {
                 show.watched(&news);
                 if let News::Took(new, ..) = news {
@@ -195,6 +215,7 @@ impl Play {
             terminal.note(&format!("{trouble}\n"));
         }
         let concluded = self.conclude(&loaded, session.board(), &peaks, terminal);
+        let concluded = kept.finish(terminal).and(concluded);
         match ended {
             // A terminal that is closed cannot be written to either.
             Some(code) => Err(Failure::told(code)),
@@ -261,16 +282,18 @@ impl Play {
 }
 
 impl Loaded {
-    /// Compiled, ready to take over.
-    pub fn reload(&self, options: &Options) -> Result<pacinian::live::reload::Reload, Failure> {
+    /// Compiled, ready to take over; with what a journal says of it, if there is one.
+    pub fn reload(&self, options: &Options, journalled: bool) -> Result<Reload, Failure> {
         let refuse =
             |problems: pacinian::text::Problems| self.refuse(problems.list, &super::named::Codes::new());
         let scene = scene(&self.patch, &self.rig, options, self.folder()).map_err(refuse)?;
-        Ok(pacinian::live::reload::Reload {
+        let provenance = journalled.then(|| provenance(self, options)).transpose()?;
+        Ok(Reload {
             scene,
             patch: Arc::clone(&self.patch),
             rig: Arc::new(self.rig.clone()),
             files: self.open_events(),
+            provenance: provenance.map(Arc::new),
         })
     }
 }

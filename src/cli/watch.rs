@@ -47,6 +47,8 @@ pub struct Course {
     pub rate: Option<f64>,
     /// Channels of the device.
     pub channels: usize,
+    /// Whether a journal is kept, which writes down what takes over.
+    pub journalled: bool,
 }
 
 /// Looks at files until it is dropped.
@@ -175,7 +177,7 @@ impl Watcher {
                 Err(Refused::Busy) if self.stop.load(Ordering::Relaxed) => return None,
                 Err(Refused::Busy) => std::thread::sleep(Duration::from_millis(20)),
             }
-            reload = match loaded.reload(&self.course.options(loaded)) {
+            reload = match loaded.reload(&self.course.options(loaded), self.course.journalled) {
                 Ok(reload) => reload,
                 Err(failure) => return Some(Err(failure)),
             };
@@ -217,7 +219,7 @@ impl Course {
             let who = if self.scene.rig.is_some() { "the rig has" } else { "the patch needs" };
             return no(format!("{who} {channels} channels, and the session began with {}", self.channels));
         }
-        let reload = loaded.reload(&self.options(&loaded))?;
+        let reload = loaded.reload(&self.options(&loaded), self.journalled)?;
         Ok(Ok((Box::new(loaded), reload)))
     }
 

@@ -6,6 +6,8 @@ pub mod device;
 pub mod error;
 pub mod events;
 pub mod input;
+#[cfg(feature = "live")]
+pub mod journal;
 pub mod load;
 pub mod log;
 #[cfg(feature = "live")]
@@ -14,6 +16,8 @@ mod open;
 #[cfg(feature = "live")]
 pub mod osc;
 pub mod out;
+#[cfg(feature = "live")]
+pub mod recorder;
 pub mod replace;
 pub(crate) mod resample;
 #[cfg(feature = "live")]

@@ -16,6 +16,7 @@ use crate::engine::Delay;
 use crate::engine::exchange::exchange;
 use crate::live::board::Board;
 use crate::live::callback::Callback;
+use crate::live::clock::StreamClock;
 use crate::live::conductor::{Audience, Conductor};
 use crate::live::driver::Driver;
 use crate::live::gate::{Gate, RAMP_OUT, UNARMED};
@@ -54,6 +55,7 @@ pub struct Session {
     keeper: Option<Keeper>,
     conductor: Option<JoinHandle<()>>,
     recording: Option<HeapCons<f32>>,
+    clock: StreamClock,
     rate: f64,
     delay: Delay,
 }
@@ -69,7 +71,7 @@ impl Session {
     pub fn start(beginning: Beginning) -> Result<Self, SessionError> {
         let Beginning { scene: reload, device, block, armed, record, song, listener, audience, fate } =
             beginning;
-        let Reload { scene, patch, rig, files } = reload;
+        let Reload { scene, patch, rig, files, .. } = reload;
         let (rate, channels) = (scene.plan.device_rate, scene.plan.channels);
         let (director, mut stagehand) =
             exchange(&scene.plan).map_err(|why| SessionError::Plan(why.to_string()))?;
@@ -83,6 +85,7 @@ impl Session {
         }
         let delay = stagehand.engine().delay();
         let board = Arc::new(Board::new(channels));
+        board.engine_delay.set((delay.total() * 1e9).round() as u64);
         let gate = Gate::new(rate, if armed { 1.0 } else { UNARMED });
         let (mut callback, rings) = Callback::new(stagehand, gate, Arc::clone(&board));
         let recording = record.then(|| {
@@ -94,7 +97,7 @@ impl Session {
         let expected = block.map_or(BLOCK, |block| block as usize);
         let (driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
         let (mut conductor, handle) =
-            Conductor::new(performer, director, rings, clock, epoch, &board, audience);
+            Conductor::new(performer, director, rings, clock.clone(), epoch, &board, audience);
         // What plays from the beginning is there before the device asks for it, so that it plays as it would be rendered.
         conductor.begin();
         let shape = Shape { channels, rate: rate as u32, block };
@@ -103,7 +106,16 @@ impl Session {
             .name("conductor".into())
             .spawn(move || conductor.lead())
             .map_err(|error| SessionError::Plan(format!("no thread for the conductor: {error}")))?;
-        Ok(Self { handle, board, keeper: Some(keeper), conductor: Some(conductor), recording, rate, delay })
+        Ok(Self {
+            handle,
+            board,
+            keeper: Some(keeper),
+            conductor: Some(conductor),
+            recording,
+            clock,
+            rate,
+            delay,
+        })
     }
 
     /// By which other threads reach it.
@@ -114,6 +126,16 @@ impl Session {
     /// How it stands.
     pub fn board(&self) -> &Arc<Board> {
         &self.board
+    }
+
+    /// How its frames and wall time belong together.
+    pub fn clock(&self) -> &StreamClock {
+        &self.clock
+    }
+
+    /// Frames a second.
+    pub fn rate(&self) -> f64 {
+        self.rate
     }
 
     /// The delay of the engine that it began with.

@@ -71,6 +71,8 @@ pub struct Board {
     pub block: Figure,
     /// Nanoseconds from a callback to when the device plays its first frame, as the device has it; 0 where it does not say.
     pub device_delay: Figure,
+    /// Nanoseconds from an event to the middle of what it makes at the output, at 250 Hz.
+    pub engine_delay: Figure,
 }
 
 impl Board {

@@ -37,10 +37,19 @@ pub struct Cue {
     pub event: Event,
 }
 
-/// What the callback tells of what it did.
+/// What the callback tells of: that it did something, and before which frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Report {
-    /// An event was given to the engine.
+pub struct Report {
+    /// Frames given out before.
+    pub frame: u64,
+    /// What it did.
+    pub deed: Deed,
+}
+
+/// What a callback does besides computing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Deed {
+    /// It gave an event to the engine.
     Event {
         /// When it takes effect: when it was due, or with the next sample if that is past.
         at: Instant,
@@ -51,10 +60,10 @@ pub enum Report {
         /// What it is.
         event: Event,
     },
-    /// The gate was told something before this frame.
-    Order(u64, Order),
-    /// A new plan took over before this frame.
-    Swap(u64),
+    /// It told the gate something.
+    Order(Order),
+    /// It let a new plan take over.
+    Swap,
 }
 
 /// The threads' ends of the rings.
@@ -76,6 +85,8 @@ pub struct Callback {
     gate: Gate,
     board: Arc<Board>,
     record: Option<HeapProd<f32>>,
+    /// Samples that the recording owes.
+    unrecorded: usize,
     channels: usize,
     /// Plans that have followed the first.
     plan: u64,
@@ -100,6 +111,7 @@ impl Callback {
             gate,
             board,
             record: None,
+            unrecorded: 0,
             channels,
             plan: 0,
             outdated: 0,
@@ -108,7 +120,7 @@ impl Callback {
         (callback, Rings { cues: senders, orders: to_gate, reports: told })
     }
 
-    /// Everything that goes out, goes into `ring` as well; whole callbacks, or nothing of one for which there is no room.
+    /// Everything that goes out, goes into `ring` as well. Callbacks for which there is no room are silence there, and counted.
     pub fn record(&mut self, ring: HeapProd<f32>) {
         self.record = Some(ring);
     }
@@ -136,17 +148,27 @@ impl Callback {
         self.take_cues();
         if self.stagehand.take_over() {
             self.plan += 1;
-            self.tell(Report::Swap(self.frames));
+            self.tell(Deed::Swap);
             self.take_cues();
         }
         self.stagehand.compute(input, output);
         self.gate.pass(output, self.channels);
         self.frames += (output.len() / self.channels.max(1)) as u64;
         self.show(output);
-        if let Some(ring) = &mut self.record {
-            let whole = ring.vacant_len() >= output.len();
-            let kept = if whole { ring.push_slice(output) } else { 0 };
-            self.board.unrecorded.add((output.len() - kept) as u64 / self.channels.max(1) as u64);
+        self.keep(output);
+    }
+
+    /// Puts what goes out into the recording. Frames for which there is no room are silence in it as soon as there is, so that those
+    /// behind them stay in their places.
+    fn keep(&mut self, output: &[f32]) {
+        let Some(ring) = &mut self.record else { return };
+        let owed = self.unrecorded.min(ring.vacant_len());
+        self.unrecorded -= ring.push_iter(std::iter::repeat_n(0.0, owed));
+        if self.unrecorded == 0 && ring.vacant_len() >= output.len() {
+            ring.push_slice(output);
+        } else {
+            self.unrecorded += output.len();
+            self.board.unrecorded.add((output.len() / self.channels.max(1)) as u64);
         }
     }
 
@@ -167,7 +189,7 @@ impl Callback {
     /// Tells the gate something, before the next frame.
     pub fn order(&mut self, order: Order) {
         self.gate.order(order);
-        self.tell(Report::Order(self.frames, order));
+        self.tell(Deed::Order(order));
     }
 
     /// Gives the engine what has come for its plan, as long as it has room; the rest waits in its ring.
@@ -188,13 +210,13 @@ impl Callback {
                 let at = if due.ceiling() < clock { Instant { sample: clock, fraction: 0 } } else { due };
                 self.stagehand.engine().schedule(at, source, event);
                 self.board.late.add(u64::from(at != due));
-                self.tell(Report::Event { at, due, source, event });
+                self.tell(Deed::Event { at, due, source, event });
             }
         }
     }
 
-    fn tell(&mut self, report: Report) {
-        let untold = self.reports.try_push(report).is_err();
+    fn tell(&mut self, deed: Deed) {
+        let untold = self.reports.try_push(Report { frame: self.frames, deed }).is_err();
         self.board.untold.add(u64::from(untold));
     }
 

@@ -17,6 +17,7 @@ pub mod conductor;
 pub mod driver;
 pub mod gate;
 pub mod load;
+pub mod provenance;
 pub mod reload;
 pub mod signal;
 pub mod stamp;

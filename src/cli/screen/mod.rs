@@ -157,6 +157,12 @@ impl Show {
         Ok((show, post))
     }
 
+    /// Shows that something is wrong.
+    pub fn say(&mut self, trouble: &str) {
+        let happened = Happened::new(self.fetch.elapsed(), Mood::Bad, trouble);
+        self.note(happened);
+    }
+
     /// Takes the terminal over, where there is to be a screen.
     ///
     /// # Errors

@@ -210,7 +210,7 @@ impl Walk {
         let files = Box::new(|_: &str| Err(Problem::of_file("a walk reads no events")));
         let note = *terminal;
         let session = Session::start(Beginning {
-            scene: Reload { scene, patch, rig, files },
+            scene: Reload { scene, patch, rig, files, provenance: None },
             device,
             block: None,
             armed,
