@@ -13,6 +13,7 @@ mod format;
 mod guard;
 mod input;
 mod keep;
+mod learn;
 mod left_out;
 mod load;
 mod memory;
@@ -83,6 +84,7 @@ enum Command {
     Replay(replay::Replay),
     Devices(devices::Devices),
     Walk(walk::Walk),
+    Learn(learn::Learn),
     Plot(plot::Plot),
     Error(error::Error),
     Nodes(nodes::Nodes),
@@ -113,6 +115,7 @@ fn run() -> u8 {
         Command::Replay(replay) => replay.run(&terminal),
         Command::Devices(devices) => devices.run(&terminal),
         Command::Walk(walk) => walk.run(&terminal),
+        Command::Learn(learn) => learn.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),
         Command::Format(format) => format.run(&terminal),
         Command::Schema(schema) => schema.run(&terminal),
