@@ -93,6 +93,78 @@ fn what_is_saved_plays_and_what_is_broken_is_shown_at_its_line() {
     playing.hears("touch on t1");
 }
 
+/// Other programs find what the new patch has; controls keep their values, and MIDI is listened to once there is use for it.
+#[test]
+fn what_hears_from_outside_follows() {
+    use rosc::{OscMessage, OscPacket, OscType, decoder, encoder};
+    let scratch = Scratch::new("watch-osc");
+    let patch = scratch.write("p.toml", PATCH);
+    let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual", "--osc", "0"]);
+    let said = playing.said.lock().unwrap().clone();
+    let address =
+        said.split("OSC is heard on ").nth(1).and_then(|rest| rest.split(',').next()).unwrap().to_string();
+    let surface = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    surface.set_read_timeout(Some(PATIENCE)).unwrap();
+    let say = |addr: &str, args: Vec<OscType>| {
+        let packet = OscPacket::Message(OscMessage { addr: addr.into(), args });
+        surface.send_to(&encoder::encode(&packet).unwrap(), &address).unwrap();
+    };
+    let controls = || {
+        say("/controls", vec![]);
+        let (mut all, mut bytes) = (Vec::new(), [0; 4096]);
+        loop {
+            let length = surface.recv(&mut bytes).unwrap();
+            let Ok((_, OscPacket::Message(message))) = decoder::decode_udp(&bytes[..length]) else {
+                panic!("no OSC")
+            };
+            if message.addr == "/controls/end" {
+                return all;
+            }
+            all.push((message.args[0].clone().string().unwrap(), message.args[1].clone().float().unwrap()));
+        }
+    };
+    say("/control/depth", vec![OscType::Float(0.75)]);
+    assert_eq!(controls(), [("depth".to_string(), 0.75)]);
+    let more =
+        "[control.more]\ndefault = 0.5\n[[bind]]\nfrom = \"midi.bend\"\ncontrol = \"more\"\n[control.depth]";
+    let text =
+        PATCH.replace("[control.depth]", more).replace("frequency = 100", "frequency = \"100 * more\"");
+    fs::write(&patch, text).unwrap();
+    playing.hears("p.toml: taken up");
+    playing.hears("MIDI");
+    let both = [("more".to_string(), 0.5), ("depth".to_string(), 0.75)];
+    let begin = Instant::now();
+    while controls() != both {
+        assert!(begin.elapsed() < PATIENCE, "{:?}", controls());
+    }
+}
+
+/// The journal of a session whose patch was saved anew plays it again to the bit.
+#[test]
+fn a_journal_knows_what_took_over() {
+    let scratch = Scratch::new("watch-journal");
+    let patch = scratch.write("p.toml", PATCH);
+    let arguments = ["p.toml", "--device", "virtual", "--record", "o.wav", "--events", "j.jsonl"];
+    let mut playing = Playing::new(&scratch, &arguments);
+    for name in ["knock", "touch"] {
+        fs::write(&patch, PATCH.replace("tap", name)).unwrap();
+        playing.hears("p.toml: taken up");
+        playing.hears(&format!("{name} on t1"));
+    }
+    fs::write(&patch, PATCH.replace("[voice.tap]", "[voice.tap")).unwrap();
+    playing.hears("the old one plays on");
+    let kill =
+        std::process::Command::new("kill").args(["-s", "INT", &playing.child.id().to_string()]).status();
+    assert!(kill.unwrap().success());
+    assert_eq!(playing.child.wait().unwrap().code(), Some(130));
+    fs::remove_file(&patch).unwrap();
+    let run = scratch.run(&["replay", "j.jsonl", "-o", "again.wav"]);
+    run.succeeds();
+    let (sent, again) = (scratch.wav("o.wav").1, scratch.wav("again.wav").1);
+    assert!(sent.len() > 48_000 && sent.len() == again.len(), "{} and {}", sent.len(), again.len());
+    assert!(sent.iter().zip(&again).all(|(a, b)| a.to_bits() == b.to_bits()));
+}
+
 #[test]
 fn a_file_that_is_gone_or_is_a_folder_is_waited_for() {
     let scratch = Scratch::new("watch-gone");

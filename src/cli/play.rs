@@ -23,6 +23,7 @@ use pacinian::live::board::Board;
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
+use pacinian::patch::Patch;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::{Instant, SystemTime};
@@ -167,10 +168,14 @@ impl Play {
         }
         // What nothing listens to is not opened.
         let wanted = self.midi_in.clone().filter(|name| name != "none");
-        let midi = (wanted.is_some() || (self.midi_in.is_none() && loaded.patch.hears_midi()))
-            .then(|| MidiPorts::listen(session.handle(), wanted, Box::new(move |news| ports.port(&news))))
-            .transpose()
-            .map_err(|error| Failure::said(71, format!("no thread for MIDI: {error}")))?;
+        let listen = |patch: &Patch| {
+            let use_for_it = wanted.is_some() || (self.midi_in.is_none() && patch.hears_midi());
+            let ports = ports.clone();
+            let news = Box::new(move |news| ports.port(&news));
+            let open = use_for_it.then(|| MidiPorts::listen(session.handle(), wanted.clone(), news));
+            open.transpose().map_err(|error| Failure::said(71, format!("no thread for MIDI: {error}")))
+        };
+        let mut midi = listen(&loaded.patch)?;
         let course = || Course {
             scene: Scene { midi: None, tactors: channels as u32, ..self.scene.clone() },
             device_rate: f64::from(rate),
@@ -196,6 +201,13 @@ impl Play {
                     loaded = *new;
                     if let Some(osc) = &osc {
                         osc.follow(&loaded.patch);
+                    }
+                    // The new one may be the first that has use for it.
+                    if midi.is_none() {
+                        midi = listen(&loaded.patch).unwrap_or_else(|failure| {
+                            show.say(&failure.brief());
+                            None
+                        });
                     }
                 }
             }
