@@ -31,7 +31,7 @@ impl Typed {
         std::thread::Builder::new().name("lines".into()).spawn(move || {
             for line in stdin().lock().lines() {
                 let Ok(line) = line else { break };
-                if say.send(line.trim().to_string()).is_err() {
+                if say.send(plain(&line)).is_err() {
                     break;
                 }
             }
@@ -51,5 +51,40 @@ impl Typed {
     /// Forgets what was typed before it was asked for.
     pub fn forget(&self) {
         self.0.try_iter().for_each(drop);
+    }
+}
+
+/// Without blanks around it, and without what keys leave behind that move a cursor.
+fn plain(line: &str) -> String {
+    let (mut out, mut rest) = (String::new(), line.chars());
+    while let Some(c) = rest.next() {
+        if c == '\u{1b}' {
+            // ECMA-48: a bracket, parameters, and a letter; some keys have another sign and a letter.
+            if matches!(rest.next(), Some('[' | 'O')) {
+                let _ = rest.find(|c| ('@'..='~').contains(c));
+            }
+        } else if !c.is_control() {
+            out.push(c);
+        }
+    }
+    out.trim().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain;
+
+    #[test]
+    fn keys_that_move_a_cursor_leave_nothing_behind() {
+        for (typed, line) in [
+            (" left ", "left"),
+            ("\x1b[C", ""),
+            ("le\x1b[1;5Dft\x1bOP", "left"),
+            ("µ\t", "µ"),
+            ("\x1b", ""),
+            ("\x1b[", ""),
+        ] {
+            assert_eq!(plain(typed), line, "{typed:?}");
+        }
     }
 }
