@@ -61,6 +61,9 @@ pub struct Scene {
     /// Lets recordings and events files lie outside the patch's folder
     #[arg(long)]
     pub allow_outside: bool,
+    /// Where no rig is named, there are at least so many tactors.
+    #[arg(skip)]
+    pub tactors: u32,
     /// Recordings that need no disk.
     #[arg(skip)]
     pub held: &'static [(&'static str, &'static [u8])],
@@ -171,6 +174,7 @@ impl Scene {
             input: None,
             midi: None,
             allow_outside: false,
+            tactors: 0,
             held,
         };
         let text = |(name, text): (&str, &str)| Text { name: name.into(), bytes: Some(text.into()) };
@@ -221,7 +225,7 @@ impl Scene {
     }
 
     /// The folder that paths of the patch count from.
-    fn root(&self) -> &Path {
+    pub fn root(&self) -> &Path {
         // What comes through a pipe lies nowhere: its paths count from where the person is.
         let parent = self.patch.parent().filter(|_| !text::is_stream(&self.patch));
         parent.unwrap_or(Path::new(""))
@@ -238,7 +242,7 @@ impl Scene {
         duration: Option<f64>,
     ) -> Result<Loaded, Failure> {
         let by_default = given.is_none();
-        let rig = given.unwrap_or_else(|| by_default::rig(&patch));
+        let rig = given.unwrap_or_else(|| by_default::rig(&patch, self.tactors));
         self.check_words(&patch)?;
         setting::set(&mut patch, &self.settings)?;
         let rate = self.rate.map(f64::from).or(rig.device.rate).unwrap_or(48_000.0);

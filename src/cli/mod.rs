@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each a thin use of the library.
 
 mod advice;
+mod ask;
 mod by_default;
 mod check;
 mod demo;
@@ -12,6 +13,7 @@ mod format;
 mod guard;
 mod input;
 mod keep;
+mod learn;
 mod left_out;
 mod load;
 mod memory;
@@ -36,6 +38,8 @@ mod stop;
 mod summary;
 mod table;
 mod terminal;
+mod walk;
+mod watch;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
@@ -79,6 +83,8 @@ enum Command {
     Play(play::Play),
     Replay(replay::Replay),
     Devices(devices::Devices),
+    Walk(walk::Walk),
+    Learn(learn::Learn),
     Plot(plot::Plot),
     Error(error::Error),
     Nodes(nodes::Nodes),
@@ -108,6 +114,8 @@ fn run() -> u8 {
         Command::Play(play) => play.run(&terminal),
         Command::Replay(replay) => replay.run(&terminal),
         Command::Devices(devices) => devices.run(&terminal),
+        Command::Walk(walk) => walk.run(&terminal),
+        Command::Learn(learn) => learn.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),
         Command::Format(format) => format.run(&terminal),
         Command::Schema(schema) => schema.run(&terminal),

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::guard;
-use super::keep::{Keep, Kept};
+use super::keep::Keep;
 use super::load::{Loaded, Scene};
 use super::problems;
 use super::provenance::provenance;
@@ -10,6 +10,7 @@ use super::screen::{Ending, Scenery, Show};
 use super::stop::Stop;
 use super::table::dbfs;
 use super::terminal::Terminal;
+use super::watch::{Course, News, Watching};
 use clap::Args;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
@@ -19,10 +20,13 @@ use pacinian::io::osc::endpoint::{BindError, Endpoint};
 use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::board::Board;
+use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
+use pacinian::patch::Patch;
 use std::sync::Arc;
-use std::time::Instant;
+use std::sync::mpsc::channel;
+use std::time::{Instant, SystemTime};
 
 /// Plays a patch on a sound card, in real time
 #[derive(Debug, Args)]
@@ -34,6 +38,8 @@ use std::time::Instant;
     In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, space all of them, p or Escape shuts \
     the output at once (c opens it again), a is full level or -20 dB, q ends it. Anywhere else, and with --plain, it writes a line for \
     everything that happens.\n\
+    With --watch, what is saved takes over while it sounds: what still exists keeps sounding, controls keep their values, and of a file \
+    that is broken the errors are shown while the old one plays on.\n\
     Ctrl-C ends it: the output goes to exact zeros within 2 ms."
 )]
 pub struct Play {
@@ -56,6 +62,9 @@ pub struct Play {
     midi_in: Option<String>,
     #[command(flatten)]
     keep: Keep,
+    /// Take over what is saved while it plays: the patch, the rig, and the recordings and tables that the patch names
+    #[arg(long)]
+    watch: bool,
     /// Seconds to play [default: until Ctrl-C]
     #[arg(long, value_name = "S", value_parser = super::render::seconds)]
     duration: Option<f64>,
@@ -79,7 +88,11 @@ impl From<BindError> for Failure {
 impl Play {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let loaded = self.scene.load(true, None)?;
+        if self.watch {
+            self.scene.check_watch()?;
+        }
+        let since = SystemTime::now();
+        let mut loaded = self.scene.load(true, None)?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
@@ -107,6 +120,7 @@ impl Play {
         };
         let (mut show, post) = Show::new(&scenery, terminal)?;
         let (heard, told, fate, ports) = (post.clone(), post.clone(), post.clone(), post);
+        let (verdict, verdicts) = channel();
         let stop = Stop::listen()?;
         let journal = self.keep.journal(&reload, scenery.device, armed)?;
         let (hears, is_told, of_device) = (journal.clone(), journal.clone(), journal.clone());
@@ -124,6 +138,11 @@ impl Play {
             })),
             audience: Box::new(move |what| {
                 is_told.iter().for_each(|journal| journal.told(&what));
+                match &what {
+                    Told::Reloaded => drop(verdict.send(Ok(()))),
+                    Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
+                    _ => {}
+                }
                 told.told(what);
             }),
             fate: Box::new(move |what| {
@@ -150,12 +169,51 @@ impl Play {
         }
         // What nothing listens to is not opened.
         let wanted = self.midi_in.clone().filter(|name| name != "none");
-        let midi = (wanted.is_some() || (self.midi_in.is_none() && loaded.patch.hears_midi()))
-            .then(|| MidiPorts::listen(session.handle(), wanted, Box::new(move |news| ports.port(&news))))
+        let listen = |patch: &Patch| {
+            let use_for_it = wanted.is_some() || (self.midi_in.is_none() && patch.hears_midi());
+            let ports = ports.clone();
+            let news = Box::new(move |news| ports.port(&news));
+            let open = use_for_it.then(|| MidiPorts::listen(session.handle(), wanted.clone(), news));
+            open.transpose().map_err(|error| Failure::said(71, format!("no thread for MIDI: {error}")))
+        };
+        let mut midi = listen(&loaded.patch)?;
+        let course = || Course {
+            scene: Scene { midi: None, tactors: channels as u32, ..self.scene.clone() },
+            device_rate: f64::from(rate),
+            device: self.device.clone(),
+            wish: wish.clone(),
+            rate: loaded.rig.device.rate,
+            channels,
+            journalled: self.keep.events.is_some(),
+        };
+        let watching =
+            self.watch.then(|| Watching::begin(course(), since, session.handle().clone(), verdicts));
+        let watching = watching
             .transpose()
-            .map_err(|error| Failure::said(71, format!("no thread for MIDI: {error}")))?;
+            .map_err(|error| Failure::said(71, format!("no thread to watch files: {error}")))?;
         show.begin()?;
-        let ended = self.watch(&session, &stop, &mut show, &mut kept);
+        let ended = self.until_the_end(&session, &stop, &mut show, |show| {
+            if let Some(trouble) = kept.look(&session) {
+                show.say(&trouble);
+            }
+            for news in watching.iter().flat_map(Watching::news) {
+                show.watched(&news);
+                if let News::Took(new, ..) = news {
+                    loaded = *new;
+                    if let Some(osc) = &osc {
+                        osc.follow(&loaded.patch);
+                    }
+                    // The new one may be the first that has use for it.
+                    if midi.is_none() {
+                        midi = listen(&loaded.patch).unwrap_or_else(|failure| {
+                            show.say(&failure.brief());
+                            None
+                        });
+                    }
+                }
+            }
+        });
+        drop(watching);
         drop(midi);
         // What the system dropped last is counted when the server ends.
         let counts = osc.map(|osc| Arc::clone(osc.counts()));
@@ -179,12 +237,16 @@ impl Play {
     }
 
     /// Until somebody asks to stop; gives the exit code then.
-    fn watch(&self, session: &Session, stop: &Stop, show: &mut Show, kept: &mut Kept) -> Option<u8> {
+    fn until_the_end(
+        &self,
+        session: &Session,
+        stop: &Stop,
+        show: &mut Show,
+        mut meanwhile: impl FnMut(&mut Show),
+    ) -> Option<u8> {
         let begin = Instant::now();
         loop {
-            if let Some(trouble) = kept.look(session) {
-                show.say(&trouble);
-            }
+            meanwhile(show);
             if let Some(code) = stop.asked() {
                 return Some(code);
             }
@@ -234,7 +296,7 @@ impl Play {
 
 impl Loaded {
     /// Compiled, ready to take over; with what a journal says of it, if there is one.
-    fn reload(&self, options: &Options, journalled: bool) -> Result<Reload, Failure> {
+    pub fn reload(&self, options: &Options, journalled: bool) -> Result<Reload, Failure> {
         let refuse =
             |problems: pacinian::text::Problems| self.refuse(problems.list, &super::named::Codes::new());
         let scene = scene(&self.patch, &self.rig, options, self.folder()).map_err(refuse)?;

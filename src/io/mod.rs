@@ -18,10 +18,12 @@ pub mod osc;
 pub mod out;
 #[cfg(feature = "live")]
 pub mod recorder;
+pub mod replace;
 pub(crate) mod resample;
 #[cfg(feature = "live")]
 pub mod session;
 #[cfg(feature = "midi")]
 pub mod song;
 pub mod text;
+pub mod watch;
 pub mod wav;

@@ -338,9 +338,10 @@ impl Conductor {
                 let Reload { scene, patch, rig, files, .. } = *reload;
                 // Those that play on may be called otherwise now.
                 self.playing = vec![u64::MAX];
-                match self.performer.become_of(scene, patch, rig, files) {
-                    Ok(()) => (self.audience)(Told::Reloaded),
-                    Err(problem) => (self.audience)(Told::Refused(&problem)),
+                let became = self.performer.become_of(scene, patch, rig, files);
+                (self.audience)(Told::Reloaded);
+                if let Err(problem) = became {
+                    (self.audience)(Told::Refused(&problem));
                 }
             }
             Err(mismatch) => (self.audience)(Told::Kept(&mismatch.to_string())),

@@ -88,8 +88,8 @@ impl Post {
                 let own = |(number, name): &(u64, Option<&str>)| (*number, name.map(String::from));
                 self.state(State::Playing(playing.iter().map(own).collect()));
             }
-            Told::Reloaded => self.say(Mood::Good, "reloaded"),
-            Told::Kept(why) => self.say(Mood::Bad, format!("the old one plays on: {why}")),
+            // Whoever sent it says so.
+            Told::Reloaded | Told::Kept(_) => {}
         }
     }
 
