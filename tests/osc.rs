@@ -57,6 +57,7 @@ impl Stage {
             block: Some(64),
             armed: true,
             song: None,
+            input: pacinian::io::session::Ear::Nothing,
             record: false,
             listener: None,
             audience: Box::new(move |told| {

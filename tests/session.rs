@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::Chosen;
-use pacinian::io::session::{Beginning, Session};
+use pacinian::io::session::{Beginning, Ear, Session};
 use pacinian::live::callback::Report;
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
@@ -54,6 +54,7 @@ fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
         device: Chosen::Virtual(None),
         block: Some(64),
         armed: true,
+        input: Ear::Nothing,
         record: true,
         song: None,
         listener: None,

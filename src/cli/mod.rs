@@ -5,6 +5,7 @@ mod by_default;
 mod check;
 mod demo;
 mod devices;
+mod ear;
 mod error;
 mod failure;
 mod form;

@@ -8,10 +8,14 @@ use ringbuf::HeapCons;
 use ringbuf::HeapRb;
 use ringbuf::traits::Split;
 
+use super::device::capture;
 use super::device::card::Shape;
 use super::device::choose::Chosen;
 use super::device::failure::DeviceError;
 use super::device::keeper::{BLOCK, Fate, Keeper};
+use super::device::list::Found;
+use super::device::listening::Listening;
+use super::input::{Heard, Input};
 use crate::engine::Delay;
 use crate::engine::exchange::exchange;
 use crate::live::board::Board;
@@ -19,6 +23,7 @@ use crate::live::callback::Callback;
 use crate::live::conductor::{Audience, Conductor};
 use crate::live::driver::Driver;
 use crate::live::gate::{Gate, RAMP_OUT, UNARMED};
+use crate::live::intake::{Ears, bridge};
 use crate::live::reload::Reload;
 use crate::live::signal::{Handle, Refused, Signal};
 use crate::live::stamp::Epoch;
@@ -35,6 +40,8 @@ pub struct Beginning {
     pub block: Option<u32>,
     /// Whether the output has its full level, or that for headphones, -20 dB.
     pub armed: bool,
+    /// What it hears.
+    pub input: Ear,
     /// Whether everything that goes out is to be fetched through [`Session::recording`].
     pub record: bool,
     /// A song that plays it from the beginning.
@@ -47,11 +54,29 @@ pub struct Beginning {
     pub fate: Box<dyn FnMut(Fate) + Send>,
 }
 
+/// What a session hears, if what it plays listens at all.
+#[expect(clippy::large_enum_variant, reason = "there is one, for a moment")]
+pub enum Ear {
+    /// Silence.
+    Nothing,
+    /// A file, from the beginning on.
+    File(Arc<Input>),
+    /// A device.
+    Device {
+        /// Which, and what it offers.
+        device: (cpal::Device, Found),
+        /// Hears what becomes of it.
+        fate: Box<dyn FnMut(Fate) + Send>,
+    },
+}
+
 /// A session that plays. It stops when it is dropped.
 pub struct Session {
     handle: Handle,
     board: Arc<Board>,
     keeper: Option<Keeper>,
+    listening: Option<Listening>,
+    input_delay: f64,
     conductor: Option<JoinHandle<()>>,
     recording: Option<HeapCons<f32>>,
     rate: f64,
@@ -67,7 +92,7 @@ impl Session {
     /// # Errors
     /// A device that cannot be opened, or a plan that no engine can be built for.
     pub fn start(beginning: Beginning) -> Result<Self, SessionError> {
-        let Beginning { scene: reload, device, block, armed, record, song, listener, audience, fate } =
+        let Beginning { scene: reload, device, block, armed, input, record, song, listener, audience, fate } =
             beginning;
         let Reload { scene, patch, rig, files } = reload;
         let (rate, channels) = (scene.plan.device_rate, scene.plan.channels);
@@ -82,6 +107,7 @@ impl Session {
             performer.play_song(song.messages.iter().copied(), song.seconds);
         }
         let delay = stagehand.engine().delay();
+        let (inputs, input_delay) = (stagehand.engine().input_channels(), stagehand.engine().input_delay());
         let board = Arc::new(Board::new(channels));
         let gate = Gate::new(rate, if armed { 1.0 } else { UNARMED });
         let (mut callback, rings) = Callback::new(stagehand, gate, Arc::clone(&board));
@@ -92,7 +118,24 @@ impl Session {
         });
         let epoch = Epoch::begin();
         let expected = block.map_or(BLOCK, |block| block as usize);
-        let (driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
+        let (mut driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
+        let mut listening = None;
+        match input {
+            // What nothing listens to is not opened.
+            _ if inputs == 0 => {}
+            Ear::Nothing => {}
+            Ear::File(input) => driver.listen(Box::new(Heard::new(input))),
+            Ear::Device { device, fate } => {
+                let shape =
+                    capture::shape(&device.1, inputs, rate as u32, block).map_err(SessionError::Device)?;
+                let block = shape.block.map_or(BLOCK, |block| block as usize);
+                let ears = Ears { rate: f64::from(shape.rate), channels: shape.channels, block };
+                let (intake, feed) = bridge(ears, rate, expected, epoch, &board);
+                driver.listen(Box::new(feed));
+                let started = Listening::start(intake, device, shape, &board, fate);
+                listening = Some(started.map_err(SessionError::Device)?);
+            }
+        }
         let (mut conductor, handle) =
             Conductor::new(performer, director, rings, clock, epoch, &board, audience);
         // What plays from the beginning is there before the device asks for it, so that it plays as it would be rendered.
@@ -103,7 +146,8 @@ impl Session {
             .name("conductor".into())
             .spawn(move || conductor.lead())
             .map_err(|error| SessionError::Plan(format!("no thread for the conductor: {error}")))?;
-        Ok(Self { handle, board, keeper: Some(keeper), conductor: Some(conductor), recording, rate, delay })
+        let (keeper, conductor) = (Some(keeper), Some(conductor));
+        Ok(Self { handle, board, keeper, listening, input_delay, conductor, recording, rate, delay })
     }
 
     /// By which other threads reach it.
@@ -119,6 +163,11 @@ impl Session {
     /// The delay of the engine that it began with.
     pub fn delay(&self) -> Delay {
         self.delay
+    }
+
+    /// Seconds by which the engine's own filter delays what it hears.
+    pub fn input_delay(&self) -> f64 {
+        self.input_delay
     }
 
     /// What has gone out and was not fetched yet, interleaved frames, if it is recorded. Whoever takes it must fetch it several
@@ -147,6 +196,7 @@ impl Session {
             }
             drop(keeper);
         }
+        drop(self.listening.take());
     }
 }
 

@@ -76,6 +76,7 @@ pub struct Callback {
     gate: Gate,
     board: Arc<Board>,
     record: Option<HeapProd<f32>>,
+    record_input: Option<HeapProd<f32>>,
     channels: usize,
     /// Plans that have followed the first.
     plan: u64,
@@ -100,6 +101,7 @@ impl Callback {
             gate,
             board,
             record: None,
+            record_input: None,
             channels,
             plan: 0,
             outdated: 0,
@@ -111,6 +113,12 @@ impl Callback {
     /// Everything that goes out, goes into `ring` as well; whole callbacks, or nothing of one for which there is no room.
     pub fn record(&mut self, ring: HeapProd<f32>) {
         self.record = Some(ring);
+    }
+
+    /// What the engine hears goes into `ring` as well, frames of [`Callback::input_channels`]: whole callbacks, or nothing of one for
+    /// which there is no room.
+    pub fn record_input(&mut self, ring: HeapProd<f32>) {
+        self.record_input = Some(ring);
     }
 
     /// Channels of an output frame.
@@ -140,6 +148,12 @@ impl Callback {
             self.take_cues();
         }
         self.stagehand.compute(input, output);
+        if let Some(ring) = &mut self.record_input {
+            let whole = ring.vacant_len() >= input.len();
+            let kept = if whole { ring.push_slice(input) } else { 0 };
+            let channels = self.stagehand.engine().input_channels().max(1);
+            self.board.input.unrecorded.add((input.len() - kept) as u64 / channels as u64);
+        }
         self.gate.pass(output, self.channels);
         self.frames += (output.len() / self.channels.max(1)) as u64;
         self.show(output);
