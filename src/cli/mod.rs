@@ -12,6 +12,7 @@ mod form;
 mod format;
 mod guard;
 mod input;
+mod latency;
 mod left_out;
 mod load;
 mod memory;
@@ -76,6 +77,7 @@ enum Command {
     Render(render::Render),
     Play(play::Play),
     Devices(devices::Devices),
+    Latency(latency::Latency),
     Plot(plot::Plot),
     Error(error::Error),
     Nodes(nodes::Nodes),
@@ -104,6 +106,7 @@ fn run() -> u8 {
         Command::Render(render) => render.run(&terminal),
         Command::Play(play) => play.run(&terminal),
         Command::Devices(devices) => devices.run(&terminal),
+        Command::Latency(latency) => latency.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),
         Command::Format(format) => format.run(&terminal),
         Command::Schema(schema) => schema.run(&terminal),

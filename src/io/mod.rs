@@ -6,6 +6,8 @@ pub mod device;
 pub mod error;
 pub mod events;
 pub mod input;
+#[cfg(feature = "live")]
+pub mod latency;
 pub mod load;
 pub mod log;
 #[cfg(feature = "live")]

@@ -82,12 +82,18 @@ mod tests {
     #[test]
     fn it_is_found_between_samples_upside_down_and_in_noise() {
         for rate in [8_000.0, 44_100.0, 48_000.0, 192_000.0] {
-            for (at, gain, floor, most) in
-                [(1000.0, 0.1, 0.0, 0.005), (777.37, -0.02, 0.0, 0.005), (300.5, 0.1, 0.01, 0.1), (0.25, 1.0, 0.001, 0.6)]
-            {
+            for (at, gain, floor, most) in [
+                (1000.0, 0.1, 0.0, 0.005),
+                (777.37, -0.02, 0.0, 0.005),
+                (300.5, 0.1, 0.01, 0.1),
+                (0.25, 1.0, 0.001, 0.6),
+            ] {
                 let echo = find(&heard(at, gain, floor, rate), 1.0 / rate).unwrap();
                 assert!((echo.at - at).abs() < most * (rate / 48_000.0).max(1.0), "{rate}: {echo:?}, {at}");
-                assert!((echo.gain / gain - 1.0).abs() < 0.05 && echo.clarity > CLEAR, "{rate}: {echo:?}, {at}");
+                assert!(
+                    (echo.gain / gain - 1.0).abs() < 0.05 && echo.clarity > CLEAR,
+                    "{rate}: {echo:?}, {at}"
+                );
             }
         }
     }

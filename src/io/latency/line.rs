@@ -55,8 +55,15 @@ mod tests {
     #[test]
     fn it_is_when_they_should_have_come() {
         let frame = 1.0 / 48_010.0;
-        let late = |n: u32| if n % 7 == 0 { 0.0 } else { 1e-4 * f64::from(n * 7919 % 97) + if n % 50 == 3 { 4e-3 } else { 0.0 } };
-        let points: Vec<_> = (0..2000).map(|n| (f64::from(n) * 128.0, 2.0 + f64::from(n) * 128.0 * frame + late(n))).collect();
+        let late = |n: u32| {
+            if n % 7 == 0 {
+                0.0
+            } else {
+                1e-4 * f64::from(n * 7919 % 97) + if n % 50 == 3 { 4e-3 } else { 0.0 }
+            }
+        };
+        let points: Vec<_> =
+            (0..2000).map(|n| (f64::from(n) * 128.0, 2.0 + f64::from(n) * 128.0 * frame + late(n))).collect();
         let line = Line::beneath(&points).unwrap();
         assert!((line.slope() / frame - 1.0).abs() < 1e-9);
         assert!((line.at(10_000.0) - (2.0 + 10_000.0 * frame)).abs() < 1e-9);
