@@ -88,6 +88,7 @@ pub struct Callback {
     record: Option<HeapProd<f32>>,
     /// Samples that the recording owes.
     unrecorded: usize,
+    record_input: Option<HeapProd<f32>>,
     channels: usize,
     /// Plans that have followed the first.
     plan: u64,
@@ -115,6 +116,7 @@ impl Callback {
             board,
             record: None,
             unrecorded: 0,
+            record_input: None,
             channels,
             plan: 0,
             outdated: 0,
@@ -127,6 +129,12 @@ impl Callback {
     /// Everything that goes out, goes into `ring` as well. Callbacks for which there is no room are silence there, and counted.
     pub fn record(&mut self, ring: HeapProd<f32>) {
         self.record = Some(ring);
+    }
+
+    /// What the engine hears goes into `ring` as well, frames of [`Callback::input_channels`]: whole callbacks, or nothing of one for
+    /// which there is no room.
+    pub fn record_input(&mut self, ring: HeapProd<f32>) {
+        self.record_input = Some(ring);
     }
 
     /// Channels of an output frame.
@@ -156,6 +164,12 @@ impl Callback {
             self.take_cues();
         }
         self.stagehand.compute(input, output);
+        if let Some(ring) = &mut self.record_input {
+            let whole = ring.vacant_len() >= input.len();
+            let kept = if whole { ring.push_slice(input) } else { 0 };
+            let channels = self.stagehand.engine().input_channels().max(1);
+            self.board.input.unrecorded.add((input.len() - kept) as u64 / channels as u64);
+        }
         self.gate.pass(output, self.channels);
         self.frames += (output.len() / self.channels.max(1)) as u64;
         self.show(output);
