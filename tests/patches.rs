@@ -162,7 +162,7 @@ fn played(path: &Path) -> Result<Played, String> {
     fault(most < 0.2, format!("its peak is only {most}"));
     fault(seconds < 3.0, format!("it lasts only {seconds} s"));
     let channels = input.as_ref().map_or(&[][..], Input::channels);
-    let take = Take { events: player.recorded(), input: channels, seconds };
+    let take = Take { events: player.recorded(), moves: player.recorded_moves(), input: channels, seconds };
     let measured = take.measure(player.plan(), &take.reference(player.plan())).unwrap();
     fault(
         measured.comparison.error_db > MOST_ERROR,

@@ -124,6 +124,7 @@ impl Error {
         let input = loaded.input.clone();
         let take = Take {
             events: player.recorded(),
+            moves: player.recorded_moves(),
             input: input.as_ref().map_or(&[], |input| input.channels()),
             seconds,
         };
