@@ -9,30 +9,7 @@ mod bench;
 use std::fs;
 use std::time::Duration;
 
-use bench::{Bench, signal, wait};
-
-/// A tone on each of so many channels, each its own, with hard onsets between samples, for a second.
-fn scene(bench: &Bench, channels: u32) {
-    let mut patch = String::from(
-        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nvoices = 64\noutput = \"o\"\n[voice.v.nodes]\n\
-         s = { type = \"sine\", frequency = \"event.frequency\" }\ne = { type = \"envelope\", attack = 0.003, release = 0.02 }\n\
-         o = { type = \"multiply\", inputs = [\"s\", \"e\"] }\n[pattern.p]\nevents = [\n",
-    );
-    for channel in 1..=channels {
-        let at = 0.3 + 0.013_37 * f64::from(channel);
-        patch += &format!(
-            "  {{ at = {at}, voice = \"v\", level = 0.6, duration = 0.4, place = {channel}, frequency = {} }},\n",
-            60 + 20 * channel
-        );
-    }
-    patch += "]\n";
-    let mut rig = format!("format = \"pacinian-rig/1\"\n[device]\nchannels = {channels}\nrate = 48000\n");
-    for channel in 1..=channels {
-        rig += &format!("[[tactor]]\nname = \"c{channel}\"\nchannel = {channel}\n");
-    }
-    bench.write("patch.toml", &patch);
-    bench.write("rig.toml", &rig);
-}
+use bench::{Bench, scene, signal, wait};
 
 #[test]
 fn the_card_is_listed_with_what_it_offers() {
@@ -50,7 +27,7 @@ fn the_card_is_listed_with_what_it_offers() {
 #[test]
 fn twenty_four_channels_arrive_as_they_would_be_rendered() {
     let Some(bench) = Bench::new("exact") else { return };
-    scene(&bench, 24);
+    scene(&bench.folder, 24);
     let rendered =
         bench.run(&["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"]);
     assert!(rendered.status.success(), "{}", String::from_utf8_lossy(&rendered.stderr));
@@ -142,7 +119,7 @@ fn a_card_that_is_pulled_and_plugged_in_again_is_found_and_no_other() {
 #[test]
 fn what_a_card_does_not_offer_is_refused_with_what_it_does() {
     let Some(bench) = Bench::new("refused") else { return };
-    scene(&bench, 6);
+    scene(&bench.folder, 6);
     let of = |arguments: &[&str]| {
         let mut all = vec!["play", "patch.toml", "--rig", "rig.toml", "--duration", "1"];
         all.extend(arguments);
@@ -161,7 +138,7 @@ fn what_a_card_does_not_offer_is_refused_with_what_it_does() {
     );
     let (code, said) = of(&["--device", "card"]);
     assert!(code == Some(69) && said.contains("may be"), "{said}");
-    scene(&bench, 8);
+    scene(&bench.folder, 8);
     let (code, said) = of(&["--device", "card8", "--block", "60000"]);
     assert!(code == Some(69) && said.contains("blocks of 60000 frames are not offered"), "{said}");
     let (code, said) = of(&["--device", "card8", "--rate", "22050"]);
@@ -213,4 +190,37 @@ fn a_walk_that_is_stopped_ends_in_zeros() {
     assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
     let samples = bench.samples();
     assert!(samples[samples.len() - 8 * 100..].iter().all(|x| *x == 0.0));
+}
+
+#[test]
+fn a_card_that_comes_and_goes_a_hundred_times_is_played_on_each_time() {
+    let Some(bench) = Bench::new("hundred") else { return };
+    bench.write(
+        "hum.toml",
+        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"s\"\n[voice.v.nodes]\n\
+         s = { type = \"sine\", frequency = 100, amplitude = 0.5 }\n",
+    );
+    let child = bench.start(&["play", "hum.toml", "--device", "card8", "--block", "256"]);
+    let length = || fs::metadata(bench.played()).map_or(0, |about| about.len());
+    wait("sound", || length() > 8 * 4 * 4_800);
+    for _ in 0..100 {
+        fs::write(bench.gone(), "").unwrap();
+        // Until nothing comes any more.
+        wait("silence", || {
+            let before = length();
+            std::thread::sleep(Duration::from_millis(20));
+            length() == before
+        });
+        let silent = length();
+        fs::remove_file(bench.gone()).unwrap();
+        wait("the card's return", || length() > silent + 8 * 4 * 1_200);
+    }
+    signal(&child, "INT");
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    let times = (said.matches("the device is gone").count(), said.matches("the device is back").count());
+    assert_eq!(times, (100, 100));
+    let samples = bench.samples();
+    assert!(samples[samples.len() - 8 * 100..].iter().all(|x| *x == 0.0), "it ends in silence");
 }

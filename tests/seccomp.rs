@@ -105,6 +105,92 @@ fn perform(mut stagehand: Stagehand, task: &str, progress: &Progress) -> ! {
     }
 }
 
+/// Callbacks of a session under the filter, with events, orders and plans that another thread sends, until that says it is enough.
+#[cfg(feature = "live")]
+fn call_back(mut callback: pacinian::live::callback::Callback, progress: &Progress) -> ! {
+    let (input, mut output) = (vec![0.1_f32; FRAMES], vec![0.0_f32; FRAMES * CHANNELS]);
+    let allowed = forbid();
+    progress.state.store(if allowed { 1 } else { 2 }, Ordering::Release);
+    while allowed && progress.plans.load(Ordering::Acquire) < PLANS {
+        callback.process(&input, &mut output);
+        if progress.plans.load(Ordering::Acquire) == PLANS / 2 {
+            callback.relieve(pacinian::live::relief::Relieved::More);
+        }
+    }
+    if allowed {
+        progress.state.store(3, Ordering::Release);
+    }
+    loop {
+        std::hint::spin_loop();
+    }
+}
+
+/// The child's other thread, for a callback.
+#[cfg(feature = "live")]
+fn send_to_callback(plans: &[Plan; 2]) -> ! {
+    use pacinian::live::board::Board;
+    use pacinian::live::callback::{Callback, Cue};
+    use pacinian::live::gate::{Gate, Order};
+    use ringbuf::HeapRb;
+    use ringbuf::traits::{Consumer, Producer, Split};
+    use std::sync::Arc;
+
+    let (mut director, stagehand) = exchange(&plans[0]).unwrap();
+    let board = Arc::new(Board::new(CHANNELS));
+    let (mut callback, mut rings) = Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board));
+    let (record, mut recorded) = HeapRb::new(FRAMES * CHANNELS * 64).split();
+    callback.record(record);
+    let progress: &'static Progress = Box::leak(Box::default());
+    std::thread::spawn(move || call_back(callback, progress));
+    let (mut sent, mut event, mut heard) = (0_u32, 0_u32, 0_u64);
+    loop {
+        match progress.state.load(Ordering::Acquire) {
+            2 => std::process::exit(NO_FILTER),
+            3 => break,
+            _ => {}
+        }
+        let clock = board.clock.get();
+        for _ in 0..200 {
+            let at = Instant {
+                sample: clock + u64::from(event % 80),
+                fraction: event.wrapping_mul(2_654_435_761),
+            };
+            let what = match event % 10 {
+                0 => Event::Control(0, f64::from(event % 7) / 7.0),
+                1 => Event::Release(u64::from(event.wrapping_sub(1))),
+                _ => Event::Play(play(
+                    event % 2,
+                    event % 16,
+                    40.0 + f64::from(event % 300),
+                    0.003,
+                    u64::from(event),
+                )),
+            };
+            let taken =
+                rings.cues[(event % 2) as usize].try_push(Cue { plan: u64::from(sent), at, event: what });
+            event += u32::from(taken.is_ok());
+        }
+        let order = [Order::Open, Order::Gain(0.5), Order::Latch, Order::Release][(event % 4) as usize];
+        let _ = rings.orders.try_push(order);
+        recorded.clear();
+        while let Some(report) = rings.reports.try_pop() {
+            heard += 1;
+            std::hint::black_box(report);
+        }
+        if event % 64 < 8 {
+            board.panic();
+            board.calm();
+        }
+        if event > 1_000 * sent && director.send(&plans[(sent as usize + 1) % 2]).unwrap() {
+            sent += 1;
+            progress.plans.store(sent.saturating_sub(2), Ordering::Release);
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let well = heard > u64::from(event) / 2 && board.started.get() > u64::from(event) / 4;
+    std::process::exit(if well { DONE } else { 1 });
+}
+
 /// Not a test of its own: what the child does.
 #[test]
 fn child() {
@@ -113,6 +199,10 @@ fn child() {
         compiled(&busy(24, 8).replace("0.01,", time), CHANNELS as u32, 48_000.0).plan
     };
     let plans = [plan("0.01,"), plan("0.02,")];
+    #[cfg(feature = "live")]
+    if task == "callback" {
+        send_to_callback(&plans);
+    }
     let (mut director, stagehand) = exchange(&plans[0]).unwrap();
     // The audio thread goes on when this function ends.
     let progress: &'static Progress = Box::leak(Box::default());
@@ -151,6 +241,13 @@ fn run(task: &str) -> Option<ExitStatus> {
 #[test]
 fn events_and_plans_without_a_system_call() {
     let Some(status) = run("perform") else { return };
+    assert_eq!(status.code(), Some(DONE), "{status}");
+}
+
+#[cfg(feature = "live")]
+#[test]
+fn a_session_s_callback_without_a_system_call() {
+    let Some(status) = run("callback") else { return };
     assert_eq!(status.code(), Some(DONE), "{status}");
 }
 

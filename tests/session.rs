@@ -178,3 +178,86 @@ fn another_patch_takes_over_without_a_gap_or_a_jump() {
     assert!(steepest < 0.0066, "{steepest}");
     assert!(hum[9700..end].chunks(480).filter(|c| c.len() == 480).all(|c| c.iter().any(|x| x.abs() > 0.45)));
 }
+
+/// A hundred thousand messages as fast as they can be sent, by two threads, while patches are taken over: each is played or counted, and
+/// playing goes on.
+#[test]
+fn a_flood_of_midi_during_reloads_is_played_or_counted() {
+    use pacinian::engine::event::Event;
+    use pacinian::live::callback::Deed;
+    use pacinian::midi::{Channel, Message};
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    let keys = format!("{HUM}[[trigger]]\non = \"midi.note\"\nplay = \"tap\"\n");
+    let counts = Arc::new([const { AtomicU64::new(0) }; 4]);
+    let count = Arc::clone(&counts);
+    let mut session = Session::start(Beginning {
+        block: Some(64),
+        audience: Box::new(move |told| {
+            let which = match told {
+                Told::Came(_, Signal::Midi(_, Message::NoteOn { .. })) => 0,
+                Told::Report(
+                    pacinian::live::callback::Report {
+                        deed: Deed::Event { event: Event::Play(_), .. }, ..
+                    },
+                    _,
+                ) => 1,
+                Told::Refused(_) => 2,
+                Told::Reloaded => 3,
+                _ => return,
+            };
+            count[which].fetch_add(1, Ordering::Relaxed);
+        }),
+        ..Beginning::of(reload(&keys), Chosen::Virtual(None))
+    })
+    .unwrap();
+    wait("the first frames", || session.board().frames.get() > 4_800);
+    let before = session.board().frames.get();
+    let (taken, refused) = std::thread::scope(|scope| {
+        let flood = |port: u16| {
+            let handle = session.handle().clone();
+            move || {
+                let channel = Channel::new(0).unwrap();
+                let (mut taken, mut refused) = (0_u64, 0_u64);
+                for n in 0..50_000_u32 {
+                    // Every note ends, so that no more sound than there are keys.
+                    let note = (n / 2 % 128) as u8;
+                    let message = match n % 2 {
+                        0 => Message::NoteOn { channel, note, velocity: 100 },
+                        _ => Message::NoteOff { channel, note, velocity: 0 },
+                    };
+                    let on = u64::from(n % 2 == 0);
+                    match handle.send(Signal::Midi(port, message)) {
+                        Ok(()) => taken += on,
+                        Err(_) => refused += 1,
+                    }
+                    if n % 256 == 0 {
+                        std::thread::sleep(Duration::from_millis(2));
+                    }
+                }
+                (taken, refused)
+            }
+        };
+        let floods = [scope.spawn(flood(0)), scope.spawn(flood(1))];
+        for n in 0..4 {
+            let other = keys.replace("frequency = 100", &format!("frequency = {}", 101 + n));
+            while session.handle().send(Signal::Reload(Box::new(reload(&other)))).is_err() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        let [a, b] = floods.map(|flood| flood.join().unwrap());
+        (a.0 + b.0, a.1 + b.1)
+    });
+    assert!(session.board().frames.get() > before, "it goes on");
+    let of = |which: usize| counts[which].load(Ordering::Relaxed);
+    wait("all of it", || of(0) == taken && of(1) + of(2) + session.board().dropped.get() >= taken);
+    session.stop();
+    assert_eq!(of(0), taken, "what was taken came");
+    assert!(taken > 10_000 && of(1) > 1_000, "{taken} taken, {} played", of(1));
+    // Played, refused with a word, or counted; a note-off that found no room is refused, too.
+    assert!(of(1) + of(2) + session.board().dropped.get() >= taken);
+    assert!(session.board().refused.get() >= refused, "those that found no room");
+    assert!(of(3) >= 1, "a patch took over meanwhile");
+    assert_eq!(session.board().untold.get(), 0);
+}

@@ -53,7 +53,7 @@ pub struct Play {
     /// played on, at another rate [default: what the rig says, else silence]
     #[arg(long, value_name = "NAME", conflicts_with = "input")]
     input_device: Option<String>,
-    /// Frames in a block [default: as the card likes]
+    /// Frames in a block [default: 256, or as near as the card can]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
     block: Option<u32>,
     /// Full level on a device that nobody has named

@@ -50,6 +50,14 @@ impl<R: Real> Ramp<R> {
         }
     }
 
+    /// Sends it there within so many samples, 1 at least. What is no number is ignored.
+    pub fn glide(&mut self, value: f64, samples: f64, at: Instant) {
+        if !samples.is_nan() {
+            self.send(value, at);
+            self.samples = samples.max(1.0);
+        }
+    }
+
     /// Goes on as `other`, within its own range, and takes its own time to the next value.
     pub fn follow(&mut self, other: &Self) {
         (self.from, self.since) = (other.from, other.since);
@@ -106,6 +114,21 @@ mod tests {
         assert_eq!(ramp.to, 2.0);
         ramp.send(f64::NAN, Instant::of_samples(41.0));
         assert_eq!(ramp.to, 2.0);
+    }
+
+    #[test]
+    fn it_glides_as_long_as_it_is_told_and_then_takes_its_own_time() {
+        let mut ramp = Ramp::<f64>::new(0.0, 0.0, 2.0, 4.0);
+        let mut signal = Buffer::silent();
+        ramp.glide(1.0, 20.0, Instant::default());
+        ramp.glide(f64::NAN, 20.0, Instant::default());
+        ramp.glide(0.5, f64::NAN, Instant::default());
+        ramp.fill(&mut signal, 60, 0);
+        // A voice's clock lags by two samples.
+        assert!((signal.at(12)[0] - 0.5).abs() < 1e-12 && signal.at(22)[0] == 1.0);
+        ramp.send(2.0, Instant::of_samples(60.0));
+        ramp.fill(&mut signal, 60, 60);
+        assert!((signal.at(4)[0] - 1.5).abs() < 1e-12 && signal.at(6)[0] == 2.0);
     }
 
     #[test]

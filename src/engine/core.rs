@@ -295,7 +295,7 @@ impl<R: Real> Core<R> {
         self.queue.edit(|event| {
             let kept = match event {
                 Event::Play(play) => instrument(play.instrument).map(|i| play.instrument = i),
-                Event::Control(of, _) => control(*of).map(|c| *of = c),
+                Event::Control(of, _) | Event::Glide(of, ..) => control(*of).map(|c| *of = c),
                 Event::Release(_)
                 | Event::ReleaseAll
                 | Event::Touch(..)
@@ -363,6 +363,11 @@ impl<R: Real> Core<R> {
             Event::Release(id) => self.release_all(Some(id), at),
             Event::ReleaseAll => self.release_all(None, at),
             Event::Touch(to) => self.banks.iter_mut().for_each(|bank| bank.touch(to, at)),
+            Event::Glide(index, value, seconds) => {
+                if let Some(ramp) = self.controls.get_mut(index as usize) {
+                    ramp.glide(value, seconds * self.rate, at);
+                }
+            }
             Event::Control(index, value) => {
                 if let Some(ramp) = self.controls.get_mut(index as usize) {
                     ramp.send(value, at);

@@ -50,6 +50,8 @@ pub enum Event {
     Touch(Move),
     /// Move a control, by its place in the plan, to a value.
     Control(u32, f64),
+    /// Move a control, by its place in the plan, to a value within so many seconds, whatever its smoothing is.
+    Glide(u32, f64, f64),
     /// Release everything.
     ReleaseAll,
     /// Put a pulse on the trigger outputs that listen to this marker, by its place in

@@ -71,6 +71,7 @@ fn input() -> Result<MidiInput, String> {
                 .into(),
         );
     }
+    crate::io::device::hush::hush();
     MidiInput::new("pacinian").map_err(|error| error.to_string())
 }
 

@@ -169,6 +169,7 @@ impl Session {
             (back, inputs)
         });
         let epoch = Epoch::begin();
+        let block = block.or_else(|| device.usual_block());
         let expected = block.map_or(BLOCK, |block| block as usize);
         let (mut driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
         let mut listening = None;

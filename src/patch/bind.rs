@@ -181,6 +181,7 @@ mod tests {
             unit: String::new(),
             curve,
             smoothing: 0.0,
+            stream: 0.0,
             span: 0..0,
         };
         let bind = |range, curve| Bind {

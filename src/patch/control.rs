@@ -19,6 +19,9 @@ pub struct Control {
     pub curve: Curve,
     /// Seconds in which it goes, in a straight line, to each new value.
     pub smoothing: f64,
+    /// For one that a sensor moves, many times a second: seconds by which it is later than what comes, so that it goes in straight lines
+    /// from one value to the next, whenever they arrive. 0 for one that goes to each new value by `smoothing`.
+    pub stream: f64,
     /// Where it stands.
     pub span: Span,
 }
@@ -51,6 +54,13 @@ pub static TABLE: Table = Table {
             Form::number(0.01, 0.0, 10.0),
             "s",
             "How long it takes to each new value, in a straight line.",
+        ),
+        Field::new(
+            "stream",
+            Form::number(0.0, 0.0, 1.0),
+            "s",
+            "For one that a sensor, a tracker or a mouse moves: how much later than what comes it is, so that it goes in straight lines \
+             from value to value; longer than the longest pause between two. 0 for a control that goes to each new value by itself.",
         ),
     ],
     others: None,
@@ -99,6 +109,7 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Control {
         unit: reader.text("unit").unwrap_or("").into(),
         curve,
         smoothing: reader.number_or_default("smoothing"),
+        stream: reader.number_or_default("stream"),
         span: reader.span.clone(),
     }
 }

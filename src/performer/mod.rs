@@ -10,6 +10,7 @@ mod outlet;
 mod patterns;
 mod pickup;
 mod run;
+mod stream;
 mod succession;
 mod touch;
 mod when;
@@ -33,6 +34,7 @@ pub use note::Note;
 pub use outlet::Outlet;
 use pickup::Pickup;
 use run::Run;
+use stream::Stream;
 pub use touch::Touch;
 pub use when::When;
 
@@ -66,6 +68,8 @@ pub struct Performer {
     pickups: Vec<Pickup>,
     /// Where each control of the patch was sent last.
     targets: Vec<f64>,
+    /// Of those that are streams.
+    streams: Vec<Option<Stream>>,
     record: Option<Vec<(f64, Play)>>,
     moves: Option<Vec<(f64, Move)>>,
     listener: Option<Listener>,
@@ -106,6 +110,8 @@ impl Performer {
         let finder = Arc::new(Finder::new(&rig));
         let hears = touch::heard(&plan);
         let targets = patch.controls.iter().map(|control| control.default).collect();
+        let stream = |seconds: f64| (seconds > 0.0).then(|| Stream::new(seconds));
+        let streams = patch.controls.iter().map(|control| stream(control.stream)).collect();
         let pickups = vec![Pickup::default(); patch.binds.len()];
         Self {
             plan,
@@ -127,6 +133,7 @@ impl Performer {
             song: VecDeque::new(),
             pickups,
             targets,
+            streams,
             record: None,
             moves: None,
             listener: None,
@@ -308,11 +315,18 @@ impl Performer {
             let what = format!("control `{control}` cannot be set to {value}");
             return Err(Problem::of_file(what).help("give a finite number".to_string()));
         }
-        let event = Event::Control(index, value);
+        let number = self.patch.controls.iter().position(|c| c.name == control);
+        let (at, event) = match number.and_then(|number| self.streams.get_mut(number)?.as_mut()) {
+            Some(stream) => {
+                let glide = stream.take(at.seconds);
+                (self.when(glide.begin), Event::Glide(index, value, glide.seconds))
+            }
+            None => (at, Event::Control(index, value)),
+        };
         if !self.order(at, event, None, Happening::Control(control, value), outlet) {
             return Err(full());
         }
-        if let Some(number) = self.patch.controls.iter().position(|c| c.name == control)
+        if let Some(number) = number
             && let (Some(target), Some(control)) =
                 (self.targets.get_mut(number), self.patch.controls.get(number))
         {

@@ -41,6 +41,14 @@ impl Performer {
                 *target = value.clamp(control.range[0], control.range[1]);
             }
         }
+        for (control, stream) in self.patch.controls.iter().zip(&mut self.streams) {
+            let before = old.controls.iter().position(|c| c.name == control.name);
+            if let (Some(stream), Some(Some(before))) =
+                (stream, before.and_then(|number| new.streams.get(number)))
+            {
+                stream.go_on(before);
+            }
+        }
         (self.record, self.moves, self.listener) = (new.record.take(), new.moves.take(), new.listener.take());
         (self.length, self.cut) = (new.length, new.cut);
         if began {

@@ -114,3 +114,26 @@ pub fn signal(child: &Child, name: &str) {
     let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
     assert!(sent.success());
 }
+
+/// A tone on each of so many channels, each its own, with hard onsets between samples, for a second.
+pub fn scene(folder: &Path, channels: u32) {
+    let mut patch = String::from(
+        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nvoices = 64\noutput = \"o\"\n[voice.v.nodes]\n\
+         s = { type = \"sine\", frequency = \"event.frequency\" }\ne = { type = \"envelope\", attack = 0.003, release = 0.02 }\n\
+         o = { type = \"multiply\", inputs = [\"s\", \"e\"] }\n[pattern.p]\nevents = [\n",
+    );
+    for channel in 1..=channels {
+        let at = 0.3 + 0.013_37 * f64::from(channel);
+        patch += &format!(
+            "  {{ at = {at}, voice = \"v\", level = 0.6, duration = 0.4, place = {channel}, frequency = {} }},\n",
+            60 + 20 * channel
+        );
+    }
+    patch += "]\n";
+    let mut rig = format!("format = \"pacinian-rig/1\"\n[device]\nchannels = {channels}\nrate = 48000\n");
+    for channel in 1..=channels {
+        rig += &format!("[[tactor]]\nname = \"c{channel}\"\nchannel = {channel}\n");
+    }
+    fs::write(folder.join("patch.toml"), patch).unwrap();
+    fs::write(folder.join("rig.toml"), rig).unwrap();
+}

@@ -500,6 +500,7 @@ fn a_patch_made_in_code_is_checked_too() {
             unit: String::new(),
             curve: Curve::Linear,
             smoothing: 0.0,
+            stream: 0.0,
             span: 0..0
         };
         2

@@ -34,6 +34,15 @@ impl Chosen {
         }
     }
 
+    /// Frames of a block where nobody says otherwise; `None`: as it likes, where it does not say what it can.
+    pub fn usual_block(&self) -> Option<u32> {
+        let Self::Card(_, Found { output: Some(Offer { blocks: Some((least, most)), .. }), .. }) = self
+        else {
+            return None;
+        };
+        Some(USUAL_BLOCK.min(*most).max(*least))
+    }
+
     /// The rate it plays at, if `wanted` is asked for, or nothing: 48 kHz where it has that.
     pub fn rate(&self, wanted: Option<u32>) -> u32 {
         let usual = 48_000;
@@ -46,6 +55,9 @@ impl Chosen {
         }
     }
 }
+
+/// Frames of a block where nobody says otherwise: a system's own choice may be a second long.
+const USUAL_BLOCK: u32 = 256;
 
 /// What the virtual card is called on the command line and in a rig.
 pub const VIRTUAL: &str = "virtual";
@@ -96,13 +108,10 @@ pub fn again(id: &str) -> Result<(Device, Found), DeviceError> {
 }
 
 fn by_id(id: &str, fits: impl Fn(&Found) -> bool) -> Result<(Device, Found), DeviceError> {
-    for (_, host) in list::hosts() {
-        let all = host.and_then(|host| list::devices(&host).ok()).unwrap_or_default();
-        if let Some(found) = all.into_iter().find(|(_, found)| found.id == id && fits(found)) {
-            return Ok(found);
-        }
-    }
-    Err(DeviceError::new(Trouble::Missing, format!("{id} is not there")))
+    let found = list::hosts().into_iter().find_map(|(_, host)| list::device(&host?, id));
+    found
+        .filter(|(_, found)| fits(found))
+        .ok_or_else(|| DeviceError::new(Trouble::Missing, format!("{id} is not there")))
 }
 
 /// What the system's default for recording is called on the command line and in a rig.

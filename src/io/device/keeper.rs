@@ -39,8 +39,12 @@ const MISSED: f64 = 12.0;
 /// So long after it was opened, callbacks may take to begin.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// How often it is looked for while it is away, and how often the watchdog looks.
+/// How often it is looked for while it is away: soon at first, later not so often.
 const SEARCH: Duration = Duration::from_millis(100);
+const SEARCH_LATER: Duration = Duration::from_secs(1);
+const SOON: Duration = Duration::from_secs(5);
+
+/// How often the watchdog looks.
 const WATCH: Duration = Duration::from_millis(20);
 
 /// So long a device may take to let go of a stream.
@@ -151,11 +155,15 @@ impl Keeping {
 
     fn keep(mut self, asked: &Receiver<()>) {
         let (mut seen, mut since, mut searched) = (0, Instant::now() + PATIENCE, Instant::now());
+        let mut lost = Instant::now();
         while asked.recv_timeout(WATCH) == Err(RecvTimeoutError::Timeout) {
             let now = Instant::now();
             let frames = self.board.frames.get();
             if frames != seen {
                 (seen, since) = (frames, now);
+            }
+            if self.present {
+                lost = now;
             }
             while let Ok(news) = self.news.try_recv() {
                 match news {
@@ -171,7 +179,8 @@ impl Keeping {
             if self.present && self.id.is_some() && now.saturating_duration_since(since) > silent {
                 self.lose("it does not ask for anything any more".into());
             }
-            if !self.present && now.duration_since(searched) >= SEARCH {
+            let pause = if now.saturating_duration_since(lost) < SOON { SEARCH } else { SEARCH_LATER };
+            if !self.present && now.duration_since(searched) >= pause {
                 searched = now;
                 if self.find() {
                     since = Instant::now() + PATIENCE;

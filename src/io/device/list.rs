@@ -4,6 +4,7 @@ use cpal::traits::{DeviceTrait, HostTrait};
 use cpal::{Device, Host, SupportedBufferSize, SupportedStreamConfigRange};
 
 use super::failure::{DeviceError, Trouble};
+use super::hush::hush;
 use crate::text::nearest::nearest;
 
 /// A device that there is.
@@ -72,21 +73,34 @@ pub fn hosts() -> Vec<(String, Option<Host>)> {
 /// # Errors
 /// A host that does not answer.
 pub fn devices(host: &Host) -> Result<Vec<(Device, Found)>, DeviceError> {
-    let id = |device: &Device| device.id().map_or_else(|_| device.to_string(), |id| id.to_string());
-    let default = host.default_output_device().as_ref().map(id);
+    hush();
+    let default = host.default_output_device().as_ref().map(self::id);
     let all = host.devices().map_err(|error| DeviceError::of("the sound system", &error))?;
-    let found = all.map(|device| {
-        let id = id(&device);
-        let found = Found {
-            name: device.to_string(),
-            default: default.as_ref() == Some(&id),
-            output: device.supported_output_configs().ok().and_then(Offer::of),
-            input: device.supported_input_configs().ok().and_then(Offer::of),
-            id,
-        };
-        (device, found)
-    });
-    Ok(found.collect())
+    Ok(all.map(|device| look(device, default.as_deref())).collect())
+}
+
+/// The device of a host that has this id, if it is there; no other is looked at.
+pub fn device(host: &Host, id: &str) -> Option<(Device, Found)> {
+    hush();
+    let device = host.device_by_id(&id.parse().ok()?)?;
+    let (device, found) = look(device, None);
+    (found.id == id).then_some((device, found))
+}
+
+fn id(device: &Device) -> String {
+    device.id().map_or_else(|_| device.to_string(), |id| id.to_string())
+}
+
+fn look(device: Device, default: Option<&str>) -> (Device, Found) {
+    let id = id(&device);
+    let found = Found {
+        name: device.to_string(),
+        default: default == Some(id.as_str()),
+        output: device.supported_output_configs().ok().and_then(Offer::of),
+        input: device.supported_input_configs().ok().and_then(Offer::of),
+        id,
+    };
+    (device, found)
 }
 
 /// The id of the device that the system records from where nobody says anything.

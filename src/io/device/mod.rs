@@ -4,6 +4,7 @@ pub mod capture;
 pub mod card;
 pub mod choose;
 pub mod failure;
+pub(crate) mod hush;
 pub mod keeper;
 pub mod list;
 pub mod listening;

@@ -121,7 +121,7 @@ pub struct Line {
     /// 1 for a full voice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
-    /// Seconds until the release of a voice; `None` for one that is held.
+    /// Seconds until the release of a voice, `None` for one that is held; seconds in which a control goes there, `None` for its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration: Option<f64>,
     /// The voice's own fields, or counters.

@@ -57,6 +57,10 @@ impl Names {
                 value: Some(*value),
                 ..Line::new(Kind::Touch)
             },
+            Event::Glide(control, value, seconds) => {
+                let (name, duration) = (named(&self.controls, *control), Some(*seconds));
+                Line { name, value: Some(*value), duration, ..Line::new(Kind::Control) }
+            }
             Event::Control(control, value) => {
                 let name = named(&self.controls, *control);
                 Line { name, value: Some(*value), ..Line::new(Kind::Control) }

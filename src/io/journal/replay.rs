@@ -257,7 +257,9 @@ impl<R: BufRead> Replay<R> {
             Kind::Control => {
                 let control = self.names.plan.control(name).map_err(|problem| problem.to_string())?;
                 let value = line.value.filter(|value| value.is_finite());
-                Event::Control(control, value.ok_or("a control must have a value")?)
+                let value = value.ok_or("a control must have a value")?;
+                line.duration
+                    .map_or(Event::Control(control, value), |seconds| Event::Glide(control, value, seconds))
             }
             // Tasks are a program's own; none is here that could rest.
             Kind::Shed => Event::Shed(line.value.unwrap_or(f64::from(u8::MAX)) as u8),

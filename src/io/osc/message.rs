@@ -46,8 +46,6 @@ pub enum Ask {
     Ping,
     /// For the patch's triggers.
     Trigger(String, Vec<f64>),
-    /// Feed an input stream.
-    Input(String),
     /// A button was let go: nothing.
     Nothing,
 }
@@ -107,7 +105,6 @@ pub fn ask(method: &Method, args: &[OscType]) -> Result<Ask, Wrong> {
         Method::Trigger(address) => {
             Ask::Trigger(address.clone(), args.iter().map(finite).collect::<Result<_, _>>()?)
         }
-        Method::Input(name) => Ask::Input(name.clone()),
     })
 }
 

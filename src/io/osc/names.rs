@@ -39,8 +39,6 @@ pub enum Method {
     Status,
     /// Answers.
     Ping,
-    /// An input stream: reserved.
-    Input(String),
     /// Is for the patch's triggers.
     Trigger(String),
 }
@@ -53,9 +51,6 @@ pub struct Names {
     /// The patch's controls.
     pub controls: Vec<Control>,
 }
-
-/// Where input streams are.
-const INPUT: &str = "/input/";
 
 impl Names {
     /// Of a patch. Where two things would share an address, the first has it: pacinian's own, then voices, patterns, controls, triggers.
@@ -87,6 +82,9 @@ impl Names {
         for (number, control) in patch.controls.iter().enumerate() {
             names.add(format!("/control/{}", control.name), Method::Set(number));
             names.add(format!("/control/{}/get", control.name), Method::Get(number));
+            if control.stream > 0.0 {
+                names.add(format!("/input/{}", control.name), Method::Set(number));
+            }
         }
         for trigger in &patch.triggers {
             if let Source::Osc(address) = &trigger.on {
@@ -113,9 +111,6 @@ impl Names {
         }
         if address.len() > LONGEST {
             return Err(NoPattern);
-        }
-        if let Some(name) = address.strip_prefix(INPUT).filter(|name| !name.is_empty()) {
-            return Ok(vec![Method::Input(name.into())]);
         }
         if !address.contains(['?', '*', '[', ']', '{', '}']) {
             return Ok(Vec::new());
@@ -153,7 +148,8 @@ mod tests {
         assert_eq!(find("/hit/left"), [Method::Trigger("/hit/left".into())]);
         // A trigger cannot take what is pacinian's own.
         assert_eq!(find("/ping"), [Method::Ping]);
-        assert_eq!(find("/input/mouse"), [Method::Input("mouse".into())]);
+        // Of controls, those that are streams have that address, too.
+        assert_eq!((find("/input/depth"), find("/input/tempo")), (vec![], vec![Method::Set(1)]));
         for nothing in
             ["/", "/voice", "/voice/none/play", "/voice/low/play/", "/nothing*", "/input/", "voice"]
         {

@@ -332,10 +332,6 @@ impl Listener {
             Ask::Status => self.status(from),
             Ask::Ping => self.answer(from, "/pong", vec![]),
             Ask::Trigger(address, numbers) => drop(self.send(at, Signal::Osc(address, numbers))),
-            Ask::Input(name) => {
-                let address = OscType::String(format!("/input/{name}"));
-                self.answer(from, "/error", vec![address, "not yet: no node reads input streams".into()]);
-            }
             Ask::Nothing => {}
         }
     }

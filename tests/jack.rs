@@ -1,0 +1,237 @@
+//! Playing through a real sound server to a second program: JACK with its dummy driver, reached through ALSA's plug-in for it, and a
+//! recorder of our own.
+//!
+//! It needs jackd, a C compiler with JACK's headers, and ALSA's plug-ins (on Debian jackd2, libjack-jackd2-dev, libasound2-plugins). Where
+//! one is missing, a test says that it was skipped, and why.
+#![cfg(target_os = "linux")]
+
+#[path = "common/bench.rs"]
+mod bench;
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use bench::{scene, signal, wait};
+
+const CHANNELS: u32 = 24;
+
+/// A server, and a folder of a test's own.
+struct Rig {
+    folder: PathBuf,
+    server: String,
+    jackd: Option<Child>,
+}
+
+impl Rig {
+    fn new(name: &str) -> Option<Self> {
+        let folder = std::env::temp_dir().join(format!("pacinian-jack-{}-{name}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let plugin = ["/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib64", "/usr/lib"]
+            .iter()
+            .any(|lib| Path::new(lib).join("alsa-lib/libasound_module_pcm_jack.so").exists());
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/devices/jackrec.c");
+        let built = Command::new("cc")
+            .arg("-O2")
+            .arg(source)
+            .args(["-ljack", "-o"])
+            .arg(folder.join("jackrec"))
+            .output();
+        let there = Command::new("jackd").arg("--version").output();
+        let why = match (plugin, built, there) {
+            (false, ..) => Some("there is no ALSA plug-in for JACK".to_string()),
+            (_, Ok(built), _) if !built.status.success() => Some("JACK's headers are not there".into()),
+            (_, Err(error), _) | (.., Err(error)) => Some(error.to_string()),
+            _ => None,
+        };
+        if let Some(why) = why {
+            println!("skipped: {why}");
+            return None;
+        }
+        let ports: Vec<String> = (0..CHANNELS).map(|n| format!("{n} system:playback_{}", n + 1)).collect();
+        let card = format!(
+            "pcm.jackcard {{ type jack playback_ports {{ {} }} capture_ports {{ }} hint {{ show on description \"Jack card\" }} }}\n",
+            ports.join(" ")
+        );
+        fs::write(folder.join("asound.conf"), card).unwrap();
+        let server = format!("pt{}{name}", std::process::id());
+        let mut rig = Self { folder, server, jackd: None };
+        rig.start();
+        Some(rig)
+    }
+
+    fn start(&mut self) {
+        let words = ["-r", "-d", "dummy", "-r", "48000", "-p", "1024", "-C", "0", "-P", "24", "-m"];
+        let mut jackd = Command::new("jackd");
+        jackd.args(["-n", &self.server]).args(words).env("JACK_NO_AUDIO_RESERVATION", "1");
+        self.jackd =
+            Some(jackd.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap());
+        wait("the server", || {
+            let ports = self.command("jack_lsp").output();
+            ports.is_ok_and(|ports| String::from_utf8_lossy(&ports.stdout).contains("system:monitor_24"))
+        });
+    }
+
+    /// It does not come to its senses before it dies.
+    fn kill(&mut self) {
+        if let Some(mut jackd) = self.jackd.take() {
+            jackd.kill().unwrap();
+            jackd.wait().unwrap();
+        }
+    }
+
+    fn command(&self, program: impl AsRef<std::ffi::OsStr>) -> Command {
+        let mut command = Command::new(program);
+        let config = format!("/usr/share/alsa/alsa.conf:{}", self.folder.join("asound.conf").display());
+        command
+            .env("JACK_DEFAULT_SERVER", &self.server)
+            .env("JACK_NO_START_SERVER", "1")
+            .env("ALSA_CONFIG_PATH", config)
+            .current_dir(&self.folder)
+            .stdin(Stdio::null());
+        command
+    }
+
+    fn program(&self, arguments: &[&str]) -> Command {
+        let mut command = self.command(env!("CARGO_BIN_EXE_pacinian"));
+        command.args(arguments);
+        command
+    }
+
+    /// A second program that records what comes out; it listens when this returns.
+    fn record(&self) -> Recorder {
+        let mut command = self.command(self.folder.join("jackrec"));
+        let file = self.folder.join("heard.raw");
+        command.args(["system:monitor_", &CHANNELS.to_string(), "60"]).arg(&file).stdout(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let mut words = BufReader::new(child.stdout.take().unwrap());
+        let mut line = String::new();
+        words.read_line(&mut line).unwrap();
+        assert_eq!(line, "listening\n");
+        Recorder { child, words, file }
+    }
+}
+
+impl Drop for Rig {
+    fn drop(&mut self) {
+        self.kill();
+        let _ = fs::remove_dir_all(&self.folder);
+        // What a killed server leaves.
+        for entry in fs::read_dir("/dev/shm").into_iter().flatten().flatten() {
+            if entry.file_name().to_string_lossy().contains(&self.server) {
+                let _ = fs::remove_file(entry.path()).or_else(|_| fs::remove_dir_all(entry.path()));
+            }
+        }
+    }
+}
+
+struct Recorder {
+    child: Child,
+    words: BufReader<std::process::ChildStdout>,
+    file: PathBuf,
+}
+
+impl Recorder {
+    /// What was heard, interleaved, and gaps of the server meanwhile.
+    fn finish(mut self) -> (Vec<f32>, u32) {
+        signal(&self.child, "TERM");
+        let mut said = String::new();
+        self.words.read_to_string(&mut said).unwrap();
+        self.child.wait().unwrap();
+        let bytes = fs::read(&self.file).unwrap();
+        let frames = bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        (frames, said.split(' ').next().and_then(|n| n.parse().ok()).unwrap_or(0))
+    }
+}
+
+#[test]
+fn a_second_program_hears_every_channel_to_the_bit() {
+    let Some(rig) = Rig::new("bits") else { return };
+    scene(&rig.folder, CHANNELS);
+    let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
+    assert!(rig.program(&render).output().unwrap().status.success());
+    let wav = fs::read(rig.folder.join("offline.wav")).unwrap();
+    let data = wav.windows(4).position(|w| w == b"data").unwrap() + 8;
+    let offline: Vec<f32> =
+        wav[data..].chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    let channels = CHANNELS as usize;
+    // Behind the ramp of the beginning, in which nothing sounds yet.
+    let (begin, end) = (channels * 9_600, offline.len().min(channels * 57_000));
+    let first = (begin..end).step_by(channels).find(|at| offline[*at] != 0.0).unwrap();
+    // This machine may stop for a moment, and the server drops a block; then it is tried again.
+    for attempt in 0..5 {
+        let recorder = rig.record();
+        let play = [
+            "play",
+            "patch.toml",
+            "--rig",
+            "rig.toml",
+            "--device",
+            "jackcard",
+            "--block",
+            "1024",
+            "--duration",
+            "2",
+        ];
+        let played = rig.program(&play).output().unwrap();
+        let said =
+            String::from_utf8_lossy(&played.stdout).into_owned() + &String::from_utf8_lossy(&played.stderr);
+        let (heard, gaps) = recorder.finish();
+        assert!(played.status.success(), "{said}");
+        let at = heard.iter().step_by(channels).position(|x| *x != 0.0).map(|frame| frame * channels);
+        // A delay of whole frames, the same for all.
+        let same = at.is_some_and(|at| {
+            let from = (at + begin).checked_sub(first);
+            let part = from.and_then(|from| heard.get(from..from + (end - begin)));
+            part.is_some_and(|part| {
+                part.iter().zip(&offline[begin..end]).all(|(a, b)| a.to_bits() == b.to_bits())
+            })
+        });
+        if same {
+            return;
+        }
+        assert!(
+            (gaps > 0 || !said.contains(" 0 xruns")) && attempt < 4,
+            "other samples without a gap: {said}"
+        );
+    }
+}
+
+#[test]
+fn a_server_that_is_killed_is_waited_for() {
+    let Some(mut rig) = Rig::new("killed") else { return };
+    scene(&rig.folder, CHANNELS);
+    let hum = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"s\"\n[voice.v.nodes]\n\
+               s = { type = \"sine\", frequency = 100, amplitude = 0.5 }\n";
+    fs::write(rig.folder.join("hum.toml"), hum).unwrap();
+    let play = ["play", "hum.toml", "--rig", "rig.toml", "--device", "jackcard", "--block", "1024"];
+    let mut play = rig.program(&play);
+    // JACK's library says much to itself; a pipe that nobody reads would make it wait.
+    let told = fs::File::create(rig.folder.join("told")).unwrap();
+    let mut child = play.stdout(Stdio::null()).stderr(told).spawn().unwrap();
+    for _ in 0..2 {
+        std::thread::sleep(Duration::from_millis(800));
+        rig.kill();
+        std::thread::sleep(Duration::from_millis(800));
+        rig.start();
+        // It is looked for at least once a second.
+        let connected = || {
+            let ports = rig.command("jack_lsp").arg("-c").output().unwrap();
+            String::from_utf8_lossy(&ports.stdout).contains("out_000")
+        };
+        wait("its return", connected);
+        assert!(child.try_wait().unwrap().is_none(), "it goes on");
+    }
+    let recorder = rig.record();
+    std::thread::sleep(Duration::from_millis(800));
+    let (heard, _) = recorder.finish();
+    signal(&child, "INT");
+    let status = child.wait().unwrap();
+    let said = String::from_utf8_lossy(&fs::read(rig.folder.join("told")).unwrap()).into_owned();
+    assert_eq!(status.code(), Some(130), "{said}");
+    assert_eq!(said.matches("the device is back").count(), 2, "{said}");
+    let hum = heard.iter().step_by(CHANNELS as usize);
+    assert!(hum.clone().any(|x| x.abs() > 0.45) && hum.clone().all(|x| x.abs() <= 0.5001), "it sounds again");
+}
