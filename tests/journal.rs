@@ -10,7 +10,7 @@ use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::journal::reader::{Item, Reader};
 use pacinian::io::journal::replay::{Met, Replay};
-use pacinian::io::journal::{Journal, Kind, Line, Setting, of_bytes};
+use pacinian::io::journal::{COLUMNS, Journal, Kind, Line, Setting, of_bytes};
 use pacinian::io::recorder::Recorder;
 use pacinian::io::session::{Beginning, Session};
 use pacinian::io::wav::{Encoding, WavReader, WavSpec};
@@ -113,6 +113,7 @@ fn play(journal_path: &Path, recording: &Path) {
         block: Some(64),
         armed: true,
         record: true,
+        tasks: Vec::new(),
         song: None,
         listener: Some(Box::new(move |event| hears.hear(event))),
         audience: Box::new(move |told| is_told.told(&told)),
@@ -266,6 +267,7 @@ fn short(name: &str) -> String {
         block: Some(64),
         armed: true,
         record: false,
+        tasks: Vec::new(),
         song: None,
         listener: None,
         audience: Box::new(move |told| is_told.told(&told)),
@@ -341,5 +343,16 @@ fn bytes_of_any_kind_are_no_reason_to_panic() {
         }
         let mut reader = Reader::new(Cursor::new(&bytes), "s");
         while let Ok(Some(_)) = reader.read() {}
+    }
+}
+
+#[test]
+fn the_document_explains_every_column_and_kind() {
+    let text = include_str!("../docs/journal.md");
+    for word in COLUMNS.iter().filter(|column| **column != "kind") {
+        assert!(text.contains(&format!("`{word}`")), "{word}");
+    }
+    for kind in Kind::ALL {
+        assert!(text.contains(&format!("`{}`", kind.word())), "{kind:?}");
     }
 }

@@ -59,6 +59,7 @@ impl Stage {
             armed: true,
             song: None,
             record: false,
+            tasks: Vec::new(),
             listener: None,
             audience: Box::new(move |told| {
                 if let Told::Refused(_) = told {

@@ -59,6 +59,7 @@ fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
         block: Some(64),
         armed: true,
         record: true,
+        tasks: Vec::new(),
         song: None,
         listener: None,
         audience: Box::new(audience),

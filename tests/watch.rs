@@ -2,6 +2,8 @@
 #![cfg(feature = "cli")]
 
 mod program;
+#[cfg(target_os = "linux")]
+mod seat;
 
 use std::fs;
 use std::io::Read;
@@ -139,7 +141,34 @@ fn what_hears_from_outside_follows() {
     }
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn the_screen_shows_what_is_wrong_until_it_is_mended() {
+    let scratch = Scratch::new("watch-screen");
+    let patch = scratch.write("p.toml", PATCH);
+    let command = scratch.command(&["play", "p.toml", "--device", "virtual", "--watch"]);
+    let Some(mut seat) = seat::Seat::new(&command) else { return };
+    seat.see("1 ▶ walk");
+    fs::write(&patch, PATCH.replace("\"sine\"", "\"sinus\"")).unwrap();
+    let line = "THE OLD ONE PLAYS ON  p.toml:9: node `s` of voice `hum`: there is no node type \"sinus\" (and 1 more)";
+    assert!(seat.see(line).lines().nth(1).unwrap().contains(line), "{}", seat.contents());
+    let mended = PATCH.replace("first", "second").replace("walk", "run").replace("tap", "knock");
+    fs::write(&patch, &mended).unwrap();
+    // The pattern is another, so it plays no more; its key is there.
+    let shown = seat.see("1 run");
+    assert!(!shown.contains("THE OLD ONE"), "{shown}");
+    assert!(shown.lines().next().unwrap().contains("second  on virtual card"), "{shown}");
+    fs::write(&patch, mended.replace("format", "fromat")).unwrap();
+    seat.see("THE OLD ONE PLAYS ON  p.toml:1: ");
+    seat.press("q");
+    assert_eq!(seat.end(), Some(0));
+    // What is still wrong is told in full.
+    let shown = seat.contents();
+    assert!(shown.contains("what was saved last was not played:") && shown.contains("[p.toml:1:"), "{shown}");
+}
+
 /// The journal of a session whose patch was saved anew plays it again to the bit.
+#[cfg(unix)]
 #[test]
 fn a_journal_knows_what_took_over() {
     let scratch = Scratch::new("watch-journal");
@@ -294,6 +323,7 @@ fn nothing_jumps_while_files_are_saved() {
         block: Some(64),
         armed: true,
         record: true,
+        tasks: Vec::new(),
         song: None,
         listener: None,
         audience: Box::new(move |told| {

@@ -130,6 +130,7 @@ impl Play {
             block: self.block,
             armed,
             record: self.keep.record.is_some(),
+            tasks: Vec::new(),
             song: loaded.song.clone(),
             listener: Some(Box::new(move |event| {
                 hears.iter().for_each(|journal| journal.hear(event));
@@ -139,7 +140,10 @@ impl Play {
                 is_told.iter().for_each(|journal| journal.told(&what));
                 match &what {
                     Told::Reloaded => drop(verdict.send(Ok(()))),
-                    Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
+                    Told::Kept(why) => {
+                        // What to do is said with it.
+                        drop(verdict.send(Err(why.trim_end_matches("; start anew").to_string())));
+                    }
                     _ => {}
                 }
                 told.told(what);

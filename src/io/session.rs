@@ -12,8 +12,9 @@ use super::device::card::Shape;
 use super::device::choose::Chosen;
 use super::device::failure::DeviceError;
 use super::device::keeper::{BLOCK, Fate, Keeper};
-use crate::engine::Delay;
 use crate::engine::exchange::exchange;
+use crate::engine::task::Task;
+use crate::engine::{Delay, Duty};
 use crate::live::board::Board;
 use crate::live::callback::Callback;
 use crate::live::clock::StreamClock;
@@ -22,7 +23,7 @@ use crate::live::driver::Driver;
 use crate::live::gate::{Gate, RAMP_OUT, UNARMED};
 use crate::live::reload::Reload;
 use crate::live::signal::{Handle, Refused, Signal};
-use crate::live::stamp::Epoch;
+use crate::live::stamp::{self, Epoch};
 use crate::midi::file::Song;
 use crate::performer::{Listener, Performer};
 
@@ -38,6 +39,8 @@ pub struct Beginning {
     pub armed: bool,
     /// Whether everything that goes out is to be fetched through [`Session::recording`].
     pub record: bool,
+    /// Periodic tasks that run with it, on the audio thread.
+    pub tasks: Vec<Box<dyn Task>>,
     /// A song that plays it from the beginning.
     pub song: Option<Arc<Song>>,
     /// Hears of every event as it is made.
@@ -56,6 +59,7 @@ pub struct Session {
     conductor: Option<JoinHandle<()>>,
     recording: Option<HeapCons<f32>>,
     clock: StreamClock,
+    duties: Vec<Arc<Duty>>,
     rate: f64,
     delay: Delay,
 }
@@ -69,7 +73,7 @@ impl Session {
     /// # Errors
     /// A device that cannot be opened, or a plan that no engine can be built for.
     pub fn start(beginning: Beginning) -> Result<Self, SessionError> {
-        let Beginning { scene: reload, device, block, armed, record, song, listener, audience, fate } =
+        let Beginning { scene: reload, device, block, armed, record, tasks, song, listener, audience, fate } =
             beginning;
         let Reload { scene, patch, rig, files, .. } = reload;
         let (rate, channels) = (scene.plan.device_rate, scene.plan.channels);
@@ -84,6 +88,10 @@ impl Session {
             performer.play_song(song.messages.iter().copied(), song.seconds);
         }
         let delay = stagehand.engine().delay();
+        // The clock is asked once here, so that the audio thread finds it running.
+        stamp::nanoseconds();
+        stagehand.engine().time_tasks(stamp::nanoseconds);
+        let duties = tasks.into_iter().map(|task| stagehand.engine().add_task(task)).collect();
         let board = Arc::new(Board::new(channels));
         board.engine_delay.set((delay.total() * 1e9).round() as u64);
         let gate = Gate::new(rate, if armed { 1.0 } else { UNARMED });
@@ -113,6 +121,7 @@ impl Session {
             conductor: Some(conductor),
             recording,
             clock,
+            duties,
             rate,
             delay,
         })
@@ -126,6 +135,11 @@ impl Session {
     /// How it stands.
     pub fn board(&self) -> &Arc<Board> {
         &self.board
+    }
+
+    /// What is known of its periodic tasks.
+    pub fn duties(&self) -> &[Arc<Duty>] {
+        &self.duties
     }
 
     /// How its frames and wall time belong together.

@@ -10,6 +10,7 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 
 use super::board::Board;
 use super::gate::{Gate, Order};
+use super::relief::Relieved;
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Stagehand;
 use crate::schedule::Instant;
@@ -94,6 +95,8 @@ pub struct Callback {
     outdated: u64,
     /// Frames given out.
     frames: u64,
+    /// Tasks above this rank rest.
+    shed: u8,
 }
 
 impl Callback {
@@ -116,6 +119,7 @@ impl Callback {
             plan: 0,
             outdated: 0,
             frames: 0,
+            shed: u8::MAX,
         };
         (callback, Rings { cues: senders, orders: to_gate, reports: told })
     }
@@ -190,6 +194,26 @@ impl Callback {
     pub fn order(&mut self, order: Order) {
         self.gate.order(order);
         self.tell(Deed::Order(order));
+    }
+
+    /// Lets more of the engine's tasks rest, or fewer, from the next sample on; where there is nothing left to do, nothing happens.
+    pub fn relieve(&mut self, how: Relieved) {
+        let engine = self.stagehand.engine();
+        // Those above `shed` rest.
+        let shed = match how {
+            Relieved::More => engine.rank_below(u16::from(self.shed) + 1).map(|rank| rank - 1),
+            Relieved::Fewer => engine
+                .rank_above(self.shed)
+                .map(|rank| engine.rank_above(rank).map_or(u8::MAX, |next| next - 1)),
+        };
+        let Some(shed) = shed.filter(|shed| *shed != self.shed) else { return };
+        let at = Instant { sample: engine.clock(), fraction: 0 };
+        let (source, event) = (Source::Program, Event::Shed(shed));
+        if engine.schedule(at, source, event) {
+            self.shed = shed;
+            self.board.shed.set(u64::from(u8::MAX - shed));
+            self.tell(Deed::Event { at, due: at, source, event });
+        }
     }
 
     /// Gives the engine what has come for its plan, as long as it has room; the rest waits in its ring.

@@ -9,6 +9,7 @@ use super::board::Board;
 use super::callback::Callback;
 use super::clock::{Follower, StreamClock};
 use super::gate::Order;
+use super::relief::Relief;
 use super::stamp::Epoch;
 
 /// What a device calls to be filled. Only one device at a time has it; when that lets go of it, it goes home.
@@ -18,6 +19,7 @@ pub struct Driver {
     epoch: Epoch,
     rate: f64,
     board: Arc<Board>,
+    relief: Relief,
 }
 
 impl Driver {
@@ -30,7 +32,7 @@ impl Driver {
         board: Arc<Board>,
     ) -> (Self, StreamClock) {
         let (follower, clock) = Follower::new(rate, block as u64);
-        (Self { callback, follower, epoch, rate, board }, clock)
+        (Self { callback, follower, epoch, rate, board, relief: Relief::default() }, clock)
     }
 
     /// Another device takes over, which asks for blocks of `block` frames: what it plays comes in as `order` says.
@@ -50,7 +52,11 @@ impl Driver {
         let begin = ThreadTime::now();
         self.follower.callback(self.epoch.now(), frames as u64);
         self.callback.process(input, output);
-        self.board.load.note(begin.elapsed().as_secs_f64(), frames as f64 / self.rate);
+        let (busy, period) = (begin.elapsed().as_secs_f64(), frames as f64 / self.rate);
+        self.board.load.note(busy, period);
+        if let Some(how) = self.relief.note(busy, period) {
+            self.callback.relieve(how);
+        }
     }
 
     /// To lend it to a device: when the device drops it, it comes back through `home`.

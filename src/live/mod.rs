@@ -18,6 +18,7 @@ pub mod driver;
 pub mod gate;
 pub mod load;
 pub mod provenance;
+pub mod relief;
 pub mod reload;
 pub mod signal;
 pub mod stamp;

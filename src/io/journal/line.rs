@@ -19,6 +19,8 @@ pub enum Kind {
     Control,
     /// A marker.
     Marker,
+    /// Periodic tasks above the rank `value` rest, and the others run.
+    Shed,
     /// The gate was told something.
     Gate,
     /// The plan that was written down last and has not played yet takes over.
@@ -35,25 +37,41 @@ pub enum Kind {
     End,
 }
 
-const KINDS: [(Kind, &str); 12] = [
-    (Kind::Voice, "voice"),
-    (Kind::Release, "release"),
-    (Kind::ReleaseAll, "release-all"),
-    (Kind::Control, "control"),
-    (Kind::Marker, "marker"),
-    (Kind::Gate, "gate"),
-    (Kind::Swap, "swap"),
-    (Kind::In, "in"),
-    (Kind::Device, "device"),
-    (Kind::Clock, "clock"),
-    (Kind::Lost, "lost"),
-    (Kind::End, "end"),
-];
-
 impl Kind {
+    /// All kinds.
+    pub const ALL: [Self; 13] = [
+        Self::Voice,
+        Self::Release,
+        Self::ReleaseAll,
+        Self::Control,
+        Self::Marker,
+        Self::Shed,
+        Self::Gate,
+        Self::Swap,
+        Self::In,
+        Self::Device,
+        Self::Clock,
+        Self::Lost,
+        Self::End,
+    ];
+
     /// As it is written.
     pub fn word(self) -> &'static str {
-        KINDS.iter().find(|(kind, _)| *kind == self).map_or("", |(_, word)| word)
+        match self {
+            Self::Voice => "voice",
+            Self::Release => "release",
+            Self::ReleaseAll => "release-all",
+            Self::Control => "control",
+            Self::Marker => "marker",
+            Self::Shed => "shed",
+            Self::Gate => "gate",
+            Self::Swap => "swap",
+            Self::In => "in",
+            Self::Device => "device",
+            Self::Clock => "clock",
+            Self::Lost => "lost",
+            Self::End => "end",
+        }
     }
 
     /// Whether a replay needs it.
@@ -65,6 +83,7 @@ impl Kind {
                 | Self::ReleaseAll
                 | Self::Control
                 | Self::Marker
+                | Self::Shed
                 | Self::Gate
                 | Self::Swap
         )
@@ -247,7 +266,7 @@ impl Line {
         let real = |column: &str| number::<f64>(column, filled(column));
         let text = |column: &str| filled(column).map(String::from);
         let word = filled("kind").unwrap_or_default();
-        let kind = KINDS.iter().find(|(_, known)| *known == word).map(|(kind, _)| *kind);
+        let kind = Kind::ALL.into_iter().find(|kind| kind.word() == word);
         let kind = kind.ok_or_else(|| format!("there is no kind of line called `{word}`"))?;
         let mut fields = BTreeMap::new();
         for field in filled("fields").into_iter().flat_map(|cell| cell.split(';')) {
@@ -289,7 +308,7 @@ mod tests {
 
     use proptest::prelude::{Just, Strategy, any, prop, prop_assert_eq, proptest};
 
-    use super::{COLUMNS, KINDS, Line};
+    use super::{COLUMNS, Kind, Line};
 
     fn numbers() -> impl Strategy<Value = Option<f64>> {
         let finite = prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO;
@@ -300,7 +319,7 @@ mod tests {
         let words = || prop::option::of("[a-z,\";= äß]{1,8}".prop_map(|word| word.trim().to_string()));
         let fields = prop::collection::btree_map("[a-z]{1,5}", prop::num::f64::NORMAL, 0..4);
         (
-            prop::sample::select(KINDS.map(|(kind, _)| kind).to_vec()),
+            prop::sample::select(Kind::ALL.to_vec()),
             (any::<Option<u64>>(), any::<Option<u64>>(), any::<Option<u64>>()),
             (words(), words(), words()),
             (numbers(), numbers(), numbers(), numbers()),

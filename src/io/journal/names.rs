@@ -54,6 +54,7 @@ impl Names {
                 let name = named(&self.controls, *control);
                 Line { name, value: Some(*value), ..Line::new(Kind::Control) }
             }
+            Event::Shed(above) => Line { value: Some(f64::from(*above)), ..Line::new(Kind::Shed) },
             Event::Marker(marker) => Line { name: named(&self.markers, *marker), ..Line::new(Kind::Marker) },
         }
     }

@@ -249,6 +249,8 @@ impl<R: BufRead> Replay<R> {
                 let value = line.value.filter(|value| value.is_finite());
                 Event::Control(control, value.ok_or("a control must have a value")?)
             }
+            // Tasks are a program's own; none is here that could rest.
+            Kind::Shed => Event::Shed(line.value.unwrap_or(f64::from(u8::MAX)) as u8),
             Kind::Marker => {
                 let markers = &self.names.plan.markers;
                 let number = markers.iter().position(|marker| **marker == *name);
