@@ -154,8 +154,9 @@ fn the_screen_shows_what_is_wrong_until_it_is_mended() {
     assert!(seat.see(line).lines().nth(1).unwrap().contains(line), "{}", seat.contents());
     let mended = PATCH.replace("first", "second").replace("walk", "run").replace("tap", "knock");
     fs::write(&patch, &mended).unwrap();
-    // The pattern is another, so it plays no more; its key is there.
-    let shown = seat.see("1 run");
+    // What plays from the beginning is the first pattern of the new patch now.
+    seat.see("knock on t1");
+    let shown = seat.see("1 ▶ run");
     assert!(!shown.contains("THE OLD ONE"), "{shown}");
     assert!(shown.lines().next().unwrap().contains("second  on virtual card"), "{shown}");
     fs::write(&patch, mended.replace("format", "fromat")).unwrap();
