@@ -148,21 +148,21 @@ fn the_screen_shows_what_is_wrong_until_it_is_mended() {
     let patch = scratch.write("p.toml", PATCH);
     let command = scratch.command(&["play", "p.toml", "--device", "virtual", "--watch"]);
     let Some(mut seat) = seat::Seat::new(&command) else { return };
-    seat.see("1 ▶ walk");
+    seat.shows("1 ▶ walk");
     fs::write(&patch, PATCH.replace("\"sine\"", "\"sinus\"")).unwrap();
     let line = "THE OLD ONE PLAYS ON  p.toml:9: node `s` of voice `hum`: there is no node type \"sinus\" (and 1 more)";
-    assert!(seat.see(line).lines().nth(1).unwrap().contains(line), "{}", seat.contents());
+    assert!(seat.shows(line).lines().nth(1).unwrap().contains(line), "{}", seat.contents());
     let mended = PATCH.replace("first", "second").replace("walk", "run").replace("tap", "knock");
     fs::write(&patch, &mended).unwrap();
     // What plays from the beginning is the first pattern of the new patch now.
-    seat.see("knock on t1");
-    let shown = seat.see("1 ▶ run");
+    seat.shows("knock on t1");
+    let shown = seat.shows("1 ▶ run");
     assert!(!shown.contains("THE OLD ONE"), "{shown}");
     assert!(shown.lines().next().unwrap().contains("second  on virtual card"), "{shown}");
     fs::write(&patch, mended.replace("format", "fromat")).unwrap();
-    seat.see("THE OLD ONE PLAYS ON  p.toml:1: ");
+    seat.shows("THE OLD ONE PLAYS ON  p.toml:1: ");
     seat.press("q");
-    assert_eq!(seat.end(), Some(0));
+    assert_eq!(seat.end().code(), Some(0));
     // What is still wrong is told in full.
     let shown = seat.contents();
     assert!(shown.contains("what was saved last was not played:") && shown.contains("[p.toml:1:"), "{shown}");
