@@ -53,20 +53,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // From before it is read, so that nothing that is saved meanwhile is missed.
     let mut watch = Watch::of([&path]);
     let mut session = Session::start(Beginning {
-        scene: compile(&path)?,
-        device: Chosen::Virtual(None),
-        block: None,
-        armed: true,
-        record: false,
-        tasks: Vec::new(),
-        song: None,
-        listener: None,
         audience: Box::new(|told| match told {
             Told::Reloaded => println!("it plays"),
             Told::Kept(why) => println!("it needs a session of its own: {why}"),
             _ => {}
         }),
-        fate: Box::new(|_| {}),
+        ..Beginning::of(compile(&path)?, Chosen::Virtual(None))
     })?;
     let (begin, mut saved) = (Instant::now(), SAVED.iter().peekable());
     while begin.elapsed() < Duration::from_millis(2600) {

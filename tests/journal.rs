@@ -108,16 +108,11 @@ fn play(journal_path: &Path, recording: &Path) {
         Journal::create(journal_path, setting, &first.scene.plan, first.provenance.as_deref()).unwrap();
     let (hears, is_told) = (journal.clone(), journal.clone());
     let mut session = Session::start(Beginning {
-        scene: first,
-        device: Chosen::Virtual(None),
         block: Some(64),
-        armed: true,
         record: true,
-        tasks: Vec::new(),
-        song: None,
         listener: Some(Box::new(move |event| hears.hear(event))),
         audience: Box::new(move |told| is_told.told(&told)),
-        fate: Box::new(|_| {}),
+        ..Beginning::of(first, Chosen::Virtual(None))
     })
     .unwrap();
     let ring = session.recording().unwrap();
@@ -262,16 +257,9 @@ fn short(name: &str) -> String {
     let journal = Journal::create(&path, setting, &first.scene.plan, first.provenance.as_deref()).unwrap();
     let is_told = journal.clone();
     let mut session = Session::start(Beginning {
-        scene: first,
-        device: Chosen::Virtual(None),
         block: Some(64),
-        armed: true,
-        record: false,
-        tasks: Vec::new(),
-        song: None,
-        listener: None,
         audience: Box::new(move |told| is_told.told(&told)),
-        fate: Box::new(|_| {}),
+        ..Beginning::of(first, Chosen::Virtual(None))
     })
     .unwrap();
     until(&session, 9_600);

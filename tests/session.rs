@@ -54,16 +54,10 @@ fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
         });
     };
     let mut session = Session::start(Beginning {
-        scene: reload(text),
-        device: Chosen::Virtual(None),
         block: Some(64),
-        armed: true,
         record: true,
-        tasks: Vec::new(),
-        song: None,
-        listener: None,
         audience: Box::new(audience),
-        fate: Box::new(|_| {}),
+        ..Beginning::of(reload(text), Chosen::Virtual(None))
     })
     .unwrap_or_else(|error| panic!("{error}"));
     let recording = session.recording().unwrap();

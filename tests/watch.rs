@@ -319,20 +319,14 @@ fn nothing_jumps_while_files_are_saved() {
     let taken = Arc::<AtomicUsize>::default();
     let count = Arc::clone(&taken);
     let mut session = Session::start(Beginning {
-        scene: read(&file).unwrap(),
-        device: Chosen::Virtual(None),
         block: Some(64),
-        armed: true,
         record: true,
-        tasks: Vec::new(),
-        song: None,
-        listener: None,
         audience: Box::new(move |told| {
             if let Told::Reloaded = told {
                 count.fetch_add(1, Ordering::Relaxed);
             }
         }),
-        fate: Box::new(|_| {}),
+        ..Beginning::of(read(&file).unwrap(), Chosen::Virtual(None))
     })
     .unwrap();
     let (mut recording, mut all) = (session.recording().unwrap(), Vec::<f32>::new());

@@ -64,6 +64,12 @@ pub struct Scene {
     /// Where no rig is named, there are at least so many tactors.
     #[arg(skip)]
     pub tactors: u32,
+    /// Whether it is played live, and whether somebody has named a device to listen to.
+    #[arg(skip)]
+    pub live: bool,
+    /// See `live`.
+    #[arg(skip)]
+    pub hears: bool,
     /// Recordings that need no disk.
     #[arg(skip)]
     pub held: &'static [(&'static str, &'static [u8])],
@@ -175,6 +181,8 @@ impl Scene {
             midi: None,
             allow_outside: false,
             tactors: 0,
+            live: false,
+            hears: false,
             held,
         };
         let text = |(name, text): (&str, &str)| Text { name: name.into(), bytes: Some(text.into()) };
@@ -346,10 +354,11 @@ impl Scene {
         let on_disk =
             |path: &PathBuf| if path.as_os_str() == "-" { "/dev/stdin".into() } else { path.clone() };
         loaded.files.extend(read.map(on_disk));
-        let deaf = self.input.is_none() && !listened.is_empty();
+        let hears = self.hears || (self.live && loaded.rig.device.input.is_some());
+        let deaf = self.input.is_none() && !hears && !listened.is_empty();
         loaded.warnings.extend(unheard);
         loaded.warnings.extend(unfelt);
-        loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf));
+        loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf, self.live));
         let mut failure = Failure::default();
         if problems.iter().any(Problem::is_error) {
             failure.join(loaded.refuse(problems, &codes));

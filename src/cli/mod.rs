@@ -6,6 +6,7 @@ mod by_default;
 mod check;
 mod demo;
 mod devices;
+mod ear;
 mod error;
 mod failure;
 mod form;
@@ -13,6 +14,7 @@ mod format;
 mod guard;
 mod input;
 mod keep;
+mod latency;
 mod learn;
 mod left_out;
 mod load;
@@ -85,6 +87,7 @@ enum Command {
     Devices(devices::Devices),
     Walk(walk::Walk),
     Learn(learn::Learn),
+    Latency(latency::Latency),
     Plot(plot::Plot),
     Error(error::Error),
     Nodes(nodes::Nodes),
@@ -116,6 +119,7 @@ fn run() -> u8 {
         Command::Devices(devices) => devices.run(&terminal),
         Command::Walk(walk) => walk.run(&terminal),
         Command::Learn(learn) => learn.run(&terminal),
+        Command::Latency(latency) => latency.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),
         Command::Format(format) => format.run(&terminal),
         Command::Schema(schema) => schema.run(&terminal),

@@ -1,5 +1,6 @@
 //! `pacinian play`.
 
+use super::ear::Listens;
 use super::failure::Failure;
 use super::guard;
 use super::keep::Keep;
@@ -48,6 +49,10 @@ pub struct Play {
     /// The sound card: its id, its name or a part of that, or `virtual` [default: what the rig says, else the system's default]
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
+    /// The sound card that `input` nodes hear: its id, its name or a part of that, or `default`. It may be another than the one that is
+    /// played on, at another rate [default: what the rig says, else silence]
+    #[arg(long, value_name = "NAME", conflicts_with = "input")]
+    input_device: Option<String>,
     /// Frames in a block [default: as the card likes]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
     block: Option<u32>,
@@ -69,6 +74,9 @@ pub struct Play {
     #[arg(long, value_name = "S", value_parser = super::render::seconds)]
     duration: Option<f64>,
 }
+
+/// Seconds that nobody plays.
+const FOREVER: f64 = 1e9;
 
 /// The exit code where the terminal was closed, as that of SIGHUP.
 const CLOSED: u8 = 129;
@@ -92,7 +100,9 @@ impl Play {
             self.scene.check_watch()?;
         }
         let since = SystemTime::now();
-        let mut loaded = self.scene.load(true, None)?;
+        let scene = Scene { live: true, hears: self.input_device.is_some(), ..self.scene.clone() };
+        // However long it plays, all of an input may be heard.
+        let mut loaded = scene.load(true, Some(self.duration.unwrap_or(FOREVER)))?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
@@ -110,6 +120,9 @@ impl Play {
         self.keep.check(&loaded)?;
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
+        let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
+        let mut listens = Listens::of(&loaded, listens, &reload.scene.plan.inputs(), rate, self.block)?;
+        let hears = listens.note.take();
         let scenery = Scenery {
             loaded: &loaded,
             first: &reload.scene.patterns,
@@ -119,21 +132,20 @@ impl Play {
             duration: self.duration,
         };
         let (mut show, post) = Show::new(&scenery, terminal)?;
-        let (heard, told, fate, ports) = (post.clone(), post.clone(), post.clone(), post);
+        let (heard, told, fate, ears, ports) = (post.clone(), post.clone(), post.clone(), post.clone(), post);
         let (verdict, verdicts) = channel();
         let stop = Stop::listen()?;
         let journal = self.keep.journal(&reload, scenery.device, armed)?;
-        let (hears, is_told, of_device) = (journal.clone(), journal.clone(), journal.clone());
+        let (makes, is_told, of_device) = (journal.clone(), journal.clone(), journal.clone());
         let mut session = Session::start(Beginning {
-            scene: reload,
-            device,
             block: self.block,
             armed,
+            input: listens.ear(Box::new(move |what| ears.input_fate(what))),
             record: self.keep.record.is_some(),
-            tasks: Vec::new(),
+            record_input: self.keep.events.is_some(),
             song: loaded.song.clone(),
             listener: Some(Box::new(move |event| {
-                hears.iter().for_each(|journal| journal.hear(event));
+                makes.iter().for_each(|journal| journal.hear(event));
                 heard.hear(event);
             })),
             audience: Box::new(move |what| {
@@ -152,6 +164,7 @@ impl Play {
                 of_device.iter().for_each(|journal| journal.fate(&what));
                 fate.fate(what);
             }),
+            ..Beginning::of(reload, device)
         })
         .map_err(|error| match error {
             SessionError::Device(error) => error.into(),
@@ -163,6 +176,9 @@ impl Play {
             loaded.name(),
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
+        if let Some(hears) = hears {
+            terminal.note(&format!("{hears}\n"));
+        }
         let listen = |at| Server::start(at, session.handle().clone(), &loaded.patch);
         let osc = self.osc.map(listen).transpose()?;
         if let Some(osc) = &osc {
@@ -288,6 +304,17 @@ impl Play {
             board.late.get(),
             board.dropped.get() + board.refused.get(),
         );
+        let input = &board.input;
+        if input.frames.get() > 0 {
+            text += &format!(
+                "  input: {} frames, {} xruns, {} times too late, {} times too many, {} frames lost\n",
+                input.frames.get(),
+                input.xruns.get(),
+                input.dry.get(),
+                input.jumps.get(),
+                input.lost.get(),
+            );
+        }
         for (name, &peak) in loaded.tactors().iter().zip(peaks) {
             if peak > 0.0 {
                 text += &format!("  {name}: {}\n", dbfs(peak));

@@ -8,6 +8,7 @@ pub mod events;
 pub mod input;
 #[cfg(feature = "live")]
 pub mod journal;
+pub mod latency;
 pub mod load;
 pub mod log;
 #[cfg(feature = "live")]

@@ -8,10 +8,14 @@ use ringbuf::HeapCons;
 use ringbuf::HeapRb;
 use ringbuf::traits::Split;
 
+use super::device::capture;
 use super::device::card::Shape;
 use super::device::choose::Chosen;
 use super::device::failure::DeviceError;
 use super::device::keeper::{BLOCK, Fate, Keeper};
+use super::device::list::Found;
+use super::device::listening::Listening;
+use super::input::{Heard, Input};
 use crate::engine::exchange::exchange;
 use crate::engine::task::Task;
 use crate::engine::{Delay, Duty};
@@ -21,6 +25,7 @@ use crate::live::clock::StreamClock;
 use crate::live::conductor::{Audience, Conductor};
 use crate::live::driver::Driver;
 use crate::live::gate::{Gate, RAMP_OUT, UNARMED};
+use crate::live::intake::{Ears, bridge};
 use crate::live::reload::Reload;
 use crate::live::signal::{Handle, Refused, Signal};
 use crate::live::stamp::{self, Epoch};
@@ -37,8 +42,12 @@ pub struct Beginning {
     pub block: Option<u32>,
     /// Whether the output has its full level, or that for headphones, -20 dB.
     pub armed: bool,
+    /// What it hears.
+    pub input: Ear,
     /// Whether everything that goes out is to be fetched through [`Session::recording`].
     pub record: bool,
+    /// Whether everything that it hears is to be fetched through [`Session::recording_input`].
+    pub record_input: bool,
     /// Periodic tasks that run with it, on the audio thread.
     pub tasks: Vec<Box<dyn Task>>,
     /// A song that plays it from the beginning.
@@ -51,13 +60,52 @@ pub struct Beginning {
     pub fate: Box<dyn FnMut(Fate) + Send>,
 }
 
+/// What a session hears, if what it plays listens at all.
+#[expect(clippy::large_enum_variant, reason = "there is one, for a moment")]
+pub enum Ear {
+    /// Silence.
+    Nothing,
+    /// A file, from the beginning on.
+    File(Arc<Input>),
+    /// A device.
+    Device {
+        /// Which, and what it offers.
+        device: (cpal::Device, Found),
+        /// Hears what becomes of it.
+        fate: Box<dyn FnMut(Fate) + Send>,
+    },
+}
+
+impl Beginning {
+    /// Of what is played, on what, as most sessions begin: at full level, hearing nothing and heard by nobody.
+    pub fn of(scene: Reload, device: Chosen) -> Self {
+        Self {
+            scene,
+            device,
+            block: None,
+            armed: true,
+            input: Ear::Nothing,
+            record: false,
+            record_input: false,
+            tasks: Vec::new(),
+            song: None,
+            listener: None,
+            audience: Box::new(|_| {}),
+            fate: Box::new(|_| {}),
+        }
+    }
+}
+
 /// A session that plays. It stops when it is dropped.
 pub struct Session {
     handle: Handle,
     board: Arc<Board>,
     keeper: Option<Keeper>,
+    listening: Option<Listening>,
+    input_delay: f64,
     conductor: Option<JoinHandle<()>>,
     recording: Option<HeapCons<f32>>,
+    recording_input: Option<(HeapCons<f32>, usize)>,
     clock: StreamClock,
     duties: Vec<Arc<Duty>>,
     rate: f64,
@@ -73,8 +121,20 @@ impl Session {
     /// # Errors
     /// A device that cannot be opened, or a plan that no engine can be built for.
     pub fn start(beginning: Beginning) -> Result<Self, SessionError> {
-        let Beginning { scene: reload, device, block, armed, record, tasks, song, listener, audience, fate } =
-            beginning;
+        let Beginning {
+            scene: reload,
+            device,
+            block,
+            armed,
+            input,
+            record,
+            record_input,
+            tasks,
+            song,
+            listener,
+            audience,
+            fate,
+        } = beginning;
         let Reload { scene, patch, rig, files, .. } = reload;
         let (rate, channels) = (scene.plan.device_rate, scene.plan.channels);
         let (director, mut stagehand) =
@@ -92,18 +152,42 @@ impl Session {
         stamp::nanoseconds();
         stagehand.engine().time_tasks(stamp::nanoseconds);
         let duties = tasks.into_iter().map(|task| stagehand.engine().add_task(task)).collect();
+        let (inputs, input_delay) = (stagehand.engine().input_channels(), stagehand.engine().input_delay());
         let board = Arc::new(Board::new(channels));
         board.engine_delay.set((delay.total() * 1e9).round() as u64);
         let gate = Gate::new(rate, if armed { 1.0 } else { UNARMED });
         let (mut callback, rings) = Callback::new(stagehand, gate, Arc::clone(&board));
+        let ring = |channels: usize| HeapRb::new((RECORDED * rate) as usize * channels).split();
         let recording = record.then(|| {
-            let (out, back) = HeapRb::new((RECORDED * rate) as usize * channels).split();
+            let (out, back) = ring(channels);
             callback.record(out);
             back
         });
+        let recording_input = (record_input && inputs > 0).then(|| {
+            let (heard, back) = ring(inputs);
+            callback.record_input(heard);
+            (back, inputs)
+        });
         let epoch = Epoch::begin();
         let expected = block.map_or(BLOCK, |block| block as usize);
-        let (driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
+        let (mut driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
+        let mut listening = None;
+        match input {
+            // What nothing listens to is not opened.
+            _ if inputs == 0 => {}
+            Ear::Nothing => {}
+            Ear::File(input) => driver.listen(Box::new(Heard::new(input))),
+            Ear::Device { device, fate } => {
+                let shape =
+                    capture::shape(&device.1, inputs, rate as u32, block).map_err(SessionError::Device)?;
+                let block = shape.block.map_or(BLOCK, |block| block as usize);
+                let ears = Ears { rate: f64::from(shape.rate), channels: shape.channels, block };
+                let (intake, feed) = bridge(ears, rate, expected, epoch, &board);
+                driver.listen(Box::new(feed));
+                let started = Listening::start(intake, device, shape, &board, fate);
+                listening = Some(started.map_err(SessionError::Device)?);
+            }
+        }
         let (mut conductor, handle) =
             Conductor::new(performer, director, rings, clock.clone(), epoch, &board, audience);
         // What plays from the beginning is there before the device asks for it, so that it plays as it would be rendered.
@@ -114,12 +198,16 @@ impl Session {
             .name("conductor".into())
             .spawn(move || conductor.lead())
             .map_err(|error| SessionError::Plan(format!("no thread for the conductor: {error}")))?;
+        let (keeper, conductor) = (Some(keeper), Some(conductor));
         Ok(Self {
             handle,
             board,
-            keeper: Some(keeper),
-            conductor: Some(conductor),
+            keeper,
+            listening,
+            input_delay,
+            conductor,
             recording,
+            recording_input,
             clock,
             duties,
             rate,
@@ -157,10 +245,20 @@ impl Session {
         self.delay
     }
 
+    /// Seconds by which the engine's own filter delays what it hears.
+    pub fn input_delay(&self) -> f64 {
+        self.input_delay
+    }
+
     /// What has gone out and was not fetched yet, interleaved frames, if it is recorded. Whoever takes it must fetch it several
     /// times a second.
     pub fn recording(&mut self) -> Option<HeapCons<f32>> {
         self.recording.take()
+    }
+
+    /// The same of what it hears, if that is recorded and it hears anything: frames of so many channels.
+    pub fn recording_input(&mut self) -> Option<(HeapCons<f32>, usize)> {
+        self.recording_input.take()
     }
 
     /// Closes the gate, waits until the device has been given silence, and lets go of it.
@@ -183,6 +281,7 @@ impl Session {
             }
             drop(keeper);
         }
+        drop(self.listening.take());
     }
 }
 

@@ -27,6 +27,27 @@ impl Figure {
     }
 }
 
+/// How it stands with what a session hears.
+#[derive(Debug, Default)]
+pub struct InputBoard {
+    /// Frames that the device has brought.
+    pub frames: Figure,
+    /// Nanoseconds from when the device heard a frame to when the engine is given it; 0 while it is given silence.
+    pub latency: Figure,
+    /// Nanoseconds from when the device heard the first frame of a block to when it handed it over, as it has it.
+    pub device_delay: Figure,
+    /// Times that nothing was there when it was due.
+    pub dry: Figure,
+    /// Times that so much waited that some was left out.
+    pub jumps: Figure,
+    /// Frames that found no room, since nobody fetched any.
+    pub lost: Figure,
+    /// Gaps that the device told of.
+    pub xruns: Figure,
+    /// Frames that the recording of what was heard missed.
+    pub unrecorded: Figure,
+}
+
 /// How a session stands.
 #[derive(Debug, Default)]
 pub struct Board {
@@ -75,6 +96,8 @@ pub struct Board {
     pub device_delay: Figure,
     /// Nanoseconds from an event to the middle of what it makes at the output, at 250 Hz.
     pub engine_delay: Figure,
+    /// What it hears.
+    pub input: InputBoard,
 }
 
 impl Board {

@@ -99,6 +99,8 @@ pub struct Show {
     highest: f32,
     panicked: bool,
     xruns: u64,
+    /// Gaps of the input, by what made them.
+    gaps: [u64; 4],
     /// Whether a frame is due now.
     due: bool,
     /// Whether it was said that the system gives no priority.
@@ -147,6 +149,7 @@ impl Show {
             highest: 0.0,
             panicked: false,
             xruns: 0,
+            gaps: [0; 4],
             due: true,
             humble: false,
             warned: loaded.warnings.clone(),
@@ -281,12 +284,13 @@ impl Show {
             meter.hear(peak, since);
             self.highest = self.highest.max(peak);
         }
-        let device = board.device_delay.get();
+        let (device, input) = (board.device_delay.get(), board.input.latency.get());
         self.snapshot.elapsed = elapsed;
         self.snapshot.latency = Latency {
             block: board.block.get() as f64 / f64::from(self.snapshot.rate.max(1)),
             engine: session.delay().total(),
             device: (device > 0).then_some(device as f64 * 1e-9),
+            input: (input > 0).then_some(input as f64 * 1e-9 + session.input_delay()),
         };
         self.snapshot.figures = Figures {
             mean: board.load.mean(),
@@ -302,6 +306,19 @@ impl Show {
             started: board.started.get(),
             stolen: board.stolen.get(),
         };
+        let heard = &board.input;
+        let gaps = [
+            ("an input xrun", heard.xruns.get()),
+            ("the input came too late: a gap", heard.dry.get()),
+            ("too much input waited: a part is left out", heard.jumps.get()),
+            ("input found no room", u64::from(heard.lost.get() > 0)),
+        ];
+        for ((text, now), before) in gaps.into_iter().zip(self.gaps) {
+            if now > before {
+                self.note(Happened::new(elapsed, Mood::Bad, text));
+            }
+        }
+        self.gaps = gaps.map(|(_, now)| now);
         let xruns = self.snapshot.figures.xruns;
         let before = std::mem::replace(&mut self.xruns, xruns);
         if xruns > before {

@@ -93,6 +93,17 @@ impl Post {
         }
     }
 
+    /// For what becomes of the device that is listened to.
+    pub fn input_fate(&self, fate: Fate) {
+        match fate {
+            Fate::Lost(why) => self
+                .say(Mood::Bad, format!("the input device is gone ({why}); it is silence until it is back")),
+            Fate::Back => self.say(Mood::Good, "the input device is back"),
+            Fate::Moved => self.say(Mood::Bad, "the system moved the input to another device"),
+            Fate::Said(what) => self.say(Mood::Bad, format!("input: {what}")),
+        }
+    }
+
     /// For what becomes of the device.
     pub fn fate(&self, fate: Fate) {
         self.state(State::Device(fate));

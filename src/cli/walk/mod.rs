@@ -205,14 +205,7 @@ impl Walk {
         let files = Box::new(|_: &str| Err(Problem::of_file("a walk reads no events")));
         let note = *terminal;
         let session = Session::start(Beginning {
-            scene: Reload { scene, patch, rig, files, provenance: None },
-            device,
-            block: None,
             armed,
-            record: false,
-            tasks: Vec::new(),
-            song: None,
-            listener: None,
             audience: Box::new(move |told| {
                 if let Told::Refused(problem) = told {
                     note.note(&format!("{problem}\n"));
@@ -226,6 +219,7 @@ impl Walk {
                     Fate::Said(what) => format!("{what}\n"),
                 });
             }),
+            ..Beginning::of(Reload { scene, patch, rig, files, provenance: None }, device)
         })
         .map_err(|error| match error {
             SessionError::Device(error) => Failure::from(error),
