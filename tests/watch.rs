@@ -265,6 +265,11 @@ fn what_the_patch_names_is_watched_and_what_another_session_needs_is_kept() {
             "the rig has 4 channels, and the session began with 3: end this session",
         ),
         ("name = \"virtual\"", "name = \"Other\"", "the rig names another device, `Other`: end this session"),
+        (
+            "rate = 48000",
+            "rate = 48000\ninput = \"Microphone\"",
+            "the rig names another input: end this session",
+        ),
         ("rate = 48000", "rate = 44100", "the rig says another rate, 44100 Hz: end this session"),
         (
             "[[",
@@ -360,6 +365,20 @@ fn nothing_jumps_while_files_are_saved() {
     let steepest = hum.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f32::max);
     assert!(steepest < 0.0033, "{steepest}");
     assert!(hum.chunks_exact(480).all(|c| c.iter().any(|x| x.abs() > 0.22)), "a gap");
+}
+
+/// An input is opened for the channels that the patch listened to at first.
+#[test]
+fn a_patch_that_would_listen_in_vain_is_kept_out() {
+    let scratch = Scratch::new("watch-input");
+    let patch = scratch.write("p.toml", PATCH);
+    scratch.run(&["render", "good.toml", "-o", "in.wav"]).succeeds();
+    let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual", "--input", "in.wav"]);
+    let listening = PATCH.replace("{ type = \"sine\", frequency = 90 }", "{ type = \"input\", channel = 2 }");
+    fs::write(&patch, listening).unwrap();
+    playing.hears("the old one plays on: the patch listens to channel 2 of the input, and the session does not: end this session");
+    fs::write(&patch, PATCH.replace("tap", "knock")).unwrap();
+    playing.hears("knock on t1");
 }
 
 #[test]
