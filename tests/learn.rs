@@ -142,19 +142,19 @@ fn keys_leave_a_control_go_back_and_end() {
     let path = scratch.write("p.toml", PATCH);
     let command = scratch.command(&["learn", "p.toml", "--midi-in", "none", "--osc", "0"]);
     let Some(mut seat) = seat::Seat::new(&command) else { return };
-    let shown = seat.see("1/2  depth (0 to 1): move something");
+    let shown = seat.shows("1/2  depth (0 to 1): move something");
     let address =
         shown.lines().find_map(|line| line.strip_prefix("OSC is heard on ")).unwrap().trim().to_string();
     let surface = Surface::at(&address);
     surface.move_fader("/first");
-    seat.see("2/2  rate (1 to 10 Hz): move something");
+    seat.shows("2/2  rate (1 to 10 Hz): move something");
     seat.press("u\n");
-    seat.see("1/2  depth (0 to 1): move something \n     OSC /first\n2/2  rate (1 to 10 Hz): move something u\n1/2  depth");
+    seat.shows("1/2  depth (0 to 1): move something \n     OSC /first\n2/2  rate (1 to 10 Hz): move something u\n1/2  depth");
     surface.move_fader("/second");
-    seat.see("OSC /second\n2/2");
+    seat.shows("OSC /second\n2/2");
     seat.press("\n");
-    seat.see("p.toml: 1 binding");
-    assert_eq!(seat.end(), Some(0));
+    seat.shows("p.toml: 1 binding");
+    assert_eq!(seat.end().code(), Some(0));
     let text = std::fs::read_to_string(path).unwrap();
     assert!(text.contains("osc./second") && !text.contains("/first") && text.contains("osc./old"), "{text}");
 }

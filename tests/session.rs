@@ -165,7 +165,7 @@ fn another_patch_takes_over_without_a_gap_or_a_jump() {
     for n in 0..100 {
         let text = HUM.replace("frequency = 250", &format!("frequency = {}", 200 + n));
         while session.handle().send(Signal::Reload(Box::new(reload(&text)))).is_err() {}
-        let swaps = || words.lock().unwrap().iter().filter(|w| w.starts_with("Swap")).count();
+        let swaps = || words.lock().unwrap().iter().filter(|w| w.contains("deed: Swap")).count();
         wait("the new patch", || swaps() == n + 1);
         fetch(&mut recording, &mut all);
     }

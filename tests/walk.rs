@@ -79,23 +79,23 @@ fn what_was_felt_goes_into_the_rig_and_nothing_else_of_it_changes() {
     let path = scratch.write("r.toml", RIG);
     let command = scratch.command(&["walk", "--rig", "r.toml", "--seconds", "0.1", "--write"]);
     let Some(mut seat) = seat::Seat::new(&command) else { return };
-    seat.see("1/3  channel 1: `left`, 65 Hz at level 0.25? ");
+    seat.shows("1/3  channel 1: `left`, 65 Hz at level 0.25? ");
     seat.press("ritgh\n");
-    seat.see("no tactor is called `ritgh`");
+    seat.shows("no tactor is called `ritgh`");
     seat.press("right\n");
-    seat.see("2/3  channel 2: `right`");
+    seat.shows("2/3  channel 2: `right`");
     seat.press("b\n");
-    seat.see("? b\n1/3  channel 1");
+    seat.shows("? b\n1/3  channel 1");
     std::thread::sleep(std::time::Duration::from_millis(300));
     seat.press("2\n");
     std::thread::sleep(std::time::Duration::from_millis(300));
     // It felt the first on the third channel of the walk, and nothing on the second.
     seat.press("n\n");
-    seat.see("3/3  channel 4: `back`");
+    seat.shows("3/3  channel 4: `back`");
     std::thread::sleep(std::time::Duration::from_millis(300));
     seat.press("\n");
-    seat.see("r.toml: 2 tactors on other channels now");
-    assert_eq!(seat.end(), Some(0));
+    seat.shows("r.toml: 2 tactors on other channels now");
+    assert_eq!(seat.end().code(), Some(0));
     let shown = seat.contents();
     assert!(
         shown.contains("`left` was felt nowhere, and its channel is another's: it is put on channel 2"),
@@ -114,8 +114,8 @@ fn ctrl_c_ends_it_at_once_and_writes_nothing() {
     let path = scratch.write("r.toml", RIG);
     let command = scratch.command(&["walk", "--rig", "r.toml", "--seconds", "10", "--write"]);
     let Some(mut seat) = seat::Seat::new(&command) else { return };
-    seat.see("1/3  channel 1");
+    seat.shows("1/3  channel 1");
     seat.press("\x03");
-    assert_eq!(seat.end(), Some(130));
+    assert_eq!(seat.end().code(), Some(130));
     assert_eq!(std::fs::read_to_string(path).unwrap(), RIG);
 }

@@ -2,6 +2,8 @@
 #![cfg(feature = "cli")]
 
 mod program;
+#[cfg(target_os = "linux")]
+mod seat;
 
 use std::fs;
 use std::io::Read;
@@ -139,7 +141,35 @@ fn what_hears_from_outside_follows() {
     }
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn the_screen_shows_what_is_wrong_until_it_is_mended() {
+    let scratch = Scratch::new("watch-screen");
+    let patch = scratch.write("p.toml", PATCH);
+    let command = scratch.command(&["play", "p.toml", "--device", "virtual", "--watch"]);
+    let Some(mut seat) = seat::Seat::new(&command) else { return };
+    seat.shows("1 ▶ walk");
+    fs::write(&patch, PATCH.replace("\"sine\"", "\"sinus\"")).unwrap();
+    let line = "THE OLD ONE PLAYS ON  p.toml:9: node `s` of voice `hum`: there is no node type \"sinus\" (and 1 more)";
+    assert!(seat.shows(line).lines().nth(1).unwrap().contains(line), "{}", seat.contents());
+    let mended = PATCH.replace("first", "second").replace("walk", "run").replace("tap", "knock");
+    fs::write(&patch, &mended).unwrap();
+    // What plays from the beginning is the first pattern of the new patch now.
+    seat.shows("knock on t1");
+    let shown = seat.shows("1 ▶ run");
+    assert!(!shown.contains("THE OLD ONE"), "{shown}");
+    assert!(shown.lines().next().unwrap().contains("second  on virtual card"), "{shown}");
+    fs::write(&patch, mended.replace("format", "fromat")).unwrap();
+    seat.shows("THE OLD ONE PLAYS ON  p.toml:1: ");
+    seat.press("q");
+    assert_eq!(seat.end().code(), Some(0));
+    // What is still wrong is told in full.
+    let shown = seat.contents();
+    assert!(shown.contains("what was saved last was not played:") && shown.contains("[p.toml:1:"), "{shown}");
+}
+
 /// The journal of a session whose patch was saved anew plays it again to the bit.
+#[cfg(unix)]
 #[test]
 fn a_journal_knows_what_took_over() {
     let scratch = Scratch::new("watch-journal");
@@ -235,6 +265,11 @@ fn what_the_patch_names_is_watched_and_what_another_session_needs_is_kept() {
             "the rig has 4 channels, and the session began with 3: end this session",
         ),
         ("name = \"virtual\"", "name = \"Other\"", "the rig names another device, `Other`: end this session"),
+        (
+            "rate = 48000",
+            "rate = 48000\ninput = \"Microphone\"",
+            "the rig names another input: end this session",
+        ),
         ("rate = 48000", "rate = 44100", "the rig says another rate, 44100 Hz: end this session"),
         (
             "[[",
@@ -330,6 +365,20 @@ fn nothing_jumps_while_files_are_saved() {
     let steepest = hum.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f32::max);
     assert!(steepest < 0.0033, "{steepest}");
     assert!(hum.chunks_exact(480).all(|c| c.iter().any(|x| x.abs() > 0.22)), "a gap");
+}
+
+/// An input is opened for the channels that the patch listened to at first.
+#[test]
+fn a_patch_that_would_listen_in_vain_is_kept_out() {
+    let scratch = Scratch::new("watch-input");
+    let patch = scratch.write("p.toml", PATCH);
+    scratch.run(&["render", "good.toml", "-o", "in.wav"]).succeeds();
+    let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual", "--input", "in.wav"]);
+    let listening = PATCH.replace("{ type = \"sine\", frequency = 90 }", "{ type = \"input\", channel = 2 }");
+    fs::write(&patch, listening).unwrap();
+    playing.hears("the old one plays on: the patch listens to channel 2 of the input, and the session does not: end this session");
+    fs::write(&patch, PATCH.replace("tap", "knock")).unwrap();
+    playing.hears("knock on t1");
 }
 
 #[test]

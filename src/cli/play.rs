@@ -121,7 +121,8 @@ impl Play {
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
         let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
-        let mut listens = Listens::of(&loaded, listens, &reload.scene.plan.inputs(), rate, self.block)?;
+        let heard_from = reload.scene.plan.inputs();
+        let mut listens = Listens::of(&loaded, listens, &heard_from, rate, self.block)?;
         let hears = listens.note.take();
         let scenery = Scenery {
             loaded: &loaded,
@@ -152,7 +153,10 @@ impl Play {
                 is_told.iter().for_each(|journal| journal.told(&what));
                 match &what {
                     Told::Reloaded => drop(verdict.send(Ok(()))),
-                    Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
+                    Told::Kept(why) => {
+                        // What to do is said with it.
+                        drop(verdict.send(Err(why.trim_end_matches("; start anew").to_string())));
+                    }
                     _ => {}
                 }
                 told.told(what);
@@ -194,11 +198,14 @@ impl Play {
         };
         let mut midi = listen(&loaded.patch)?;
         let course = || Course {
-            scene: Scene { midi: None, tactors: channels as u32, ..self.scene.clone() },
+            scene: Scene { midi: None, tactors: channels as u32, ..scene.clone() },
             device_rate: f64::from(rate),
             device: self.device.clone(),
             wish: wish.clone(),
             rate: loaded.rig.device.rate,
+            input: loaded.rig.device.input.clone(),
+            input_device: self.input_device.clone(),
+            heard: heard_from.clone(),
             channels,
             journalled: self.keep.events.is_some(),
         };

@@ -45,6 +45,12 @@ pub struct Course {
     pub wish: Wish,
     /// The rate that the rig asked for.
     pub rate: Option<f64>,
+    /// The input that the rig named, and `--input-device`.
+    pub input: Option<String>,
+    /// See `input`.
+    pub input_device: Option<String>,
+    /// Channels of the input (from 0) that were listened to from the beginning: no others are heard.
+    pub heard: Vec<usize>,
     /// Channels of the device.
     pub channels: usize,
     /// Whether a journal is kept, which writes down what takes over.
@@ -214,12 +220,23 @@ impl Course {
                 device.rate.map_or("no rate any more".into(), |rate| format!("another rate, {rate} Hz"));
             return no(format!("the rig says {rate}"));
         }
+        let by_rig = self.input_device.is_none() && self.scene.input.is_none();
+        if by_rig && device.input != self.input {
+            return no("the rig names another input".into());
+        }
         let channels = device.channels as usize;
         if channels != self.channels {
             let who = if self.scene.rig.is_some() { "the rig has" } else { "the patch needs" };
             return no(format!("{who} {channels} channels, and the session began with {}", self.channels));
         }
         let reload = loaded.reload(&self.options(&loaded), self.journalled)?;
+        let unheard = reload.scene.plan.inputs().into_iter().find(|channel| !self.heard.contains(channel));
+        if let Some(channel) = unheard.filter(|_| !by_rig || device.input.is_some()) {
+            return no(format!(
+                "the patch listens to channel {} of the input, and the session does not",
+                channel + 1
+            ));
+        }
         Ok(Ok((Box::new(loaded), reload)))
     }
 

@@ -82,16 +82,24 @@ enum Content {
 }
 
 impl Watch {
-    /// These files, as they are now.
+    /// These files, as they are now; whoever reads them afterwards misses nothing.
     pub fn of<P: Into<PathBuf>>(paths: impl IntoIterator<Item = P>) -> Self {
         let mut watch = Self::default();
-        watch.follow(paths, SystemTime::now());
+        watch.look_at_these(paths, None);
         watch
     }
 
     /// From now on these files. Of those that it looks at already it knows what it knew; of others, whether they were written at
     /// `since` or later, when somebody may have read them: those will be told.
     pub fn follow<P: Into<PathBuf>>(&mut self, paths: impl IntoIterator<Item = P>, since: SystemTime) {
+        self.look_at_these(paths, Some(since));
+    }
+
+    fn look_at_these<P: Into<PathBuf>>(
+        &mut self,
+        paths: impl IntoIterator<Item = P>,
+        since: Option<SystemTime>,
+    ) {
         let now = Instant::now();
         let mut before = std::mem::take(&mut self.places);
         for path in paths {
@@ -145,12 +153,13 @@ impl Watch {
 }
 
 impl Place {
-    fn new(path: PathBuf, since: SystemTime, now: Instant) -> Self {
+    fn new(path: PathBuf, since: Option<SystemTime>, now: Instant) -> Self {
         let about = About::of(&path);
         let seen = Content::of(&path, about);
         // A disk's clock may be that of the last tick.
-        let since = since - Duration::from_millis(10);
-        let young = matches!(about, About::File { modified: Some(at), .. } if at >= since);
+        let since = since.map(|since| since - Duration::from_millis(10));
+        let young =
+            matches!(about, About::File { modified: Some(at), .. } if since.is_some_and(|since| at >= since));
         let told = if young { Content::Unknown } else { seen };
         Self { path, about, seen, told, restless: young.then_some(now), fresh: now + COARSE }
     }
@@ -260,8 +269,7 @@ mod tests {
             let _ = fs::remove_dir_all(&folder);
             fs::create_dir_all(&folder).unwrap();
             files.iter().for_each(|file| fs::write(folder.join(file), "one").unwrap());
-            let mut watch = Watch::default();
-            watch.follow(files.iter().map(|file| folder.join(file)), SystemTime::now() + COARSE);
+            let watch = Watch::of(files.iter().map(|file| folder.join(file)));
             Self { folder, watch, now: Instant::now() }
         }
 

@@ -11,6 +11,7 @@ mod meter;
 mod meters;
 mod players;
 mod post;
+mod saved;
 mod snapshot;
 pub mod tty;
 mod window;
@@ -25,13 +26,10 @@ use pacinian::io::session::Session;
 use pacinian::live::board::Board;
 use pacinian::live::signal::Signal;
 use pacinian::text::Problems;
-use pacinian::text::problem::escaped;
 
 use super::failure::Failure;
 use super::load::Loaded;
-use super::problems;
 use super::terminal::Terminal;
-use super::watch::News;
 use happened::{Happened, Mood};
 use keys::{Act, Keys};
 use lines::Lines;
@@ -39,6 +37,7 @@ use meter::Meter;
 use players::Players;
 pub use post::Post;
 use post::{PostBox, State, post};
+use saved::title;
 use snapshot::{Figures, Latency, Snapshot};
 use window::Screen;
 
@@ -276,52 +275,6 @@ impl Show {
         self.events.push_back(happened);
     }
 
-    /// What became of something that was saved.
-    pub fn watched(&mut self, news: &News) {
-        let now = self.fetch.elapsed();
-        self.due = true;
-        let (why, brief) = match news {
-            News::Took(loaded, first, changed) => {
-                self.snapshot.title = title(loaded);
-                for (place, name) in self.snapshot.tactors.iter_mut().zip(loaded.tactors()) {
-                    place.0 = name;
-                }
-                self.players.become_of(&loaded.patch, first);
-                (self.snapshot.stale, self.stale) = (None, String::new());
-                let names: Vec<String> = changed.iter().map(|path| path.display().to_string()).collect();
-                let names = escaped(&names.join(", ")).into_owned();
-                self.note(Happened::new(now, Mood::Good, format!("{names}: taken up")));
-                // What was said before is not said with every save.
-                let new = loaded.warnings.iter().filter(|warning| !self.warned.contains(warning));
-                let new: Vec<Problems> = new.cloned().collect();
-                for warnings in &new {
-                    self.warn(now, warnings);
-                }
-                self.warned.clone_from(&loaded.warnings);
-                return;
-            }
-            News::Broken(failure) => (failure.text(&self.terminal), failure.brief()),
-            News::Kept(why, help) => {
-                (Failure::usage(why.as_str(), help.as_str()).text(&self.terminal), format!("{why}: {help}"))
-            }
-        };
-        self.note(Happened::new(now, Mood::Told, format!("the old one plays on: {brief}")));
-        if let Out::Lines(lines) = &mut self.out {
-            lines.put(why.trim_end());
-        }
-        (self.snapshot.stale, self.stale) = (Some(brief), why);
-    }
-
-    fn warn(&mut self, now: f64, warnings: &Problems) {
-        match &mut self.out {
-            Out::Lines(lines) => lines.put(problems::shown(warnings, &self.terminal).trim_end()),
-            Out::Screen(_) => {
-                let brief = Failure::of(0, warnings.clone()).brief();
-                self.note(Happened::new(now, Mood::Told, brief));
-            }
-        }
-    }
-
     /// Reads the board.
     fn look(&mut self, session: &Session, elapsed: f64) {
         let (board, since) = (session.board(), elapsed - self.heard);
@@ -440,10 +393,4 @@ impl Show {
         }
         peaks
     }
-}
-
-/// What the patch is called, or else its file.
-fn title(loaded: &Loaded) -> String {
-    let title = Some(&loaded.patch.title).filter(|t| !t.is_empty());
-    title.map_or(loaded.name(), String::as_str).into()
 }

@@ -3,15 +3,14 @@
 mod answer;
 mod map;
 mod probe;
+mod round;
 mod write;
 
-use super::ask::{Said, Typed};
+use super::ask::Typed;
 use super::failure::Failure;
-use super::guard;
 use super::stop::Stop;
 use super::table::Table;
 use super::terminal::Terminal;
-use answer::{Answer, HELP};
 use clap::Args;
 use map::{Felt, Map, map};
 use pacinian::graph::scene::scene;
@@ -20,16 +19,15 @@ use pacinian::io::device::keeper::Fate;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::io::{replace, text};
 use pacinian::live::conductor::Told;
-use pacinian::live::gate::RAMP_IN;
 use pacinian::live::reload::Reload;
 use pacinian::rig::{OutputKind, Rig};
 use pacinian::text::{Problem, Problems};
-use pacinian::{NoAssets, Note, Options, Place};
+use pacinian::{NoAssets, Options};
 use probe::{Probe, bare, probes};
+use round::{End, Round};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 /// Buzzes one output after the other, to find out which tactor hangs on which channel
 #[derive(Debug, Args)]
@@ -69,9 +67,6 @@ pub struct Walk {
     write: bool,
 }
 
-/// From one tone to the next where nobody is asked.
-const PAUSE: Duration = Duration::from_millis(300);
-
 /// Channels where no rig says how many.
 const CHANNELS: u32 = 8;
 
@@ -83,14 +78,6 @@ fn level(word: &str) -> Result<f64, String> {
 fn length(word: &str) -> Result<f64, String> {
     let seconds = word.parse().ok().filter(|seconds| (0.1..=10.0).contains(seconds));
     seconds.ok_or_else(|| "it is a number of seconds from 0.1 to 10".into())
-}
-
-/// How it came to an end.
-enum End {
-    /// Every channel had its turn, or somebody has had enough.
-    Over,
-    /// Somebody has asked to stop, with this exit code.
-    Stopped(u8),
 }
 
 impl Walk {
@@ -114,10 +101,18 @@ impl Walk {
         let stop = Stop::listen()?;
         let mut session = self.begin(&rig, &probes, device, &wish, terminal)?;
         self.say_what_is_left_out(&rig, terminal);
+        let round = Round {
+            rig: &rig,
+            probes: &probes,
+            session: &session,
+            stop: &stop,
+            terminal,
+            seconds: self.seconds,
+        };
         let mut felt = BTreeMap::new();
         let ended = match &person {
-            Some(person) => self.ask(&rig, &probes, &session, &stop, person, &mut felt, terminal),
-            None => self.pass(&rig, &probes, &session, &stop, terminal),
+            Some(person) => round.ask(person, &mut felt),
+            None => round.pass(),
         };
         session.stop();
         if let End::Stopped(code) = ended? {
@@ -251,97 +246,6 @@ impl Walk {
         }
     }
 
-    /// Plays a probe and waits until it is over; the exit code where somebody asks to stop.
-    fn play(&self, probe: &Probe, session: &Session, stop: &Stop) -> Result<Option<u8>, Failure> {
-        let mut note = Note::default().level(probe.level).duration(self.seconds).frequency(probe.frequency);
-        note.place = Some(Place::Channel(probe.channel));
-        session.handle().play("probe", note).map_err(|refused| Failure::said(71, refused.to_string()))?;
-        Ok(wait(Duration::from_secs_f64(self.seconds), stop))
-    }
-
-    /// Over all of them without waiting for anybody.
-    fn pass(
-        &self,
-        rig: &Rig,
-        probes: &[Probe],
-        session: &Session,
-        stop: &Stop,
-        terminal: &Terminal,
-    ) -> Result<End, Failure> {
-        for probe in probes {
-            if let Some(code) = wait(PAUSE.max(Duration::from_secs_f64(RAMP_IN)), stop) {
-                return Ok(End::Stopped(code));
-            }
-            terminal.note(&format!("{}\n", described(probe, rig)));
-            if let Some(code) = self.play(probe, session, stop)? {
-                return Ok(End::Stopped(code));
-            }
-        }
-        // The last one rings out.
-        Ok(wait(PAUSE, stop).map_or(End::Over, End::Stopped))
-    }
-
-    /// One after the other, as somebody says what is felt.
-    #[expect(clippy::too_many_arguments, reason = "it is all that a walk is about")]
-    fn ask(
-        &self,
-        rig: &Rig,
-        probes: &[Probe],
-        session: &Session,
-        stop: &Stop,
-        person: &Typed,
-        felt: &mut BTreeMap<u32, Felt>,
-        terminal: &Terminal,
-    ) -> Result<End, Failure> {
-        terminal.note(&format!("{HELP}\n\n"));
-        if let Some(code) = wait(Duration::from_secs_f64(RAMP_IN), stop) {
-            return Ok(End::Stopped(code));
-        }
-        let mut at = 0;
-        while let Some(probe) = probes.get(at) {
-            terminal.note(&format!("{}/{}  {}? ", at + 1, probes.len(), described(probe, rig)));
-            person.forget();
-            if let Some(code) = self.play(probe, session, stop)? {
-                return Ok(End::Stopped(code));
-            }
-            let answer = loop {
-                let line = match person.said() {
-                    Said::Line(line) => line,
-                    Said::End => return Ok(End::Over),
-                    Said::Nothing => match wait(Duration::from_millis(10), stop) {
-                        Some(code) => return Ok(End::Stopped(code)),
-                        None => continue,
-                    },
-                };
-                match Answer::of(&line, rig) {
-                    Ok(answer) => break answer,
-                    Err(why) => terminal.note(&format!("     {why}\n     {HELP}\n     ? ")),
-                }
-            };
-            match answer {
-                Answer::Yes => {
-                    // Where the rig has nothing, there is nothing to agree with.
-                    if let Some(output) = probe.output {
-                        felt.insert(probe.channel, Felt::Output(output));
-                    }
-                    at += 1;
-                }
-                Answer::Felt(output) => {
-                    felt.insert(probe.channel, Felt::Output(output));
-                    at += 1;
-                }
-                Answer::Nothing => {
-                    felt.insert(probe.channel, Felt::Nothing);
-                    at += 1;
-                }
-                Answer::Again => {}
-                Answer::Back => at = at.saturating_sub(1),
-                Answer::Quit => break,
-            }
-        }
-        Ok(End::Over)
-    }
-
     /// Shows what was felt, and writes it down if that is wanted.
     fn conclude(
         &self,
@@ -388,31 +292,6 @@ impl Walk {
         replace::replace(path, source, after.as_bytes())?;
         terminal.print(&format!("{shown}: {other} on other channels now\n"))
     }
-}
-
-/// Waits; the exit code where somebody asks to stop.
-fn wait(time: Duration, stop: &Stop) -> Option<u8> {
-    let until = Instant::now() + time;
-    loop {
-        if guard::has_panicked() {
-            return Some(guard::BUG);
-        }
-        if let Some(code) = stop.asked() {
-            return Some(code);
-        }
-        let left = until.saturating_duration_since(Instant::now());
-        if left.is_zero() {
-            return None;
-        }
-        std::thread::sleep(left.min(Duration::from_millis(5)));
-    }
-}
-
-fn described(probe: &Probe, rig: &Rig) -> String {
-    let name = probe.output.and_then(|at| rig.outputs.get(at)).map(|output| format!("`{}`", output.name));
-    let name = name.unwrap_or("nothing in the rig".into());
-    let why = if probe.lowered { ", half of what it is rated for" } else { "" };
-    format!("channel {}: {name}, {:.0} Hz at level {:.2}{why}", probe.channel, probe.frequency, probe.level)
 }
 
 fn kind(kind: &OutputKind) -> &'static str {

@@ -1,0 +1,64 @@
+//! What became of what was saved while it plays.
+
+use super::happened::{Happened, Mood};
+use super::{Out, Show};
+use crate::cli::failure::Failure;
+use crate::cli::load::Loaded;
+use crate::cli::problems;
+use crate::cli::watch::News;
+use pacinian::text::Problems;
+use pacinian::text::problem::escaped;
+
+impl Show {
+    /// What became of something that was saved.
+    pub fn watched(&mut self, news: &News) {
+        let now = self.fetch.elapsed();
+        self.due = true;
+        let (why, brief) = match news {
+            News::Took(loaded, first, changed) => {
+                self.snapshot.title = title(loaded);
+                for (place, name) in self.snapshot.tactors.iter_mut().zip(loaded.tactors()) {
+                    place.0 = name;
+                }
+                self.players.become_of(&loaded.patch, first);
+                (self.snapshot.stale, self.stale) = (None, String::new());
+                let names: Vec<String> = changed.iter().map(|path| path.display().to_string()).collect();
+                let names = escaped(&names.join(", ")).into_owned();
+                self.note(Happened::new(now, Mood::Good, format!("{names}: taken up")));
+                // What was said before is not said with every save.
+                let new = loaded.warnings.iter().filter(|warning| !self.warned.contains(warning));
+                let new: Vec<Problems> = new.cloned().collect();
+                for warnings in &new {
+                    self.warn(now, warnings);
+                }
+                self.warned.clone_from(&loaded.warnings);
+                return;
+            }
+            News::Broken(failure) => (failure.text(&self.terminal), failure.brief()),
+            News::Kept(why, help) => {
+                (Failure::usage(why.as_str(), help.as_str()).text(&self.terminal), format!("{why}: {help}"))
+            }
+        };
+        self.note(Happened::new(now, Mood::Told, format!("the old one plays on: {brief}")));
+        if let Out::Lines(lines) = &mut self.out {
+            lines.put(why.trim_end());
+        }
+        (self.snapshot.stale, self.stale) = (Some(brief), why);
+    }
+
+    fn warn(&mut self, now: f64, warnings: &Problems) {
+        match &mut self.out {
+            Out::Lines(lines) => lines.put(problems::shown(warnings, &self.terminal).trim_end()),
+            Out::Screen(_) => {
+                let brief = Failure::of(0, warnings.clone()).brief();
+                self.note(Happened::new(now, Mood::Told, brief));
+            }
+        }
+    }
+}
+
+/// What the patch is called, or else its file.
+pub(super) fn title(loaded: &Loaded) -> String {
+    let title = Some(&loaded.patch.title).filter(|t| !t.is_empty());
+    title.map_or(loaded.name(), String::as_str).into()
+}

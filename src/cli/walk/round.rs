@@ -1,0 +1,155 @@
+//! Channel after channel: with somebody who says what is felt, or without.
+
+use super::answer::{Answer, HELP};
+use super::map::Felt;
+use super::probe::Probe;
+use crate::cli::ask::{Said, Typed};
+use crate::cli::failure::Failure;
+use crate::cli::guard;
+use crate::cli::stop::Stop;
+use crate::cli::terminal::Terminal;
+use pacinian::io::session::Session;
+use pacinian::live::gate::RAMP_IN;
+use pacinian::rig::Rig;
+use pacinian::{Note, Place};
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+/// From one tone to the next where nobody is asked.
+const PAUSE: Duration = Duration::from_millis(300);
+
+/// So long the output takes to come in.
+const OPENS: Duration = Duration::from_millis((1000.0 * RAMP_IN) as u64);
+
+/// How it came to an end.
+pub enum End {
+    /// Every channel had its turn, or somebody has had enough.
+    Over,
+    /// Somebody has asked to stop, with this exit code.
+    Stopped(u8),
+}
+
+/// What a walk has with it.
+pub struct Round<'a> {
+    /// The rig, as it was read.
+    pub rig: &'a Rig,
+    /// What is to be felt.
+    pub probes: &'a [Probe],
+    /// What plays it.
+    pub session: &'a Session,
+    /// Whether somebody wants it to stop.
+    pub stop: &'a Stop,
+    /// Where it is shown.
+    pub terminal: &'a Terminal,
+    /// Of each probe.
+    pub seconds: f64,
+}
+
+impl Round<'_> {
+    /// Over all of them without waiting for anybody.
+    ///
+    /// # Errors
+    /// A session that takes nothing any more.
+    pub fn pass(&self) -> Result<End, Failure> {
+        for probe in self.probes {
+            if let Some(code) = self.wait(PAUSE) {
+                return Ok(End::Stopped(code));
+            }
+            self.terminal.note(&format!("{}\n", self.described(probe)));
+            if let Some(code) = self.play(probe)? {
+                return Ok(End::Stopped(code));
+            }
+        }
+        // The last one rings out.
+        Ok(self.wait(PAUSE).map_or(End::Over, End::Stopped))
+    }
+
+    /// One after the other, as somebody says what is felt; by channel.
+    ///
+    /// # Errors
+    /// As [`Round::pass`].
+    pub fn ask(&self, person: &Typed, felt: &mut BTreeMap<u32, Felt>) -> Result<End, Failure> {
+        self.terminal.note(&format!("{HELP}\n\n"));
+        if let Some(code) = self.wait(OPENS) {
+            return Ok(End::Stopped(code));
+        }
+        let mut at = 0;
+        while let Some(probe) = self.probes.get(at) {
+            let head = format!("{}/{}  {}? ", at + 1, self.probes.len(), self.described(probe));
+            self.terminal.note(&head);
+            person.forget();
+            if let Some(code) = self.play(probe)? {
+                return Ok(End::Stopped(code));
+            }
+            let answer = loop {
+                match person.said() {
+                    Said::End => return Ok(End::Over),
+                    Said::Line(line) => match Answer::of(&line, self.rig) {
+                        Ok(answer) => break answer,
+                        Err(why) => self.terminal.note(&format!("     {why}\n     {HELP}\n     ? ")),
+                    },
+                    Said::Nothing => {
+                        if let Some(code) = self.wait(Duration::from_millis(10)) {
+                            return Ok(End::Stopped(code));
+                        }
+                    }
+                }
+            };
+            let what = match answer {
+                // Where the rig has nothing, there is nothing to agree with.
+                Answer::Yes => probe.output.map(Felt::Output),
+                Answer::Felt(output) => Some(Felt::Output(output)),
+                Answer::Nothing => Some(Felt::Nothing),
+                Answer::Again => continue,
+                Answer::Back => {
+                    at = at.saturating_sub(1);
+                    continue;
+                }
+                Answer::Quit => break,
+            };
+            match what {
+                Some(what) => felt.insert(probe.channel, what),
+                None => felt.remove(&probe.channel),
+            };
+            at += 1;
+        }
+        Ok(End::Over)
+    }
+
+    /// Plays a probe and waits until it is over; the exit code where somebody asks to stop.
+    fn play(&self, probe: &Probe) -> Result<Option<u8>, Failure> {
+        let mut note = Note::default().level(probe.level).duration(self.seconds).frequency(probe.frequency);
+        note.place = Some(Place::Channel(probe.channel));
+        let played = self.session.handle().play("probe", note);
+        played.map_err(|refused| Failure::said(71, refused.to_string()))?;
+        Ok(self.wait(Duration::from_secs_f64(self.seconds)))
+    }
+
+    /// Waits; the exit code where somebody asks to stop.
+    fn wait(&self, time: Duration) -> Option<u8> {
+        let until = Instant::now() + time;
+        loop {
+            if guard::has_panicked() {
+                return Some(guard::BUG);
+            }
+            if let Some(code) = self.stop.asked() {
+                return Some(code);
+            }
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return None;
+            }
+            std::thread::sleep(left.min(Duration::from_millis(5)));
+        }
+    }
+
+    fn described(&self, probe: &Probe) -> String {
+        let output = probe.output.and_then(|at| self.rig.outputs.get(at));
+        let name = output.map_or("nothing in the rig".into(), |output| format!("`{}`", output.name));
+        let why = if probe.lowered { ", half of what it is rated for" } else { "" };
+        format!(
+            "channel {}: {name}, {:.0} Hz at level {:.2}{why}",
+            probe.channel, probe.frequency, probe.level
+        )
+    }
+}
