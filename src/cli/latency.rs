@@ -130,7 +130,7 @@ impl Latency {
         let ear = self.input_device.as_deref().or(rig.and_then(|rig| rig.device.input.as_deref()));
         let (ear, heard_of) = match ear {
             Some(ear) => choose::heard(ear)?,
-            None if found.input.is_some() => choose::heard(&found.id)?,
+            None if found.input.is_some() => (device.clone(), found.clone()),
             None => {
                 return Err(Failure::usage(
                     format!("{} has no inputs", found.name),
