@@ -170,3 +170,47 @@ fn what_a_card_does_not_offer_is_refused_with_what_it_does() {
     let (code, said) = of(&["--device", "card8"]);
     assert!(code == Some(69), "{said}");
 }
+
+const WALKED: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 8\n[[tactor]]\nname = \"a\"\nchannel = 1\n\
+    [[tactor]]\nname = \"b\"\nchannel = 2\n[[output]]\nkind = \"torque\"\nname = \"knob\"\nchannel = 3\n\
+    [[tactor]]\nname = \"c\"\nchannel = 7\ngain = 0.5\n";
+
+#[test]
+fn a_walk_moves_one_channel_after_the_other_and_never_a_torque() {
+    let Some(bench) = Bench::new("walk") else { return };
+    bench.write("r.toml", WALKED);
+    let arguments =
+        ["walk", "--rig", "r.toml", "--device", "card8", "--all", "--seconds", "0.2", "--level", "0.3"];
+    let output = bench.run(&arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let samples = bench.samples();
+    let mut before = 0;
+    for channel in 0..8 {
+        let own: Vec<f32> = samples.iter().skip(channel).step_by(8).copied().collect();
+        let sounding = |x: &f32| x.abs() > 1e-4;
+        let (first, last) = (own.iter().position(sounding), own.iter().rposition(sounding));
+        if channel == 2 {
+            assert!(own.iter().all(|x| *x == 0.0), "the knob");
+            continue;
+        }
+        let (first, last) = (first.unwrap(), last.unwrap());
+        assert!(first > before && last < first + 16_000, "channel {}: {first} to {last}", channel + 1);
+        before = last;
+        let peak = own.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+        let wanted = if channel == 6 { 0.15 } else { 0.3 };
+        assert!((peak / wanted - 1.0).abs() < 0.1, "channel {}: {peak}", channel + 1);
+    }
+}
+
+#[test]
+fn a_walk_that_is_stopped_ends_in_zeros() {
+    let Some(bench) = Bench::new("walk-stop") else { return };
+    bench.write("r.toml", WALKED);
+    let child = bench.start(&["walk", "--rig", "r.toml", "--device", "card8", "--seconds", "10"]);
+    wait("sound", || bench.samples().iter().any(|x| x.abs() > 0.2));
+    signal(&child, "INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
+    let samples = bench.samples();
+    assert!(samples[samples.len() - 8 * 100..].iter().all(|x| *x == 0.0));
+}

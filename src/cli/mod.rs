@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each a thin use of the library.
 
 mod advice;
+mod ask;
 mod by_default;
 mod check;
 mod demo;
@@ -12,7 +13,9 @@ mod form;
 mod format;
 mod guard;
 mod input;
+mod keep;
 mod latency;
+mod learn;
 mod left_out;
 mod load;
 mod memory;
@@ -27,7 +30,9 @@ mod play;
 mod plot;
 mod problems;
 mod progress;
+mod provenance;
 mod render;
+mod replay;
 mod schema;
 mod screen;
 mod setting;
@@ -35,6 +40,8 @@ mod stop;
 mod summary;
 mod table;
 mod terminal;
+mod walk;
+mod watch;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
@@ -76,7 +83,10 @@ enum Command {
     Check(check::Check),
     Render(render::Render),
     Play(play::Play),
+    Replay(replay::Replay),
     Devices(devices::Devices),
+    Walk(walk::Walk),
+    Learn(learn::Learn),
     Latency(latency::Latency),
     Plot(plot::Plot),
     Error(error::Error),
@@ -105,7 +115,10 @@ fn run() -> u8 {
         Command::Check(check) => check.run(&terminal),
         Command::Render(render) => render.run(&terminal),
         Command::Play(play) => play.run(&terminal),
+        Command::Replay(replay) => replay.run(&terminal),
         Command::Devices(devices) => devices.run(&terminal),
+        Command::Walk(walk) => walk.run(&terminal),
+        Command::Learn(learn) => learn.run(&terminal),
         Command::Latency(latency) => latency.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),
         Command::Format(format) => format.run(&terminal),

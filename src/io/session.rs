@@ -16,17 +16,19 @@ use super::device::keeper::{BLOCK, Fate, Keeper};
 use super::device::list::Found;
 use super::device::listening::Listening;
 use super::input::{Heard, Input};
-use crate::engine::Delay;
 use crate::engine::exchange::exchange;
+use crate::engine::task::Task;
+use crate::engine::{Delay, Duty};
 use crate::live::board::Board;
 use crate::live::callback::Callback;
+use crate::live::clock::StreamClock;
 use crate::live::conductor::{Audience, Conductor};
 use crate::live::driver::Driver;
 use crate::live::gate::{Gate, RAMP_OUT, UNARMED};
 use crate::live::intake::{Ears, bridge};
 use crate::live::reload::Reload;
 use crate::live::signal::{Handle, Refused, Signal};
-use crate::live::stamp::Epoch;
+use crate::live::stamp::{self, Epoch};
 use crate::midi::file::Song;
 use crate::performer::{Listener, Performer};
 
@@ -44,6 +46,10 @@ pub struct Beginning {
     pub input: Ear,
     /// Whether everything that goes out is to be fetched through [`Session::recording`].
     pub record: bool,
+    /// Whether everything that it hears is to be fetched through [`Session::recording_input`].
+    pub record_input: bool,
+    /// Periodic tasks that run with it, on the audio thread.
+    pub tasks: Vec<Box<dyn Task>>,
     /// A song that plays it from the beginning.
     pub song: Option<Arc<Song>>,
     /// Hears of every event as it is made.
@@ -70,6 +76,26 @@ pub enum Ear {
     },
 }
 
+impl Beginning {
+    /// Of what is played, on what, as most sessions begin: at full level, hearing nothing and heard by nobody.
+    pub fn of(scene: Reload, device: Chosen) -> Self {
+        Self {
+            scene,
+            device,
+            block: None,
+            armed: true,
+            input: Ear::Nothing,
+            record: false,
+            record_input: false,
+            tasks: Vec::new(),
+            song: None,
+            listener: None,
+            audience: Box::new(|_| {}),
+            fate: Box::new(|_| {}),
+        }
+    }
+}
+
 /// A session that plays. It stops when it is dropped.
 pub struct Session {
     handle: Handle,
@@ -79,6 +105,9 @@ pub struct Session {
     input_delay: f64,
     conductor: Option<JoinHandle<()>>,
     recording: Option<HeapCons<f32>>,
+    recording_input: Option<(HeapCons<f32>, usize)>,
+    clock: StreamClock,
+    duties: Vec<Arc<Duty>>,
     rate: f64,
     delay: Delay,
 }
@@ -92,9 +121,21 @@ impl Session {
     /// # Errors
     /// A device that cannot be opened, or a plan that no engine can be built for.
     pub fn start(beginning: Beginning) -> Result<Self, SessionError> {
-        let Beginning { scene: reload, device, block, armed, input, record, song, listener, audience, fate } =
-            beginning;
-        let Reload { scene, patch, rig, files } = reload;
+        let Beginning {
+            scene: reload,
+            device,
+            block,
+            armed,
+            input,
+            record,
+            record_input,
+            tasks,
+            song,
+            listener,
+            audience,
+            fate,
+        } = beginning;
+        let Reload { scene, patch, rig, files, .. } = reload;
         let (rate, channels) = (scene.plan.device_rate, scene.plan.channels);
         let (director, mut stagehand) =
             exchange(&scene.plan).map_err(|why| SessionError::Plan(why.to_string()))?;
@@ -107,14 +148,25 @@ impl Session {
             performer.play_song(song.messages.iter().copied(), song.seconds);
         }
         let delay = stagehand.engine().delay();
+        // The clock is asked once here, so that the audio thread finds it running.
+        stamp::nanoseconds();
+        stagehand.engine().time_tasks(stamp::nanoseconds);
+        let duties = tasks.into_iter().map(|task| stagehand.engine().add_task(task)).collect();
         let (inputs, input_delay) = (stagehand.engine().input_channels(), stagehand.engine().input_delay());
         let board = Arc::new(Board::new(channels));
+        board.engine_delay.set((delay.total() * 1e9).round() as u64);
         let gate = Gate::new(rate, if armed { 1.0 } else { UNARMED });
         let (mut callback, rings) = Callback::new(stagehand, gate, Arc::clone(&board));
+        let ring = |channels: usize| HeapRb::new((RECORDED * rate) as usize * channels).split();
         let recording = record.then(|| {
-            let (out, back) = HeapRb::new((RECORDED * rate) as usize * channels).split();
+            let (out, back) = ring(channels);
             callback.record(out);
             back
+        });
+        let recording_input = (record_input && inputs > 0).then(|| {
+            let (heard, back) = ring(inputs);
+            callback.record_input(heard);
+            (back, inputs)
         });
         let epoch = Epoch::begin();
         let expected = block.map_or(BLOCK, |block| block as usize);
@@ -137,7 +189,7 @@ impl Session {
             }
         }
         let (mut conductor, handle) =
-            Conductor::new(performer, director, rings, clock, epoch, &board, audience);
+            Conductor::new(performer, director, rings, clock.clone(), epoch, &board, audience);
         // What plays from the beginning is there before the device asks for it, so that it plays as it would be rendered.
         conductor.begin();
         let shape = Shape { channels, rate: rate as u32, block };
@@ -147,7 +199,20 @@ impl Session {
             .spawn(move || conductor.lead())
             .map_err(|error| SessionError::Plan(format!("no thread for the conductor: {error}")))?;
         let (keeper, conductor) = (Some(keeper), Some(conductor));
-        Ok(Self { handle, board, keeper, listening, input_delay, conductor, recording, rate, delay })
+        Ok(Self {
+            handle,
+            board,
+            keeper,
+            listening,
+            input_delay,
+            conductor,
+            recording,
+            recording_input,
+            clock,
+            duties,
+            rate,
+            delay,
+        })
     }
 
     /// By which other threads reach it.
@@ -158,6 +223,21 @@ impl Session {
     /// How it stands.
     pub fn board(&self) -> &Arc<Board> {
         &self.board
+    }
+
+    /// What is known of its periodic tasks.
+    pub fn duties(&self) -> &[Arc<Duty>] {
+        &self.duties
+    }
+
+    /// How its frames and wall time belong together.
+    pub fn clock(&self) -> &StreamClock {
+        &self.clock
+    }
+
+    /// Frames a second.
+    pub fn rate(&self) -> f64 {
+        self.rate
     }
 
     /// The delay of the engine that it began with.
@@ -174,6 +254,11 @@ impl Session {
     /// times a second.
     pub fn recording(&mut self) -> Option<HeapCons<f32>> {
         self.recording.take()
+    }
+
+    /// The same of what it hears, if that is recorded and it hears anything: frames of so many channels.
+    pub fn recording_input(&mut self) -> Option<(HeapCons<f32>, usize)> {
+        self.recording_input.take()
     }
 
     /// Closes the gate, waits until the device has been given silence, and lets go of it.

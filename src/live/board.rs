@@ -82,6 +82,8 @@ pub struct Board {
     pub unrecorded: Figure,
     /// Things done that the log did not hear of.
     pub untold: Figure,
+    /// 0 while all periodic tasks run; where there is too much to do, 255 less the rank above which they rest.
+    pub shed: Figure,
     /// Whether the gate is shut: 1, or 0.
     pub shut: Figure,
     /// Run time of the callbacks.
@@ -92,6 +94,8 @@ pub struct Board {
     pub block: Figure,
     /// Nanoseconds from a callback to when the device plays its first frame, as the device has it; 0 where it does not say.
     pub device_delay: Figure,
+    /// Nanoseconds from an event to the middle of what it makes at the output, at 250 Hz.
+    pub engine_delay: Figure,
     /// What it hears.
     pub input: InputBoard,
 }

@@ -75,6 +75,11 @@ impl Moment {
         let since = (stamp.seconds() - self.time) / self.frame;
         (self.frames as f64 + self.ahead as f64 + since).max(0.0)
     }
+
+    /// Seconds since the session began when the device asks for a frame, if its callbacks came evenly.
+    pub fn time_of(&self, frame: f64) -> f64 {
+        self.time + (frame - self.frames as f64) * self.frame
+    }
 }
 
 impl Follower {

@@ -10,6 +10,7 @@ use super::callback::Callback;
 use super::clock::{Follower, StreamClock};
 use super::gate::Order;
 use super::intake::Hearing;
+use super::relief::Relief;
 use super::stamp::Epoch;
 
 /// What a device calls to be filled. Only one device at a time has it; when that lets go of it, it goes home.
@@ -21,6 +22,7 @@ pub struct Driver {
     board: Arc<Board>,
     /// Gaps of the device so far.
     gaps: u64,
+    relief: Relief,
     hearing: Option<Box<dyn Hearing>>,
     /// What is heard during the frames at hand.
     heard: Vec<f32>,
@@ -39,8 +41,8 @@ impl Driver {
         board: Arc<Board>,
     ) -> (Self, StreamClock) {
         let (follower, clock) = Follower::new(rate, block as u64);
-        let (hearing, heard) = (None, Vec::new());
-        (Self { callback, follower, epoch, rate, board, gaps: 0, hearing, heard }, clock)
+        let (hearing, heard, relief) = (None, Vec::new(), Relief::default());
+        (Self { callback, follower, epoch, rate, board, gaps: 0, relief, hearing, heard }, clock)
     }
 
     /// From now on the engine hears this.
@@ -86,7 +88,11 @@ impl Driver {
                 }
             }
         }
-        self.board.load.note(begin.elapsed().as_secs_f64(), frames as f64 / self.rate);
+        let (busy, period) = (begin.elapsed().as_secs_f64(), frames as f64 / self.rate);
+        self.board.load.note(busy, period);
+        if let Some(how) = self.relief.note(busy, period) {
+            self.callback.relieve(how);
+        }
     }
 
     /// To lend it to a device: when the device drops it, it comes back through `home`.

@@ -18,6 +18,8 @@ pub mod driver;
 pub mod gate;
 pub mod intake;
 pub mod load;
+pub mod provenance;
+pub mod relief;
 pub mod reload;
 pub mod signal;
 pub mod stamp;

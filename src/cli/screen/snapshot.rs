@@ -22,6 +22,8 @@ pub struct Snapshot {
     pub panicked: bool,
     /// Whether the device is away.
     pub lost: bool,
+    /// Why what was saved last does not play.
+    pub stale: Option<String>,
     /// How the engine is doing.
     pub figures: Figures,
     /// What lies between an event and the skin.
