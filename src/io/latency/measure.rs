@@ -196,8 +196,9 @@ fn reckon(sent: &[Callback], heard: &[Callback], samples: &[f32], rates: [f64; 2
         let playing = plays.iter().find(|s| s.first <= begin && end <= s.last);
         let hearing = playing.and_then(|playing| {
             let at = playing.line.at(begin);
-            let find =
-                |s: &&Stretch| s.first <= s.line.place(at - EARLY) && s.line.place(at + WITHIN) <= s.last;
+            let find = |s: &&Stretch| {
+                s.first <= s.line.place(at - EARLY) && s.line.place(at + WITHIN + probe::SECONDS) <= s.last
+            };
             Some((playing, at, hears.iter().find(find)?))
         });
         let Some((playing, at, hearing)) = hearing else {
@@ -205,7 +206,7 @@ fn reckon(sent: &[Callback], heard: &[Callback], samples: &[f32], rates: [f64; 2
             continue;
         };
         let first = hearing.line.place(at - EARLY).max(0.0) as usize;
-        let last = (hearing.line.place(at + WITHIN) as usize).min(samples.len());
+        let last = (hearing.line.place(at + WITHIN + probe::SECONDS) as usize).min(samples.len());
         // Seconds by the clock of the device that plays, between two samples that are heard.
         let step = hearing.line.slope() / (playing.line.slope() * rates[0]);
         let echo = samples.get(first..last).and_then(|part| find(part, step));
@@ -260,7 +261,7 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
     let listening = Capture::open(ear, heard_of, *ears, recorder, &board, news.clone())?;
     let playing = Card::open(device, found, *shape, sender, &board, news)?;
     let (mut sent, mut heard, mut samples) = (Vec::new(), Vec::new(), Vec::<f32>::new());
-    let seconds = BEFORE + what.count as f64 * EVERY + WITHIN + 0.2;
+    let seconds = BEFORE + what.count as f64 * EVERY + WITHIN + 0.3;
     let (begin, mut frames) = (Instant::now(), 0);
     let mut since = Instant::now();
     loop {
