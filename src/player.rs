@@ -4,7 +4,7 @@ pub(crate) mod stretch;
 
 use std::sync::Arc;
 
-use crate::engine::event::Play;
+use crate::engine::event::{Move, Play};
 use crate::engine::{Counters, Engine};
 use crate::graph::plan::Plan;
 use crate::graph::scene::{Options, scene};
@@ -15,7 +15,7 @@ use crate::performer::{Performer, When};
 use crate::rig::Rig;
 use crate::text::{Problem, Problems};
 
-pub use crate::performer::{Happening, Heard, Listener, Note, OpenEvents, Origin};
+pub use crate::performer::{Happening, Heard, Listener, Note, OpenEvents, Origin, Touch};
 
 /// A patch on a rig, playing.
 ///
@@ -112,6 +112,11 @@ impl Player {
         self.performer.recorded()
     }
 
+    /// How that was moved while it sounded, in seconds.
+    pub fn recorded_moves(&self) -> &[(f64, Move)] {
+        self.performer.recorded_moves()
+    }
+
     /// Tells `listener` of every event from now on, as it is given to the engine, and of those that were played at the
     /// beginning if nothing was computed yet. Voices that are always on are no events.
     pub fn listen(&mut self, listener: Listener) {
@@ -154,6 +159,24 @@ impl Player {
     pub fn release_all(&mut self) {
         let now = self.now();
         self.performer.release_all(now, &mut self.engine);
+    }
+
+    /// Moves the hand that holds what was played under an id, now; see [`Touch`].
+    ///
+    /// # Errors
+    /// A value that is not finite, or no room in the engine's queue.
+    pub fn touch(&mut self, id: u64, touch: Touch) -> Result<(), Problem> {
+        let now = self.now();
+        self.performer.touch(now, id, touch, &mut self.engine)
+    }
+
+    /// The same, `at` seconds from the beginning.
+    ///
+    /// # Errors
+    /// As [`Player::touch`], or a time that cannot be.
+    pub fn touch_at(&mut self, at: f64, id: u64, touch: Touch) -> Result<(), Problem> {
+        let at = When::of_seconds(at, self.plan().engine_rate());
+        self.performer.touch(at, id, touch, &mut self.engine)
     }
 
     /// Sends a control to a value, now; it arrives after its smoothing. The control's range holds.

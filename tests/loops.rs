@@ -102,14 +102,14 @@ fn settings_share_their_reference() {
     let with = |plan: &Plan, precision, taps| Plan { precision, taps, ..plan.clone() };
 
     let plan = compiled(ECHO, 1, 48_000.0).plan;
-    let take = Take { events: &events, input: &[], seconds: 0.2 };
+    let take = Take { events: &events, moves: &[], input: &[], seconds: 0.2 };
     let one = take.reference(&with(&plan, Precision::Single, 4));
     assert!(one.channels[0].iter().any(|x| x.abs() > 0.1));
     assert_eq!(one, take.reference(&with(&plan, Precision::Double, 12)));
 
     let plan = compiled(LISTENING, 1, 48_000.0).plan;
     let input = [Vec::new(), sound];
-    let take = Take { events: &[], input: &input, seconds: 0.2 };
+    let take = Take { events: &[], moves: &[], input: &input, seconds: 0.2 };
     let one = take.reference(&with(&plan, Precision::Single, 4));
     assert!(one.channels[0].iter().any(|x| x.abs() > 0.1));
     assert_eq!(one, take.reference(&with(&plan, Precision::Double, 4)));

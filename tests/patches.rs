@@ -73,7 +73,8 @@ fn input_of(path: &Path, player: &Player) -> Option<Input> {
     Some(Input::open(&root().join(asked.trim()), plan.device_rate, &plan.inputs()).unwrap())
 }
 
-/// What plays a patch, as it asks in a line `# midi: PATH`: its notes. The reference knows nothing of controls that move.
+/// What plays a patch, as it asks in a line `# midi: PATH`: its notes, and how they are bent and pressed. The reference knows nothing of
+/// controls that move.
 fn song_of(path: &Path) -> Option<Song> {
     let text = fs::read_to_string(path).unwrap();
     let asked = text.lines().find_map(|line| line.strip_prefix("# midi: "))?;
@@ -81,7 +82,10 @@ fn song_of(path: &Path) -> Option<Song> {
         Song::read(asked, &fs::read(root().join(asked.trim())).unwrap()).unwrap_or_else(|p| panic!("{p}"));
     assert!(checked.warnings.list.is_empty(), "{}", checked.warnings);
     let mut song = checked.value;
-    song.messages.retain(|(_, message)| !matches!(message, Message::Controller { .. }));
+    // Of the controllers, those that choose a parameter and set it, and the timbre.
+    let moves = |number: u8| ![6, 38, 74, 100, 101].contains(&number);
+    song.messages
+        .retain(|(_, message)| !matches!(message, Message::Controller { number, .. } if moves(*number)));
     Some(song)
 }
 
@@ -162,7 +166,7 @@ fn played(path: &Path) -> Result<Played, String> {
     fault(most < 0.2, format!("its peak is only {most}"));
     fault(seconds < 3.0, format!("it lasts only {seconds} s"));
     let channels = input.as_ref().map_or(&[][..], Input::channels);
-    let take = Take { events: player.recorded(), input: channels, seconds };
+    let take = Take { events: player.recorded(), moves: player.recorded_moves(), input: channels, seconds };
     let measured = take.measure(player.plan(), &take.reference(player.plan())).unwrap();
     fault(
         measured.comparison.error_db > MOST_ERROR,

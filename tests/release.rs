@@ -70,6 +70,7 @@ fn a_listener_hears_of_all_that_the_program_does() {
             Happening::Control(name, value) => format!("{name} to {value}"),
             Happening::Release => "release".into(),
             Happening::ReleaseAll => "all".into(),
+            Happening::Touch(motion, value) => format!("{motion:?} {value}"),
         };
         list.lock().unwrap().push((event.instant.sample, what, event.id));
     }));

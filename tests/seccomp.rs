@@ -13,9 +13,10 @@ use std::time::Duration;
 
 use common::scenes::busy;
 use common::{compiled, play};
-use pacinian::engine::event::{Event, Source};
+use pacinian::engine::event::{Event, Move, Source};
 use pacinian::engine::exchange::{Stagehand, exchange};
 use pacinian::graph::plan::Plan;
+use pacinian::node::motion::Motion;
 use pacinian::schedule::Instant;
 
 /// What a child is to do.
@@ -71,6 +72,11 @@ fn perform(mut stagehand: Stagehand, task: &str, progress: &Progress) -> ! {
             let what = match event % 10 {
                 0 => Event::Control(0, f64::from(event % 7) / 7.0),
                 1 => Event::Release(u64::from(event.wrapping_sub(1))),
+                2 => Event::Touch(Move {
+                    id: u64::from(event.wrapping_sub(4)),
+                    motion: Motion::ALL[event as usize / 10 % 3],
+                    value: f64::from(event % 97) / 50.0 - 0.5,
+                }),
                 _ => {
                     let hertz = 40.0 + f64::from(event % 300);
                     Event::Play(play(event % 2, event % 16, hertz, 0.003, u64::from(event)))

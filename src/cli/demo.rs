@@ -118,7 +118,7 @@ impl Demo {
         stop: &Stop,
         terminal: &Terminal,
     ) -> Result<Comparison, Failure> {
-        let take = Take { events: player.recorded(), input: &[], seconds };
+        let take = Take { events: player.recorded(), moves: player.recorded_moves(), input: &[], seconds };
         let progress = Progress::new(terminal, Some(seconds));
         let asked = |what: &str, share: f64| {
             progress.says(what, share * seconds);

@@ -86,13 +86,13 @@ struct Answer {
 impl Error {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        if self.scene.midi.is_some() {
+        let mut loaded = self.scene.load(false, self.duration)?;
+        if loaded.song.is_some() && !loaded.patch.binds.is_empty() {
             return Err(Failure::usage(
-                "the reference plays patterns, not MIDI",
+                "the reference knows nothing of controls that move, and `[[bind]]` lets MIDI move some",
                 "leave --midi out, or render with it: pacinian render",
             ));
         }
-        let mut loaded = self.scene.load(false, self.duration)?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
@@ -124,6 +124,7 @@ impl Error {
         let input = loaded.input.clone();
         let take = Take {
             events: player.recorded(),
+            moves: player.recorded_moves(),
             input: input.as_ref().map_or(&[], |input| input.channels()),
             seconds,
         };

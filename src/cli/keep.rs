@@ -32,13 +32,19 @@ const CLOCK: Duration = Duration::from_secs(1);
 
 /// What is being kept.
 pub struct Kept {
-    recorder: Option<(Recorder, PathBuf)>,
+    /// With words for people.
+    recorders: Vec<(Recorder, PathBuf, &'static str)>,
     journal: Option<(Journal, PathBuf)>,
     clock: Instant,
     said: bool,
 }
 
 impl Keep {
+    /// Where a journal has what was heard: beside it, under its name.
+    fn heard(&self) -> Option<PathBuf> {
+        self.events.as_ref().map(|events| events.with_extension("input.wav"))
+    }
+
     /// Refuses files that cannot be, before anything plays.
     ///
     /// # Errors
@@ -52,6 +58,9 @@ impl Keep {
             Form::of(events).map_err(|error| Failure::said(2, error.message))?;
             let others: Vec<&Path> = record.into_iter().collect();
             check_kept(events, "--events", &others, Some(loaded))?;
+            if let Some(heard) = self.heard() {
+                check_kept(&heard, "--events", &others, Some(loaded))?;
+            }
         }
         Ok(())
     }
@@ -61,7 +70,10 @@ impl Keep {
     /// # Errors
     /// A file that cannot be made.
     pub fn journal(&self, reload: &Reload, device: &str, armed: bool) -> Result<Option<Journal>, FileError> {
-        let setting = Setting { device: device.into(), armed, input: None };
+        let hears = !reload.scene.plan.inputs().is_empty();
+        let input = self.heard().filter(|_| hears);
+        let input = input.and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
+        let setting = Setting { device: device.into(), armed, input };
         let create = |path: &PathBuf| {
             Journal::create(path, setting.clone(), &reload.scene.plan, reload.provenance.as_deref())
         };
@@ -78,15 +90,19 @@ impl Keep {
         journal: Option<Journal>,
         loaded: &Loaded,
     ) -> Result<Kept, FileError> {
-        let mut recorder = None;
+        let mut recorders = Vec::new();
         if let Some((path, ring)) = self.record.as_ref().zip(session.recording()) {
             let mut spec = WavSpec::new(session.board().channels(), session.rate() as u32, Encoding::F32);
             spec.title.clone_from(&loaded.patch.title);
             spec.tactors = loaded.tactors();
-            recorder = Some((Recorder::start(ring, path, spec)?, path.clone()));
+            recorders.push((Recorder::start(ring, path, spec)?, path.clone(), "as they were sent"));
+        }
+        if let Some((path, (ring, channels))) = self.heard().zip(session.recording_input()) {
+            let spec = WavSpec::new(channels, session.rate() as u32, Encoding::F32);
+            recorders.push((Recorder::start(ring, &path, spec)?, path, "as they were heard"));
         }
         let journal = journal.zip(self.events.clone());
-        Ok(Kept { recorder, journal, clock: Instant::now(), said: false })
+        Ok(Kept { recorders, journal, clock: Instant::now(), said: false })
     }
 }
 
@@ -100,9 +116,10 @@ impl Kept {
             }
         }
         let failed = |path: &Path| Some(format!("`{}` takes no more; the rest is not kept", path.display()));
-        let trouble = match (&self.recorder, &self.journal) {
+        let recorder = self.recorders.iter().find(|(recorder, ..)| recorder.has_failed());
+        let trouble = match (recorder, &self.journal) {
             _ if self.said => None,
-            (Some((recorder, path)), _) if recorder.has_failed() => failed(path),
+            (Some((_, path, _)), _) => failed(path),
             (_, Some((journal, path))) if journal.has_failed() => failed(path),
             _ => None,
         };
@@ -116,10 +133,10 @@ impl Kept {
     /// What went wrong with them.
     pub fn finish(self, terminal: &Terminal) -> Result<(), Failure> {
         let mut failure = Failure::default();
-        if let Some((recorder, path)) = self.recorder {
+        for (recorder, path, words) in self.recorders {
             match recorder.finish() {
                 Ok(written) => terminal.note(&format!(
-                    "{}: {} frames, as they were sent\n",
+                    "{}: {} frames, {words}\n",
                     path.display(),
                     grouped(written.frames)
                 )),

@@ -142,6 +142,7 @@ impl Play {
             armed,
             input: listens.ear(Box::new(move |what| ears.input_fate(what))),
             record: self.keep.record.is_some(),
+            record_input: self.keep.events.is_some(),
             song: loaded.song.clone(),
             listener: Some(Box::new(move |event| {
                 makes.iter().for_each(|journal| journal.hear(event));

@@ -1,7 +1,7 @@
 //! The voices of one instrument: who sounds on which lane, from the onset until it has died away.
 
 use super::core::GRID;
-use super::event::Play;
+use super::event::{Move, Play};
 use super::lane::{Dying, Lane, Status};
 use super::mixer::Routes;
 use super::ops::Ops;
@@ -39,6 +39,8 @@ pub struct Bank<R: Real> {
     ending: Vec<u8>,
     peaks: Vec<[R; LANES]>,
     routes: Vec<Routes<R>>,
+    /// By lane: the id of the voice that is or was there; none where no node listens to what hands do.
+    ids: Vec<u64>,
     voices: usize,
     /// Engine samples of silence before a voice that has ended is let go.
     tail: u64,
@@ -57,9 +59,11 @@ impl<R: Real> Bank<R> {
     pub fn new(instrument: &Instrument, rate: f64, seed: u64, channel_groups: usize, isa: Isa) -> Self {
         let groups = budget::groups(instrument.voices);
         let tail = instrument.tail.clamp(0.0, 3600.0);
+        let ops = Ops::new(&instrument.program, groups, rate, seed, isa);
         Self {
             isa,
-            ops: Ops::new(&instrument.program, groups, rate, seed, isa),
+            ids: vec![u64::MAX; if ops.listen() { groups * LANES } else { 0 }],
+            ops,
             lanes: vec![Lane::default(); groups * LANES],
             live: vec![0; groups],
             taken: 0,
@@ -109,6 +113,9 @@ impl<R: Real> Bank<R> {
         let status = Status::Held;
         let (play, level, quiet) = (*play, 0.0, 0);
         self.lanes[lane] = Lane { play, born: at, serial, level, quiet, dying: Dying::default(), status };
+        if let Some(id) = self.ids.get_mut(lane) {
+            *id = play.id;
+        }
         self.ops.set(lane, &play.fields());
         self.ops.start(lane, play.id, at.until(clock) - LEAD);
         self.place(lane, place);
@@ -156,6 +163,9 @@ impl<R: Real> Bank<R> {
             let voice = self.lanes[lane];
             if voice.status == Status::Free {
                 continue;
+            }
+            if let Some(id) = self.ids.get_mut(lane) {
+                *id = voice.play.id;
             }
             self.ops.set(lane, &voice.play.fields());
             self.place(lane, places.get(voice.play.place as usize).map_or(&[][..], |p| p));
@@ -209,6 +219,19 @@ impl<R: Real> Bank<R> {
             if voice.status == Status::Held && id.is_none_or(|id| id == voice.play.id) {
                 self.end(lane, voice.serial, at);
                 released(lane);
+            }
+        }
+    }
+
+    /// The hand that holds the voices of that id moves. Those that fade have been let go of.
+    pub fn touch(&mut self, Move { id, motion, value }: Move, at: Instant) {
+        for lane in 0..self.ids.len() {
+            if self.ids[lane] != id {
+                continue;
+            }
+            let voice = &self.lanes[lane];
+            if matches!(voice.status, Status::Held | Status::Released) {
+                self.ops.touch(lane, motion, value, at.since(voice.born));
             }
         }
     }

@@ -296,7 +296,11 @@ impl<R: Real> Core<R> {
             let kept = match event {
                 Event::Play(play) => instrument(play.instrument).map(|i| play.instrument = i),
                 Event::Control(of, _) => control(*of).map(|c| *of = c),
-                Event::Release(_) | Event::ReleaseAll | Event::Marker(_) | Event::Shed(_) => Some(()),
+                Event::Release(_)
+                | Event::ReleaseAll
+                | Event::Touch(..)
+                | Event::Marker(_)
+                | Event::Shed(_) => Some(()),
             };
             counters.dropped += u64::from(kept.is_none() && matches!(event, Event::Play(_)));
             kept.is_some()
@@ -358,6 +362,7 @@ impl<R: Real> Core<R> {
             Event::Play(play) => self.play(&play, at),
             Event::Release(id) => self.release_all(Some(id), at),
             Event::ReleaseAll => self.release_all(None, at),
+            Event::Touch(to) => self.banks.iter_mut().for_each(|bank| bank.touch(to, at)),
             Event::Control(index, value) => {
                 if let Some(ramp) = self.controls.get_mut(index as usize) {
                     ramp.send(value, at);

@@ -1,6 +1,7 @@
 //! What reaches the engine: plain copies of a fixed size.
 
 use crate::graph::start::{FIELDS, Fields};
+use crate::node::motion::Motion;
 
 /// A voice is to sound.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -26,6 +27,17 @@ impl Play {
     }
 }
 
+/// The hand that holds voices moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Move {
+    /// Which voices: those of that id.
+    pub id: u64,
+    /// In which way.
+    pub motion: Motion,
+    /// How far.
+    pub value: f64,
+}
+
 /// What is due at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
@@ -33,6 +45,9 @@ pub enum Event {
     Play(Play),
     /// Release the voices of that id that still sound.
     Release(u64),
+    /// Move voices that still sound. At the instant of its onset a voice begins there; later it goes there in the time that its
+    /// nodes say. What is no number is ignored.
+    Touch(Move),
     /// Move a control, by its place in the plan, to a value.
     Control(u32, f64),
     /// Release everything.

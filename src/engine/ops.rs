@@ -7,8 +7,9 @@ use crate::dsp::random;
 use crate::graph::Base;
 use crate::graph::program::{Feed, OpInput, Program};
 use crate::graph::start::Fields;
-use crate::node::States;
 use crate::node::kernel::{INPUTS, Input, Io, Onset};
+use crate::node::motion::Motion;
+use crate::node::{NodeKind, States};
 
 /// States of the ops of a program, for groups of lanes.
 pub struct Ops<R: Real> {
@@ -22,6 +23,8 @@ pub struct Ops<R: Real> {
     late: Vec<[R; LANES]>,
     /// Ops that say whether a voice still sounds.
     deciding: Vec<usize>,
+    /// Ops that listen to what the hand does.
+    touched: Vec<usize>,
     seed: u64,
 }
 
@@ -32,6 +35,7 @@ impl<R: Real> Ops<R> {
             |op: &crate::graph::program::Op| States::new(op.node.kind, &op.node.setup(rate, rate), groups);
         let states: Vec<_> = program.ops.iter().map(new).collect();
         let deciding = (0..states.len()).filter(|op| states[*op].sounding(0, 0).is_some()).collect();
+        let touched = (0..states.len()).filter(|op| program.ops[*op].node.kind == NodeKind::TOUCH).collect();
         let rows = program.steady.len();
         let mut ops = Self {
             isa,
@@ -40,6 +44,7 @@ impl<R: Real> Ops<R> {
             bases: vec![[0.0; LANES]; groups * rows],
             late: vec![[R::ZERO; LANES]; groups * program.late.len()],
             deciding,
+            touched,
             seed,
             program: program.clone(),
         };
@@ -115,6 +120,18 @@ impl<R: Real> Ops<R> {
     pub fn release(&mut self, lane: usize, at: f64) {
         for states in &mut self.states {
             states.release(lane / LANES, lane % LANES, at);
+        }
+    }
+
+    /// Whether some of them listen to what the hand does.
+    pub fn listen(&self) -> bool {
+        !self.touched.is_empty()
+    }
+
+    /// The hand that holds a lane moves at the voice time `at` (samples).
+    pub fn touch(&mut self, lane: usize, motion: Motion, value: f64, at: f64) {
+        for &op in &self.touched {
+            self.states[op].touch(lane / LANES, lane % LANES, motion, value, at);
         }
     }
 

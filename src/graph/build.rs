@@ -10,7 +10,9 @@ use super::{Base, Graph, Node, NodeId, Settings, Signal, Wire};
 use crate::node::NodeKind;
 use crate::node::asset::Assets;
 use crate::node::kernel::INPUTS;
+use crate::node::motion::Motion;
 use crate::node::spec::Kind;
+use crate::node::touch::SMOOTHING;
 use crate::patch::{self, Patch, Scope, Value, Voice};
 use crate::text::{Problem, Span};
 use expression::Term;
@@ -70,8 +72,16 @@ pub fn voice(
     }
     let scope = shared.within(voice);
     let output = voice.output.clone();
-    let mut builder =
-        Builder { scope, fields, shared: false, assets, wanted, graph: Graph::default(), problems: vec![] };
+    let mut builder = Builder {
+        scope,
+        fields,
+        shared: false,
+        assets,
+        wanted,
+        graph: Graph::default(),
+        touches: [None; Motion::ALL.len()],
+        problems: vec![],
+    };
     builder.nodes(&voice.nodes);
     match voice.nodes.iter().position(|n| n.name == output) {
         Some(i) => builder.graph.outputs = vec![Wire::node(i as NodeId)],
@@ -101,6 +111,7 @@ pub fn shared(
         assets,
         wanted,
         graph: Graph::default(),
+        touches: [None; Motion::ALL.len()],
         problems: vec![],
     };
     builder.nodes(&patch.shared);
@@ -115,6 +126,8 @@ struct Builder<'a> {
     assets: &'a dyn Assets,
     wanted: &'a mut Wanted,
     graph: Graph,
+    /// The node that says what the hand does, by its motion, once it is needed.
+    touches: [Option<NodeId>; Motion::ALL.len()],
     problems: Vec<Problem>,
 }
 
@@ -250,6 +263,27 @@ impl Builder<'_> {
                 Base::Constant(0.0)
             }
         }
+    }
+
+    /// What the hand does: one node for all that read it.
+    fn touch(&mut self, motion: Motion) -> Signal {
+        let graph = &mut self.graph;
+        let id = *self.touches[motion.number()].get_or_insert_with(|| {
+            let settings = Settings {
+                constants: vec![SMOOTHING],
+                choices: vec![motion.number()],
+                ..Settings::default()
+            };
+            let name = format!("touch.{}", Motion::WORDS[motion.number()]).into();
+            graph.nodes.push(Node {
+                name,
+                kind: NodeKind::TOUCH,
+                settings: settings.into(),
+                inputs: Vec::new(),
+            });
+            graph.nodes.len() as NodeId - 1
+        });
+        Signal::Node(id)
     }
 
     /// A node made for an expression in a parameter of `owner`.

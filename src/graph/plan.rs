@@ -4,6 +4,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::dsp::biquad::Biquad;
+use crate::node::NodeKind;
+use crate::node::motion::Motion;
 
 use super::order::depth_first;
 use super::program::{Program, program};
@@ -134,6 +136,19 @@ pub struct Instrument {
     pub level: f64,
     /// Sounds from the beginning, without an event.
     pub always: bool,
+}
+
+impl Instrument {
+    /// Which motions of the hand that holds a voice some node of it hears, by [`Motion::number`].
+    pub fn hears(&self) -> [bool; Motion::ALL.len()] {
+        let mut hears = [false; Motion::ALL.len()];
+        for op in self.program.ops.iter().filter(|op| op.node.kind == NodeKind::TOUCH) {
+            if let Some(slot) = op.node.settings.choices.first().and_then(|of| hears.get_mut(*of)) {
+                *slot = true;
+            }
+        }
+        hears
+    }
 }
 
 /// What hangs on a channel.

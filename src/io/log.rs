@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::error::FileError;
 use super::out::OutputFile;
+use crate::node::motion::Motion;
 use crate::player::{Happening, Heard};
 
 /// What a log says about its rendering, in its first line.
@@ -100,6 +101,7 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
         Happening::Voice { .. } => "voice",
         Happening::Marker(_) => "marker",
         Happening::Control(..) => "control",
+        Happening::Touch(..) => "touch",
         Happening::Release => "release",
         Happening::ReleaseAll => "release-all",
     };
@@ -140,6 +142,9 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
         Happening::Control(name, value) => {
             cell(to, name)?;
             write!(to, ",,,,value={value},,")?;
+        }
+        Happening::Touch(motion, value) => {
+            write!(to, "{},,,,value={value},,", Motion::WORDS[motion.number()])?;
         }
         Happening::Release | Happening::ReleaseAll => to.push_str(",,,,,,"),
     }

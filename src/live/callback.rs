@@ -85,10 +85,8 @@ pub struct Callback {
     reports: HeapProd<Report>,
     gate: Gate,
     board: Arc<Board>,
-    record: Option<HeapProd<f32>>,
-    /// Samples that the recording owes.
-    unrecorded: usize,
-    record_input: Option<HeapProd<f32>>,
+    record: Option<Record>,
+    record_input: Option<Record>,
     channels: usize,
     /// Plans that have followed the first.
     plan: u64,
@@ -98,6 +96,28 @@ pub struct Callback {
     frames: u64,
     /// Tasks above this rank rest.
     shed: u8,
+}
+
+/// A recording.
+struct Record {
+    ring: HeapProd<f32>,
+    /// Samples that found no room. They are silence in it as soon as there is, so that those behind them stay in their places.
+    owed: usize,
+}
+
+impl Record {
+    /// Keeps samples, and silence to make them `length`. Gives how many of those it had to leave out.
+    fn keep(&mut self, samples: &[f32], length: usize) -> usize {
+        let silence = self.owed.min(self.ring.vacant_len());
+        self.owed -= self.ring.push_iter(std::iter::repeat_n(0.0, silence));
+        if self.owed > 0 || self.ring.vacant_len() < length {
+            self.owed += length;
+            return length;
+        }
+        let kept = self.ring.push_slice(samples);
+        self.ring.push_iter(std::iter::repeat_n(0.0, length - kept));
+        0
+    }
 }
 
 impl Callback {
@@ -115,7 +135,6 @@ impl Callback {
             gate,
             board,
             record: None,
-            unrecorded: 0,
             record_input: None,
             channels,
             plan: 0,
@@ -128,13 +147,12 @@ impl Callback {
 
     /// Everything that goes out, goes into `ring` as well. Callbacks for which there is no room are silence there, and counted.
     pub fn record(&mut self, ring: HeapProd<f32>) {
-        self.record = Some(ring);
+        self.record = Some(Record { ring, owed: 0 });
     }
 
-    /// What the engine hears goes into `ring` as well, frames of [`Callback::input_channels`]: whole callbacks, or nothing of one for
-    /// which there is no room.
+    /// What the engine hears goes into `ring` as well, frames of [`Callback::input_channels`], in the same way.
     pub fn record_input(&mut self, ring: HeapProd<f32>) {
-        self.record_input = Some(ring);
+        self.record_input = Some(Record { ring, owed: 0 });
     }
 
     /// Channels of an output frame.
@@ -164,29 +182,19 @@ impl Callback {
             self.take_cues();
         }
         self.stagehand.compute(input, output);
-        if let Some(ring) = &mut self.record_input {
-            let whole = ring.vacant_len() >= input.len();
-            let kept = if whole { ring.push_slice(input) } else { 0 };
+        if let Some(record) = &mut self.record_input {
             let channels = self.stagehand.engine().input_channels().max(1);
-            self.board.input.unrecorded.add((input.len() - kept) as u64 / channels as u64);
+            let frames = output.len() / self.channels.max(1);
+            // Where nothing came in, there was silence.
+            let lost = record.keep(&input[..input.len().min(frames * channels)], frames * channels);
+            self.board.input.unrecorded.add((lost / channels) as u64);
         }
         self.gate.pass(output, self.channels);
         self.frames += (output.len() / self.channels.max(1)) as u64;
         self.show(output);
-        self.keep(output);
-    }
-
-    /// Puts what goes out into the recording. Frames for which there is no room are silence in it as soon as there is, so that those
-    /// behind them stay in their places.
-    fn keep(&mut self, output: &[f32]) {
-        let Some(ring) = &mut self.record else { return };
-        let owed = self.unrecorded.min(ring.vacant_len());
-        self.unrecorded -= ring.push_iter(std::iter::repeat_n(0.0, owed));
-        if self.unrecorded == 0 && ring.vacant_len() >= output.len() {
-            ring.push_slice(output);
-        } else {
-            self.unrecorded += output.len();
-            self.board.unrecorded.add((output.len() / self.channels.max(1)) as u64);
+        if let Some(record) = &mut self.record {
+            let lost = record.keep(output, output.len());
+            self.board.unrecorded.add((lost / self.channels.max(1)) as u64);
         }
     }
 

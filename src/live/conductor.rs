@@ -258,6 +258,10 @@ impl Conductor {
                 }
                 self.voices.insert(number, id);
             }),
+            Signal::Touch(number, touch) => match self.voices.get(&number) {
+                Some(id) => self.performer.touch(at, *id, touch, outlet),
+                None => Ok(()),
+            },
             Signal::Release(number) => match self.voices.remove(&number) {
                 Some(id) => sent(self.performer.release(at, id, outlet)),
                 None => Ok(()),

@@ -83,6 +83,8 @@ impl Driver {
                     let room = self.heard.len();
                     let heard = &mut self.heard[..(frames * inputs).min(room)];
                     hearing.hear(due, inputs, heard);
+                    // A card's full scale, so that what is kept of it is all that was heard.
+                    heard.iter_mut().for_each(|x| *x = if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 });
                     self.callback.process(heard, part);
                     due += frames as f64 * self.follower.frame();
                 }

@@ -7,13 +7,15 @@ use super::board::Board;
 use super::reload::Reload;
 use super::stamp::{Epoch, Stamp};
 use crate::midi::Message;
-use crate::performer::Note;
+use crate::performer::{Note, Touch};
 
 /// Something that a session is to do.
 #[derive(Debug)]
 pub enum Signal {
     /// Play a voice, under a number by which it can be released.
     Play(u64, String, Note),
+    /// Move the hand that holds the voice of that number.
+    Touch(u64, Touch),
     /// Release the voice of that number.
     Release(u64),
     /// Release everything.
@@ -131,6 +133,14 @@ impl Handle {
     pub fn play(&self, voice: &str, note: Note) -> Result<u64, Refused> {
         let number = self.number();
         self.send(Signal::Play(number, voice.into(), note)).map(|()| number)
+    }
+
+    /// Bends or presses a voice now, apart from all others: its nodes read it as `touch.bend`, `touch.pressure` and `touch.timbre`.
+    ///
+    /// # Errors
+    /// A signal that was not taken.
+    pub fn touch(&self, number: u64, touch: Touch) -> Result<(), Refused> {
+        self.send(Signal::Touch(number, touch))
     }
 
     /// Releases a voice now.

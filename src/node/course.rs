@@ -75,6 +75,12 @@ impl Course {
         let start = self.end();
         self.pieces.push(Piece { start, end: t.max(start), from: value, to: value, curve: 0.0 });
     }
+    /// Forgets what has ended before `t`, of which nothing is asked any more.
+    pub fn forget(&mut self, t: f64) {
+        if self.pieces.len() > 8 {
+            self.pieces.retain(|piece| piece.end >= t);
+        }
+    }
     /// The value at `t`; where it jumps, the one after.
     pub fn at(&self, t: f64) -> f64 {
         let piece = self.pieces.iter().rev().find(|piece| piece.start <= t && t < piece.end);

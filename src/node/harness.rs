@@ -12,6 +12,7 @@ use std::rc::Rc;
 
 use super::asset::Asset;
 use super::kernel::{Input, Io, Onset, Point, Setup};
+use super::motion::Motion;
 use super::spec::Kind;
 use super::{NodeKind, States, twin};
 use crate::dsp::lanes::{LANES, Real};
@@ -42,6 +43,8 @@ pub struct Bench {
     pub age: f64,
     /// Voice time of the release, in seconds.
     pub release: Option<f64>,
+    /// What the hand does, at voice times in seconds, in order.
+    touches: Vec<(f64, Motion, f64)>,
     drives: Vec<Drive>,
     frequency: Vec<bool>,
 }
@@ -73,7 +76,7 @@ impl Bench {
             asset: None,
             begins: false,
         };
-        Self { kind, setup, stream: 7, age: -1.6, release: None, drives, frequency }
+        Self { kind, setup, stream: 7, age: -1.6, release: None, touches: Vec::new(), drives, frequency }
     }
 
     fn place(&self, name: &str, of: impl Fn(&Kind) -> bool) -> usize {
@@ -141,6 +144,13 @@ impl Bench {
         self
     }
 
+    /// The hand moves so at `t` seconds of voice time, at least 0; later than it did before.
+    pub fn touched(mut self, t: f64, motion: Motion, value: f64) -> Self {
+        assert!(t >= self.touches.last().map_or(0.0, |last| last.0), "in order");
+        self.touches.push((t, motion, value));
+        self
+    }
+
     fn starts(&self) -> Vec<f64> {
         self.drives.iter().map(|drive| drive.base).collect()
     }
@@ -149,7 +159,10 @@ impl Bench {
     }
     /// Samples of the kernel before which it is told of the release.
     fn told(&self) -> usize {
-        let Some(t) = self.release else { return usize::MAX };
+        self.release.map_or(usize::MAX, |t| self.told_at(t))
+    }
+    /// And of what happens at `t`.
+    fn told_at(&self, t: f64) -> usize {
         (t * self.setup.rate - 2.0 - self.age).ceil().max(0.0) as usize
     }
 
@@ -186,8 +199,12 @@ impl Bench {
         let first = 1000;
         let mut sizes = blocks.iter().copied().cycle();
         let mut left = 0;
+        let mut touches = self.touches.iter().copied().peekable();
         while output.len() < samples {
             let n = output.len();
+            while let Some((t, motion, value)) = touches.next_if(|(t, ..)| self.told_at(*t) <= n) {
+                states.touch(0, lane, motion, value, t * rate);
+            }
             if n == self.told() {
                 states.release(0, lane, self.release.unwrap_or(0.0) * rate);
             }
@@ -205,6 +222,15 @@ impl Bench {
                 let neighbour = (n - 80) / 50 % LANES;
                 states.release(0, neighbour, -1.0 - 0.1 * neighbour as f64 + 81.5);
             }
+            if crowd && !self.touches.is_empty() && n > 80 && (n - 80) % 50 == 20 {
+                let neighbour = (n - 80) / 50 % LANES;
+                if neighbour != lane {
+                    let at = -1.0 - 0.1 * neighbour as f64 + 81.5;
+                    for motion in Motion::ALL {
+                        states.touch(0, neighbour, motion, 0.3 + n as f64 * 0.001, at);
+                    }
+                }
+            }
             if left == 0 {
                 left = sizes.next().unwrap_or(64).max(1);
             }
@@ -212,6 +238,9 @@ impl Bench {
             let mut frames = left.min(samples - n).min(64 - (clock % 64) as usize);
             if n < self.told() {
                 frames = frames.min(self.told() - n);
+            }
+            if let Some((t, ..)) = touches.peek() {
+                frames = frames.min(self.told_at(*t) - n);
             }
             if crowd {
                 frames = frames.min(10 - n % 10);
@@ -278,6 +307,7 @@ impl Bench {
         let start = self.starts();
         let mut twin = twin(self.kind, &setup, &self.onset(&start));
         let mut release = self.release;
+        let mut touches = self.touches.iter().copied().peekable();
         (0..samples)
             .map(|n| {
                 let t = (self.age + n as f64 / factor as f64) / self.setup.rate;
@@ -285,6 +315,10 @@ impl Bench {
                 if let Some(at) = release.filter(|at| *at <= t + 1.0 / setup.rate) {
                     twin.release(at);
                     release = None;
+                }
+                while let Some((at, motion, value)) = touches.next_if(|(at, ..)| *at <= t + 1.0 / setup.rate)
+                {
+                    twin.touch(at, motion, value);
                 }
                 let inputs: Vec<f64> =
                     self.drives.iter().enumerate().map(|(i, drive)| input(i, drive, t)).collect();

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::asset::Asset;
+use super::motion::Motion;
 use crate::dsp::lanes::{LANES, Real};
 
 /// How far a voice's clock lags behind the engine's, in engine samples. Band-limited jumps need two samples before their
@@ -124,6 +125,11 @@ pub(crate) trait Kernel<R: Real>: Send + Sized {
     fn release(&mut self, lane: usize, at: f64) {
         let _ = (lane, at);
     }
+    /// The hand that holds the voice on `lane` moves at voice time `at`, as of [`Kernel::release`], or at 0, the onset, before the first
+    /// sample. Only the node `touch` listens.
+    fn touch(&mut self, lane: usize, motion: Motion, value: f64, at: f64) {
+        let _ = (lane, motion, value, at);
+    }
     /// Computes `io.output.len()` frames, of which there is at least one.
     fn run(&mut self, io: &mut Io<R>);
     /// For envelopes that end: whether `lane` still sounds. `None` for nodes that do not decide.
@@ -149,6 +155,10 @@ pub trait Twin: Send {
     /// sample before `t`, so that it can average a jump over its sample interval.
     fn release(&mut self, t: f64) {
         let _ = t;
+    }
+    /// The hand that holds the voice moves at voice time `t` (seconds), of which a twin is told as of a release.
+    fn touch(&mut self, t: f64, motion: Motion, value: f64) {
+        let _ = (t, motion, value);
     }
     /// For envelopes that end: whether it still sounds.
     fn sounding(&self) -> Option<bool> {

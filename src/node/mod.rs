@@ -10,6 +10,7 @@ pub mod kernel;
 #[cfg(feature = "fundsp-nodes")]
 mod leaf;
 mod legs;
+pub mod motion;
 mod second_order;
 mod segment;
 pub mod spec;
@@ -19,6 +20,7 @@ pub mod words;
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use kernel::{Io, Kernel, Onset, Setup, Twin};
+use motion::Motion;
 use spec::NodeSpec;
 
 /// Nodes that are made of units of `fundsp`: they are in [`REGISTRY`] with the feature `fundsp-nodes`, which is on by default.
@@ -38,6 +40,7 @@ impl NodeKind {
     pub(crate) const INPUT: Self = Self(Index::Input as usize);
     pub(crate) const LFO: Self = Self(Index::Lfo as usize);
     pub(crate) const ONSET: Self = Self(Index::Onset as usize);
+    pub(crate) const TOUCH: Self = Self(Index::Touch as usize);
     #[cfg(feature = "fundsp-nodes")]
     pub(crate) const PLUCK: Self = Self(Index::Pluck as usize);
 }
@@ -132,6 +135,12 @@ macro_rules! registry {
             pub fn release(&mut self, group: usize, lane: usize, at: f64) {
                 match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::release(&mut s[group], lane, at)),* }
             }
+            /// See [`Kernel::touch`].
+            pub fn touch(&mut self, group: usize, lane: usize, motion: Motion, value: f64, at: f64) {
+                match self {
+                    $($(#[$attr])* Self::$variant(s) => Kernel::<R>::touch(&mut s[group], lane, motion, value, at)),*
+                }
+            }
             /// See [`Kernel::run`]; `isa` must be one that this machine has.
             #[inline]
             pub fn run(&mut self, isa: Isa, group: usize, io: &mut Io<R>) {
@@ -199,6 +208,7 @@ registry! {
     Sample = sample,
     Scan = scan,
     Input = input,
+    Touch = touch,
     #[cfg(feature = "fundsp-nodes")]
     Pluck = pluck,
     #[cfg(feature = "fundsp-nodes")]

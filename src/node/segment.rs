@@ -185,6 +185,14 @@ impl<R: Real> Track<R> {
         self.look_after(lane);
     }
 
+    /// After [`Track::start`], before anything is computed: it has been at `value` all the time, not at zero.
+    pub fn since_ever(&mut self, lane: usize, value: f64) {
+        for row in &mut self.late {
+            row[lane] = R::of(value);
+        }
+        self.lanes[lane].segment = Segment::hold(value, 0.0);
+    }
+
     /// Goes through what ends on `lane` up to the voice time `at`, which lies one to two samples after the next sample.
     pub fn reach<S: Script>(&mut self, lane: usize, at: f64, script: &mut S) {
         while self.lanes[lane].end() <= at {

@@ -1,5 +1,6 @@
 //! What a patch says that will not be felt as it was meant: warnings.
 
+use super::expr::Reads;
 use super::{Action, Event, Events, Expr, Node, Patch, Play, Source, Start, Trigger, Value, Voice};
 use crate::node::spec::{Family, Kind};
 use crate::text::sink::Sink;
@@ -130,7 +131,11 @@ impl<'a> Advice<'a> {
         for node in oscillators {
             let Some(expr) = frequency(node) else { continue };
             let mut read = Vec::new();
-            expr.visit(&mut |name, _, event| read.extend(event.then_some(name)));
+            expr.visit(&mut |reads, _| {
+                if let Reads::Event(field) = reads {
+                    read.push(field);
+                }
+            });
             let said = fields.iter().find(|f| read.contains(&f.0));
             if read.is_empty() || (said.is_none() && !is_default) {
                 continue;
@@ -238,12 +243,13 @@ fn frequency(node: &Node) -> Option<&Expr> {
     }
 }
 
-/// The value of an expression that reads fields of an event and nothing else.
+/// The value of an expression that reads fields of an event and nothing else, in a hand at rest.
 fn value(expr: &Expr, of: &dyn Fn(&str) -> Option<f64>) -> Option<f64> {
     match expr {
         Expr::Number(x) => Some(*x),
         Expr::Name(..) => None,
         Expr::Event(field, _) => of(field),
+        Expr::Touch(motion, _) => Some(motion.rest()),
         Expr::Negate(a) => value(a, of).map(|a| -a),
         Expr::Binary(op, a, b) => Some(op.apply(value(a, of)?, value(b, of)?)),
         Expr::Call(function, values) => {

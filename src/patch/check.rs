@@ -3,12 +3,14 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cycle::{chain, cycles};
+use super::expr::Reads;
 use super::names::{Names, no_field};
 use super::voice::MOST_VOICES;
 use super::{
     Action, Bind, Control, Curve, Events, Expr, Node, Patch, Pattern, Scope, Source, Spread, Start, Target,
     Trigger, Value, Voice,
 };
+use crate::node::NodeKind;
 use crate::node::spec::Kind;
 use crate::text::nearest::{did_you_mean, listed, suggest};
 use crate::text::sink::Sink;
@@ -146,6 +148,9 @@ impl Check<'_> {
                 Some(voice) => format!("node `{}` of voice `{}`", node.name, voice.name),
                 None => format!("shared node `{}`", node.name),
             };
+            if voice.is_none() && node.kind == NodeKind::TOUCH {
+                self.touch(&node.span, &who, Some(""), None);
+            }
             if node.arguments.len() != spec.params.len() {
                 let what = format!(
                     "{who} has {} arguments, {} wants {}",
@@ -169,13 +174,20 @@ impl Check<'_> {
                 let starts = matches!(param.kind, Kind::Start(_));
                 // What goes into a delay comes out later, so it may close a loop.
                 let loops = spec.name == "delay" && param.name == "input";
-                let mut seen: Vec<(&str, &Span, bool)> = Vec::new();
-                parts.iter().for_each(|e| e.visit(&mut |name, span, event| seen.push((name, span, event))));
-                for (name, span, event) in seen {
-                    if event {
-                        self.event_field(name, span, &who, voice);
-                        continue;
-                    }
+                let mut seen: Vec<(Reads, &Span)> = Vec::new();
+                parts.iter().for_each(|e| e.visit(&mut |reads, span| seen.push((reads, span))));
+                for (reads, span) in seen {
+                    let name = match reads {
+                        Reads::Event(field) => {
+                            self.event_field(field, span, &who, voice);
+                            continue;
+                        }
+                        Reads::Touch(_) => {
+                            self.touch(span, &who, (starts || voice.is_none()).then_some(param.name), voice);
+                            continue;
+                        }
+                        Reads::Name(name) => name,
+                    };
                     let target = scope.find(name);
                     if starts && (target.is_some() || !self.broken.contains(name)) {
                         let what = format!(
@@ -217,6 +229,23 @@ impl Check<'_> {
             let what = format!("nodes of {of} read each other in a circle: {}", chain(&cycle, name));
             let help = "let the loop pass through the input of a `delay`".to_string();
             self.error(&first.span, what, help);
+        }
+    }
+
+    /// What a hand does is read by what sounds in it and may move; `wrong` is the parameter that cannot follow it.
+    fn touch(&mut self, span: &Span, who: &str, wrong: Option<&str>, voice: Option<&Voice>) {
+        match (wrong, voice) {
+            (None, _) => {}
+            (Some(_), None) => self.error(
+                span,
+                format!("{who} reads what a hand does, but shared nodes belong to no voice"),
+                "read it in a voice, or use a control".to_string(),
+            ),
+            (Some(param), Some(_)) => self.error(
+                span,
+                format!("`{param}` of {who} cannot follow the hand: it is read once, when the voice starts"),
+                "use numbers and fields of the event there: event.level".to_string(),
+            ),
         }
     }
 
@@ -400,10 +429,10 @@ impl Check<'_> {
             }
             let known = trigger.on.names();
             let mut unknown = Vec::new();
-            expr.visit(&mut |name, span, event| {
-                if event || !known.contains(&name) {
-                    unknown.push((name, span));
-                }
+            expr.visit(&mut |reads, span| match reads {
+                Reads::Name(name) if known.contains(&name) => {}
+                Reads::Name(name) | Reads::Event(name) => unknown.push((name, span)),
+                Reads::Touch(_) => unknown.push(("touch", span)),
             });
             for (name, span) in unknown {
                 let help = if known.is_empty() {

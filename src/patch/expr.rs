@@ -1,5 +1,6 @@
 //! Short expressions, by which nodes are wired: `"tone"`, `"60 + 20 * wobble"`, `"min(1, event.level * 2)"`.
 
+use crate::node::motion::Motion;
 use crate::text::nearest::suggest;
 use crate::text::{Problem, Span};
 
@@ -12,12 +13,25 @@ pub enum Expr {
     Name(String, Span),
     /// A field of the event: `event.NAME`.
     Event(String, Span),
+    /// What the hand does that holds the voice: `touch.pressure`, `touch.timbre`; `touch.bend` is read as `1 + detune`.
+    Touch(Motion, Span),
     /// Minus.
     Negate(Box<Expr>),
     /// Two operands.
     Binary(Operator, Box<Expr>, Box<Expr>),
     /// A function of as many arguments as [`Function::arity`] says.
     Call(Function, Vec<Expr>),
+}
+
+/// What an expression reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Reads<'a> {
+    /// A node or a control.
+    Name(&'a str),
+    /// A field of the event.
+    Event(&'a str),
+    /// What the hand does.
+    Touch(Motion),
 }
 
 /// Between two operands.
@@ -155,7 +169,7 @@ impl Expr {
         match self {
             Self::Number(x) => Some(*x),
             Self::Name(name, _) => known(name),
-            Self::Event(..) => None,
+            Self::Event(..) | Self::Touch(..) => None,
             Self::Negate(a) => a.value(known).map(|a| -a),
             Self::Binary(op, a, b) => Some(op.apply(a.value(known)?, b.value(known)?)),
             Self::Call(function, values) => {
@@ -165,12 +179,13 @@ impl Expr {
         }
     }
 
-    /// Calls `see` with every name and every event field in it; for a field, the flag is set.
-    pub(crate) fn visit<'a>(&'a self, see: &mut dyn FnMut(&'a str, &'a Span, bool)) {
+    /// Calls `see` with everything that it reads.
+    pub(crate) fn visit<'a>(&'a self, see: &mut dyn FnMut(Reads<'a>, &'a Span)) {
         match self {
             Self::Number(_) => {}
-            Self::Name(name, span) => see(name, span, false),
-            Self::Event(field, span) => see(field, span, true),
+            Self::Name(name, span) => see(Reads::Name(name), span),
+            Self::Event(field, span) => see(Reads::Event(field), span),
+            Self::Touch(motion, span) => see(Reads::Touch(*motion), span),
             Self::Negate(a) => a.visit(see),
             Self::Binary(_, a, b) => {
                 a.visit(see);
@@ -307,6 +322,9 @@ impl Parser<'_> {
             let place = self.place(start, self.at - start);
             return Ok(Expr::Event(field, place));
         }
+        if name == "touch" && self.take('.') {
+            return self.touch(start);
+        }
         let function = Function::find(&name);
         if self.peek() != Some('(') {
             return match function {
@@ -344,13 +362,37 @@ impl Parser<'_> {
     }
 }
 
+/// What the hand may do, as expressions name it.
+const TOUCHES: [&str; 3] = ["bend", "pressure", "timbre"];
+
+impl Parser<'_> {
+    /// What stands after `touch.`, which begins at `start`.
+    fn touch(&mut self, start: usize) -> Result<Expr, Problem> {
+        let (at, word) = self.word();
+        let place = self.place(start, self.at - start);
+        match word.as_str() {
+            // A share that is added to 1 keeps the frequency that is known at the onset in full precision.
+            "bend" => {
+                let detune = Expr::Touch(Motion::Detune, place);
+                Ok(Expr::Binary(Operator::Add, Box::new(Expr::Number(1.0)), Box::new(detune)))
+            }
+            "pressure" => Ok(Expr::Touch(Motion::Pressure, place)),
+            "timbre" => Ok(Expr::Touch(Motion::Timbre, place)),
+            _ => {
+                let what = format!("`touch.{word}` is nothing that a hand does");
+                Err(self.wrong(at, word.len(), what).help(suggest(&word, TOUCHES)))
+            }
+        }
+    }
+}
+
 fn values(count: usize) -> String {
     if count == 1 { "1 value".into() } else { format!("{count} values") }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Expr, FUNCTIONS, Function};
+    use super::{Expr, FUNCTIONS, Function, Motion, Operator, Reads};
 
     fn value(text: &str) -> f64 {
         Expr::parse(text, &(0..text.len())).unwrap().constant().unwrap()
@@ -384,9 +426,21 @@ mod tests {
     fn names_keep_their_places() {
         let expr = Expr::parse("40 + 2 * lfo + event.depth", &(100..128)).unwrap();
         let mut seen = Vec::new();
-        expr.visit(&mut |name, span, event| seen.push((name.to_string(), span.clone(), event)));
-        assert_eq!(seen, [("lfo".into(), 110..113, false), ("depth".into(), 116..127, true)]);
+        expr.visit(&mut |reads, span| seen.push((reads, span.clone())));
+        assert_eq!(seen, [(Reads::Name("lfo"), 110..113), (Reads::Event("depth"), 116..127)]);
         assert_eq!(expr.constant(), None);
+    }
+
+    #[test]
+    fn what_a_hand_does_is_read_by_its_name() {
+        let read = |text: &str| Expr::parse(text, &(0..text.len())).unwrap();
+        assert_eq!(read("touch.pressure"), Expr::Touch(Motion::Pressure, 0..14));
+        let Expr::Binary(Operator::Multiply, _, bend) = read("2 * touch.bend") else { panic!() };
+        let detune = Expr::Touch(Motion::Detune, 4..14);
+        assert_eq!(*bend, Expr::Binary(Operator::Add, Expr::Number(1.0).into(), detune.into()));
+        // Alone it is a name like any other.
+        assert_eq!(read("touch"), Expr::Name("touch".into(), 0..5));
+        assert_eq!(read("touch.timbre").constant(), None);
     }
 
     #[test]
@@ -405,6 +459,8 @@ mod tests {
             ("min + 1", 0, "is a function"),
             ("event + 1", 0, "`event` needs a field"),
             ("event.", 6, "field is missing"),
+            ("2 * touch.bent", 10, "`touch.bent` is nothing"),
+            ("touch.", 6, "is nothing"),
             ("2 * µ", 4, "`µ` makes no sense"),
         ] {
             let (start, found) = problem(text);

@@ -105,7 +105,8 @@ pub const TOPICS: &[Topic] = &[
         written: "\"60 + 20 * wobble\"",
         doc: "A short sum in quotes wherever a parameter of a node may stand.",
         text: "It has numbers, + - * / and parentheses, names of nodes and controls, fields of the event (event.level, event.duration, \
-               event.frequency and those that the voice declares under `defaults`), and these functions:\n\n\
+               event.frequency and those that the voice declares under `defaults`), what the hand does that holds the voice (touch.bend, \
+               touch.pressure, touch.timbre), and these functions:\n\n\
                - `min(a, b)`: the lesser of two\n\
                - `max(a, b)`: the greater of two\n\
                - `clamp(x, least, most)`: x, but no less and no more than those\n\
@@ -116,6 +117,9 @@ pub const TOPICS: &[Topic] = &[
                - `exp(x)`: e to the power x\n\
                - `log(x)`: the natural logarithm\n\
                - `sin(x)`: the sine of an angle in radians\n\n\
+               A hand is a note of MIDI, or a program: touch.bend is the ratio by which it bends the frequency, 1 at rest; \
+               touch.pressure goes from 0, at rest, to 1, and touch.timbre from 0 to 1, 64/127 at rest. They take 10 ms to each new value; \
+               the node `touch` takes as long as it is told. MPE speaks of each note apart, a wheel of all notes of its channel.\n\n\
                What a node reads at the onset alone (kind \"at onset\" in `pacinian nodes NAME`) may be made of numbers and fields of the \
                event only. 1,000 characters are the most.",
         tables: &[],
@@ -230,8 +234,9 @@ pub const TOPICS: &[Topic] = &[
         text: "`on` is one of these:\n\n\
                - start: the beginning. Where any trigger says so, only those patterns play by themselves\n\
                - node.NAME rises 0.3, node.NAME falls 0.3: a shared node passes a threshold; `set` may read `value`\n\
-               - midi.note: a note begins; `set` may read `note`, `pitch` (its frequency in Hz), `velocity`, `channel`, and how it is bent and \
-               pressed then: `bend` (semitones), `pressure` and `timbre` (0 to 1)\n\
+               - midi.note: a note begins; `set` may read `note`, `pitch` (its frequency in Hz, with its bend unless the voice reads \
+               touch.bend by itself), `velocity`, `channel`, and how it is bent and pressed then: `bend` (semitones), `pressure` and `timbre` \
+               (0 to 1)\n\
                - midi.program 3: program 3 is chosen; `set` may read `program` and `channel`\n\
                - midi.controller 64 rises 0.5, or falls: a controller passes a position from 0 to 1; `set` may read `value` and `channel`\n\
                - osc./address: a message to that address; `set` may read `value`, its first number\n\

@@ -1,7 +1,9 @@
 //! What comes from outside: keys, messages of MIDI and OSC set triggers off and move controls.
 
-use super::{Note, Outlet, Performer, When};
-use crate::midi::{Channel, Gesture, Interpreter, Message, pitch};
+use super::touch::Held;
+use super::{Note, Outlet, Performer, Touch, When};
+use crate::midi::{Channel, Expression, Gesture, Interpreter, Message, pitch};
+use crate::node::motion::Motion;
 use crate::patch::{Mover, Place, Source, Spread, Trigger};
 use crate::text::Problem;
 
@@ -11,18 +13,17 @@ pub const PORTS: usize = 64;
 /// One port of MIDI: what its messages mean, and which voices its keys hold.
 pub(super) struct Hands {
     interpreter: Interpreter,
-    held: Vec<Held>,
+    pub(super) held: Vec<Held>,
     /// Where each controller of each channel stood, for triggers that it passes.
     stood: Box<[[f64; 120]; 16]>,
     gestures: Vec<Gesture>,
 }
 
-/// A voice that a key holds.
-#[derive(Debug, Clone, Copy)]
-struct Held {
-    key: u32,
-    voice: u64,
-}
+/// A key that goes down: its port, itself, and how it is bent and pressed.
+type Key = (usize, u32, Expression);
+
+/// What a voice that follows the wheel by itself gets for `pitch`: that of the key, since the bend would count twice. No patch can name it so.
+const UNBENT: &str = "pitch without its bend";
 
 impl Default for Hands {
     fn default() -> Self {
@@ -100,6 +101,7 @@ impl Performer {
         while self.hands.len() <= port {
             self.hands.push(Hands::default());
         }
+        self.tell_moves(at, port, outlet);
         let hands = &mut self.hands[port];
         let mut gestures = std::mem::take(&mut hands.gestures);
         say(&mut hands.interpreter, &mut |gesture| gestures.push(gesture));
@@ -108,6 +110,7 @@ impl Performer {
             result = result.and(self.gesture(at, port, gesture, outlet));
         }
         self.hands[port].gestures = gestures;
+        self.tell_moves(at, port, outlet);
         result
     }
 
@@ -124,6 +127,7 @@ impl Performer {
                     "note" => Some(f64::from(note)),
                     "velocity" => Some(velocity),
                     "pitch" => Some(pitch::hertz(note, expression.bend)),
+                    UNBENT => Some(pitch::hertz(note, 0.0)),
                     "channel" => Some(f64::from(channel.number())),
                     "bend" => Some(expression.bend),
                     "pressure" => Some(expression.pressure),
@@ -135,23 +139,29 @@ impl Performer {
                         && on_channel(t.channel, channel)
                         && t.notes.is_none_or(|[least, most]| (least..=most).contains(&note))
                 };
-                let held = Some((port, key));
+                let held = Some((port, key, expression));
                 self.set_off(at, &fits, &known, Some(velocity), held, Some((channel, note)), outlet)
             }
             Gesture::NoteOff { key, .. } => {
                 let mut sent = true;
                 let mut held = std::mem::take(&mut self.hands[port].held);
-                held.retain(|voice| {
+                held.retain_mut(|voice| {
                     if voice.key == key {
-                        sent &= self.release(at, voice.voice, outlet);
+                        self.tell_voice(at, voice, true, outlet);
+                        sent &= !voice.holds || self.release(at, voice.voice, outlet);
                     }
                     voice.key != key
                 });
                 self.hands[port].held = held;
                 self.taken(sent)
             }
-            // Of a voice that sounds, nothing moves but what controls move.
-            Gesture::Move { .. } => Ok(()),
+            Gesture::Move { key, what, value } => {
+                let held = &mut self.hands[port].held;
+                held.iter_mut().filter(|voice| voice.key == key).for_each(|voice| {
+                    voice.moved(Touch::of(what, value));
+                });
+                Ok(())
+            }
             Gesture::Controller { channel, number, value, .. } => {
                 let moved = |from: &Mover| *from == Mover::Controller(number);
                 let result = self.move_by(at, &moved, Some(channel), value, outlet);
@@ -228,8 +238,7 @@ impl Performer {
         self.set_off(at, &fits, &known, None, None, None, outlet).map(|()| listens)
     }
 
-    /// Plays what the triggers that fit play. `velocity` is the level where nothing else is said; `held` the port and the key that
-    /// hold it.
+    /// Plays what the triggers that fit play. `velocity` is the level where nothing else is said; `held` the key that holds it.
     #[expect(clippy::too_many_arguments, reason = "what a trigger knows")]
     fn set_off(
         &mut self,
@@ -237,7 +246,7 @@ impl Performer {
         fits: &dyn Fn(&Trigger) -> bool,
         known: Known<'_>,
         velocity: Option<f64>,
-        held: Option<(usize, u32)>,
+        held: Option<Key>,
         note: Option<(Channel, u8)>,
         outlet: &mut dyn Outlet,
     ) -> Result<(), Problem> {
@@ -248,8 +257,12 @@ impl Performer {
                 Note { place: self.spread(trigger, note).or(trigger.place.clone()), ..Note::default() };
             note.level = velocity;
             let (mut gain, mut rate) = (velocity.unwrap_or(1.0), 1.0);
+            let instrument = self.voices.get(&trigger.play).and_then(|voice| self.instruments[*voice]);
+            let hears = instrument.and_then(|i| self.hears.get(i as usize)).copied().unwrap_or_default();
+            let follows = hears[Motion::Detune.number()];
+            let known = |name: &str| known(if follows && name == "pitch" { UNBENT } else { name });
             for (field, expr, _) in &trigger.set {
-                let Some(value) = expr.value(known) else { continue };
+                let Some(value) = expr.value(&known) else { continue };
                 match field.as_str() {
                     "level" => note.level = Some(value),
                     "duration" => note.duration = Some(value),
@@ -266,8 +279,8 @@ impl Performer {
                 continue;
             }
             // A key holds what has no duration of its own.
-            let holds = held.filter(|_| note.duration.is_none());
-            if holds.is_some() {
+            let holds = held.is_some() && note.duration.is_none();
+            if holds {
                 note.duration = Some(f64::INFINITY);
             }
             // Whatever an expression makes of it: what the engine does with a voice must stay within what a file could ask for.
@@ -280,8 +293,11 @@ impl Performer {
             }
             match self.play(at, &trigger.play, &note, outlet) {
                 Ok(voice) => {
-                    if let Some((port, key)) = holds {
-                        self.hands[port].held.push(Held { key, voice });
+                    if let (Some((port, key, expression)), Some(instrument)) = (held, instrument) {
+                        let mut voice = Held::new(key, voice, holds, instrument, hears, expression);
+                        // At the instant of its onset, so that it begins there.
+                        self.tell_voice(at, &mut voice, true, outlet);
+                        self.hands[port].held.push(voice);
                     }
                 }
                 Err(problem) => result = result.and(Err(told(problem))),

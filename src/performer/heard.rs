@@ -1,5 +1,6 @@
 //! What a player tells of the events that it gives the engine.
 
+use crate::node::motion::Motion;
 use crate::schedule::Instant;
 
 /// Hears of every event as it is given to the engine: those of the patterns in order of their time, those of the program
@@ -54,6 +55,8 @@ pub enum Happening<'a> {
     Marker(&'a str),
     /// A control is sent to a value.
     Control(&'a str, f64),
+    /// The voice of that id is moved, so far.
+    Touch(Motion, f64),
     /// The voice of that id is released.
     Release,
     /// All voices are released.

@@ -11,13 +11,14 @@ mod patterns;
 mod pickup;
 mod run;
 mod succession;
+mod touch;
 mod when;
 
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::dsp::random;
-use crate::engine::event::{Event, Play, Source};
+use crate::engine::event::{Event, Move, Play, Source};
 use crate::graph::plan::Plan;
 use crate::graph::scene::Scene;
 use crate::midi::Message;
@@ -32,6 +33,7 @@ pub use note::Note;
 pub use outlet::Outlet;
 use pickup::Pickup;
 use run::Run;
+pub use touch::Touch;
 pub use when::When;
 
 /// Opens events files for the score, by their path as written in the patch.
@@ -47,6 +49,8 @@ pub struct Performer {
     /// Places of voices in the patch: by name, and by instrument.
     voices: HashMap<String, usize>,
     voice_of: Vec<usize>,
+    /// By instrument: which motions it hears.
+    hears: Vec<[bool; 3]>,
     files: Arc<Mutex<OpenEvents>>,
     runs: Vec<Run>,
     length: Option<f64>,
@@ -63,6 +67,7 @@ pub struct Performer {
     /// Where each control of the patch was sent last.
     targets: Vec<f64>,
     record: Option<Vec<(f64, Play)>>,
+    moves: Option<Vec<(f64, Move)>>,
     listener: Option<Listener>,
     /// What was played before anything was computed, for a listener who comes then.
     first: Vec<(When, Play)>,
@@ -99,6 +104,7 @@ impl Performer {
             }
         }
         let finder = Arc::new(Finder::new(&rig));
+        let hears = touch::heard(&plan);
         let targets = patch.controls.iter().map(|control| control.default).collect();
         let pickups = vec![Pickup::default(); patch.binds.len()];
         Self {
@@ -109,6 +115,7 @@ impl Performer {
             instruments,
             voices,
             voice_of,
+            hears,
             files: Arc::new(Mutex::new(files)),
             runs: Vec::new(),
             length: Some(0.0),
@@ -121,6 +128,7 @@ impl Performer {
             pickups,
             targets,
             record: None,
+            moves: None,
             listener: None,
             first: Vec::new(),
             fed: 0.0,
@@ -208,6 +216,7 @@ impl Performer {
     /// Keeps what is played from now on, in seconds, for a reference.
     pub fn record(&mut self) {
         self.record.get_or_insert_default();
+        self.moves.get_or_insert_default();
     }
 
     /// What was played since [`Performer::record`].

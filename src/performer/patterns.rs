@@ -1,6 +1,7 @@
 //! Patterns and songs that play: started, stopped, and fed to the outlet in order of time.
 
 use super::run::Run;
+use super::touch::RESERVED;
 use super::{Happening, Outlet, Performer, Stand, When, in_time};
 use crate::engine::event::{Event, Play, Source};
 use crate::score::{Root, Timed, What};
@@ -9,6 +10,9 @@ use crate::text::nearest::suggest;
 
 /// Ids of a pattern that the program starts have its serial number from this bit on.
 const OF_RUN: u32 = 40;
+
+/// Room that a message of a song needs at most, lest one that could set more off than there ever is room for would wait for ever.
+const MOST_NEEDED: usize = 1 << 12;
 
 impl Performer {
     /// Starts a pattern. Gives a number to stop it by. What it draws differs from one start to the next.
@@ -69,16 +73,15 @@ impl Performer {
     /// with which the first event takes effect that did not find any.
     pub fn feed(&mut self, until: u64, outlet: &mut dyn Outlet) -> Option<u64> {
         let until = until as f64 / self.plan.engine_rate();
-        if let Some(full) = self.feed_song(until, outlet) {
-            return Some(full);
-        }
+        let song = self.feed_song(until, outlet);
         while let Some(first) = self.first_run() {
             let (number, at) = first;
             if at >= until {
                 break;
             }
             if outlet.room(Source::Pattern) == 0 {
-                return Some(self.when(at).instant.ceiling());
+                let full = self.when(at).instant.ceiling();
+                return Some(song.map_or(full, |song| song.min(full)));
             }
             let run = &mut self.runs[number];
             let (serial, timed) = (run.serial, run.take());
@@ -88,15 +91,36 @@ impl Performer {
             }
         }
         self.fed = self.fed.max(until);
-        None
+        song
     }
 
-    /// The messages of a song before `until` seconds, as far as there is room; where there is not, the sample of the first without.
+    /// The messages of a song before `until` seconds, and how keys have moved that may be told before then, as far as there is room; where
+    /// there is not, the sample of the first without.
     fn feed_song(&mut self, until: f64, outlet: &mut dyn Outlet) -> Option<u64> {
-        while let Some((at, message)) = self.song.front().copied().filter(|(at, _)| *at < until) {
+        loop {
+            let message = self.song.front().copied().filter(|(at, _)| *at < until);
+            let earliest = outlet.clock() as f64 / self.plan.engine_rate();
+            let told = self.next_move().map(|at| at.max(earliest)).filter(|at| *at < until);
+            // A message may set several triggers off, and move every voice that a key holds.
+            let held: usize = self.hands.iter().map(|hands| hands.held.len()).sum();
+            let (triggers, binds) = (self.patch.triggers.len(), self.patch.binds.len());
+            let room = outlet.room(Source::Program)
+                > (RESERVED + 3 * (held + triggers) + triggers + binds).min(MOST_NEEDED);
+            if let Some(at) = told.filter(|told| message.is_none_or(|(at, _)| *told <= at)) {
+                let at = self.when(at);
+                if !room {
+                    return Some(at.instant.ceiling());
+                }
+                let before = self.next_move();
+                (0..self.hands.len()).for_each(|port| self.tell_moves(at, port, outlet));
+                if self.next_move() == before {
+                    return Some(at.instant.ceiling());
+                }
+                continue;
+            }
+            let (at, message) = message?;
             let at = self.when(at);
-            // A message may set several triggers off.
-            if outlet.room(Source::Program) <= self.patch.triggers.len() + self.patch.binds.len() {
+            if !room {
                 return Some(at.instant.ceiling());
             }
             self.song.pop_front();
@@ -108,7 +132,6 @@ impl Performer {
                 self.trouble.get_or_insert(problem);
             }
         }
-        None
     }
 
     /// Which pattern says something next, and when; of those at the same time, the one that was started first. Takes those away

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::run::Run;
 use super::{OpenEvents, Performer};
+use crate::graph::plan::Plan;
 use crate::graph::scene::Scene;
 use crate::patch::Patch;
 use crate::rig::Rig;
@@ -31,6 +32,7 @@ impl Performer {
         std::mem::swap(self, &mut new);
         (self.played, self.started, self.fed) = (new.played, new.started, fed);
         self.hands = std::mem::take(&mut new.hands);
+        self.take_hands(&new.plan);
         self.song = std::mem::take(&mut new.song);
         // Controls that still exist keep their values.
         for (control, target) in self.patch.controls.iter().zip(&mut self.targets) {
@@ -39,7 +41,7 @@ impl Performer {
                 *target = value.clamp(control.range[0], control.range[1]);
             }
         }
-        (self.record, self.listener) = (new.record.take(), new.listener.take());
+        (self.record, self.moves, self.listener) = (new.record.take(), new.moves.take(), new.listener.take());
         (self.length, self.cut) = (new.length, new.cut);
         if began {
             let score = self.score(&roots, self.plan.seed)?;
@@ -56,6 +58,20 @@ impl Performer {
             self.resume(Run::new(serial, Some(root), score))?;
         }
         Ok(())
+    }
+
+    /// Voices that keys of the `old` plan hold are those of this one, and hear what theirs hear now.
+    fn take_hands(&mut self, old: &Plan) {
+        let plan = &self.plan;
+        let become_of = |number: u32| {
+            let name = &old.instruments.get(number as usize)?.name;
+            let new = plan.instruments.iter().position(|instrument| instrument.name == *name)?;
+            Some((new as u32, self.hears.get(new).copied().unwrap_or_default()))
+        };
+        for voice in self.hands.iter_mut().flat_map(|hands| &mut hands.held) {
+            let (instrument, hears) = become_of(voice.instrument).unwrap_or((u32::MAX, [false; 3]));
+            voice.become_of(instrument, hears);
+        }
     }
 
     /// Takes a run up where feeding stands.

@@ -6,9 +6,9 @@ use std::time::{Duration, Instant as Clock};
 use realfft::num_complex::Complex64;
 
 use super::compare::{Comparison, compare_watched};
-use super::reference::{Reference, reference_watched};
+use super::reference::{Played, Reference, reference_watched};
 use crate::engine::Engine;
-use crate::engine::event::{Event, Play, Source};
+use crate::engine::event::{Event, Move, Play, Source};
 use crate::engine::refusal::Refusal;
 use crate::graph::plan::Plan;
 use crate::player::stretch::{self, Feeds};
@@ -47,6 +47,8 @@ pub struct Measured {
 pub struct Take<'a> {
     /// Voices, in seconds from the beginning, in order.
     pub events: &'a [(f64, Play)],
+    /// How they were moved while they sounded, in order.
+    pub moves: &'a [(f64, Move)],
     /// Channels of the audio input at the device's rate, from the beginning; those that are missing are silence.
     pub input: &'a [Vec<f32>],
     /// How long: what sounds longer is released then, and let ring out for [`RING`] at most. What rings longer still counts as
@@ -73,7 +75,9 @@ impl Take<'_> {
     ) -> Result<Reference, S> {
         let samples = ((self.seconds + self.rings(plan) + TAIL) * plan.engine_rate()).ceil();
         let seconds = samples / plan.engine_rate();
-        reference_watched(plan, self.before_the_end(), self.input, seconds, self.seconds, OVER, watch)
+        let (events, moves) = (before(self.seconds, self.events), before(self.seconds, self.moves));
+        let played = Played { events, moves, input: self.input, released: self.seconds };
+        reference_watched(plan, &played, seconds, OVER, watch)
     }
 
     /// Seconds that it rings after its end, up to [`RING`]. A plan that no engine can be built for does not ring.
@@ -92,11 +96,6 @@ impl Take<'_> {
             stretch::play(&mut playing, plan.ratio, &heard, &mut frames);
         }
         RING
-    }
-
-    /// What is played within its time.
-    fn before_the_end(&self) -> &[(f64, Play)] {
-        &self.events[..self.events.partition_point(|(at, _)| *at < self.seconds)]
     }
 
     /// Plays it on a plan and compares it with its reference.
@@ -164,6 +163,11 @@ impl Take<'_> {
     }
 }
 
+/// What lies before so many seconds.
+fn before<T>(seconds: f64, all: &[(f64, T)]) -> &[(f64, T)] {
+    &all[..all.partition_point(|(at, _)| *at < seconds)]
+}
+
 /// Samples of the engine that are played at once.
 const BLOCK: usize = 4096;
 /// And where the moment is looked for at which it falls silent.
@@ -173,6 +177,7 @@ const STEP: usize = 64;
 struct Playing<'a> {
     engine: Engine,
     events: std::slice::Iter<'a, (f64, Play)>,
+    moves: std::slice::Iter<'a, (f64, Move)>,
     rate: f64,
     /// When everything is released; `None` as soon as the engine knows.
     end: Option<f64>,
@@ -180,8 +185,14 @@ struct Playing<'a> {
 
 impl<'a> Playing<'a> {
     fn new(engine: Engine, plan: &Plan, take: &Take<'a>) -> Self {
-        let events = &take.events[..take.before_the_end().len()];
-        Self { engine, events: events.iter(), rate: plan.engine_rate(), end: Some(take.seconds) }
+        let (events, moves) = (before(take.seconds, take.events), before(take.seconds, take.moves));
+        Self {
+            engine,
+            events: events.iter(),
+            moves: moves.iter(),
+            rate: plan.engine_rate(),
+            end: Some(take.seconds),
+        }
     }
 }
 
@@ -193,13 +204,26 @@ impl Feeds for Playing<'_> {
     fn feed(&mut self, until: u64) -> Option<u64> {
         let before = until as f64 / self.rate;
         let due = |at: f64| (at < before).then(|| Instant::of_samples(at * self.rate));
-        while let Some((at, play)) = self.events.as_slice().first() {
-            let at = due(*at)?;
+        loop {
+            let (play, moved) = (self.events.as_slice().first(), self.moves.as_slice().first());
+            // A voice begins before it moves.
+            let (at, event) = match (play, moved) {
+                (Some((at, play)), moved) if moved.is_none_or(|(of, _)| at <= of) => {
+                    (*at, Event::Play(*play))
+                }
+                (_, Some((at, moved))) => (*at, Event::Touch(*moved)),
+                (_, None) => break,
+            };
+            let at = due(at)?;
             if self.engine.room() == 0 {
                 return Some(at.ceiling());
             }
-            self.engine.schedule(at, Source::Pattern, Event::Play(*play));
-            self.events.next();
+            self.engine.schedule(at, Source::Pattern, event);
+            if matches!(event, Event::Play(_)) {
+                self.events.next();
+            } else {
+                self.moves.next();
+            }
         }
         let at = due(self.end?)?;
         if self.engine.room() == 0 {
@@ -225,7 +249,7 @@ fn interleaved(input: &[Vec<f32>], channels: usize, first: usize, frames: usize)
 /// # Errors
 /// A plan that no engine can be built for.
 pub fn measure(plan: &Plan, events: &[(f64, Play)], seconds: f64) -> Result<Measured, Refusal> {
-    let take = Take { events, input: &[], seconds };
+    let take = Take { events, moves: &[], input: &[], seconds };
     take.measure(plan, &take.reference(plan))
 }
 
@@ -291,7 +315,7 @@ mod tests {
         let mut frames = vec![0.0; samples * plan.ratio];
         player.process(&mut frames);
         assert_eq!((player.recorded().len(), player.counters().late), (40_001, 0));
-        let take = Take { events: player.recorded(), input: &[], seconds: 0.5 };
+        let take = Take { events: player.recorded(), moves: &[], input: &[], seconds: 0.5 };
         let (engine, again, _) = take.run::<End>(&plan, samples, &mut |_| Ok(())).unwrap();
         assert_eq!((engine.counters().late, engine.counters().dropped), (0, 0));
         assert!(frames.iter().zip(&again).all(|(a, b)| a.to_bits() == b.to_bits()));
@@ -322,7 +346,7 @@ mod tests {
             ),
         ] {
             let (_, plan) = plan_of(format!("[voice.v]\n{voice}\n").as_bytes());
-            let take = Take { events: &events, input: &[], seconds: 0.8 };
+            let take = Take { events: &events, moves: &[], input: &[], seconds: 0.8 };
             let measured = take.measure(&plan, &take.reference(&plan)).unwrap();
             assert!(measured.comparison.error_db < -80.0, "{voice}: {measured:?}");
             assert!(take.rings(&plan) < 2.0, "{voice}: {}", take.rings(&plan));
@@ -333,7 +357,7 @@ mod tests {
     fn who_waits_is_told_how_far_it_is_and_may_stop_it_anywhere() {
         let patch = Patch::parse("p", PATCH).unwrap().value;
         let plan = scene(&patch, &Rig::default_for(2), &Options::default(), &NoAssets).unwrap().plan;
-        let take = Take { events: &[], input: &[], seconds: 1.0 };
+        let take = Take { events: &[], moves: &[], input: &[], seconds: 1.0 };
         let mut shares = Vec::new();
         let mut all = |share| {
             shares.push(share);

@@ -9,4 +9,4 @@ mod reference;
 
 pub use compare::{Comparison, compare};
 pub use measure::{Measured, Take, measure};
-pub use reference::{Reference, reference};
+pub use reference::{Played, Reference, reference, reference_watched};

@@ -5,14 +5,14 @@
 //! blocks, no corrections, no output stage. What both share are definitions that have tests of their own: the compiled plan, the
 //! random numbers, and the [fade](crate::dsp::fade) of voices without an envelope.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::convert::Infallible;
 
 use super::decimate::Decimator;
 use super::hearing::hearing;
 use crate::dsp::fade::{FADE, fade};
 use crate::dsp::random;
-use crate::engine::event::Play;
+use crate::engine::event::{Move, Play};
 use crate::graph::Base;
 use crate::graph::plan::{Plan, Shared};
 use crate::graph::program::{Feed, Program};
@@ -51,21 +51,33 @@ pub fn reference_hearing(
     seconds: f64,
     over: usize,
 ) -> Reference {
-    let mut watch = |_| Ok::<(), Infallible>(());
-    let Ok(all) = reference_watched(plan, events, input, seconds, f64::INFINITY, over, &mut watch);
+    let played = Played { events, moves: &[], input, released: f64::INFINITY };
+    let Ok(all) = reference_watched(plan, &played, seconds, over, &mut |_| Ok::<(), Infallible>(()));
     all
 }
 
-/// As [`reference_hearing`], with every voice that sounds after `released` seconds released then, and for somebody who waits: `watch` is asked many times a second with the share that is done, from 0 to 1.
+/// What a reference is of.
+#[derive(Debug, Clone, Copy)]
+pub struct Played<'a> {
+    /// Voices, in seconds from the beginning.
+    pub events: &'a [(f64, Play)],
+    /// How they were moved while they sounded, in order.
+    pub moves: &'a [(f64, Move)],
+    /// Channels of an audio input at the device's rate, from their beginning.
+    pub input: &'a [Vec<f32>],
+    /// Every voice that sounds after so many seconds is released then.
+    pub released: f64,
+}
+
+/// As [`reference_hearing`], of all that can be played, and for somebody who waits: `watch` is asked many times a second with the share that
+/// is done, from 0 to 1.
 ///
 /// # Errors
 /// The first that `watch` gives, at once.
 pub fn reference_watched<S>(
     plan: &Plan,
-    events: &[(f64, Play)],
-    input: &[Vec<f32>],
+    &Played { events, moves, input, released }: &Played,
     seconds: f64,
-    released: f64,
     over: usize,
     watch: &mut dyn FnMut(f64) -> Result<(), S>,
 ) -> Result<Reference, S> {
@@ -83,12 +95,17 @@ pub fn reference_watched<S>(
     share(0.0)?;
     let shared = shared(plan, length * over, fine, hearing(plan, input, length, over), &mut share)?;
     let mut channels = vec![vec![0.0; length]; plan.channels];
+    let mut moves_of: HashMap<u64, Vec<(f64, Move)>> = HashMap::new();
+    moves.iter().for_each(|moved| moves_of.entry(moved.1.id).or_default().push(*moved));
     let mut done = of_shared;
     for (at, play) in voices() {
         let Some(instrument) = plan.instruments.get(play.instrument as usize) else { continue };
         let (own, lasts) = (work(at, &play), lasts(at, &play));
+        let onset = at;
         let at = Instant::of_samples(at * rate);
-        let voice = Voice::new(&instrument.program, &play, at, plan.seed, rate, fine);
+        let mut voice = Voice::new(&instrument.program, &play, at, plan.seed, rate, fine);
+        let its = moves_of.get(&play.id).into_iter().flatten().filter(|(at, _)| *at >= onset);
+        voice.moves = its.map(|(at, of)| (at - onset, *of)).collect();
         let mut within = |seconds: f64| share(done + seconds.clamp(0.0, own));
         let rendered = voice.render(lasts, &shared, length * over, instrument.tail + QUIET, &mut within)?;
         let (first, samples, gain) = rendered;
@@ -160,6 +177,8 @@ struct Voice<'a> {
     /// Which op each input reads, by op and input; ops that write the same buffer make the buffer's number useless here.
     writers: Vec<Vec<Option<usize>>>,
     last_writer: Vec<usize>,
+    /// What the hand does, in seconds from the onset.
+    moves: VecDeque<(f64, Move)>,
     /// For each late buffer, its values of the last engine sample, oldest first.
     past: Vec<VecDeque<f64>>,
     fine: f64,
@@ -194,7 +213,20 @@ impl<'a> Voice<'a> {
         let values = vec![0.0; program.ops.len()];
         let over = fine / rate;
         let past = vec![VecDeque::from(vec![0.0; over as usize]); program.late.len()];
-        Self { program, twins, steady, values, gain, writers, last_writer, past, fine, over, born }
+        Self {
+            program,
+            twins,
+            steady,
+            values,
+            gain,
+            writers,
+            last_writer,
+            moves: VecDeque::new(),
+            past,
+            fine,
+            over,
+            born,
+        }
     }
 
     fn value(&self, feed: Feed, n: i64, shared: &[Vec<f64>]) -> f64 {
@@ -264,6 +296,12 @@ impl<'a> Voice<'a> {
                 for twin in &mut self.twins {
                     twin.release(duration);
                 }
+            }
+            while let Some(&(at, Move { motion, value, .. })) = self.moves.front()
+                && self.born + at * self.fine <= n as f64 + 1.0
+            {
+                self.moves.pop_front();
+                self.twins.iter_mut().for_each(|twin| twin.touch(at, motion, value));
             }
             self.step(n, shared);
             let mut value = self.output(0, n, shared);

@@ -1,6 +1,6 @@
 //! Patches that keep an engine busy.
 
-/// Nodes of many kinds, shared ones, an input and a control in one voice, and a second, plain voice; so many of either.
+/// Nodes of many kinds, shared ones, an input, a control and a hand in one voice, and a second, plain voice; so many of either.
 pub fn busy(beats: u32, plain: u32) -> String {
     format!(
         r#"
@@ -14,8 +14,8 @@ ear = {{ type = "input" }}
 voices = {beats}
 output = "out"
 [voice.beat.nodes]
-tone = {{ type = "sawtooth", frequency = "event.frequency + 20 * wobble" }}
-rough = {{ type = "white" }}
+tone = {{ type = "sawtooth", frequency = "event.frequency * touch.bend + 20 * wobble" }}
+rough = {{ type = "white", amplitude = "1 - 0.5 * touch.pressure" }}
 hit = {{ type = "envelope", attack = 0.004, decay = 0.03, sustain = 0.4, release = 0.02 }}
 soft = {{ type = "lowpass", input = "tone + 0.2 * rough + ear", cutoff = "400 + 100 * wobble" }}
 echo = {{ type = "delay", input = "soft", time = 0.01, longest = 0.05 }}

@@ -56,6 +56,7 @@ impl Happened {
             }
             Happening::Marker(name) => write!(text, "marker {name}"),
             Happening::Control(name, value) => write!(text, "{name} to {}", short(value)),
+            Happening::Touch(..) => write!(text, "a voice is bent or pressed"),
             Happening::Release => write!(text, "a voice is released"),
             Happening::ReleaseAll => write!(text, "all voices are released"),
         };
@@ -63,7 +64,7 @@ impl Happened {
             let _ = write!(text, "  [{}]", origin.pattern);
         }
         let mood = match heard.what {
-            Happening::Voice { .. } | Happening::Release => Mood::Usual,
+            Happening::Voice { .. } | Happening::Touch(..) | Happening::Release => Mood::Usual,
             Happening::Marker(_) | Happening::Control(..) | Happening::ReleaseAll => Mood::Told,
         };
         Self::new(heard.at, mood, text)

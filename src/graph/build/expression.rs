@@ -8,7 +8,7 @@ use crate::text::{Problem, Span};
 
 /// A known factor times a sum or a difference, as two products: `event.frequency * (1 + 0.1 * wobble)` is a known frequency and
 /// what moves it. A product that does not move at all stays as it is, and so does a sum of more than [`MOST_TERMS`], since each
-/// gets a copy of the factor.
+/// gets a copy of the factor. Of several factors, one after the other is taken: `2 * (1 + wobble) * event.frequency` as well.
 fn multiplied_out(expr: &Expr) -> Option<(Operator, Expr, Expr)> {
     let Expr::Binary(Operator::Multiply, a, b) = expr else { return None };
     let (factor, sum) = match (is_steady(a), is_steady(b)) {
@@ -21,6 +21,11 @@ fn multiplied_out(expr: &Expr) -> Option<(Operator, Expr, Expr)> {
             let times =
                 |part: &Expr| Expr::Binary(Operator::Multiply, factor.clone(), Box::new(part.clone()));
             Some((*operator, times(x), times(y)))
+        }
+        product @ Expr::Binary(Operator::Multiply, ..) => {
+            let (operator, x, y) = multiplied_out(product)?;
+            let times = |part: Expr| Expr::Binary(Operator::Multiply, factor.clone(), Box::new(part));
+            Some((operator, times(x), times(y)))
         }
         _ => None,
     }
@@ -41,7 +46,7 @@ fn terms(expr: &Expr) -> usize {
 fn is_steady(expr: &Expr) -> bool {
     match expr {
         Expr::Number(_) | Expr::Event(..) => true,
-        Expr::Name(..) => false,
+        Expr::Name(..) | Expr::Touch(..) => false,
         Expr::Negate(a) => is_steady(a),
         Expr::Binary(_, a, b) => is_steady(a) && is_steady(b),
         Expr::Call(_, arguments) => arguments.iter().all(is_steady),
@@ -134,6 +139,7 @@ impl Builder<'_> {
                     Term::Known(vec![Step::Number(0.0)])
                 }
             },
+            Expr::Touch(motion, _) => Term::Moving(self.touch(*motion)),
             Expr::Negate(a) => match self.term(owner, a) {
                 Term::Known(mut steps) => {
                     steps.push(Step::Unary(Unary::Negate));

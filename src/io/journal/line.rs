@@ -15,6 +15,8 @@ pub enum Kind {
     Release,
     /// All voices are.
     ReleaseAll,
+    /// The voices of an id are moved by the hand that holds them.
+    Touch,
     /// A control is sent to a value.
     Control,
     /// A marker.
@@ -39,10 +41,11 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Voice,
         Self::Release,
         Self::ReleaseAll,
+        Self::Touch,
         Self::Control,
         Self::Marker,
         Self::Shed,
@@ -61,6 +64,7 @@ impl Kind {
             Self::Voice => "voice",
             Self::Release => "release",
             Self::ReleaseAll => "release-all",
+            Self::Touch => "touch",
             Self::Control => "control",
             Self::Marker => "marker",
             Self::Shed => "shed",
@@ -81,6 +85,7 @@ impl Kind {
             Self::Voice
                 | Self::Release
                 | Self::ReleaseAll
+                | Self::Touch
                 | Self::Control
                 | Self::Marker
                 | Self::Shed
@@ -104,7 +109,7 @@ pub struct Line {
     /// The id of a voice, by which it is released and its random numbers are drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub id: Option<u64>,
-    /// Of the voice, the control, the marker, of what the gate was told, of where something came in.
+    /// Of the voice, the kind of touch, the control, the marker, of what the gate was told, of where something came in.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// The output on which a voice sounds.
@@ -122,7 +127,7 @@ pub struct Line {
     /// The voice's own fields, or counters.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub fields: BTreeMap<String, f64>,
-    /// Where a control goes, the gate's gain, how many lines are missing.
+    /// Where a touch or a control goes, the gate's gain, how many lines are missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// When an event takes effect: the engine's sample, and the fraction of one behind it.

@@ -31,7 +31,7 @@ use crate::live::gate::Order;
 use crate::live::provenance::Provenance;
 use crate::live::signal::Signal;
 use crate::live::stamp::{Epoch, Stamp};
-use crate::performer::{Happening, Heard};
+use crate::performer::{Happening, Heard, Touch};
 use crate::schedule::Instant;
 
 pub use digest::{of_bytes, of_file};
@@ -341,6 +341,7 @@ impl Keeping {
             Signal::Key(key) => ("key", Some(key.to_string()), None),
             Signal::Play(_, voice, _) => ("program", Some(voice.clone()), Some("play".into())),
             Signal::Release(_) => ("program", None, Some("release".into())),
+            Signal::Touch(number, touch) => ("program", Some(number.to_string()), Some(touched(*touch))),
             Signal::ReleaseAll => ("program", None, Some("release-all".into())),
             Signal::Set(control, value) => ("program", Some(control.clone()), Some(format!("set {value}"))),
             Signal::Start(_, pattern) => ("program", Some(pattern.clone()), Some("start".into())),
@@ -356,6 +357,14 @@ impl Keeping {
         let utc = self.date(stamp.seconds());
         let line = Line { source: Some(source.into()), name, message, seconds, utc, ..Line::new(Kind::In) };
         self.writer.put(Entry::Line(Box::new(line)));
+    }
+}
+
+fn touched(touch: Touch) -> String {
+    match touch {
+        Touch::Bend(semitones) => format!("bend {semitones}"),
+        Touch::Pressure(value) => format!("pressure {value}"),
+        Touch::Timbre(value) => format!("timbre {value}"),
     }
 }
 

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use crate::engine::event::{Event, Play};
+use crate::engine::event::{Event, Move, Play};
 use crate::graph::plan::Plan;
+use crate::node::motion::Motion;
 
 use super::line::{Kind, Line};
 
@@ -50,6 +51,12 @@ impl Names {
             Event::Play(play) => self.voice(play),
             Event::Release(id) => Line { id: Some(*id), ..Line::new(Kind::Release) },
             Event::ReleaseAll => Line::new(Kind::ReleaseAll),
+            Event::Touch(Move { id, motion, value }) => Line {
+                id: Some(*id),
+                name: Motion::WORDS.get(motion.number()).map(|word| (*word).to_string()),
+                value: Some(*value),
+                ..Line::new(Kind::Touch)
+            },
             Event::Control(control, value) => {
                 let name = named(&self.controls, *control);
                 Line { name, value: Some(*value), ..Line::new(Kind::Control) }

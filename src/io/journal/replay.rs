@@ -11,12 +11,13 @@ use super::line::{Kind, Line};
 use super::reader::{Item, Reader};
 use super::remake::{RemakeError, remake};
 use super::{SOURCES, order};
-use crate::engine::event::{Event, Play, Source};
+use crate::engine::event::{Event, Move, Play, Source};
 use crate::engine::exchange::{Director, Stagehand, exchange};
 use crate::graph::plan::Plan;
 use crate::io::error::FileError;
 use crate::io::wav::WavReader;
 use crate::live::gate::Gate;
+use crate::node::motion::Motion;
 use crate::schedule::Instant;
 
 /// Frames of a block.
@@ -244,6 +245,15 @@ impl<R: BufRead> Replay<R> {
             Kind::Voice => Event::Play(self.voice(name, line)?),
             Kind::Release => Event::Release(line.id.ok_or("a release must have an id")?),
             Kind::ReleaseAll => Event::ReleaseAll,
+            Kind::Touch => {
+                let motion =
+                    Motion::ALL.into_iter().find(|motion| Motion::WORDS.get(motion.number()) == Some(&name));
+                Event::Touch(Move {
+                    id: line.id.ok_or("a touch must have an id")?,
+                    motion: motion.ok_or_else(|| format!("no voice is touched by `{name}`"))?,
+                    value: line.value.ok_or("a touch must have a value")?,
+                })
+            }
             Kind::Control => {
                 let control = self.names.plan.control(name).map_err(|problem| problem.to_string())?;
                 let value = line.value.filter(|value| value.is_finite());

@@ -35,6 +35,11 @@ impl Ids {
         forgotten
     }
 
+    /// The voices of an id.
+    pub fn get(&self, id: i64) -> Option<&[u64]> {
+        self.numbers.get(&id).map(|(_, numbers)| &numbers[..])
+    }
+
     /// The voices of an id, which is free then.
     pub fn take(&mut self, id: i64) -> Option<Vec<u64>> {
         self.numbers.remove(&id).map(|(_, numbers)| numbers)

@@ -7,7 +7,7 @@ use rosc::OscType;
 use super::names::Method;
 use crate::patch::Place;
 use crate::patch::place::{channel, position};
-use crate::performer::Note;
+use crate::performer::{Note, Touch};
 
 /// What a message asks for.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +16,8 @@ pub enum Ask {
     Play(String, Note, Option<i64>),
     /// Release what was played under an id.
     Release(i64),
+    /// Move the hand that holds what was played under an id.
+    Touch(i64, Touch),
     /// Start a pattern.
     Start(String),
     /// Stop a pattern.
@@ -69,6 +71,10 @@ pub fn ask(method: &Method, args: &[OscType]) -> Result<Ask, Wrong> {
         Method::Play(voice) => return play(voice, args),
         Method::Release => match args {
             [id] => Ask::Release(whole(id)?),
+            _ => return Err(Wrong),
+        },
+        Method::Touch(what) => match args {
+            [id, value] => Ask::Touch(whole(id)?, Touch::of(*what, finite(value)?)),
             _ => return Err(Wrong),
         },
         Method::Start(name) => button(args, Ask::Start(name.clone()))?,
@@ -198,8 +204,9 @@ fn whole(value: &OscType) -> Result<i64, Wrong> {
 #[cfg(test)]
 mod tests {
     use super::{Ask, Method, Wrong, ask};
+    use crate::midi::What;
     use crate::patch::Place;
-    use crate::performer::Note;
+    use crate::performer::{Note, Touch};
     use rosc::{OscArray, OscType};
     use std::time::Duration;
 
@@ -272,6 +279,17 @@ mod tests {
             assert_eq!(set(wrong), Err(Wrong), "{wrong:?}");
         }
         assert_eq!(ask(&Method::Release, &[OscType::Double(5.0)]), Ok(Ask::Release(5)));
+        let bend = |args: &[OscType]| ask(&Method::Touch(What::Bend), args);
+        assert_eq!(bend(&[5.into(), f(1.5)]), Ok(Ask::Touch(5, Touch::Bend(1.5))));
+        for wrong in [
+            &[][..],
+            &[5.into()],
+            &[5.into(), OscType::Inf],
+            &[f(0.5), f(1.0)],
+            &[1.into(), 2.into(), 3.into()],
+        ] {
+            assert_eq!(bend(wrong), Err(Wrong), "{wrong:?}");
+        }
         assert_eq!(ask(&Method::Release, &[]), Err(Wrong));
         assert_eq!(ask(&Method::Release, &[f(1e30)]), Err(Wrong));
     }

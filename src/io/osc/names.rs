@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::address::{LONGEST, Pattern};
+use crate::midi::What;
 use crate::patch::{Control, Patch, Source};
 
 /// What an address does.
@@ -12,6 +13,8 @@ pub enum Method {
     Play(String),
     /// Releases what was played under an id.
     Release,
+    /// Moves the hand that holds what was played under an id.
+    Touch(What),
     /// Starts a pattern.
     Start(String),
     /// Stops a pattern.
@@ -60,6 +63,9 @@ impl Names {
         let mut names = Self { controls: patch.controls.clone(), ..Self::default() };
         for (address, method) in [
             ("/voice/release", Method::Release),
+            ("/voice/bend", Method::Touch(What::Bend)),
+            ("/voice/pressure", Method::Touch(What::Pressure)),
+            ("/voice/timbre", Method::Touch(What::Timbre)),
             ("/controls", Method::List),
             ("/panic", Method::Panic),
             ("/calm", Method::Calm),

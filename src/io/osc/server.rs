@@ -279,6 +279,12 @@ impl Listener {
                     self.counts.forgotten.add(self.ids.keep(id, message, number));
                 }
             }
+            Ask::Touch(id, touch) => match self.ids.get(id) {
+                Some(numbers) => numbers.iter().for_each(|number| {
+                    self.send(at, Signal::Touch(*number, touch));
+                }),
+                None => self.counts.unknown.add(1),
+            },
             Ask::Release(id) => match self.ids.take(id) {
                 Some(numbers) => {
                     for number in numbers {

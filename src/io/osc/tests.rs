@@ -25,6 +25,7 @@ use crate::live::board::Board;
 use crate::live::signal::{Handle, Signal, Stamped, WAITING};
 use crate::live::stamp::Epoch;
 use crate::patch::Patch;
+use crate::performer::Touch;
 
 /// A server, someone who sends to it, and what a session would hear.
 struct Scene {
@@ -156,11 +157,21 @@ fn ids_release_what_they_played() {
     let seven = numbers(scene.hears("/voice/low/play", &[f(0.5), s("id"), 7.into()]));
     let eight = numbers(scene.hears("/voice/{low,high}/play", &[s("id"), 8.into()]));
     assert_eq!((seven.len(), eight.len()), (1, 2));
+    let touched: Vec<(u64, Touch)> = scene
+        .hears("/voice/bend", &[8.into(), f(-1.5)])
+        .into_iter()
+        .map(|signal| if let Signal::Touch(n, touch) = signal { (n, touch) } else { panic!() })
+        .collect();
+    assert_eq!(touched, eight.iter().map(|n| (*n, Touch::Bend(-1.5))).collect::<Vec<_>>());
+    assert!(matches!(
+        scene.hears("/voice/timbre", &[7.into(), 1.into()])[..],
+        [Signal::Touch(_, Touch::Timbre(1.0))]
+    ));
     assert_eq!(released(8), eight);
     assert_eq!(released(7), seven);
     assert_eq!(scene.counts().unknown.get(), 0);
-    assert!(released(7).is_empty());
-    assert_eq!(scene.counts().unknown.get(), 1);
+    assert!(released(7).is_empty() && scene.hears("/voice/bend", &[7.into(), 1.into()]).is_empty());
+    assert_eq!(scene.counts().unknown.get(), 2);
 }
 
 #[test]

@@ -3,8 +3,9 @@ use std::sync::Arc;
 use super::{Message, Outlet, Performer, When, wheel};
 use crate::engine::event::{Event, Source};
 use crate::graph::scene::{Options, scene};
-use crate::midi::Channel;
+use crate::midi::{Channel, pitch};
 use crate::node::asset::NoAssets;
+use crate::node::motion::Motion;
 use crate::patch::Patch;
 use crate::rig::Rig;
 use crate::schedule::Instant;
@@ -193,4 +194,167 @@ fn hostile_numbers_of_a_trigger_stay_within_what_a_file_could_say() {
         );
     }
     assert_eq!(kept.0.len(), 3);
+}
+
+/// A voice that follows the wheel and the pressure, and one that follows nothing; the notes of a channel each.
+const FOLLOWS: &str = "[voice.f]\nvoices = 64\noutput = \"o\"\n[voice.f.nodes]\n\
+    s = { type = \"sine\", frequency = \"event.frequency * touch.bend\", amplitude = \"touch.pressure\" }\n\
+    o = { type = \"multiply\", inputs = [\"s\", 1.0] }\n\
+    [[trigger]]\non = \"midi.note\"\nplay = \"f\"\nset = { frequency = \"pitch\" }\n";
+const AND_NOT: &str =
+    "[[trigger]]\non = \"midi.note\"\nchannel = 5\nplay = \"v\"\nset = { frequency = \"pitch\" }\n";
+
+fn bend(number: u8, bend: i16) -> Message {
+    Message::Bend { channel: channel(number), bend }
+}
+
+/// What was sent, in order, voices by the order in which they began.
+fn told(kept: &Kept) -> Vec<(f64, usize, Motion, f64)> {
+    let mut ids = Vec::new();
+    let mut told = Vec::new();
+    for (at, event) in &kept.0 {
+        match event {
+            Event::Play(play) => ids.push(play.id),
+            Event::Touch(to) => {
+                let seconds = at.since(Instant::default()) / 8000.0;
+                told.push((seconds, ids.iter().position(|id| *id == to.id).unwrap(), to.motion, to.value));
+            }
+            _ => {}
+        }
+    }
+    told
+}
+
+fn near(found: &[(f64, usize, Motion, f64)], wanted: &[(f64, usize, Motion, f64)]) {
+    let same = |a: &(f64, usize, Motion, f64), b: &(f64, usize, Motion, f64)| {
+        (a.1, a.2) == (b.1, b.2) && (a.0 - b.0).abs() < 1e-9 && (a.3 - b.3).abs() < 1e-12
+    };
+    assert!(found.len() == wanted.len() && found.iter().zip(wanted).all(|(a, b)| same(a, b)), "{found:?}");
+}
+
+#[test]
+fn the_wheel_bends_all_voices_of_its_channel_and_a_key_presses_its_own() {
+    let (mut performer, mut kept) = performer(FOLLOWS);
+    for (number, note) in [(0, 60), (0, 64), (1, 60)] {
+        send(&mut performer, &mut kept, 0.0, on(number, note, 100));
+    }
+    assert_eq!(told(&kept), []);
+    send(&mut performer, &mut kept, 0.1, bend(0, -8192));
+    let down = Motion::detune(-2.0);
+    near(&told(&kept), &[(0.1, 0, Motion::Detune, down), (0.1, 1, Motion::Detune, down)]);
+    kept.0.retain(|(_, event)| matches!(event, Event::Play(_)));
+    send(
+        &mut performer,
+        &mut kept,
+        0.2,
+        Message::PolyPressure { channel: channel(0), note: 64, pressure: 127 },
+    );
+    send(&mut performer, &mut kept, 0.3, Message::ChannelPressure { channel: channel(1), pressure: 127 });
+    // No node hears the timbre.
+    send(&mut performer, &mut kept, 0.4, controller(74, 3));
+    near(&told(&kept), &[(0.2, 1, Motion::Pressure, 1.0), (0.3, 2, Motion::Pressure, 1.0)]);
+    // A note that has ended is in no hand any more.
+    send(&mut performer, &mut kept, 0.5, off(0, 60));
+    kept.0.retain(|(_, event)| matches!(event, Event::Play(_)));
+    send(&mut performer, &mut kept, 0.6, bend(0, 0));
+    near(&told(&kept), &[(0.6, 1, Motion::Detune, 0.0)]);
+}
+
+#[test]
+fn a_member_of_mpe_moves_its_note_and_the_manager_all() {
+    let (mut performer, mut kept) = performer(FOLLOWS);
+    for (number, value) in [(101, 0), (100, 6), (6, 15)] {
+        send(&mut performer, &mut kept, 0.0, controller(number, value));
+    }
+    // What comes before the note is there when it begins, and the pitch that is set is that of the key.
+    send(&mut performer, &mut kept, 0.0, bend(1, 2048));
+    send(&mut performer, &mut kept, 0.1, on(1, 69, 100));
+    send(&mut performer, &mut kept, 0.1, on(2, 57, 100));
+    let plays: Vec<f64> = kept
+        .0
+        .iter()
+        .filter_map(|(_, e)| if let Event::Play(p) = e { Some(p.own[0]) } else { None })
+        .collect();
+    assert_eq!(plays, [440.0, 220.0]);
+    near(&told(&kept), &[(0.1, 0, Motion::Detune, Motion::detune(48.0 * 2048.0 / 8191.0))]);
+    send(&mut performer, &mut kept, 0.2, bend(2, -4096));
+    send(&mut performer, &mut kept, 0.3, bend(0, 8191));
+    let (one, other) = (48.0 * 2048.0 / 8191.0, -24.0);
+    near(
+        &told(&kept)[1..],
+        &[
+            (0.2, 1, Motion::Detune, Motion::detune(other)),
+            (0.3, 0, Motion::Detune, Motion::detune(one + 2.0)),
+            (0.3, 1, Motion::Detune, Motion::detune(other + 2.0)),
+        ],
+    );
+}
+
+#[test]
+fn a_voice_that_follows_nothing_begins_with_its_bend() {
+    let (mut performer, mut kept) = performer(&format!("{FOLLOWS}{AND_NOT}"));
+    send(&mut performer, &mut kept, 0.0, bend(4, 8191));
+    send(&mut performer, &mut kept, 0.1, on(4, 69, 100));
+    let plays: Vec<f64> = kept
+        .0
+        .iter()
+        .filter_map(|(_, e)| if let Event::Play(p) = e { Some(p.own[0]) } else { None })
+        .collect();
+    assert_eq!(plays, [440.0, pitch::hertz(69, 2.0)]);
+    near(&told(&kept), &[(0.1, 0, Motion::Detune, Motion::detune(2.0))]);
+}
+
+/// However fast a wheel moves, a voice is told once in a millisecond, and where it ends.
+#[test]
+fn a_storm_of_moves_is_thinned_and_its_end_is_told() {
+    let (mut performer, mut kept) = performer(FOLLOWS);
+    send(&mut performer, &mut kept, 0.0, on(0, 60, 100));
+    for i in 0..10_000_i16 {
+        send(&mut performer, &mut kept, 0.1 + f64::from(i) * 1e-5, bend(0, i / 2));
+    }
+    performer.feed(8000, &mut kept);
+    let told = told(&kept);
+    assert!((95..=102).contains(&told.len()), "{} times", told.len());
+    assert!(told.windows(2).all(|pair| pair[1].0 - pair[0].0 > 0.00099), "{told:?}");
+    let last = told.last().unwrap();
+    assert!((last.3 - Motion::detune(2.0 * 4999.0 / 8191.0)).abs() < 1e-12 && last.0 < 0.2011);
+    // Nothing more is to be told; and what is not told yet when the key goes up is told then.
+    assert_eq!(performer.feed(16_000, &mut kept), None);
+    let before = kept.0.len();
+    send(&mut performer, &mut kept, 2.0, bend(0, 1));
+    send(&mut performer, &mut kept, 2.0001, bend(0, 2));
+    send(&mut performer, &mut kept, 2.0002, off(0, 60));
+    let rest: Vec<_> = kept.0[before..].iter().map(|(_, event)| *event).collect();
+    assert!(matches!(rest[..], [Event::Touch(_), Event::Touch(_), Event::Release(_)]), "{rest:?}");
+}
+
+/// An outlet with little room: what is played finds it, what moves waits.
+#[test]
+fn moves_leave_room_for_notes() {
+    struct Tight(Kept, usize);
+    impl Outlet for Tight {
+        fn clock(&self) -> u64 {
+            1
+        }
+        fn room(&self, _: Source) -> usize {
+            self.1
+        }
+        fn send(&mut self, at: Instant, source: Source, event: Event) -> bool {
+            self.0.send(at, source, event)
+        }
+    }
+    let (mut performer, kept) = performer(FOLLOWS);
+    let mut tight = Tight(kept, 100);
+    let mut say = |tight: &mut Tight, seconds: f64, message: Message| {
+        performer
+            .midi(When::of_seconds(seconds, 8000.0), 0, message, tight)
+            .unwrap_or_else(|p| panic!("{p}"));
+    };
+    say(&mut tight, 0.1, on(0, 60, 100));
+    say(&mut tight, 0.2, bend(0, 8191));
+    say(&mut tight, 0.3, bend(0, -8192));
+    assert_eq!(tight.0.0.len(), 1, "the note alone");
+    tight.1 = 1000;
+    say(&mut tight, 0.4, controller(1, 3));
+    near(&told(&tight.0), &[(0.4, 0, Motion::Detune, Motion::detune(-2.0))]);
 }
