@@ -265,3 +265,40 @@ fn a_callback_in_a_storm_of_events_orders_and_plans() {
     assert!(board.started.get() > 50_000 && reports > 100_000);
     assert!(board.unrecorded.get() > 0 && board.untold.get() == 0);
 }
+
+#[cfg(feature = "live")]
+#[test]
+fn what_a_device_hears_comes_to_another_without_memory() {
+    use pacinian::live::board::Board;
+    use pacinian::live::intake::{Ears, Hearing, bridge};
+    use pacinian::live::stamp::{Epoch, Stamp};
+
+    let board = std::sync::Arc::new(Board::new(1));
+    let ears = Ears { rate: 44_100.0, channels: 2, block: 128 };
+    let (mut intake, mut feed) = bridge(ears, 48_000.0, 64, Epoch::begin(), &board);
+    let (frames, mut output) = ([0.25_f32; 256], [0.0_f32; 192]);
+    let mut heard = 0.0_f32;
+    let total = counted(|| {
+        let mut next = 1.0;
+        for n in 0..3000_u32 {
+            let now = 1.0 + f64::from(n) * 64.0 / 48_000.0;
+            // With pauses, in which it runs dry, and floods, in which the ring is full.
+            while next < now && n % 1000 < 900 {
+                intake.take(Stamp((next * 1e9) as u64), 0.003, &frames);
+                next += 128.0 / 44_100.0;
+            }
+            if n % 1000 == 950 {
+                board.input.xruns.add(1);
+                (0..500).for_each(|_| intake.take(Stamp((now * 1e9) as u64), 0.0, &frames));
+            }
+            feed.hear(now, 3, &mut output);
+            heard = heard.max(output[0]);
+        }
+    });
+    assert_eq!(total, 0);
+    assert!(
+        heard > 0.24 && board.input.lost.get() > 0 && board.input.dry.get() > 0,
+        "{heard} {:?}",
+        board.input
+    );
+}

@@ -9,7 +9,7 @@ use pacinian::io::device::capture;
 use pacinian::io::device::card::Shape;
 use pacinian::io::device::choose::{self, Chosen, Wish};
 use pacinian::io::latency::measure::{EVERY, Loop, Measured, Round, measure};
-use pacinian::io::text;
+use pacinian::io::{out, replace, text};
 use pacinian::rig::{OutputKind, Rig};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -99,6 +99,13 @@ impl Latency {
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let rig = self.rig.as_deref().map(|path| read(path, terminal)).transpose()?;
         let rig = rig.as_ref();
+        if let Some(path) = self.rig.as_deref().filter(|_| self.save) {
+            // Better said now than when it has been measured.
+            if text::is_stream(path) {
+                return Err(Failure::usage("there is no file to save it in", "name one: --rig RIG.toml"));
+            }
+            out::check(path)?;
+        }
         let (channel, name) = self.output(rig)?;
         let said = rig.and_then(|rig| rig.device.name.as_deref());
         let wish = Wish::of(self.device.as_deref(), said);
@@ -130,7 +137,7 @@ impl Latency {
         let ear = self.input_device.as_deref().or(rig.and_then(|rig| rig.device.input.as_deref()));
         let (ear, heard_of) = match ear {
             Some(ear) => choose::heard(ear)?,
-            None if found.input.is_some() => choose::heard(&found.id)?,
+            None if found.input.is_some() => (device.clone(), found.clone()),
             None => {
                 return Err(Failure::usage(
                     format!("{} has no inputs", found.name),
@@ -347,9 +354,7 @@ fn save(path: &Path, seconds: f64, terminal: &Terminal) -> Result<(), Failure> {
     let with = with_latency(&String::from_utf8_lossy(&bytes), seconds)
         .ok_or_else(|| Failure::usage(format!("{name} is no rig any more"), "measure again"))?;
     Rig::parse(&name, with.as_bytes()).map_err(|problems| Failure::of(78, problems))?;
-    std::fs::write(path, with).map_err(|error| {
-        Failure::said(74, format!("{name} cannot be written ({error}); it may be incomplete now"))
-    })?;
+    replace::replace(path, &bytes, with.as_bytes())?;
     terminal.note(&format!("{name}: loop_latency = {}\n", rounded(seconds)));
     Ok(())
 }

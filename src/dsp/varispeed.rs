@@ -81,8 +81,8 @@ impl Varispeed {
 
     /// The frame at a place from 0 to 1 between the two samples in the middle.
     pub fn read(&mut self, place: f64, frame: &mut [f32]) {
-        // What is no number counts as 0.
-        let exact = place.max(0.0).min(1.0) * self.places as f64;
+        let place = if place.is_nan() { 0.0 } else { place.clamp(0.0, 1.0) };
+        let exact = place * self.places as f64;
         let row = (exact as usize).min(self.places - 1);
         let share = (exact - row as f64) as f32;
         let (low, high) = self.rows[row * self.taps..][..2 * self.taps].split_at(self.taps);

@@ -169,4 +169,14 @@ mod tests {
             Err(Mismatch::Device)
         ));
     }
+
+    #[test]
+    fn a_plan_that_listens_to_more_than_before_begins_anew() {
+        let listens = |channel: u32| plan(&format!("out = {{ type = \"input\", channel = {channel} }}"), 1);
+        let deaf = plan("out = { type = \"sine\", frequency = 60 }", 1);
+        for (old, new) in [(&deaf, &listens(1)), (&listens(1), &listens(2))] {
+            assert!(matches!(prepare(old, new), Err(Mismatch::Inputs)));
+            assert!(prepare(new, old).is_ok());
+        }
+    }
 }

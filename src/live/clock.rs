@@ -140,6 +140,11 @@ impl Follower {
         self.frame
     }
 
+    /// The device left something out: the next callback begins the loop anew.
+    pub fn restart(&mut self) {
+        self.running = false;
+    }
+
     /// The device was away: the next callback begins the loop anew, and its blocks may have another length.
     pub fn forget(&mut self, block: u64) {
         (self.running, self.longest) = (false, block);

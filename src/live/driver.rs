@@ -20,6 +20,8 @@ pub struct Driver {
     epoch: Epoch,
     rate: f64,
     board: Arc<Board>,
+    /// Gaps of the device so far.
+    gaps: u64,
     relief: Relief,
     hearing: Option<Box<dyn Hearing>>,
     /// What is heard during the frames at hand.
@@ -40,7 +42,7 @@ impl Driver {
     ) -> (Self, StreamClock) {
         let (follower, clock) = Follower::new(rate, block as u64);
         let (hearing, heard, relief) = (None, Vec::new(), Relief::default());
-        (Self { callback, follower, epoch, rate, board, relief, hearing, heard }, clock)
+        (Self { callback, follower, epoch, rate, board, gaps: 0, relief, hearing, heard }, clock)
     }
 
     /// From now on the engine hears this.
@@ -65,6 +67,11 @@ impl Driver {
         let channels = self.callback.channels().max(1);
         let frames = output.len() / channels;
         let begin = ThreadTime::now();
+        // A device that left out a block plays the next one sooner than the clock thinks.
+        let gaps = self.board.xruns.get();
+        if std::mem::replace(&mut self.gaps, gaps) != gaps {
+            self.follower.restart();
+        }
         self.follower.callback(self.epoch.now(), frames as u64);
         match &mut self.hearing {
             None => self.callback.process(&[], output),
@@ -118,5 +125,66 @@ impl Drop for Lent {
             // Where nobody waits for it any more, the session is over.
             let _ = self.home.send(driver);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use ringbuf::HeapRb;
+    use ringbuf::traits::{Consumer, Split};
+
+    use super::{Driver, Hearing, PART};
+    use crate::engine::exchange::exchange;
+    use crate::graph::scene::{Options, scene};
+    use crate::live::board::Board;
+    use crate::live::callback::Callback;
+    use crate::live::gate::Gate;
+    use crate::live::stamp::Epoch;
+    use crate::node::asset::NoAssets;
+    use crate::patch::Patch;
+    use crate::rig::Rig;
+
+    /// Counts frames.
+    struct Counting(f32);
+
+    impl Hearing for Counting {
+        fn hear(&mut self, _due: f64, channels: usize, frames: &mut [f32]) {
+            assert_eq!(channels, 2);
+            for frame in frames.chunks_exact_mut(channels) {
+                self.0 += 1.0;
+                frame.copy_from_slice(&[self.0, -self.0 * 1e-6]);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_heard_is_played_and_recorded_frame_by_frame_however_long_the_blocks_are() {
+        let text = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"i\"\n\
+            [voice.v.nodes]\ni = { type = \"input\", channel = 2 }\n";
+        let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+        let scene =
+            scene(&patch, &Rig::default_for(1), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+        let (_director, stagehand) = exchange(&scene.plan).unwrap();
+        let board = Arc::new(Board::new(1));
+        let (mut callback, _rings) = Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board));
+        let (kept, mut record) = HeapRb::new(1 << 17).split();
+        callback.record_input(kept);
+        let (mut driver, _clock) = Driver::new(callback, 48_000.0, 64, Epoch::begin(), Arc::clone(&board));
+        driver.listen(Box::new(Counting(0.0)));
+        let mut frames = 0;
+        for block in [64, 7, 1, 0, 3 * PART + 5, 96] {
+            driver.fill(&mut vec![0.0; block]);
+            frames += block;
+        }
+        let all: Vec<f32> = record.pop_iter().collect();
+        assert_eq!((all.len(), board.input.unrecorded.get()), (2 * frames, 0));
+        assert!(all.chunks(2).enumerate().all(|(n, frame)| frame[0] == n as f32 + 1.0));
+        // What found no room is counted.
+        driver.fill(&mut vec![0.0; 2 * PART]);
+        driver.fill(&mut vec![0.0; 8 * PART]);
+        assert!(board.input.unrecorded.get() > 0);
     }
 }

@@ -63,6 +63,8 @@ pub struct Intake {
     skipped: Arc<AtomicU64>,
     epoch: Epoch,
     channels: usize,
+    /// Gaps of the device so far.
+    gaps: u64,
     board: Arc<Board>,
 }
 
@@ -74,6 +76,7 @@ pub struct Feed {
     skipped: Arc<AtomicU64>,
     /// How much of that is accounted for.
     known: u64,
+    gaps: u64,
     /// Frames fetched.
     fetched: u64,
     stream: Varispeed,
@@ -106,7 +109,9 @@ pub fn bridge(ears: Ears, rate: f64, block: usize, epoch: Epoch, board: &Arc<Boa
     let (follower, clock) = Follower::new(rate_in, block_in as u64);
     let skipped = Arc::<AtomicU64>::default();
     let (skips, epoch) = (Arc::clone(&skipped), epoch);
-    let intake = Intake { ring: filled, follower, skipped: skips, epoch, channels, board: Arc::clone(board) };
+    let gaps = 0;
+    let intake =
+        Intake { ring: filled, follower, skipped: skips, epoch, channels, gaps, board: Arc::clone(board) };
     let frame = || vec![0.0; channels];
     let feed = Feed {
         ring,
@@ -114,6 +119,7 @@ pub fn bridge(ears: Ears, rate: f64, block: usize, epoch: Epoch, board: &Arc<Boa
         moment: None,
         skipped,
         known: 0,
+        gaps: 0,
         fetched: 0,
         stream: Varispeed::new(rate_in, rate, channels),
         tracker: Tracker::default(),
@@ -156,6 +162,10 @@ impl Intake {
             self.board.input.lost.add(count);
         } else {
             self.ring.push_slice(whole);
+        }
+        let gaps = self.board.input.xruns.get();
+        if std::mem::replace(&mut self.gaps, gaps) != gaps {
+            self.follower.restart();
         }
         // What the clock shows is there already.
         self.follower.callback(at, count);
@@ -262,11 +272,11 @@ impl Feed {
 
     /// The speed for the next `frames`, which were due at `due`.
     fn follow(&mut self, due: f64, frames: usize) -> f64 {
-        let skipped = self.skipped.load(Ordering::Acquire);
-        if skipped != self.known {
+        let (skipped, gaps) = (self.skipped.load(Ordering::Acquire), self.board.input.xruns.get());
+        if (skipped, gaps) != (self.known, self.gaps) {
             // What is left in the ring is from before the gap.
             self.leave_out(u64::MAX);
-            self.known = skipped;
+            (self.known, self.gaps) = (skipped, gaps);
             if self.flows {
                 self.stop();
             }

@@ -133,23 +133,28 @@ static void listen(struct card *card, char *at, snd_pcm_uframes_t frames) {
     pthread_mutex_unlock(&lock);
     memset(at, 0, frames * card->frame);
     if (!cable.begun || card->file < 0) return;
-    char *two = malloc(2 * card->frame);
-    for (snd_pcm_uframes_t n = 0; two && n < frames; n++) {
-        double since = (card->begun - cable.begun) * 1e-9 + (card->moved + n) / card->rate;
-        double place = since * cable.rate - card->delay;
-        if (place < 0) continue;
-        uint64_t frame = (uint64_t)place;
-        double share = place - frame;
-        ssize_t got = pread(card->file, two, 2 * card->frame, (cable.first + frame) * card->frame);
-        if (got < (ssize_t)card->frame) continue;
-        if (got < 2 * (ssize_t)card->frame) memset(two + card->frame, 0, card->frame);
-        char *to = at + n * card->frame;
+    /* Where the first of them lies in what was played, and how far it is to the next. */
+    double place = ((card->begun - cable.begun) * 1e-9 + card->moved / card->rate) * cable.rate - card->delay;
+    double step = cable.rate / card->rate;
+    int64_t first = place < 0 ? 0 : (int64_t)place, last = (int64_t)(place + frames * step) + 2;
+    char *all = last > first ? calloc(last - first, card->frame) : NULL;
+    if (!all) return;
+    /* At once, as to ask for every frame would take longer than the frame. What is not played yet is silence. */
+    if (pread(card->file, all, (last - first) * card->frame, (cable.first + first) * card->frame) < 0) {
+        free(all);
+        return;
+    }
+    for (snd_pcm_uframes_t n = 0; n < frames; n++) {
+        double here = place + n * step;
+        if (here < 0) continue;
+        double share = here - (int64_t)here;
+        char *to = at + n * card->frame, *from = all + ((int64_t)here - first) * card->frame;
         if (card->io.format == SND_PCM_FORMAT_FLOAT_LE)
             for (unsigned c = 0; c < card->io.channels; c++)
-                ((float *)to)[c] = (1 - share) * ((float *)two)[c] + share * ((float *)two)[card->io.channels + c];
-        else memcpy(to, two + (share < 0.5 ? 0 : card->frame), card->frame);
+                ((float *)to)[c] = (1 - share) * ((float *)from)[c] + share * ((float *)from)[card->io.channels + c];
+        else memcpy(to, from + (share < 0.5 ? 0 : card->frame), card->frame);
     }
-    free(two);
+    free(all);
 }
 
 static snd_pcm_sframes_t transfer(snd_pcm_ioplug_t *io, const snd_pcm_channel_area_t *areas,

@@ -203,7 +203,7 @@ mod tests {
             elapsed: 75.0,
             armed: true,
             figures: Figures { mean: 0.0021, p999: 0.012, voices: 3, ..Figures::default() },
-            latency: Latency { block: 0.0027, engine: 0.0015, device: Some(0.001), input: None },
+            latency: Latency { block: 0.0027, engine: 0.0015, device: Some(0.001), ..Latency::default() },
             tactors: (0..tactors).map(|n| (name(n), meter)).collect(),
             keys: (1..=9)
                 .map(|digit| KeyFace {

@@ -67,6 +67,9 @@ pub fn figures(snapshot: &Snapshot, width: usize) -> Vec<Line> {
             Some(device) => delay.put(Ink::Dim, &format!(" + device {}", milli(device))),
             None => delay.put(Ink::Dim, " + device unknown"),
         }
+        if let Some(beyond) = latency.beyond {
+            delay.put(Ink::Dim, &format!(" + measured {}", milli(beyond)));
+        }
     }
     let touched = |name: &str, count: u64| {
         figure(name, &grouped(count), if count == 0 { Ink::Plain } else { Ink::Warm })

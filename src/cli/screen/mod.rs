@@ -101,6 +101,8 @@ pub struct Show {
     xruns: u64,
     /// Gaps of the input, by what made them.
     gaps: [u64; 4],
+    /// The loop's latency, as the rig has it.
+    beyond: Option<f64>,
     /// Whether a frame is due now.
     due: bool,
     /// Whether it was said that the system gives no priority.
@@ -150,6 +152,7 @@ impl Show {
             panicked: false,
             xruns: 0,
             gaps: [0; 4],
+            beyond: loaded.rig.device.loop_latency,
             due: true,
             humble: false,
             warned: loaded.warnings.clone(),
@@ -290,6 +293,7 @@ impl Show {
             block: board.block.get() as f64 / f64::from(self.snapshot.rate.max(1)),
             engine: session.delay().total(),
             device: (device > 0).then_some(device as f64 * 1e-9),
+            beyond: self.beyond,
             input: (input > 0).then_some(input as f64 * 1e-9 + session.input_delay()),
         };
         self.snapshot.figures = Figures {

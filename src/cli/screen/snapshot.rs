@@ -97,6 +97,8 @@ pub struct Latency {
     pub engine: f64,
     /// The device, as far as it says.
     pub device: Option<f64>,
+    /// What lies beyond, as it was measured and the rig has it.
+    pub beyond: Option<f64>,
     /// From what a device hears to the nodes that listen to it, while it is heard.
     pub input: Option<f64>,
 }
@@ -104,6 +106,6 @@ pub struct Latency {
 impl Latency {
     /// All of what lies between an event and the skin.
     pub fn total(&self) -> f64 {
-        self.block + self.engine + self.device.unwrap_or(0.0)
+        self.block + self.engine + self.device.unwrap_or(0.0) + self.beyond.unwrap_or(0.0)
     }
 }

@@ -6,7 +6,7 @@ use std::sync::mpsc::Sender;
 use cpal::traits::{DeviceTrait, StreamTrait};
 use cpal::{BufferSize, Device, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
 
-use super::card::{News, Shape, known_format};
+use super::card::{News, Shape, behind, known_format, seconds};
 use super::failure::{DeviceError, Trouble};
 use super::list::Found;
 use super::priority;
@@ -15,6 +15,9 @@ use crate::live::intake::LentIntake;
 
 /// What takes frames that a device hears.
 pub trait Hear: Send + 'static {
+    /// A block was handed over at `callback`, seconds on the stream's own clock.
+    fn begin(&mut self, _callback: f64) {}
+
     /// Interleaved frames, the first of which the device heard `delay` seconds ago, as far as it says. Neither allocates nor blocks.
     fn hear(&mut self, delay: f64, frames: &[f32]);
 }
@@ -28,7 +31,7 @@ impl Hear for LentIntake {
 /// A card that is listened to until this is dropped.
 pub struct Capture {
     /// Dropped first, so that nothing calls back any more.
-    _stream: cpal::Stream,
+    stream: cpal::Stream,
 }
 
 /// Seconds of a block where nobody says otherwise.
@@ -47,8 +50,8 @@ pub fn shape(found: &Found, channels: usize, rate: u32, block: Option<u32>) -> R
     let counts = || offer.channels.iter().map(|&n| usize::from(n));
     let enough = counts().find(|&n| n >= channels).or(counts().max());
     let taken = rate.clamp(offer.rates.0, offer.rates.1);
-    let seconds = block.map_or(BLOCK, |block| f64::from(block) / f64::from(rate.max(1)));
-    let frames = (seconds * f64::from(taken)).round().max(1.0) as u32;
+    let length = block.map_or(BLOCK, |block| f64::from(block) / f64::from(rate.max(1)));
+    let frames = (length * f64::from(taken)).round().max(1.0) as u32;
     let block = offer.blocks.map(|(least, most)| frames.clamp(least, most.max(least)));
     Ok(Shape { channels: enough.unwrap_or(1), rate: taken, block })
 }
@@ -86,7 +89,12 @@ impl Capture {
         };
         let stream = stream.map_err(|error| trouble(&error))?;
         stream.play().map_err(|error| trouble(&error))?;
-        Ok(Self { _stream: stream })
+        Ok(Self { stream })
+    }
+
+    /// By how much a clock is ahead of the stream's own, seconds.
+    pub(crate) fn behind(&self, clock: impl Fn() -> f64) -> f64 {
+        behind(&self.stream, clock)
     }
 }
 
@@ -112,6 +120,7 @@ where
             priority::raise();
         }
         let stamp = info.timestamp();
+        hear.begin(seconds(stamp.callback));
         let mut delay = stamp.callback.saturating_duration_since(stamp.capture).as_secs_f64();
         for part in input.chunks(scratch.len()) {
             let frames = &mut scratch[..part.len()];

@@ -39,6 +39,10 @@ pub enum News {
 
 /// What fills the frames that a device plays.
 pub trait Fill: Send + 'static {
+    /// A block is to be filled at `callback`, seconds on the stream's own clock, and will be played `delay` seconds later, as the device has
+    /// it.
+    fn begin(&mut self, _callback: f64, _delay: f64) {}
+
     /// Fills interleaved frames. Neither allocates nor blocks.
     fn fill(&mut self, output: &mut [f32]);
 }
@@ -52,7 +56,7 @@ impl Fill for Lent {
 /// A card that plays until this is dropped.
 pub struct Card {
     /// Dropped first, so that nothing calls back any more.
-    _stream: cpal::Stream,
+    stream: cpal::Stream,
     /// Frames a block, as far as it says.
     pub block: Option<u32>,
 }
@@ -104,8 +108,29 @@ impl Card {
         let stream = stream.map_err(|error| DeviceError::of(&found.name, &error))?;
         stream.play().map_err(|error| DeviceError::of(&found.name, &error))?;
         let block = stream.buffer_size().ok();
-        Ok(Self { _stream: stream, block })
+        Ok(Self { stream, block })
     }
+
+    /// By how much a clock is ahead of the stream's own, seconds.
+    pub(crate) fn behind(&self, clock: impl Fn() -> f64) -> f64 {
+        behind(&self.stream, clock)
+    }
+}
+
+/// A moment on a stream's own clock, in seconds.
+pub(super) fn seconds(moment: cpal::StreamInstant) -> f64 {
+    moment.as_nanos() as f64 * 1e-9
+}
+
+/// By how much `clock` is ahead of a stream's own, seconds: of several tries the one that took the shortest time.
+pub(super) fn behind(stream: &cpal::Stream, clock: impl Fn() -> f64) -> f64 {
+    let tries = (0..32).map(|_| {
+        let before = clock();
+        let own = seconds(stream.now());
+        let after = clock();
+        (after - before, (before + after) / 2.0 - own)
+    });
+    tries.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, ahead)| ahead)
 }
 
 /// What a stream's callback holds.
@@ -115,13 +140,14 @@ struct Player<F> {
     board: Arc<Board>,
 }
 
-impl<F> Player<F> {
+impl<F: Fill> Player<F> {
     fn begin(&mut self, info: &cpal::OutputCallbackInfo) {
         if !std::mem::replace(&mut self.raised, true) {
             priority::raise();
         }
         let stamp = info.timestamp();
         let delay = stamp.playback.saturating_duration_since(stamp.callback);
+        self.driver.begin(seconds(stamp.callback), delay.as_secs_f64());
         self.board.device_delay.set(delay.as_nanos() as u64);
     }
 }

@@ -42,11 +42,12 @@ pub fn find(heard: &[f32], step: f64) -> Option<Echo> {
     let scale = 1.0 / (size as f64 * energy);
     let found: Vec<f64> = all.iter().take(places + 1).map(|x| x * scale).collect();
     let (peak, &high) = found.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-    if high == 0.0 || !high.is_finite() {
+    // At either end it may rise further beyond.
+    if high == 0.0 || !high.is_finite() || peak == 0 || peak == places {
         return None;
     }
-    // Points a twelfth of the sweep's middle period apart, so that noise moves the peak less.
-    let apart = ((1.0 / 6000.0) / step).round().max(1.0) as usize;
+    // Noise has passed the correlation, too, and is as smooth as its peak: so the points may be near, where a parabola is right.
+    let apart = ((1.0 / 48_000.0) / step).round().max(1.0) as usize;
     let (before, after) = (found.get(peak.wrapping_sub(apart)), found.get(peak + apart));
     let shift = match (before, after) {
         (Some(before), Some(after)) => {
@@ -86,7 +87,7 @@ mod tests {
                 (1000.0, 0.1, 0.0, 0.005),
                 (777.37, -0.02, 0.0, 0.005),
                 (300.5, 0.1, 0.01, 0.1),
-                (0.25, 1.0, 0.001, 0.6),
+                (20.25, 1.0, 0.001, 0.05),
             ] {
                 let echo = find(&heard(at, gain, floor, rate), 1.0 / rate).unwrap();
                 assert!((echo.at - at).abs() < most * (rate / 48_000.0).max(1.0), "{rate}: {echo:?}, {at}");

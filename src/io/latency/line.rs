@@ -56,7 +56,7 @@ mod tests {
     fn it_is_when_they_should_have_come() {
         let frame = 1.0 / 48_010.0;
         let late = |n: u32| {
-            if n % 7 == 0 {
+            if n.is_multiple_of(7) {
                 0.0
             } else {
                 1e-4 * f64::from(n * 7919 % 97) + if n % 50 == 3 { 4e-3 } else { 0.0 }

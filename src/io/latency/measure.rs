@@ -47,7 +47,7 @@ pub struct Round {
     pub at: f64,
     /// How long it took, seconds.
     pub latency: f64,
-    /// What of it came back.
+    /// What of it came back, as a share.
     pub gain: f64,
 }
 
@@ -79,6 +79,9 @@ struct Callback {
 
 struct Sender {
     frame: u64,
+    /// The callback at hand, on the stream's clock, and how long until it is played.
+    callback: f64,
+    delay: f64,
     /// The probe, and from where to where it is sent again and again.
     probe: Vec<f32>,
     every: u64,
@@ -86,7 +89,6 @@ struct Sender {
     count: u64,
     channel: usize,
     channels: usize,
-    epoch: Epoch,
     board: Arc<Board>,
     told: HeapProd<Callback>,
 }
@@ -97,9 +99,12 @@ fn begins(n: u64, every: u64, before: u64) -> u64 {
 }
 
 impl Fill for Sender {
+    fn begin(&mut self, callback: f64, delay: f64) {
+        (self.callback, self.delay) = (callback, delay);
+    }
+
     fn fill(&mut self, output: &mut [f32]) {
-        let delay = self.board.device_delay.get() as f64 * 1e-9;
-        let (time, gaps) = (self.epoch.now().seconds() + delay, self.board.xruns.get());
+        let (time, delay, gaps) = (self.callback + self.delay, self.delay, self.board.xruns.get());
         // One that finds no room is missed by nobody.
         let _ = self.told.try_push(Callback { frame: self.frame, time, delay, gaps });
         for frame in output.chunks_exact_mut(self.channels) {
@@ -121,17 +126,21 @@ impl Fill for Sender {
 
 struct Recorder {
     frame: u64,
+    callback: f64,
     channel: usize,
     channels: usize,
-    epoch: Epoch,
     board: Arc<Board>,
     told: HeapProd<Callback>,
     samples: HeapProd<f32>,
 }
 
 impl Hear for Recorder {
+    fn begin(&mut self, callback: f64) {
+        self.callback = callback;
+    }
+
     fn hear(&mut self, delay: f64, frames: &[f32]) {
-        let (time, gaps) = (self.epoch.now().seconds() - delay, self.board.input.xruns.get());
+        let (time, gaps) = (self.callback - delay, self.board.input.xruns.get());
         let _ = self.told.try_push(Callback { frame: self.frame, time, delay, gaps });
         let count = frames.len() / self.channels;
         let kept = if self.samples.vacant_len() >= count {
@@ -187,8 +196,9 @@ fn reckon(sent: &[Callback], heard: &[Callback], samples: &[f32], rates: [f64; 2
         let playing = plays.iter().find(|s| s.first <= begin && end <= s.last);
         let hearing = playing.and_then(|playing| {
             let at = playing.line.at(begin);
-            let find =
-                |s: &&Stretch| s.first <= s.line.place(at - EARLY) && s.line.place(at + WITHIN) <= s.last;
+            let find = |s: &&Stretch| {
+                s.first <= s.line.place(at - EARLY) && s.line.place(at + WITHIN + probe::SECONDS) <= s.last
+            };
             Some((playing, at, hears.iter().find(find)?))
         });
         let Some((playing, at, hearing)) = hearing else {
@@ -196,7 +206,7 @@ fn reckon(sent: &[Callback], heard: &[Callback], samples: &[f32], rates: [f64; 2
             continue;
         };
         let first = hearing.line.place(at - EARLY).max(0.0) as usize;
-        let last = (hearing.line.place(at + WITHIN) as usize).min(samples.len());
+        let last = (hearing.line.place(at + WITHIN + probe::SECONDS) as usize).min(samples.len());
         // Seconds by the clock of the device that plays, between two samples that are heard.
         let step = hearing.line.slope() / (playing.line.slope() * rates[0]);
         let echo = samples.get(first..last).and_then(|part| find(part, step));
@@ -228,21 +238,22 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
     let length = (probe::SECONDS * rates[0]).ceil() as usize;
     let sender = Sender {
         frame: 0,
+        callback: 0.0,
+        delay: 0.0,
         probe: (0..length).map(|n| (what.level * probe::at(n as f64 / rates[0])) as f32).collect(),
         every: (EVERY * rates[0]) as u64,
         before: (BEFORE * rates[0]) as u64,
         count: what.count as u64,
         channel: *channel_out,
         channels: shape.channels,
-        epoch,
         board: Arc::clone(&board),
         told: sent_in,
     };
     let recorder = Recorder {
         frame: 0,
+        callback: 0.0,
         channel: *channel_in,
         channels: ears.channels,
-        epoch,
         board: Arc::clone(&board),
         told: heard_in,
         samples: samples_in,
@@ -250,7 +261,7 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
     let listening = Capture::open(ear, heard_of, *ears, recorder, &board, news.clone())?;
     let playing = Card::open(device, found, *shape, sender, &board, news)?;
     let (mut sent, mut heard, mut samples) = (Vec::new(), Vec::new(), Vec::<f32>::new());
-    let seconds = BEFORE + what.count as f64 * EVERY + WITHIN + 0.2;
+    let seconds = BEFORE + what.count as f64 * EVERY + WITHIN + 0.3;
     let (begin, mut frames) = (Instant::now(), 0);
     let mut since = Instant::now();
     loop {
@@ -293,9 +304,15 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
             break;
         }
     }
+    // Each stream has a clock of its own, which began with it.
+    let now = || epoch.now().seconds();
+    let apart = listening.behind(now) - playing.behind(now);
     drop(playing);
     drop(listening);
-    Ok(Some(reckon(&sent, &heard, &samples, rates, what.count)))
+    heard.iter_mut().for_each(|callback| callback.time += apart);
+    let mut measured = reckon(&sent, &heard, &samples, rates, what.count);
+    measured.rounds.iter_mut().for_each(|round| round.gain /= what.level);
+    Ok(Some(measured))
 }
 
 fn ring<T>(room: usize) -> (HeapProd<T>, HeapCons<T>) {
