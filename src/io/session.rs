@@ -80,7 +80,10 @@ impl Session {
         }
         if let Some(song) = song {
             performer.play_song(song.messages.iter().copied(), song.seconds);
+            let counted = performer.follow_song(&song.tempi, song.seconds);
+            counted.map_err(|why| SessionError::Plan(why.to_string()))?;
         }
+        performer.await_clock().map_err(|why| SessionError::Plan(why.to_string()))?;
         let delay = stagehand.engine().delay();
         let board = Arc::new(Board::new(channels));
         let gate = Gate::new(rate, if armed { 1.0 } else { UNARMED });
