@@ -3,110 +3,13 @@
 //! The card is built from `tests/devices/card.c`. Where there is no C compiler or no ALSA, a test says that it was skipped, and why.
 #![cfg(target_os = "linux")]
 
+#[path = "common/bench.rs"]
+mod bench;
+
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// A folder of a test's own, with a card's driver and its configuration.
-struct Bench {
-    folder: PathBuf,
-}
-
-impl Bench {
-    /// `None`, and a word about it, where the card cannot be had.
-    fn new(name: &str) -> Option<Self> {
-        let folder = std::env::temp_dir().join(format!("pacinian-devices-{}-{name}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        let driver = folder.join("libasound_module_pcm_testcard.so");
-        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/devices/card.c");
-        let flags = ["-O2", "-shared", "-fPIC", "-DPIC"];
-        let built = Command::new("cc").args(flags).arg(source).args(["-lasound", "-o"]).arg(&driver).output();
-        let why = match built {
-            Ok(output) if output.status.success() => None,
-            Ok(output) => {
-                Some(String::from_utf8_lossy(&output.stderr).lines().next().unwrap_or("").to_string())
-            }
-            Err(error) => Some(error.to_string()),
-        };
-        let system = Path::new("/usr/share/alsa/alsa.conf");
-        let why = why.or_else(|| (!system.exists()).then(|| "there is no /usr/share/alsa/alsa.conf".into()));
-        if let Some(why) = why {
-            println!("skipped: the card cannot be built: {why}");
-            return None;
-        }
-        let bench = Self { folder };
-        let (driver, played, gone) = (driver.display(), bench.played(), bench.gone());
-        let card = |channels: u32| {
-            format!(
-                "pcm.card{channels} {{ type testcard channels {channels} played \"{}\" gone \"{}\" \
-                 hint {{ show on description \"Card of {channels} channels\" }} }}\n",
-                played.display(),
-                gone.display()
-            )
-        };
-        let text = format!("pcm_type.testcard {{ lib \"{driver}\" }}\n{}{}", card(8), card(24));
-        fs::write(bench.folder.join("asound.conf"), text).unwrap();
-        Some(bench)
-    }
-
-    fn played(&self) -> PathBuf {
-        self.folder.join("played.raw")
-    }
-
-    fn gone(&self) -> PathBuf {
-        self.folder.join("gone")
-    }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pacinian"));
-        let config = format!("/usr/share/alsa/alsa.conf:{}", self.folder.join("asound.conf").display());
-        command
-            .args(arguments)
-            .env("ALSA_CONFIG_PATH", config)
-            .current_dir(&self.folder)
-            .stdin(Stdio::null());
-        command
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        self.command(arguments).output().unwrap()
-    }
-
-    fn start(&self, arguments: &[&str]) -> Child {
-        self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.folder.join(name), text).unwrap();
-    }
-
-    /// What the card was given, sample by sample.
-    fn samples(&self) -> Vec<f32> {
-        let bytes = fs::read(self.played()).unwrap_or_default();
-        bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
-    }
-}
-
-impl Drop for Bench {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.folder);
-    }
-}
-
-/// Waits until something holds, ten seconds at most.
-fn wait(what: &str, holds: impl Fn() -> bool) {
-    let begin = Instant::now();
-    while !holds() {
-        assert!(begin.elapsed() < Duration::from_secs(10), "{what} did not come");
-        std::thread::sleep(Duration::from_millis(10));
-    }
-}
-
-fn signal(child: &Child, name: &str) {
-    let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
-}
+use bench::{Bench, signal, wait};
 
 /// A tone on each of so many channels, each its own, with hard onsets between samples, for a second.
 fn scene(bench: &Bench, channels: u32) {
@@ -266,4 +169,48 @@ fn what_a_card_does_not_offer_is_refused_with_what_it_does() {
     fs::write(bench.gone(), "").unwrap();
     let (code, said) = of(&["--device", "card8"]);
     assert!(code == Some(69), "{said}");
+}
+
+const WALKED: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 8\n[[tactor]]\nname = \"a\"\nchannel = 1\n\
+    [[tactor]]\nname = \"b\"\nchannel = 2\n[[output]]\nkind = \"torque\"\nname = \"knob\"\nchannel = 3\n\
+    [[tactor]]\nname = \"c\"\nchannel = 7\ngain = 0.5\n";
+
+#[test]
+fn a_walk_moves_one_channel_after_the_other_and_never_a_torque() {
+    let Some(bench) = Bench::new("walk") else { return };
+    bench.write("r.toml", WALKED);
+    let arguments =
+        ["walk", "--rig", "r.toml", "--device", "card8", "--all", "--seconds", "0.2", "--level", "0.3"];
+    let output = bench.run(&arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let samples = bench.samples();
+    let mut before = 0;
+    for channel in 0..8 {
+        let own: Vec<f32> = samples.iter().skip(channel).step_by(8).copied().collect();
+        let sounding = |x: &f32| x.abs() > 1e-4;
+        let (first, last) = (own.iter().position(sounding), own.iter().rposition(sounding));
+        if channel == 2 {
+            assert!(own.iter().all(|x| *x == 0.0), "the knob");
+            continue;
+        }
+        let (first, last) = (first.unwrap(), last.unwrap());
+        assert!(first > before && last < first + 16_000, "channel {}: {first} to {last}", channel + 1);
+        before = last;
+        let peak = own.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+        let wanted = if channel == 6 { 0.15 } else { 0.3 };
+        assert!((peak / wanted - 1.0).abs() < 0.1, "channel {}: {peak}", channel + 1);
+    }
+}
+
+#[test]
+fn a_walk_that_is_stopped_ends_in_zeros() {
+    let Some(bench) = Bench::new("walk-stop") else { return };
+    bench.write("r.toml", WALKED);
+    let child = bench.start(&["walk", "--rig", "r.toml", "--device", "card8", "--seconds", "10"]);
+    wait("sound", || bench.samples().iter().any(|x| x.abs() > 0.2));
+    signal(&child, "INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
+    let samples = bench.samples();
+    assert!(samples[samples.len() - 8 * 100..].iter().all(|x| *x == 0.0));
 }

@@ -47,24 +47,23 @@ impl Stage {
         let refused = Arc::new(AtomicU64::new(0));
         let count = Arc::clone(&refused);
         let session = Session::start(Beginning {
-            scene: Reload {
-                scene: compiled,
-                patch: Arc::clone(&patch),
-                rig,
-                files: Box::new(|path| Err(Problem::of_file(path))),
-            },
-            device: Chosen::Virtual(None),
             block: Some(64),
-            armed: true,
-            song: None,
-            record: false,
-            listener: None,
+            input: pacinian::io::session::Ear::Nothing,
             audience: Box::new(move |told| {
                 if let Told::Refused(_) = told {
                     count.fetch_add(1, Ordering::Relaxed);
                 }
             }),
-            fate: Box::new(|_| {}),
+            ..Beginning::of(
+                Reload {
+                    scene: compiled,
+                    patch: Arc::clone(&patch),
+                    rig,
+                    files: Box::new(|path| Err(Problem::of_file(path))),
+                    provenance: None,
+                },
+                Chosen::Virtual(None),
+            )
         })
         .unwrap();
         let server = Server::start("0".parse().unwrap(), session.handle().clone(), &patch).unwrap();

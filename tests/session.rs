@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::session::{Beginning, Session};
-use pacinian::live::callback::Report;
+use pacinian::live::callback::{Deed, Report};
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
@@ -28,7 +28,7 @@ fn reload(text: &str) -> Reload {
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
     let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
     let files = Box::new(|_: &str| Err(Problem::of_file("no files here")));
-    Reload { scene, patch: Arc::new(patch), rig: Arc::new(rig), files }
+    Reload { scene, patch: Arc::new(patch), rig: Arc::new(rig), files, provenance: None }
 }
 
 /// What was told, in words.
@@ -39,10 +39,14 @@ fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
     let heard = Arc::clone(&words);
     let audience = move |told: Told<'_>| {
         heard.lock().unwrap().push(match told {
-            Told::Report(Report::Event { at, due, event, .. }) => {
+            Told::Report(Report { deed: Deed::Event { at, due, event, .. }, .. }, _) => {
                 format!("event {} {} {event:?}", at.sample, due.sample)
             }
-            Told::Report(report) => format!("{report:?}"),
+            Told::Report(Report { frame, deed: Deed::Order(order) }, _) => {
+                format!("Order({frame}, {order:?})")
+            }
+            Told::Report(report, _) => format!("{report:?}"),
+            Told::Began(..) | Told::Came(..) | Told::Reloading(_) => return,
             Told::Refused(problem) => format!("refused: {problem}"),
             Told::Reloaded => "reloaded".into(),
             Told::Playing(_) => "playing".into(),
@@ -50,15 +54,10 @@ fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
         });
     };
     let mut session = Session::start(Beginning {
-        scene: reload(text),
-        device: Chosen::Virtual(None),
         block: Some(64),
-        armed: true,
         record: true,
-        song: None,
-        listener: None,
         audience: Box::new(audience),
-        fate: Box::new(|_| {}),
+        ..Beginning::of(reload(text), Chosen::Virtual(None))
     })
     .unwrap_or_else(|error| panic!("{error}"));
     let recording = session.recording().unwrap();

@@ -116,3 +116,76 @@ fn a_meter_reads_on_its_beat() {
     let wanted = 0.8 * (std::f64::consts::TAU * 37.0 * (99.0 - 2.0) / 8000.0).sin();
     assert!((f64::from(rare.latest()) - wanted).abs() < 1e-4, "{} for {wanted}", rare.latest());
 }
+
+/// Counts its runs under a rank, and how often it was told to rest or to go on.
+struct Ranked {
+    rank: u8,
+    told: Arc<AtomicU32>,
+}
+
+impl Task for Ranked {
+    fn beat(&self) -> Beat {
+        Beat::every(10)
+    }
+    fn run(&mut self, _: &mut dyn Values) {
+        // A thousandth of a second on the clock of the test.
+        CLOCK.fetch_add(1_000_000, Ordering::Relaxed);
+    }
+    fn name(&self) -> &str {
+        "ranked"
+    }
+    fn cost(&self) -> f64 {
+        // One of them claims more than it keeps.
+        if self.rank == 5 { 0.9e-3 } else { 1.1e-3 }
+    }
+    fn rank(&self) -> u8 {
+        self.rank
+    }
+    fn rest(&mut self, rests: bool) {
+        self.told.fetch_add(if rests { 1 } else { 100 }, Ordering::Relaxed);
+    }
+}
+
+static CLOCK: AtomicU32 = AtomicU32::new(0);
+
+#[test]
+fn the_least_important_rest_from_an_instant_on_and_overruns_are_counted() {
+    let plan = compiled(PATCH, 8, 48_000.0).plan;
+    let mut engine = Engine::new(&plan).unwrap();
+    engine.time_tasks(|| u64::from(CLOCK.load(Ordering::Relaxed)));
+    let told = Arc::new(AtomicU32::new(0));
+    let duties: Vec<_> = [0, 9, 5, 9]
+        .map(|rank| engine.add_task(Box::new(Ranked { rank, told: Arc::clone(&told) })))
+        .into_iter()
+        .collect();
+    assert_eq!(
+        (engine.rank_below(256), engine.rank_below(9), engine.rank_below(5)),
+        (Some(9), Some(5), None)
+    );
+    assert_eq!((engine.rank_above(0), engine.rank_above(5), engine.rank_above(9)), (Some(5), Some(9), None));
+    let at = |sample| pacinian::schedule::Instant { sample, fraction: 0 };
+    for (sample, above) in [(95, 8), (195, 0), (290, 255)] {
+        engine.schedule(
+            at(sample),
+            pacinian::engine::event::Source::Program,
+            pacinian::engine::event::Event::Shed(above),
+        );
+    }
+    // To sample 400, in calls of any length.
+    let mut out = vec![0.0; 400 * 6 * 8];
+    let mut rest = out.as_mut_slice();
+    for frames in (1..).map(|n| n * 37 % 301) {
+        let (part, left) = rest.split_at_mut((frames * 8).min(rest.len()));
+        engine.process(part);
+        rest = left;
+        if rest.is_empty() {
+            break;
+        }
+    }
+    let counts: Vec<_> = duties.iter().map(|duty| (duty.runs(), duty.skipped())).collect();
+    // Before 100 ten runs each; to 200 the nines rest, to 290 all but the rank 0.
+    assert_eq!(counts, [(40, 0), (21, 19), (31, 9), (21, 19)]);
+    assert_eq!(duties.iter().map(|duty| duty.overruns()).collect::<Vec<_>>(), [0, 0, 31, 0]);
+    assert!(duties.iter().all(|duty| (duty.longest() - 1e-3).abs() < 1e-12 && !duty.is_resting()));
+    assert_eq!(told.load(Ordering::Relaxed), 303);
+}

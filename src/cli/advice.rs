@@ -7,14 +7,18 @@ use pacinian::text::{Problem, Problems, Severity, Span};
 use std::collections::HashSet;
 
 /// Warnings, by line; `None` where there are none. `by_default`: nobody named a rig. `deaf`: the patch listens, and nobody said
-/// to what.
-pub fn of(loaded: &Loaded, by_default: bool, deaf: bool) -> Option<Problems> {
+/// to what; `live`: it is played on a device.
+pub fn of(loaded: &Loaded, by_default: bool, deaf: bool, live: bool) -> Option<Problems> {
     let mut list = loaded.rig.advise(&loaded.patch);
     if by_default {
         list.extend(too_long(&loaded.patch));
     }
     if deaf {
-        list.push(whole("the patch listens, and hears silence", "give it a WAV file: --input FILE.wav"));
+        let help = match live {
+            true => "give it a sound card, --input-device NAME, or a WAV file, --input FILE.wav",
+            false => "give it a WAV file: --input FILE.wav",
+        };
+        list.push(whole("the patch listens, and hears silence", help));
     }
     // Whoever plays it live knows what to do.
     let waits = loaded.options.live && loaded.patch.triggers.iter().any(|t| t.on.is_live());

@@ -4,9 +4,9 @@ use pacinian::patch::{Action, Events, Patch, Place};
 use pacinian::rig::{MAX_CHANNELS, Rig};
 use pacinian::text::Problem;
 
-/// A line of tactors, as many as the patch names.
-pub fn rig(patch: &Patch) -> Rig {
-    Rig::default_for(channels(patch))
+/// A line of tactors, as many as the patch names, and no fewer than `least`.
+pub fn rig(patch: &Patch, least: u32) -> Rig {
+    Rig::default_for(channels(patch).max(least))
 }
 
 /// As many as the patch names, by number or as `t12`, and 8 at least.

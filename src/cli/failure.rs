@@ -3,6 +3,7 @@
 use super::problems;
 use super::terminal::Terminal;
 use pacinian::io::error::FileError;
+use pacinian::text::problem::{self as message, escaped};
 use pacinian::text::{Problem, Problems};
 
 /// Why a command ends without success: everything there is to say, and an exit code.
@@ -70,16 +71,40 @@ impl Failure {
 
     /// Everything, on standard error.
     pub fn show(&self, terminal: &Terminal) {
-        for (_, part) in &self.parts {
-            match part {
-                Part::Problems(list) => terminal.note(&problems::shown(list, terminal)),
-                Part::Said(what, help) => {
-                    let problem = Problem::of_file(what.as_str()).help(help.clone());
-                    terminal.note(&problems::sentence(&problem, terminal));
-                }
-                Part::Nothing => {}
+        terminal.note(&self.text(terminal));
+    }
+
+    /// Everything, as [`Failure::show`] writes it.
+    pub fn text(&self, terminal: &Terminal) -> String {
+        let part = |(_, part): &(u8, Part)| match part {
+            Part::Problems(list) => problems::shown(list, terminal),
+            Part::Said(what, help) => {
+                problems::sentence(&Problem::of_file(what.as_str()).help(help.clone()), terminal)
             }
-        }
+            Part::Nothing => String::new(),
+        };
+        self.parts.iter().map(part).collect()
+    }
+
+    /// The first of it in a line, `FILE:LINE: MESSAGE`, and how much more there is.
+    pub fn brief(&self) -> String {
+        let all = self.problems();
+        // Errors first; the sort keeps the order of the files.
+        let mut list: Vec<_> = all.iter().flat_map(|p| p.list.iter().map(move |one| (p, one))).collect();
+        list.sort_by_key(|(_, problem)| !problem.is_error());
+        let Some((file, problem)) = list.first() else { return String::new() };
+        let line =
+            problem.span.as_ref().filter(|_| !file.source.is_empty()).map(|s| file.position(s.start).0);
+        let place = match (file.file.as_str(), line) {
+            ("", _) => String::new(),
+            (name, None) => format!("{name}: "),
+            (name, Some(line)) => format!("{name}:{line}: "),
+        };
+        let more = match list.len() - 1 {
+            0 => String::new(),
+            more => format!(" (and {more} more)"),
+        };
+        format!("{}{}{more}", escaped(&place), message::shown(&problem.what))
     }
 
     /// All problems, those without a file under an empty name.

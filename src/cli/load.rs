@@ -7,11 +7,19 @@ use super::setting::{self, Setting};
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::io::{assets::Folder, error::FileErrorKind, events, input::Input, song, song::SongError, text};
+use pacinian::io::{
+    assets::{Folder, recordings_rate},
+    error::FileErrorKind,
+    events,
+    input::Input,
+    song,
+    song::SongError,
+    text,
+};
 use pacinian::midi::file::Song;
 use pacinian::patch::{self, Events, Patch};
 use pacinian::player::{OpenEvents, Player};
-use pacinian::rig::{RATES, Rig, usual_ratio};
+use pacinian::rig::{RATES, Rig};
 use pacinian::score::EventStream;
 use pacinian::text::{Checked, Origin, Problem, Problems, Severity, Sink, nearest};
 use std::collections::HashSet;
@@ -53,6 +61,15 @@ pub struct Scene {
     /// Lets recordings and events files lie outside the patch's folder
     #[arg(long)]
     pub allow_outside: bool,
+    /// Where no rig is named, there are at least so many tactors.
+    #[arg(skip)]
+    pub tactors: u32,
+    /// Whether it is played live, and whether somebody has named a device to listen to.
+    #[arg(skip)]
+    pub live: bool,
+    /// See `live`.
+    #[arg(skip)]
+    pub hears: bool,
     /// Recordings that need no disk.
     #[arg(skip)]
     pub held: &'static [(&'static str, &'static [u8])],
@@ -118,6 +135,8 @@ pub struct Loaded {
     pub input: Option<Arc<Input>>,
     /// Its name as the person wrote it.
     pub input_name: Option<String>,
+    /// The rig as it was read; `None` for the one that is there where nobody names any.
+    pub rig_source: Option<Origin>,
     source: Problems,
     folder: Arc<Folder>,
 }
@@ -161,6 +180,9 @@ impl Scene {
             input: None,
             midi: None,
             allow_outside: false,
+            tactors: 0,
+            live: false,
+            hears: false,
             held,
         };
         let text = |(name, text): (&str, &str)| Text { name: name.into(), bytes: Some(text.into()) };
@@ -189,6 +211,10 @@ impl Scene {
             })
         });
         let patch = parsed.and_then(|parsed| sound(parsed, 65, &mut warnings, &mut failure));
+        let rig_source = rig.as_ref().map(|rig| {
+            let text = rig.bytes.as_deref().map(String::from_utf8_lossy).unwrap_or_default();
+            Origin { file: rig.name.as_str().into(), source: text.as_ref().into() }
+        });
         let given = rig.map(|Text { name, bytes }| {
             let parsed = Rig::parse(&name, &bytes?);
             sound(parsed, 78, &mut warnings, &mut failure)
@@ -201,11 +227,13 @@ impl Scene {
         warnings.retain(|w: &Problems| !w.list.is_empty());
         let source = String::from_utf8(bytes.unwrap_or_default()).unwrap_or_default();
         let source = Problems { file: name, source, list: Vec::new() };
-        self.join(patch, rig, source, warnings, all, duration)
+        let mut loaded = self.join(patch, rig, source, warnings, all, duration)?;
+        loaded.rig_source = rig_source;
+        Ok(loaded)
     }
 
     /// The folder that paths of the patch count from.
-    fn root(&self) -> &Path {
+    pub fn root(&self) -> &Path {
         // What comes through a pipe lies nowhere: its paths count from where the person is.
         let parent = self.patch.parent().filter(|_| !text::is_stream(&self.patch));
         parent.unwrap_or(Path::new(""))
@@ -222,7 +250,7 @@ impl Scene {
         duration: Option<f64>,
     ) -> Result<Loaded, Failure> {
         let by_default = given.is_none();
-        let rig = given.unwrap_or_else(|| by_default::rig(&patch));
+        let rig = given.unwrap_or_else(|| by_default::rig(&patch, self.tactors));
         self.check_words(&patch)?;
         setting::set(&mut patch, &self.settings)?;
         let rate = self.rate.map(f64::from).or(rig.device.rate).unwrap_or(48_000.0);
@@ -230,11 +258,11 @@ impl Scene {
             let what = format!("the rig's device has a rate of {rate} Hz, which no WAV file can say");
             return Err(Failure::usage(what, format!("give a whole number: --rate {rate:.0}")));
         }
-        let engine_rate = rate / usual_ratio(rate) as f64;
         let root = self.root();
-        // Twice the engine's rate, so that a recording may be played at half its speed and keep its band.
-        let folder =
-            Folder::new(root).allow_outside(self.allow_outside).at_rate(2.0 * engine_rate).holding(self.held);
+        let folder = Folder::new(root)
+            .allow_outside(self.allow_outside)
+            .at_rate(recordings_rate(rate))
+            .holding(self.held);
         let folder = Arc::new(folder);
         let options = Options {
             rate: Some(rate),
@@ -315,6 +343,7 @@ impl Scene {
             song: None,
             input: None,
             input_name: self.input.as_ref().map(|path| path.display().to_string()),
+            rig_source: None,
             source,
             folder,
         };
@@ -325,10 +354,11 @@ impl Scene {
         let on_disk =
             |path: &PathBuf| if path.as_os_str() == "-" { "/dev/stdin".into() } else { path.clone() };
         loaded.files.extend(read.map(on_disk));
-        let deaf = self.input.is_none() && !listened.is_empty();
+        let hears = self.hears || (self.live && loaded.rig.device.input.is_some());
+        let deaf = self.input.is_none() && !hears && !listened.is_empty();
         loaded.warnings.extend(unheard);
         loaded.warnings.extend(unfelt);
-        loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf));
+        loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf, self.live));
         let mut failure = Failure::default();
         if problems.iter().any(Problem::is_error) {
             failure.join(loaded.refuse(problems, &codes));
@@ -415,6 +445,11 @@ impl Loaded {
             counted.map_err(|problem| self.refuse(vec![problem], &Codes::new()))?;
         }
         Ok(player)
+    }
+
+    /// The patch as it was read.
+    pub fn source(&self) -> &Problems {
+        &self.source
     }
 
     /// Where its recordings are.

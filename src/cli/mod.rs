@@ -1,16 +1,21 @@
 //! The command line: one file a subcommand, each a thin use of the library.
 
 mod advice;
+mod ask;
 mod by_default;
 mod check;
 mod demo;
 mod devices;
+mod ear;
 mod error;
 mod failure;
 mod form;
 mod format;
 mod guard;
 mod input;
+mod keep;
+mod latency;
+mod learn;
 mod left_out;
 mod load;
 mod memory;
@@ -25,7 +30,9 @@ mod play;
 mod plot;
 mod problems;
 mod progress;
+mod provenance;
 mod render;
+mod replay;
 mod schema;
 mod screen;
 mod setting;
@@ -33,6 +40,8 @@ mod stop;
 mod summary;
 mod table;
 mod terminal;
+mod walk;
+mod watch;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
@@ -74,7 +83,11 @@ enum Command {
     Check(check::Check),
     Render(render::Render),
     Play(play::Play),
+    Replay(replay::Replay),
     Devices(devices::Devices),
+    Walk(walk::Walk),
+    Learn(learn::Learn),
+    Latency(latency::Latency),
     Plot(plot::Plot),
     Error(error::Error),
     Nodes(nodes::Nodes),
@@ -102,7 +115,11 @@ fn run() -> u8 {
         Command::Check(check) => check.run(&terminal),
         Command::Render(render) => render.run(&terminal),
         Command::Play(play) => play.run(&terminal),
+        Command::Replay(replay) => replay.run(&terminal),
         Command::Devices(devices) => devices.run(&terminal),
+        Command::Walk(walk) => walk.run(&terminal),
+        Command::Learn(learn) => learn.run(&terminal),
+        Command::Latency(latency) => latency.run(&terminal),
         Command::Nodes(nodes) => nodes.run(&terminal),
         Command::Format(format) => format.run(&terminal),
         Command::Schema(schema) => schema.run(&terminal),

@@ -88,14 +88,5 @@ pub fn unreadable(patch: &Patch, folder: &Folder) -> Vec<Problem> {
 
 /// Every file that a patch names, be it ever played or not, and where it names it.
 pub fn named(patch: &Patch) -> impl Iterator<Item = (&str, &Span)> {
-    let nodes = patch.voices.iter().flat_map(|voice| &voice.nodes).chain(&patch.shared);
-    let recordings = nodes.flat_map(|node| &node.arguments).filter_map(|argument| match &argument.value {
-        Value::File(path) => Some((path.as_str(), &argument.span)),
-        _ => None,
-    });
-    let events = patch.patterns.iter().filter_map(|pattern| match &pattern.events {
-        Events::File(path, span) => Some((path.as_str(), span)),
-        Events::Inline(_) => None,
-    });
-    recordings.chain(events)
+    patch.recordings().chain(patch.events_files())
 }

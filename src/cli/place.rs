@@ -52,6 +52,33 @@ pub fn check_log(log: &Path, output: &Path, loaded: &Loaded) -> Result<(), Failu
     Ok(out::check(log)?)
 }
 
+/// Refuses a recording or a journal of a session where nothing good would come of it; `others` are the session's other files.
+///
+/// # Errors
+/// As [`check_log`].
+pub fn check_kept(
+    output: &Path,
+    option: &str,
+    others: &[&Path],
+    loaded: Option<&Loaded>,
+) -> Result<(), Failure> {
+    if output.as_os_str() == "-" {
+        let what = "it goes to a file, since standard output has what happens";
+        return Err(Failure::usage(what, format!("name a file: {option} FILE")));
+    }
+    if let Some(other) = others.iter().find(|other| place(output) == place(other) || is_same(output, other)) {
+        let what = format!("`{}` is meant for something else already", other.display());
+        return Err(Failure::usage(what, format!("choose another file for {option}")));
+    }
+    if let Some(loaded) = loaded {
+        refuse_to_replace(output, loaded, option)?;
+    }
+    if option != "--events" {
+        check_extension(output, "wav", "sound is WAV", "sox and ffmpeg convert it afterwards")?;
+    }
+    Ok(out::check(output)?)
+}
+
 fn check_extension(output: &Path, right: &str, what: &str, help: &str) -> Result<(), Failure> {
     match output.extension() {
         Some(other) if !other.eq_ignore_ascii_case(right) => Err(Failure::usage(

@@ -1,13 +1,17 @@
 //! `pacinian play`.
 
+use super::ear::Listens;
 use super::failure::Failure;
 use super::guard;
+use super::keep::Keep;
 use super::load::{Loaded, Scene};
 use super::problems;
+use super::provenance::provenance;
 use super::screen::{Ending, Scenery, Show};
 use super::stop::Stop;
 use super::table::dbfs;
 use super::terminal::Terminal;
+use super::watch::{Course, News, Watching};
 use clap::Args;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
@@ -17,9 +21,13 @@ use pacinian::io::osc::endpoint::{BindError, Endpoint};
 use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::board::Board;
+use pacinian::live::conductor::Told;
+use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
+use pacinian::patch::Patch;
 use std::sync::Arc;
-use std::time::Instant;
+use std::sync::mpsc::channel;
+use std::time::{Instant, SystemTime};
 
 /// Plays a patch on a sound card, in real time
 #[derive(Debug, Args)]
@@ -31,6 +39,8 @@ use std::time::Instant;
     In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, space all of them, p or Escape shuts \
     the output at once (c opens it again), a is full level or -20 dB, q ends it. Anywhere else, and with --plain, it writes a line for \
     everything that happens.\n\
+    With --watch, what is saved takes over while it sounds: what still exists keeps sounding, controls keep their values, and of a file \
+    that is broken the errors are shown while the old one plays on.\n\
     Ctrl-C ends it: the output goes to exact zeros within 2 ms."
 )]
 pub struct Play {
@@ -39,6 +49,10 @@ pub struct Play {
     /// The sound card: its id, its name or a part of that, or `virtual` [default: what the rig says, else the system's default]
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
+    /// The sound card that `input` nodes hear: its id, its name or a part of that, or `default`. It may be another than the one that is
+    /// played on, at another rate [default: what the rig says, else silence]
+    #[arg(long, value_name = "NAME", conflicts_with = "input")]
+    input_device: Option<String>,
     /// Frames in a block [default: as the card likes]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
     block: Option<u32>,
@@ -51,10 +65,18 @@ pub struct Play {
     /// The ports of MIDI to listen to, by a part of their names; `none` for none [default: all, if the patch has use for MIDI]
     #[arg(long, value_name = "NAME")]
     midi_in: Option<String>,
+    #[command(flatten)]
+    keep: Keep,
+    /// Take over what is saved while it plays: the patch, the rig, and the recordings and tables that the patch names
+    #[arg(long)]
+    watch: bool,
     /// Seconds to play [default: until Ctrl-C]
     #[arg(long, value_name = "S", value_parser = super::render::seconds)]
     duration: Option<f64>,
 }
+
+/// Seconds that nobody plays.
+const FOREVER: f64 = 1e9;
 
 /// The exit code where the terminal was closed, as that of SIGHUP.
 const CLOSED: u8 = 129;
@@ -74,7 +96,13 @@ impl From<BindError> for Failure {
 impl Play {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let loaded = self.scene.load(true, None)?;
+        if self.watch {
+            self.scene.check_watch()?;
+        }
+        let since = SystemTime::now();
+        let scene = Scene { live: true, hears: self.input_device.is_some(), ..self.scene.clone() };
+        // However long it plays, all of an input may be heard.
+        let mut loaded = scene.load(true, Some(self.duration.unwrap_or(FOREVER)))?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
@@ -89,8 +117,12 @@ impl Play {
             }
         };
         let options = Options { rate: Some(f64::from(rate)), live: true, ..loaded.options.clone() };
-        let reload = loaded.reload(&options)?;
+        self.keep.check(&loaded)?;
+        let reload = loaded.reload(&options, self.keep.events.is_some())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
+        let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
+        let mut listens = Listens::of(&loaded, listens, &reload.scene.plan.inputs(), rate, self.block)?;
+        let hears = listens.note.take();
         let scenery = Scenery {
             loaded: &loaded,
             first: &reload.scene.patterns,
@@ -100,28 +132,50 @@ impl Play {
             duration: self.duration,
         };
         let (mut show, post) = Show::new(&scenery, terminal)?;
-        let (heard, told, fate, ports) = (post.clone(), post.clone(), post.clone(), post);
+        let (heard, told, fate, ears, ports) = (post.clone(), post.clone(), post.clone(), post.clone(), post);
+        let (verdict, verdicts) = channel();
         let stop = Stop::listen()?;
+        let journal = self.keep.journal(&reload, scenery.device, armed)?;
+        let (makes, is_told, of_device) = (journal.clone(), journal.clone(), journal.clone());
         let mut session = Session::start(Beginning {
-            scene: reload,
-            device,
             block: self.block,
             armed,
-            record: false,
+            input: listens.ear(Box::new(move |what| ears.input_fate(what))),
+            record: self.keep.record.is_some(),
+            record_input: self.keep.events.is_some(),
             song: loaded.song.clone(),
-            listener: Some(Box::new(move |event| heard.hear(event))),
-            audience: Box::new(move |what| told.told(what)),
-            fate: Box::new(move |what| fate.fate(what)),
+            listener: Some(Box::new(move |event| {
+                makes.iter().for_each(|journal| journal.hear(event));
+                heard.hear(event);
+            })),
+            audience: Box::new(move |what| {
+                is_told.iter().for_each(|journal| journal.told(&what));
+                match &what {
+                    Told::Reloaded => drop(verdict.send(Ok(()))),
+                    Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
+                    _ => {}
+                }
+                told.told(what);
+            }),
+            fate: Box::new(move |what| {
+                of_device.iter().for_each(|journal| journal.fate(&what));
+                fate.fate(what);
+            }),
+            ..Beginning::of(reload, device)
         })
         .map_err(|error| match error {
             SessionError::Device(error) => error.into(),
             SessionError::Plan(what) => Failure::said(65, what),
         })?;
+        let mut kept = self.keep.begin(&mut session, journal, &loaded)?;
         terminal.note(&format!(
             "{} plays on {name}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
             loaded.name(),
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
+        if let Some(hears) = hears {
+            terminal.note(&format!("{hears}\n"));
+        }
         let listen = |at| Server::start(at, session.handle().clone(), &loaded.patch);
         let osc = self.osc.map(listen).transpose()?;
         if let Some(osc) = &osc {
@@ -131,12 +185,51 @@ impl Play {
         }
         // What nothing listens to is not opened.
         let wanted = self.midi_in.clone().filter(|name| name != "none");
-        let midi = (wanted.is_some() || (self.midi_in.is_none() && loaded.patch.hears_midi()))
-            .then(|| MidiPorts::listen(session.handle(), wanted, Box::new(move |news| ports.port(&news))))
+        let listen = |patch: &Patch| {
+            let use_for_it = wanted.is_some() || (self.midi_in.is_none() && patch.hears_midi());
+            let ports = ports.clone();
+            let news = Box::new(move |news| ports.port(&news));
+            let open = use_for_it.then(|| MidiPorts::listen(session.handle(), wanted.clone(), news));
+            open.transpose().map_err(|error| Failure::said(71, format!("no thread for MIDI: {error}")))
+        };
+        let mut midi = listen(&loaded.patch)?;
+        let course = || Course {
+            scene: Scene { midi: None, tactors: channels as u32, ..self.scene.clone() },
+            device_rate: f64::from(rate),
+            device: self.device.clone(),
+            wish: wish.clone(),
+            rate: loaded.rig.device.rate,
+            channels,
+            journalled: self.keep.events.is_some(),
+        };
+        let watching =
+            self.watch.then(|| Watching::begin(course(), since, session.handle().clone(), verdicts));
+        let watching = watching
             .transpose()
-            .map_err(|error| Failure::said(71, format!("no thread for MIDI: {error}")))?;
+            .map_err(|error| Failure::said(71, format!("no thread to watch files: {error}")))?;
         show.begin()?;
-        let ended = self.watch(&session, &stop, &mut show);
+        let ended = self.until_the_end(&session, &stop, &mut show, |show| {
+            if let Some(trouble) = kept.look(&session) {
+                show.say(&trouble);
+            }
+            for news in watching.iter().flat_map(Watching::news) {
+                show.watched(&news);
+                if let News::Took(new, ..) = news {
+                    loaded = *new;
+                    if let Some(osc) = &osc {
+                        osc.follow(&loaded.patch);
+                    }
+                    // The new one may be the first that has use for it.
+                    if midi.is_none() {
+                        midi = listen(&loaded.patch).unwrap_or_else(|failure| {
+                            show.say(&failure.brief());
+                            None
+                        });
+                    }
+                }
+            }
+        });
+        drop(watching);
         drop(midi);
         // What the system dropped last is counted when the server ends.
         let counts = osc.map(|osc| Arc::clone(osc.counts()));
@@ -151,6 +244,7 @@ impl Play {
             terminal.note(&format!("{trouble}\n"));
         }
         let concluded = self.conclude(&loaded, session.board(), &peaks, terminal);
+        let concluded = kept.finish(terminal).and(concluded);
         match ended {
             // A terminal that is closed cannot be written to either.
             Some(code) => Err(Failure::told(code)),
@@ -159,9 +253,16 @@ impl Play {
     }
 
     /// Until somebody asks to stop; gives the exit code then.
-    fn watch(&self, session: &Session, stop: &Stop, show: &mut Show) -> Option<u8> {
+    fn until_the_end(
+        &self,
+        session: &Session,
+        stop: &Stop,
+        show: &mut Show,
+        mut meanwhile: impl FnMut(&mut Show),
+    ) -> Option<u8> {
         let begin = Instant::now();
         loop {
+            meanwhile(show);
             if let Some(code) = stop.asked() {
                 return Some(code);
             }
@@ -200,6 +301,17 @@ impl Play {
             board.late.get(),
             board.dropped.get() + board.refused.get(),
         );
+        let input = &board.input;
+        if input.frames.get() > 0 {
+            text += &format!(
+                "  input: {} frames, {} xruns, {} times too late, {} times too many, {} frames lost\n",
+                input.frames.get(),
+                input.xruns.get(),
+                input.dry.get(),
+                input.jumps.get(),
+                input.lost.get(),
+            );
+        }
         for (name, &peak) in loaded.tactors().iter().zip(peaks) {
             if peak > 0.0 {
                 text += &format!("  {name}: {}\n", dbfs(peak));
@@ -210,16 +322,18 @@ impl Play {
 }
 
 impl Loaded {
-    /// Compiled, ready to take over.
-    fn reload(&self, options: &Options) -> Result<pacinian::live::reload::Reload, Failure> {
+    /// Compiled, ready to take over; with what a journal says of it, if there is one.
+    pub fn reload(&self, options: &Options, journalled: bool) -> Result<Reload, Failure> {
         let refuse =
             |problems: pacinian::text::Problems| self.refuse(problems.list, &super::named::Codes::new());
         let scene = scene(&self.patch, &self.rig, options, self.folder()).map_err(refuse)?;
-        Ok(pacinian::live::reload::Reload {
+        let provenance = journalled.then(|| provenance(self, options)).transpose()?;
+        Ok(Reload {
             scene,
             patch: Arc::clone(&self.patch),
             rig: Arc::new(self.rig.clone()),
             files: self.open_events(),
+            provenance: provenance.map(Arc::new),
         })
     }
 }

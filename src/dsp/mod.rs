@@ -16,4 +16,6 @@ pub(crate) mod random;
 pub(crate) mod recording;
 pub(crate) mod sine;
 pub(crate) mod svf;
+#[cfg(feature = "live")]
+pub(crate) mod varispeed;
 pub(crate) mod wavetable;

@@ -7,8 +7,9 @@ use super::event::{Event, Play, Source};
 use super::handover::Inheritance;
 use super::ops::Ops;
 use super::refusal::Refusal;
+use super::roster::Roster;
 use super::stage::Stage;
-use super::task::{Board, Task};
+use super::task::Board;
 use super::workspace::{BLOCK, Workspace};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
@@ -59,7 +60,7 @@ pub struct Core<R: Real> {
     latest: Vec<R>,
     declick: Declick<R>,
     stage: Stage,
-    tasks: Vec<Box<dyn Task>>,
+    tasks: Roster,
     counters: Counters,
     /// The clock of the last housekeeping.
     settled: Option<u64>,
@@ -103,7 +104,7 @@ impl<R: Real> Core<R> {
             latest: vec![R::ZERO; plan.shared.len()],
             declick: Declick::new(groups),
             stage: Stage::new(plan, isa)?,
-            tasks: Vec::new(),
+            tasks: Roster::default(),
             counters: Counters::default(),
             settled: None,
         };
@@ -121,9 +122,9 @@ impl<R: Real> Core<R> {
         plan.always().for_each(|play| self.play(&play, Instant::default()));
     }
 
-    /// Adds a periodic task; not for the audio thread.
-    pub fn add_task(&mut self, task: Box<dyn Task>) {
-        self.tasks.push(task);
+    /// The periodic tasks.
+    pub fn tasks(&mut self) -> &mut Roster {
+        &mut self.tasks
     }
 
     /// Engine samples a second.
@@ -214,7 +215,7 @@ impl<R: Real> Core<R> {
             let left = (samples - done) as u64;
             let end = self.ends.next().map_or(u64::MAX, Instant::ceiling);
             let next = self.queue.next().unwrap_or(u64::MAX).min(end).min((self.clock / GRID + 1) * GRID);
-            let next = self.tasks.iter().fold(next, |next, t| next.min(t.beat().next(self.clock + 1)));
+            let next = next.min(self.tasks.next(self.clock + 1));
             let frames = (next - self.clock).min(left) as usize;
             self.render(frames, done, input);
             if let Some(old) = &mut leaving {
@@ -295,7 +296,11 @@ impl<R: Real> Core<R> {
             let kept = match event {
                 Event::Play(play) => instrument(play.instrument).map(|i| play.instrument = i),
                 Event::Control(of, _) => control(*of).map(|c| *of = c),
-                Event::Release(_) | Event::ReleaseAll | Event::Touch(..) | Event::Marker(_) => Some(()),
+                Event::Release(_)
+                | Event::ReleaseAll
+                | Event::Touch(..)
+                | Event::Marker(_)
+                | Event::Shed(_) => Some(()),
             };
             counters.dropped += u64::from(kept.is_none() && matches!(event, Event::Play(_)));
             kept.is_some()
@@ -323,15 +328,8 @@ impl<R: Real> Core<R> {
     fn run_due(&mut self) {
         self.settle();
         self.run_events();
-        for task in &mut self.tasks {
-            if task.beat().is_due(self.clock) {
-                task.run(&mut Board {
-                    controls: &mut self.controls,
-                    latest: &self.latest,
-                    clock: self.clock,
-                });
-            }
-        }
+        let clock = self.clock;
+        self.tasks.run(clock, &mut Board { controls: &mut self.controls, latest: &self.latest, clock });
     }
 
     /// Events and ends of voices that are due before the next sample, in order of time; ends first where they fall together.
@@ -371,6 +369,7 @@ impl<R: Real> Core<R> {
                 }
             }
             Event::Marker(name) => self.stage.mark(name, at),
+            Event::Shed(above) => self.tasks.shed(above),
         }
     }
 

@@ -55,6 +55,8 @@ pub enum Event {
     /// Put a pulse on the trigger outputs that listen to this marker, by its place in
     /// [`crate::graph::plan::Plan::markers`]; to one that is not there only outputs for all markers listen.
     Marker(u32),
+    /// Let the periodic tasks above this rank rest, and the others run: 255 for all.
+    Shed(u8),
 }
 
 /// Where events come from: ties in time go in this order, after the ends of voices that have sounded their time.

@@ -39,6 +39,8 @@ pub enum Mismatch {
     Device,
     /// What hangs on the channels differs: kinds of outputs, equalisers, markers.
     Outputs,
+    /// The new plan listens to more channels than the old one.
+    Inputs,
     /// The number type of the lanes differs.
     Precision,
     /// The new plan cannot be built at all.
@@ -52,6 +54,7 @@ impl fmt::Display for Mismatch {
                 f.write_str("the new rig has another rate, other channels or another filter; start anew")
             }
             Self::Outputs => f.write_str("the new rig has other outputs or other equalisers; start anew"),
+            Self::Inputs => f.write_str("the new patch listens to further input channels; start anew"),
             Self::Precision => f.write_str("the new plan computes with other numbers; start anew"),
             Self::Refused(why) => f.write_str(why),
         }
@@ -79,6 +82,10 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     }
     if old.precision != new.precision {
         return Err(Mismatch::Precision);
+    }
+    let listens = |plan: &Plan| plan.inputs().last().map_or(0, |channel| channel + 1);
+    if listens(new) > listens(old) {
+        return Err(Mismatch::Inputs);
     }
     let engine = Engine::new(new).map_err(|why| Mismatch::Refused(why.to_string()))?;
     let instruments = new

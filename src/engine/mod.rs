@@ -17,6 +17,7 @@ mod mixer;
 mod ops;
 mod raw;
 pub mod refusal;
+mod roster;
 pub mod stage;
 pub mod task;
 mod triggers;
@@ -25,6 +26,7 @@ pub mod vibration;
 pub mod workspace;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::dsp::isa::Isa;
 use crate::graph::plan::{Plan, Precision};
@@ -37,6 +39,8 @@ use listener::Listener;
 use refusal::Refusal;
 use stage::Stage;
 use task::Task;
+
+pub use roster::Duty;
 use workspace::BLOCK;
 
 pub use core::Counters;
@@ -189,9 +193,24 @@ impl Engine {
         each!(mut self, core => core.schedule(at, source, event))
     }
 
-    /// Adds a periodic task. It allocates: not for the audio thread.
-    pub fn add_task(&mut self, task: Box<dyn Task>) {
-        each!(mut self, core => core.add_task(task));
+    /// Adds a periodic task; what is known of it can be asked from any thread. It allocates: not for the audio thread.
+    pub fn add_task(&mut self, task: Box<dyn Task>) -> Arc<Duty> {
+        each!(mut self, core => core.tasks().add(task))
+    }
+
+    /// Times every run of a task from now on, by a clock that gives nanoseconds. What tasks do does not depend on it.
+    pub fn time_tasks(&mut self, clock: fn() -> u64) {
+        each!(mut self, core => core.tasks().time(clock));
+    }
+
+    /// Of the ranks that tasks have: the highest below `rank` (256 for the highest of all) that may rest.
+    pub fn rank_below(&mut self, rank: u16) -> Option<u8> {
+        each!(mut self, core => core.tasks().rank_below(rank))
+    }
+
+    /// Of the ranks that tasks have: the lowest above `rank`.
+    pub fn rank_above(&mut self, rank: u8) -> Option<u8> {
+        each!(mut self, core => core.tasks().rank_above(rank))
     }
 
     /// Fills `output`, interleaved frames of all channels. Samples beyond the last whole frame become 0.

@@ -10,6 +10,23 @@ pub trait Task: Send {
     fn beat(&self) -> Beat;
     /// Runs, before the sample that `board` names.
     fn run(&mut self, board: &mut dyn Values);
+    /// What it is called, where its cost is shown.
+    fn name(&self) -> &str {
+        "task"
+    }
+    /// Seconds that a run may take on the slowest machine it is meant for; 0 says nothing. Runs that take longer are counted.
+    fn cost(&self) -> f64 {
+        0.0
+    }
+    /// How soon it rests when the callback has too much to do: the highest rank first, 0 never. What moves something, a motor's drive
+    /// or a knob's servo, is 0; what only shows something is high.
+    fn rank(&self) -> u8 {
+        0
+    }
+    /// It rests from here on, or runs again.
+    fn rest(&mut self, rests: bool) {
+        let _ = rests;
+    }
 }
 
 /// What a task may read and move.

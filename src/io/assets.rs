@@ -4,6 +4,7 @@ use super::error::{FileError, FileErrorKind};
 use super::resample::Converter;
 use super::wav::WavReader;
 use crate::node::asset::{Asset, Assets};
+use crate::rig::usual_ratio;
 use std::collections::HashMap;
 use std::io::{Cursor, ErrorKind, Read, Seek};
 use std::path::{Component, Path, PathBuf};
@@ -30,6 +31,12 @@ struct Loaded {
 
 /// Samples of all recordings together that are held, at most.
 const MOST: u64 = 1 << 28;
+
+/// The rate to which recordings are brought for an engine of a device: twice its own, so that one may be played at half its speed and
+/// keep its band.
+pub fn recordings_rate(device_rate: f64) -> f64 {
+    2.0 * device_rate / usual_ratio(device_rate) as f64
+}
 
 impl Folder {
     /// The folder of a patch. Paths count from it and may not leave it.
@@ -58,6 +65,16 @@ impl Folder {
         // What is loaded has another rate.
         self.loaded = Mutex::default();
         self
+    }
+
+    /// The folder, as it was given.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// Whether paths may leave it.
+    pub fn allows_outside(&self) -> bool {
+        self.allow_outside
     }
 
     /// Where the file at `path`, as a patch says it, is on the disk; links are followed.

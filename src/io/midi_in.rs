@@ -10,7 +10,7 @@ use std::time::Duration;
 use midir::{Ignore, MidiInput, MidiInputConnection};
 
 use crate::live::signal::{Handle, Signal};
-use crate::midi::Parser;
+use crate::midi::{Message, Parser};
 
 /// What becomes of ports.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,21 +44,21 @@ struct Open {
     _connection: MidiInputConnection<Line>,
 }
 
+/// Hears what comes through a port, by its number and its name; `None` where the port is gone.
+pub type Ear = Arc<dyn Fn(u16, &str, Option<Message>) + Send + Sync>;
+
 /// What a port's callback has.
 struct Line {
     number: u16,
+    name: String,
     parser: Parser,
-    handle: Handle,
+    ear: Ear,
 }
 
 impl Line {
     fn hear(&mut self, bytes: &[u8]) {
-        let stamp = self.handle.epoch().now();
-        let (handle, number) = (&self.handle, self.number);
-        self.parser.read(bytes, &mut |message| {
-            // What finds no room is counted there.
-            let _ = handle.send_at(stamp, Signal::Midi(number, message));
-        });
+        let (ear, number, name) = (&self.ear, self.number, &self.name);
+        self.parser.read(bytes, &mut |message| ear(number, name, Some(message)));
     }
 }
 
@@ -84,17 +84,36 @@ pub fn names() -> Result<Vec<String>, String> {
 }
 
 impl MidiPorts {
-    /// Listens to every port whose name contains `wanted` (to all, where nothing is wanted), those that come later too.
+    /// Listens to every port whose name contains `wanted` (to all, where nothing is wanted), those that come later too, and gives a
+    /// session what comes.
     ///
     /// # Errors
     /// A system that has no thread left.
     pub fn listen(
         handle: &Handle,
         wanted: Option<String>,
+        news: Box<dyn FnMut(PortNews) + Send>,
+    ) -> std::io::Result<Self> {
+        let handle = handle.clone();
+        let ear = move |number: u16, _: &str, message: Option<Message>| {
+            let signal = message.map_or(Signal::MidiGone(number), |message| Signal::Midi(number, message));
+            // What finds no room is counted there.
+            let _ = handle.send(signal);
+        };
+        Self::hear(Arc::new(ear), wanted, news)
+    }
+
+    /// The same for any listener.
+    ///
+    /// # Errors
+    /// A system that has no thread left.
+    pub fn hear(
+        ear: Ear,
+        wanted: Option<String>,
         mut news: Box<dyn FnMut(PortNews) + Send>,
     ) -> std::io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
-        let (stopped, handle) = (Arc::clone(&stop), handle.clone());
+        let stopped = Arc::clone(&stop);
         let look = move || {
             let mut open: Vec<Open> = Vec::new();
             let mut refused: Vec<String> = Vec::new();
@@ -103,7 +122,7 @@ impl MidiPorts {
                 match input() {
                     Ok(input) => {
                         without = false;
-                        search(&input, &wanted, &mut open, &mut refused, &handle, &mut news);
+                        search(&input, &wanted, &mut open, &mut refused, &ear, &mut news);
                     }
                     Err(error) => {
                         if !std::mem::replace(&mut without, true) {
@@ -139,7 +158,7 @@ fn search(
     wanted: &Option<String>,
     open: &mut Vec<Open>,
     refused: &mut Vec<String>,
-    handle: &Handle,
+    ear: &Ear,
     news: &mut Box<dyn FnMut(PortNews) + Send>,
 ) {
     let ports = input.ports();
@@ -148,7 +167,7 @@ fn search(
     open.retain(|port| {
         let stays = there.iter().any(|(id, _)| *id == port.id);
         if !stays {
-            let _ = handle.send(Signal::MidiGone(port.number));
+            ear(port.number, &port.name, None);
             news(PortNews::Gone(port.name.clone()));
         }
         stays
@@ -165,7 +184,7 @@ fn search(
         line.ignore(Ignore::None);
         // Lowest first, so that a port that comes back has the number it had.
         let number = (0..u16::MAX).find(|n| open.iter().all(|port| port.number != *n)).unwrap_or(u16::MAX);
-        let state = Line { number, parser: Parser::new(), handle: handle.clone() };
+        let state = Line { number, name: name.clone(), parser: Parser::new(), ear: Arc::clone(ear) };
         match line.connect(port, "in", |_, bytes, line| line.hear(bytes), state) {
             Ok(connection) => {
                 open.push(Open { id: id.clone(), name: name.clone(), number, _connection: connection });

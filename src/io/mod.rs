@@ -6,6 +6,9 @@ pub mod device;
 pub mod error;
 pub mod events;
 pub mod input;
+#[cfg(feature = "live")]
+pub mod journal;
+pub mod latency;
 pub mod load;
 pub mod log;
 #[cfg(feature = "live")]
@@ -14,10 +17,14 @@ mod open;
 #[cfg(feature = "live")]
 pub mod osc;
 pub mod out;
+#[cfg(feature = "live")]
+pub mod recorder;
+pub mod replace;
 pub(crate) mod resample;
 #[cfg(feature = "live")]
 pub mod session;
 #[cfg(feature = "midi")]
 pub mod song;
 pub mod text;
+pub mod watch;
 pub mod wav;

@@ -8,20 +8,27 @@ use ringbuf::HeapCons;
 use ringbuf::HeapRb;
 use ringbuf::traits::Split;
 
+use super::device::capture;
 use super::device::card::Shape;
 use super::device::choose::Chosen;
 use super::device::failure::DeviceError;
 use super::device::keeper::{BLOCK, Fate, Keeper};
-use crate::engine::Delay;
+use super::device::list::Found;
+use super::device::listening::Listening;
+use super::input::{Heard, Input};
 use crate::engine::exchange::exchange;
+use crate::engine::task::Task;
+use crate::engine::{Delay, Duty};
 use crate::live::board::Board;
 use crate::live::callback::Callback;
+use crate::live::clock::StreamClock;
 use crate::live::conductor::{Audience, Conductor};
 use crate::live::driver::Driver;
 use crate::live::gate::{Gate, RAMP_OUT, UNARMED};
+use crate::live::intake::{Ears, bridge};
 use crate::live::reload::Reload;
 use crate::live::signal::{Handle, Refused, Signal};
-use crate::live::stamp::Epoch;
+use crate::live::stamp::{self, Epoch};
 use crate::midi::file::Song;
 use crate::performer::{Listener, Performer};
 
@@ -35,8 +42,14 @@ pub struct Beginning {
     pub block: Option<u32>,
     /// Whether the output has its full level, or that for headphones, -20 dB.
     pub armed: bool,
+    /// What it hears.
+    pub input: Ear,
     /// Whether everything that goes out is to be fetched through [`Session::recording`].
     pub record: bool,
+    /// Whether everything that it hears is to be fetched through [`Session::recording_input`].
+    pub record_input: bool,
+    /// Periodic tasks that run with it, on the audio thread.
+    pub tasks: Vec<Box<dyn Task>>,
     /// A song that plays it from the beginning.
     pub song: Option<Arc<Song>>,
     /// Hears of every event as it is made.
@@ -47,13 +60,54 @@ pub struct Beginning {
     pub fate: Box<dyn FnMut(Fate) + Send>,
 }
 
+/// What a session hears, if what it plays listens at all.
+#[expect(clippy::large_enum_variant, reason = "there is one, for a moment")]
+pub enum Ear {
+    /// Silence.
+    Nothing,
+    /// A file, from the beginning on.
+    File(Arc<Input>),
+    /// A device.
+    Device {
+        /// Which, and what it offers.
+        device: (cpal::Device, Found),
+        /// Hears what becomes of it.
+        fate: Box<dyn FnMut(Fate) + Send>,
+    },
+}
+
+impl Beginning {
+    /// Of what is played, on what, as most sessions begin: at full level, hearing nothing and heard by nobody.
+    pub fn of(scene: Reload, device: Chosen) -> Self {
+        Self {
+            scene,
+            device,
+            block: None,
+            armed: true,
+            input: Ear::Nothing,
+            record: false,
+            record_input: false,
+            tasks: Vec::new(),
+            song: None,
+            listener: None,
+            audience: Box::new(|_| {}),
+            fate: Box::new(|_| {}),
+        }
+    }
+}
+
 /// A session that plays. It stops when it is dropped.
 pub struct Session {
     handle: Handle,
     board: Arc<Board>,
     keeper: Option<Keeper>,
+    listening: Option<Listening>,
+    input_delay: f64,
     conductor: Option<JoinHandle<()>>,
     recording: Option<HeapCons<f32>>,
+    recording_input: Option<(HeapCons<f32>, usize)>,
+    clock: StreamClock,
+    duties: Vec<Arc<Duty>>,
     rate: f64,
     delay: Delay,
 }
@@ -67,9 +121,21 @@ impl Session {
     /// # Errors
     /// A device that cannot be opened, or a plan that no engine can be built for.
     pub fn start(beginning: Beginning) -> Result<Self, SessionError> {
-        let Beginning { scene: reload, device, block, armed, record, song, listener, audience, fate } =
-            beginning;
-        let Reload { scene, patch, rig, files } = reload;
+        let Beginning {
+            scene: reload,
+            device,
+            block,
+            armed,
+            input,
+            record,
+            record_input,
+            tasks,
+            song,
+            listener,
+            audience,
+            fate,
+        } = beginning;
+        let Reload { scene, patch, rig, files, .. } = reload;
         let (rate, channels) = (scene.plan.device_rate, scene.plan.channels);
         let (director, mut stagehand) =
             exchange(&scene.plan).map_err(|why| SessionError::Plan(why.to_string()))?;
@@ -85,19 +151,48 @@ impl Session {
         }
         performer.await_clock().map_err(|why| SessionError::Plan(why.to_string()))?;
         let delay = stagehand.engine().delay();
+        // The clock is asked once here, so that the audio thread finds it running.
+        stamp::nanoseconds();
+        stagehand.engine().time_tasks(stamp::nanoseconds);
+        let duties = tasks.into_iter().map(|task| stagehand.engine().add_task(task)).collect();
+        let (inputs, input_delay) = (stagehand.engine().input_channels(), stagehand.engine().input_delay());
         let board = Arc::new(Board::new(channels));
+        board.engine_delay.set((delay.total() * 1e9).round() as u64);
         let gate = Gate::new(rate, if armed { 1.0 } else { UNARMED });
         let (mut callback, rings) = Callback::new(stagehand, gate, Arc::clone(&board));
+        let ring = |channels: usize| HeapRb::new((RECORDED * rate) as usize * channels).split();
         let recording = record.then(|| {
-            let (out, back) = HeapRb::new((RECORDED * rate) as usize * channels).split();
+            let (out, back) = ring(channels);
             callback.record(out);
             back
         });
+        let recording_input = (record_input && inputs > 0).then(|| {
+            let (heard, back) = ring(inputs);
+            callback.record_input(heard);
+            (back, inputs)
+        });
         let epoch = Epoch::begin();
         let expected = block.map_or(BLOCK, |block| block as usize);
-        let (driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
+        let (mut driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
+        let mut listening = None;
+        match input {
+            // What nothing listens to is not opened.
+            _ if inputs == 0 => {}
+            Ear::Nothing => {}
+            Ear::File(input) => driver.listen(Box::new(Heard::new(input))),
+            Ear::Device { device, fate } => {
+                let shape =
+                    capture::shape(&device.1, inputs, rate as u32, block).map_err(SessionError::Device)?;
+                let block = shape.block.map_or(BLOCK, |block| block as usize);
+                let ears = Ears { rate: f64::from(shape.rate), channels: shape.channels, block };
+                let (intake, feed) = bridge(ears, rate, expected, epoch, &board);
+                driver.listen(Box::new(feed));
+                let started = Listening::start(intake, device, shape, &board, fate);
+                listening = Some(started.map_err(SessionError::Device)?);
+            }
+        }
         let (mut conductor, handle) =
-            Conductor::new(performer, director, rings, clock, epoch, &board, audience);
+            Conductor::new(performer, director, rings, clock.clone(), epoch, &board, audience);
         // What plays from the beginning is there before the device asks for it, so that it plays as it would be rendered.
         conductor.begin();
         let shape = Shape { channels, rate: rate as u32, block };
@@ -106,7 +201,21 @@ impl Session {
             .name("conductor".into())
             .spawn(move || conductor.lead())
             .map_err(|error| SessionError::Plan(format!("no thread for the conductor: {error}")))?;
-        Ok(Self { handle, board, keeper: Some(keeper), conductor: Some(conductor), recording, rate, delay })
+        let (keeper, conductor) = (Some(keeper), Some(conductor));
+        Ok(Self {
+            handle,
+            board,
+            keeper,
+            listening,
+            input_delay,
+            conductor,
+            recording,
+            recording_input,
+            clock,
+            duties,
+            rate,
+            delay,
+        })
     }
 
     /// By which other threads reach it.
@@ -119,15 +228,40 @@ impl Session {
         &self.board
     }
 
+    /// What is known of its periodic tasks.
+    pub fn duties(&self) -> &[Arc<Duty>] {
+        &self.duties
+    }
+
+    /// How its frames and wall time belong together.
+    pub fn clock(&self) -> &StreamClock {
+        &self.clock
+    }
+
+    /// Frames a second.
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
     /// The delay of the engine that it began with.
     pub fn delay(&self) -> Delay {
         self.delay
+    }
+
+    /// Seconds by which the engine's own filter delays what it hears.
+    pub fn input_delay(&self) -> f64 {
+        self.input_delay
     }
 
     /// What has gone out and was not fetched yet, interleaved frames, if it is recorded. Whoever takes it must fetch it several
     /// times a second.
     pub fn recording(&mut self) -> Option<HeapCons<f32>> {
         self.recording.take()
+    }
+
+    /// The same of what it hears, if that is recorded and it hears anything: frames of so many channels.
+    pub fn recording_input(&mut self) -> Option<(HeapCons<f32>, usize)> {
+        self.recording_input.take()
     }
 
     /// Closes the gate, waits until the device has been given silence, and lets go of it.
@@ -150,6 +284,7 @@ impl Session {
             }
             drop(keeper);
         }
+        drop(self.listening.take());
     }
 }
 

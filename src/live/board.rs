@@ -27,6 +27,27 @@ impl Figure {
     }
 }
 
+/// How it stands with what a session hears.
+#[derive(Debug, Default)]
+pub struct InputBoard {
+    /// Frames that the device has brought.
+    pub frames: Figure,
+    /// Nanoseconds from when the device heard a frame to when the engine is given it; 0 while it is given silence.
+    pub latency: Figure,
+    /// Nanoseconds from when the device heard the first frame of a block to when it handed it over, as it has it.
+    pub device_delay: Figure,
+    /// Times that nothing was there when it was due.
+    pub dry: Figure,
+    /// Times that so much waited that some was left out.
+    pub jumps: Figure,
+    /// Frames that found no room, since nobody fetched any.
+    pub lost: Figure,
+    /// Gaps that the device told of.
+    pub xruns: Figure,
+    /// Frames that the recording of what was heard missed.
+    pub unrecorded: Figure,
+}
+
 /// How a session stands.
 #[derive(Debug, Default)]
 pub struct Board {
@@ -61,6 +82,8 @@ pub struct Board {
     pub unrecorded: Figure,
     /// Things done that the log did not hear of.
     pub untold: Figure,
+    /// 0 while all periodic tasks run; where there is too much to do, 255 less the rank above which they rest.
+    pub shed: Figure,
     /// Whether the gate is shut: 1, or 0.
     pub shut: Figure,
     /// Run time of the callbacks.
@@ -71,6 +94,10 @@ pub struct Board {
     pub block: Figure,
     /// Nanoseconds from a callback to when the device plays its first frame, as the device has it; 0 where it does not say.
     pub device_delay: Figure,
+    /// Nanoseconds from an event to the middle of what it makes at the output, at 250 Hz.
+    pub engine_delay: Figure,
+    /// What it hears.
+    pub input: InputBoard,
 }
 
 impl Board {

@@ -10,6 +10,7 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 
 use super::board::Board;
 use super::gate::{Gate, Order};
+use super::relief::Relieved;
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Stagehand;
 use crate::schedule::Instant;
@@ -37,10 +38,19 @@ pub struct Cue {
     pub event: Event,
 }
 
-/// What the callback tells of what it did.
+/// What the callback tells of: that it did something, and before which frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Report {
-    /// An event was given to the engine.
+pub struct Report {
+    /// Frames given out before.
+    pub frame: u64,
+    /// What it did.
+    pub deed: Deed,
+}
+
+/// What a callback does besides computing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Deed {
+    /// It gave an event to the engine.
     Event {
         /// When it takes effect: when it was due, or with the next sample if that is past.
         at: Instant,
@@ -51,10 +61,10 @@ pub enum Report {
         /// What it is.
         event: Event,
     },
-    /// The gate was told something before this frame.
-    Order(u64, Order),
-    /// A new plan took over before this frame.
-    Swap(u64),
+    /// It told the gate something.
+    Order(Order),
+    /// It let a new plan take over.
+    Swap,
 }
 
 /// The threads' ends of the rings.
@@ -75,7 +85,8 @@ pub struct Callback {
     reports: HeapProd<Report>,
     gate: Gate,
     board: Arc<Board>,
-    record: Option<HeapProd<f32>>,
+    record: Option<Record>,
+    record_input: Option<Record>,
     channels: usize,
     /// Plans that have followed the first.
     plan: u64,
@@ -83,6 +94,30 @@ pub struct Callback {
     outdated: u64,
     /// Frames given out.
     frames: u64,
+    /// Tasks above this rank rest.
+    shed: u8,
+}
+
+/// A recording.
+struct Record {
+    ring: HeapProd<f32>,
+    /// Samples that found no room. They are silence in it as soon as there is, so that those behind them stay in their places.
+    owed: usize,
+}
+
+impl Record {
+    /// Keeps samples, and silence to make them `length`. Gives how many of those it had to leave out.
+    fn keep(&mut self, samples: &[f32], length: usize) -> usize {
+        let silence = self.owed.min(self.ring.vacant_len());
+        self.owed -= self.ring.push_iter(std::iter::repeat_n(0.0, silence));
+        if self.owed > 0 || self.ring.vacant_len() < length {
+            self.owed += length;
+            return length;
+        }
+        let kept = self.ring.push_slice(samples);
+        self.ring.push_iter(std::iter::repeat_n(0.0, length - kept));
+        0
+    }
 }
 
 impl Callback {
@@ -100,17 +135,24 @@ impl Callback {
             gate,
             board,
             record: None,
+            record_input: None,
             channels,
             plan: 0,
             outdated: 0,
             frames: 0,
+            shed: u8::MAX,
         };
         (callback, Rings { cues: senders, orders: to_gate, reports: told })
     }
 
-    /// Everything that goes out, goes into `ring` as well; whole callbacks, or nothing of one for which there is no room.
+    /// Everything that goes out, goes into `ring` as well. Callbacks for which there is no room are silence there, and counted.
     pub fn record(&mut self, ring: HeapProd<f32>) {
-        self.record = Some(ring);
+        self.record = Some(Record { ring, owed: 0 });
+    }
+
+    /// What the engine hears goes into `ring` as well, frames of [`Callback::input_channels`], in the same way.
+    pub fn record_input(&mut self, ring: HeapProd<f32>) {
+        self.record_input = Some(Record { ring, owed: 0 });
     }
 
     /// Channels of an output frame.
@@ -136,17 +178,23 @@ impl Callback {
         self.take_cues();
         if self.stagehand.take_over() {
             self.plan += 1;
-            self.tell(Report::Swap(self.frames));
+            self.tell(Deed::Swap);
             self.take_cues();
         }
         self.stagehand.compute(input, output);
+        if let Some(record) = &mut self.record_input {
+            let channels = self.stagehand.engine().input_channels().max(1);
+            let frames = output.len() / self.channels.max(1);
+            // Where nothing came in, there was silence.
+            let lost = record.keep(&input[..input.len().min(frames * channels)], frames * channels);
+            self.board.input.unrecorded.add((lost / channels) as u64);
+        }
         self.gate.pass(output, self.channels);
         self.frames += (output.len() / self.channels.max(1)) as u64;
         self.show(output);
-        if let Some(ring) = &mut self.record {
-            let whole = ring.vacant_len() >= output.len();
-            let kept = if whole { ring.push_slice(output) } else { 0 };
-            self.board.unrecorded.add((output.len() - kept) as u64 / self.channels.max(1) as u64);
+        if let Some(record) = &mut self.record {
+            let lost = record.keep(output, output.len());
+            self.board.unrecorded.add((lost / self.channels.max(1)) as u64);
         }
     }
 
@@ -167,7 +215,27 @@ impl Callback {
     /// Tells the gate something, before the next frame.
     pub fn order(&mut self, order: Order) {
         self.gate.order(order);
-        self.tell(Report::Order(self.frames, order));
+        self.tell(Deed::Order(order));
+    }
+
+    /// Lets more of the engine's tasks rest, or fewer, from the next sample on; where there is nothing left to do, nothing happens.
+    pub fn relieve(&mut self, how: Relieved) {
+        let engine = self.stagehand.engine();
+        // Those above `shed` rest.
+        let shed = match how {
+            Relieved::More => engine.rank_below(u16::from(self.shed) + 1).map(|rank| rank - 1),
+            Relieved::Fewer => engine
+                .rank_above(self.shed)
+                .map(|rank| engine.rank_above(rank).map_or(u8::MAX, |next| next - 1)),
+        };
+        let Some(shed) = shed.filter(|shed| *shed != self.shed) else { return };
+        let at = Instant { sample: engine.clock(), fraction: 0 };
+        let (source, event) = (Source::Program, Event::Shed(shed));
+        if engine.schedule(at, source, event) {
+            self.shed = shed;
+            self.board.shed.set(u64::from(u8::MAX - shed));
+            self.tell(Deed::Event { at, due: at, source, event });
+        }
     }
 
     /// Gives the engine what has come for its plan, as long as it has room; the rest waits in its ring.
@@ -188,13 +256,13 @@ impl Callback {
                 let at = if due.ceiling() < clock { Instant { sample: clock, fraction: 0 } } else { due };
                 self.stagehand.engine().schedule(at, source, event);
                 self.board.late.add(u64::from(at != due));
-                self.tell(Report::Event { at, due, source, event });
+                self.tell(Deed::Event { at, due, source, event });
             }
         }
     }
 
-    fn tell(&mut self, report: Report) {
-        let untold = self.reports.try_push(report).is_err();
+    fn tell(&mut self, deed: Deed) {
+        let untold = self.reports.try_push(Report { frame: self.frames, deed }).is_err();
         self.board.untold.add(u64::from(untold));
     }
 

@@ -32,6 +32,8 @@ pub struct Follower {
     /// When that callback should come, and seconds a frame.
     next: f64,
     frame: f64,
+    /// When the callback at hand should have come.
+    due: f64,
     /// Seconds since the loop began.
     age: f64,
     /// The longest block so far, in frames.
@@ -73,6 +75,11 @@ impl Moment {
         let since = (stamp.seconds() - self.time) / self.frame;
         (self.frames as f64 + self.ahead as f64 + since).max(0.0)
     }
+
+    /// Seconds since the session began when the device asks for a frame, if its callbacks came evenly.
+    pub fn time_of(&self, frame: f64) -> f64 {
+        self.time + (frame - self.frames as f64) * self.frame
+    }
 }
 
 impl Follower {
@@ -81,7 +88,20 @@ impl Follower {
         let face = Arc::new(Face::default());
         let clock = StreamClock(Arc::clone(&face));
         let frame = 1.0 / rate;
-        (Self { rate, frames: 0, next: 0.0, frame, age: 0.0, longest: block, running: false, face }, clock)
+        (
+            Self {
+                rate,
+                frames: 0,
+                next: 0.0,
+                frame,
+                due: 0.0,
+                age: 0.0,
+                longest: block,
+                running: false,
+                face,
+            },
+            clock,
+        )
     }
 
     /// A callback came at `stamp` that asks for `frames`. Gives by how much it was late, in seconds.
@@ -102,11 +122,22 @@ impl Follower {
         }
         self.longest = self.longest.max(frames);
         self.show();
+        self.due = self.next;
         self.frames += frames;
         let block = frames as f64 * self.frame;
         self.next += block;
         self.age += block;
         late
+    }
+
+    /// When the callback that is at hand should have come, seconds since the session began.
+    pub fn due(&self) -> f64 {
+        self.due
+    }
+
+    /// Seconds a frame, as the device has it.
+    pub fn frame(&self) -> f64 {
+        self.frame
     }
 
     /// The device was away: the next callback begins the loop anew, and its blocks may have another length.
@@ -131,24 +162,31 @@ impl StreamClock {
     /// How things stood at the last callback; `None` before the first. Not for the audio thread: it looks again where a callback
     /// came in between.
     pub fn moment(&self) -> Option<Moment> {
-        let Face { turn, frames, time, frame, longest } = &*self.0;
         loop {
-            let before = turn.load(Ordering::Acquire);
-            if before == 0 {
+            if self.0.turn.load(Ordering::Acquire) == 0 {
                 return None;
             }
-            let moment = Moment {
-                frames: frames.load(Ordering::Relaxed),
-                time: f64::from_bits(time.load(Ordering::Relaxed)),
-                frame: f64::from_bits(frame.load(Ordering::Relaxed)),
-                ahead: longest.load(Ordering::Relaxed),
-            };
-            fence(Ordering::Acquire);
-            if before.is_multiple_of(2) && turn.load(Ordering::Relaxed) == before {
-                return Some(moment);
+            let glimpse = self.glimpse();
+            if glimpse.is_some() {
+                return glimpse;
             }
             std::hint::spin_loop();
         }
+    }
+
+    /// The same for the audio thread: `None` as well where a callback came in between.
+    pub fn glimpse(&self) -> Option<Moment> {
+        let Face { turn, frames, time, frame, longest } = &*self.0;
+        let before = turn.load(Ordering::Acquire);
+        let moment = Moment {
+            frames: frames.load(Ordering::Relaxed),
+            time: f64::from_bits(time.load(Ordering::Relaxed)),
+            frame: f64::from_bits(frame.load(Ordering::Relaxed)),
+            ahead: longest.load(Ordering::Relaxed),
+        };
+        fence(Ordering::Acquire);
+        let whole = before != 0 && before.is_multiple_of(2) && turn.load(Ordering::Relaxed) == before;
+        whole.then_some(moment)
     }
 }
 

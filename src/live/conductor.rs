@@ -12,7 +12,7 @@ use ringbuf::traits::{Consumer, Observer, Producer};
 
 use super::board::Board;
 use super::callback::{Cue, Report, Rings, SOURCES};
-use super::clock::StreamClock;
+use super::clock::{Moment, StreamClock};
 use super::gate::{Order, UNARMED};
 use super::reload::Reload;
 use super::signal::{Handle, Signal, Stamped, WAITING};
@@ -29,20 +29,29 @@ const AHEAD: f64 = 0.05;
 /// How often it looks whether patterns must be fed, where no signal comes.
 const EVERY: Duration = Duration::from_millis(5);
 
+/// How long a callback may take to shut the gate at the end; one whose device stands still never does.
+const LAST: Duration = Duration::from_millis(500);
+
 /// Voices that can still be released by their numbers.
 const REMEMBERED: usize = 1 << 14;
 
 /// What a conductor tells of.
 #[derive(Debug)]
 pub enum Told<'a> {
-    /// What the callback did.
-    Report(&'a Report),
+    /// A session began, at this moment; its board.
+    Began(Epoch, &'a Arc<Board>),
+    /// Something came in, and when; it is told before anything is done about it.
+    Came(Stamp, &'a Signal),
+    /// What the callback did, and how its frames and wall time belonged together a moment ago.
+    Report(&'a Report, Option<Moment>),
     /// Something that was asked for and cannot be done.
     Refused(&'a Problem),
     /// Other patterns play than before. Those that play now: number, and name; what plays from the beginning has number 0 and no
     /// name.
     Playing(&'a [(u64, Option<&'a str>)]),
-    /// A new patch or rig took over.
+    /// A new patch or rig takes over: what the callback tells of after its next [`super::callback::Deed::Swap`] is meant for it.
+    Reloading(&'a Reload),
+    /// It plays.
     Reloaded,
     /// A new patch or rig cannot take over; the old one plays on.
     Kept(&'a str),
@@ -152,10 +161,29 @@ impl Conductor {
             }
             self.go_on();
         }
+        self.see_out();
+    }
+
+    /// Tells what the callback does until its gate is shut.
+    fn see_out(&mut self) {
+        let begin = std::time::Instant::now();
+        while self.board.shut.get() == 0 && begin.elapsed() < LAST {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.hear();
+    }
+
+    /// Hears what the callback did.
+    fn hear(&mut self) {
+        let moment = self.clock.moment();
+        while let Some(report) = self.rings.reports.try_pop() {
+            (self.audience)(Told::Report(&report, moment));
+        }
     }
 
     /// Sends what sounds from the beginning, and opens the gate.
     pub fn begin(&mut self) {
+        (self.audience)(Told::Began(self.epoch, &self.board));
         let mut outlet = ToCallback { rings: &mut self.rings, clock: 0, plan: self.plan };
         if let Err(problem) = self.performer.begin(&mut outlet) {
             (self.audience)(Told::Refused(&problem));
@@ -171,9 +199,7 @@ impl Conductor {
         if let Some(reload) = self.waiting.take() {
             self.reload(reload);
         }
-        while let Some(report) = self.rings.reports.try_pop() {
-            (self.audience)(Told::Report(&report));
-        }
+        self.hear();
         self.tell_playing();
         self.director.collect();
     }
@@ -219,6 +245,7 @@ impl Conductor {
 
     /// Does what a signal asks for.
     pub fn take(&mut self, Stamped { stamp, signal }: Stamped) {
+        (self.audience)(Told::Came(stamp, &signal));
         let at = self.when(stamp);
         let clock = self.board.clock.get();
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
@@ -311,12 +338,14 @@ impl Conductor {
             Ok(false) => self.waiting = Some(reload),
             Ok(true) => {
                 self.plan += 1;
-                let Reload { scene, patch, rig, files } = *reload;
+                (self.audience)(Told::Reloading(&reload));
+                let Reload { scene, patch, rig, files, .. } = *reload;
                 // Those that play on may be called otherwise now.
                 self.playing = vec![u64::MAX];
-                match self.performer.become_of(scene, patch, rig, files) {
-                    Ok(()) => (self.audience)(Told::Reloaded),
-                    Err(problem) => (self.audience)(Told::Refused(&problem)),
+                let became = self.performer.become_of(scene, patch, rig, files);
+                (self.audience)(Told::Reloaded);
+                if let Err(problem) = became {
+                    (self.audience)(Told::Refused(&problem));
                 }
             }
             Err(mismatch) => (self.audience)(Told::Kept(&mismatch.to_string())),
@@ -340,6 +369,7 @@ mod tests {
     use crate::engine::exchange::exchange;
     use crate::graph::scene::{Options, Scene, scene};
     use crate::live::callback::Callback;
+    use crate::live::callback::Deed;
     use crate::live::clock::Follower;
     use crate::live::gate::Gate;
     use crate::live::reload::Reload;
@@ -368,7 +398,13 @@ mod tests {
 
     fn reload(voices: &[&str]) -> Box<Reload> {
         let (scene, patch, rig) = compiled(voices);
-        Box::new(Reload { scene, patch, rig, files: Box::new(|_| Err(Problem::of_file("none"))) })
+        Box::new(Reload {
+            scene,
+            patch,
+            rig,
+            files: Box::new(|_| Err(Problem::of_file("none"))),
+            provenance: None,
+        })
     }
 
     /// A session whose device asks for 96 frames whenever the test says so, every 2 ms.
@@ -392,7 +428,7 @@ mod tests {
             let reports = Arc::<Mutex<Vec<Report>>>::default();
             let heard = Arc::clone(&reports);
             let audience: Audience = Box::new(move |told| {
-                if let Told::Report(report) = told {
+                if let Told::Report(report, _) = told {
                     heard.lock().unwrap().push(*report);
                 }
             });
@@ -423,8 +459,8 @@ mod tests {
         fn played(&mut self) -> Vec<(f64, f64, u32)> {
             self.conductor.go_on();
             let frames = |at: crate::schedule::Instant| at.since(crate::schedule::Instant::default()) * 6.0;
-            let play = |report: &Report| match report {
-                Report::Event { at, due, event: Event::Play(play), .. } => {
+            let play = |report: &Report| match &report.deed {
+                Deed::Event { at, due, event: Event::Play(play), .. } => {
                     Some((frames(*due), frames(*at), play.instrument))
                 }
                 _ => None,
@@ -468,9 +504,9 @@ mod tests {
         let reports = bench.reports.lock().unwrap().clone();
         let (mut plan, mut heard) = (0, Vec::new());
         for report in &reports {
-            match report {
-                Report::Swap(_) => plan += 1,
-                Report::Event { event: Event::Play(play), .. } => heard.push((plan, play.instrument)),
+            match &report.deed {
+                Deed::Swap => plan += 1,
+                Deed::Event { event: Event::Play(play), .. } => heard.push((plan, play.instrument)),
                 _ => {}
             }
         }

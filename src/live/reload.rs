@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use super::provenance::Provenance;
 use crate::graph::scene::Scene;
 use crate::patch::Patch;
 use crate::performer::OpenEvents;
@@ -18,6 +19,8 @@ pub struct Reload {
     pub rig: Arc<Rig>,
     /// Opens its events files.
     pub files: OpenEvents,
+    /// What a journal writes of it, so that it can be made again; `None` for what a program has put together.
+    pub provenance: Option<Arc<Provenance>>,
 }
 
 impl fmt::Debug for Reload {

@@ -1,5 +1,6 @@
 //! Wall time of a session.
 
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// Nanoseconds since a session began, on a clock that never goes back.
@@ -44,6 +45,12 @@ impl Epoch {
     pub fn instant(&self, stamp: Stamp) -> Instant {
         self.0 + Duration::from_nanos(stamp.0)
     }
+}
+
+/// Nanoseconds on the same clock, for what can hold no epoch.
+pub fn nanoseconds() -> u64 {
+    static BEGIN: OnceLock<Instant> = OnceLock::new();
+    u64::try_from(BEGIN.get_or_init(Instant::now).elapsed().as_nanos()).unwrap_or(u64::MAX)
 }
 
 #[cfg(test)]

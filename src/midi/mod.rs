@@ -16,6 +16,7 @@ pub mod file;
 pub mod gesture;
 pub mod interpreter;
 pub mod message;
+pub mod moved;
 mod parameter;
 pub mod parser;
 pub mod pitch;

@@ -168,6 +168,23 @@ pub(crate) static RENDER: Table = Table {
 };
 
 impl Patch {
+    /// The recordings that its nodes name, and where they name them; one that is named twice comes twice.
+    pub fn recordings(&self) -> impl Iterator<Item = (&str, &Span)> {
+        let nodes = self.voices.iter().flat_map(|voice| &voice.nodes).chain(&self.shared);
+        nodes.flat_map(|node| &node.arguments).filter_map(|argument| match &argument.value {
+            Value::File(path) => Some((path.as_str(), &argument.span)),
+            _ => None,
+        })
+    }
+
+    /// The events files that its patterns name, and where they name them.
+    pub fn events_files(&self) -> impl Iterator<Item = (&str, &Span)> {
+        self.patterns.iter().filter_map(|pattern| match &pattern.events {
+            Events::File(path, span) => Some((path.as_str(), span)),
+            Events::Inline(_) => None,
+        })
+    }
+
     /// Reads a patch from the bytes of a file called `name`.
     ///
     /// # Errors

@@ -9,6 +9,8 @@ use crate::text::reader::Reader;
 pub struct Device {
     /// As the system calls it; `None`: the default one.
     pub name: Option<String>,
+    /// The device that is listened to, as the system calls it; `None`: none.
+    pub input: Option<String>,
     /// How many channels it has.
     pub channels: u32,
     /// Samples a second; `None`: whatever is asked for.
@@ -17,6 +19,23 @@ pub struct Device {
     pub full_scale_volts: Option<f64>,
     /// What its outputs let through.
     pub coupling: Coupling,
+    /// Seconds that pass beyond what the system says from an output through what hangs on it back to an input; `None`: not measured.
+    pub loop_latency: Option<f64>,
+}
+
+impl Device {
+    /// The default one, of so many channels, of which nothing more is known.
+    pub(crate) fn of(channels: u32) -> Self {
+        Self {
+            name: None,
+            input: None,
+            channels,
+            rate: None,
+            full_scale_volts: None,
+            coupling: Coupling::Dc,
+            loop_latency: None,
+        }
+    }
 }
 
 /// The least and the most samples a second that a device may have.
@@ -47,6 +66,12 @@ pub static TABLE: Table = Table {
             "",
             "What the system calls it; the default one where nothing is said.",
         ),
+        Field::new(
+            "input",
+            Form::Text,
+            "",
+            "The device that nodes `input` hear when it is played live, as the system calls it, or \"default\"; silence where nothing is said.",
+        ),
         Field::new("channels", Form::any_count(1, MAX_CHANNELS as u64), "", "How many channels it has.")
             .required(),
         Field::new(
@@ -66,6 +91,12 @@ pub static TABLE: Table = Table {
             Form::Defined("coupling"),
             "",
             "What its outputs let through: \"dc\", or { high_pass = 8.0 } for a first-order high-pass (Hz).",
+        ),
+        Field::new(
+            "loop_latency",
+            Form::any_number(-0.1, 10.0),
+            "s",
+            "From an output through what hangs on it back to an input, beyond what the system says: `pacinian latency` measures it.",
         ),
     ],
     others: None,
@@ -95,9 +126,11 @@ pub(crate) fn read(reader: &Reader) -> Device {
     });
     Device {
         name: reader.text("name").map(Into::into),
+        input: reader.text("input").map(Into::into),
         channels: reader.count("channels").and_then(|n| u32::try_from(n).ok()).unwrap_or(MAX_CHANNELS),
         rate: reader.number("rate"),
         full_scale_volts: reader.number("full_scale_volts"),
         coupling: coupling.unwrap_or(Coupling::Dc),
+        loop_latency: reader.number("loop_latency"),
     }
 }

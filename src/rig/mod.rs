@@ -96,13 +96,7 @@ impl Rig {
         Self {
             title: "A line of tactors".into(),
             description: String::new(),
-            device: Device {
-                name: None,
-                channels,
-                rate: None,
-                full_scale_volts: None,
-                coupling: Coupling::Dc,
-            },
+            device: Device::of(channels),
             amplifiers: Vec::new(),
             actuators: Vec::new(),
             outputs: line(channels),
@@ -202,13 +196,7 @@ impl Rig {
         Self {
             title: reader.text("title").unwrap_or("").into(),
             description: reader.text("description").unwrap_or("").into(),
-            device: device.unwrap_or(Device {
-                name: None,
-                channels: MAX_CHANNELS,
-                rate: None,
-                full_scale_volts: None,
-                coupling: Coupling::Dc,
-            }),
+            device: device.unwrap_or(Device::of(MAX_CHANNELS)),
             amplifiers: amplifiers.iter().map(|(name, r)| amplifier::read(name, r)).collect(),
             actuators: actuators.iter().map(|(name, r)| actuator::read(name, r)).collect(),
             outputs: tactors

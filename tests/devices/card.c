@@ -6,8 +6,10 @@
  *
  * played  every frame that is played goes to the end of this file, in the stream's own format
  * heard   what is recorded: frames of this file, then silence
- * loop    1: what is recorded is what the file `played` holds, `delay` frames later: a cable from the outputs to the inputs
+ * loop    1: what is recorded is what is played at that moment by the card whose file `played` is, as far as this very program plays it:
+ *         a cable from the outputs to the inputs, `delay` frames long (they may lie between two samples, with float samples)
  * gone    while this file exists the card is unplugged
+ * rates   the one rate it has; five where nothing is said
  * ppm     by how much its clock is fast
  *
  * A program that is late meets an xrun, as on a real card. Build: gcc -O2 -shared -fPIC -DPIC card.c -lasound -o libasound_module_pcm_testcard.so
@@ -17,6 +19,7 @@
 #include <alsa/pcm_external.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,16 +28,29 @@
 #include <time.h>
 #include <unistd.h>
 
+/* What both ends of a cable know: since when a run is played, how fast, and where it begins in the file. */
+static struct cable { char file[512]; int64_t begun; double rate; uint64_t first; } cables[16];
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+
+/* The cable of a file, with the lock held; NULL if there are too many. */
+static struct cable *cable_of(const char *file) {
+    for (size_t n = 0; n < sizeof cables / sizeof *cables; n++) {
+        if (!*cables[n].file) snprintf(cables[n].file, sizeof cables[n].file, "%s", file);
+        if (!strcmp(cables[n].file, file)) return &cables[n];
+    }
+    return NULL;
+}
+
 struct card {
     snd_pcm_ioplug_t io;
     int timer, file;
-    char *gone;
+    char *gone, *cable;
     double rate;              /* frames a second, as this card counts them */
     long ppm, loop, delay;
     int runs, lost;
     int64_t begun;            /* nanoseconds at which it began to run */
     size_t frame;             /* bytes */
-    uint64_t moved;           /* frames moved since it was opened */
+    uint64_t moved;           /* frames moved since it was prepared */
 };
 
 static int64_t now(void) {
@@ -61,6 +77,15 @@ static int start(snd_pcm_ioplug_t *io) {
     if (is_lost(card)) return -ENODEV;
     card->begun = now();
     card->runs = 1;
+    if (card->cable && io->stream == SND_PCM_STREAM_PLAYBACK) {
+        struct stat about;
+        pthread_mutex_lock(&lock);
+        struct cable *cable = cable_of(card->cable);
+        if (cable && fstat(card->file, &about) == 0)
+            *cable = (struct cable){.begun = card->begun, .rate = card->rate, .first = about.st_size / card->frame - card->moved};
+        if (cable) snprintf(cable->file, sizeof cable->file, "%s", card->cable);
+        pthread_mutex_unlock(&lock);
+    }
     tick(card, io->period_size / card->rate, 0);
     return 0;
 }
@@ -77,6 +102,7 @@ static int prepare(snd_pcm_ioplug_t *io) {
     if (is_lost(card)) return -ENODEV;
     card->rate = io->rate * (1.0 + card->ppm * 1e-6);
     card->frame = io->channels * (size_t)snd_pcm_format_physical_width(io->format) / 8;
+    card->moved = 0;
     return stop(io);
 }
 
@@ -99,6 +125,33 @@ static snd_pcm_sframes_t pointer(snd_pcm_ioplug_t *io) {
     return at % io->buffer_size;
 }
 
+/* What comes through the cable during the next `frames`. */
+static void listen(struct card *card, char *at, snd_pcm_uframes_t frames) {
+    pthread_mutex_lock(&lock);
+    struct cable *found = card->cable ? cable_of(card->cable) : NULL;
+    struct cable cable = found ? *found : (struct cable){.begun = 0};
+    pthread_mutex_unlock(&lock);
+    memset(at, 0, frames * card->frame);
+    if (!cable.begun || card->file < 0) return;
+    char *two = malloc(2 * card->frame);
+    for (snd_pcm_uframes_t n = 0; two && n < frames; n++) {
+        double since = (card->begun - cable.begun) * 1e-9 + (card->moved + n) / card->rate;
+        double place = since * cable.rate - card->delay;
+        if (place < 0) continue;
+        uint64_t frame = (uint64_t)place;
+        double share = place - frame;
+        ssize_t got = pread(card->file, two, 2 * card->frame, (cable.first + frame) * card->frame);
+        if (got < (ssize_t)card->frame) continue;
+        if (got < 2 * (ssize_t)card->frame) memset(two + card->frame, 0, card->frame);
+        char *to = at + n * card->frame;
+        if (card->io.format == SND_PCM_FORMAT_FLOAT_LE)
+            for (unsigned c = 0; c < card->io.channels; c++)
+                ((float *)to)[c] = (1 - share) * ((float *)two)[c] + share * ((float *)two)[card->io.channels + c];
+        else memcpy(to, two + (share < 0.5 ? 0 : card->frame), card->frame);
+    }
+    free(two);
+}
+
 static snd_pcm_sframes_t transfer(snd_pcm_ioplug_t *io, const snd_pcm_channel_area_t *areas,
                                   snd_pcm_uframes_t offset, snd_pcm_uframes_t frames) {
     struct card *card = io->private_data;
@@ -111,20 +164,13 @@ static snd_pcm_sframes_t transfer(snd_pcm_ioplug_t *io, const snd_pcm_channel_ar
             if (n < 0) return -errno;
             done += n;
         }
+    } else if (card->loop) {
+        listen(card, at, frames);
     } else {
-        int64_t from = (int64_t)card->moved - card->delay;
-        if (card->loop && from < 0) {
-            size_t silent = (size_t)(-from) < frames ? (size_t)(-from) : frames;
-            done = silent * card->frame;
-            memset(at, 0, done);
-            from = 0;
-        }
         while (card->file >= 0 && done < bytes) {
-            ssize_t n = card->loop ? pread(card->file, at + done, bytes - done, from * card->frame)
-                                   : read(card->file, at + done, bytes - done);
+            ssize_t n = read(card->file, at + done, bytes - done);
             if (n <= 0) break;
             done += n;
-            from += n / card->frame;
         }
         memset(at + done, 0, bytes - done);
     }
@@ -163,6 +209,7 @@ static int hang_up(snd_pcm_ioplug_t *io) {
     if (card->file >= 0) close(card->file);
     if (card->timer >= 0) close(card->timer);
     free(card->gone);
+    free(card->cable);
     free(card);
     return 0;
 }
@@ -175,7 +222,7 @@ static const snd_pcm_ioplug_callback_t calls = {
 SND_PCM_PLUGIN_DEFINE_FUNC(testcard) {
     snd_config_iterator_t each, next;
     const char *played = NULL, *heard = NULL, *gone = NULL;
-    long channels = 2, ppm = 0, loop = 0, late = 0;
+    long channels = 2, ppm = 0, loop = 0, late = 0, only = 0;
     (void)root;
     snd_config_for_each(each, next, conf) {
         snd_config_t *entry = snd_config_iterator_entry(each);
@@ -185,6 +232,7 @@ SND_PCM_PLUGIN_DEFINE_FUNC(testcard) {
         else if (!strcmp(key, "ppm")) snd_config_get_integer(entry, &ppm);
         else if (!strcmp(key, "loop")) snd_config_get_integer(entry, &loop);
         else if (!strcmp(key, "delay")) snd_config_get_integer(entry, &late);
+        else if (!strcmp(key, "rates")) snd_config_get_integer(entry, &only);
         else if (!strcmp(key, "played")) snd_config_get_string(entry, &played);
         else if (!strcmp(key, "heard")) snd_config_get_string(entry, &heard);
         else if (!strcmp(key, "gone")) snd_config_get_string(entry, &gone);
@@ -202,6 +250,7 @@ SND_PCM_PLUGIN_DEFINE_FUNC(testcard) {
     card->loop = loop;
     card->delay = late;
     card->gone = gone ? strdup(gone) : NULL;
+    card->cable = played ? strdup(played) : NULL;
     card->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
     card->file = -1;
     if (name_of_file) card->file = open(name_of_file, (out ? O_WRONLY | O_APPEND : O_RDONLY) | O_CREAT | O_CLOEXEC, 0644);
@@ -223,7 +272,8 @@ SND_PCM_PLUGIN_DEFINE_FUNC(testcard) {
     snd_pcm_ioplug_set_param_list(&card->io, SND_PCM_IOPLUG_HW_ACCESS, 1, access_ways);
     snd_pcm_ioplug_set_param_list(&card->io, SND_PCM_IOPLUG_HW_FORMAT, 3, formats);
     snd_pcm_ioplug_set_param_minmax(&card->io, SND_PCM_IOPLUG_HW_CHANNELS, channels, channels);
-    snd_pcm_ioplug_set_param_list(&card->io, SND_PCM_IOPLUG_HW_RATE, 5, rates);
+    const unsigned one[] = {(unsigned)only};
+    snd_pcm_ioplug_set_param_list(&card->io, SND_PCM_IOPLUG_HW_RATE, only ? 1 : 5, only ? one : rates);
     snd_pcm_ioplug_set_param_minmax(&card->io, SND_PCM_IOPLUG_HW_PERIOD_BYTES, 16 * channels * 2, 4096 * channels * 4);
     snd_pcm_ioplug_set_param_minmax(&card->io, SND_PCM_IOPLUG_HW_PERIODS, 2, 8);
     *pcmp = card->io.pcm;

@@ -19,6 +19,9 @@ const PANIC: [&str; 5] = [
 /// The same in a line.
 const SHUT: &str = " PANIC: the output is shut; c opens it again ";
 
+/// What was saved last cannot be played.
+const STALE: &str = " THE OLD ONE PLAYS ON ";
+
 /// A screen.
 pub struct Drawn {
     /// As many as the screen has, none of them wider.
@@ -39,6 +42,11 @@ pub fn draw(snapshot: &Snapshot, width: usize, height: usize) -> Drawn {
     }
     if height >= 3 {
         top.push(title(snapshot, width));
+    }
+    if let Some(why) = snapshot.stale.as_ref().filter(|_| height >= 4) {
+        let mut line = Line::of(Ink::Alarm, STALE);
+        line.put(Ink::Hot, &format!(" {why}"));
+        top.push(line);
     }
     if height >= 5 {
         foot.push(help(snapshot, width));
@@ -179,7 +187,7 @@ fn banner(snapshot: &Snapshot, width: usize) -> Vec<Line> {
 
 #[cfg(test)]
 mod tests {
-    use super::{SHUT, draw};
+    use super::{SHUT, STALE, draw};
     use crate::cli::screen::happened::{Happened, Mood};
     use crate::cli::screen::line::Ink;
     use crate::cli::screen::meter::Meter;
@@ -195,7 +203,7 @@ mod tests {
             elapsed: 75.0,
             armed: true,
             figures: Figures { mean: 0.0021, p999: 0.012, voices: 3, ..Figures::default() },
-            latency: Latency { block: 0.0027, engine: 0.0015, device: Some(0.001) },
+            latency: Latency { block: 0.0027, engine: 0.0015, device: Some(0.001), input: None },
             tactors: (0..tactors).map(|n| (name(n), meter)).collect(),
             keys: (1..=9)
                 .map(|digit| KeyFace {
@@ -244,9 +252,10 @@ mod tests {
                     (0, 9),
                     (9, 0),
                 ] {
-                    for state in 0..8 {
+                    for state in 0..16 {
                         (snapshot.panicked, snapshot.fancy, snapshot.paged) =
                             (state & 1 > 0, state & 2 > 0, state & 4 > 0);
+                        snapshot.stale = (state & 8 > 0).then(|| name(1));
                         let lines = draw(&snapshot, width, height).lines;
                         assert_eq!(lines.len(), height);
                         for line in lines {
@@ -304,6 +313,13 @@ mod tests {
         // The large letters, where there is room.
         assert!(text(&snapshot, 100, 30).contains("█████   ████"));
         assert!(!text(&snapshot, 100, 14).contains("█████   ████"));
+        // What is wrong with what was saved is at the top, and its line is seen.
+        snapshot.panicked = false;
+        snapshot.stale = Some(format!("hum.toml:12: {}", "x".repeat(500)));
+        for (width, height) in [(60, 5), (60, 12), (100, 30)] {
+            let text = text(&snapshot, width, height);
+            assert!(text.lines().nth(1).unwrap().starts_with(&format!("{STALE} hum.toml:12: xxx")), "{text}");
+        }
         // The state is seen though the name of the patch is too long.
         snapshot.panicked = false;
         (snapshot.armed, snapshot.title) = (false, "x".repeat(500));

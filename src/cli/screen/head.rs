@@ -81,6 +81,9 @@ pub fn figures(snapshot: &Snapshot, width: usize) -> Vec<Line> {
         touched("limited", figures.limited),
         touched("clamped", figures.clamped),
     ];
+    if let Some(input) = latency.input {
+        all.push(figure("input", &format!("{} ms", milli(input)), Ink::Plain));
+    }
     // What hardly ever happens takes no room until it does.
     let rare =
         [("over time", figures.over), ("no numbers", figures.masked), ("voices cut short", figures.stolen)];

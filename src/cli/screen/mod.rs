@@ -24,10 +24,14 @@ use pacinian::io::device::priority::{self, Priority};
 use pacinian::io::session::Session;
 use pacinian::live::board::Board;
 use pacinian::live::signal::Signal;
+use pacinian::text::Problems;
+use pacinian::text::problem::escaped;
 
 use super::failure::Failure;
 use super::load::Loaded;
+use super::problems;
 use super::terminal::Terminal;
+use super::watch::News;
 use happened::{Happened, Mood};
 use keys::{Act, Keys};
 use lines::Lines;
@@ -96,10 +100,16 @@ pub struct Show {
     highest: f32,
     panicked: bool,
     xruns: u64,
+    /// Gaps of the input, by what made them.
+    gaps: [u64; 4],
     /// Whether a frame is due now.
     due: bool,
     /// Whether it was said that the system gives no priority.
     humble: bool,
+    /// Warnings that were shown, and why what was saved last does not play, in full.
+    warned: Vec<Problems>,
+    stale: String,
+    terminal: Terminal,
 }
 
 impl Show {
@@ -109,10 +119,9 @@ impl Show {
     /// A thread that the system does not give.
     pub fn new(scenery: &Scenery<'_>, terminal: &Terminal) -> Result<(Self, Post), Failure> {
         let loaded = scenery.loaded;
-        let title = Some(&loaded.patch.title).filter(|t| !t.is_empty());
         let players = Players::new(&loaded.patch, scenery.first);
         let snapshot = Snapshot {
-            title: title.map_or(loaded.name(), String::as_str).into(),
+            title: title(loaded),
             device: scenery.device.into(),
             rate: scenery.rate,
             duration: scenery.duration,
@@ -141,10 +150,20 @@ impl Show {
             highest: 0.0,
             panicked: false,
             xruns: 0,
+            gaps: [0; 4],
             due: true,
             humble: false,
+            warned: loaded.warnings.clone(),
+            stale: String::new(),
+            terminal: *terminal,
         };
         Ok((show, post))
+    }
+
+    /// Shows that something is wrong.
+    pub fn say(&mut self, trouble: &str) {
+        let happened = Happened::new(self.fetch.elapsed(), Mood::Bad, trouble);
+        self.note(happened);
     }
 
     /// Takes the terminal over, where there is to be a screen.
@@ -257,6 +276,52 @@ impl Show {
         self.events.push_back(happened);
     }
 
+    /// What became of something that was saved.
+    pub fn watched(&mut self, news: &News) {
+        let now = self.fetch.elapsed();
+        self.due = true;
+        let (why, brief) = match news {
+            News::Took(loaded, first, changed) => {
+                self.snapshot.title = title(loaded);
+                for (place, name) in self.snapshot.tactors.iter_mut().zip(loaded.tactors()) {
+                    place.0 = name;
+                }
+                self.players.become_of(&loaded.patch, first);
+                (self.snapshot.stale, self.stale) = (None, String::new());
+                let names: Vec<String> = changed.iter().map(|path| path.display().to_string()).collect();
+                let names = escaped(&names.join(", ")).into_owned();
+                self.note(Happened::new(now, Mood::Good, format!("{names}: taken up")));
+                // What was said before is not said with every save.
+                let new = loaded.warnings.iter().filter(|warning| !self.warned.contains(warning));
+                let new: Vec<Problems> = new.cloned().collect();
+                for warnings in &new {
+                    self.warn(now, warnings);
+                }
+                self.warned.clone_from(&loaded.warnings);
+                return;
+            }
+            News::Broken(failure) => (failure.text(&self.terminal), failure.brief()),
+            News::Kept(why, help) => {
+                (Failure::usage(why.as_str(), help.as_str()).text(&self.terminal), format!("{why}: {help}"))
+            }
+        };
+        self.note(Happened::new(now, Mood::Told, format!("the old one plays on: {brief}")));
+        if let Out::Lines(lines) = &mut self.out {
+            lines.put(why.trim_end());
+        }
+        (self.snapshot.stale, self.stale) = (Some(brief), why);
+    }
+
+    fn warn(&mut self, now: f64, warnings: &Problems) {
+        match &mut self.out {
+            Out::Lines(lines) => lines.put(problems::shown(warnings, &self.terminal).trim_end()),
+            Out::Screen(_) => {
+                let brief = Failure::of(0, warnings.clone()).brief();
+                self.note(Happened::new(now, Mood::Told, brief));
+            }
+        }
+    }
+
     /// Reads the board.
     fn look(&mut self, session: &Session, elapsed: f64) {
         let (board, since) = (session.board(), elapsed - self.heard);
@@ -266,12 +331,13 @@ impl Show {
             meter.hear(peak, since);
             self.highest = self.highest.max(peak);
         }
-        let device = board.device_delay.get();
+        let (device, input) = (board.device_delay.get(), board.input.latency.get());
         self.snapshot.elapsed = elapsed;
         self.snapshot.latency = Latency {
             block: board.block.get() as f64 / f64::from(self.snapshot.rate.max(1)),
             engine: session.delay().total(),
             device: (device > 0).then_some(device as f64 * 1e-9),
+            input: (input > 0).then_some(input as f64 * 1e-9 + session.input_delay()),
         };
         self.snapshot.figures = Figures {
             mean: board.load.mean(),
@@ -287,6 +353,19 @@ impl Show {
             started: board.started.get(),
             stolen: board.stolen.get(),
         };
+        let heard = &board.input;
+        let gaps = [
+            ("an input xrun", heard.xruns.get()),
+            ("the input came too late: a gap", heard.dry.get()),
+            ("too much input waited: a part is left out", heard.jumps.get()),
+            ("input found no room", u64::from(heard.lost.get() > 0)),
+        ];
+        for ((text, now), before) in gaps.into_iter().zip(self.gaps) {
+            if now > before {
+                self.note(Happened::new(elapsed, Mood::Bad, text));
+            }
+        }
+        self.gaps = gaps.map(|(_, now)| now);
         let xruns = self.snapshot.figures.xruns;
         let before = std::mem::replace(&mut self.xruns, xruns);
         if xruns > before {
@@ -349,12 +428,22 @@ impl Show {
         let peak =
             |(channel, (_, meter)): (usize, &(String, Meter))| meter.most.max(board.take_peak(channel));
         let peaks = self.snapshot.tactors.iter().enumerate().map(peak).collect();
+        let screen = matches!(self.out, Out::Screen(_));
         drop(self.out);
         let troubles: String = self.troubles.iter().map(|trouble| lines::event(trouble) + "\n").collect();
         // Where there is nothing to say, nobody waits for who does not read.
         if !troubles.is_empty() {
             terminal.note(&troubles);
         }
+        if screen && !self.stale.is_empty() {
+            terminal.note(&format!("what was saved last was not played:\n{}", self.stale));
+        }
         peaks
     }
+}
+
+/// What the patch is called, or else its file.
+fn title(loaded: &Loaded) -> String {
+    let title = Some(&loaded.patch.title).filter(|t| !t.is_empty());
+    title.map_or(loaded.name(), String::as_str).into()
 }

@@ -37,6 +37,12 @@ impl Players {
         }
     }
 
+    /// The patch is another; what plays goes on until it is told otherwise.
+    pub fn become_of(&mut self, patch: &Patch, first: &[usize]) {
+        let Self { playing, beginning, .. } = std::mem::take(self);
+        *self = Self { playing, beginning, ..Self::new(patch, first) };
+    }
+
     /// These play now; those from the beginning have number 0.
     pub fn play(&mut self, playing: Vec<(u64, Option<String>)>) {
         self.beginning = playing.iter().any(|(number, _)| *number == 0);

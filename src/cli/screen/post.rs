@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use pacinian::io::device::keeper::Fate;
 use pacinian::io::midi_in::PortNews;
-use pacinian::live::callback::Report;
+use pacinian::live::callback::{Deed, Report};
 use pacinian::live::conductor::Told;
 use pacinian::live::gate::Order;
 use pacinian::performer::Heard;
@@ -79,15 +79,28 @@ impl Post {
     /// For its audience.
     pub fn told(&self, told: Told<'_>) {
         match told {
-            Told::Report(Report::Order(_, Order::Gain(gain))) => self.state(State::Armed(*gain >= 1.0)),
-            Told::Report(_) => {}
+            Told::Report(Report { deed: Deed::Order(Order::Gain(gain)), .. }, _) => {
+                self.state(State::Armed(*gain >= 1.0));
+            }
+            Told::Report(..) | Told::Began(..) | Told::Came(..) | Told::Reloading(_) => {}
             Told::Refused(problem) => self.say(Mood::Bad, problem.to_string()),
             Told::Playing(playing) => {
                 let own = |(number, name): &(u64, Option<&str>)| (*number, name.map(String::from));
                 self.state(State::Playing(playing.iter().map(own).collect()));
             }
-            Told::Reloaded => self.say(Mood::Good, "reloaded"),
-            Told::Kept(why) => self.say(Mood::Bad, format!("the old one plays on: {why}")),
+            // Whoever sent it says so.
+            Told::Reloaded | Told::Kept(_) => {}
+        }
+    }
+
+    /// For what becomes of the device that is listened to.
+    pub fn input_fate(&self, fate: Fate) {
+        match fate {
+            Fate::Lost(why) => self
+                .say(Mood::Bad, format!("the input device is gone ({why}); it is silence until it is back")),
+            Fate::Back => self.say(Mood::Good, "the input device is back"),
+            Fate::Moved => self.say(Mood::Bad, "the system moved the input to another device"),
+            Fate::Said(what) => self.say(Mood::Bad, format!("input: {what}")),
         }
     }
 

@@ -22,6 +22,8 @@ pub struct Snapshot {
     pub panicked: bool,
     /// Whether the device is away.
     pub lost: bool,
+    /// Why what was saved last does not play.
+    pub stale: Option<String>,
     /// How the engine is doing.
     pub figures: Figures,
     /// What lies between an event and the skin.
@@ -95,10 +97,12 @@ pub struct Latency {
     pub engine: f64,
     /// The device, as far as it says.
     pub device: Option<f64>,
+    /// From what a device hears to the nodes that listen to it, while it is heard.
+    pub input: Option<f64>,
 }
 
 impl Latency {
-    /// All of it.
+    /// All of what lies between an event and the skin.
     pub fn total(&self) -> f64 {
         self.block + self.engine + self.device.unwrap_or(0.0)
     }

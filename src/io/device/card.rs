@@ -4,7 +4,10 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 
 use cpal::traits::{DeviceTrait, StreamTrait};
-use cpal::{BufferSize, Device, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
+use cpal::{
+    BufferSize, Device, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig,
+    SupportedStreamConfigRange,
+};
 
 use super::failure::{DeviceError, Trouble};
 use super::list::Found;
@@ -34,6 +37,18 @@ pub enum News {
     Said(String),
 }
 
+/// What fills the frames that a device plays.
+pub trait Fill: Send + 'static {
+    /// Fills interleaved frames. Neither allocates nor blocks.
+    fn fill(&mut self, output: &mut [f32]);
+}
+
+impl Fill for Lent {
+    fn fill(&mut self, output: &mut [f32]) {
+        Self::fill(self, output);
+    }
+}
+
 /// A card that plays until this is dropped.
 pub struct Card {
     /// Dropped first, so that nothing calls back any more.
@@ -51,12 +66,14 @@ impl Card {
         device: &Device,
         found: &Found,
         shape: Shape,
-        driver: Lent,
+        driver: impl Fill,
         board: &Arc<Board>,
         news: Sender<News>,
     ) -> Result<Self, DeviceError> {
         fit(found, shape)?;
-        let format = format(device, shape).map_err(|error| DeviceError::of(&found.name, &error))?;
+        let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
+        let ranges = device.supported_output_configs().map_err(|error| trouble(&error))?;
+        let format = known_format(ranges, shape).map_err(|error| trouble(&error))?;
         let buffer_size = shape.block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
@@ -75,7 +92,7 @@ impl Card {
                     config,
                     move |output: &mut [f32], info: &cpal::OutputCallbackInfo| {
                         player.begin(info);
-                        player.driver.fill(&[], output);
+                        player.driver.fill(output);
                     },
                     tell,
                     None,
@@ -92,13 +109,13 @@ impl Card {
 }
 
 /// What a stream's callback holds.
-struct Player {
-    driver: Lent,
+struct Player<F> {
+    driver: F,
     raised: bool,
     board: Arc<Board>,
 }
 
-impl Player {
+impl<F> Player<F> {
     fn begin(&mut self, info: &cpal::OutputCallbackInfo) {
         if !std::mem::replace(&mut self.raised, true) {
             priority::raise();
@@ -115,7 +132,7 @@ const STRETCH: usize = 256;
 fn convert<T, E>(
     device: &Device,
     config: StreamConfig,
-    driver: Lent,
+    driver: impl Fill,
     board: Arc<Board>,
     tell: E,
 ) -> Result<cpal::Stream, cpal::Error>
@@ -129,7 +146,7 @@ where
         player.begin(info);
         for part in output.chunks_mut(scratch.len().max(1)) {
             let frames = &mut scratch[..part.len()];
-            player.driver.fill(&[], frames);
+            player.driver.fill(frames);
             for (to, from) in part.iter_mut().zip(frames) {
                 *to = T::from_sample_(*from);
             }
@@ -169,14 +186,16 @@ fn fit(found: &Found, shape: Shape) -> Result<(), DeviceError> {
     }
 }
 
-/// The format in which the card is given its samples: as they are, if it takes that, else as exact as it does.
-fn format(device: &Device, shape: Shape) -> Result<SampleFormat, cpal::Error> {
-    let fits = |range: &cpal::SupportedStreamConfigRange| {
+/// The format in which samples are exchanged with the card: as they are, if it takes that, else as exact as it does.
+pub(super) fn known_format(
+    ranges: impl Iterator<Item = SupportedStreamConfigRange>,
+    shape: Shape,
+) -> Result<SampleFormat, cpal::Error> {
+    let fits = |range: &SupportedStreamConfigRange| {
         usize::from(range.channels()) == shape.channels
             && (range.min_sample_rate()..=range.max_sample_rate()).contains(&shape.rate)
     };
-    let formats: Vec<SampleFormat> =
-        device.supported_output_configs()?.filter(fits).map(|range| range.sample_format()).collect();
+    let formats: Vec<SampleFormat> = ranges.filter(fits).map(|range| range.sample_format()).collect();
     let known = [SampleFormat::F32, SampleFormat::I32, SampleFormat::I16];
     known.into_iter().find(|format| formats.contains(format)).ok_or_else(|| {
         cpal::Error::with_message(ErrorKind::UnsupportedConfig, "none of its sample formats is known here")

@@ -92,11 +92,47 @@ impl Wish {
 
 /// A card by its id, if it is there now.
 pub fn again(id: &str) -> Result<(Device, Found), DeviceError> {
+    by_id(id, |found| found.output.is_some())
+}
+
+fn by_id(id: &str, fits: impl Fn(&Found) -> bool) -> Result<(Device, Found), DeviceError> {
     for (_, host) in list::hosts() {
         let all = host.and_then(|host| list::devices(&host).ok()).unwrap_or_default();
-        if let Some(found) = all.into_iter().find(|(_, found)| found.id == id && found.output.is_some()) {
+        if let Some(found) = all.into_iter().find(|(_, found)| found.id == id && fits(found)) {
             return Ok(found);
         }
     }
     Err(DeviceError::new(Trouble::Missing, format!("{id} is not there")))
+}
+
+/// What the system's default for recording is called on the command line and in a rig.
+pub const DEFAULT: &str = "default";
+
+/// The device that a person means by `name`, to be listened to.
+///
+/// # Errors
+/// None of that name that has inputs, or several.
+pub fn heard(name: &str) -> Result<(Device, Found), DeviceError> {
+    let hears = |found: &Found| found.input.is_some();
+    let all: Vec<_> = list::hosts()
+        .into_iter()
+        .flat_map(|(_, host)| host.and_then(|host| list::devices(&host).ok()).unwrap_or_default())
+        .collect();
+    match list::find(&all, name, hears) {
+        Ok(found) => Ok(found.clone()),
+        Err(error) if name == DEFAULT => {
+            let id = list::default_input().ok_or(error)?;
+            heard_again(&id)
+        }
+        Err(error) => match list::find(&all, name, |_| true) {
+            Ok((_, found)) => Err(DeviceError::new(Trouble::Unfit, format!("{} has no inputs", found.name))
+                .help("`pacinian devices` lists which have")),
+            Err(_) => Err(error),
+        },
+    }
+}
+
+/// A device with inputs by its id, if it is there now.
+pub(super) fn heard_again(id: &str) -> Result<(Device, Found), DeviceError> {
+    by_id(id, |found| found.input.is_some())
 }

@@ -89,6 +89,12 @@ pub fn devices(host: &Host) -> Result<Vec<(Device, Found)>, DeviceError> {
     Ok(found.collect())
 }
 
+/// The id of the device that the system records from where nobody says anything.
+pub fn default_input() -> Option<String> {
+    let id = |host: Host| host.default_input_device().and_then(|device| device.id().ok());
+    hosts().into_iter().filter_map(|(_, host)| host).find_map(id).map(|id| id.to_string())
+}
+
 /// The device that a person means by `name`: its id, its name, or a part of its name that no other has. Only those for which `fits`
 /// says yes are looked at.
 ///

@@ -148,6 +148,17 @@ impl<R: Read + Seek> WavReader<R> {
         Ok(room)
     }
 
+    /// Shows `take` every frame, the samples of all channels side by side.
+    ///
+    /// # Errors
+    /// When the file cannot be read, and what `take` says is wrong.
+    pub fn each_frame(
+        &mut self,
+        mut take: impl FnMut(&[f32]) -> Result<(), String>,
+    ) -> Result<(), FileError> {
+        self.decode(u64::MAX, |_, samples| take(samples).map_err(Trouble::File))
+    }
+
     /// Shows `take` every frame of the first so many.
     fn decode(
         &mut self,

@@ -1,0 +1,80 @@
+//! What a session hears: a file or a sound card.
+
+use super::failure::Failure;
+use super::input::named;
+use super::load::Loaded;
+use super::table::many;
+use pacinian::io::device::capture;
+use pacinian::io::device::choose;
+use pacinian::io::device::keeper::Fate;
+use pacinian::io::device::list::Found;
+use pacinian::io::input::Input;
+use pacinian::io::session::Ear;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What a session hears, and what is told of it.
+#[derive(Default)]
+pub struct Listens {
+    file: Option<Arc<Input>>,
+    device: Option<(cpal::Device, Found)>,
+    /// For people.
+    pub note: Option<String>,
+}
+
+impl Listens {
+    /// To what a patch that listens to `channels` (from 0) at `rate` hears: the file, the device that was named, or the rig's.
+    ///
+    /// # Errors
+    /// A device that is not there or has no inputs; a file that cannot be brought to the rate.
+    pub fn of(
+        loaded: &Loaded,
+        (path, device): (Option<&Path>, Option<&str>),
+        channels: &[usize],
+        rate: u32,
+        block: Option<u32>,
+    ) -> Result<Self, Failure> {
+        if let (Some(input), Some(path)) = (&loaded.input, path) {
+            // Nobody knew the device's rate when it was read.
+            let file = match loaded.options.rate == Some(f64::from(rate)) {
+                true => Arc::clone(input),
+                false => Arc::new(Input::open(path, f64::from(rate), channels)?),
+            };
+            let name = loaded.input_name.as_deref().unwrap_or("a file");
+            let note = (!channels.is_empty()).then(|| {
+                format!("it hears {name} from the beginning on, {:.1} s; then silence", file.seconds())
+            });
+            return Ok(Self { file: Some(file), note, ..Self::default() });
+        }
+        let Some(name) = device.or(loaded.rig.device.input.as_deref()) else { return Ok(Self::default()) };
+        if channels.is_empty() {
+            // A rig may be for many patches.
+            let note = device.map(|_| "nothing in this patch listens, so no input is opened".to_string());
+            return Ok(Self { note, ..Self::default() });
+        }
+        let (device, found) = choose::heard(name)?;
+        let most = channels.last().map_or(0, |last| last + 1);
+        let shape = capture::shape(&found, most, rate, block)?;
+        let of = many(shape.channels, "channel");
+        let mut note = format!(
+            "it listens to {}: {} of {of} at {} Hz",
+            found.name,
+            named(&channels.iter().map(|c| c + 1).collect::<Vec<_>>()),
+            shape.rate
+        );
+        let missing: Vec<usize> = channels.iter().map(|c| c + 1).filter(|c| *c > shape.channels).collect();
+        if !missing.is_empty() {
+            note += &format!("; {} is not there and stays silent", named(&missing));
+        }
+        Ok(Self { device: Some((device, found)), note: Some(note), file: None })
+    }
+
+    /// For a session; `fate` hears what becomes of a device.
+    pub fn ear(self, fate: Box<dyn FnMut(Fate) + Send>) -> Ear {
+        match (self.file, self.device) {
+            (Some(file), _) => Ear::File(file),
+            (None, Some(device)) => Ear::Device { device, fate },
+            (None, None) => Ear::Nothing,
+        }
+    }
+}

@@ -1,0 +1,409 @@
+//! `pacinian latency`.
+
+use super::failure::Failure;
+use super::stop::Stop;
+use super::table::{Table, dbfs};
+use super::terminal::Terminal;
+use clap::Args;
+use pacinian::io::device::capture;
+use pacinian::io::device::card::Shape;
+use pacinian::io::device::choose::{self, Chosen, Wish};
+use pacinian::io::latency::measure::{EVERY, Loop, Measured, Round, measure};
+use pacinian::io::text;
+use pacinian::rig::{OutputKind, Rig};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Measures how long it takes from an output through a cable, or a tactor and an accelerometer, back to an input
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  pacinian latency --device \"USB Sound\" --out 1 --in 1\n  \
+    pacinian latency --rig belt.toml --out spine --in 2 --count 100 --save\n\n\
+    It sends a sweep of 60 to 900 Hz, 80 ms long, again and again, and looks for it in what comes in. The loop's latency is what passes \
+    beyond what the system says that frames wait in its buffers: converters, cable, and what hangs on the output. `--save` writes it \
+    into the rig as `loop_latency`, and touches nothing else there.")]
+pub struct Latency {
+    /// The output: a channel, from 1 as printed on the card, or the name that the rig has for it
+    #[arg(long, value_name = "N")]
+    out: String,
+    /// The input's channel, from 1
+    #[arg(long = "in", value_name = "M", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    input: u16,
+    /// The sound card that plays: its id, its name or a part of that [default: what the rig says, else the system's default]
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
+    /// The sound card that hears [default: what the rig says, else the one that plays]
+    #[arg(long, value_name = "NAME")]
+    input_device: Option<String>,
+    /// The rig, a TOML file
+    #[arg(long, value_name = "RIG")]
+    rig: Option<PathBuf>,
+    /// Frames a second [default: what the rig says, else 48000]
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(6_000..=768_000))]
+    rate: Option<u32>,
+    /// Frames in a block
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    block: u32,
+    /// How many times to measure
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    count: u16,
+    /// Largest sample that goes out, 0 to 1
+    #[arg(long, value_name = "X", default_value_t = 0.1, value_parser = level)]
+    level: f64,
+    /// Write the mean into the rig
+    #[arg(long, requires = "rig")]
+    save: bool,
+    /// As one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+fn level(word: &str) -> Result<f64, String> {
+    let known = "it is a share of full scale, above 0 and at most 1, such as 0.1";
+    word.parse::<f64>().ok().filter(|x| *x > 0.0 && *x <= 1.0).ok_or_else(|| known.into())
+}
+
+/// Figures of many rounds, seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Figures {
+    mean: f64,
+    deviation: f64,
+    least: f64,
+    most: f64,
+    /// Seconds a second.
+    drift: f64,
+}
+
+impl Figures {
+    /// Of one or more.
+    fn of(rounds: &[Round]) -> Self {
+        let count = rounds.len().max(1) as f64;
+        let mean = rounds.iter().map(|r| r.latency).sum::<f64>() / count;
+        let middle = rounds.iter().map(|r| r.at).sum::<f64>() / count;
+        let square = |x: f64| x * x;
+        let deviation =
+            (rounds.iter().map(|r| square(r.latency - mean)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt();
+        let spread: f64 = rounds.iter().map(|r| square(r.at - middle)).sum();
+        let rise: f64 = rounds.iter().map(|r| (r.at - middle) * (r.latency - mean)).sum();
+        Self {
+            mean,
+            deviation,
+            least: rounds.iter().map(|r| r.latency).fold(f64::INFINITY, f64::min),
+            most: rounds.iter().map(|r| r.latency).fold(f64::NEG_INFINITY, f64::max),
+            drift: if spread > 0.0 { rise / spread } else { 0.0 },
+        }
+    }
+}
+
+impl Latency {
+    /// Runs it.
+    pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
+        let rig = self.rig.as_deref().map(|path| read(path, terminal)).transpose()?;
+        let rig = rig.as_ref();
+        let (channel, name) = self.output(rig)?;
+        let said = rig.and_then(|rig| rig.device.name.as_deref());
+        let wish = Wish::of(self.device.as_deref(), said);
+        let chosen = wish.choose()?;
+        let rate = chosen.rate(self.rate.or(rig.and_then(|rig| rig.device.rate.map(|rate| rate as u32))));
+        let Chosen::Card(device, found) = chosen else {
+            return Err(Failure::usage(
+                "there is no sound card to measure",
+                "plug one in; `pacinian devices` lists what is there",
+            )
+            .with_code(69));
+        };
+        let offered = found.output.as_ref().map_or(&[][..], |offer| &offer.channels);
+        let declared = rig.map(|rig| rig.device.channels as usize);
+        let fits = |count: usize| offered.iter().any(|&n| usize::from(n) == count);
+        let channels = declared
+            .filter(|&count| fits(count))
+            .or_else(|| offered.iter().map(|&n| usize::from(n)).find(|&n| n >= channel))
+            .ok_or_else(|| {
+                let most = offered.iter().max().copied().unwrap_or(0);
+                Failure::usage(
+                    format!("{} has {most} outputs, so none is number {channel}", found.name),
+                    "choose another with --out or --device",
+                )
+                .with_code(69)
+            })?;
+        let blocks = found.output.as_ref().and_then(|offer| offer.blocks);
+        let block = blocks.map(|(least, most)| self.block.clamp(least, most.max(least)));
+        let ear = self.input_device.as_deref().or(rig.and_then(|rig| rig.device.input.as_deref()));
+        let (ear, heard_of) = match ear {
+            Some(ear) => choose::heard(ear)?,
+            None if found.input.is_some() => choose::heard(&found.id)?,
+            None => {
+                return Err(Failure::usage(
+                    format!("{} has no inputs", found.name),
+                    "name a sound card that hears: --input-device NAME",
+                )
+                .with_code(69));
+            }
+        };
+        let ears = capture::shape(&heard_of, usize::from(self.input), rate, block)?;
+        if usize::from(self.input) > ears.channels {
+            let what =
+                format!("{} has {} inputs, so none is number {}", heard_of.name, ears.channels, self.input);
+            return Err(Failure::usage(what, "choose another with --in or --input-device").with_code(69));
+        }
+        terminal.note(&format!(
+            "{} probes at {} go out on {name} of {} and are listened for on input {} of {}: {:.0} s\n",
+            self.count,
+            dbfs(self.level as f32),
+            found.name,
+            self.input,
+            heard_of.name,
+            f64::from(self.count) * EVERY + 1.0
+        ));
+        let names = [found.name.clone(), heard_of.name.clone()];
+        let rates = [rate, ears.rate];
+        let what = Loop {
+            out: (device, found, Shape { channels, rate, block }, channel - 1),
+            input: (ear, heard_of, ears, usize::from(self.input) - 1),
+            level: self.level,
+            count: usize::from(self.count),
+        };
+        let stop = Stop::listen()?;
+        let Some(measured) = measure(&what, |_| stop.asked().is_none())? else {
+            return Err(Failure::told(stop.asked().unwrap_or(130)));
+        };
+        // One that came much later than most is another sound.
+        let (measured, strays) = without_strays(measured);
+        if measured.rounds.len() * 2 < usize::from(self.count) {
+            return Err(self.nothing(&measured, strays, &names, &name));
+        }
+        let figures = Figures::of(&measured.rounds);
+        if self.json {
+            terminal
+                .print(&format!("{:#}\n", self.as_json(&measured, strays, &figures, &names, rates, &name)))?;
+        } else {
+            terminal.print(&self.text(&measured, strays, &figures, rates))?;
+        }
+        match &self.rig {
+            Some(path) if self.save => save(path, figures.mean, terminal),
+            _ => Ok(()),
+        }
+    }
+
+    /// The output's channel, from 1, and what it is called.
+    fn output(&self, rig: Option<&Rig>) -> Result<(usize, String), Failure> {
+        let outputs = rig.map_or(&[][..], |rig| &rig.outputs);
+        let number = self.out.parse::<usize>().ok().filter(|n| (1..=4096).contains(n));
+        let output = match number {
+            Some(n) => outputs.iter().find(|output| output.channel as usize == n),
+            None => Some(outputs.iter().find(|output| output.name == self.out).ok_or_else(|| {
+                let names: Vec<&str> = outputs.iter().map(|output| output.name.as_str()).collect();
+                let help = match names.as_slice() {
+                    [] => "give its channel, from 1: --out 1; names are those of a rig: --rig RIG".into(),
+                    names => format!("give a channel, from 1, or one of {}", names.join(", ")),
+                };
+                Failure::usage(format!("there is no output `{}`", self.out), help)
+            })?),
+        };
+        if let Some(output) = output
+            && output.kind != OutputKind::Vibration
+        {
+            let what = format!("`{}` is no output for vibration, so no probe goes out there", output.name);
+            return Err(Failure::usage(what, "choose another with --out"));
+        }
+        let channel = number.or(output.map(|output| output.channel as usize)).unwrap_or(1);
+        let name = output.map_or(format!("output {channel}"), |output| format!("`{}`", output.name));
+        Ok((channel, name))
+    }
+
+    fn nothing(&self, measured: &Measured, strays: usize, names: &[String; 2], name: &str) -> Failure {
+        let heard = measured.rounds.len() + strays;
+        if measured.broken * 2 > usize::from(self.count) {
+            let what = format!("{} of {} probes fell into gaps of the devices", measured.broken, self.count);
+            return Failure::usage(what, "measure with longer blocks: --block 2048").with_code(74);
+        }
+        let what = format!("nothing came back on input {} of {}", self.input, names[1]);
+        let (what, help) = match measured.peak {
+            0.0 => (format!("{what}: it is silent"), "is it connected, and not muted?".to_string()),
+            peak if heard > 0 => (
+                format!(
+                    "{what} that is like the probe each time: {heard} of {} did, the largest sample is {}",
+                    self.count,
+                    dbfs(peak)
+                ),
+                format!("come nearer, or send more: --level {}", (self.level * 4.0).min(1.0)),
+            ),
+            peak => (
+                format!("{what} that is like the probe: the largest sample is {}", dbfs(peak)),
+                format!(
+                    "is it connected to {name} of {}? Send more: --level {}",
+                    names[0],
+                    (self.level * 4.0).min(1.0)
+                ),
+            ),
+        };
+        Failure::usage(what, help).with_code(74)
+    }
+
+    fn text(&self, measured: &Measured, strays: usize, figures: &Figures, rates: [u32; 2]) -> String {
+        let Figures { mean, deviation, least, most, drift } = *figures;
+        let micro = |seconds: f64| format!("{:.1} us", 1e6 * seconds);
+        let frames = |seconds: f64| format!("{:.2} frames", seconds * f64::from(rates[0]));
+        let gain = mean_gain(measured);
+        let mut table = Table::default();
+        table.row(["loop latency".into(), format!("{:.4} ms", 1e3 * mean), frames(mean)]);
+        table.row(["spread".into(), micro(deviation), format!("{} (standard deviation)", frames(deviation))]);
+        table.row(["from, to".into(), format!("{:.4} ms", 1e3 * least), format!("{:.4} ms", 1e3 * most)]);
+        table.row(["drift".into(), format!("{:.1} us a minute", 60e6 * drift), String::new()]);
+        table.row([
+            "clocks".into(),
+            format!("{:+.1} ppm", 1e6 * measured.drift),
+            "the input's against the output's".into(),
+        ]);
+        table.row([
+            "heard".into(),
+            format!("{} of {}", measured.rounds.len(), self.count),
+            format!(
+                "{} at {}, {}",
+                dbfs(gain.abs() as f32),
+                "the input for full scale out",
+                if gain < 0.0 { "upside down" } else { "upright" }
+            ),
+        ]);
+        let [out, input] = measured.says;
+        table.row([
+            "round trip".into(),
+            format!("{:.2} ms", 1e3 * (out + mean + input)),
+            format!(
+                "with what the system says of its buffers: {:.2} ms out, {:.2} ms in",
+                1e3 * out,
+                1e3 * input
+            ),
+        ]);
+        let mut text = table.text();
+        if measured.broken + measured.unheard + strays > 0 {
+            text += &format!(
+                "  not counted: {} in gaps of the devices, {} not heard clearly, {strays} far off\n",
+                measured.broken, measured.unheard
+            );
+        }
+        if measured.peak >= 0.999 {
+            text += "  the input is at full scale: turn it down, or send less with --level\n";
+        }
+        text
+    }
+
+    fn as_json(
+        &self,
+        measured: &Measured,
+        strays: usize,
+        figures: &Figures,
+        names: &[String; 2],
+        rates: [u32; 2],
+        name: &str,
+    ) -> serde_json::Value {
+        let Figures { mean, deviation, least, most, drift } = *figures;
+        json!({
+            "out": { "device": names[0], "output": name, "rate_hz": rates[0], "says_s": measured.says[0] },
+            "in": { "device": names[1], "channel": self.input, "rate_hz": rates[1], "says_s": measured.says[1] },
+            "loop_latency_s": mean,
+            "loop_latency_frames": mean * f64::from(rates[0]),
+            "deviation_s": deviation, "least_s": least, "most_s": most,
+            "drift_s_per_s": drift,
+            "clocks_ppm": 1e6 * measured.drift,
+            "round_trip_s": measured.says[0] + mean + measured.says[1],
+            "gain": mean_gain(measured),
+            "probes": self.count, "heard": measured.rounds.len(),
+            "unheard": measured.unheard, "in_gaps": measured.broken, "far_off": strays,
+            "overdriven": measured.peak >= 0.999,
+            "rounds": measured.rounds.iter().map(|r| json!({ "at_s": r.at, "latency_s": r.latency })).collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn mean_gain(measured: &Measured) -> f64 {
+    measured.rounds.iter().map(|r| r.gain).sum::<f64>() / measured.rounds.len().max(1) as f64
+}
+
+/// Leaves out what lies further from the median than 2 ms, and says how many that were.
+fn without_strays(mut measured: Measured) -> (Measured, usize) {
+    let mut all: Vec<f64> = measured.rounds.iter().map(|r| r.latency).collect();
+    all.sort_by(f64::total_cmp);
+    let Some(&median) = all.get(all.len() / 2) else { return (measured, 0) };
+    measured.rounds.retain(|r| (r.latency - median).abs() < 0.002);
+    let strays = all.len() - measured.rounds.len();
+    (measured, strays)
+}
+
+fn read(path: &Path, terminal: &Terminal) -> Result<Rig, Failure> {
+    let bytes = text::read(path)?;
+    let checked =
+        Rig::parse(&path.display().to_string(), &bytes).map_err(|problems| Failure::of(78, problems))?;
+    if !checked.warnings.list.is_empty() {
+        terminal.note(&super::problems::shown(&checked.warnings, terminal));
+    }
+    Ok(checked.value)
+}
+
+/// Writes the latency into a rig, and nothing else.
+fn save(path: &Path, seconds: f64, terminal: &Terminal) -> Result<(), Failure> {
+    let name = path.display().to_string();
+    // Read again, as it may have changed while it was measured.
+    let bytes = text::read(path)?;
+    let with = with_latency(&String::from_utf8_lossy(&bytes), seconds)
+        .ok_or_else(|| Failure::usage(format!("{name} is no rig any more"), "measure again"))?;
+    Rig::parse(&name, with.as_bytes()).map_err(|problems| Failure::of(78, problems))?;
+    std::fs::write(path, with).map_err(|error| {
+        Failure::said(74, format!("{name} cannot be written ({error}); it may be incomplete now"))
+    })?;
+    terminal.note(&format!("{name}: loop_latency = {}\n", rounded(seconds)));
+    Ok(())
+}
+
+/// To a ten-millionth of a second.
+fn rounded(seconds: f64) -> f64 {
+    (seconds * 1e7).round() / 1e7
+}
+
+/// The text of a rig with `loop_latency` under `[device]`; `None` where that is missing.
+fn with_latency(rig: &str, seconds: f64) -> Option<String> {
+    let mut document: toml_edit::DocumentMut = rig.parse().ok()?;
+    let device = document.get_mut("device")?.as_table_like_mut()?;
+    match device.get_mut("loop_latency").and_then(|item| item.as_value_mut()) {
+        Some(value) => {
+            // A comment behind it stays.
+            let decor = value.decor().clone();
+            *value = rounded(seconds).into();
+            *value.decor_mut() = decor;
+        }
+        None => {
+            device.insert("loop_latency", toml_edit::value(rounded(seconds)));
+        }
+    }
+    Some(document.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Figures, Round, with_latency, without_strays};
+    use pacinian::io::latency::measure::Measured;
+
+    #[test]
+    fn figures_are_those_of_the_definitions() {
+        let round = |at, latency| Round { at, latency, gain: 1.0 };
+        let figures = Figures::of(&[round(0.0, 0.001), round(1.0, 0.002), round(2.0, 0.003)]);
+        assert!((figures.mean - 0.002).abs() < 1e-12 && (figures.deviation - 0.001).abs() < 1e-12);
+        assert!((figures.drift - 0.001).abs() < 1e-12 && (figures.least, figures.most) == (0.001, 0.003));
+        let one = Figures::of(&[round(5.0, 0.004)]);
+        assert_eq!((one.mean, one.deviation, one.drift), (0.004, 0.0, 0.0));
+        let rounds = vec![round(0.0, 0.01), round(1.0, 0.0101), round(2.0, 0.2)];
+        let (measured, strays) = without_strays(Measured { rounds, ..Measured::default() });
+        assert_eq!((measured.rounds.len(), strays), (2, 1));
+    }
+
+    #[test]
+    fn a_rig_keeps_everything_but_the_figure() {
+        let rig = "# mine\nformat = \"pacinian-rig/1\"\n[device]  # the card\nchannels = 8 # eight\n\n# the first\n[[tactor]]\nname = \"a\"\nchannel = 1\n";
+        let with = with_latency(rig, 0.001_234_567_89).unwrap();
+        assert_eq!(with, rig.replace("# eight\n", "# eight\nloop_latency = 0.0012346\n"));
+        let again = with_latency(&with.replace("0.0012346", "0.5   # before"), 0.002).unwrap();
+        assert_eq!(again, with.replace("0.0012346", "0.002   # before"));
+        let inline = with_latency("device = { channels = 2 } # x\n", 0.5).unwrap();
+        assert_eq!(inline, "device = { channels = 2, loop_latency = 0.5 } # x\n");
+        assert_eq!((with_latency("x = 1\n", 0.1), with_latency("[", 0.1)), (None, None));
+    }
+}

@@ -1,0 +1,289 @@
+//! `pacinian learn`.
+
+mod osc;
+mod source;
+mod write;
+
+use super::ask::{Said, Typed};
+use super::failure::Failure;
+use super::guard;
+use super::stop::Stop;
+use super::table::Table;
+use super::terminal::Terminal;
+use clap::Args;
+use osc::{Ear, Heard};
+use pacinian::Patch;
+use pacinian::io::midi_in::{self, MidiPorts, PortNews};
+use pacinian::io::osc::endpoint::Endpoint;
+use pacinian::io::{replace, text};
+use pacinian::midi::moved::{Recogniser, Seen, Useless};
+use pacinian::patch::Mover;
+use pacinian::text::nearest::suggest;
+use source::Source;
+use std::collections::HashSet;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::time::{Duration, Instant};
+
+/// Binds the controls of a patch to what you move: a knob, a fader, a wheel, an OSC address
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  pacinian learn patches/27-keys.toml\n  \
+    pacinian learn PATCH --control strength --osc 9000\n\n\
+    It goes through the controls, one after the other; move for each what is to move it, by a tenth of its way or more. Knobs that are \
+    noisy, wheels that spring back and keys that are let go are not mistaken for one that is moved; a button counts when it is \
+    pressed twice. In a terminal, Enter leaves a control as it is, u goes back to the one before, q ends it.\n\
+    At the end the bindings go into the patch as [[bind]], and the rest of the file stays as it is. A control that has a binding keeps \
+    its range, curve and pick-up. Ctrl-C ends it and writes nothing.")]
+pub struct Learn {
+    /// The patch, a TOML file
+    patch: PathBuf,
+    /// Only this control; may be given again
+    #[arg(long = "control", value_name = "NAME")]
+    controls: Vec<String>,
+    /// The ports of MIDI to listen to, by a part of their names; `none` for none [default: all]
+    #[arg(long, value_name = "NAME")]
+    midi_in: Option<String>,
+    /// Listen for OSC on this UDP port, or address and port; a port alone is for this machine only
+    #[arg(long, value_name = "ADDR")]
+    osc: Option<Endpoint>,
+    /// Seconds to wait for each control [default: until something moves]
+    #[arg(long, value_name = "S", value_parser = super::render::seconds)]
+    wait: Option<f64>,
+}
+
+/// Messages that may wait.
+const WAITING: usize = 1 << 12;
+const LOOK: Duration = Duration::from_millis(10);
+
+/// What may be typed.
+const HELP: &str = "Enter: leave it as it is   u: back to the one before   q: end";
+
+/// What comes from outside.
+struct Ears {
+    messages: Receiver<(f64, u16, String, pacinian::midi::Message)>,
+    recogniser: Recogniser,
+    osc: Option<Ear>,
+    said: HashSet<Useless>,
+}
+
+/// What becomes of a control.
+enum Turn {
+    Learnt(Source),
+    Left,
+    Back,
+    End,
+    Stopped(u8),
+}
+
+impl Learn {
+    /// Runs it.
+    pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
+        if text::is_stream(&self.patch) {
+            let what = "learn writes into the patch, and this one comes through a pipe";
+            return Err(Failure::usage(what, "save it to a file and name that"));
+        }
+        let before = text::read(&self.patch)?;
+        let name = self.patch.display().to_string();
+        let patch = Patch::parse(&name, &before).map_err(|problems| Failure::of(65, problems))?.value;
+        let controls = self.chosen(&patch)?;
+        let midi_in = self.midi_in.clone().filter(|name| name != "none");
+        let midi = self.midi_in.is_none() || midi_in.is_some();
+        if let Some(why) = midi_in::names().err().filter(|_| self.osc.is_none()) {
+            return Err(Failure::usage(
+                format!("there is no MIDI to learn from: {why}"),
+                "--osc PORT learns from OSC",
+            )
+            .with_code(69));
+        }
+        if !midi && self.osc.is_none() {
+            return Err(Failure::usage(
+                "there is nothing to learn from",
+                "leave --midi-in none out, or add --osc PORT",
+            ));
+        }
+        let osc = self.osc.map(Ear::open).transpose()?;
+        if let Some(at) = osc.as_ref().and_then(Ear::address) {
+            terminal.note(&format!("OSC is heard on {at}\n"));
+        }
+        let (send, messages) = sync_channel(WAITING);
+        let begin = Instant::now();
+        let note = *terminal;
+        let ports = midi.then(|| {
+            let ear = move |number: u16, name: &str, message: Option<pacinian::midi::Message>| {
+                if let Some(message) = message {
+                    // Of a flood, a part tells as much as all.
+                    let _ = send.try_send((begin.elapsed().as_secs_f64(), number, name.to_string(), message));
+                }
+            };
+            let news = move |news| {
+                note.note(&match news {
+                    PortNews::Opened(name) => format!("MIDI from {name}\n"),
+                    PortNews::Gone(name) => format!("the MIDI port {name} is gone\n"),
+                    PortNews::None(why) => format!("no MIDI: {why}\n"),
+                    PortNews::Refused(name, why) => format!("the MIDI port {name} cannot be opened: {why}\n"),
+                });
+            };
+            MidiPorts::hear(Arc::new(ear), midi_in, Box::new(news))
+        });
+        let no_thread =
+            |error: std::io::Error| Failure::said(71, format!("the system gives no thread ({error})"));
+        let ports = ports.transpose().map_err(no_thread)?;
+        let person = Typed::listen().map_err(no_thread)?;
+        let stop = Stop::listen()?;
+        let mut ears = Ears { messages, recogniser: Recogniser::default(), osc, said: HashSet::new() };
+        list(&patch, terminal);
+        if person.is_some() {
+            terminal.note(&format!("{HELP}\n\n"));
+        }
+        let mut learnt: Vec<Option<Source>> = vec![None; controls.len()];
+        let mut at = 0;
+        while let Some(&number) = controls.get(at) {
+            let control = &patch.controls[number];
+            let [least, most] = control.range;
+            terminal.note(&format!(
+                "{}/{}  {} ({least} to {most}{}): move something ",
+                at + 1,
+                controls.len(),
+                control.name,
+                if control.unit.is_empty() { String::new() } else { format!(" {}", control.unit) },
+            ));
+            match self.turn(&mut ears, person.as_ref(), &stop, terminal) {
+                Turn::Learnt(source) => {
+                    terminal.note(&format!("\n     {}\n", source.shown));
+                    if let Some(slot) = learnt.get_mut(at) {
+                        *slot = Some(source);
+                    }
+                    at += 1;
+                }
+                Turn::Left => at += 1,
+                Turn::Back => {
+                    at = at.saturating_sub(1);
+                    if let Some(slot) = learnt.get_mut(at) {
+                        *slot = None;
+                    }
+                }
+                Turn::End => break,
+                Turn::Stopped(code) => {
+                    terminal.note("\nnothing was written\n");
+                    return Err(Failure::told(code));
+                }
+            }
+        }
+        drop(ports);
+        let name_of = |number: &usize| patch.controls[*number].name.clone();
+        let learnt: Vec<(String, Source)> = controls
+            .iter()
+            .zip(learnt)
+            .filter_map(|(number, source)| Some((name_of(number), source?)))
+            .collect();
+        if learnt.is_empty() {
+            return terminal.print(&format!("{name}: nothing was learnt, so it is as it was\n"));
+        }
+        let after = write::with_bindings(&String::from_utf8_lossy(&before), &learnt).map_err(|why| {
+            let lines: String = learnt
+                .iter()
+                .map(|(control, source)| format!("\n  {control} from {}", source.from))
+                .collect();
+            Failure::said(65, format!("`{name}` was left alone: {why}; write the bindings by hand:{lines}"))
+        })?;
+        replace::replace(&self.patch, &before, after.as_bytes())?;
+        let mut table = Table::default();
+        learnt.iter().for_each(|(control, source)| table.row([control, &source.from, &source.shown]));
+        let count = super::table::many(learnt.len(), "binding");
+        terminal.print(&format!("{name}: {count}\n{}", table.text()))
+    }
+
+    /// The controls to learn, by their places in the patch.
+    fn chosen(&self, patch: &Patch) -> Result<Vec<usize>, Failure> {
+        let names = || patch.controls.iter().map(|control| control.name.as_str());
+        if patch.controls.is_empty() {
+            return Err(Failure::said(
+                65,
+                "the patch has no controls: declare one, [control.NAME]; see `pacinian format control`",
+            ));
+        }
+        if self.controls.is_empty() {
+            return Ok((0..patch.controls.len()).collect());
+        }
+        let find = |word: &String| {
+            names().position(|name| name == word).ok_or_else(|| {
+                let help = suggest(word, names()).unwrap_or_default();
+                Failure::usage(format!("the patch has no control `{word}`"), help)
+            })
+        };
+        self.controls.iter().map(find).collect()
+    }
+
+    /// Waits for something to move, for somebody to say otherwise, or for as long as was said.
+    fn turn(&self, ears: &mut Ears, person: Option<&Typed>, stop: &Stop, terminal: &Terminal) -> Turn {
+        let begin = Instant::now();
+        loop {
+            if guard::has_panicked() {
+                return Turn::Stopped(guard::BUG);
+            }
+            if let Some(code) = stop.asked() {
+                return Turn::Stopped(code);
+            }
+            match person.map_or(Said::Nothing, Typed::said) {
+                Said::Nothing => {}
+                Said::End => return Turn::End,
+                Said::Line(line) => match line.as_str() {
+                    "" => return Turn::Left,
+                    "u" => return Turn::Back,
+                    "q" => return Turn::End,
+                    _ => terminal.note(&format!("     {HELP} ")),
+                },
+            }
+            match ears.hear() {
+                Some(Heard::Source(source)) => return Turn::Learnt(source),
+                Some(Heard::Useless(why)) => terminal.note(&format!("\n     {why} ")),
+                None => {}
+            }
+            if self.wait.is_some_and(|wait| begin.elapsed().as_secs_f64() >= wait) {
+                terminal.note("\n     nothing moved; it is left as it is\n");
+                return Turn::Left;
+            }
+            std::thread::sleep(LOOK);
+        }
+    }
+}
+
+impl Ears {
+    /// What somebody has moved since this was asked last.
+    fn hear(&mut self) -> Option<Heard> {
+        while let Ok((seconds, port, name, message)) = self.messages.try_recv() {
+            match self.recogniser.message(seconds, port, message) {
+                Some(Seen::Moved(moved)) => return Some(Heard::Source(Source::midi(moved, &name))),
+                Some(Seen::Useless(useless)) if self.said.insert(useless) => {
+                    return Some(Heard::Useless(source::why(useless)));
+                }
+                _ => {}
+            }
+        }
+        self.osc.as_mut().and_then(Ear::hear)
+    }
+}
+
+/// The controls, and what moves them.
+fn list(patch: &Patch, terminal: &Terminal) {
+    let mut table = Table::default();
+    for control in &patch.controls {
+        let [least, most] = control.range;
+        let binds = patch.binds.iter().filter(|bind| bind.control == control.name);
+        let from: Vec<String> = binds
+            .map(|bind| {
+                let from = match &bind.from {
+                    Mover::Controller(number) => format!("midi.controller {number}"),
+                    Mover::Bend => "midi.bend".into(),
+                    Mover::Pressure => "midi.pressure".into(),
+                    Mover::Osc(address) => format!("osc.{address}"),
+                };
+                bind.channel.map_or(from.clone(), |channel| format!("{from} on channel {channel}"))
+            })
+            .collect();
+        let moved = if from.is_empty() { "not bound".into() } else { from.join(", ") };
+        table.row([control.name.clone(), format!("{least} to {most} {}", control.unit), moved]);
+    }
+    terminal.note(&table.text());
+}

@@ -1,0 +1,39 @@
+//! What a journal says that a scene was made of.
+
+use super::load::Loaded;
+use pacinian::graph::scene::Options;
+use pacinian::io::error::FileError;
+use pacinian::io::journal::{of_bytes, of_file};
+use pacinian::live::provenance::{FileDigest, Provenance, RigText, Text};
+
+/// All of it. Recordings are read again for their digests.
+///
+/// # Errors
+/// A file that cannot be read any more.
+pub fn provenance(loaded: &Loaded, options: &Options) -> Result<Provenance, FileError> {
+    let text = |name: &str, text: &str| Text {
+        name: name.into(),
+        sha256: of_bytes(text.as_bytes()),
+        text: text.into(),
+    };
+    let folder = loaded.folder();
+    let mut files: Vec<FileDigest> = Vec::new();
+    for (path, _) in loaded.patch.recordings().chain(loaded.patch.events_files()) {
+        if files.iter().all(|known| known.path != path) {
+            files.push(FileDigest { path: path.into(), sha256: of_file(&folder.resolve(path)?)? });
+        }
+    }
+    let source = loaded.source();
+    Ok(Provenance {
+        patch: text(&source.file, &source.source),
+        rig: match &loaded.rig_source {
+            Some(rig) => RigText::Text(text(&rig.file, &rig.source)),
+            None => RigText::Line { line: loaded.rig.device.channels },
+        },
+        folder: folder.root().display().to_string(),
+        allow_outside: folder.allows_outside(),
+        files,
+        set: loaded.settings.iter().map(|s| (s.control.clone(), s.value)).collect(),
+        options: options.into(),
+    })
+}

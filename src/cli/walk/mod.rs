@@ -1,0 +1,437 @@
+//! `pacinian walk`.
+
+mod answer;
+mod map;
+mod probe;
+mod write;
+
+use super::ask::{Said, Typed};
+use super::failure::Failure;
+use super::guard;
+use super::stop::Stop;
+use super::table::Table;
+use super::terminal::Terminal;
+use answer::{Answer, HELP};
+use clap::Args;
+use map::{Felt, Map, map};
+use pacinian::graph::scene::scene;
+use pacinian::io::device::choose::{Chosen, Wish};
+use pacinian::io::device::keeper::Fate;
+use pacinian::io::session::{Beginning, Session, SessionError};
+use pacinian::io::{replace, text};
+use pacinian::live::conductor::Told;
+use pacinian::live::gate::RAMP_IN;
+use pacinian::live::reload::Reload;
+use pacinian::rig::{OutputKind, Rig};
+use pacinian::text::{Problem, Problems};
+use pacinian::{NoAssets, Note, Options, Place};
+use probe::{Probe, bare, probes};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Buzzes one output after the other, to find out which tactor hangs on which channel
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  pacinian walk --rig rigs/belt.toml --device \"USB Sound\"\n  \
+    pacinian walk --rig rigs/belt.toml --device \"USB Sound\" --write\n\n\
+    Each channel gets a short tone at the resonance of its actuator (200 Hz where that is not known), at --level or less: at most \
+    half of what the actuator is rated for, where the rig says volts. Torques, motors and triggers get nothing.\n\
+    In a terminal it waits after each for what was felt: Enter where it was the tactor that the rig says, the name or the channel of \
+    the one that it was, n for nothing, r for the same again, b for the one before, q to end. With --write the channels that were \
+    felt go into the rig's file, which stays as it is otherwise. Anywhere else it walks over all of them without waiting.\n\
+    With no device named, here or in the rig, it plays on the system's default, which may be headphones: at -20 dB until --arm.\n\
+    Ctrl-C ends it: the output goes to exact zeros within 2 ms.")]
+pub struct Walk {
+    /// The rig [default: a line of as many tactors as the device has channels, 8 at most]
+    #[arg(long, value_name = "RIG")]
+    rig: Option<PathBuf>,
+    /// The sound card: its id, its name or a part of that, or `virtual` [default: what the rig says, else the system's default]
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
+    /// How strong, as a share of full scale
+    #[arg(long, value_name = "L", default_value_t = 0.25, value_parser = level)]
+    level: f64,
+    /// How long, seconds
+    #[arg(long, value_name = "S", default_value_t = 0.6, value_parser = length)]
+    seconds: f64,
+    /// Only this one: the name of a tactor, or a channel; may be given again
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
+    /// Also channels of which the rig says nothing
+    #[arg(long)]
+    all: bool,
+    /// Full level on a device that nobody has named
+    #[arg(long)]
+    arm: bool,
+    /// Write the channels that were felt into the rig
+    #[arg(long, requires = "rig")]
+    write: bool,
+}
+
+/// From one tone to the next where nobody is asked.
+const PAUSE: Duration = Duration::from_millis(300);
+
+/// Channels where no rig says how many.
+const CHANNELS: u32 = 8;
+
+fn level(word: &str) -> Result<f64, String> {
+    let level = word.parse().ok().filter(|level| *level > 0.0 && *level <= 1.0);
+    level.ok_or_else(|| "a level is a number above 0, and 1 at most".into())
+}
+
+fn length(word: &str) -> Result<f64, String> {
+    let seconds = word.parse().ok().filter(|seconds| (0.1..=10.0).contains(seconds));
+    seconds.ok_or_else(|| "it is a number of seconds from 0.1 to 10".into())
+}
+
+/// How it came to an end.
+enum End {
+    /// Every channel had its turn, or somebody has had enough.
+    Over,
+    /// Somebody has asked to stop, with this exit code.
+    Stopped(u8),
+}
+
+impl Walk {
+    /// Runs it.
+    pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
+        let source = self.rig.as_ref().map(text::read).transpose()?;
+        let read = source.as_ref().zip(self.rig.as_ref()).map(|(bytes, path)| {
+            Rig::parse(&path.display().to_string(), bytes).map_err(|problems| Failure::of(78, problems))
+        });
+        let given = read.transpose()?.map(|checked| checked.value);
+        let named = given.as_ref().and_then(|rig| rig.device.name.as_deref());
+        let wish = Wish::of(self.device.as_deref(), named);
+        let person = Typed::listen()
+            .map_err(|error| Failure::said(71, format!("no thread for what is typed: {error}")))?;
+        if self.write {
+            self.check_write(person.is_some())?;
+        }
+        let device = wish.choose()?;
+        let rig = given.unwrap_or_else(|| Rig::default_for(channels(&device)));
+        let probes = self.chosen(&rig)?;
+        let stop = Stop::listen()?;
+        let mut session = self.begin(&rig, &probes, device, &wish, terminal)?;
+        self.say_what_is_left_out(&rig, terminal);
+        let mut felt = BTreeMap::new();
+        let ended = match &person {
+            Some(person) => self.ask(&rig, &probes, &session, &stop, person, &mut felt, terminal),
+            None => self.pass(&rig, &probes, &session, &stop, terminal),
+        };
+        session.stop();
+        if let End::Stopped(code) = ended? {
+            return Err(Failure::told(code));
+        }
+        if person.is_none() || felt.is_empty() {
+            return Ok(());
+        }
+        self.conclude(&rig, &probes, &felt, &source.unwrap_or_default(), terminal)
+    }
+
+    fn check_write(&self, asked: bool) -> Result<(), Failure> {
+        if !asked {
+            return Err(Failure::usage(
+                "--write needs somebody who says what is felt",
+                "run it in a terminal, or leave --write out",
+            ));
+        }
+        if self.rig.as_ref().is_some_and(|rig| text::is_stream(rig)) {
+            return Err(Failure::usage(
+                "--write needs a file, and the rig comes through a pipe",
+                "save it first",
+            ));
+        }
+        Ok(())
+    }
+
+    /// The channels to walk over.
+    fn chosen(&self, rig: &Rig) -> Result<Vec<Probe>, Failure> {
+        let all = probes(rig, self.level, self.all || !self.only.is_empty());
+        let mut chosen: Vec<Probe> = Vec::new();
+        for word in &self.only {
+            let output = rig.outputs.iter().find(|output| output.name == *word);
+            let channel = output.map(|output| output.channel).or(word.parse().ok());
+            let found = all.iter().find(|probe| Some(probe.channel) == channel).ok_or_else(|| {
+                let here = output.or(rig.outputs.iter().find(|output| Some(output.channel) == channel));
+                match (here, channel) {
+                    (Some(output), _) => Failure::usage(
+                        format!(
+                            "`{}` is no tactor but {}, and is never buzzed",
+                            output.name,
+                            kind(&output.kind)
+                        ),
+                        "name a tactor",
+                    ),
+                    (None, Some(channel)) => Failure::usage(
+                        format!("there is no channel {channel}: the device has {}", rig.device.channels),
+                        "channels count from 1",
+                    ),
+                    (None, None) => {
+                        let names = rig.outputs.iter().map(|output| output.name.as_str());
+                        let near = pacinian::text::nearest::suggest(word, names);
+                        Failure::usage(format!("the rig has no tactor `{word}`"), near.unwrap_or_default())
+                    }
+                }
+            })?;
+            if !chosen.contains(found) {
+                chosen.push(found.clone());
+            }
+        }
+        if self.only.is_empty() {
+            chosen = all;
+        }
+        match chosen.is_empty() {
+            true => Err(Failure::said(78, "the rig has nothing that could be felt: it describes no tactor")),
+            false => Ok(chosen),
+        }
+    }
+
+    fn begin(
+        &self,
+        rig: &Rig,
+        probes: &[Probe],
+        device: Chosen,
+        wish: &Wish,
+        terminal: &Terminal,
+    ) -> Result<Session, Failure> {
+        let bug = |problems: Problems| Failure::of(70, problems);
+        let rate = device.rate(rig.device.rate.map(|rate| rate as u32));
+        let armed = self.arm || *wish != Wish::Default || matches!(device, Chosen::Virtual(_));
+        let why = match &device {
+            Chosen::Virtual(Some(why)) => format!(", since {why}"),
+            _ => String::new(),
+        };
+        let name = device.name().to_string();
+        let patch = Arc::new(probe::patch().map_err(bug)?);
+        let rig = Arc::new(bare(rig, probes));
+        let options = Options { rate: Some(f64::from(rate)), live: true, ..Options::default() };
+        let scene = scene(&patch, &rig, &options, &NoAssets).map_err(|problems| Failure::of(78, problems))?;
+        let files = Box::new(|_: &str| Err(Problem::of_file("a walk reads no events")));
+        let note = *terminal;
+        let session = Session::start(Beginning {
+            armed,
+            audience: Box::new(move |told| {
+                if let Told::Refused(problem) = told {
+                    note.note(&format!("{problem}\n"));
+                }
+            }),
+            fate: Box::new(move |fate| {
+                note.note(&match fate {
+                    Fate::Lost(why) => format!("the device is gone ({why}); it is waited for\n"),
+                    Fate::Back => "the device is back\n".into(),
+                    Fate::Moved => "the system moved the stream to another device\n".into(),
+                    Fate::Said(what) => format!("{what}\n"),
+                });
+            }),
+            ..Beginning::of(Reload { scene, patch, rig, files, provenance: None }, device)
+        })
+        .map_err(|error| match error {
+            SessionError::Device(error) => Failure::from(error),
+            SessionError::Plan(what) => Failure::said(65, what),
+        })?;
+        terminal.note(&format!(
+            "walking over {} of {name}{why}{}\n",
+            super::table::many(probes.len(), "channel"),
+            if armed { "" } else { ", at -20 dB: --arm for full level" }
+        ));
+        Ok(session)
+    }
+
+    fn say_what_is_left_out(&self, rig: &Rig, terminal: &Terminal) {
+        let others = rig.outputs.iter().filter(|output| !probe::may_be_felt(output));
+        let mut moves = false;
+        for output in others {
+            moves |= matches!(output.kind, OutputKind::Drive | OutputKind::Torque);
+            let what = kind(&output.kind);
+            terminal.note(&format!("left out: `{}` on channel {}, {what}\n", output.name, output.channel));
+        }
+        if moves {
+            terminal.note("where jacks are not where they seem to be, another channel may lead there: unplug what turns\n");
+        }
+    }
+
+    /// Plays a probe and waits until it is over; the exit code where somebody asks to stop.
+    fn play(&self, probe: &Probe, session: &Session, stop: &Stop) -> Result<Option<u8>, Failure> {
+        let mut note = Note::default().level(probe.level).duration(self.seconds).frequency(probe.frequency);
+        note.place = Some(Place::Channel(probe.channel));
+        session.handle().play("probe", note).map_err(|refused| Failure::said(71, refused.to_string()))?;
+        Ok(wait(Duration::from_secs_f64(self.seconds), stop))
+    }
+
+    /// Over all of them without waiting for anybody.
+    fn pass(
+        &self,
+        rig: &Rig,
+        probes: &[Probe],
+        session: &Session,
+        stop: &Stop,
+        terminal: &Terminal,
+    ) -> Result<End, Failure> {
+        for probe in probes {
+            if let Some(code) = wait(PAUSE.max(Duration::from_secs_f64(RAMP_IN)), stop) {
+                return Ok(End::Stopped(code));
+            }
+            terminal.note(&format!("{}\n", described(probe, rig)));
+            if let Some(code) = self.play(probe, session, stop)? {
+                return Ok(End::Stopped(code));
+            }
+        }
+        // The last one rings out.
+        Ok(wait(PAUSE, stop).map_or(End::Over, End::Stopped))
+    }
+
+    /// One after the other, as somebody says what is felt.
+    #[expect(clippy::too_many_arguments, reason = "it is all that a walk is about")]
+    fn ask(
+        &self,
+        rig: &Rig,
+        probes: &[Probe],
+        session: &Session,
+        stop: &Stop,
+        person: &Typed,
+        felt: &mut BTreeMap<u32, Felt>,
+        terminal: &Terminal,
+    ) -> Result<End, Failure> {
+        terminal.note(&format!("{HELP}\n\n"));
+        if let Some(code) = wait(Duration::from_secs_f64(RAMP_IN), stop) {
+            return Ok(End::Stopped(code));
+        }
+        let mut at = 0;
+        while let Some(probe) = probes.get(at) {
+            terminal.note(&format!("{}/{}  {}? ", at + 1, probes.len(), described(probe, rig)));
+            person.forget();
+            if let Some(code) = self.play(probe, session, stop)? {
+                return Ok(End::Stopped(code));
+            }
+            let answer = loop {
+                let line = match person.said() {
+                    Said::Line(line) => line,
+                    Said::End => return Ok(End::Over),
+                    Said::Nothing => match wait(Duration::from_millis(10), stop) {
+                        Some(code) => return Ok(End::Stopped(code)),
+                        None => continue,
+                    },
+                };
+                match Answer::of(&line, rig) {
+                    Ok(answer) => break answer,
+                    Err(why) => terminal.note(&format!("     {why}\n     {HELP}\n     ? ")),
+                }
+            };
+            match answer {
+                Answer::Yes => {
+                    // Where the rig has nothing, there is nothing to agree with.
+                    if let Some(output) = probe.output {
+                        felt.insert(probe.channel, Felt::Output(output));
+                    }
+                    at += 1;
+                }
+                Answer::Felt(output) => {
+                    felt.insert(probe.channel, Felt::Output(output));
+                    at += 1;
+                }
+                Answer::Nothing => {
+                    felt.insert(probe.channel, Felt::Nothing);
+                    at += 1;
+                }
+                Answer::Again => {}
+                Answer::Back => at = at.saturating_sub(1),
+                Answer::Quit => break,
+            }
+        }
+        Ok(End::Over)
+    }
+
+    /// Shows what was felt, and writes it down if that is wanted.
+    fn conclude(
+        &self,
+        rig: &Rig,
+        probes: &[Probe],
+        felt: &BTreeMap<u32, Felt>,
+        source: &[u8],
+        terminal: &Terminal,
+    ) -> Result<(), Failure> {
+        let name = |at: usize| rig.outputs.get(at).map_or("", |output| output.name.as_str());
+        let mut table = Table::default();
+        table.row(["channel", "the rig says", "felt"]);
+        for probe in probes {
+            let said = match felt.get(&probe.channel) {
+                Some(Felt::Output(output)) => name(*output),
+                Some(Felt::Nothing) => "nothing",
+                None => "",
+            };
+            let number = probe.channel.to_string();
+            table.row([number.as_str(), probe.output.map_or("", name), said]);
+        }
+        terminal.print(&format!("\n{}", table.text()))?;
+        let Map { moved, notes } = map(rig, probes, felt).map_err(|why| Failure::said(65, why))?;
+        for note in notes {
+            terminal.print(&format!("{note}\n"))?;
+        }
+        if moved.is_empty() {
+            return terminal.print("the rig is as it was felt\n");
+        }
+        let other = super::table::many(moved.len(), "tactor");
+        let Some(path) = self.rig.as_ref().filter(|_| self.write) else {
+            let how = if self.rig.is_some() {
+                "--write puts that into the rig"
+            } else {
+                "a rig can say so: see docs/rig.md"
+            };
+            return terminal.print(&format!("on other channels than the rig says: {other}; {how}\n"));
+        };
+        let shown = path.display();
+        let before = String::from_utf8_lossy(source);
+        let after = write::with_channels(&before, rig, &moved).map_err(|why| {
+            Failure::said(78, format!("`{shown}` was left alone: {why}; change its channels by hand"))
+        })?;
+        replace::replace(path, source, after.as_bytes())?;
+        terminal.print(&format!("{shown}: {other} on other channels now\n"))
+    }
+}
+
+/// Waits; the exit code where somebody asks to stop.
+fn wait(time: Duration, stop: &Stop) -> Option<u8> {
+    let until = Instant::now() + time;
+    loop {
+        if guard::has_panicked() {
+            return Some(guard::BUG);
+        }
+        if let Some(code) = stop.asked() {
+            return Some(code);
+        }
+        let left = until.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return None;
+        }
+        std::thread::sleep(left.min(Duration::from_millis(5)));
+    }
+}
+
+fn described(probe: &Probe, rig: &Rig) -> String {
+    let name = probe.output.and_then(|at| rig.outputs.get(at)).map(|output| format!("`{}`", output.name));
+    let name = name.unwrap_or("nothing in the rig".into());
+    let why = if probe.lowered { ", half of what it is rated for" } else { "" };
+    format!("channel {}: {name}, {:.0} Hz at level {:.2}{why}", probe.channel, probe.frequency, probe.level)
+}
+
+fn kind(kind: &OutputKind) -> &'static str {
+    match kind {
+        OutputKind::Vibration => "vibration",
+        OutputKind::Raw => "played as it comes",
+        OutputKind::Drive => "a motor",
+        OutputKind::Torque => "a torque",
+        OutputKind::Trigger { .. } => "a trigger",
+    }
+}
+
+/// As many as the device has, as far as it says, and 8 at most: those that mix take any number.
+fn channels(device: &Chosen) -> u32 {
+    let offer = match device {
+        Chosen::Card(_, found) => found.output.as_ref(),
+        Chosen::Virtual(_) => None,
+    };
+    let counts = offer.map_or(&[][..], |offer| &offer.channels);
+    let fit = counts.iter().rev().map(|count| u32::from(*count)).find(|count| *count <= CHANNELS);
+    fit.or(counts.first().map(|count| u32::from(*count))).unwrap_or(CHANNELS)
+}

@@ -1,0 +1,110 @@
+//! Channels into the text of a rig, which stays as it is otherwise.
+
+use pacinian::rig::Rig;
+use std::collections::BTreeMap;
+use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike, Value, value};
+
+/// The text of a rig with outputs on other channels, by their places in `rig`, which was read from it.
+///
+/// # Errors
+/// Says why it cannot be done. It is then left to the person.
+pub fn with_channels(source: &str, rig: &Rig, moved: &BTreeMap<usize, u32>) -> Result<String, String> {
+    let mut document: DocumentMut =
+        source.parse().map_err(|error| format!("it cannot be read again ({error})"))?;
+    let listed = ["tactor", "output"].iter().any(|key| document.contains_key(key));
+    let channel =
+        |n: usize| moved.get(&n).copied().unwrap_or(rig.outputs.get(n).map_or(0, |output| output.channel));
+    if listed {
+        for (n, channel) in moved {
+            let name = rig.outputs.get(*n).map_or("", |output| output.name.as_str());
+            let mut lists = document.iter_mut().filter(|(key, _)| ["tactor", "output"].contains(&key.get()));
+            let table = lists.find_map(|(_, list)| find(list, name));
+            let done = table.and_then(|table| put(table, i64::from(*channel)));
+            done.ok_or_else(|| format!("`{name}` was not found in it"))?;
+        }
+    } else {
+        // A line of tactors that stands nowhere yet.
+        let mut tactors = ArrayOfTables::new();
+        for (n, output) in rig.outputs.iter().enumerate() {
+            let mut table = Table::new();
+            table.insert("name", value(output.name.as_str()));
+            table.insert("channel", value(i64::from(channel(n))));
+            if let Some(position) = output.position {
+                table.insert("position", value(position.into_iter().collect::<Value>()));
+            }
+            tactors.push(table);
+        }
+        document.insert("tactor", Item::ArrayOfTables(tactors));
+    }
+    let text = document.to_string();
+    // What will be read of it is what was meant.
+    let read =
+        Rig::parse("", text.as_bytes()).map_err(|problems| format!("it would be broken ({problems})"))?;
+    let wanted = rig.outputs.iter().enumerate().map(|(n, output)| (output.name.as_str(), channel(n)));
+    match wanted.eq(read.value.outputs.iter().map(|output| (output.name.as_str(), output.channel))) {
+        true => Ok(text),
+        false => Err("it is written in a way that cannot be changed here".into()),
+    }
+}
+
+/// The table of that name, in a list of tables of either form.
+fn find<'a>(item: &'a mut Item, name: &str) -> Option<&'a mut dyn TableLike> {
+    let is_it = |table: &dyn TableLike| table.get("name").and_then(Item::as_str) == Some(name);
+    match item {
+        Item::ArrayOfTables(tables) => {
+            tables.iter_mut().find(|table| is_it(*table)).map(|table| table as &mut dyn TableLike)
+        }
+        Item::Value(Value::Array(list)) => {
+            let mut tables = list.iter_mut().filter_map(Value::as_inline_table_mut);
+            tables.find(|table| is_it(*table)).map(|table| table as &mut dyn TableLike)
+        }
+        _ => None,
+    }
+}
+
+/// Another channel, with the blanks and comments around the old one.
+fn put(table: &mut dyn TableLike, channel: i64) -> Option<()> {
+    let old = table.get_mut("channel")?.as_value_mut()?;
+    let decor = old.decor().clone();
+    *old = Value::from(channel);
+    *old.decor_mut() = decor;
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_channels;
+    use pacinian::Rig;
+    use std::collections::BTreeMap;
+
+    fn written(source: &str, moved: &[(usize, u32)]) -> String {
+        let rig = Rig::parse("r", source.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        with_channels(source, &rig, &moved.iter().copied().collect::<BTreeMap<_, _>>()).unwrap()
+    }
+
+    #[test]
+    fn nothing_but_the_numbers_is_different() {
+        let source = "#:schema x\nformat = \"pacinian-rig/1\"   # of these\n[device]\nchannels = 0x4\n\n# The left one.\n[[tactor]]\n\
+            name = 'left' # here\n  channel   =  1     # white jack\ngain = 1.50\n\n[[tactor]]\nchannel = 2\nname = \"ri\\u0067ht\"\n\
+            # last\n[[output]]\nkind = \"trigger\"\nname = \"eeg\"\nchannel = 3\n";
+        let expected = source.replace("=  1     #", "=  2     #").replace("channel = 2\n", "channel = 1\n");
+        assert_eq!(written(source, &[(0, 2), (1, 1)]), expected);
+        assert_eq!(written(source, &[]), source);
+        let inline = "format = \"pacinian-rig/1\"\ndevice = { channels = 3 }\ntactor = [\n  { name = \"a\", channel = 1 },  # one\n\
+            \x20 { name = \"b\", channel = 2 },\n]\n";
+        assert_eq!(written(inline, &[(1, 3)]), inline.replace("channel = 2", "channel = 3"));
+    }
+
+    #[test]
+    fn a_line_that_stands_nowhere_is_written_out() {
+        let source = "format = \"pacinian-rig/1\"\n[device]\nchannels = 2 # both\n";
+        let text = written(source, &[(0, 2), (1, 1)]);
+        assert!(text.starts_with(source), "{text}");
+        let rig = Rig::parse("r", text.as_bytes()).unwrap().value;
+        assert_eq!(
+            rig.outputs.iter().map(|o| (o.name.as_str(), o.channel)).collect::<Vec<_>>(),
+            [("t1", 2), ("t2", 1)]
+        );
+        assert_eq!(rig.outputs[1].position, Some([0.04, 0.0, 0.0]));
+    }
+}

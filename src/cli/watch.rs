@@ -1,0 +1,229 @@
+//! `play --watch`: what is saved takes over while it sounds.
+//!
+//! A thread of its own looks at the files, reads and compiles what was saved, sends it to the session and waits for its answer. What
+//! became of it is told to who shows the session; one save is dealt with after the other.
+
+use super::failure::Failure;
+use super::load::{Loaded, Scene};
+use super::named::named;
+use pacinian::graph::scene::Options;
+use pacinian::io::device::choose::Wish;
+use pacinian::io::{assets::Folder, error::FileErrorKind, text, watch};
+use pacinian::live::reload::Reload;
+use pacinian::live::signal::{Handle, Refused, Signal};
+use pacinian::patch::{Patch, Permissions};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, SystemTime};
+
+/// What became of something that was saved.
+#[derive(Debug)]
+pub enum News {
+    /// It plays now. What it is, the patterns that play from the beginning, and which files are different.
+    Took(Box<Loaded>, Vec<usize>, Vec<PathBuf>),
+    /// It cannot be played at all.
+    Broken(Failure),
+    /// It cannot take over while something else plays: why, and what to do.
+    Kept(String, String),
+}
+
+/// What a session says to a scene that is to take over: taken, or why not.
+pub type Verdict = Result<(), String>;
+
+/// How the session began that goes on with what is saved.
+pub struct Course {
+    /// What is read again.
+    pub scene: Scene,
+    /// The rate that the device runs at.
+    pub device_rate: f64,
+    /// `--device`.
+    pub device: Option<String>,
+    /// What was wished for: nothing that is saved can change it.
+    pub wish: Wish,
+    /// The rate that the rig asked for.
+    pub rate: Option<f64>,
+    /// Channels of the device.
+    pub channels: usize,
+    /// Whether a journal is kept, which writes down what takes over.
+    pub journalled: bool,
+}
+
+/// Looks at files until it is dropped.
+pub struct Watching {
+    news: Receiver<News>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Scene {
+    /// The files that `--watch` looks at: patch and rig, and the recordings and tables that the patch names, as far as it can be read.
+    pub fn watched(&self) -> Vec<PathBuf> {
+        let mut all: Vec<PathBuf> = vec![self.patch.clone()];
+        all.extend(self.rig.clone());
+        let may = Permissions { allow_outside: self.allow_outside };
+        if let Some(patch) = text::read(&self.patch).ok().and_then(|bytes| Patch::readable(&bytes, may)) {
+            let folder = Folder::new(self.root()).allow_outside(self.allow_outside);
+            let outside =
+                |path: &str| folder.resolve(path).is_err_and(|error| error.kind == FileErrorKind::Outside);
+            // As they are written, so that a link which is turned elsewhere is noticed.
+            all.extend(
+                named(&patch).filter(|(path, _)| !outside(path)).map(|(path, _)| self.root().join(path)),
+            );
+        }
+        all
+    }
+
+    /// Refuses to look at what is read but once.
+    ///
+    /// # Errors
+    /// Of usage.
+    pub fn check_watch(&self) -> Result<(), Failure> {
+        let files = [("the patch", Some(&self.patch)), ("the rig", self.rig.as_ref())];
+        for (which, path) in files {
+            if path.is_some_and(|path| text::is_stream(path)) {
+                return Err(Failure::usage(
+                    format!("--watch looks at files, and {which} comes through a pipe"),
+                    "save it to a file and name that, or leave --watch out",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Watching {
+    /// Looks at what `course` was read from since `since`, and sends what is saved to the session.
+    ///
+    /// # Errors
+    /// What the system says where it gives no thread.
+    pub fn begin(
+        course: Course,
+        since: SystemTime,
+        session: Handle,
+        verdicts: Receiver<Verdict>,
+    ) -> std::io::Result<Self> {
+        let (tell, news) = channel();
+        let stop = Arc::<AtomicBool>::default();
+        let mut watch = watch::Watch::default();
+        watch.follow(course.scene.watched(), since);
+        let mut watcher = Watcher { course, watch, session, verdicts, tell, stop: Arc::clone(&stop) };
+        let work = move || while watcher.turn().is_some() {};
+        let thread = std::thread::Builder::new().name("watch".into()).spawn(work)?;
+        Ok(Self { news, stop, thread: Some(thread) })
+    }
+
+    /// What became of what was saved since this was asked last.
+    pub fn news(&self) -> impl Iterator<Item = News> {
+        self.news.try_iter()
+    }
+}
+
+impl Drop for Watching {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // One that has panicked has nothing more to say.
+            let _ = thread.join();
+        }
+    }
+}
+
+struct Watcher {
+    course: Course,
+    watch: watch::Watch,
+    session: Handle,
+    verdicts: Receiver<Verdict>,
+    tell: Sender<News>,
+    stop: Arc<AtomicBool>,
+}
+
+impl Watcher {
+    /// Waits for something to be saved, and deals with it; `None` when the session is over.
+    fn turn(&mut self) -> Option<()> {
+        let stop = Arc::clone(&self.stop);
+        let changed = self.watch.wait(|| stop.load(Ordering::Relaxed))?;
+        let since = SystemTime::now();
+        let loaded = self.course.scene.load(true, None);
+        let mut paths = self.course.scene.watched();
+        if loaded.is_err() {
+            // What it named before is named by what plays.
+            paths.extend(self.watch.paths().map(PathBuf::from));
+        }
+        self.watch.follow(paths, since);
+        let news = match loaded.and_then(|loaded| self.course.compile(loaded)) {
+            Err(failure) => News::Broken(failure),
+            Ok(Err((why, help))) => News::Kept(why, help),
+            Ok(Ok((loaded, reload))) => {
+                let first = reload.scene.patterns.clone();
+                match self.send(&loaded, reload)? {
+                    Ok(Ok(())) => News::Took(loaded, first, changed),
+                    Ok(Err(why)) => News::Kept(why, AGAIN.into()),
+                    Err(failure) => News::Broken(failure),
+                }
+            }
+        };
+        self.tell.send(news).ok()
+    }
+
+    /// Sends it to the session and waits for the answer; `None` when the session is over.
+    fn send(&self, loaded: &Loaded, mut reload: Reload) -> Option<Result<Verdict, Failure>> {
+        loop {
+            match self.session.send(Signal::Reload(Box::new(reload))) {
+                Ok(()) => break,
+                Err(Refused::Ended) => return None,
+                Err(Refused::Busy) if self.stop.load(Ordering::Relaxed) => return None,
+                Err(Refused::Busy) => std::thread::sleep(Duration::from_millis(20)),
+            }
+            reload = match loaded.reload(&self.course.options(loaded), self.course.journalled) {
+                Ok(reload) => reload,
+                Err(failure) => return Some(Err(failure)),
+            };
+        }
+        loop {
+            match self.verdicts.recv_timeout(Duration::from_millis(20)) {
+                Ok(verdict) => return Some(Ok(verdict)),
+                Err(RecvTimeoutError::Timeout) if !self.stop.load(Ordering::Relaxed) => {}
+                Err(_) => return None,
+            }
+        }
+    }
+}
+
+/// What to do about what cannot take over.
+const AGAIN: &str = "end this session and play again";
+
+/// Ready to take over, or why it cannot and what to do.
+type Compiled = Result<(Box<Loaded>, Reload), (String, String)>;
+
+impl Course {
+    /// Compiles it for the session, or says why it needs another.
+    fn compile(&self, loaded: Loaded) -> Result<Compiled, Failure> {
+        let device = &loaded.rig.device;
+        let no = |why: String| Ok(Err((why, AGAIN.to_string())));
+        if Wish::of(self.device.as_deref(), device.name.as_deref()) != self.wish {
+            return no(match &device.name {
+                Some(name) => format!("the rig names another device, `{name}`"),
+                None => "the rig names no device any more".into(),
+            });
+        }
+        if self.scene.rate.is_none() && device.rate != self.rate {
+            let rate =
+                device.rate.map_or("no rate any more".into(), |rate| format!("another rate, {rate} Hz"));
+            return no(format!("the rig says {rate}"));
+        }
+        let channels = device.channels as usize;
+        if channels != self.channels {
+            let who = if self.scene.rig.is_some() { "the rig has" } else { "the patch needs" };
+            return no(format!("{who} {channels} channels, and the session began with {}", self.channels));
+        }
+        let reload = loaded.reload(&self.options(&loaded), self.journalled)?;
+        Ok(Ok((Box::new(loaded), reload)))
+    }
+
+    fn options(&self, loaded: &Loaded) -> Options {
+        Options { rate: Some(self.device_rate), live: true, ..loaded.options.clone() }
+    }
+}

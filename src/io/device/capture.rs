@@ -1,0 +1,150 @@
+//! A stream from a sound card that hears.
+
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+
+use cpal::traits::{DeviceTrait, StreamTrait};
+use cpal::{BufferSize, Device, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
+
+use super::card::{News, Shape, known_format};
+use super::failure::{DeviceError, Trouble};
+use super::list::Found;
+use super::priority;
+use crate::live::board::Board;
+use crate::live::intake::LentIntake;
+
+/// What takes frames that a device hears.
+pub trait Hear: Send + 'static {
+    /// Interleaved frames, the first of which the device heard `delay` seconds ago, as far as it says. Neither allocates nor blocks.
+    fn hear(&mut self, delay: f64, frames: &[f32]);
+}
+
+impl Hear for LentIntake {
+    fn hear(&mut self, delay: f64, frames: &[f32]) {
+        Self::hear(self, delay, frames);
+    }
+}
+
+/// A card that is listened to until this is dropped.
+pub struct Capture {
+    /// Dropped first, so that nothing calls back any more.
+    _stream: cpal::Stream,
+}
+
+/// Seconds of a block where nobody says otherwise.
+const BLOCK: f64 = 0.005;
+
+/// What is asked of a card that is to bring `channels`: as many or more, at `rate` if it has that, in blocks as long as `block` frames
+/// at `rate` are.
+///
+/// # Errors
+/// A device without inputs.
+pub fn shape(found: &Found, channels: usize, rate: u32, block: Option<u32>) -> Result<Shape, DeviceError> {
+    let Some(offer) = &found.input else {
+        return Err(DeviceError::new(Trouble::Unfit, format!("{} has no inputs", found.name))
+            .help("`pacinian devices` lists which have"));
+    };
+    let counts = || offer.channels.iter().map(|&n| usize::from(n));
+    let enough = counts().find(|&n| n >= channels).or(counts().max());
+    let taken = rate.clamp(offer.rates.0, offer.rates.1);
+    let seconds = block.map_or(BLOCK, |block| f64::from(block) / f64::from(rate.max(1)));
+    let frames = (seconds * f64::from(taken)).round().max(1.0) as u32;
+    let block = offer.blocks.map(|(least, most)| frames.clamp(least, most.max(least)));
+    Ok(Shape { channels: enough.unwrap_or(1), rate: taken, block })
+}
+
+impl Capture {
+    /// Begins to listen. `news` hears what becomes of it; `board` counts its gaps.
+    ///
+    /// # Errors
+    /// What the card does not offer, or the system does not allow; then what hears goes where it goes when it is dropped.
+    pub fn open(
+        device: &Device,
+        found: &Found,
+        shape: Shape,
+        hear: impl Hear,
+        board: &Arc<Board>,
+        news: Sender<News>,
+    ) -> Result<Self, DeviceError> {
+        let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
+        let ranges = device.supported_input_configs().map_err(|error| trouble(&error))?;
+        let format = known_format(ranges, shape).map_err(|error| trouble(&error))?;
+        let buffer_size = shape.block.map_or(BufferSize::Default, BufferSize::Fixed);
+        let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
+        let gaps = Arc::clone(board);
+        let tell = move |error: cpal::Error| match error.kind() {
+            // The card has gone on by itself.
+            ErrorKind::Xrun => gaps.input.xruns.add(1),
+            ErrorKind::DeviceChanged => drop(news.send(News::Moved)),
+            ErrorKind::RealtimeDenied => drop(news.send(News::Said(error.to_string()))),
+            _ => drop(news.send(News::Lost(error.to_string()))),
+        };
+        let stream = match format {
+            SampleFormat::F32 => stream::<f32, _>(device, config, hear, tell),
+            SampleFormat::I32 => stream::<i32, _>(device, config, hear, tell),
+            _ => stream::<i16, _>(device, config, hear, tell),
+        };
+        let stream = stream.map_err(|error| trouble(&error))?;
+        stream.play().map_err(|error| trouble(&error))?;
+        Ok(Self { _stream: stream })
+    }
+}
+
+/// Frames that are converted at a time, at least.
+const STRETCH: usize = 8192;
+
+fn stream<T, E>(
+    device: &Device,
+    config: StreamConfig,
+    mut hear: impl Hear,
+    tell: E,
+) -> Result<cpal::Stream, cpal::Error>
+where
+    T: SizedSample,
+    f32: FromSample<T>,
+    E: FnMut(cpal::Error) + Send + 'static,
+{
+    let channels = usize::from(config.channels).max(1);
+    let mut scratch = vec![0.0_f32; STRETCH * channels];
+    let mut raised = false;
+    let take = move |input: &[T], info: &cpal::InputCallbackInfo| {
+        if !std::mem::replace(&mut raised, true) {
+            priority::raise();
+        }
+        let stamp = info.timestamp();
+        let mut delay = stamp.callback.saturating_duration_since(stamp.capture).as_secs_f64();
+        for part in input.chunks(scratch.len()) {
+            let frames = &mut scratch[..part.len()];
+            for (to, from) in frames.iter_mut().zip(part) {
+                *to = <f32 as FromSample<T>>::from_sample_(*from);
+            }
+            hear.hear(delay, frames);
+            delay = (delay - (part.len() / channels) as f64 / f64::from(config.sample_rate)).max(0.0);
+        }
+    };
+    device.build_input_stream(config, take, tell, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Shape, shape};
+    use crate::io::device::list::{Found, Offer};
+
+    #[test]
+    fn a_card_is_asked_for_what_it_has() {
+        let offer = Offer {
+            channels: vec![1, 2, 8],
+            rates: (44_100, 48_000),
+            blocks: Some((64, 4096)),
+            formats: vec![],
+        };
+        let card =
+            Found { id: "x".into(), name: "x".into(), default: false, output: None, input: Some(offer) };
+        let of = |channels, rate, block| shape(&card, channels, rate, block).unwrap();
+        assert_eq!(of(1, 48_000, None), Shape { channels: 1, rate: 48_000, block: Some(240) });
+        assert_eq!(of(3, 96_000, Some(256)), Shape { channels: 8, rate: 48_000, block: Some(128) });
+        assert_eq!(of(9, 22_050, Some(8)), Shape { channels: 8, rate: 44_100, block: Some(64) });
+        let deaf = Found { input: None, ..card };
+        assert!(shape(&deaf, 1, 48_000, None).unwrap_err().to_string().contains("has no inputs"));
+    }
+}

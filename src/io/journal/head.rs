@@ -1,0 +1,48 @@
+//! What a journal says before its lines: of the session, and of each plan.
+
+use serde::{Deserialize, Serialize};
+
+use crate::live::provenance::Provenance;
+
+/// The format, and its major version.
+pub const FORMAT: &str = "pacinian-journal/1";
+
+/// What a journal says of its session, in its first line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Head {
+    /// [`FORMAT`].
+    pub format: String,
+    /// The version of pacinian that played.
+    pub pacinian: String,
+    /// The device, as it is called.
+    pub device: String,
+    /// Frames a second.
+    pub rate: f64,
+    /// Channels of a frame.
+    pub channels: usize,
+    /// The gain of the output at the beginning.
+    pub gain: f64,
+    /// Seconds from an event to the middle of what it makes at the output, at 250 Hz.
+    pub delay: f64,
+    /// When the session began, RFC 3339.
+    pub utc: String,
+    /// The system's monotonic clock then, in seconds, where it has one that other programs share (`CLOCK_MONOTONIC`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub monotonic: Option<f64>,
+    /// The recording of what was heard, if the patch listens to an input: a file beside the journal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input: Option<String>,
+}
+
+/// What a journal says of a plan.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlanHead {
+    /// Which, from 0.
+    pub plan: u64,
+    /// The seed of everything random.
+    pub seed: u64,
+    /// Engine samples a second.
+    pub engine_rate: f64,
+    /// What it was made of; `None` for what a program has put together.
+    pub made_of: Option<Provenance>,
+}

@@ -1,0 +1,93 @@
+//! Makes a scene again from what a journal says that it was made of.
+
+use std::path::Path;
+
+use super::digest;
+use crate::graph::scene::{Options, Scene, scene};
+use crate::io::assets::{Folder, recordings_rate};
+use crate::io::error::{FileError, FileErrorKind};
+use crate::live::provenance::{Provenance, RigText};
+use crate::patch::{Patch, Permissions};
+use crate::rig::Rig;
+use crate::text::{Problem, Problems};
+
+/// Why a scene cannot be made again.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RemakeError {
+    /// A file that is not there, or not what it was.
+    File(FileError),
+    /// What is wrong with patch or rig.
+    Scene(Problems),
+}
+
+impl std::fmt::Display for RemakeError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File(error) => error.fmt(f),
+            Self::Scene(problems) => problems.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for RemakeError {}
+
+/// The scene. Recordings are looked for in `folder`; `None`: where they were.
+///
+/// # Errors
+/// Recordings that are not there or not the same any more; and what is wrong with patch and rig, which only another version of
+/// the program can find.
+pub fn remake(made_of: &Provenance, folder: Option<&Path>) -> Result<Scene, RemakeError> {
+    let may = Permissions { allow_outside: made_of.allow_outside };
+    let text = &made_of.patch;
+    same(&text.text, &text.sha256, &text.name)?;
+    let parsed = Patch::parse_with(&text.name, text.text.as_bytes(), may).map_err(RemakeError::Scene)?;
+    let mut patch = parsed.value;
+    for (name, value) in &made_of.set {
+        let control = patch.controls.iter_mut().find(|control| control.name == *name);
+        let control = control.ok_or_else(|| {
+            let what = format!("the patch has no control `{name}`, which the session had set");
+            RemakeError::Scene(patch.origin.problems(vec![Problem::of_file(what)]))
+        })?;
+        control.default = *value;
+    }
+    let rig = match &made_of.rig {
+        RigText::Line { line } => Rig::default_for(*line),
+        RigText::Text(text) => {
+            same(&text.text, &text.sha256, &text.name)?;
+            Rig::parse(&text.name, text.text.as_bytes()).map_err(RemakeError::Scene)?.value
+        }
+    };
+    let options = Options::from(&made_of.options);
+    let rate = options.rate.or(rig.device.rate).unwrap_or(48_000.0);
+    let folder = Folder::new(folder.unwrap_or(Path::new(&made_of.folder)))
+        .allow_outside(made_of.allow_outside)
+        .at_rate(recordings_rate(rate));
+    // Only recordings are needed again: what was in events files has become events.
+    for file in made_of.files.iter().filter(|file| is_recording(&patch, &file.path)) {
+        let path = folder.resolve(&file.path).map_err(RemakeError::File)?;
+        let now = digest::of_file(&path).map_err(RemakeError::File)?;
+        if now != file.sha256 {
+            let what = format!(
+                "`{}` is not what was played: its SHA-256 is {now}, that of the session's was {}",
+                path.display(),
+                file.sha256
+            );
+            return Err(RemakeError::File(FileError::new(FileErrorKind::Malformed, what)));
+        }
+    }
+    scene(&patch, &rig, &options, &folder).map_err(RemakeError::Scene)
+}
+
+fn is_recording(patch: &Patch, path: &str) -> bool {
+    patch.recordings().any(|(recording, _)| recording == path)
+}
+
+/// A journal that somebody has edited tells of what was never played.
+fn same(text: &str, sha256: &str, name: &str) -> Result<(), RemakeError> {
+    if digest::of_bytes(text.as_bytes()) == sha256 {
+        return Ok(());
+    }
+    let what =
+        format!("the journal's text of `{name}` does not have its SHA-256: somebody has changed one of them");
+    Err(RemakeError::File(FileError::new(FileErrorKind::Malformed, what)))
+}

@@ -1,0 +1,197 @@
+//! The thread that writes a journal, so that a slow disk makes nobody wait.
+
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::head::{Head, PlanHead};
+use super::line::{COLUMNS, Kind, Line};
+use crate::io::error::{FileError, FileErrorKind};
+use crate::io::out::OutputFile;
+
+/// Lines that may wait to be written.
+const WAITING: usize = 1 << 16;
+
+/// Of a session that breaks off, so much is missing at the end of its journal.
+const FLUSH: Duration = Duration::from_millis(500);
+
+/// How a journal is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// A table, with what is no line of it behind `# `.
+    Csv,
+    /// A JSON object a line.
+    JsonLines,
+}
+
+impl Form {
+    /// By the ending of a file's name.
+    ///
+    /// # Errors
+    /// Any other than `.csv`, `.jsonl` and `.ndjson`.
+    pub fn of(path: &Path) -> Result<Self, FileError> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        match ending.as_deref() {
+            Some("csv") => Ok(Self::Csv),
+            Some("jsonl" | "ndjson") => Ok(Self::JsonLines),
+            _ => Err(FileError::new(
+                FileErrorKind::Misuse,
+                format!(
+                    "`{}` does not say by its ending how events are written: name it .csv for a table or .jsonl for JSON lines",
+                    path.display()
+                ),
+            )),
+        }
+    }
+}
+
+/// What is to be written.
+#[derive(Debug)]
+pub enum Entry {
+    /// What the session is.
+    Head(Box<Head>),
+    /// What is played from here on.
+    Plan(Box<PlanHead>),
+    /// Anything else.
+    Line(Box<Line>),
+}
+
+/// The way to the thread.
+#[derive(Debug)]
+pub struct Writer {
+    out: Option<SyncSender<Entry>>,
+    thread: Option<JoinHandle<Result<(), FileError>>>,
+    path: PathBuf,
+    /// Lines that found no room since the last that did.
+    lost: u64,
+    lost_in_all: u64,
+}
+
+impl Writer {
+    /// Makes the file, or empties the one that is there.
+    ///
+    /// # Errors
+    /// A file that cannot be made, and a name that does not say how it is written.
+    pub fn create(path: &Path) -> Result<Self, FileError> {
+        let form = Form::of(path)?;
+        let file = BufWriter::with_capacity(1 << 16, OutputFile::create(path)?);
+        let (out, entries) = sync_channel(WAITING);
+        let thread = std::thread::Builder::new()
+            .name("journal".into())
+            .spawn(move || write(&entries, form, file))
+            .map_err(|error| FileError::creating(path, &error))?;
+        Ok(Self { out: Some(out), thread: Some(thread), path: path.to_owned(), lost: 0, lost_in_all: 0 })
+    }
+
+    /// Has something written; what finds no room is counted, there and in the file.
+    pub fn put(&mut self, entry: Entry) {
+        if self.lost > 0 {
+            let line = Line { value: Some(self.lost as f64), ..Line::new(Kind::Lost) };
+            if self.send(Entry::Line(Box::new(line))) {
+                self.lost = 0;
+            }
+        }
+        if !self.send(entry) {
+            self.lost += 1;
+            self.lost_in_all += 1;
+        }
+    }
+
+    fn send(&self, entry: Entry) -> bool {
+        match self.out.as_ref().map(|out| out.try_send(entry)) {
+            Some(Ok(())) => true,
+            Some(Err(TrySendError::Full(_) | TrySendError::Disconnected(_))) | None => false,
+        }
+    }
+
+    /// Whether the thread has given up; it says why when it is asked to finish.
+    pub fn has_failed(&self) -> bool {
+        self.thread.as_ref().is_some_and(JoinHandle::is_finished)
+    }
+
+    /// Writes what waits. Gives how many lines were lost.
+    ///
+    /// # Errors
+    /// What went wrong with the file.
+    pub fn finish(&mut self) -> Result<u64, FileError> {
+        drop(self.out.take());
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(written)) => written.map(|()| self.lost_in_all),
+            None => Ok(self.lost_in_all),
+            Some(Err(_)) => Err(FileError::new(
+                FileErrorKind::Io,
+                format!("the thread that wrote `{}` has failed: what it held is lost", self.path.display()),
+            )),
+        }
+    }
+}
+
+fn write(entries: &Receiver<Entry>, form: Form, mut file: BufWriter<OutputFile>) -> Result<(), FileError> {
+    let path = file.get_ref().path().to_owned();
+    let failed = |error: std::io::Error| FileError::writing(&path, &error);
+    let mut flushed = Instant::now();
+    let mut headed = false;
+    let mut line = Vec::new();
+    loop {
+        match entries.recv_timeout(FLUSH) {
+            Ok(entry) => {
+                line.clear();
+                if !std::mem::replace(&mut headed, true) && form == Form::Csv {
+                    // Before the column names, so that whoever reads the first line knows what the file is.
+                    match entry {
+                        Entry::Head(head) => note(form, "session", &head, &mut line),
+                        other => put(form, other, &mut line),
+                    }
+                    line.extend_from_slice(COLUMNS.join(",").as_bytes());
+                    line.push(b'\n');
+                } else {
+                    put(form, entry, &mut line);
+                }
+                file.write_all(&line).map_err(failed)?;
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return file.flush().map_err(failed),
+        }
+        if flushed.elapsed() >= FLUSH {
+            flushed = Instant::now();
+            file.flush().map_err(failed)?;
+        }
+    }
+}
+
+fn put(form: Form, entry: Entry, to: &mut Vec<u8>) {
+    match entry {
+        Entry::Head(head) => note(form, "session", &head, to),
+        Entry::Plan(head) => note(form, "plan", &head, to),
+        Entry::Line(line) => match form {
+            Form::JsonLines => {
+                // Every value has a form in JSON.
+                let _ = serde_json::to_writer(&mut *to, &line);
+                to.push(b'\n');
+            }
+            Form::Csv => {
+                let mut table = csv::WriterBuilder::new().from_writer(&mut *to);
+                let _ = table.write_record(line.cells());
+            }
+        },
+    }
+}
+
+/// What is no line of the table: the same object in both forms.
+fn note(form: Form, kind: &str, head: &impl Serialize, to: &mut Vec<u8>) {
+    #[derive(Serialize)]
+    struct Note<'a, T> {
+        kind: &'a str,
+        #[serde(flatten)]
+        head: &'a T,
+    }
+    if form == Form::Csv {
+        to.extend_from_slice(b"# ");
+    }
+    let _ = serde_json::to_writer(&mut *to, &Note { kind, head });
+    to.push(b'\n');
+}

@@ -1,0 +1,372 @@
+//! Sends probes round and reckons how long they took.
+
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::time::{Duration, Instant};
+
+use cpal::Device;
+use ringbuf::traits::{Consumer, Observer, Producer, Split};
+use ringbuf::{HeapCons, HeapProd, HeapRb};
+
+use super::echo::{CLEAR, Echo, find};
+use super::line::Line;
+use super::probe;
+use crate::io::device::capture::{Capture, Hear};
+use crate::io::device::card::{Card, Fill, News, Shape};
+use crate::io::device::failure::{DeviceError, Trouble};
+use crate::io::device::list::Found;
+use crate::live::board::Board;
+use crate::live::stamp::Epoch;
+
+/// Seconds from one probe to the next, of silence before the first, and within which one must come back.
+pub const EVERY: f64 = 0.4;
+const BEFORE: f64 = 0.4;
+const WITHIN: f64 = 0.3;
+/// What the system says of its buffers may be too much by so much, seconds.
+const EARLY: f64 = 0.02;
+
+/// Callbacks by which a stretch without a gap must be known.
+const FEWEST: usize = 12;
+
+/// What is measured.
+pub struct Loop {
+    /// The device that plays, what is asked of it, and its channel, from 0.
+    pub out: (Device, Found, Shape, usize),
+    /// The device that hears, likewise.
+    pub input: (Device, Found, Shape, usize),
+    /// Largest sample of a probe.
+    pub level: f64,
+    /// How many probes are sent.
+    pub count: usize,
+}
+
+/// A probe that went round.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Round {
+    /// When it went out, seconds since the first did.
+    pub at: f64,
+    /// How long it took, seconds.
+    pub latency: f64,
+    /// What of it came back.
+    pub gain: f64,
+}
+
+/// What was measured.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Measured {
+    /// Those that came back.
+    pub rounds: Vec<Round>,
+    /// Those that did not, or not clearly.
+    pub unheard: usize,
+    /// Those that a gap of a device fell into.
+    pub broken: usize,
+    /// Seconds that frames wait to be played, and that they waited after they were heard, as the system says; on the average.
+    pub says: [f64; 2],
+    /// By how much the clock of the device that hears is fast against that of the one that plays, as a share.
+    pub drift: f64,
+    /// The largest sample that came in.
+    pub peak: f32,
+}
+
+/// A callback: the number of its first frame, when it was played or heard as the system says, and the gaps before it.
+#[derive(Debug, Clone, Copy)]
+struct Callback {
+    frame: u64,
+    time: f64,
+    delay: f64,
+    gaps: u64,
+}
+
+struct Sender {
+    frame: u64,
+    /// The probe, and from where to where it is sent again and again.
+    probe: Vec<f32>,
+    every: u64,
+    before: u64,
+    count: u64,
+    channel: usize,
+    channels: usize,
+    epoch: Epoch,
+    board: Arc<Board>,
+    told: HeapProd<Callback>,
+}
+
+/// When, in frames since the beginning, probe `n` goes out: not in step with the blocks.
+fn begins(n: u64, every: u64, before: u64) -> u64 {
+    before + n * every + n * 37 % 512
+}
+
+impl Fill for Sender {
+    fn fill(&mut self, output: &mut [f32]) {
+        let delay = self.board.device_delay.get() as f64 * 1e-9;
+        let (time, gaps) = (self.epoch.now().seconds() + delay, self.board.xruns.get());
+        // One that finds no room is missed by nobody.
+        let _ = self.told.try_push(Callback { frame: self.frame, time, delay, gaps });
+        for frame in output.chunks_exact_mut(self.channels) {
+            frame.fill(0.0);
+            // The latest that can have begun, or the one before.
+            let latest = self.frame.saturating_sub(self.before) / self.every;
+            for n in latest.saturating_sub(1)..=latest {
+                let since =
+                    self.frame.checked_sub(begins(n, self.every, self.before)).filter(|_| n < self.count);
+                let value = since.and_then(|since| self.probe.get(since as usize));
+                if let (Some(value), Some(slot)) = (value, frame.get_mut(self.channel)) {
+                    *slot += value;
+                }
+            }
+            self.frame += 1;
+        }
+    }
+}
+
+struct Recorder {
+    frame: u64,
+    channel: usize,
+    channels: usize,
+    epoch: Epoch,
+    board: Arc<Board>,
+    told: HeapProd<Callback>,
+    samples: HeapProd<f32>,
+}
+
+impl Hear for Recorder {
+    fn hear(&mut self, delay: f64, frames: &[f32]) {
+        let (time, gaps) = (self.epoch.now().seconds() - delay, self.board.input.xruns.get());
+        let _ = self.told.try_push(Callback { frame: self.frame, time, delay, gaps });
+        let count = frames.len() / self.channels;
+        let kept = if self.samples.vacant_len() >= count {
+            let channel = frames.iter().skip(self.channel).step_by(self.channels).copied();
+            self.samples.push_iter(channel)
+        } else {
+            0
+        };
+        self.board.input.lost.add((count - kept) as u64);
+        self.frame += count as u64;
+    }
+}
+
+/// A stretch of a stream without a gap.
+struct Stretch {
+    first: f64,
+    last: f64,
+    line: Line,
+}
+
+fn stretches(callbacks: &[Callback]) -> Vec<Stretch> {
+    // Before the buffers have filled, what the system says of them is of no use.
+    let settled = callbacks.get(8..).unwrap_or_default();
+    let parts = settled.chunk_by(|a, b| a.gaps == b.gaps).filter(|part| part.len() >= FEWEST);
+    let stretch = |part: &[Callback]| {
+        let points: Vec<_> = part.iter().map(|c| (c.frame as f64, c.time)).collect();
+        let (first, last) = (part.first()?.frame as f64, part.last()?.frame as f64);
+        Some(Stretch { first, last, line: Line::beneath(&points)? })
+    };
+    parts.filter_map(stretch).collect()
+}
+
+/// What comes of callbacks on both sides and of what was heard.
+fn reckon(sent: &[Callback], heard: &[Callback], samples: &[f32], rates: [f64; 2], count: usize) -> Measured {
+    let (every, before) = ((EVERY * rates[0]) as u64, (BEFORE * rates[0]) as u64);
+    let mut measured = Measured {
+        peak: samples.iter().fold(0.0, |most, x| x.abs().max(most)),
+        says: [sent, heard].map(|all| all.iter().map(|c| c.delay).sum::<f64>() / all.len().max(1) as f64),
+        ..Measured::default()
+    };
+    let (plays, hears) = (stretches(sent), stretches(heard));
+    let length = |s: &Stretch| s.last - s.first;
+    let longest = |all: &[Stretch]| {
+        all.iter().max_by(|a, b| length(a).total_cmp(&length(b))).map(|stretch| stretch.line.slope())
+    };
+    if let (Some(out), Some(input)) = (longest(&plays), longest(&hears)) {
+        measured.drift = (out * rates[0]) / (input * rates[1]) - 1.0;
+    }
+    let mut begun = None;
+    for n in 0..count as u64 {
+        let begin = begins(n, every, before) as f64;
+        let end = begin + probe::SECONDS * rates[0];
+        let playing = plays.iter().find(|s| s.first <= begin && end <= s.last);
+        let hearing = playing.and_then(|playing| {
+            let at = playing.line.at(begin);
+            let find =
+                |s: &&Stretch| s.first <= s.line.place(at - EARLY) && s.line.place(at + WITHIN) <= s.last;
+            Some((playing, at, hears.iter().find(find)?))
+        });
+        let Some((playing, at, hearing)) = hearing else {
+            measured.broken += 1;
+            continue;
+        };
+        let first = hearing.line.place(at - EARLY).max(0.0) as usize;
+        let last = (hearing.line.place(at + WITHIN) as usize).min(samples.len());
+        // Seconds by the clock of the device that plays, between two samples that are heard.
+        let step = hearing.line.slope() / (playing.line.slope() * rates[0]);
+        let echo = samples.get(first..last).and_then(|part| find(part, step));
+        match echo.filter(|echo| echo.clarity >= CLEAR) {
+            Some(Echo { at: place, gain, .. }) => {
+                let latency = hearing.line.at(first as f64 + place) - at;
+                let since = at - *begun.get_or_insert(at);
+                measured.rounds.push(Round { at: since, latency, gain });
+            }
+            None => measured.unheard += 1,
+        }
+    }
+    measured
+}
+
+/// Measures. `go_on` is asked several times a second, with the share that is done.
+///
+/// # Errors
+/// A device that does not open or goes away, and a machine that cannot keep up. `None`: it was not to go on.
+pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option<Measured>, DeviceError> {
+    let (device, found, shape, channel_out) = &what.out;
+    let (ear, heard_of, ears, channel_in) = &what.input;
+    let (board, epoch) = (Arc::new(Board::new(shape.channels)), Epoch::begin());
+    let (news, told) = channel();
+    let rates = [f64::from(shape.rate), f64::from(ears.rate)];
+    let (sent_in, mut sent_out) = ring(1 << 14);
+    let (heard_in, mut heard_out) = ring(1 << 14);
+    let (samples_in, mut samples_out) = ring((4.0 * rates[1]) as usize);
+    let length = (probe::SECONDS * rates[0]).ceil() as usize;
+    let sender = Sender {
+        frame: 0,
+        probe: (0..length).map(|n| (what.level * probe::at(n as f64 / rates[0])) as f32).collect(),
+        every: (EVERY * rates[0]) as u64,
+        before: (BEFORE * rates[0]) as u64,
+        count: what.count as u64,
+        channel: *channel_out,
+        channels: shape.channels,
+        epoch,
+        board: Arc::clone(&board),
+        told: sent_in,
+    };
+    let recorder = Recorder {
+        frame: 0,
+        channel: *channel_in,
+        channels: ears.channels,
+        epoch,
+        board: Arc::clone(&board),
+        told: heard_in,
+        samples: samples_in,
+    };
+    let listening = Capture::open(ear, heard_of, *ears, recorder, &board, news.clone())?;
+    let playing = Card::open(device, found, *shape, sender, &board, news)?;
+    let (mut sent, mut heard, mut samples) = (Vec::new(), Vec::new(), Vec::<f32>::new());
+    let seconds = BEFORE + what.count as f64 * EVERY + WITHIN + 0.2;
+    let (begin, mut frames) = (Instant::now(), 0);
+    let mut since = Instant::now();
+    loop {
+        std::thread::sleep(Duration::from_millis(20));
+        sent.extend(sent_out.pop_iter());
+        heard.extend(heard_out.pop_iter());
+        samples.extend(samples_out.pop_iter());
+        while let Ok(news) = told.try_recv() {
+            match news {
+                News::Lost(why) => {
+                    return Err(DeviceError::new(Trouble::Missing, format!("a device is gone: {why}")));
+                }
+                News::Moved => {
+                    let what = "the system moved a stream to another device";
+                    return Err(DeviceError::new(Trouble::Other, what).help("measure again"));
+                }
+                News::Said(_) => {}
+            }
+        }
+        if board.input.lost.get() > 0 {
+            let what = "this machine does not keep up with its inputs";
+            return Err(
+                DeviceError::new(Trouble::Other, what).help("close other programs, and measure again")
+            );
+        }
+        let now = (sent.len(), heard.len());
+        if std::mem::replace(&mut frames, now.0.min(now.1)) != now.0.min(now.1) {
+            since = Instant::now();
+        }
+        if since.elapsed() > Duration::from_secs(3) {
+            let who = if now.0 <= now.1 { &found.name } else { &heard_of.name };
+            let what = format!("{who} was opened but does nothing");
+            return Err(DeviceError::new(Trouble::Other, what).help("unplug it and plug it in again"));
+        }
+        let done = sent.last().map_or(0.0, |last: &Callback| last.frame as f64 / rates[0] / seconds);
+        if !go_on(done.min(1.0)) {
+            return Ok(None);
+        }
+        if done >= 1.0 || begin.elapsed().as_secs_f64() > 2.0 * seconds + 5.0 {
+            break;
+        }
+    }
+    drop(playing);
+    drop(listening);
+    Ok(Some(reckon(&sent, &heard, &samples, rates, what.count)))
+}
+
+fn ring<T>(room: usize) -> (HeapProd<T>, HeapCons<T>) {
+    HeapRb::new(room).split()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BEFORE, Callback, EVERY, begins, probe, reckon};
+
+    /// Callbacks of a device of `rate` from `begin` on, each a little late by the numbers `late` gives; the true moment is `sign` times
+    /// the delay away.
+    fn callbacks(rate: f64, block: u64, begin: f64, seconds: f64, sign: f64) -> Vec<Callback> {
+        let count = (seconds * rate) as u64 / block;
+        let late = |n: u64| (n * 7919 % 101) as f64 * 2e-6;
+        (0..count)
+            .map(|n| {
+                let time = begin + (n * block) as f64 / rate + late(n);
+                Callback {
+                    frame: n * block,
+                    time,
+                    delay: 0.01 * sign.abs(),
+                    gaps: u64::from(n * 3 > count * 2),
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_known_loop_is_reckoned_within_a_hundredth_of_a_sample_at_whatever_clocks() {
+        let seconds = 10.0;
+        for (nominal, fast) in [(48_000.0, 0.0), (48_000.0, 300e-6), (44_100.0, -200e-6)] {
+            for latency in [0.001_234_5, 0.0, 0.25, -0.005] {
+                let (out, input) = (48_000.0, nominal * (1.0 + fast));
+                let sent = callbacks(out, 256, 3.0, seconds, 1.0);
+                let heard = callbacks(input, 200, 2.9, seconds + 1.0, -1.0);
+                let count = 20;
+                let went: Vec<f64> = (0..count)
+                    .map(|n| {
+                        3.0 + begins(n, (EVERY * out) as u64, (BEFORE * out) as u64) as f64 / out + latency
+                    })
+                    .collect();
+                let samples: Vec<f32> = (0..(input * (seconds + 0.9)) as u64)
+                    .map(|n| {
+                        let time = 2.9 + n as f64 / input;
+                        let last = went.partition_point(|at| *at <= time);
+                        let value = last.checked_sub(1).map_or(0.0, |n| probe::at(time - went[n]));
+                        (-0.01 * value) as f32
+                    })
+                    .collect();
+                let measured = reckon(&sent, &heard, &samples, [out, nominal], count as usize);
+                // Two of the streams' gaps fall into probes.
+                assert!(measured.rounds.len() >= 15 && measured.unheard == 0, "{measured:?}");
+                assert_eq!(measured.rounds.len() + measured.broken, count as usize);
+                for round in &measured.rounds {
+                    assert!((round.latency - latency).abs() < 0.01 / 48_000.0, "{latency}: {round:?}");
+                    assert!((round.gain + 0.01).abs() < 1e-4, "{round:?}");
+                }
+                assert!((measured.drift - fast).abs() < 1e-7, "{}", measured.drift);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_that_comes_back_is_not_taken_for_something() {
+        let (sent, heard) = (callbacks(48e3, 256, 3.0, 10.0, 1.0), callbacks(48e3, 256, 3.0, 10.0, -1.0));
+        let hum: Vec<f32> = (0..480_000).map(|n| (n as f32 * 0.0065).sin()).collect();
+        for samples in [vec![0.0; 480_000], hum, vec![]] {
+            let measured = reckon(&sent, &heard, &samples, [48e3; 2], 20);
+            assert!(measured.rounds.is_empty() && measured.unheard + measured.broken == 20, "{measured:?}");
+        }
+        assert_eq!(reckon(&[], &[], &[], [48e3; 2], 3).broken, 3);
+    }
+}

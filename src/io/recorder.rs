@@ -1,0 +1,89 @@
+//! Keeps what a session sends to its device, or hears, in a WAV file.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use ringbuf::HeapCons;
+use ringbuf::traits::{Consumer, Observer};
+
+use super::error::{FileError, FileErrorKind};
+use super::out::OutputFile;
+use super::wav::{WavSpec, WavWriter, Written};
+
+/// How often it fetches what has come.
+const EVERY: Duration = Duration::from_millis(50);
+
+/// A recording under way, in a thread of its own.
+#[derive(Debug)]
+pub struct Recorder {
+    thread: Option<JoinHandle<Result<Written, FileError>>>,
+    over: Arc<AtomicBool>,
+}
+
+impl Recorder {
+    /// Makes the file, or empties the one that is there, and writes whatever comes through `ring`, interleaved frames.
+    ///
+    /// # Errors
+    /// A file that cannot be made, and frames that no WAV file can have.
+    pub fn start(ring: HeapCons<f32>, path: &Path, spec: WavSpec) -> Result<Self, FileError> {
+        let channels = spec.channels.max(1);
+        let writer = WavWriter::create(path, spec)?;
+        let over = Arc::<AtomicBool>::default();
+        let told = Arc::clone(&over);
+        let thread = std::thread::Builder::new()
+            .name("recorder".into())
+            .spawn(move || record(ring, writer, channels, &told))
+            .map_err(|error| FileError::creating(path, &error))?;
+        Ok(Self { thread: Some(thread), over })
+    }
+
+    /// Whether the file takes no more; [`Recorder::finish`] says why.
+    pub fn has_failed(&self) -> bool {
+        self.thread.as_ref().is_some_and(JoinHandle::is_finished)
+    }
+
+    /// Completes the file, after the session has stopped.
+    ///
+    /// # Errors
+    /// What went wrong with the file.
+    pub fn finish(mut self) -> Result<Written, FileError> {
+        self.over.store(true, Ordering::Release);
+        let ended = self.thread.take().map(JoinHandle::join);
+        ended.and_then(Result::ok).unwrap_or_else(|| {
+            let what = "the thread that wrote the recording has failed; the file plays as far as it goes";
+            Err(FileError::new(FileErrorKind::Io, what))
+        })
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        self.over.store(true, Ordering::Release);
+    }
+}
+
+fn record(
+    mut ring: HeapCons<f32>,
+    mut writer: WavWriter<OutputFile>,
+    channels: usize,
+    over: &AtomicBool,
+) -> Result<Written, FileError> {
+    let mut frames = vec![0.0; channels * 4096];
+    loop {
+        // Asked first, so that nothing is missed that came before.
+        let last = over.load(Ordering::Acquire);
+        while ring.occupied_len() >= channels {
+            let whole = ring.occupied_len() / channels * channels;
+            let part = whole.min(frames.len());
+            let taken = ring.pop_slice(&mut frames[..part]);
+            writer.write(&frames[..taken])?;
+        }
+        if last {
+            return writer.finish();
+        }
+        std::thread::sleep(EVERY);
+    }
+}

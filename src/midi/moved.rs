@@ -1,0 +1,350 @@
+//! Which controller somebody moves, so that it can be bound to something: told from those that are noisy, that spring back, or that
+//! come along with keys.
+
+use std::collections::{HashMap, VecDeque};
+
+use super::channel::Channel;
+use super::gesture::Gesture;
+use super::interpreter::Interpreter;
+use super::message::Message;
+
+/// Seconds within which a movement happens.
+const WINDOW: f64 = 2.0;
+/// So often its position is another than before, at least,
+const CHANGES: usize = 4;
+/// and so far apart they lie, as a share of all it can do. A worn potentiometer that lies on the table wanders by less.
+const SPAN: f64 = 0.1;
+/// Keys that are played hard are pressed by as much without being meant.
+const PRESSED: f64 = 0.3;
+/// So long what was recognised must rest before it is recognised again: whoever turned it may still be turning.
+const REST: f64 = 0.7;
+/// A wheel that is closer to its middle is at rest.
+const MIDDLE: f64 = 0.05;
+/// A controller that says the same so often is no position.
+const SAME: u32 = 8;
+/// Positions that are kept.
+const MOST: usize = 256;
+
+/// Positions of one controller over time: whether somebody moves it.
+#[derive(Debug, Clone, Default)]
+pub struct Travel {
+    points: VecDeque<(f64, f64)>,
+}
+
+impl Travel {
+    /// It stands at `position`, 0 to 1, at so many seconds. Says whether it has been moved.
+    pub fn stands(&mut self, seconds: f64, position: f64) -> bool {
+        self.spans(seconds, position, SPAN)
+    }
+
+    fn spans(&mut self, seconds: f64, position: f64, span: f64) -> bool {
+        if !position.is_finite() {
+            return false;
+        }
+        while self.points.front().is_some_and(|(at, _)| seconds - at > WINDOW) || self.points.len() >= MOST {
+            self.points.pop_front();
+        }
+        if self.points.back().is_none_or(|(_, last)| *last != position) {
+            self.points.push_back((seconds, position));
+        }
+        let positions = || self.points.iter().map(|(_, position)| *position);
+        let (least, most) = positions().fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+        self.points.len() >= CHANGES && most - least >= span
+    }
+
+    /// Whether it has been at two positions and no others, as a button is.
+    pub fn is_switch(&self) -> bool {
+        let mut all: Vec<f64> = self.points.iter().map(|(_, position)| *position).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all.len() == 2
+    }
+}
+
+/// What somebody moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Control {
+    /// A controller, 0 to 119; of a pair of 14 bits the lower number.
+    Controller(u8),
+    /// The wheel.
+    Bend,
+    /// The pressure on a channel or a key.
+    Pressure,
+}
+
+/// What was moved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Moved {
+    /// On which port.
+    pub port: u16,
+    /// On which channel.
+    pub channel: Channel,
+    /// What.
+    pub control: Control,
+    /// Whether it says where it stands with 14 bits.
+    pub fine: bool,
+    /// Whether it is a button.
+    pub switch: bool,
+}
+
+/// Something that was used and gives no position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Useless {
+    /// A key was played.
+    Note,
+    /// A program was chosen.
+    Program,
+    /// A numbered parameter (NRPN, RPN) was moved.
+    Parameter,
+    /// This controller says the same again and again, as endless knobs do that tell steps.
+    Steps(u8),
+}
+
+/// What is to be said about a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Seen {
+    /// Somebody has moved this.
+    Moved(Moved),
+    /// Somebody uses this, and it cannot be bound.
+    Useless(Useless),
+}
+
+type Source = (u16, Channel, Control);
+
+/// Recognises what is moved, in the messages of all ports. It understands them as [`Interpreter`] does, so that what it recognises is
+/// what a binding hears.
+#[derive(Debug, Default)]
+pub struct Recogniser {
+    ports: HashMap<u16, Interpreter>,
+    travels: HashMap<Source, Travel>,
+    /// Keys that are down.
+    keys: HashMap<(u16, Channel), u32>,
+    /// How often a controller has said the same, and what.
+    same: HashMap<Source, (f64, u32)>,
+    /// What was recognised last, and when it was heard of since.
+    spent: Option<(Source, f64)>,
+    /// Wheels that must come to rest before they count.
+    astray: Vec<Source>,
+}
+
+impl Recogniser {
+    /// A message that came through a port at so many seconds.
+    pub fn message(&mut self, seconds: f64, port: u16, message: Message) -> Option<Seen> {
+        let mut gestures = Vec::new();
+        self.ports.entry(port).or_default().message(seconds, message, &mut |gesture| gestures.push(gesture));
+        match message {
+            Message::NoteOn { channel, velocity: 1.., .. } => {
+                *self.keys.entry((port, channel)).or_default() += 1;
+                return Some(Seen::Useless(Useless::Note));
+            }
+            Message::NoteOn { channel, .. } | Message::NoteOff { channel, .. } => {
+                let down = self.keys.entry((port, channel)).or_default();
+                *down = down.saturating_sub(1);
+                // What falls with the key is not meant.
+                self.travels.remove(&(port, channel, Control::Pressure));
+                return None;
+            }
+            Message::Program { .. } => return Some(Seen::Useless(Useless::Program)),
+            Message::Bend { channel, bend } => {
+                return self.bend(seconds, (port, channel, Control::Bend), f64::from(bend) / 8192.0);
+            }
+            Message::ChannelPressure { channel, pressure }
+            | Message::PolyPressure { channel, pressure, .. } => {
+                return self.press(seconds, (port, channel, Control::Pressure), f64::from(pressure) / 127.0);
+            }
+            _ => {}
+        }
+        gestures.into_iter().find_map(|gesture| match gesture {
+            Gesture::Controller { channel, number, value, fine } => {
+                self.turn(seconds, (port, channel, Control::Controller(number)), value, fine)
+            }
+            Gesture::Parameter { .. } => Some(Seen::Useless(Useless::Parameter)),
+            _ => None,
+        })
+    }
+
+    fn turn(&mut self, seconds: f64, source: Source, value: f64, fine: bool) -> Option<Seen> {
+        let (last, count) = self.same.entry(source).or_insert((value, 0));
+        *count = if *last == value { *count + 1 } else { 1 };
+        *last = value;
+        let (count, number) = (*count, source.2);
+        if let (SAME, Control::Controller(number)) = (count, number) {
+            return Some(Seen::Useless(Useless::Steps(number)));
+        }
+        self.count(seconds, source, value, SPAN, fine)
+    }
+
+    /// A wheel springs back: it counts from its rest on.
+    fn bend(&mut self, seconds: f64, source: Source, bend: f64) -> Option<Seen> {
+        if bend.abs() < MIDDLE {
+            self.astray.retain(|other| *other != source);
+            self.travels.remove(&source);
+        }
+        if self.astray.contains(&source) {
+            return None;
+        }
+        let seen = self.count(seconds, source, 0.5 + 0.5 * bend, SPAN, true);
+        if seen.is_some() {
+            self.astray.push(source);
+        }
+        seen
+    }
+
+    /// Pressure counts while a key is down and it rises.
+    fn press(&mut self, seconds: f64, source: Source, pressure: f64) -> Option<Seen> {
+        let down = self.keys.get(&(source.0, source.1)).is_some_and(|down| *down > 0);
+        let last = self.travels.get(&source).and_then(|travel| travel.points.back());
+        if !down || last.is_some_and(|(_, last)| *last > pressure) {
+            self.travels.remove(&source);
+        }
+        if down { self.count(seconds, source, pressure, PRESSED, false) } else { None }
+    }
+
+    fn count(&mut self, seconds: f64, source: Source, value: f64, span: f64, fine: bool) -> Option<Seen> {
+        if let Some((_, heard)) = self.spent.as_mut().filter(|(spent, _)| *spent == source) {
+            let rested = seconds - std::mem::replace(heard, seconds) >= REST;
+            if !rested {
+                return None;
+            }
+            self.spent = None;
+        }
+        let travel = self.travels.entry(source).or_default();
+        if !travel.spans(seconds, value, span) {
+            return None;
+        }
+        let (switch, (port, channel, control)) = (travel.is_switch(), source);
+        self.spent = Some((source, seconds));
+        self.travels.clear();
+        self.same.clear();
+        Some(Seen::Moved(Moved { port, channel, control, fine, switch }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Control, Moved, Recogniser, Seen, Useless};
+    use crate::midi::{Channel, Message};
+
+    const CHANNEL: Channel = Channel::FIRST;
+
+    fn controller(number: u8, value: u8) -> Message {
+        Message::Controller { channel: CHANNEL, number, value }
+    }
+
+    fn bend(bend: i16) -> Message {
+        Message::Bend { channel: CHANNEL, bend }
+    }
+
+    fn pressure(pressure: u8) -> Message {
+        Message::ChannelPressure { channel: CHANNEL, pressure }
+    }
+
+    /// A recogniser and a clock: a message each hundredth of a second.
+    #[derive(Default)]
+    struct Bench(Recogniser, f64);
+
+    impl Bench {
+        fn play(&mut self, messages: impl IntoIterator<Item = Message>) -> Vec<Moved> {
+            let mut moved = Vec::new();
+            for message in messages {
+                self.1 += 0.01;
+                if let Some(Seen::Moved(one)) = self.0.message(self.1, 3, message) {
+                    moved.push(one);
+                }
+            }
+            moved
+        }
+    }
+
+    fn moved(control: Control, fine: bool, switch: bool) -> Moved {
+        Moved { port: 3, channel: CHANNEL, control, fine, switch }
+    }
+
+    #[test]
+    fn a_knob_that_is_turned_among_noisy_ones_is_recognised_once() {
+        let mut bench = Bench::default();
+        let noise = |n: u8| [controller(20, 60 + n % 2), controller(22, 100 + 4 * (n % 3))];
+        assert!(bench.play((0..200).flat_map(noise)).is_empty());
+        let turned = (0..100).flat_map(|n| [noise(n)[0], noise(n)[1], controller(21, n)]);
+        assert_eq!(bench.play(turned), [moved(Control::Controller(21), false, false)]);
+        // It is turned on, back, and left alone; then turned again.
+        assert!(bench.play((0..100).rev().map(|n| controller(21, n))).is_empty());
+        bench.1 += 1.0;
+        assert_eq!(bench.play((0..100).map(|n| controller(21, n))).len(), 1);
+    }
+
+    #[test]
+    fn fourteen_bits_are_one_knob_and_an_upper_number_alone_is_another() {
+        let mut bench = Bench::default();
+        let pair = (0..400_u16).flat_map(|n| {
+            let long = 20 * n;
+            [controller(16, (long >> 7) as u8), controller(48, (long & 127) as u8)]
+        });
+        assert_eq!(bench.play(pair), [moved(Control::Controller(16), true, false)]);
+        assert_eq!(
+            bench.play((0..50).map(|n| controller(49, n))),
+            [moved(Control::Controller(49), false, false)]
+        );
+    }
+
+    #[test]
+    fn a_wheel_counts_on_its_way_out_and_not_on_its_way_back() {
+        let mut bench = Bench::default();
+        let out = || (0..40).map(|n| bend(200 * n));
+        assert_eq!(bench.play(out()), [moved(Control::Bend, true, false)]);
+        bench.1 += 5.0;
+        assert!(bench.play((0..40).rev().map(|n| bend(200 * n))).is_empty(), "let go of much later");
+        bench.1 += 5.0;
+        assert_eq!(bench.play(out()).len(), 1);
+    }
+
+    #[test]
+    fn pressure_is_meant_when_a_key_is_pressed_hard() {
+        let mut bench = Bench::default();
+        let down = Message::NoteOn { channel: CHANNEL, note: 60, velocity: 90 };
+        let up = Message::NoteOff { channel: CHANNEL, note: 60, velocity: 0 };
+        let played = [down]
+            .into_iter()
+            .chain([0, 8, 16, 24, 30].map(pressure))
+            .chain([20, 10, 4].map(pressure))
+            .chain([up]);
+        assert!(bench.play(played.chain([3, 2, 1, 0].map(pressure))).is_empty(), "played and let go");
+        assert!(bench.play((0..127).map(pressure)).is_empty(), "without a key");
+        assert_eq!(
+            bench.play([down].into_iter().chain((0..127).map(pressure))),
+            [moved(Control::Pressure, false, false)]
+        );
+    }
+
+    #[test]
+    fn a_button_is_recognised_when_it_is_pressed_twice() {
+        let mut bench = Bench::default();
+        assert!(bench.play([127, 0].map(|v| controller(80, v))).is_empty());
+        assert_eq!(
+            bench.play([127, 0].map(|v| controller(80, v))),
+            [moved(Control::Controller(80), false, true)]
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_bound_is_named() {
+        let mut recogniser = Recogniser::default();
+        let mut seen = |message| recogniser.message(0.0, 0, message);
+        let note = Message::NoteOn { channel: CHANNEL, note: 60, velocity: 1 };
+        assert_eq!(seen(note), Some(Seen::Useless(Useless::Note)));
+        assert_eq!(seen(Message::NoteOff { channel: CHANNEL, note: 60, velocity: 1 }), None);
+        assert_eq!(
+            seen(Message::Program { channel: CHANNEL, program: 5 }),
+            Some(Seen::Useless(Useless::Program))
+        );
+        let steps: Vec<_> = (0..30).filter_map(|_| seen(controller(70, 65))).collect();
+        assert_eq!(steps, [Seen::Useless(Useless::Steps(70))]);
+        let parameter = [(99, 1), (98, 2), (6, 64)].map(|(number, value)| seen(controller(number, value)));
+        assert_eq!(parameter[2], Some(Seen::Useless(Useless::Parameter)));
+        // A desk that tells where everything stands has not been moved; nor do clocks, pedals and modes.
+        let all = (0..128).flat_map(|number| [controller(number, 99), Message::Clock]);
+        assert!(all.into_iter().all(|message| !matches!(seen(message), Some(Seen::Moved(_)))));
+        let pedal = (0..50).map(|n| controller(64, 127 * (n % 2)));
+        assert!(pedal.into_iter().all(|message| seen(message).is_none()));
+    }
+}

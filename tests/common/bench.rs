@@ -1,0 +1,116 @@
+//! A sound card in user space for tests, and the program on it.
+#![allow(dead_code)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A folder of a test's own, with a card's driver and its configuration.
+pub struct Bench {
+    pub folder: PathBuf,
+}
+
+impl Bench {
+    /// `None`, and a word about it, where the card cannot be had.
+    pub fn new(name: &str) -> Option<Self> {
+        let folder = std::env::temp_dir().join(format!("pacinian-devices-{}-{name}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let driver = folder.join("libasound_module_pcm_testcard.so");
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/devices/card.c");
+        let flags = ["-O2", "-shared", "-fPIC", "-DPIC"];
+        let built = Command::new("cc").args(flags).arg(source).args(["-lasound", "-o"]).arg(&driver).output();
+        let why = match built {
+            Ok(output) if output.status.success() => None,
+            Ok(output) => {
+                Some(String::from_utf8_lossy(&output.stderr).lines().next().unwrap_or("").to_string())
+            }
+            Err(error) => Some(error.to_string()),
+        };
+        let system = Path::new("/usr/share/alsa/alsa.conf");
+        let why = why.or_else(|| (!system.exists()).then(|| "there is no /usr/share/alsa/alsa.conf".into()));
+        if let Some(why) = why {
+            println!("skipped: the card cannot be built: {why}");
+            return None;
+        }
+        let bench = Self { folder };
+        let (driver, played, gone) = (driver.display(), bench.played(), bench.gone());
+        let card = |channels: u32| {
+            format!(
+                "pcm.card{channels} {{ type testcard channels {channels} played \"{}\" gone \"{}\" \
+                 hint {{ show on description \"Card of {channels} channels\" }} }}\n",
+                played.display(),
+                gone.display()
+            )
+        };
+        let text = format!("pcm_type.testcard {{ lib \"{driver}\" }}\n{}{}", card(8), card(24));
+        fs::write(bench.folder.join("asound.conf"), text).unwrap();
+        Some(bench)
+    }
+
+    /// A further card: the fields of its configuration, in which @ is the bench's folder.
+    pub fn card(&self, name: &str, fields: &str) {
+        let path = self.folder.join("asound.conf");
+        let fields = fields.replace('@', &self.folder.display().to_string());
+        let text = fs::read_to_string(&path).unwrap()
+            + &format!("pcm.{name} {{ type testcard {fields} hint {{ show on description \"{name}\" }} }}\n");
+        fs::write(path, text).unwrap();
+    }
+
+    pub fn played(&self) -> PathBuf {
+        self.folder.join("played.raw")
+    }
+
+    pub fn gone(&self) -> PathBuf {
+        self.folder.join("gone")
+    }
+
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pacinian"));
+        let config = format!("/usr/share/alsa/alsa.conf:{}", self.folder.join("asound.conf").display());
+        command
+            .args(arguments)
+            .env("ALSA_CONFIG_PATH", config)
+            .current_dir(&self.folder)
+            .stdin(Stdio::null());
+        command
+    }
+
+    pub fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    pub fn start(&self, arguments: &[&str]) -> Child {
+        self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+
+    pub fn write(&self, name: &str, text: &str) {
+        fs::write(self.folder.join(name), text).unwrap();
+    }
+
+    /// What the card was given, sample by sample.
+    pub fn samples(&self) -> Vec<f32> {
+        let bytes = fs::read(self.played()).unwrap_or_default();
+        bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// Waits until something holds, ten seconds at most.
+pub fn wait(what: &str, holds: impl Fn() -> bool) {
+    let begin = Instant::now();
+    while !holds() {
+        assert!(begin.elapsed() < Duration::from_secs(10), "{what} did not come");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+pub fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+}

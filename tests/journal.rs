@@ -1,0 +1,346 @@
+//! What a session has played is played again from its journal, to the bit; and a journal that was tampered with is refused where it is
+//! wrong.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use pacinian::graph::scene::{Options, scene};
+use pacinian::io::device::choose::Chosen;
+use pacinian::io::journal::reader::{Item, Reader};
+use pacinian::io::journal::replay::{Met, Replay};
+use pacinian::io::journal::{COLUMNS, Journal, Kind, Line, Setting, of_bytes};
+use pacinian::io::recorder::Recorder;
+use pacinian::io::session::{Beginning, Session};
+use pacinian::io::wav::{Encoding, WavReader, WavSpec};
+use pacinian::live::provenance::{Provenance, RigText, Text};
+use pacinian::live::reload::Reload;
+use pacinian::live::signal::Signal;
+use pacinian::midi::Message;
+use pacinian::node::asset::NoAssets;
+use pacinian::text::Problem;
+use pacinian::{Note, Patch, Place, Rig};
+
+const PATCH: &str = r#"format = "pacinian-patch/1"
+title = "t"
+[control.strength]
+default = 0.8
+range = [0.0, 1.0]
+smoothing = 0.02
+[voice.hum]
+start = "always"
+output = "s"
+[voice.hum.nodes]
+s = { type = "sine", frequency = 100, amplitude = 0.1 }
+[voice.tap]
+output = "o"
+place = "t2"
+voices = 6
+[voice.tap.defaults]
+frequency = 120
+bite = 0.5
+[voice.tap.nodes]
+s = { type = "sine", frequency = "event.frequency" }
+n = { type = "white", amplitude = "event.bite" }
+m = { type = "add", inputs = ["s", "n"] }
+e = { type = "envelope", attack = 0.001, release = 0.005 }
+o = { type = "multiply", inputs = ["m", "e", "strength"] }
+[pattern.walk]
+jitter = { at = 0.01, level = 0.2 }
+events = [
+  { at = 0.0, voice = "tap", duration = 0.02, place = "t1", level = 0.5 },
+  { at = 0.05, choose = [{ voice = "tap", duration = 0.03, place = "t3" }, { voice = "tap", duration = 0.01, frequency = 233 }] },
+]
+repeat = { every = 0.1 }
+[[trigger]]
+on = "midi.note"
+play = "tap"
+place = "spread"
+[[trigger]]
+on = "start"
+play = "walk"
+"#;
+
+fn reload(text: &str) -> Reload {
+    let patch = Patch::parse("t.toml", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let rig = Rig::default_for(3);
+    let options = Options { rate: Some(48_000.0), live: true, seed: Some(7), ..Options::default() };
+    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+    let files = Box::new(|_: &str| Err(Problem::of_file("no files here")));
+    let provenance = Provenance {
+        patch: Text { name: "t.toml".into(), sha256: of_bytes(text.as_bytes()), text: text.into() },
+        rig: RigText::Line { line: 3 },
+        folder: ".".into(),
+        allow_outside: false,
+        files: Vec::new(),
+        set: Vec::new(),
+        options: (&options).into(),
+    };
+    Reload {
+        scene,
+        patch: Arc::new(patch),
+        rig: Arc::new(rig),
+        files,
+        provenance: Some(Arc::new(provenance)),
+    }
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("pacinian-journal-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn until(session: &Session, frame: u64) {
+    let begin = Instant::now();
+    while session.board().frames.get() < frame {
+        assert!(begin.elapsed() < Duration::from_secs(30), "the card stands still");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Lets a session play, moved by everything that can move it, and keeps it.
+fn play(journal_path: &Path, recording: &Path) {
+    let first = reload(PATCH);
+    let setting = Setting { device: "virtual".into(), armed: true, input: None };
+    let journal =
+        Journal::create(journal_path, setting, &first.scene.plan, first.provenance.as_deref()).unwrap();
+    let (hears, is_told) = (journal.clone(), journal.clone());
+    let mut session = Session::start(Beginning {
+        block: Some(64),
+        record: true,
+        listener: Some(Box::new(move |event| hears.hear(event))),
+        audience: Box::new(move |told| is_told.told(&told)),
+        ..Beginning::of(first, Chosen::Virtual(None))
+    })
+    .unwrap();
+    let ring = session.recording().unwrap();
+    let recorder = Recorder::start(ring, recording, WavSpec::new(3, 48_000, Encoding::F32)).unwrap();
+    let handle = session.handle().clone();
+    let patches =
+        [PATCH.replace("0.8", "0.5"), PATCH.replace("frequency = 100", "frequency = 130"), PATCH.into()];
+    let (mut frame, mut held, mut walk) = (4_800, Vec::new(), 0);
+    for step in 0..120_u64 {
+        until(&session, frame);
+        // Now and then much at once.
+        frame += (step * step) % 1_000;
+        let channel = pacinian::midi::Channel::new(0).unwrap();
+        let note = 40 + (step % 40) as u8;
+        match step % 12 {
+            0 => held.push(handle.play("tap", Note::default().level(0.3)).unwrap()),
+            1 => {
+                let note = Note::default().field("frequency", 60.0 + step as f64 / 3.0).duration(0.03);
+                let _ = handle.play("tap", note);
+            }
+            2 => handle.set("strength", (step % 7) as f64 / 6.0).unwrap(),
+            3 => handle.send(Signal::Midi(0, Message::NoteOn { channel, note, velocity: 90 })).unwrap(),
+            4 => handle
+                .send(Signal::Midi(0, Message::NoteOff { channel, note: note - 1, velocity: 0 }))
+                .unwrap(),
+            5 => walk = handle.start("walk").unwrap(),
+            6 => handle.stop(walk).unwrap(),
+            7 => drop(held.pop().map(|number| handle.release(number))),
+            8 => {
+                let note = Note { place: Some(Place::Name("t3".into())), ..Note::default() };
+                let _ = handle.play("tap", note.duration(0.01));
+            }
+            9 if step % 24 == 9 => handle.send(Signal::Arm(step % 48 == 9)).unwrap(),
+            10 if step % 36 == 10 => handle.panic(),
+            11 if step % 36 == 11 => handle.send(Signal::Calm).unwrap(),
+            _ => {}
+        }
+        if step % 40 == 20 {
+            let text = &patches[(step / 40) as usize % patches.len()];
+            handle.send(Signal::Reload(Box::new(reload(text)))).unwrap();
+        }
+        if step % 30 == 0 {
+            journal.clock(session.clock().moment());
+        }
+    }
+    until(&session, frame + 4_800);
+    session.stop();
+    let written = recorder.finish().unwrap();
+    assert_eq!(written.frames, session.board().frames.get());
+    assert_eq!(session.board().unrecorded.get(), 0);
+    assert_eq!(journal.finish().unwrap(), 0);
+}
+
+/// All frames of a replay.
+fn replayed(path: &Path) -> (Vec<f32>, Met) {
+    let mut replay = Replay::open(path, None).unwrap_or_else(|error| panic!("{error}"));
+    let mut all = Vec::new();
+    while let Some(frames) = replay.block().unwrap_or_else(|error| panic!("{error}")) {
+        all.extend_from_slice(frames);
+    }
+    (all, replay.met())
+}
+
+fn lines(path: &Path) -> Vec<Line> {
+    let mut reader = Reader::open(path).unwrap();
+    let mut lines = Vec::new();
+    while let Some(item) = reader.read().unwrap() {
+        if let Item::Line(line) = item {
+            lines.push(*line);
+        }
+    }
+    lines
+}
+
+#[test]
+fn what_was_played_is_played_again_to_the_bit() {
+    let folder = folder("bits");
+    for ending in ["csv", "jsonl"] {
+        let (journal, recording) = (folder.join(format!("s.{ending}")), folder.join("s.wav"));
+        play(&journal, &recording);
+        let mut recorded = Vec::new();
+        let mut reader = WavReader::open(&recording).unwrap();
+        reader
+            .each_frame(|frame| {
+                recorded.extend_from_slice(frame);
+                Ok(())
+            })
+            .unwrap();
+        let (again, met) = replayed(&journal);
+        assert!(met.ended && met.lost == 0 && met.swaps == 3, "{met:?}");
+        assert_eq!(met.frames * 3, recorded.len() as u64);
+        let different = recorded.iter().zip(&again).position(|(a, b)| a.to_bits() != b.to_bits());
+        assert_eq!(different, None, "of {}", recorded.len());
+        assert!(recorded.iter().any(|x| x.abs() > 0.3), "something was to be heard");
+
+        // Everything that happened stands there, with its times.
+        let lines = lines(&journal);
+        for kind in [
+            Kind::Voice,
+            Kind::Release,
+            Kind::ReleaseAll,
+            Kind::Control,
+            Kind::Gate,
+            Kind::Swap,
+            Kind::In,
+            Kind::Clock,
+            Kind::End,
+        ] {
+            assert!(lines.iter().any(|line| line.kind == kind), "{kind:?}");
+        }
+        let drawn = lines.iter().filter(|line| line.pattern.as_deref() == Some("walk"));
+        assert!(
+            drawn.clone().any(|line| line.event == Some(2) && line.drawn == Some(2)),
+            "as the patch counts"
+        );
+        let mut latest = f64::NEG_INFINITY;
+        for line in
+            lines.iter().filter(|line| line.kind == Kind::Voice && line.source.as_deref() == Some("program"))
+        {
+            // Two milliseconds of delay behind its frame, on a card that keeps time to a few.
+            let (seconds, frame) = (line.seconds.unwrap(), line.sample.unwrap() as f64 * 6.0);
+            assert!(seconds >= latest - 1e-3 && line.utc.is_some());
+            latest = seconds;
+            assert!(
+                line.frame.unwrap() as f64 <= frame + 6.0,
+                "an event is given before its sample is computed"
+            );
+        }
+        assert!(lines.iter().any(
+            |line| line.source.as_deref() == Some("midi") && line.message.as_deref() == Some("90 2B 5A")
+        ));
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// A journal of a moment, as text.
+fn short(name: &str) -> String {
+    let folder = folder(name);
+    let path = folder.join("s.jsonl");
+    let first = reload(PATCH);
+    let setting = Setting { device: "virtual".into(), armed: true, input: None };
+    let journal = Journal::create(&path, setting, &first.scene.plan, first.provenance.as_deref()).unwrap();
+    let is_told = journal.clone();
+    let mut session = Session::start(Beginning {
+        block: Some(64),
+        audience: Box::new(move |told| is_told.told(&told)),
+        ..Beginning::of(first, Chosen::Virtual(None))
+    })
+    .unwrap();
+    until(&session, 9_600);
+    session.stop();
+    journal.finish().unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    text
+}
+
+/// What becomes of a journal: how it ends.
+fn outcome(text: &str) -> Result<Met, String> {
+    let reader = Reader::new(Cursor::new(text.as_bytes()), "s.jsonl");
+    let mut replay = Replay::new(reader, None).map_err(|error| error.to_string())?;
+    while replay.block().map_err(|error| error.to_string())?.is_some() {}
+    Ok(replay.met())
+}
+
+#[test]
+fn what_is_no_journal_any_more_is_refused_at_its_line() {
+    let text = short("edited");
+    let whole = outcome(&text).unwrap();
+    assert!(whole.ended && whole.frames >= 9_600 && whole.events > 2, "{whole:?}");
+    let refused = |text: &str, says: &str| match outcome(text) {
+        Err(error) => assert!(error.contains(says), "`{error}` does not say `{says}`"),
+        Ok(met) => panic!("it was played: {met:?}"),
+    };
+    let edited = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    };
+    refused("", "empty");
+    refused("kind,frame\nend,3\n", "1: this is no journal");
+    refused("{\"kind\":\"end\",\"frame\":3}\n", "1: this is no journal");
+    refused(&edited("pacinian-journal/1", "pacinian-journal/2"), "reads `pacinian-journal/1`");
+    refused(&edited("\"plan\":0", "\"plan\":-1"), "s.jsonl:2:");
+    refused(&edited("frequency = 100", "frequency = 101"), "somebody has changed one of them");
+    refused(&edited("\"channels\":3", "\"channels\":4"), "the session had 4 channels");
+    refused(&edited("\"name\":\"tap\"", "\"name\":\"nap\""), "no voice called `nap`");
+    refused(&edited("\"place\":\"t", "\"place\":\"q"), "there is no output `q");
+    refused(&edited("\"fraction\":0.", "\"fraction\":7."), "from 0 to below 1");
+    refused(&edited("\"source\":\"pattern\"", "\"source\":\"nobody\""), "not from `nobody`");
+    refused(&edited("\"kind\":\"end\",", "\"kind\":\"swap\","), "no plan was written down");
+    let first = text.lines().position(|line| line.contains("\"voice\"")).unwrap();
+    let mut lines: Vec<&str> = text.lines().collect();
+    let line = lines.remove(first);
+    lines.insert(lines.len() - 1, line);
+    refused(&(lines.join("\n") + "\n"), "has passed");
+    // Without its end it is played as far as it goes, be it within a line.
+    let half = &text[..text.len() - 40];
+    let met = outcome(half).unwrap();
+    assert!(!met.ended && met.frames <= whole.frames, "{met:?}");
+    // What the writer could not keep up with is known.
+    let met =
+        outcome(&edited("{\"kind\":\"end\"", "{\"kind\":\"lost\",\"value\":3}\n{\"kind\":\"end\"")).unwrap();
+    assert_eq!(met.lost, 3);
+}
+
+#[test]
+fn bytes_of_any_kind_are_no_reason_to_panic() {
+    let text = short("hostile");
+    let mut state = 1_u64;
+    for _ in 0..300 {
+        let mut bytes = text.clone().into_bytes();
+        for _ in 0..3 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let at = (state >> 33) as usize % bytes.len();
+            bytes[at] = (state >> 20) as u8;
+        }
+        let mut reader = Reader::new(Cursor::new(&bytes), "s");
+        while let Ok(Some(_)) = reader.read() {}
+    }
+}
+
+#[test]
+fn the_document_explains_every_column_and_kind() {
+    let text = include_str!("../docs/journal.md");
+    for word in COLUMNS.iter().filter(|column| **column != "kind") {
+        assert!(text.contains(&format!("`{word}`")), "{word}");
+    }
+    for kind in Kind::ALL {
+        assert!(text.contains(&format!("`{}`", kind.word())), "{kind:?}");
+    }
+}

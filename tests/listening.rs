@@ -1,0 +1,301 @@
+//! What a session hears, live: from a sound card with a clock of its own, and from a file; and the latency of a loop.
+//!
+//! The cards are those of `tests/devices/card.c`. Where there is no C compiler or no ALSA, a test says that it was skipped, and why.
+#![cfg(target_os = "linux")]
+
+#[path = "common/bench.rs"]
+mod bench;
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::process::Output;
+
+use bench::{Bench, signal, wait};
+
+/// Passes on what channel 2 of the input brings, to both outputs.
+const LISTENS: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"i\"\nplace = \"t1\"\n\
+    [voice.v.nodes]\ni = { type = \"input\", channel = 2 }\n";
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+/// Frames of two channels: silence, and a tone at half of full scale.
+fn tone(hertz: f64, rate: f64, seconds: f64) -> Vec<u8> {
+    (0..(rate * seconds) as u32)
+        .flat_map(|n| [0.0, (0.5 * (TAU * hertz * f64::from(n) / rate).sin()) as f32])
+        .flat_map(f32::to_le_bytes)
+        .collect()
+}
+
+/// What is left of a tone of about `hertz` when the best one is taken out, as a share of its energy; over every part of `length` samples,
+/// in each of which the tone may have a phase of its own, the median.
+fn residue(signal: &[f32], rate: f64, hertz: f64, length: usize) -> f64 {
+    let mut all: Vec<f64> = signal
+        .chunks_exact(length)
+        .map(|part| {
+            let (mut ss, mut sc, mut cc, mut sx, mut cx, mut xx) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+            for (n, x) in part.iter().enumerate() {
+                let (s, c) = (TAU * hertz * n as f64 / rate).sin_cos();
+                let x = f64::from(*x);
+                (ss, sc, cc, sx, cx, xx) =
+                    (ss + s * s, sc + s * c, cc + c * c, sx + s * x, cx + c * x, xx + x * x);
+            }
+            let det = ss * cc - sc * sc;
+            let (a, b) = ((sx * cc - cx * sc) / det, (cx * ss - sx * sc) / det);
+            1.0 - (a * sx + b * cx) / xx.max(1e-30)
+        })
+        .collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn first_channel(bench: &Bench, channels: usize) -> Vec<f32> {
+    bench.samples().iter().step_by(channels).copied().collect()
+}
+
+#[test]
+fn a_card_with_another_clock_and_another_rate_is_heard() {
+    for (name, rate, rig) in [("same", 48_000.0, ""), ("other", 44_100.0, "rates 44100")] {
+        let Some(bench) = Bench::new(&format!("heard-{name}")) else { return };
+        bench.card("microphone", &format!("channels 2 heard \"@/heard.raw\" ppm 250 {rig}"));
+        fs::write(bench.folder.join("heard.raw"), tone(200.0, rate, 60.0)).unwrap();
+        bench.write("listens.toml", LISTENS);
+        let arguments = [
+            "play",
+            "listens.toml",
+            "--device",
+            "card8",
+            "--input-device",
+            "microphone",
+            "--block",
+            "256",
+            "--duration",
+            "6",
+        ];
+        let output = bench.run(&arguments);
+        let told = said(&output);
+        assert!(output.status.success(), "{told}");
+        assert!(
+            told.contains(&format!("it listens to microphone: channel 2 of 2 channels at {rate} Hz")),
+            "{told}"
+        );
+        assert!(told.contains("  input: "), "{told}");
+        let heard = first_channel(&bench, 8);
+        let late = &heard[heard.len() - 3 * 48_000..heard.len() - 9_600];
+        assert!(late.iter().any(|x| *x > 0.45), "{name}: nothing is heard");
+        // The microphone is fast by 250 millionths, and by the nature of things the machine is not quiet.
+        let rest = residue(late, 48_000.0, 200.0 * 1.000_25, 4800);
+        assert!(rest < 1e-3, "{name}: {rest}\n{told}");
+    }
+}
+
+#[test]
+fn what_the_patch_does_not_hear_is_not_opened_and_the_rig_may_name_it() {
+    let Some(bench) = Bench::new("named") else { return };
+    bench.card("microphone", "channels 1 heard \"@/heard.raw\"");
+    bench.write("listens.toml", LISTENS);
+    let deaf = LISTENS.replace("type = \"input\", channel = 2", "type = \"sine\", frequency = 100");
+    bench.write("deaf.toml", &deaf);
+    bench.write(
+        "rig.toml",
+        "format = \"pacinian-rig/1\"\n[device]\nchannels = 8\ninput = \"microphone\"\n[[tactor]]\nname = \"t1\"\nchannel = 1\n",
+    );
+    let play = |patch: &str, more: &[&str]| {
+        let mut all = vec!["play", patch, "--device", "card8", "--duration", "0.5"];
+        all.extend(more);
+        let output = bench.run(&all);
+        (output.status.code(), said(&output))
+    };
+    let (code, told) = play("listens.toml", &["--rig", "rig.toml"]);
+    assert!(code == Some(0) && told.contains("it listens to microphone"), "{told}");
+    assert!(told.contains("channel 2 is not there and stays silent"), "{told}");
+    assert!(!told.contains("hears silence"), "{told}");
+    let (code, told) = play("deaf.toml", &["--rig", "rig.toml"]);
+    assert!(code == Some(0) && !told.contains("microphone") && !told.contains("  input: "), "{told}");
+    let (code, told) = play("deaf.toml", &["--input-device", "microphone"]);
+    assert!(code == Some(0) && told.contains("nothing in this patch listens"), "{told}");
+    let (code, told) = play("listens.toml", &[]);
+    assert!(code == Some(0) && told.contains("hears silence") && told.contains("--input-device"), "{told}");
+    let (code, told) = play("listens.toml", &["--input-device", "nowhere"]);
+    assert!(code == Some(69) && told.contains("there is no device `nowhere`"), "{told}");
+}
+
+#[test]
+fn a_microphone_that_is_pulled_leaves_silence_and_comes_back() {
+    let Some(bench) = Bench::new("mute") else { return };
+    bench.card("microphone", "channels 2 heard \"@/heard.raw\" gone \"@/pulled\"");
+    fs::write(bench.folder.join("heard.raw"), tone(50.0, 48_000.0, 60.0)).unwrap();
+    bench.write("listens.toml", LISTENS);
+    let child = bench.start(&[
+        "play",
+        "listens.toml",
+        "--device",
+        "card8",
+        "--input-device",
+        "microphone",
+        "--block",
+        "256",
+    ]);
+    let length = || fs::metadata(bench.played()).map_or(0, |about| about.len());
+    let loud = || bench.samples().iter().rev().take(8 * 4800).any(|x| x.abs() > 0.4);
+    wait("the microphone", loud);
+    let pulled = bench.folder.join("pulled");
+    fs::write(&pulled, "").unwrap();
+    wait("silence", || bench.samples().iter().rev().take(8 * 4800).all(|x| *x == 0.0));
+    let before = length();
+    wait("time that goes on", || length() > before + 8 * 4 * 9_600);
+    fs::remove_file(&pulled).unwrap();
+    wait("the microphone's return", loud);
+    signal(&child, "INT");
+    let output = child.wait_with_output().unwrap();
+    let told = said(&output);
+    assert_eq!(output.status.code(), Some(130), "{told}");
+    assert!(told.contains("the input device is gone") && told.contains("the input device is back"), "{told}");
+    // The tone has a slope of 0.0033 a frame, its fades add 0.0042 at most; a step would be up to 0.5. Gaps of the cards are their own.
+    let heard = first_channel(&bench, 8);
+    let steps = heard.windows(2).filter(|w| (w[1] - w[0]).abs() > 0.012).count();
+    let gaps = |name: &str| -> usize {
+        told.match_indices(name)
+            .filter_map(|(at, _)| told[..at].trim_end().rsplit(' ').next()?.parse::<usize>().ok())
+            .sum()
+    };
+    assert!(steps <= 4 * gaps(" xruns"), "{steps} steps\n{told}");
+}
+
+#[test]
+fn a_file_is_heard_from_its_beginning_as_it_would_be_rendered() {
+    let Some(bench) = Bench::new("file") else { return };
+    let mut wav =
+        b"RIFF\0\0\0\0WAVEfmt \x10\0\0\0\x03\0\x02\0\x80\xbb\0\0\x00\xdc\x05\0\x08\0\x20\0data".to_vec();
+    let frames = tone(120.0, 48_000.0, 1.0);
+    wav.extend((frames.len() as u32).to_le_bytes());
+    wav.extend(&frames);
+    let size = (wav.len() - 8) as u32;
+    wav[4..8].copy_from_slice(&size.to_le_bytes());
+    fs::write(bench.folder.join("sound.wav"), wav).unwrap();
+    bench.write("listens.toml", LISTENS);
+    bench.write(
+        "rig.toml",
+        "format = \"pacinian-rig/1\"\n[device]\nchannels = 8\nrate = 48000\n[[tactor]]\nname = \"t1\"\nchannel = 1\n",
+    );
+    let rendered = bench.run(&[
+        "render",
+        "listens.toml",
+        "--rig",
+        "rig.toml",
+        "--input",
+        "sound.wav",
+        "-o",
+        "out.wav",
+        "--duration",
+        "1",
+    ]);
+    assert!(rendered.status.success(), "{}", said(&rendered));
+    let wav = fs::read(bench.folder.join("out.wav")).unwrap();
+    let data = wav.windows(4).position(|w| w == b"data").unwrap() + 8;
+    let offline: Vec<f32> =
+        wav[data..].chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    // A gap drops a block, on this machine or that; then it is tried again.
+    for attempt in 0..5 {
+        let _ = fs::remove_file(bench.played());
+        let played = bench.run(&[
+            "play",
+            "listens.toml",
+            "--rig",
+            "rig.toml",
+            "--input",
+            "sound.wav",
+            "--device",
+            "card8",
+            "--block",
+            "512",
+            "--duration",
+            "1.5",
+        ]);
+        let told = said(&played);
+        assert!(played.status.success() && told.contains("it hears sound.wav"), "{told}");
+        if !told.contains(" 0 xruns") && attempt < 4 {
+            continue;
+        }
+        let online = bench.samples();
+        // Behind the ramp of the beginning.
+        let (first, last) = (8 * 9_600, 8 * 47_000);
+        assert!(offline[first..last].iter().any(|x| x.abs() > 0.4));
+        let differs = (first..last).find(|&n| online[n].to_bits() != offline[n].to_bits());
+        assert_eq!(differs, None, "{told}");
+        return;
+    }
+}
+
+/// Measures through a cable of so many frames.
+fn latency(bench: &Bench, arguments: &[&str]) -> serde_json::Value {
+    let mut all = vec!["latency", "--json", "--count", "12"];
+    all.extend(arguments);
+    let output = bench.run(&all);
+    assert!(output.status.success(), "{}", said(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn a_cable_of_known_length_is_measured_within_a_sample() {
+    let Some(bench) = Bench::new("cable") else { return };
+    for delay in [0, 57, 480] {
+        let name = format!("loop{delay}");
+        bench.card(&name, &format!("channels 4 played \"@/{name}.raw\" loop 1 delay {delay}"));
+        let measured = latency(&bench, &["--device", &name, "--out", "2", "--in", "2"]);
+        let frames = measured["loop_latency_frames"].as_f64().unwrap();
+        println!("{delay} frames: {frames}, deviation {} s", measured["deviation_s"]);
+        assert!((frames - f64::from(delay)).abs() < 1.0, "{delay}: {measured:#}");
+        assert!(measured["heard"].as_u64().unwrap() >= 6, "{measured:#}");
+        assert!((measured["gain"].as_f64().unwrap() - 1.0).abs() < 0.02, "{measured:#}");
+    }
+}
+
+#[test]
+fn a_cable_to_a_card_with_another_clock_is_measured_and_saved() {
+    let Some(bench) = Bench::new("saved") else { return };
+    bench.card("loud", "channels 4 played \"@/cable.raw\"");
+    bench.card("fast", "channels 4 played \"@/cable.raw\" loop 1 delay 100 ppm 300");
+    let rig = "# mine\nformat = \"pacinian-rig/1\"\n[device]\nname = \"loud\"\ninput = \"fast\"\nchannels = 4 # four\n\n\
+        [[tactor]]\nname = \"spine\"\nchannel = 3\n";
+    bench.write("rig.toml", rig);
+    let measured = latency(&bench, &["--rig", "rig.toml", "--out", "spine", "--in", "3", "--save"]);
+    let frames = measured["loop_latency_frames"].as_f64().unwrap();
+    assert!((frames - 100.0).abs() < 1.0, "{measured:#}");
+    let ppm = measured["clocks_ppm"].as_f64().unwrap();
+    assert!((ppm - 300.0).abs() < 30.0, "{measured:#}");
+    let saved = fs::read_to_string(bench.folder.join("rig.toml")).unwrap();
+    let line =
+        saved.lines().find(|line| line.starts_with("loop_latency = ")).unwrap_or_else(|| panic!("{saved}"));
+    assert_eq!(saved.replace(&format!("{line}\n"), ""), rig);
+    assert!((line["loop_latency = ".len()..].parse::<f64>().unwrap() * 48_000.0 - frames).abs() < 0.01);
+}
+
+#[test]
+fn where_nothing_comes_back_it_says_so() {
+    let Some(bench) = Bench::new("nothing") else { return };
+    bench.card("loop", "channels 2 played \"@/loop.raw\" loop 1");
+    bench.card("hum", "channels 2 heard \"@/hum.raw\"");
+    fs::write(bench.folder.join("hum.raw"), tone(50.0, 48_000.0, 20.0)).unwrap();
+    let refused = |arguments: &[&str]| {
+        let mut all = vec!["latency", "--count", "4"];
+        all.extend(arguments);
+        let output = bench.run(&all);
+        assert!(!output.status.success() && output.stdout.is_empty());
+        (output.status.code().unwrap_or(0), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, told) = refused(&["--device", "loop", "--out", "1", "--in", "2"]);
+    assert!(code == 74 && told.contains("nothing came back on input 2 of loop: it is silent"), "{told}");
+    let (code, told) = refused(&["--device", "loop", "--input-device", "hum", "--out", "1", "--in", "2"]);
+    assert!(
+        code == 74 && told.contains("nothing came back on input 2 of hum that is like the probe"),
+        "{told}"
+    );
+    let (code, told) = refused(&["--device", "loop", "--out", "3", "--in", "1"]);
+    assert!(code == 69 && told.contains("loop has 2 outputs, so none is number 3"), "{told}");
+    let (code, told) = refused(&["--device", "loop", "--out", "1", "--in", "3"]);
+    assert!(code == 69 && told.contains("loop has 2 inputs, so none is number 3"), "{told}");
+    let (code, told) = refused(&["--device", "loop", "--out", "spine", "--in", "1"]);
+    assert!(code == 2 && told.contains("there is no output `spine`"), "{told}");
+}

@@ -1,0 +1,342 @@
+//! What is saved while it plays takes over; what is broken does not, and says where.
+#![cfg(feature = "cli")]
+
+mod program;
+
+use std::fs;
+use std::io::Read;
+use std::process::{Child, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use program::Scratch;
+
+const PATCH: &str = "format = \"pacinian-patch/1\"\ntitle = \"first\"\n[control.depth]\ndefault = 0.25\n\
+    [voice.hum]\nstart = \"always\"\noutput = \"s\"\n[voice.hum.nodes]\n\
+    s = { type = \"sine\", frequency = 100, amplitude = \"depth\" }\n\
+    [voice.tap]\noutput = \"s\"\nnodes.s = { type = \"sine\", frequency = 90 }\n\
+    [pattern.walk]\nevents = [{ at = 0.0, voice = \"tap\", duration = 0.05 }]\nrepeat = { every = 0.2, times = 10000 }\n";
+
+/// So long something may take to be seen.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// The program as it plays, and what it has said so far.
+struct Playing {
+    child: Child,
+    said: Arc<Mutex<String>>,
+    /// Up to where it was heard.
+    heard: usize,
+}
+
+impl Playing {
+    fn new(scratch: &Scratch, arguments: &[&str]) -> Self {
+        let all = [&["play"], arguments, &["--watch"]].concat();
+        let mut child = scratch.command(&all).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut err = child.stderr.take().unwrap();
+        let said = Arc::<Mutex<String>>::default();
+        let into = Arc::clone(&said);
+        std::thread::spawn(move || {
+            let mut bytes = [0; 4096];
+            while let Ok(count @ 1..) = err.read(&mut bytes) {
+                into.lock().unwrap().push_str(&String::from_utf8_lossy(&bytes[..count]));
+            }
+        });
+        let mut playing = Self { child, said, heard: 0 };
+        playing.hears("tap on t1");
+        playing
+    }
+
+    /// Waits until it says this, behind what was heard before; gives what came in between.
+    #[track_caller]
+    fn hears(&mut self, what: &str) -> String {
+        let begin = Instant::now();
+        loop {
+            let said = self.said.lock().unwrap().clone();
+            if let Some(at) = said[self.heard..].find(what) {
+                let end = self.heard + at + what.len();
+                let between = said[std::mem::replace(&mut self.heard, end)..end].to_string();
+                return between;
+            }
+            assert!(begin.elapsed() < PATIENCE, "no `{what}` in\n{}", &said[self.heard..]);
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+impl Drop for Playing {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[test]
+fn what_is_saved_plays_and_what_is_broken_is_shown_at_its_line() {
+    let scratch = Scratch::new("watch-saved");
+    let patch = scratch.write("p.toml", PATCH);
+    let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual"]);
+    // Another voice.
+    fs::write(&patch, PATCH.replace("tap", "knock")).unwrap();
+    playing.hears("p.toml: taken up");
+    playing.hears("knock on t1");
+    // Broken in two places.
+    fs::write(&patch, PATCH.replace("tap", "touch").replace("\"sine\"", "\"sinus\"")).unwrap();
+    playing.hears("the old one plays on: p.toml:9: node `s` of voice `hum`: there is no node type \"sinus\" (and 1 more)");
+    playing.hears("p.toml:9:14: error: node `s` of voice `hum`: there is no node type \"sinus\"");
+    playing.hears("help: did you mean `sine`?");
+    playing.hears("p.toml:12:");
+    let between = playing.hears("knock on t1");
+    assert!(!between.contains("the old one"), "said once: {between}");
+    // Mended.
+    fs::write(&patch, PATCH.replace("tap", "touch")).unwrap();
+    playing.hears("p.toml: taken up");
+    playing.hears("touch on t1");
+}
+
+/// Other programs find what the new patch has; controls keep their values, and MIDI is listened to once there is use for it.
+#[test]
+fn what_hears_from_outside_follows() {
+    use rosc::{OscMessage, OscPacket, OscType, decoder, encoder};
+    let scratch = Scratch::new("watch-osc");
+    let patch = scratch.write("p.toml", PATCH);
+    let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual", "--osc", "0"]);
+    let said = playing.said.lock().unwrap().clone();
+    let address =
+        said.split("OSC is heard on ").nth(1).and_then(|rest| rest.split(',').next()).unwrap().to_string();
+    let surface = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    surface.set_read_timeout(Some(PATIENCE)).unwrap();
+    let say = |addr: &str, args: Vec<OscType>| {
+        let packet = OscPacket::Message(OscMessage { addr: addr.into(), args });
+        surface.send_to(&encoder::encode(&packet).unwrap(), &address).unwrap();
+    };
+    let controls = || {
+        say("/controls", vec![]);
+        let (mut all, mut bytes) = (Vec::new(), [0; 4096]);
+        loop {
+            let length = surface.recv(&mut bytes).unwrap();
+            let Ok((_, OscPacket::Message(message))) = decoder::decode_udp(&bytes[..length]) else {
+                panic!("no OSC")
+            };
+            if message.addr == "/controls/end" {
+                return all;
+            }
+            all.push((message.args[0].clone().string().unwrap(), message.args[1].clone().float().unwrap()));
+        }
+    };
+    say("/control/depth", vec![OscType::Float(0.75)]);
+    assert_eq!(controls(), [("depth".to_string(), 0.75)]);
+    let more =
+        "[control.more]\ndefault = 0.5\n[[bind]]\nfrom = \"midi.bend\"\ncontrol = \"more\"\n[control.depth]";
+    let text =
+        PATCH.replace("[control.depth]", more).replace("frequency = 100", "frequency = \"100 * more\"");
+    fs::write(&patch, text).unwrap();
+    playing.hears("p.toml: taken up");
+    playing.hears("MIDI");
+    let both = [("more".to_string(), 0.5), ("depth".to_string(), 0.75)];
+    let begin = Instant::now();
+    while controls() != both {
+        assert!(begin.elapsed() < PATIENCE, "{:?}", controls());
+    }
+}
+
+/// The journal of a session whose patch was saved anew plays it again to the bit.
+#[test]
+fn a_journal_knows_what_took_over() {
+    let scratch = Scratch::new("watch-journal");
+    let patch = scratch.write("p.toml", PATCH);
+    let arguments = ["p.toml", "--device", "virtual", "--record", "o.wav", "--events", "j.jsonl"];
+    let mut playing = Playing::new(&scratch, &arguments);
+    for name in ["knock", "touch"] {
+        fs::write(&patch, PATCH.replace("tap", name)).unwrap();
+        playing.hears("p.toml: taken up");
+        playing.hears(&format!("{name} on t1"));
+    }
+    fs::write(&patch, PATCH.replace("[voice.tap]", "[voice.tap")).unwrap();
+    playing.hears("the old one plays on");
+    let kill =
+        std::process::Command::new("kill").args(["-s", "INT", &playing.child.id().to_string()]).status();
+    assert!(kill.unwrap().success());
+    assert_eq!(playing.child.wait().unwrap().code(), Some(130));
+    fs::remove_file(&patch).unwrap();
+    let run = scratch.run(&["replay", "j.jsonl", "-o", "again.wav"]);
+    run.succeeds();
+    let (sent, again) = (scratch.wav("o.wav").1, scratch.wav("again.wav").1);
+    assert!(sent.len() > 48_000 && sent.len() == again.len(), "{} and {}", sent.len(), again.len());
+    assert!(sent.iter().zip(&again).all(|(a, b)| a.to_bits() == b.to_bits()));
+}
+
+#[test]
+fn a_file_that_is_gone_or_is_a_folder_is_waited_for() {
+    let scratch = Scratch::new("watch-gone");
+    let patch = scratch.write("p.toml", PATCH);
+    let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual"]);
+    fs::remove_file(&patch).unwrap();
+    playing.hears("the old one plays on: `p.toml` is not there");
+    for _ in 0..5 {
+        let between = playing.hears("tap on t1");
+        assert!(!between.contains("the old one"), "said once: {between}");
+    }
+    fs::create_dir(&patch).unwrap();
+    playing.hears("the old one plays on: `p.toml` is a folder");
+    fs::remove_dir(&patch).unwrap();
+    playing.hears("the old one plays on: `p.toml` is not there");
+    // By renaming, as many editors save.
+    scratch.write("new", PATCH.replace("tap", "knock"));
+    fs::rename(scratch.0.join("new"), &patch).unwrap();
+    playing.hears("p.toml: taken up");
+    playing.hears("knock on t1");
+    scratch.write("new", PATCH.replace("tap", "touch"));
+    fs::rename(scratch.0.join("new"), &patch).unwrap();
+    playing.hears("p.toml: taken up");
+    playing.hears("touch on t1");
+}
+
+#[test]
+fn the_last_of_many_saves_plays() {
+    let scratch = Scratch::new("watch-many");
+    let patch = scratch.write("p.toml", PATCH);
+    let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual"]);
+    for n in 0..100 {
+        // Half of it, and then all.
+        let text = PATCH.replace("tap", &format!("tap{n}"));
+        fs::write(&patch, &text[..text.len() / 2]).unwrap();
+        std::thread::sleep(Duration::from_millis(5));
+        fs::write(&patch, text).unwrap();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let between = playing.hears("tap99 on t1");
+    assert!(!between.contains("the old one"), "half of a file was taken for one: {between}");
+}
+
+#[test]
+fn what_the_patch_names_is_watched_and_what_another_session_needs_is_kept() {
+    let scratch = Scratch::new("watch-named");
+    let table = PATCH.replace("[{ at = 0.0, voice = \"tap\", duration = 0.05 }]", "\"steps.csv\"");
+    let rig = "format = \"pacinian-rig/1\"\ntitle = \"r\"\n[device]\nname = \"virtual\"\nrate = 48000\nchannels = 3\n\
+        [[output]]\nname = \"t1\"\nkind = \"vibration\"\nchannel = 1\n\
+        [[output]]\nname = \"left\"\nkind = \"vibration\"\nchannel = 2\n";
+    scratch.write("p.toml", &table);
+    scratch.write("steps.csv", "at,voice,place\n0,tap,t1\n");
+    scratch.write("r.toml", rig);
+    let mut playing = Playing::new(&scratch, &["p.toml", "--rig", "r.toml", "--set", "depth=0.125"]);
+    scratch.write("steps.csv", "at,voice,place\n0,tap,left\n");
+    playing.hears("steps.csv: taken up");
+    playing.hears("tap on left");
+    scratch.write("steps.csv", "at,voice,place\n0,tap,right\n");
+    playing.hears("the old one plays on: steps.csv:2: ");
+    playing.hears("`steps.csv` is named in p.toml:14");
+    scratch.write("r.toml", rig.replace("left", "right"));
+    playing.hears("r.toml: taken up");
+    playing.hears("tap on right");
+    for (from, to, why) in [
+        (
+            "channels = 3",
+            "channels = 4",
+            "the rig has 4 channels, and the session began with 3: end this session",
+        ),
+        ("name = \"virtual\"", "name = \"Other\"", "the rig names another device, `Other`: end this session"),
+        ("rate = 48000", "rate = 44100", "the rig says another rate, 44100 Hz: end this session"),
+        (
+            "[[",
+            "[[output]]\nname = \"eeg\"\nkind = \"trigger\"\nchannel = 3\n[[",
+            "the new rig has other outputs",
+        ),
+    ] {
+        scratch.write("r.toml", rig.replace("left", "right").replacen(from, to, 1));
+        playing.hears(&format!("the old one plays on: {why}"));
+    }
+    // A file that the broken patch names before it is there.
+    scratch.write("r.toml", rig);
+    scratch.write("p.toml", table.replace("steps", "more"));
+    playing.hears("the old one plays on: p.toml:14: ");
+    scratch.write("more.csv", "at,voice,place\n0,tap,left\n");
+    playing.hears("more.csv: taken up");
+    playing.hears("tap on left");
+}
+
+/// From Rust: a session, files that are watched, and what comes out.
+#[test]
+fn nothing_jumps_while_files_are_saved() {
+    use pacinian::graph::scene::{Options, scene};
+    use pacinian::io::device::choose::Chosen;
+    use pacinian::io::session::{Beginning, Session};
+    use pacinian::io::{load, watch::Watch};
+    use pacinian::live::conductor::Told;
+    use pacinian::live::reload::Reload;
+    use pacinian::live::signal::Signal;
+    use pacinian::{NoAssets, Rig};
+    use ringbuf::traits::Consumer;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    let scratch = Scratch::new("watch-rust");
+    let original = PATCH.replace("start = \"always\"", "start = \"always\"\nplace = \"t2\"");
+    let file = scratch.write("p.toml", &original);
+    let read = |path: &std::path::Path| {
+        let patch = load::patch(path)?.value;
+        let rig = Rig::default_for(2);
+        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+        let scene = scene(&patch, &rig, &options, &NoAssets)?;
+        let files = Box::new(|_: &str| Err(pacinian::text::Problem::of_file("no files here")));
+        Ok::<_, pacinian::text::Problems>(Reload {
+            scene,
+            patch: Arc::new(patch),
+            rig: Arc::new(rig),
+            files,
+            provenance: None,
+        })
+    };
+    let mut watch = Watch::of([&file]);
+    let taken = Arc::<AtomicUsize>::default();
+    let count = Arc::clone(&taken);
+    let mut session = Session::start(Beginning {
+        block: Some(64),
+        record: true,
+        audience: Box::new(move |told| {
+            if let Told::Reloaded = told {
+                count.fetch_add(1, Ordering::Relaxed);
+            }
+        }),
+        ..Beginning::of(read(&file).unwrap(), Chosen::Virtual(None))
+    })
+    .unwrap();
+    let (mut recording, mut all) = (session.recording().unwrap(), Vec::<f32>::new());
+    let (begin, mut saved, mut broken) = (Instant::now(), 0, 0);
+    while begin.elapsed() < PATIENCE && (saved < 8 || session.board().frames.get() < 96_000) {
+        if taken.load(Ordering::Relaxed) + broken >= saved && saved < 8 {
+            saved += 1;
+            // Every fourth is broken; the others play something else beside the hum.
+            let text = original.replace("frequency = 90", &format!("frequency = {}", 90 + saved));
+            let text = if saved % 4 == 3 { text.replace("[voice.hum]", "[voice.hum") } else { text };
+            fs::write(&file, text).unwrap();
+        }
+        for path in watch.look() {
+            match read(&path) {
+                Ok(reload) => session.handle().send(Signal::Reload(Box::new(reload))).unwrap(),
+                Err(problems) => {
+                    assert!(problems.to_string().contains("p.toml:5:"), "{problems}");
+                    broken += 1;
+                }
+            }
+        }
+        all.extend(recording.pop_iter());
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    session.stop();
+    all.extend(recording.pop_iter());
+    assert_eq!((taken.load(Ordering::Relaxed), broken), (6, 2));
+    let hum: Vec<f32> = all.iter().skip(1).step_by(2).copied().collect();
+    let hum = &hum[9700..hum.len() - 500];
+    // The steepest step of a sine of 100 Hz and 0.25 at 48 kHz is 0.00327.
+    let steepest = hum.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f32::max);
+    assert!(steepest < 0.0033, "{steepest}");
+    assert!(hum.chunks_exact(480).all(|c| c.iter().any(|x| x.abs() > 0.22)), "a gap");
+}
+
+#[test]
+fn a_pipe_cannot_be_watched() {
+    let scratch = Scratch::new("watch-pipe");
+    let run = scratch.run(&["play", "-", "--device", "virtual", "--watch"]);
+    run.fails(2, &["--watch looks at files, and the patch comes through a pipe", "save it to a file"]);
+    let run = scratch.run(&["play", "good.toml", "--rig", "/dev/stdin", "--device", "virtual", "--watch"]);
+    run.fails(2, &["the rig comes through a pipe"]);
+}
