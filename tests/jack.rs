@@ -91,20 +91,17 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
     let (patch, rig) = (Arc::new(common::patch(PATCH)), Arc::new(Rig::default_for(2)));
     let session = Session::start(Beginning {
-        scene: Reload {
-            scene: scene(&patch, &rig, &options, &NoAssets).unwrap(),
-            patch,
-            rig,
-            files: Box::new(|path| Err(Problem::of_file(path))),
-        },
-        device: Chosen::Virtual(None),
         block: Some(64),
-        armed: true,
-        song: None,
-        record: false,
-        listener: None,
-        audience: Box::new(|_| {}),
-        fate: Box::new(|_| {}),
+        ..Beginning::of(
+            Reload {
+                scene: scene(&patch, &rig, &options, &NoAssets).unwrap(),
+                patch,
+                rig,
+                files: Box::new(|path| Err(Problem::of_file(path))),
+                provenance: None,
+            },
+            Chosen::Virtual(None),
+        )
     })
     .unwrap();
     let (news, heard) = channel();
