@@ -97,6 +97,15 @@ impl Player {
         self.performer.play_song(messages, seconds);
     }
 
+    /// The tempo of a song counts the beats of patterns with clock = "midi", from its beginning to its end: `tempi` are the seconds at which
+    /// it changes and what to, in beats a minute, as [`crate::midi::file`] has them.
+    ///
+    /// # Errors
+    /// What is wrong with the patterns that play from the beginning.
+    pub fn follow_song(&mut self, tempi: &[(f64, f64)], seconds: f64) -> Result<(), Problem> {
+        self.performer.follow_song(tempi, seconds)
+    }
+
     /// What stopped the patterns before their end, if something did: an events file with a bad line.
     pub fn trouble(&self) -> Option<&Problem> {
         self.performer.trouble()

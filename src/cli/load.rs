@@ -434,15 +434,17 @@ impl Loaded {
     /// What only shows when the engine is built.
     pub fn player(&self) -> Result<Player, Failure> {
         Player::with_files(&self.patch, &self.rig, &self.options, self.folder(), self.open_events())
-            .map(|player| self.with_song(player))
             .map_err(|problems| self.refuse(problems.list, &Codes::new()))
+            .and_then(|player| self.with_song(player))
     }
 
-    fn with_song(&self, mut player: Player) -> Player {
+    fn with_song(&self, mut player: Player) -> Result<Player, Failure> {
         if let Some(song) = &self.song {
             player.play_song(song.messages.iter().copied(), song.seconds);
+            let counted = player.follow_song(&song.tempi, song.seconds);
+            counted.map_err(|problem| self.refuse(vec![problem], &Codes::new()))?;
         }
-        player
+        Ok(player)
     }
 
     /// The patch as it was read.

@@ -270,7 +270,15 @@ fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Ve
     let any_start = patch.triggers.iter().any(|t| t.on == Source::Start);
     // Where keys and messages play, patterns wait for them.
     let waits = options.live && !patch.triggers.is_empty();
-    if any_start || waits || patch.patterns.is_empty() { started } else { vec![0] }
+    let mut playing = if any_start || waits || patch.patterns.is_empty() { started } else { vec![0] };
+    // What a clock starts is ready for it.
+    let clocked = patch.patterns.iter().enumerate().filter(|(_, pattern)| pattern.follows).map(|(i, _)| i);
+    for pattern in clocked {
+        if !playing.contains(&pattern) {
+            playing.push(pattern);
+        }
+    }
+    playing
 }
 
 /// The voices that may sound: those of the patterns that play, of triggers, and those that always do.

@@ -62,10 +62,10 @@ impl Line {
     }
 }
 
-/// What leads to the ports. Where the system's own is missing, its library would say so on standard error each time it is asked.
+/// What leads to the ports. Where ALSA's sequencer is missing, its library would say so on standard error each time it is asked.
 fn input() -> Result<MidiInput, String> {
     let sequencer = std::path::Path::new("/dev/snd/seq");
-    if cfg!(target_os = "linux") && !sequencer.exists() {
+    if cfg!(all(target_os = "linux", not(feature = "midi-jack"))) && !sequencer.exists() {
         return Err(
             "there is no /dev/snd/seq: load the sequencer, sudo modprobe snd-seq, or plug an instrument in"
                 .into(),

@@ -146,7 +146,10 @@ impl Session {
         }
         if let Some(song) = song {
             performer.play_song(song.messages.iter().copied(), song.seconds);
+            let counted = performer.follow_song(&song.tempi, song.seconds);
+            counted.map_err(|why| SessionError::Plan(why.to_string()))?;
         }
+        performer.await_clock().map_err(|why| SessionError::Plan(why.to_string()))?;
         let delay = stagehand.engine().delay();
         // The clock is asked once here, so that the audio thread finds it running.
         stamp::nanoseconds();

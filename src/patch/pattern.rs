@@ -37,6 +37,8 @@ pub struct Pattern {
     pub name: String,
     /// In what its times are counted.
     pub time: TimeBase,
+    /// Whether a MIDI clock, or the tempo of a song, counts its beats and starts and stops it.
+    pub follows: bool,
     /// What it plays.
     pub events: Events,
     /// The whole pattern again and again.
@@ -97,6 +99,12 @@ pub static TABLE: Table = Table {
     fields: &[
         Field::new("time", Form::Word(&["seconds", "beats"]), "", "In what its times are counted."),
         Field::new("tempo", Form::number(120.0, 1.0, 10_000.0), "1/min", "Beats in a minute."),
+        Field::new(
+            "clock",
+            Form::Word(&["own", "midi"]),
+            "",
+            "Who counts its beats: its own tempo, or a MIDI clock, which starts and stops it, too.",
+        ),
         Field::new("events", Form::Defined("events"), "", "A list of events, or the name of a file of them.")
             .required(),
         Field::new("repeat", Form::One(&event::REPEAT), "", "The whole pattern again and again."),
@@ -151,6 +159,15 @@ pub(crate) fn read(name: &str, reader: &Reader, options: &Permissions) -> Patter
             "write time = \"beats\", or leave the tempo out",
         );
     }
+    let follows = reader.word("clock") == 1;
+    if follows && !beats {
+        let what = format!("{} follows a MIDI clock but counts in seconds", reader.who);
+        reader.sink.error_help(
+            &reader.span_of("clock"),
+            what,
+            "write time = \"beats\", or leave the clock out",
+        );
+    }
     let events = match reader.at("events").map(|v| (v, v.text())) {
         Some((value, Some(path))) => {
             let path = options.path(path, &value.span(), &reader.who, reader.sink).unwrap_or_default();
@@ -201,6 +218,7 @@ pub(crate) fn read(name: &str, reader: &Reader, options: &Permissions) -> Patter
     Pattern {
         name: name.into(),
         time: if beats { TimeBase::Beats(tempo) } else { TimeBase::Seconds },
+        follows: follows && beats,
         events,
         repeat: reader.has("repeat").then(|| event::read_repeat(reader)).flatten(),
         gain: reader.number_or_default("gain"),

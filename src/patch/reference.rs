@@ -155,6 +155,10 @@ pub const TOPICS: &[Topic] = &[
         written: "[pattern.NAME]",
         doc: "Events in time.",
         text: "Times are counted in seconds, or with time = \"beats\" in beats of `tempo` a minute, durations too.\n\n\
+               With clock = \"midi\" a pattern plays when a sequencer's song does: start, stop, continue and song position move it, and its \
+               beats, durations too, are those of the MIDI clock, jitter taken out. What it plays moves with it. Where a trigger plays it \
+               while that song runs, it joins in at once; while none runs, and in a rendering without --midi, it has its own tempo. With \
+               --midi, the tempo of that song counts.\n\n\
                A pattern that repeats without `times` goes on for ever; then no other pattern can play it. `every` is counted from \
                one beginning to the next.\n\n\
                `shuffle` draws anew each time the pattern plays; `jitter` for each event each time. What is drawn follows from the seed: the \

@@ -63,6 +63,7 @@ impl Performer {
         let result = moved.map_or(Ok(()), |(mover, channel, position)| {
             self.move_by(at, &|from| *from == mover, Some(channel), position, outlet)
         });
+        let result = result.and(self.count(at, port, message));
         result.and(
             self.hear(port, at, outlet, |interpreter, sink| interpreter.message(at.seconds, message, sink)),
         )
@@ -87,6 +88,7 @@ impl Performer {
     /// # Errors
     /// As [`Performer::midi`].
     pub fn midi_gone(&mut self, at: When, port: u16, outlet: &mut dyn Outlet) -> Result<(), Problem> {
+        self.count_no_more(port);
         self.hear(port, at, outlet, |interpreter, sink| interpreter.let_go(sink))
     }
 

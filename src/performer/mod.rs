@@ -3,6 +3,8 @@
 //! A performer has no engine. It gives its events to an [`Outlet`], which may be an engine at once ([`crate::player`]) or a ring that
 //! leads to one in another thread. It may allocate and read files.
 
+mod beats;
+mod clocked;
 mod hands;
 mod heard;
 mod note;
@@ -28,6 +30,7 @@ use crate::rig::{Finder, Rig};
 use crate::score::{EventStream, HORIZON, Root, Score};
 use crate::text::Problem;
 
+use clocked::Clocked;
 use hands::Hands;
 pub use heard::{Happening, Heard, Listener, Origin};
 pub use note::Note;
@@ -55,6 +58,9 @@ pub struct Performer {
     hears: Vec<[bool; 3]>,
     files: Arc<Mutex<OpenEvents>>,
     runs: Vec<Run>,
+    /// What plays from the beginning by its own count, by its place in the patch.
+    roots: Vec<usize>,
+    clocked: Clocked,
     length: Option<f64>,
     cut: bool,
     trouble: Option<Problem>,
@@ -88,8 +94,8 @@ impl Performer {
     /// # Errors
     /// What is wrong with the patterns that play from the beginning.
     pub fn new(scene: Scene, patch: Arc<Patch>, rig: Arc<Rig>, files: OpenEvents) -> Result<Self, Problem> {
-        let roots: Vec<Root> = scene.patterns.iter().map(|&p| Root::at(p, 0.0)).collect();
         let mut performer = Self::bare(scene, patch, rig, files);
+        let roots: Vec<Root> = performer.roots.iter().map(|&p| Root::at(p, 0.0)).collect();
         let run = Run::new(0, None, performer.score(&roots, performer.plan.seed)?);
         performer.length = run.length();
         performer.runs.push(run);
@@ -98,7 +104,7 @@ impl Performer {
 
     /// Without anything that plays.
     fn bare(scene: Scene, patch: Arc<Patch>, rig: Arc<Rig>, files: OpenEvents) -> Self {
-        let Scene { plan, instruments, .. } = scene;
+        let Scene { plan, instruments, patterns: roots } = scene;
         // Where two voices share a name, the first has it.
         let voices = patch.voices.iter().enumerate().rev().map(|(i, v)| (v.name.clone(), i)).collect();
         let mut voice_of = vec![usize::MAX; plan.instruments.len()];
@@ -124,6 +130,8 @@ impl Performer {
             hears,
             files: Arc::new(Mutex::new(files)),
             runs: Vec::new(),
+            roots,
+            clocked: Clocked::default(),
             length: Some(0.0),
             cut: false,
             trouble: None,

@@ -38,10 +38,15 @@ impl Performer {
             return Err(Problem::of_file(what).help(suggest(name, names())));
         };
         let serial = self.started + 1;
-        let root = Root { pattern, at: at.seconds, gain, rate };
+        let follows = self.follows(at, pattern);
+        let root = Root { pattern, at: if follows.is_some() { 0.0 } else { at.seconds }, gain, rate };
         let score = self.score(&[root], self.seed_of(serial))?;
         self.started = serial;
-        self.runs.push(Run::new(serial, Some(root), score));
+        let run = Run::new(serial, Some(root), score);
+        self.runs.push(match follows {
+            Some((beat, beats)) => run.following(beat, beats),
+            None => run,
+        });
         Ok(serial)
     }
 
@@ -74,8 +79,7 @@ impl Performer {
     pub fn feed(&mut self, until: u64, outlet: &mut dyn Outlet) -> Option<u64> {
         let until = until as f64 / self.plan.engine_rate();
         let song = self.feed_song(until, outlet);
-        while let Some(first) = self.first_run() {
-            let (number, at) = first;
+        while let Some((number, at, longer)) = self.first_run(outlet) {
             if at >= until {
                 break;
             }
@@ -85,8 +89,12 @@ impl Performer {
             }
             let run = &mut self.runs[number];
             let (serial, timed) = (run.serial, run.take());
-            if let Some(timed) = timed {
-                self.fed = timed.at;
+            if let Some(mut timed) = timed {
+                timed.at = at;
+                if let What::Play(note) = &mut timed.what {
+                    note.duration *= longer;
+                }
+                self.fed = self.fed.max(at);
                 self.perform(serial, timed, outlet);
             }
         }
@@ -126,7 +134,10 @@ impl Performer {
             self.song.pop_front();
             let played = match message {
                 Some(message) => self.midi(at, 0, message, outlet),
-                None => self.midi_gone(at, 0, outlet),
+                None => {
+                    self.stop_clocked();
+                    self.midi_gone(at, 0, outlet)
+                }
             };
             if let Err(problem) = played {
                 self.trouble.get_or_insert(problem);
@@ -134,10 +145,10 @@ impl Performer {
         }
     }
 
-    /// Which pattern says something next, and when; of those at the same time, the one that was started first. Takes those away
+    /// Which pattern says something next, when, and how much longer than by its own count it lasts; of those at the same time, the one that was started first. Takes those away
     /// that have ended.
-    fn first_run(&mut self) -> Option<(usize, f64)> {
-        let mut first: Option<(usize, f64)> = None;
+    fn first_run(&mut self, outlet: &dyn Outlet) -> Option<(usize, f64, f64)> {
+        let mut first: Option<(usize, f64, f64)> = None;
         let mut number = 0;
         while number < self.runs.len() {
             let next = self.runs[number].next().unwrap_or_else(|problem| {
@@ -145,9 +156,11 @@ impl Performer {
                 None
             });
             match next {
-                Some(at) => {
-                    if first.is_none_or(|(_, earliest)| at < earliest) {
-                        first = Some((number, at));
+                Some(own) => {
+                    if let Some((at, longer)) = self.falls(self.runs[number].follows, own, outlet)
+                        && first.is_none_or(|(_, earliest, _)| at < earliest)
+                    {
+                        first = Some((number, at, longer));
                     }
                     number += 1;
                 }

@@ -9,6 +9,8 @@ pub(super) struct Run {
     pub serial: u64,
     /// What was started; `None` for what plays from the beginning.
     pub root: Option<Root>,
+    /// Where it follows a clock: the beat with which it begins, and its own beats a second.
+    pub follows: Option<(f64, f64)>,
     score: Score<'static>,
     ahead: Option<Timed>,
     over: bool,
@@ -16,10 +18,15 @@ pub(super) struct Run {
 
 impl Run {
     pub fn new(serial: u64, root: Option<Root>, score: Score<'static>) -> Self {
-        Self { serial, root, score, ahead: None, over: false }
+        Self { serial, root, follows: None, score, ahead: None, over: false }
     }
 
-    /// When it says something next; `None` when it has ended.
+    /// The same, counted by a clock: it begins with `beat`, and has itself so many `beats` a second.
+    pub fn following(self, beat: f64, beats: f64) -> Self {
+        Self { follows: Some((beat, beats)), ..self }
+    }
+
+    /// When it says something next, by its own count; `None` when it has ended.
     pub fn next(&mut self) -> Result<Option<f64>, Problem> {
         if self.ahead.is_none() && !self.over {
             self.ahead = self.score.next().transpose().inspect_err(|_| self.over = true)?;

@@ -25,12 +25,13 @@ impl Performer {
         files: OpenEvents,
     ) -> Result<(), Problem> {
         let (old, fed) = (Arc::clone(&self.patch), self.fed);
-        let runs: Vec<(u64, Option<Root>)> = self.runs.drain(..).map(|run| (run.serial, run.root)).collect();
-        let began = runs.iter().any(|(serial, _)| *serial == 0);
-        let roots: Vec<Root> = scene.patterns.iter().map(|&p| Root::at(p, 0.0)).collect();
+        let runs: Vec<_> = self.runs.drain(..).map(|run| (run.serial, run.root, run.follows)).collect();
+        let began = runs.iter().any(|(serial, ..)| *serial == 0);
         let mut new = Self::bare(scene, patch, rig, files);
         std::mem::swap(self, &mut new);
         (self.played, self.started, self.fed) = (new.played, new.started, fed);
+        self.take_clock(&mut new, &old);
+        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, 0.0)).collect();
         self.hands = std::mem::take(&mut new.hands);
         self.take_hands(&new.plan);
         self.song = std::mem::take(&mut new.song);
@@ -55,7 +56,7 @@ impl Performer {
             let score = self.score(&roots, self.plan.seed)?;
             self.resume(Run::new(0, None, score))?;
         }
-        for (serial, root) in runs {
+        for (serial, root, follows) in runs {
             let Some(root) = root else { continue };
             let name = old.patterns.get(root.pattern).map(|p| &p.name);
             let Some(pattern) = self.patch.patterns.iter().position(|p| Some(&p.name) == name) else {
@@ -63,7 +64,12 @@ impl Performer {
             };
             let root = Root { pattern, ..root };
             let score = self.score(&[root], self.seed_of(serial))?;
-            self.resume(Run::new(serial, Some(root), score))?;
+            let run = Run::new(serial, Some(root), score);
+            let beats = self.patch.patterns.get(pattern).map_or(2.0, |p| 1.0 / p.time.seconds());
+            self.resume(match follows {
+                Some((beat, _)) => run.following(beat, beats),
+                None => run,
+            })?;
         }
         Ok(())
     }
@@ -82,9 +88,31 @@ impl Performer {
         }
     }
 
+    /// The clock counts on, for the patterns that follow it now; one that did before has the serial number that it had.
+    fn take_clock(&mut self, from: &mut Self, old: &Patch) {
+        if !from.clocked.patterns.is_empty() {
+            let follows = |p: &usize| self.patch.patterns.get(*p).is_some_and(|pattern| pattern.follows);
+            let (clocked, own): (Vec<usize>, Vec<usize>) = self.roots.iter().partition(|p| follows(p));
+            let name = |patch: &Patch, p: usize| patch.patterns.get(p).map(|p| p.name.clone());
+            let serial = |pattern: usize| {
+                let known =
+                    from.clocked.patterns.iter().find(|(p, _)| name(old, *p) == name(&self.patch, pattern));
+                known.and_then(|(_, serial)| *serial)
+            };
+            let patterns = clocked.into_iter().map(|pattern| (pattern, serial(pattern))).collect();
+            self.roots = own;
+            self.clocked = std::mem::take(&mut from.clocked);
+            self.clocked.patterns = patterns;
+        }
+    }
+
     /// Takes a run up where feeding stands.
     fn resume(&mut self, mut run: Run) -> Result<(), Problem> {
-        while run.next()?.is_some_and(|at| at < self.fed) {
+        let fed = match run.follows {
+            Some((begin, beats)) => self.clocked.beats.beat(self.fed).map(|beat| (beat - begin) / beats),
+            None => Some(self.fed),
+        };
+        while run.next()?.is_some_and(|at| fed.is_some_and(|fed| at < fed)) {
             run.take();
         }
         self.runs.push(run);

@@ -165,7 +165,10 @@ fn what_cannot_be_played_is_refused() {
     );
     let whole = |p: Pattern| refused(&patch(vec![p]));
     assert!(whole(Pattern { rate: 0.0, ..pattern("p", Vec::new()) }).contains("rate is 0"));
-    assert!(whole(Pattern { time: TimeBase::Beats(0.0), ..pattern("p", Vec::new()) }).contains("tempo"));
+    assert!(
+        whole(Pattern { time: TimeBase::Beats(0.0), follows: false, ..pattern("p", Vec::new()) })
+            .contains("tempo")
+    );
     assert!(whole(Pattern { repeat: every(0.0, None), ..pattern("p", Vec::new()) }).contains("every 0"));
     assert!(
         whole(Pattern { jitter: Some(jitter(-1.0, &[])), ..pattern("p", Vec::new()) }).contains("jitter")

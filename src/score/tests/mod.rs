@@ -16,6 +16,7 @@ fn pattern(name: &str, events: Vec<Event>) -> Pattern {
     Pattern {
         name: name.into(),
         time: TimeBase::Seconds,
+        follows: false,
         events: Events::Inline(events),
         repeat: None,
         gain: 1.0,

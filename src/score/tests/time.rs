@@ -139,7 +139,7 @@ fn tempo_counts_delay_repetition_and_durations_in_beats() {
     let mut b = event(1.0, super::voice("b", None, None, &[]));
     b.delay = 0.5;
     b.repeat = every(2.0, 3);
-    let p = Pattern { time: TimeBase::Beats(30.0), rate: 4.0, ..pattern("p", vec![b]) };
+    let p = Pattern { time: TimeBase::Beats(30.0), follows: false, rate: 4.0, ..pattern("p", vec![b]) };
     let played = all(&patch(vec![p]), 0);
     assert_eq!(times(&played), [0.75, 1.75, 2.75]);
     assert!(played.iter().all(|t| note(t).duration == 1.0 && note(t).level == 0.5 && note(t).place == 7));

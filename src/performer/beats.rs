@@ -1,0 +1,252 @@
+//! The beats of a clock from outside, and when they fall.
+//!
+//! A MIDI clock says 24 times a beat that time has passed. Each message comes a little late or early, so a delay-locked loop of second order
+//! (F. Adriaensen, "Using a DLL to filter time", Linux Audio Conference 2005) says where the beats are: its phase follows the messages,
+//! which are counted, so that it never drifts away from the sender, and its period is smooth. A song from a file says where its beats are
+//! beforehand.
+
+use std::f64::consts::{SQRT_2, TAU};
+
+/// Clocks a beat: MIDI 1.0 Detailed Specification, "Timing Clock".
+pub(super) const CLOCKS: f64 = 24.0;
+
+/// Bandwidth of the loop, Hz, and in its first beat.
+const BANDWIDTH: f64 = 0.8;
+const EAGER: f64 = 4.0;
+
+/// Off by more clocks than this, the loop begins anew: the sender has jumped.
+const LOST: f64 = 2.5;
+
+/// A clock that is this long overdue, in clocks, has stopped by itself: nothing is played beyond.
+const TRUSTED: f64 = 24.0;
+
+/// Seconds from one clock to the next: from 1,000 to 10 beats a minute.
+const PERIODS: [f64; 2] = [0.0025, 0.25];
+
+/// When beats fall.
+#[derive(Debug, Clone, Default)]
+pub(super) enum Beats {
+    /// Nobody says.
+    #[default]
+    None,
+    /// A clock does, as it comes.
+    Clock(Clock),
+    /// A song does: from these seconds on, at this beat, so many beats a second; and when it ends.
+    Song(Vec<(f64, f64, f64)>, f64),
+}
+
+/// A clock that comes.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Clock {
+    /// Whether the song runs.
+    running: bool,
+    /// Clocks since the beginning of the song, up to the one that comes next.
+    count: f64,
+    /// When that is expected, seconds; `None` before the first.
+    next: Option<f64>,
+    /// Seconds from one to the next; 0 before it is known.
+    period: f64,
+    /// Clocks since the loop began.
+    age: u32,
+}
+
+impl Clock {
+    /// A clock came at `now` seconds.
+    pub fn tick(&mut self, now: f64) {
+        match self.next {
+            // The second of all says what the period is, as far as one can.
+            Some(next) if self.age == 1 => {
+                self.period = (now - next).clamp(PERIODS[0], PERIODS[1]);
+                self.next = Some(now + self.period);
+            }
+            Some(next) if self.age > 1 && (now - next).abs() <= LOST * self.period => {
+                let late = now - next;
+                let bandwidth = if f64::from(self.age) < CLOCKS { EAGER } else { BANDWIDTH };
+                // Natural frequency in radians a clock; below 0.3 it is well damped.
+                let omega = (TAU * bandwidth * self.period).min(0.3);
+                self.next = Some(next + SQRT_2 * omega * late + self.period);
+                self.period = (self.period + omega * omega * late).clamp(PERIODS[0], PERIODS[1]);
+            }
+            _ => {
+                self.next = Some(now);
+                self.age = 0;
+                if self.period > 0.0 {
+                    // It goes on at the tempo that it had, until the next one tells.
+                    self.next = Some(now + self.period);
+                    self.age = 2;
+                }
+            }
+        }
+        self.age = self.age.saturating_add(1);
+        if self.running {
+            self.count += 1.0;
+        }
+    }
+
+    /// The song plays on from so many beats, with the clock that comes next.
+    pub fn run(&mut self, beats: f64) {
+        (self.running, self.count) = (true, beats * CLOCKS);
+    }
+
+    /// The song stops. Gives where it stands.
+    pub fn stop(&mut self) -> f64 {
+        self.running = false;
+        self.count / CLOCKS
+    }
+
+    /// When a beat falls, and how many there are a second; `usual` where nothing is known of that yet.
+    fn at(&self, beat: f64, usual: f64) -> Option<(f64, f64)> {
+        let next = self.next.filter(|_| self.running)?;
+        let period = if self.period > 0.0 { self.period } else { 1.0 / (CLOCKS * usual) };
+        // With one clock only, the next is expected where it was.
+        let next = if self.age == 1 { next + period } else { next };
+        let clocks = beat * CLOCKS - self.count;
+        (clocks < TRUSTED).then(|| (next + clocks * period, 1.0 / (CLOCKS * period)))
+    }
+}
+
+impl Beats {
+    /// Of a song: where its tempo changes, in seconds, and what to, in beats a minute; 120 until then. It ends at `seconds`.
+    pub fn of_song(tempi: &[(f64, f64)], seconds: f64) -> Self {
+        let mut map = vec![(0.0, 0.0, 2.0)];
+        for &(at, tempo) in tempi {
+            let &(from, beat, speed) = map.last().unwrap_or(&(0.0, 0.0, 2.0));
+            let tempo = tempo.clamp(1.0, 10_000.0) / 60.0;
+            if at <= from {
+                map.pop();
+                map.push((from, beat, tempo));
+            } else {
+                map.push((at, beat + (at - from) * speed, tempo));
+            }
+        }
+        Self::Song(map, seconds)
+    }
+
+    /// The clock that comes, made if there was none.
+    pub fn clock(&mut self) -> &mut Clock {
+        if !matches!(self, Self::Clock(_)) {
+            *self = Self::Clock(Clock::default());
+        }
+        match self {
+            Self::Clock(clock) => clock,
+            _ => unreachable!("it was made"),
+        }
+    }
+
+    /// When a beat falls, in seconds, and how many there are a second; `usual` where a clock has not said that yet. `None` where that is
+    /// not known: nobody counts, the song stands, or its clocks have stopped coming.
+    pub fn at(&self, beat: f64, usual: f64) -> Option<(f64, f64)> {
+        match self {
+            Self::None => None,
+            Self::Clock(clock) => clock.at(beat, usual),
+            Self::Song(map, seconds) => {
+                let step = map.partition_point(|(_, from, _)| *from <= beat).saturating_sub(1);
+                let &(at, from, speed) = map.get(step)?;
+                Some((at + (beat - from) / speed, speed)).filter(|(at, _)| at < seconds)
+            }
+        }
+    }
+
+    /// The beat that falls at `seconds`, where the song runs.
+    pub fn beat(&self, seconds: f64) -> Option<f64> {
+        match self {
+            Self::None => None,
+            Self::Clock(clock) => {
+                let (next, period) = (clock.next.filter(|_| clock.running)?, clock.period);
+                let ahead = if period > 0.0 { (seconds - next) / period } else { 0.0 };
+                Some(((clock.count + ahead) / CLOCKS).max(0.0))
+            }
+            Self::Song(map, _) => {
+                let step = map.partition_point(|(at, ..)| *at <= seconds).saturating_sub(1);
+                let &(at, from, speed) = map.get(step)?;
+                Some(from + (seconds - at) * speed)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Beats, CLOCKS};
+    use proptest::prelude::{ProptestConfig, prop_assert, proptest};
+
+    #[test]
+    fn the_map_of_a_song_is_the_integral_of_its_tempo() {
+        // 60 a minute for two seconds, then 120, then 30.
+        let beats = Beats::of_song(&[(0.0, 60.0), (2.0, 120.0), (4.0, 30.0)], 10.0);
+        for (beat, seconds, speed) in
+            [(0.0, 0.0, 1.0), (1.5, 1.5, 1.0), (2.0, 2.0, 2.0), (5.0, 3.5, 2.0), (7.0, 6.0, 0.5)]
+        {
+            assert_eq!(beats.at(beat, 2.0), Some((seconds, speed)));
+            assert_eq!(beats.beat(seconds), Some(beat));
+        }
+        assert_eq!(beats.at(9.5, 2.0), None, "it has ended");
+        assert_eq!(Beats::of_song(&[], 10.0).at(3.0, 1.0), Some((1.5, 2.0)), "120 where nothing is said");
+    }
+
+    #[test]
+    fn an_exact_clock_is_followed_exactly() {
+        let mut beats = Beats::None;
+        for (beat, at) in [(0.0, 1.0), (0.5, 1.25)] {
+            assert_eq!((beats.at(beat, 2.0), at > 0.0), (None, true));
+        }
+        beats.clock().run(0.0);
+        assert_eq!(beats.at(0.0, 2.0), None, "before the first clock");
+        for n in 0..200 {
+            beats.clock().tick(1.0 + f64::from(n) * 0.5 / CLOCKS);
+            let beat = f64::from(n / 12) / 2.0 + 0.5;
+            let (at, speed) = beats.at(beat, 2.0).unwrap();
+            assert!((at - 1.0 - 0.5 * beat).abs() < 1e-9 && (speed - 2.0).abs() < 1e-6, "{n}: {at}");
+        }
+        // Clocks that come no more: a beat is trusted, and no more than that.
+        let now = 199.0 / CLOCKS;
+        assert!(beats.at(now + 0.9, 2.0).is_some() && beats.at(now + 1.1, 2.0).is_none());
+        assert!((beats.clock().stop() - 200.0 / CLOCKS).abs() < 1e-12);
+        assert_eq!(beats.at(9.0, 2.0), None);
+    }
+
+    #[test]
+    fn a_new_tempo_is_followed_within_two_seconds() {
+        for (before, after) in [(120.0, 90.0), (90.0, 180.0), (60.0, 200.0), (200.0, 60.0)] {
+            let (mut beats, mut now, mut n) = (Beats::None, 0.0, 0.0);
+            beats.clock().run(0.0);
+            while now < 6.0 {
+                beats.clock().tick(now);
+                if now > 5.0 {
+                    // The next beat, as it will be.
+                    let beat = (n / CLOCKS + 1.0_f64).floor();
+                    let due = now + (beat * CLOCKS - n) * 60.0 / after / CLOCKS;
+                    let (at, _) = beats.at(beat, 2.0).unwrap();
+                    assert!((at - due).abs() < 0.004, "{before} to {after}: {at} for {due}");
+                }
+                now += 60.0 / CLOCKS / if now < 3.0 { before } else { after };
+                n += 1.0;
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn jitter_is_smoothed_and_nothing_drifts(
+            jitter in proptest::collection::vec(-0.002_f64..0.002, 480),
+            bpm in 60.0_f64..180.0,
+        ) {
+            let mut beats = Beats::None;
+            beats.clock().run(0.0);
+            let (mut worst, mut energy, mut count) = (0.0_f64, 0.0, 0.0);
+            for (n, j) in jitter.iter().enumerate() {
+                let due = 1.0 + n as f64 * 60.0 / bpm / CLOCKS;
+                beats.clock().tick(due + j);
+                if n >= 96 {
+                    let (at, _) = beats.at((n + 1) as f64 / CLOCKS, 2.0).unwrap_or_default();
+                    let off = at - due - 60.0 / bpm / CLOCKS;
+                    (worst, energy, count) = (worst.max(off.abs()), energy + off * off, count + 1.0);
+                }
+            }
+            // Two milliseconds to either side, 1.15 in the mean square, become half of that, and never more.
+            let mean = f64::sqrt(energy / count);
+            prop_assert!(worst < 0.002 && mean < 0.0007, "{} and {} at {}", worst, mean, bpm);
+        }
+    }
+}

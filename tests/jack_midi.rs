@@ -1,0 +1,133 @@
+//! MIDI through a JACK server, a real one with its dummy driver: what another program plays is heard, and let go of when it leaves.
+#![cfg(target_os = "linux")]
+
+mod common;
+
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::time::{Duration, Instant};
+
+use midir::MidiOutput;
+use midir::os::unix::VirtualOutput;
+use pacinian::graph::scene::{Options, scene};
+use pacinian::io::device::choose::Chosen;
+use pacinian::io::midi_in::{MidiPorts, PortNews};
+use pacinian::io::session::{Beginning, Session};
+use pacinian::live::reload::Reload;
+use pacinian::node::asset::NoAssets;
+use pacinian::rig::Rig;
+use pacinian::text::Problem;
+
+const PATCH: &str = "[voice.hum]\noutput = \"o\"\n[voice.hum.nodes]\n\
+    s = { type = \"sine\", frequency = \"event.frequency * touch.bend\" }\n\
+    e = { type = \"envelope\", attack = 0.005, release = 0.02 }\no = { type = \"multiply\", inputs = [\"s\", \"e\"] }\n\
+    [[trigger]]\non = \"midi.note\"\nplay = \"hum\"\n";
+
+/// A server under a name of its own, which ends with this.
+struct Server(Child);
+
+impl Server {
+    /// `None` where there is no JACK, which is said.
+    fn start() -> Option<Self> {
+        let name = format!("pacinian-{}", std::process::id());
+        // SAFETY: this is the only test here, and no other thread reads the environment yet.
+        unsafe {
+            std::env::set_var("JACK_DEFAULT_SERVER", &name);
+            std::env::set_var("JACK_NO_AUDIO_RESERVATION", "1");
+            std::env::set_var("JACK_NO_START_SERVER", "1");
+        }
+        let mut command = Command::new("jackd");
+        command.args(["-r", "-n", &name, "-d", "dummy", "-r", "48000", "-p", "256"]);
+        let Ok(child) = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn() else {
+            eprintln!("skipped: there is no jackd (apt-get install jackd2)");
+            return None;
+        };
+        let server = Self(child);
+        let ready = wait(10, || MidiOutput::new("are you there").is_ok());
+        if !ready {
+            eprintln!("skipped: jackd does not run here");
+        }
+        ready.then_some(server)
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = Command::new("kill").arg(self.0.id().to_string()).status();
+        let gone = wait(5, || matches!(self.0.try_wait(), Ok(Some(_))));
+        if !gone {
+            let _ = self.0.kill();
+            let _ = self.0.wait();
+        }
+        for folder in ["/dev/shm"] {
+            let mine = format!("pacinian-{}", std::process::id());
+            for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+                if entry.file_name().to_string_lossy().contains(&mine) {
+                    let path: PathBuf = entry.path();
+                    let _ = std::fs::remove_file(&path).or_else(|_| std::fs::remove_dir_all(&path));
+                }
+            }
+        }
+    }
+}
+
+/// Whether it comes about within so many seconds.
+fn wait(seconds: u64, mut what: impl FnMut() -> bool) -> bool {
+    let begin = Instant::now();
+    while begin.elapsed() < Duration::from_secs(seconds) {
+        if what() {
+            return true;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    false
+}
+
+#[test]
+fn a_note_of_a_client_sounds_until_its_port_is_gone() {
+    let Some(_server) = Server::start() else { return };
+    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+    let (patch, rig) = (Arc::new(common::patch(PATCH)), Arc::new(Rig::default_for(2)));
+    let session = Session::start(Beginning {
+        block: Some(64),
+        ..Beginning::of(
+            Reload {
+                scene: scene(&patch, &rig, &options, &NoAssets).unwrap(),
+                patch,
+                rig,
+                files: Box::new(|path| Err(Problem::of_file(path))),
+                provenance: None,
+            },
+            Chosen::Virtual(None),
+        )
+    })
+    .unwrap();
+    let (news, heard) = channel();
+    let told = Box::new(move |what: PortNews| drop(news.send(what)));
+    let _ports = MidiPorts::listen(session.handle(), Some("keys".into()), told).unwrap();
+
+    for round in 0..2 {
+        let mut keys = MidiOutput::new("somebody").unwrap().create_virtual("keys").unwrap();
+        let opened = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+        assert!(matches!(&opened, PortNews::Opened(name) if name.contains("keys")), "{round}: {opened:?}");
+        let voices = || session.board().voices.get();
+        // A port may be listed before it is connected: what came first may be lost, as of any cable that is plugged in.
+        assert!(
+            wait(20, || {
+                let _ = keys.send(&[0xE0, 0, 0x50]);
+                let _ = keys.send(&[0x90, 60, 100]);
+                std::thread::sleep(Duration::from_millis(50));
+                voices() > 0
+            }),
+            "{round}: nothing sounds"
+        );
+        std::thread::sleep(Duration::from_millis(300));
+        assert!(voices() > 0, "{round}: a key holds its voice");
+        drop(keys);
+        let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+        assert!(matches!(&gone, PortNews::Gone(name) if name.contains("keys")), "{round}: {gone:?}");
+        assert!(wait(10, || voices() == 0), "{round}: it is not let go of");
+    }
+}
