@@ -154,7 +154,8 @@ mod tests {
             assert_eq!(channels, 2);
             for frame in frames.chunks_exact_mut(channels) {
                 self.0 += 1.0;
-                frame.copy_from_slice(&[self.0, -self.0 * 1e-6]);
+                // Within a card's full scale.
+                frame.copy_from_slice(&[self.0 / 65_536.0, -self.0 * 1e-6]);
             }
         }
     }
@@ -181,7 +182,7 @@ mod tests {
         }
         let all: Vec<f32> = record.pop_iter().collect();
         assert_eq!((all.len(), board.input.unrecorded.get()), (2 * frames, 0));
-        assert!(all.chunks(2).enumerate().all(|(n, frame)| frame[0] == n as f32 + 1.0));
+        assert!(all.chunks(2).enumerate().all(|(n, frame)| frame[0] == (n as f32 + 1.0) / 65_536.0));
         // What found no room is counted.
         driver.fill(&mut vec![0.0; 2 * PART]);
         driver.fill(&mut vec![0.0; 8 * PART]);

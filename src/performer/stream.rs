@@ -68,7 +68,7 @@ mod tests {
         let mut stream = Stream::new(delay);
         let curve = |t: f64| (t * 7.0).sin();
         // A hundred a second, more or less.
-        let times: Vec<f64> = (0..200).map(|n| 0.01 * f64::from(n) + 0.004 * f64::from(n * 7 % 5)).collect();
+        let times: Vec<f64> = (0..200).map(|n| 0.01 * f64::from(n) + 0.0015 * f64::from(n * 7 % 5)).collect();
         let glides: Vec<_> = times
             .iter()
             .map(|&t| {

@@ -32,6 +32,13 @@ impl Line {
         slope.is_finite().then_some(Self { middle, at, slope })
     }
 
+    /// Beneath points, as near as it can be, for a slope that is known. `None` for no points.
+    pub fn rising(points: &[(f64, f64)], slope: f64) -> Option<Self> {
+        let middle = points.iter().map(|p| p.0).sum::<f64>() / points.len() as f64;
+        let at = points.iter().map(|p| p.1 - slope * (p.0 - middle)).min_by(f64::total_cmp)?;
+        slope.is_finite().then_some(Self { middle, at, slope })
+    }
+
     /// Its height at x.
     pub fn at(&self, x: f64) -> f64 {
         self.at + self.slope * (x - self.middle)
@@ -69,5 +76,9 @@ mod tests {
         assert!((line.at(10_000.0) - (2.0 + 10_000.0 * frame)).abs() < 1e-9);
         assert!((line.place(2.0 + 777.0 * frame) - 777.0).abs() < 1e-4);
         assert_eq!((Line::beneath(&[]), Line::beneath(&[(1.0, 1.0)])), (None, None));
+        // Of a short part, another's slope makes more.
+        let part = Line::rising(&points[100..140], line.slope()).unwrap();
+        assert!((part.at(10_000.0) - line.at(10_000.0)).abs() < 1e-9);
+        assert_eq!(Line::rising(&[], 1.0), None);
     }
 }

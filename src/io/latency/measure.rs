@@ -165,12 +165,15 @@ fn stretches(callbacks: &[Callback]) -> Vec<Stretch> {
     // Before the buffers have filled, what the system says of them is of no use.
     let settled = callbacks.get(8..).unwrap_or_default();
     let parts = settled.chunk_by(|a, b| a.gaps == b.gaps).filter(|part| part.len() >= FEWEST);
-    let stretch = |part: &[Callback]| {
-        let points: Vec<_> = part.iter().map(|c| (c.frame as f64, c.time)).collect();
-        let (first, last) = (part.first()?.frame as f64, part.last()?.frame as f64);
-        Some(Stretch { first, last, line: Line::beneath(&points)? })
+    let parts: Vec<Vec<_>> =
+        parts.map(|part| part.iter().map(|c| (c.frame as f64, c.time)).collect()).collect();
+    // The clock is the same before a gap and after it, and the longest stretch knows it best.
+    let longest = parts.iter().max_by_key(|points| points.len()).and_then(|points| Line::beneath(points));
+    let stretch = |points: &Vec<(f64, f64)>| {
+        let line = Line::rising(points, longest?.slope())?;
+        Some(Stretch { first: points.first()?.0, last: points.last()?.0, line })
     };
-    parts.filter_map(stretch).collect()
+    parts.iter().filter_map(stretch).collect()
 }
 
 /// What comes of callbacks on both sides and of what was heard.
