@@ -28,6 +28,9 @@ const EARLY: f64 = 0.02;
 /// Callbacks by which a stretch without a gap must be known.
 const FEWEST: usize = 12;
 
+/// And so many, after which the buffers have filled.
+const SETTLING: usize = 16;
+
 /// What is measured.
 pub struct Loop {
     /// The device that plays, what is asked of it, and its channel, from 0.
@@ -162,9 +165,10 @@ struct Stretch {
 }
 
 fn stretches(callbacks: &[Callback]) -> Vec<Stretch> {
-    // Before the buffers have filled, what the system says of them is of no use.
-    let settled = callbacks.get(8..).unwrap_or_default();
-    let parts = settled.chunk_by(|a, b| a.gaps == b.gaps).filter(|part| part.len() >= FEWEST);
+    // Before the buffers have filled, at the beginning and after a gap, what the system says of them is of no use.
+    let settled = |part: &'_ [Callback]| part.len().min(SETTLING);
+    let parts = callbacks.chunk_by(|a, b| a.gaps == b.gaps).map(|part| &part[settled(part)..]);
+    let parts = parts.filter(|part| part.len() >= FEWEST);
     let parts: Vec<Vec<_>> =
         parts.map(|part| part.iter().map(|c| (c.frame as f64, c.time)).collect()).collect();
     // The clock is the same before a gap and after it, and the longest stretch knows it best.
