@@ -69,8 +69,8 @@ pub struct Played<'a> {
     pub released: f64,
 }
 
-/// As [`reference_hearing`], of all that can be played, and for somebody who waits: `watch` is asked many times a second with the share that
-/// is done, from 0 to 1.
+/// As [`reference()`], of all that can be played, and for somebody who waits: `watch` is asked many times a second with the share that is
+/// done, from 0 to 1.
 ///
 /// # Errors
 /// The first that `watch` gives, at once.
