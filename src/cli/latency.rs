@@ -367,7 +367,14 @@ fn rounded(seconds: f64) -> f64 {
 /// The text of a rig with `loop_latency` under `[device]`; `None` where that is missing.
 fn with_latency(rig: &str, seconds: f64) -> Option<String> {
     let mut document: toml_edit::DocumentMut = rig.parse().ok()?;
-    let device = document.get_mut("device")?.as_table_like_mut()?;
+    let item = document.get_mut("device")?;
+    // In a table of one line, the space before its end belongs to the value that was the last.
+    if let Some(inline) = item.as_inline_table_mut().filter(|table| !table.contains_key("loop_latency"))
+        && let Some((_, last)) = inline.iter_mut().last()
+    {
+        last.decor_mut().set_suffix("");
+    }
+    let device = item.as_table_like_mut()?;
     match device.get_mut("loop_latency").and_then(|item| item.as_value_mut()) {
         Some(value) => {
             // A comment behind it stays.

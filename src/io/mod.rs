@@ -8,6 +8,7 @@ pub mod events;
 pub mod input;
 #[cfg(feature = "live")]
 pub mod journal;
+#[cfg(feature = "live")]
 pub mod latency;
 pub mod load;
 pub mod log;
