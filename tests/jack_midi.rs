@@ -39,7 +39,7 @@ impl Server {
             std::env::set_var("JACK_NO_START_SERVER", "1");
         }
         let mut command = Command::new("jackd");
-        command.args(["-r", "-n", &name, "-d", "dummy", "-r", "48000", "-p", "256"]);
+        command.args(["-r", "-p", "128", "-n", &name, "-d", "dummy", "-r", "48000", "-p", "256"]);
         let Ok(child) = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn() else {
             eprintln!("skipped: there is no jackd (apt-get install jackd2)");
             return None;

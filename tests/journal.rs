@@ -164,6 +164,10 @@ fn play(journal_path: &Path, recording: &Path) {
     assert_eq!(written.frames, session.board().frames.get());
     assert_eq!(session.board().unrecorded.get(), 0);
     assert_eq!(journal.finish().unwrap(), 0);
+    let Some(Item::Session(head)) = Reader::open(journal_path).unwrap().read().unwrap() else { panic!() };
+    assert!(
+        (head.delay - session.delay().total()).abs() < 1e-8 && (head.rate, head.channels) == (48_000.0, 3)
+    );
 }
 
 /// All frames of a replay.
@@ -227,6 +231,15 @@ fn what_was_played_is_played_again_to_the_bit() {
         assert!(
             drawn.clone().any(|line| line.event == Some(2) && line.drawn == Some(2)),
             "as the patch counts"
+        );
+        // Events leave the converter as far from each other as their samples are, on a card that keeps time to some milliseconds.
+        let times = lines.iter().filter(|line| line.kind == Kind::Voice);
+        let times: Vec<_> =
+            times.map(|line| (line.sample.unwrap() as f64 / 8_000.0, line.seconds.unwrap())).collect();
+        let (first, last) = (times[0], times[times.len() - 1]);
+        assert!(
+            last.0 - first.0 > 0.5 && ((last.1 - first.1) - (last.0 - first.0)).abs() < 0.3,
+            "{first:?} {last:?}"
         );
         let mut latest = f64::NEG_INFINITY;
         for line in
@@ -331,6 +344,10 @@ fn bytes_of_any_kind_are_no_reason_to_panic() {
         }
         let mut reader = Reader::new(Cursor::new(&bytes), "s");
         while let Ok(Some(_)) = reader.read() {}
+        // What can still be played is played, a second of it at most.
+        if let Ok(mut replay) = Replay::new(Reader::new(Cursor::new(&bytes), "s"), None) {
+            while replay.met().frames < 48_000 && matches!(replay.block(), Ok(Some(_))) {}
+        }
     }
 }
 

@@ -262,15 +262,19 @@ fn what_the_patch_names_is_watched_and_what_another_session_needs_is_kept() {
         (
             "channels = 3",
             "channels = 4",
-            "the rig has 4 channels, and the session began with 3: end this session",
+            "the rig has 4 channels, and the session began with 3: stop, and play again",
         ),
-        ("name = \"virtual\"", "name = \"Other\"", "the rig names another device, `Other`: end this session"),
+        (
+            "name = \"virtual\"",
+            "name = \"Other\"",
+            "the rig names another device, `Other`: stop, and play again",
+        ),
         (
             "rate = 48000",
             "rate = 48000\ninput = \"Microphone\"",
-            "the rig names another input: end this session",
+            "the rig names another input: stop, and play again",
         ),
-        ("rate = 48000", "rate = 44100", "the rig says another rate, 44100 Hz: end this session"),
+        ("rate = 48000", "rate = 44100", "the rig says another rate, 44100 Hz: stop, and play again"),
         (
             "[[",
             "[[output]]\nname = \"eeg\"\nkind = \"trigger\"\nchannel = 3\n[[",
@@ -376,7 +380,7 @@ fn a_patch_that_would_listen_in_vain_is_kept_out() {
     let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual", "--input", "in.wav"]);
     let listening = PATCH.replace("{ type = \"sine\", frequency = 90 }", "{ type = \"input\", channel = 2 }");
     fs::write(&patch, listening).unwrap();
-    playing.hears("the old one plays on: the patch listens to channel 2 of the input, and the session does not: end this session");
+    playing.hears("the old one plays on: the patch listens to channel 2 of the input, and the session does not: stop, and play again");
     fs::write(&patch, PATCH.replace("tap", "knock")).unwrap();
     playing.hears("knock on t1");
 }

@@ -153,10 +153,7 @@ impl Play {
                 is_told.iter().for_each(|journal| journal.told(&what));
                 match &what {
                     Told::Reloaded => drop(verdict.send(Ok(()))),
-                    Told::Kept(why) => {
-                        // What to do is said with it.
-                        drop(verdict.send(Err(why.trim_end_matches("; start anew").to_string())));
-                    }
+                    Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
                     _ => {}
                 }
                 told.told(what);

@@ -1,6 +1,7 @@
 //! What a journal says that a scene was made of.
 
 use super::load::Loaded;
+use super::named::named;
 use pacinian::graph::scene::Options;
 use pacinian::io::error::FileError;
 use pacinian::io::journal::{of_bytes, of_file};
@@ -18,7 +19,7 @@ pub fn provenance(loaded: &Loaded, options: &Options) -> Result<Provenance, File
     };
     let folder = loaded.folder();
     let mut files: Vec<FileDigest> = Vec::new();
-    for (path, _) in loaded.patch.recordings().chain(loaded.patch.events_files()) {
+    for (path, _) in named(&loaded.patch) {
         if files.iter().all(|known| known.path != path) {
             files.push(FileDigest { path: path.into(), sha256: of_file(&folder.resolve(path)?)? });
         }

@@ -199,7 +199,7 @@ impl Watcher {
 }
 
 /// What to do about what cannot take over.
-const AGAIN: &str = "end this session and play again";
+const AGAIN: &str = "stop, and play again";
 
 /// Ready to take over, or why it cannot and what to do.
 type Compiled = Result<(Box<Loaded>, Reload), (String, String)>;

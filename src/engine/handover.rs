@@ -50,12 +50,10 @@ pub enum Mismatch {
 impl fmt::Display for Mismatch {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Device => {
-                f.write_str("the new rig has another rate, other channels or another filter; start anew")
-            }
-            Self::Outputs => f.write_str("the new rig has other outputs or other equalisers; start anew"),
-            Self::Inputs => f.write_str("the new patch listens to further input channels; start anew"),
-            Self::Precision => f.write_str("the new plan computes with other numbers; start anew"),
+            Self::Device => f.write_str("the new rig has another rate, other channels or another filter"),
+            Self::Outputs => f.write_str("the new rig has other outputs or other equalisers"),
+            Self::Inputs => f.write_str("the new patch listens to further input channels"),
+            Self::Precision => f.write_str("the new plan computes with other numbers"),
             Self::Refused(why) => f.write_str(why),
         }
     }

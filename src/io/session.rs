@@ -38,7 +38,7 @@ pub struct Beginning {
     pub scene: Reload,
     /// On what.
     pub device: Chosen,
-    /// Frames a block; `None`: as the device likes.
+    /// Frames a block; `None`: [`Chosen::usual_block`].
     pub block: Option<u32>,
     /// Whether the output has its full level, or that for headphones, -20 dB.
     pub armed: bool,

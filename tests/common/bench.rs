@@ -102,7 +102,7 @@ impl Drop for Bench {
 }
 
 /// Waits until something holds, ten seconds at most.
-pub fn wait(what: &str, holds: impl Fn() -> bool) {
+pub fn wait(what: &str, mut holds: impl FnMut() -> bool) {
     let begin = Instant::now();
     while !holds() {
         assert!(begin.elapsed() < Duration::from_secs(10), "{what} did not come");

@@ -4,11 +4,12 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 
 use cpal::traits::{DeviceTrait, StreamTrait};
-use cpal::{BufferSize, Device, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
+use cpal::{BufferSize, Device, FromSample, SampleFormat, SizedSample, StreamConfig};
 
 use super::card::{News, Shape, behind, known_format, seconds};
 use super::failure::{DeviceError, Trouble};
 use super::list::Found;
+use super::minder::teller;
 use super::priority;
 use crate::live::board::Board;
 use crate::live::intake::LentIntake;
@@ -75,13 +76,7 @@ impl Capture {
         let buffer_size = shape.block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
-        let tell = move |error: cpal::Error| match error.kind() {
-            // The card has gone on by itself.
-            ErrorKind::Xrun => gaps.input.xruns.add(1),
-            ErrorKind::DeviceChanged => drop(news.send(News::Moved)),
-            ErrorKind::RealtimeDenied => drop(news.send(News::Said(error.to_string()))),
-            _ => drop(news.send(News::Lost(error.to_string()))),
-        };
+        let tell = teller(news, move || gaps.input.xruns.add(1));
         let stream = match format {
             SampleFormat::F32 => stream::<f32, _>(device, config, hear, tell),
             SampleFormat::I32 => stream::<i32, _>(device, config, hear, tell),

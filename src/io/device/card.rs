@@ -11,6 +11,7 @@ use cpal::{
 
 use super::failure::{DeviceError, Trouble};
 use super::list::Found;
+use super::minder::teller;
 use super::priority;
 use crate::live::board::Board;
 use crate::live::driver::Lent;
@@ -81,13 +82,7 @@ impl Card {
         let buffer_size = shape.block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
-        let tell = move |error: cpal::Error| match error.kind() {
-            // The card has gone on by itself.
-            ErrorKind::Xrun => gaps.xruns.add(1),
-            ErrorKind::DeviceChanged => drop(news.send(News::Moved)),
-            ErrorKind::RealtimeDenied => drop(news.send(News::Said(error.to_string()))),
-            _ => drop(news.send(News::Lost(error.to_string()))),
-        };
+        let tell = teller(news, move || gaps.xruns.add(1));
         let delays = Arc::clone(board);
         let stream = match format {
             SampleFormat::F32 => {

@@ -1,8 +1,7 @@
 //! Keeps a session on its device: notices when that is gone, goes on in silence, and comes back when it does. Never to another one.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::thread::JoinHandle;
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
 use cpal::Device;
@@ -11,6 +10,7 @@ use super::card::{Card, News, Shape};
 use super::choose::{Chosen, again};
 use super::failure::{DeviceError, Trouble};
 use super::list::Found;
+use super::minder::{Minder, Pulse, Search};
 use super::virtual_card::VirtualCard;
 use crate::live::board::Board;
 use crate::live::driver::Driver;
@@ -36,17 +36,6 @@ pub const BLOCK: usize = 128;
 const SILENT: Duration = Duration::from_millis(300);
 const MISSED: f64 = 12.0;
 
-/// So long after it was opened, callbacks may take to begin.
-const PATIENCE: Duration = Duration::from_secs(3);
-
-/// How often it is looked for while it is away: soon at first, later not so often.
-const SEARCH: Duration = Duration::from_millis(100);
-const SEARCH_LATER: Duration = Duration::from_secs(1);
-const SOON: Duration = Duration::from_secs(5);
-
-/// How often the watchdog looks.
-const WATCH: Duration = Duration::from_millis(20);
-
 /// So long a device may take to let go of a stream.
 const RELEASE: Duration = Duration::from_secs(5);
 
@@ -59,8 +48,7 @@ enum Playing {
 
 /// Keeps a session on its device until it is dropped.
 pub struct Keeper {
-    quit: Option<Sender<()>>,
-    thread: Option<JoinHandle<()>>,
+    _minder: Minder,
 }
 
 struct Keeping {
@@ -73,6 +61,8 @@ struct Keeping {
     news: Receiver<News>,
     tell: Sender<News>,
     fate: Box<dyn FnMut(Fate) + Send>,
+    pulse: Pulse,
+    search: Search,
     /// Whether the device is there.
     present: bool,
 }
@@ -101,6 +91,8 @@ impl Keeper {
             news,
             tell,
             fate,
+            pulse: Pulse::new(),
+            search: Search::new(),
             present: true,
         };
         match chosen {
@@ -110,22 +102,8 @@ impl Keeper {
             }
             Chosen::Virtual(_) => keeping.tick(driver)?,
         }
-        let (quit, asked) = channel();
-        let thread =
-            std::thread::Builder::new().name("device".into()).spawn(move || keeping.keep(&asked)).map_err(
-                |error| DeviceError::new(Trouble::Other, format!("no thread for the device: {error}")),
-            )?;
-        Ok(Self { quit: Some(quit), thread: Some(thread) })
-    }
-}
-
-impl Drop for Keeper {
-    fn drop(&mut self) {
-        drop(self.quit.take());
-        if let Some(thread) = self.thread.take() {
-            // One that has panicked has nothing more to say.
-            let _ = thread.join();
-        }
+        let minder = Minder::start("device", move || keeping.look())?;
+        Ok(Self { _minder: minder })
     }
 }
 
@@ -153,41 +131,28 @@ impl Keeping {
         self.home.recv_timeout(RELEASE).ok()
     }
 
-    fn keep(mut self, asked: &Receiver<()>) {
-        let (mut seen, mut since, mut searched) = (0, Instant::now() + PATIENCE, Instant::now());
-        let mut lost = Instant::now();
-        while asked.recv_timeout(WATCH) == Err(RecvTimeoutError::Timeout) {
-            let now = Instant::now();
-            let frames = self.board.frames.get();
-            if frames != seen {
-                (seen, since) = (frames, now);
+    /// Looks whether the device is there and asks for frames.
+    fn look(&mut self) {
+        let now = Instant::now();
+        let pause = self.pulse.pause(now, self.board.frames.get());
+        while let Ok(news) = self.news.try_recv() {
+            match news {
+                // Its own stream may say so too when it is closed.
+                News::Lost(why) if self.present => self.lose(why),
+                News::Lost(_) => {}
+                News::Moved => (self.fate)(Fate::Moved),
+                News::Said(what) => (self.fate)(Fate::Said(what)),
             }
-            if self.present {
-                lost = now;
-            }
-            while let Ok(news) = self.news.try_recv() {
-                match news {
-                    // Its own stream may say so too when it is closed.
-                    News::Lost(why) if self.present => self.lose(why),
-                    News::Lost(_) => {}
-                    News::Moved => (self.fate)(Fate::Moved),
-                    News::Said(what) => (self.fate)(Fate::Said(what)),
-                }
-            }
-            let block = self.board.block.get().max(1) as f64 / f64::from(self.shape.rate);
-            let silent = SILENT.max(Duration::from_secs_f64(MISSED * block));
-            if self.present && self.id.is_some() && now.saturating_duration_since(since) > silent {
-                self.lose("it does not ask for anything any more".into());
-            }
-            let pause = if now.saturating_duration_since(lost) < SOON { SEARCH } else { SEARCH_LATER };
-            if !self.present && now.duration_since(searched) >= pause {
-                searched = now;
-                if self.find() {
-                    since = Instant::now() + PATIENCE;
-                    // What the old stream said on its way out.
-                    while self.news.try_recv().is_ok() {}
-                }
-            }
+        }
+        let block = self.board.block.get().max(1) as f64 / f64::from(self.shape.rate);
+        let silent = SILENT.max(Duration::from_secs_f64(MISSED * block));
+        if self.present && self.id.is_some() && pause > silent {
+            self.lose("it does not ask for anything any more".into());
+        }
+        if self.search.is_due(now, self.present) && self.find() {
+            self.pulse.begin();
+            // What the old stream said on its way out.
+            while self.news.try_recv().is_ok() {}
         }
     }
 

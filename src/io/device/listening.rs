@@ -1,8 +1,7 @@
 //! Keeps a session listening to its input device: notices when that is gone, and comes back when it does. Never to another one.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::thread::JoinHandle;
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
 use cpal::Device;
@@ -13,24 +12,19 @@ use super::choose::heard_again;
 use super::failure::{DeviceError, Trouble};
 use super::keeper::Fate;
 use super::list::Found;
+use super::minder::{Minder, Pulse, Search};
 use crate::live::board::Board;
 use crate::live::intake::Intake;
 
-/// So long without a callback: then the device is taken for lost; and so long it may take for the first.
+/// So long without a callback: then the device is taken for lost.
 const SILENT: Duration = Duration::from_millis(500);
-const PATIENCE: Duration = Duration::from_secs(3);
-
-/// How often it is looked after, and how often it is looked for while it is away.
-const WATCH: Duration = Duration::from_millis(20);
-const SEARCH: Duration = Duration::from_millis(100);
 
 /// So long a device may take to let go of a stream.
 const RELEASE: Duration = Duration::from_secs(5);
 
 /// Listens until it is dropped.
 pub struct Listening {
-    quit: Option<Sender<()>>,
-    thread: Option<JoinHandle<()>>,
+    _minder: Minder,
 }
 
 struct Keeping {
@@ -46,6 +40,8 @@ struct Keeping {
     news: Receiver<News>,
     tell: Sender<News>,
     fate: Box<dyn FnMut(Fate) + Send>,
+    pulse: Pulse,
+    search: Search,
 }
 
 impl Listening {
@@ -64,24 +60,12 @@ impl Listening {
         let (tell, news) = channel();
         let (capture, intake, id) = (None, Some(Box::new(intake)), found.id.clone());
         let board = Arc::clone(board);
-        let mut keeping = Keeping { id, shape, board, capture, intake, home, lend, news, tell, fate };
+        let (pulse, search) = (Pulse::new(), Search::new());
+        let mut keeping =
+            Keeping { id, shape, board, capture, intake, home, lend, news, tell, fate, pulse, search };
         keeping.open(&device, &found)?;
-        let (quit, asked) = channel();
-        let thread = std::thread::Builder::new()
-            .name("input".into())
-            .spawn(move || keeping.keep(&asked))
-            .map_err(|error| DeviceError::new(Trouble::Other, format!("no thread for the input: {error}")))?;
-        Ok(Self { quit: Some(quit), thread: Some(thread) })
-    }
-}
-
-impl Drop for Listening {
-    fn drop(&mut self) {
-        drop(self.quit.take());
-        if let Some(thread) = self.thread.take() {
-            // One that has panicked has nothing more to say.
-            let _ = thread.join();
-        }
+        let minder = Minder::start("input", move || keeping.look())?;
+        Ok(Self { _minder: minder })
     }
 }
 
@@ -105,35 +89,29 @@ impl Keeping {
         Ok(())
     }
 
-    fn keep(mut self, asked: &Receiver<()>) {
-        let (mut seen, mut since, mut searched) = (0, Instant::now() + PATIENCE, Instant::now());
-        while asked.recv_timeout(WATCH) == Err(RecvTimeoutError::Timeout) {
-            let now = Instant::now();
-            let frames = self.board.input.frames.get();
-            if frames != seen {
-                (seen, since) = (frames, now);
+    /// Looks whether the device is there and brings frames.
+    fn look(&mut self) {
+        let now = Instant::now();
+        let pause = self.pulse.pause(now, self.board.input.frames.get());
+        while let Ok(news) = self.news.try_recv() {
+            match news {
+                // Its own stream may say so too when it is closed.
+                News::Lost(why) if self.capture.is_some() => self.lose(why),
+                News::Lost(_) => {}
+                News::Moved => (self.fate)(Fate::Moved),
+                News::Said(what) => (self.fate)(Fate::Said(what)),
             }
-            while let Ok(news) = self.news.try_recv() {
-                match news {
-                    // Its own stream may say so too when it is closed.
-                    News::Lost(why) if self.capture.is_some() => self.lose(why),
-                    News::Lost(_) => {}
-                    News::Moved => (self.fate)(Fate::Moved),
-                    News::Said(what) => (self.fate)(Fate::Said(what)),
-                }
-            }
-            if self.capture.is_some() && now.saturating_duration_since(since) > SILENT {
-                self.lose("it brings nothing any more".into());
-            }
-            if self.capture.is_none() && now.duration_since(searched) >= SEARCH {
-                searched = now;
-                let there = heard_again(&self.id).and_then(|(device, found)| self.open(&device, &found));
-                if there.is_ok() {
-                    since = Instant::now() + PATIENCE;
-                    // What the old stream said on its way out.
-                    while self.news.try_recv().is_ok() {}
-                    (self.fate)(Fate::Back);
-                }
+        }
+        if self.capture.is_some() && pause > SILENT {
+            self.lose("it brings nothing any more".into());
+        }
+        if self.search.is_due(now, self.capture.is_some()) {
+            let there = heard_again(&self.id).and_then(|(device, found)| self.open(&device, &found));
+            if there.is_ok() {
+                self.pulse.begin();
+                // What the old stream said on its way out.
+                while self.news.try_recv().is_ok() {}
+                (self.fate)(Fate::Back);
             }
         }
     }

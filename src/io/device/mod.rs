@@ -8,5 +8,6 @@ pub(crate) mod hush;
 pub mod keeper;
 pub mod list;
 pub mod listening;
+mod minder;
 pub mod priority;
 pub mod virtual_card;

@@ -12,6 +12,7 @@ mod names;
 pub mod reader;
 pub mod remake;
 pub mod replay;
+mod words;
 mod writer;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -27,11 +28,10 @@ use crate::live::board::Board;
 use crate::live::callback::{Deed, Report};
 use crate::live::clock::Moment;
 use crate::live::conductor::Told;
-use crate::live::gate::Order;
 use crate::live::provenance::Provenance;
 use crate::live::signal::Signal;
 use crate::live::stamp::{Epoch, Stamp};
-use crate::performer::{Happening, Heard, Touch};
+use crate::performer::{Happening, Heard};
 use crate::schedule::Instant;
 
 pub use digest::{of_bytes, of_file};
@@ -273,7 +273,7 @@ impl Keeping {
         let mut line = match &report.deed {
             Deed::Event { at, due, source, event } => self.event(*at, *due, *source, event, moment),
             Deed::Order(order) => {
-                let (name, value) = word(*order);
+                let (name, value) = words::of_order(*order);
                 Line { name: Some(name.into()), value, ..Line::new(Kind::Gate) }
             }
             Deed::Swap => {
@@ -303,7 +303,7 @@ impl Keeping {
     ) -> Line {
         let mut line = self.names.line(event);
         let fraction = |instant: Instant| f64::from(instant.fraction) / 4_294_967_296.0;
-        line.source = Some(source_word(source).into());
+        line.source = Some(words::of_source(source).into());
         (line.sample, line.fraction) = (Some(at.sample), Some(fraction(at)));
         (line.due_sample, line.due_fraction) = (Some(due.sample), Some(fraction(due)));
         let stand = match event {
@@ -329,48 +329,12 @@ impl Keeping {
     }
 
     fn came(&mut self, stamp: Stamp, signal: &Signal) {
-        let (source, name, message) = match signal {
-            Signal::Midi(port, message) => {
-                ("midi", Some(port.to_string()), Some(hexadecimal(&message.bytes())))
-            }
-            Signal::MidiGone(port) => ("midi", Some(port.to_string()), Some("gone".into())),
-            Signal::Osc(address, values) => {
-                let values: Vec<String> = values.iter().map(f64::to_string).collect();
-                ("osc", Some(address.clone()), Some(values.join(" ")))
-            }
-            Signal::Key(key) => ("key", Some(key.to_string()), None),
-            Signal::Play(_, voice, _) => ("program", Some(voice.clone()), Some("play".into())),
-            Signal::Release(_) => ("program", None, Some("release".into())),
-            Signal::Touch(number, touch) => ("program", Some(number.to_string()), Some(touched(*touch))),
-            Signal::ReleaseAll => ("program", None, Some("release-all".into())),
-            Signal::Set(control, value) => ("program", Some(control.clone()), Some(format!("set {value}"))),
-            Signal::Start(_, pattern) => ("program", Some(pattern.clone()), Some("start".into())),
-            Signal::Stop(number) => ("program", Some(number.to_string()), Some("stop".into())),
-            Signal::StopNamed(pattern) => ("program", Some(pattern.clone()), Some("stop".into())),
-            Signal::Panic => ("program", None, Some("panic".into())),
-            Signal::Calm => ("program", None, Some("calm".into())),
-            Signal::Arm(armed) => ("program", None, Some(if *armed { "arm" } else { "disarm" }.into())),
-            Signal::Reload(reload) => ("program", Some(reload.patch.title.clone()), Some("reload".into())),
-            Signal::End => ("program", None, Some("end".into())),
-        };
+        let (source, name, message) = words::of_signal(signal);
         let seconds = Some(stamp.seconds());
         let utc = self.date(stamp.seconds());
         let line = Line { source: Some(source.into()), name, message, seconds, utc, ..Line::new(Kind::In) };
         self.writer.put(Entry::Line(Box::new(line)));
     }
-}
-
-fn touched(touch: Touch) -> String {
-    match touch {
-        Touch::Bend(semitones) => format!("bend {semitones}"),
-        Touch::Pressure(value) => format!("pressure {value}"),
-        Touch::Timbre(value) => format!("timbre {value}"),
-    }
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    let bytes: Vec<String> = bytes.iter().map(|byte| format!("{byte:02X}")).collect();
-    bytes.join(" ")
 }
 
 fn date(time: SystemTime) -> String {
@@ -386,35 +350,4 @@ fn monotonic() -> Option<f64> {
     }
     #[cfg(not(unix))]
     None
-}
-
-const SOURCES: [(Source, &str); 2] = [(Source::Pattern, "pattern"), (Source::Program, "program")];
-
-fn source_word(source: Source) -> &'static str {
-    SOURCES.iter().find(|(known, _)| *known == source).map_or("", |(_, word)| word)
-}
-
-/// What a gate was told, in a word and perhaps a number.
-fn word(order: Order) -> (&'static str, Option<f64>) {
-    match order {
-        Order::Open => ("open", None),
-        Order::Return => ("return", None),
-        Order::Latch => ("latch", None),
-        Order::Release => ("release", None),
-        Order::Close => ("close", None),
-        Order::Gain(gain) => ("gain", Some(f64::from(gain))),
-    }
-}
-
-/// The same, read.
-fn order(word: &str, value: Option<f64>) -> Option<Order> {
-    match (word, value) {
-        ("open", _) => Some(Order::Open),
-        ("return", _) => Some(Order::Return),
-        ("latch", _) => Some(Order::Latch),
-        ("release", _) => Some(Order::Release),
-        ("close", _) => Some(Order::Close),
-        ("gain", Some(gain)) => Some(Order::Gain(gain as f32)),
-        _ => None,
-    }
 }

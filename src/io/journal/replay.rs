@@ -10,8 +10,8 @@ use super::head::Head;
 use super::line::{Kind, Line};
 use super::reader::{Item, Reader};
 use super::remake::{RemakeError, remake};
-use super::{SOURCES, order};
-use crate::engine::event::{Event, Move, Play, Source};
+use super::words;
+use crate::engine::event::{Event, Move, Play};
 use crate::engine::exchange::{Director, Stagehand, exchange};
 use crate::graph::plan::Plan;
 use crate::io::error::FileError;
@@ -237,7 +237,7 @@ impl<R: BufRead> Replay<R> {
         let event = match line.kind {
             Kind::Gate => {
                 let order =
-                    order(name, line.value).ok_or_else(|| format!("a gate does not know `{name}`"))?;
+                    words::order(name, line.value).ok_or_else(|| format!("a gate does not know `{name}`"))?;
                 self.gate.order(order);
                 return Ok(());
             }
@@ -272,10 +272,7 @@ impl<R: BufRead> Replay<R> {
         };
         let at = instant(line).ok_or("an event must have a `sample` and a `fraction` from 0 to below 1")?;
         let source = line.source.as_deref().unwrap_or_default();
-        let source: Source = SOURCES
-            .iter()
-            .find(|(_, word)| *word == source)
-            .map(|(source, _)| *source)
+        let source = words::source(source)
             .ok_or_else(|| format!("events come from `pattern` or `program`, not from `{source}`"))?;
         self.met.events += 1;
         if !self.stagehand.engine().schedule(at, source, event) {

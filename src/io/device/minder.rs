@@ -1,0 +1,154 @@
+//! A thread that looks after a device until somebody lets go of it, and what it needs for that.
+
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use cpal::ErrorKind;
+
+use super::card::News;
+use super::failure::{DeviceError, Trouble};
+
+/// How often it looks.
+const WATCH: Duration = Duration::from_millis(20);
+
+/// How often a device is looked for while it is away: soon at first, later not so often.
+const SEARCH: Duration = Duration::from_millis(100);
+const SEARCH_LATER: Duration = Duration::from_secs(1);
+const SOON: Duration = Duration::from_secs(5);
+
+/// Looks after a device until it is dropped.
+pub(super) struct Minder {
+    quit: Option<Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Minder {
+    /// Calls `look` every now and then, in a thread of that name.
+    ///
+    /// # Errors
+    /// No thread.
+    pub fn start(name: &str, mut look: impl FnMut() + Send + 'static) -> Result<Self, DeviceError> {
+        let (quit, asked): (_, Receiver<()>) = channel();
+        let work = move || {
+            while asked.recv_timeout(WATCH) == Err(RecvTimeoutError::Timeout) {
+                look();
+            }
+        };
+        let thread = std::thread::Builder::new().name(name.into()).spawn(work).map_err(|error| {
+            DeviceError::new(Trouble::Other, format!("no thread for the {name}: {error}"))
+        })?;
+        Ok(Self { quit: Some(quit), thread: Some(thread) })
+    }
+}
+
+impl Drop for Minder {
+    fn drop(&mut self) {
+        drop(self.quit.take());
+        if let Some(thread) = self.thread.take() {
+            // One that has panicked has nothing more to say.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// So long after it was opened, a device's callbacks may take to begin.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Whether a device still calls back.
+pub(super) struct Pulse {
+    /// Frames that were counted last, and since when there have been no more.
+    frames: u64,
+    since: Instant,
+}
+
+impl Pulse {
+    /// Of a device that was just opened.
+    pub fn new() -> Self {
+        Self { frames: 0, since: Instant::now() + PATIENCE }
+    }
+
+    /// It was opened again.
+    pub fn begin(&mut self) {
+        self.since = Instant::now() + PATIENCE;
+    }
+
+    /// For how long there have been no more than so many frames.
+    pub fn pause(&mut self, now: Instant, frames: u64) -> Duration {
+        if frames != self.frames {
+            (self.frames, self.since) = (frames, now);
+        }
+        now.saturating_duration_since(self.since)
+    }
+}
+
+/// When a device is looked for that is away.
+pub(super) struct Search {
+    /// When it was there last, and when it was looked for.
+    there: Instant,
+    last: Instant,
+}
+
+impl Search {
+    /// For one that is there.
+    pub fn new() -> Self {
+        Self { there: Instant::now(), last: Instant::now() }
+    }
+
+    /// Whether it is to be looked for now.
+    pub fn is_due(&mut self, now: Instant, present: bool) -> bool {
+        if present {
+            self.there = now;
+            return false;
+        }
+        let away = now.saturating_duration_since(self.there);
+        let pause = if away < SOON { SEARCH } else { SEARCH_LATER };
+        let due = now.saturating_duration_since(self.last) >= pause;
+        if due {
+            self.last = now;
+        }
+        due
+    }
+}
+
+/// What a stream is given to tell of its errors: `gap` counts those after which it has gone on by itself.
+pub(super) fn teller(
+    news: Sender<News>,
+    gap: impl Fn() + Send + 'static,
+) -> impl FnMut(cpal::Error) + Send + 'static {
+    move |error| match error.kind() {
+        ErrorKind::Xrun => gap(),
+        ErrorKind::DeviceChanged => drop(news.send(News::Moved)),
+        ErrorKind::RealtimeDenied => drop(news.send(News::Said(error.to_string()))),
+        _ => drop(news.send(News::Lost(error.to_string()))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Pulse, SEARCH, SOON, Search};
+    use std::time::{Duration, Instant};
+
+    #[test]
+    fn a_pause_begins_with_the_last_frame() {
+        let (begin, mut pulse) = (Instant::now(), Pulse::new());
+        let at = |ms: u64| begin + Duration::from_millis(ms);
+        assert_eq!(pulse.pause(at(2_900), 0), Duration::ZERO, "it has just been opened");
+        assert!(pulse.pause(at(3_500), 0) > Duration::ZERO);
+        assert_eq!(pulse.pause(at(3_600), 64), Duration::ZERO);
+        assert_eq!(pulse.pause(at(3_900), 64), Duration::from_millis(300));
+    }
+
+    #[test]
+    fn it_is_looked_for_often_at_first_and_then_once_a_second() {
+        let (begin, mut search) = (Instant::now(), Search::new());
+        let at = |ms: u64| begin + Duration::from_millis(ms);
+        assert!((0..100).all(|n| !search.is_due(at(20 * n), true)));
+        let due = |from: u64, to: u64, search: &mut Search| {
+            (from / 20..to / 20).filter(|n| search.is_due(at(20 * n), false)).count() as u64
+        };
+        let soon = SOON.as_millis() as u64;
+        assert_eq!(due(2_000, 2_000 + soon - 100, &mut search), (soon - 100) / SEARCH.as_millis() as u64);
+        assert_eq!(due(2_000 + soon, 12_000 + soon, &mut search), 10);
+    }
+}

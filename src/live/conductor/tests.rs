@@ -1,0 +1,165 @@
+use std::sync::{Arc, Mutex};
+
+use super::{Audience, Board, Conductor, Report, Signal, Stamped, Told};
+use crate::engine::event::Event;
+use crate::engine::exchange::exchange;
+use crate::graph::scene::{Options, Scene, scene};
+use crate::live::callback::{Callback, Deed};
+use crate::live::clock::Follower;
+use crate::live::gate::Gate;
+use crate::live::reload::Reload;
+use crate::live::stamp::{Epoch, Stamp};
+use crate::node::asset::NoAssets;
+use crate::patch::Patch;
+use crate::performer::{Note, Performer};
+use crate::rig::Rig;
+use crate::text::Problem;
+
+/// A voice of each name, in this order.
+fn compiled(voices: &[&str]) -> (Scene, Arc<Patch>, Arc<Rig>) {
+    let mut text = String::from("format = \"pacinian-patch/1\"\ntitle = \"t\"\n");
+    for name in voices {
+        text += &format!(
+            "[voice.{name}]\noutput = \"o\"\n[voice.{name}.nodes]\ns = {{ type = \"sine\", frequency = 100 }}\n\
+             e = {{ type = \"envelope\", release = 0.01 }}\no = {{ type = \"multiply\", inputs = [\"s\", \"e\"] }}\n"
+        );
+    }
+    let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let rig = Rig::default_for(1);
+    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+    (scene, Arc::new(patch), Arc::new(rig))
+}
+
+fn reload(voices: &[&str]) -> Box<Reload> {
+    let (scene, patch, rig) = compiled(voices);
+    Box::new(Reload {
+        scene,
+        patch,
+        rig,
+        files: Box::new(|_| Err(Problem::of_file("none"))),
+        provenance: None,
+    })
+}
+
+/// A session whose device asks for 96 frames whenever the test says so, every 2 ms.
+struct Bench {
+    conductor: Conductor,
+    callback: Callback,
+    follower: Follower,
+    reports: Arc<Mutex<Vec<Report>>>,
+    blocks: u64,
+}
+
+impl Bench {
+    fn new(voices: &[&str]) -> Self {
+        let (scene, patch, rig) = compiled(voices);
+        let (director, stagehand) = exchange(&scene.plan).unwrap();
+        let files = Box::new(|_: &str| Err(Problem::of_file("none")));
+        let performer = Performer::new(scene, patch, rig, files).unwrap();
+        let board = Arc::new(Board::new(1));
+        let (callback, rings) = Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board));
+        let (follower, clock) = Follower::new(48_000.0, 96);
+        let reports = Arc::<Mutex<Vec<Report>>>::default();
+        let heard = Arc::clone(&reports);
+        let audience: Audience = Box::new(move |told| {
+            if let Told::Report(report, _) = told {
+                heard.lock().unwrap().push(*report);
+            }
+        });
+        let (mut conductor, _) =
+            Conductor::new(performer, director, rings, clock, Epoch::begin(), &board, audience);
+        conductor.begin();
+        let mut bench = Self { conductor, callback, follower, reports, blocks: 0 };
+        (0..500).for_each(|_| bench.block());
+        bench
+    }
+
+    /// Nanoseconds at which the next block is asked for.
+    fn next(&self) -> u64 {
+        self.blocks * 2_000_000
+    }
+
+    fn block(&mut self) {
+        self.follower.callback(Stamp(self.next()), 96);
+        self.callback.process(&[], &mut [0.0; 96]);
+        self.blocks += 1;
+    }
+
+    fn take(&mut self, nanoseconds: u64, signal: Signal) {
+        self.conductor.take(Stamped { stamp: Stamp(nanoseconds), signal });
+    }
+
+    /// The voices that were played: instant in frames, due and effective, and instrument.
+    fn played(&mut self) -> Vec<(f64, f64, u32)> {
+        self.conductor.go_on();
+        let frames = |at: crate::schedule::Instant| at.since(crate::schedule::Instant::default()) * 6.0;
+        let play = |report: &Report| match &report.deed {
+            Deed::Event { at, due, event: Event::Play(play), .. } => {
+                Some((frames(*due), frames(*at), play.instrument))
+            }
+            _ => None,
+        };
+        self.reports.lock().unwrap().iter().filter_map(play).collect()
+    }
+}
+
+#[test]
+fn what_arrives_within_a_block_is_played_a_block_later_to_the_sample() {
+    let mut bench = Bench::new(&["a"]);
+    let mut expected = Vec::new();
+    for n in 0..40_u64 {
+        // Between the callback that came last and the next.
+        let offset = 49_999 * n;
+        let arrived = bench.next() - 2_000_000 + offset;
+        bench.take(arrived, Signal::Play(n, "a".into(), Note::default()));
+        let first = (bench.blocks - 1) * 96;
+        expected.push(first as f64 + 96.0 + offset as f64 * 48e-6);
+        bench.block();
+    }
+    let played = bench.played();
+    assert_eq!(played.len(), 40);
+    for ((due, at, _), expected) in played.iter().zip(expected) {
+        assert!((due - expected).abs() < 0.1 && due == at, "{due}, {at} for {expected}");
+    }
+}
+
+#[test]
+fn what_is_meant_for_a_plan_reaches_that_plan() {
+    let mut bench = Bench::new(&["a", "b"]);
+    // The other way round, so that their numbers change places; and again, while the first still fades out.
+    for (number, voices) in [(1, ["b", "a"]), (2, ["a", "b"]), (3, ["b", "a"])] {
+        let now = bench.next();
+        bench.take(now - 1_500_000, Signal::Play(10 * number, "a".into(), Note::default()));
+        bench.take(now - 1_000_000, Signal::Reload(reload(&voices)));
+        bench.take(now - 500_000, Signal::Play(10 * number + 1, "a".into(), Note::default()));
+        (0..20).for_each(|_| bench.block());
+        bench.conductor.go_on();
+    }
+    let reports = bench.reports.lock().unwrap().clone();
+    let (mut plan, mut heard) = (0, Vec::new());
+    for report in &reports {
+        match &report.deed {
+            Deed::Swap => plan += 1,
+            Deed::Event { event: Event::Play(play), .. } => heard.push((plan, play.instrument)),
+            _ => {}
+        }
+    }
+    // Voice `a` is the first of the plans 0 and 2, and the second of 1 and 3.
+    assert_eq!(heard, [(0, 0), (1, 1), (1, 1), (2, 0), (2, 0), (3, 1)]);
+    assert_eq!(bench.conductor.board.dropped.get(), 0);
+}
+
+#[test]
+fn of_two_patches_that_wait_the_later_plays() {
+    let mut bench = Bench::new(&["a"]);
+    for voices in [&["b"][..], &["c"], &["d"], &["e"]] {
+        let now = bench.next();
+        bench.take(now, Signal::Reload(reload(voices)));
+    }
+    for _ in 0..200 {
+        bench.block();
+        bench.conductor.go_on();
+    }
+    assert_eq!(bench.conductor.performer.patch().voices[0].name, "e");
+}
