@@ -66,7 +66,7 @@ impl Stage {
             )
         })
         .unwrap();
-        let server = Server::start("0".parse().unwrap(), session.handle().clone(), &patch).unwrap();
+        let server = Server::start("0".parse().unwrap(), session.handle().clone(), &patch, None).unwrap();
         let client = UdpSocket::bind("127.0.0.1:0").unwrap();
         client.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
         Self { session, server: Some(server), client, refused }

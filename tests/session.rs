@@ -261,3 +261,36 @@ fn a_flood_of_midi_during_reloads_is_played_or_counted() {
     assert!(of(3) >= 1, "a patch took over meanwhile");
     assert_eq!(session.board().untold.get(), 0);
 }
+
+/// What plays from the beginning is stopped pattern by pattern, as what was started later, and stays so when the patch is saved anew.
+#[test]
+fn a_pattern_of_the_beginning_is_stopped_by_its_name() {
+    let text = HUM.to_string()
+        + "[pattern.low]\nrepeat = { every = 0.05 }\nevents = [{ at = 0, voice = \"tap\", frequency = 60 }]\n"
+        + "[pattern.high]\nrepeat = { every = 0.05 }\nevents = [{ at = 0, voice = \"tap\", frequency = 200 }]\n";
+    let text = text.replace("frequency = 250", "frequency = \"event.frequency\"");
+    let (mut session, _recording, words) = start(&text);
+    let played = |frequency: &str| {
+        let events = words.lock().unwrap();
+        events.iter().filter(|w| w.starts_with("event") && w.contains(frequency)).count()
+    };
+    wait("both", || played("[60.0") > 2 && played("[200.0") > 2);
+    session.handle().send(Signal::StopNamed("low".into())).unwrap();
+    // What was sent ahead still comes.
+    let high = played("[200.0");
+    wait("the others", || played("[200.0") > high + 3);
+    let low = played("[60.0");
+    let stays = |what: &str| {
+        let high = played("[200.0");
+        wait(what, || played("[200.0") > high + 4);
+        assert_eq!(played("[60.0"), low, "{what}");
+    };
+    stays("the next");
+    session.handle().send(Signal::Reload(Box::new(reload(&text.replace("100", "150"))))).unwrap();
+    wait("the new patch", || words.lock().unwrap().iter().any(|w| w.contains("Swap")));
+    stays("those after it");
+    session.handle().send(Signal::StopNamed("high".into())).unwrap();
+    session.handle().send(Signal::Start(7, "low".into())).unwrap();
+    wait("its return", || played("[60.0") > low + 2);
+    session.stop();
+}

@@ -177,7 +177,7 @@ impl Play {
         if let Some(hears) = hears {
             terminal.note(&format!("{hears}\n"));
         }
-        let listen = |at| Server::start(at, session.handle().clone(), &loaded.patch);
+        let listen = |at| Server::start(at, session.handle().clone(), &loaded.patch, None);
         let osc = self.osc.map(listen).transpose()?;
         if let Some(osc) = &osc {
             let open = self.osc.is_some_and(|at| at.is_open());

@@ -46,9 +46,8 @@ pub enum Told<'a> {
     Report(&'a Report, Option<Moment>),
     /// Something that was asked for and cannot be done.
     Refused(&'a Problem),
-    /// Other patterns play than before. Those that play now: number, and name; what plays from the beginning has number 0 and no
-    /// name.
-    Playing(&'a [(u64, Option<&'a str>)]),
+    /// Other patterns play than before. Those that play now: number, and name; those that play from the beginning have number 0.
+    Playing(&'a [(u64, &'a str)]),
     /// A new patch or rig takes over: what the callback tells of after its next [`super::callback::Deed::Swap`] is meant for it.
     Reloading(&'a Reload),
     /// It plays.
@@ -281,7 +280,7 @@ impl Conductor {
                 Ok(())
             }
             Signal::StopNamed(name) => {
-                self.performer.stop_patterns(|playing| playing == Some(&name));
+                self.performer.stop_named(&name);
                 Ok(())
             }
             Signal::Key(key) => self.performer.key(at, key, outlet),
@@ -291,7 +290,7 @@ impl Conductor {
             Signal::Panic => {
                 // The board's brake has closed the gate, or will.
                 self.board.panic();
-                self.performer.stop_patterns(|_| true);
+                self.performer.stop_patterns();
                 self.voices.clear();
                 sent(self.performer.release_all(at, outlet))
             }
