@@ -76,7 +76,7 @@ pub struct Board {
     pub clamped: Figure,
     /// Samples that the limiter turned down.
     pub limited: Figure,
-    /// Signals and orders that found no room.
+    /// Signals, orders and patterns that found no room.
     pub refused: Figure,
     /// Frames that the recording missed.
     pub unrecorded: Figure,
