@@ -251,8 +251,13 @@ fn a_callback_in_a_storm_of_events_orders_and_plans() {
             2000 => board.calm(),
             _ => {}
         }
-        let orders = [Order::Open, Order::Release, Order::Gain(0.5), Order::Return, Order::Gain(1.0)];
-        assert!(rings.orders.try_push(orders[events as usize / 50 % orders.len()]).is_ok());
+        match events / 50 % 5 {
+            0 => board.lever.open(),
+            1 => board.lever.release(),
+            2 => board.lever.gain(0.5),
+            3 => total += counted(|| callback.order(Order::Return)),
+            _ => board.lever.gain(1.0),
+        }
         total += counted(|| callback.process(&[], &mut frames));
         assert!(frames.iter().all(|x| x.is_finite()));
         reports += std::iter::from_fn(|| rings.reports.try_pop()).count();

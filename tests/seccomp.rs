@@ -130,7 +130,7 @@ fn call_back(mut callback: pacinian::live::callback::Callback, progress: &Progre
 fn send_to_callback(plans: &[Plan; 2]) -> ! {
     use pacinian::live::board::Board;
     use pacinian::live::callback::{Callback, Cue};
-    use pacinian::live::gate::{Gate, Order};
+    use pacinian::live::gate::Gate;
     use ringbuf::HeapRb;
     use ringbuf::traits::{Consumer, Producer, Split};
     use std::sync::Arc;
@@ -170,8 +170,13 @@ fn send_to_callback(plans: &[Plan; 2]) -> ! {
                 rings.cues[(event % 2) as usize].try_push(Cue { plan: u64::from(sent), at, event: what });
             event += u32::from(taken.is_ok());
         }
-        let order = [Order::Open, Order::Gain(0.5), Order::Latch, Order::Release][(event % 4) as usize];
-        let _ = rings.orders.try_push(order);
+        match event % 5 {
+            0 => board.lever.open(),
+            1 => board.lever.gain(0.5),
+            2 => board.panic(),
+            3 => board.calm(),
+            _ => board.lever.release(),
+        }
         recorded.clear();
         while let Some(report) = rings.reports.try_pop() {
             heard += 1;

@@ -21,6 +21,7 @@ mod load;
 mod memory;
 mod named;
 mod nodes;
+mod osc;
 mod paint;
 mod patterns;
 mod perform;
