@@ -19,6 +19,7 @@ mod learn;
 mod left_out;
 mod load;
 mod memory;
+mod missing;
 mod named;
 mod nodes;
 mod osc;
