@@ -23,7 +23,7 @@ use crate::performer::{Outlet, Performer, When};
 use crate::schedule::Instant;
 use crate::text::Problem;
 
-/// Seconds that patterns are sent ahead.
+/// Seconds that patterns are sent ahead, beyond the block that is computed next.
 const AHEAD: f64 = 0.05;
 
 /// How often it looks whether patterns must be fed, where no signal comes.
@@ -223,7 +223,8 @@ impl Conductor {
 
     fn feed(&mut self) {
         let clock = self.board.clock.get();
-        let until = clock + (AHEAD * self.rate) as u64;
+        let block = self.clock.longest() as f64 / self.ratio;
+        let until = clock + (AHEAD * self.rate + block) as u64;
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
         let troubled = self.performer.trouble().is_some();
         self.performer.feed(until, &mut outlet);
