@@ -25,6 +25,7 @@ use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
+use pacinian::text::problem::escaped;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::{Instant, SystemTime};
@@ -170,8 +171,9 @@ impl Play {
         })?;
         let mut kept = self.keep.begin(&mut session, journal, &loaded)?;
         terminal.note(&format!(
-            "{} plays on {name}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
-            loaded.name(),
+            "{} plays on {}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
+            escaped(loaded.name()),
+            escaped(&name),
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
         if let Some(hears) = hears {
@@ -295,7 +297,7 @@ impl Play {
         let load = &board.load;
         let mut text = format!(
             "{}: {} frames, {} voices, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost\n",
-            loaded.name(),
+            escaped(loaded.name()),
             board.frames.get(),
             board.started.get(),
             100.0 * load.mean(),
@@ -318,7 +320,7 @@ impl Play {
         }
         for (name, &peak) in loaded.tactors().iter().zip(peaks) {
             if peak > 0.0 {
-                text += &format!("  {name}: {}\n", dbfs(peak));
+                text += &format!("  {}: {}\n", escaped(name), dbfs(peak));
             }
         }
         terminal.print(&text)
