@@ -99,7 +99,8 @@ fn is_nothing() -> bool {
 
 fn keys(say: &SyncSender<Said>) {
     while tty::are_keys_taken() {
-        let event = crossterm::event::poll(LOOK).and_then(|some| some.then(crossterm::event::read).transpose());
+        let event =
+            crossterm::event::poll(LOOK).and_then(|some| some.then(crossterm::event::read).transpose());
         match event {
             Ok(Some(Event::Key(key))) => {
                 // More keys than anybody can type at once are left out.

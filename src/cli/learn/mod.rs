@@ -326,9 +326,7 @@ fn list(patch: &Patch, terminal: &Terminal) {
     for control in &patch.controls {
         let [least, most] = control.range;
         let binds = patch.binds.iter().filter(|bind| bind.control == control.name);
-        let from: Vec<String> = binds
-            .map(write::moved_by)
-            .collect();
+        let from: Vec<String> = binds.map(write::moved_by).collect();
         let moved = if from.is_empty() { "not bound".into() } else { from.join(", ") };
         table.row([control.name.clone(), format!("{least} to {most} {}", control.unit), moved]);
     }

@@ -76,7 +76,10 @@ pub fn replaced(patch: &Patch, control: &str, source: &Source) -> Option<String>
     let old: Vec<&Bind> = patch.binds.iter().filter(|bind| bind.control == control).collect();
     match old.as_slice() {
         [] => None,
-        [one] if Mover::parse(&source.from).is_ok_and(|from| from == one.from) && one.channel == source.channel => {
+        [one]
+            if Mover::parse(&source.from).is_ok_and(|from| from == one.from)
+                && one.channel == source.channel =>
+        {
             Some("as before".into())
         }
         [one] => Some(format!("instead of {}", moved_by(one))),

@@ -21,6 +21,12 @@ pub enum Act {
     All,
     /// Pages of the meters on, or back.
     Turn(i32),
+    /// Another control.
+    Choose(i32),
+    /// The chosen control so many steps up; where there is none, as [`Act::Turn`].
+    Move(i32),
+    /// The chosen control to where it was at first.
+    Reset,
     /// The other form of the meters.
     Form,
     /// Draw everything again.
@@ -29,6 +35,9 @@ pub enum Act {
 
 /// Presses of the same key that come faster than this are those of a key that is held down.
 const REPEATED: Duration = Duration::from_millis(70);
+
+/// Steps that a control moves with Shift.
+const FAR: i32 = 5;
 
 /// What follows an Escape within this time may be the rest of its sequence that came late, as on a slow line.
 const TORN: Duration = Duration::from_millis(500);
@@ -57,6 +66,10 @@ impl Keys {
                 _ => None,
             };
         }
+        // An Escape and a key that come at once look like a key with Alt: it may have been meant to shut the output.
+        if key.modifiers.contains(KeyModifiers::ALT) && matches!(key.code, KeyCode::Char(_)) {
+            return (!(repeated && panicked)).then_some(Act::Panic);
+        }
         if self.is_torn(key.code, before, now) {
             return None;
         }
@@ -69,8 +82,17 @@ impl Keys {
             KeyCode::Char('a' | 'A') => Act::Arm,
             KeyCode::Char(' ') => Act::All,
             KeyCode::Char('m' | 'M') => Act::Form,
-            KeyCode::Char('>' | '.') | KeyCode::Right | KeyCode::Down | KeyCode::PageDown => Act::Turn(1),
-            KeyCode::Char('<' | ',') | KeyCode::Left | KeyCode::Up | KeyCode::PageUp => Act::Turn(-1),
+            KeyCode::Char('>' | '.') | KeyCode::PageDown => Act::Turn(1),
+            KeyCode::Char('<' | ',') | KeyCode::PageUp => Act::Turn(-1),
+            KeyCode::BackTab => Act::Choose(-1),
+            KeyCode::Tab if key.modifiers.contains(KeyModifiers::SHIFT) => Act::Choose(-1),
+            KeyCode::Tab | KeyCode::Down => Act::Choose(1),
+            KeyCode::Up => Act::Choose(-1),
+            KeyCode::Right | KeyCode::Left => {
+                let far = if key.modifiers.contains(KeyModifiers::SHIFT) { FAR } else { 1 };
+                Act::Move(if key.code == KeyCode::Left { -far } else { far })
+            }
+            KeyCode::Char('0' | 'd' | 'D') => Act::Reset,
             KeyCode::Char(digit) => Act::Digit(digit.to_digit(10).filter(|&digit| digit > 0)?),
             _ => return None,
         };
@@ -90,7 +112,8 @@ impl Keys {
             self.torn = (!('@'..='~').contains(&c)).then_some(now);
             return true;
         }
-        let begins = matches!(c, '[' | 'O') && before.is_some_and(|(code, at)| code == KeyCode::Esc && now - at < TORN);
+        let begins = matches!(c, '[' | 'O')
+            && before.is_some_and(|(code, at)| code == KeyCode::Esc && now - at < TORN);
         self.torn = begins.then_some(now);
         begins
     }
@@ -136,7 +159,9 @@ mod tests {
         for code in [KeyCode::Esc, KeyCode::Char('p'), KeyCode::Char('P')] {
             // However long after; also where the panic came from elsewhere, of which this keyboard knows nothing.
             let waits = [0, 10, 80, 999, 1000, 1500, 60_000, 3_600_000];
-            assert!(type_in(&waits.map(|at| (at, code))).iter().all(|act| matches!(act, None | Some(Act::Panic))));
+            assert!(
+                type_in(&waits.map(|at| (at, code))).iter().all(|act| matches!(act, None | Some(Act::Panic)))
+            );
             let mut keys = Keys::default();
             for at in waits {
                 let event = KeyEvent::new(code, KeyModifiers::NONE);
@@ -164,7 +189,10 @@ mod tests {
         // Behind it keys are keys again, as they are where no sequence begins.
         assert_eq!(torn("[Cc")[3], Some(Act::Calm));
         assert_eq!(torn("c")[1], Some(Act::Calm));
-        assert_eq!(type_in(&[(0, KeyCode::Esc), (900, KeyCode::Char('[')), (950, KeyCode::Char('c'))])[2], Some(Act::Calm));
+        assert_eq!(
+            type_in(&[(0, KeyCode::Esc), (900, KeyCode::Char('[')), (950, KeyCode::Char('c'))])[2],
+            Some(Act::Calm)
+        );
     }
 
     #[test]
@@ -189,7 +217,17 @@ mod tests {
         assert_eq!(press(KeyCode::Char('c'), KeyModifiers::NONE), Some(Act::Calm));
         assert_eq!(press(KeyCode::Char('q'), KeyModifiers::NONE), Some(Act::End(None)));
         assert_eq!(press(KeyCode::Char('z'), KeyModifiers::CONTROL), None);
-        assert_eq!(press(KeyCode::Char('0'), KeyModifiers::NONE), None);
+        assert_eq!(press(KeyCode::Char('0'), KeyModifiers::NONE), Some(Act::Reset));
+        assert_eq!(press(KeyCode::Char('d'), KeyModifiers::NONE), Some(Act::Reset));
+        assert_eq!(press(KeyCode::Right, KeyModifiers::NONE), Some(Act::Move(1)));
+        assert_eq!(press(KeyCode::Left, KeyModifiers::SHIFT), Some(Act::Move(-5)));
+        assert_eq!(press(KeyCode::Tab, KeyModifiers::NONE), Some(Act::Choose(1)));
+        assert_eq!(press(KeyCode::BackTab, KeyModifiers::SHIFT), Some(Act::Choose(-1)));
         assert_eq!(press(KeyCode::F(5), KeyModifiers::NONE), None);
+        assert_eq!(
+            press(KeyCode::Char('c'), KeyModifiers::ALT),
+            Some(Act::Panic),
+            "an Escape, and c at once"
+        );
     }
 }

@@ -29,8 +29,7 @@ pub const LINES: &str =
     "Enter: yes   NAME or channel: it was that one   n: nothing   r: again   s: skip   b: back   q: end";
 
 /// What may be said with a key.
-pub const KEYS: &str =
-    "y or Enter: yes   t: it was another, by name or channel   n: nothing   r: again   s: skip   b: back   q: end";
+pub const KEYS: &str = "y or Enter: yes   t: it was another, by name or channel   n: nothing   r: again   s: skip   b: back   q: end";
 
 /// What a key says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -216,7 +216,9 @@ impl Walk {
             }),
             fate: Box::new(move |fate| {
                 note.note(&match fate {
-                    Fate::Lost(why) => format!("\nthe device is gone ({}); it is waited for\n", escaped(&why)),
+                    Fate::Lost(why) => {
+                        format!("\nthe device is gone ({}); it is waited for\n", escaped(&why))
+                    }
                     Fate::Back => "\nthe device is back\n".into(),
                     Fate::Moved => "\nthe system moved the stream to another device\n".into(),
                     Fate::Said(what) => format!("\n{}\n", escaped(&what)),
@@ -243,7 +245,11 @@ impl Walk {
         for output in others {
             moves |= matches!(output.kind, OutputKind::Drive | OutputKind::Torque);
             let what = kind(&output.kind);
-            terminal.note(&format!("left out: `{}` on channel {}, {what}\n", escaped(&output.name), output.channel));
+            terminal.note(&format!(
+                "left out: `{}` on channel {}, {what}\n",
+                escaped(&output.name),
+                output.channel
+            ));
         }
         if moves {
             terminal.note("where jacks are not where they seem to be, another channel may lead there: unplug what turns\n");

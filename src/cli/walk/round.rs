@@ -197,7 +197,8 @@ impl Round<'_> {
 
     fn described(&self, probe: &Probe) -> String {
         let output = probe.output.and_then(|at| self.rig.outputs.get(at));
-        let name = output.map_or("nothing in the rig".into(), |output| format!("`{}`", escaped(&output.name)));
+        let name =
+            output.map_or("nothing in the rig".into(), |output| format!("`{}`", escaped(&output.name)));
         let why = if probe.lowered { ", half of what it is rated for" } else { "" };
         format!(
             "channel {}: {name}, {:.0} Hz at level {:.2}{why}",
