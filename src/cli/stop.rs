@@ -2,10 +2,21 @@
 //! twice (the system, and the shell), and what plays must still fade, and files be finished, when the second comes.
 
 use super::failure::Failure;
+use signal_hook::consts::signal::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 #[cfg(unix)]
 use std::time::{Duration, Instant};
+
+#[cfg(unix)]
+const SIGNALS: &[i32] = &[SIGINT, SIGTERM, signal_hook::consts::signal::SIGHUP];
+#[cfg(not(unix))]
+const SIGNALS: &[i32] = &[SIGINT, SIGTERM];
+
+fn unheard(error: &std::io::Error) -> Failure {
+    Failure::said(71, format!("Ctrl-C cannot be listened to ({error})"))
+}
 
 /// Whether somebody has asked to stop.
 #[derive(Debug, Clone, Default)]
@@ -28,14 +39,28 @@ impl Stop {
     /// When the system does not let the program listen.
     pub fn listen() -> Result<Self, Failure> {
         let stop = Self::default();
-        stop.begin().map_err(|error| Failure::said(71, format!("Ctrl-C cannot be listened to ({error})")))?;
+        stop.begin().map_err(|error| unheard(&error))?;
         Ok(stop)
+    }
+
+    /// Sets a flag at the moment at which somebody asks.
+    ///
+    /// # Errors
+    /// As [`Stop::listen`].
+    pub fn also(&self, set: &Arc<AtomicBool>) -> Result<(), Failure> {
+        for signal in SIGNALS {
+            flag::register(*signal, Arc::clone(set)).map_err(|error| unheard(&error))?;
+        }
+        // Somebody may have been faster.
+        if self.asked().is_some() {
+            set.store(true, Ordering::Release);
+        }
+        Ok(())
     }
 
     #[cfg(unix)]
     fn begin(&self) -> std::io::Result<()> {
-        use signal_hook::consts::signal::{SIGHUP, SIGINT, SIGTERM};
-        let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+        let mut signals = signal_hook::iterator::Signals::new(SIGNALS)?;
         let first = Arc::clone(&self.signal);
         // It waits for as long as the program runs, and acts where all others are stuck.
         std::thread::Builder::new().name("signals".into()).spawn(move || {
@@ -52,14 +77,12 @@ impl Stop {
 
     #[cfg(not(unix))]
     fn begin(&self) -> std::io::Result<()> {
-        use signal_hook::consts::signal::{SIGINT, SIGTERM};
-        use signal_hook::flag;
-        let again = Arc::new(std::sync::atomic::AtomicBool::new(false));
+        let again = Arc::new(AtomicBool::new(false));
         // In this order: the second Ctrl-C ends the program before it is noted as the first.
         flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(&again))?;
         flag::register(SIGINT, again)?;
-        for signal in [SIGINT, SIGTERM] {
-            flag::register_usize(signal, Arc::clone(&self.signal), signal as usize)?;
+        for signal in SIGNALS {
+            flag::register_usize(*signal, Arc::clone(&self.signal), *signal as usize)?;
         }
         Ok(())
     }
@@ -86,7 +109,7 @@ impl Insistence {
     /// Whether a signal that comes now says that the program is to end at once: a second Ctrl-C, or any some time after the first.
     fn means_at_once(&mut self, signal: i32, now: Instant) -> bool {
         let first = *self.first.get_or_insert(now);
-        let interrupt = signal == signal_hook::consts::signal::SIGINT;
+        let interrupt = signal == SIGINT;
         let again = interrupt && self.interrupted;
         self.interrupted |= interrupt;
         again || now.saturating_duration_since(first) >= PATIENCE
