@@ -24,6 +24,7 @@ use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
+use pacinian::text::problem::escaped;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::{Instant, SystemTime};
@@ -36,7 +37,8 @@ use std::time::{Instant, SystemTime};
     With no device named, here or in the rig, it plays on the system's default, which may be headphones: at -20 dB until --arm. \
     With no sound card at all it plays on a virtual one, which keeps real time and is heard by nobody.\n\
     In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, space all of them, p or Escape shuts \
-    the output at once (c opens it again), a is full level or -20 dB, q ends it. Anywhere else, and with --plain, it writes a line for \
+    the output at once (c opens it again), a is full level or -20 dB, q ends it; Tab chooses a control, left and right move it (with \
+    Shift further), 0 or d resets it. Anywhere else, and with --plain, it writes a line for \
     everything that happens.\n\
     With --watch, what is saved takes over while it sounds: what still exists keeps sounding, controls keep their values, and of a file \
     that is broken the errors are shown while the old one plays on.\n\
@@ -168,8 +170,9 @@ impl Play {
         stop.also(&session.board().lever.closing())?;
         let mut kept = self.keep.begin(&mut session, journal, &loaded)?;
         terminal.note(&format!(
-            "{} plays on {name}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
-            loaded.name(),
+            "{} plays on {}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
+            escaped(loaded.name()),
+            escaped(&name),
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
         if let Some(hears) = hears {
@@ -289,7 +292,7 @@ impl Play {
         let load = &board.load;
         let mut text = format!(
             "{}: {} frames, {} voices, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost\n",
-            loaded.name(),
+            escaped(loaded.name()),
             board.frames.get(),
             board.started.get(),
             100.0 * load.mean(),
@@ -312,7 +315,7 @@ impl Play {
         }
         for (name, &peak) in loaded.tactors().iter().zip(peaks) {
             if peak > 0.0 {
-                text += &format!("  {name}: {}\n", dbfs(peak));
+                text += &format!("  {}: {}\n", escaped(name), dbfs(peak));
             }
         }
         terminal.print(&text)
