@@ -149,6 +149,7 @@ notes = [64, 127]
     assert_eq!(peak(&of(&heard, 0, 0.505)), 0.0);
     assert!(of(&heard, 1, 0.0) == of(&whole, 1, 0.0) && peak(&of(&heard, 1, 0.9)) > 0.1);
     // It goes in a curve and not at a blow: no step is larger than a fifth of what sounded.
-    let steps = of(&heard, 0, 0.49).windows(2).fold(0.0_f32, |most, pair| most.max((pair[1] - pair[0]).abs()));
+    let steps =
+        of(&heard, 0, 0.49).windows(2).fold(0.0_f32, |most, pair| most.max((pair[1] - pair[0]).abs()));
     assert!(steps < 0.2 * peak(&of(&heard[..48_000], 0, 0.45)), "{steps}");
 }

@@ -56,7 +56,7 @@ pub struct Scene {
     #[arg(long, value_name = "FILE.wav")]
     pub input: Option<PathBuf>,
     /// A Standard MIDI File that plays the patch, through its triggers and bindings
-    #[arg(long, value_name = "SONG.mid")]
+    #[arg(long, visible_alias = "midi-file", value_name = "SONG.mid")]
     pub midi: Option<PathBuf>,
     /// Lets recordings and events files lie outside the patch's folder
     #[arg(long)]

@@ -5,6 +5,7 @@ use super::failure::Failure;
 use super::guard;
 use super::keep::Keep;
 use super::load::{Loaded, Scene};
+use super::osc::Osc;
 use super::problems;
 use super::provenance::provenance;
 use super::screen::{Ending, Scenery, Show};
@@ -17,14 +18,13 @@ use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
 use pacinian::io::midi_in::MidiPorts;
-use pacinian::io::osc::endpoint::{BindError, Endpoint};
-use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::board::Board;
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
+use pacinian::text::problem::escaped;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::{Instant, SystemTime};
@@ -37,7 +37,8 @@ use std::time::{Instant, SystemTime};
     With no device named, here or in the rig, it plays on the system's default, which may be headphones: at -20 dB until --arm. \
     With no sound card at all it plays on a virtual one, which keeps real time and is heard by nobody.\n\
     In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, space all of them, p or Escape shuts \
-    the output at once (c opens it again), a is full level or -20 dB, q ends it. Anywhere else, and with --plain, it writes a line for \
+    the output at once (c opens it again), a is full level or -20 dB, q ends it; Tab chooses a control, left and right move it (with \
+    Shift further), 0 or d resets it. Anywhere else, and with --plain, it writes a line for \
     everything that happens.\n\
     With --watch, what is saved takes over while it sounds: what still exists keeps sounding, controls keep their values, and of a file \
     that is broken the errors are shown while the old one plays on.\n\
@@ -59,9 +60,8 @@ pub struct Play {
     /// Full level on a device that nobody has named
     #[arg(long)]
     arm: bool,
-    /// Listen for OSC on this UDP port, or address and port; a port alone is for this machine only. docs/osc.md lists what it hears
-    #[arg(long, value_name = "ADDR")]
-    osc: Option<Endpoint>,
+    #[command(flatten)]
+    osc: Osc,
     /// The ports of MIDI to listen to, by a part of their names; `none` for none [default: all, if the patch has use for MIDI]
     #[arg(long, value_name = "NAME")]
     midi_in: Option<String>,
@@ -84,12 +84,6 @@ const CLOSED: u8 = 129;
 impl From<DeviceError> for Failure {
     fn from(error: DeviceError) -> Self {
         Self::usage(error.what, error.help.unwrap_or_default()).with_code(error.kind.exit_code())
-    }
-}
-
-impl From<BindError> for Failure {
-    fn from(error: BindError) -> Self {
-        Self::usage(error.what, error.help).with_code(error.exit_code)
     }
 }
 
@@ -138,6 +132,8 @@ impl Play {
         let stop = Stop::listen()?;
         let journal = self.keep.journal(&reload, scenery.device, armed)?;
         let (makes, is_told, of_device) = (journal.clone(), journal.clone(), journal.clone());
+        let announcer = self.osc.announcer(&reload.scene.plan)?;
+        let (heralds, herald) = (announcer.clone(), announcer.clone());
         let mut session = Session::start(Beginning {
             block: self.block,
             armed,
@@ -147,10 +143,12 @@ impl Play {
             song: loaded.song.clone(),
             listener: Some(Box::new(move |event| {
                 makes.iter().for_each(|journal| journal.hear(event));
+                heralds.iter().for_each(|announcer| announcer.hear(event));
                 heard.hear(event);
             })),
             audience: Box::new(move |what| {
                 is_told.iter().for_each(|journal| journal.told(&what));
+                herald.iter().for_each(|announcer| announcer.told(&what));
                 match &what {
                     Told::Reloaded => drop(verdict.send(Ok(()))),
                     Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
@@ -168,22 +166,19 @@ impl Play {
             SessionError::Device(error) => error.into(),
             SessionError::Plan(what) => Failure::said(65, what),
         })?;
+        // A signal closes the gate itself, whatever this thread is about.
+        stop.also(&session.board().lever.closing())?;
         let mut kept = self.keep.begin(&mut session, journal, &loaded)?;
         terminal.note(&format!(
-            "{} plays on {name}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
-            loaded.name(),
+            "{} plays on {}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
+            escaped(loaded.name()),
+            escaped(&name),
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
         if let Some(hears) = hears {
             terminal.note(&format!("{hears}\n"));
         }
-        let listen = |at| Server::start(at, session.handle().clone(), &loaded.patch, None);
-        let osc = self.osc.map(listen).transpose()?;
-        if let Some(osc) = &osc {
-            let open = self.osc.is_some_and(|at| at.is_open());
-            let by = if open { "all that can reach it" } else { "programs on this machine" };
-            terminal.note(&format!("OSC is heard on {}, from {by}\n", osc.address()));
-        }
+        let osc = self.osc.listen(session.handle(), &loaded.patch, announcer.as_ref(), terminal)?;
         // What nothing listens to is not opened.
         let wanted = self.midi_in.clone().filter(|name| name != "none");
         let listen = |patch: &Patch| {
@@ -233,19 +228,21 @@ impl Play {
                 }
             }
         });
+        // The gate closes before anything else is done, even where the conductor is no more.
+        session.board().lever.close();
+        let _ = session.handle().send(Signal::End);
         drop(watching);
         drop(midi);
         // What the system dropped last is counted when the server ends.
         let counts = osc.map(|osc| Arc::clone(osc.counts()));
-        // The gate closes before anything else is done, even where the conductor is no more.
-        if guard::has_panicked() {
-            session.board().panic();
-        }
-        let _ = session.handle().send(Signal::End);
         let peaks = show.end(session.board(), terminal);
         session.stop();
         if let Some(trouble) = counts.and_then(|counts| counts.trouble()) {
             terminal.note(&format!("{trouble}\n"));
+        }
+        let unsent = announcer.map_or(0, |announcer| announcer.finish());
+        if unsent > 0 {
+            terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }
         let concluded = self.conclude(&loaded, session.board(), &peaks, terminal);
         let concluded = kept.finish(terminal).and(concluded);
@@ -295,7 +292,7 @@ impl Play {
         let load = &board.load;
         let mut text = format!(
             "{}: {} frames, {} voices, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost\n",
-            loaded.name(),
+            escaped(loaded.name()),
             board.frames.get(),
             board.started.get(),
             100.0 * load.mean(),
@@ -318,7 +315,7 @@ impl Play {
         }
         for (name, &peak) in loaded.tactors().iter().zip(peaks) {
             if peak > 0.0 {
-                text += &format!("  {name}: {}\n", dbfs(peak));
+                text += &format!("  {}: {}\n", escaped(name), dbfs(peak));
             }
         }
         terminal.print(&text)

@@ -258,6 +258,9 @@ impl<R: Real> Core<R> {
         self.clock = old.clock;
         self.counters = old.counters;
         std::mem::swap(&mut self.stage, &mut old.stage);
+        if let Some(levels) = &inheritance.levels {
+            self.stage.limit_to(levels);
+        }
         std::mem::swap(&mut self.tasks, &mut old.tasks);
         std::mem::swap(&mut self.declick, &mut old.declick);
         if !inheritance.unchanged {

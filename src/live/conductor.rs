@@ -13,7 +13,7 @@ use ringbuf::traits::{Consumer, Observer, Producer};
 use super::board::Board;
 use super::callback::{Cue, Report, Rings, SOURCES};
 use super::clock::{Moment, StreamClock};
-use super::gate::{Order, UNARMED};
+use super::gate::UNARMED;
 use super::reload::Reload;
 use super::signal::{Handle, Signal, Stamped, WAITING};
 use super::stamp::{Epoch, Stamp};
@@ -23,7 +23,7 @@ use crate::performer::{Outlet, Performer, When};
 use crate::schedule::Instant;
 use crate::text::Problem;
 
-/// Seconds that patterns are sent ahead.
+/// Seconds that patterns are sent ahead, beyond the block that is computed next.
 const AHEAD: f64 = 0.05;
 
 /// How often it looks whether patterns must be fed, where no signal comes.
@@ -186,13 +186,14 @@ impl Conductor {
     /// Sends what sounds from the beginning, and opens the gate.
     pub fn begin(&mut self) {
         (self.audience)(Told::Began(self.epoch, &self.board));
+        let until = self.until(0);
         let mut outlet = ToCallback { rings: &mut self.rings, clock: 0, plan: self.plan };
         if let Err(problem) = self.performer.begin(&mut outlet) {
             (self.audience)(Told::Refused(&problem));
         }
-        self.performer.feed((AHEAD * self.rate) as u64, &mut outlet);
+        self.performer.feed(until, &mut outlet);
         self.hear_trouble(false);
-        self.order(Order::Open);
+        self.board.lever.open();
     }
 
     /// Feeds patterns, hears what the callback did, and lets a plan that waits take over if it can.
@@ -228,9 +229,15 @@ impl Conductor {
         }
     }
 
+    /// Up to where patterns are sent, when `clock` is the next sample to be computed.
+    fn until(&self, clock: u64) -> u64 {
+        let block = self.clock.longest() as f64 / self.ratio;
+        clock + (AHEAD * self.rate + block) as u64
+    }
+
     fn feed(&mut self) {
         let clock = self.board.clock.get();
-        let until = clock + (AHEAD * self.rate) as u64;
+        let until = self.until(clock);
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
         let troubled = self.performer.trouble().is_some();
         self.behind = !self.performer.feed_some(until, &mut outlet);
@@ -309,11 +316,11 @@ impl Conductor {
             Signal::Calm => {
                 self.board.calm();
                 let woken = self.performer.wake(at, outlet);
-                self.order(Order::Release);
+                self.board.lever.release();
                 sent(woken)
             }
             Signal::Arm(armed) => {
-                self.order(Order::Gain(if armed { 1.0 } else { UNARMED }));
+                self.board.lever.gain(if armed { 1.0 } else { UNARMED });
                 Ok(())
             }
             Signal::Reload(reload) => {
@@ -334,13 +341,8 @@ impl Conductor {
     }
 
     fn end(&mut self) {
-        self.order(Order::Close);
+        self.board.lever.close();
         self.ended = true;
-    }
-
-    fn order(&mut self, order: Order) {
-        let untaken = self.rings.orders.try_push(order).is_err();
-        self.board.refused.add(u64::from(untaken));
     }
 
     /// Lets another scene take over. Where two engines are still under way, it waits.

@@ -75,8 +75,7 @@ impl Performer {
 
     /// What a message says about the song. A song of another port is taken up where none runs.
     pub(super) fn count(&mut self, at: When, port: u16, message: Message) {
-        let begins =
-            matches!(message, Message::Start | Message::Continue | Message::SongPosition { .. });
+        let begins = matches!(message, Message::Start | Message::Continue | Message::SongPosition { .. });
         if !(begins || matches!(message, Message::Clock | Message::Stop))
             || !self.clocked.awaits
             || matches!(self.clocked.beats, Beats::Song(..))
@@ -178,12 +177,7 @@ impl Performer {
 
     /// When something falls that a run says at its `own` time, and by how much longer what it plays lasts. `None` where a clock has yet to
     /// say so.
-    pub(super) fn falls(
-        &self,
-        follows: Option<(f64, f64)>,
-        own: f64,
-        earliest: f64,
-    ) -> Option<(f64, f64)> {
+    pub(super) fn falls(&self, follows: Option<(f64, f64)>, own: f64, earliest: f64) -> Option<(f64, f64)> {
         let Some((beat, usual)) = follows else { return Some((own, 1.0)) };
         let (at, speed) = self.clocked.beats.at(beat + own * usual, usual)?;
         // A clock that has become faster may ask for what is past.
@@ -262,7 +256,9 @@ mod tests {
 
     fn say_to(performer: &mut Performer, port: u16, kept: &mut Kept, seconds: f64, message: Message) {
         kept.0 = (seconds * RATE) as u64;
-        performer.midi(When::of_seconds(seconds, RATE), port, message, kept).unwrap_or_else(|p| panic!("{p}"));
+        performer
+            .midi(When::of_seconds(seconds, RATE), port, message, kept)
+            .unwrap_or_else(|p| panic!("{p}"));
         // As a session does: fifty milliseconds ahead.
         performer.feed(kept.0 + 400, kept);
     }
@@ -426,12 +422,9 @@ mod tests {
         say(&mut performer, &mut kept, 0.99, Message::Start);
         let end = clocks(&mut performer, &mut kept, 1.0, 30, 120.0, 0.0);
         kept.1.clear();
-        for message in [
-            Message::Stop,
-            Message::SongPosition { sixteenths: 4 * 17 },
-            Message::Stop,
-            Message::Continue,
-        ] {
+        for message in
+            [Message::Stop, Message::SongPosition { sixteenths: 4 * 17 }, Message::Stop, Message::Continue]
+        {
             say(&mut performer, &mut kept, end - 0.01, message);
         }
         clocks(&mut performer, &mut kept, end, 2 * 24, 120.0, 0.0);

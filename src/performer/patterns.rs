@@ -99,7 +99,9 @@ impl Performer {
         self.runs.retain(|run| {
             let goes = run.serial > 0 && run.roots.iter().all(|root| root.pattern == pattern);
             *cut |= goes && run.is_cut();
-            if (run.serial == 0 || run.follows.is_some()) && run.roots.iter().any(|root| root.pattern == pattern) {
+            if (run.serial == 0 || run.follows.is_some())
+                && run.roots.iter().any(|root| root.pattern == pattern)
+            {
                 stopped.insert(name.into());
             }
             !goes

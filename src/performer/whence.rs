@@ -75,7 +75,12 @@ mod tests {
             Whence::midi(63, channel(15)),
         ];
         for (n, whence) in all.into_iter().enumerate() {
-            let ids = [whence.voice(0), whence.voice(1 << 40), whence.of_run(3, 9), whence.of_run(1 << 20, 1 << 40)];
+            let ids = [
+                whence.voice(0),
+                whence.voice(1 << 40),
+                whence.of_run(3, 9),
+                whence.of_run(1 << 20, 1 << 40),
+            ];
             for (port, of) in [(0, None), (0, channel(0)), (0, channel(15)), (1, None), (63, channel(15))] {
                 let expected = match (port, of.map(Channel::index)) {
                     (0, None) => (1..=3).contains(&n),
