@@ -504,20 +504,6 @@ mod tests {
         assert!(kept.1.is_empty(), "{:?}", kept.1);
     }
 
-    /// In a patch where triggers alone play what follows a clock.
-    #[test]
-    fn what_a_trigger_plays_joins_in() {
-        let text = "clock = \"midi\"---[[trigger]]\non = \"key.1\"\nplay = \"p\"\n";
-        let (mut performer, mut kept) = (performer(text), Kept::default());
-        performer.await_clock().unwrap();
-        say(&mut performer, &mut kept, 1.0, Message::Start);
-        let now = clocks(&mut performer, &mut kept, 1.0, 49, 60.0, 0.0);
-        assert!(kept.1.is_empty());
-        performer.key(When::of_seconds(now, RATE), 1, &mut kept).unwrap();
-        clocks(&mut performer, &mut kept, now, 40, 60.0, 0.0);
-        near(&kept, &[now, now + 1.0], 4e-3);
-    }
-
     /// Every message asks for millions of events to be left out.
     #[test]
     fn a_flood_of_song_positions_is_cheap() {
