@@ -23,8 +23,11 @@ const HUM: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.hum]\nst
     o = { type = \"multiply\", inputs = [\"s\", \"e\"] }\n";
 
 fn reload(text: &str) -> Reload {
+    reload_on(text, Rig::default_for(2))
+}
+
+fn reload_on(text: &str, rig: Rig) -> Reload {
     let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-    let rig = Rig::default_for(2);
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
     let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
     let files = Box::new(|_: &str| Err(Problem::of_file("no files here")));
@@ -35,6 +38,10 @@ fn reload(text: &str) -> Reload {
 type Words = Arc<Mutex<Vec<String>>>;
 
 fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
+    start_with(reload(text))
+}
+
+fn start_with(scene: Reload) -> (Session, HeapCons<f32>, Words) {
     let words = Words::default();
     let heard = Arc::clone(&words);
     let audience = move |told: Told<'_>| {
@@ -57,7 +64,7 @@ fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
         block: Some(64),
         record: true,
         audience: Box::new(audience),
-        ..Beginning::of(reload(text), Chosen::Virtual(None))
+        ..Beginning::of(scene, Chosen::Virtual(None))
     })
     .unwrap_or_else(|error| panic!("{error}"));
     let recording = session.recording().unwrap();
@@ -179,6 +186,51 @@ fn another_patch_takes_over_without_a_gap_or_a_jump() {
     assert!(hum[9700..end].chunks(480).filter(|c| c.len() == 480).all(|c| c.iter().any(|x| x.abs() > 0.45)));
 }
 
+/// What leaves keeps to the rig's level, to the bit, while other rigs take over; on the way to another level, to the higher of both.
+#[test]
+fn nothing_is_beyond_the_level_of_the_rig_that_plays() {
+    const WILD: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.loud]\nstart = \"always\"\noutput = \"s\"\n\
+        [voice.loud.nodes]\ns = { type = \"square\", frequency = 90, amplitude = 40 }\n[voice.noise]\nstart = \"always\"\n\
+        output = \"n\"\nplace = \"t2\"\nnodes.n = { type = \"white\", amplitude = 1e6 }\n";
+    let at = |level: f64| {
+        let mut rig = Rig::default_for(2);
+        rig.device.max_level = level;
+        reload_on(WILD, rig)
+    };
+    let levels = [0.3, 0.05, 0.7, 1.0 / 3.0, 0.1];
+    let (mut session, mut recording, words) = start_with(at(levels[0]));
+    let mut all = Vec::new();
+    wait("the ramp's end", || session.board().frames.get() > 12_000);
+    let swaps = || -> Vec<usize> {
+        let words = words.lock().unwrap();
+        let frame =
+            |w: &String| w.strip_prefix("Report { frame: ")?.strip_suffix(", deed: Swap }")?.parse().ok();
+        words.iter().filter_map(frame).collect()
+    };
+    for (n, level) in levels.iter().enumerate().skip(1) {
+        session.handle().send(Signal::Reload(Box::new(at(*level)))).unwrap();
+        wait("the other rig", || swaps().len() == n);
+        let from = session.board().frames.get();
+        wait("a while", || session.board().frames.get() > from + 6000);
+        fetch(&mut recording, &mut all);
+    }
+    session.stop();
+    fetch(&mut recording, &mut all);
+    let swaps = swaps();
+    let mut reached = [false; 5];
+    for (n, frame) in all.chunks(2).enumerate() {
+        let now = swaps.partition_point(|swap| *swap <= n);
+        // 400 samples of the engine, and those frames of one that were given out before.
+        let glides = now > 0 && n < swaps[now - 1] + 6 * 400 + 6;
+        let most = if glides { levels[now - 1].max(levels[now]) } else { levels[now] };
+        for x in frame {
+            assert!(f64::from(x.abs()) <= most, "frame {n}: {x} beyond {most}, after {swaps:?}");
+            reached[now] |= f64::from(x.abs()) > 0.9 * levels[now];
+        }
+    }
+    assert_eq!(reached, [true; 5], "it is loud on every rig");
+}
+
 /// A hundred thousand messages as fast as they can be sent, by two threads, while patches are taken over: each is played or counted, and
 /// playing goes on.
 #[test]
@@ -260,4 +312,69 @@ fn a_flood_of_midi_during_reloads_is_played_or_counted() {
     assert!(session.board().refused.get() >= refused, "those that found no room");
     assert!(of(3) >= 1, "a patch took over meanwhile");
     assert_eq!(session.board().untold.get(), 0);
+}
+
+/// What plays from the beginning is stopped pattern by pattern, as what was started later, and stays so when the patch is saved anew.
+#[test]
+fn a_pattern_of_the_beginning_is_stopped_by_its_name() {
+    let mut text = HUM.to_string();
+    for (name, frequency) in [("low", 60), ("high", 200)] {
+        text += &format!(
+            "[[trigger]]\non = \"start\"\nplay = \"{name}\"\n[pattern.{name}]\nrepeat = {{ every = 0.05 }}\n\
+             events = [{{ at = 0, voice = \"tap\", frequency = {frequency} }}]\n"
+        );
+    }
+    let text = text.replace("frequency = 250", "frequency = \"event.frequency\"");
+    let (mut session, _recording, words) = start(&text);
+    let played = |frequency: &str| {
+        let events = words.lock().unwrap();
+        events.iter().filter(|w| w.starts_with("event") && w.contains(frequency)).count()
+    };
+    wait("both", || played("[60.0") > 2 && played("[200.0") > 2);
+    session.handle().send(Signal::StopNamed("low".into())).unwrap();
+    // What was sent ahead still comes.
+    let high = played("[200.0");
+    wait("the others", || played("[200.0") > high + 3);
+    let low = played("[60.0");
+    let stays = |what: &str| {
+        let high = played("[200.0");
+        wait(what, || played("[200.0") > high + 4);
+        assert_eq!(played("[60.0"), low, "{what}");
+    };
+    stays("the next");
+    session.handle().send(Signal::Reload(Box::new(reload(&text.replace("100", "150"))))).unwrap();
+    wait("the new patch", || words.lock().unwrap().iter().any(|w| w.contains("Swap")));
+    stays("those after it");
+    session.handle().send(Signal::StopNamed("high".into())).unwrap();
+    session.handle().send(Signal::Start(7, "low".into())).unwrap();
+    wait("its return", || played("[60.0") > low + 2);
+    session.stop();
+}
+
+/// However much is asked of the gate, that it is to close is heard.
+#[test]
+fn a_flood_of_orders_does_not_keep_the_gate_open() {
+    let (mut session, mut recording, _) = start(HUM);
+    wait("the ramp's end", || session.board().frames.get() > 12_000);
+    let handle = session.handle().clone();
+    let flood = std::thread::spawn(move || {
+        let mut sent = 0_u32;
+        while handle.send(Signal::Arm(true)) != Err(pacinian::live::signal::Refused::Ended)
+            && sent < 5_000_000
+        {
+            sent += 1;
+        }
+    });
+    std::thread::sleep(Duration::from_millis(100));
+    // As a signal of the system does it.
+    session.board().lever.closing().store(true, std::sync::atomic::Ordering::Relaxed);
+    wait("the gate", || session.board().shut.get() == 1);
+    let shut = session.board().frames.get();
+    wait("a while", || session.board().frames.get() > shut + 4_800);
+    session.stop();
+    flood.join().unwrap();
+    let mut all = Vec::new();
+    fetch(&mut recording, &mut all);
+    let last = all.iter().rposition(|x| *x != 0.0).unwrap() / 2;
+    assert!(last > 10_000 && (last as u64) < shut, "{last} {shut}");
 }

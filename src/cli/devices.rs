@@ -1,6 +1,7 @@
 //! `pacinian devices`.
 
 use super::failure::Failure;
+use super::missing::{JOINING, missing};
 use super::table::{Table, grouped};
 use super::terminal::Terminal;
 use clap::Args;
@@ -8,6 +9,7 @@ use pacinian::io::device::failure::Trouble;
 use pacinian::io::device::hosts::Hosts;
 use pacinian::io::device::list::{Found, Offer};
 use pacinian::io::midi_in;
+use pacinian::text::problem::escaped;
 use serde_json::json;
 
 /// Lists sound cards (channels, rates, blocks), ports of MIDI, and what is missing
@@ -15,9 +17,7 @@ use serde_json::json;
 #[command(after_help = "Examples:\n  pacinian devices\n  pacinian play PATCH --device \"USB Sound\"\n\n\
     A device is meant by its id, its name, or a part of its name that no other has. Where several hosts have it, that of the first \
     listed here is meant; one of another is `HOST:NAME`, and `HOST` alone is its default (*). `virtual` is a card that keeps real time \
-    and plays to nobody.\n\nOne session plays on one device. Several cards are joined by the sound server into one: with PipeWire, \
-    `pactl load-module module-combine-sink`; with ALSA, a `multi` device in ~/.asoundrc. Cards that do not share a clock drift \
-    apart, by some 50 microseconds a second, unless the server resamples.")]
+    and plays to nobody.\n\nOne session plays on one device; what this prints ends with how several are joined into one.")]
 pub struct Devices {
     /// As one JSON object
     #[arg(long)]
@@ -39,8 +39,9 @@ impl Devices {
                 Ok(ports) => (ports, None),
                 Err(why) => (Vec::new(), Some(why)),
             };
-            let said =
-                json!({ "hosts": hosts, "midi": { "ports": ports, "trouble": trouble }, "advice": advice() });
+            let advice = missing();
+            let midi = json!({ "ports": ports, "trouble": trouble });
+            let said = json!({ "hosts": hosts, "midi": midi, "advice": advice, "joining": JOINING });
             return terminal.print(&format!("{said:#}\n"));
         }
         let mut text = String::new();
@@ -48,7 +49,7 @@ impl Devices {
             text += &terminal.out.bold(name);
             match (runs, found) {
                 (false, _) => text += ": does not run\n",
-                (true, Err(error)) => text += &format!(": {error}\n"),
+                (true, Err(error)) => text += &format!(": {}\n", escaped(error)),
                 (true, Ok(found)) if found.is_empty() => text += ": no device\n",
                 (true, Ok(found)) => text += &format!("\n{}", table(found)),
             }
@@ -64,11 +65,13 @@ impl Devices {
                 ports.into_iter().for_each(|port| table.row([port]));
                 format!("{}\n{}", terminal.out.bold("MIDI"), table.text())
             }
-            Err(why) => format!("{}: {why}\n", terminal.out.bold("MIDI")),
+            Err(why) => format!("{}: {}\n", terminal.out.bold("MIDI"), escaped(&why)),
         };
-        for (what, help) in advice() {
+        for (what, help) in missing() {
             text += &format!("\n{what}\n  {help}\n");
         }
+        text += "\nSeveral cards as one\n";
+        JOINING.iter().for_each(|(with, how)| text += &format!("  {with}: {how}\n"));
         terminal.print(&text)
     }
 }
@@ -128,35 +131,6 @@ fn counts(channels: &[u16]) -> String {
         [first, .., last] if usize::from(last - first) + 1 == channels.len() => format!("{first} to {last}"),
         several => several.iter().map(u16::to_string).collect::<Vec<_>>().join(", "),
     }
-}
-
-/// What is missing on this machine, and how to get it.
-fn advice() -> Vec<(String, String)> {
-    let mut advice: Vec<(String, String)> = Vec::new();
-    #[cfg(target_os = "linux")]
-    {
-        use std::path::Path;
-        let mut say = |what: &str, help: &str| advice.push((what.into(), help.into()));
-        if !Path::new("/dev/snd").exists() {
-            say(
-                "This system has no sound hardware: there is no /dev/snd.",
-                "plug a card in, or load its driver; in a container, pass the device: --device /dev/snd",
-            );
-        } else if std::fs::read_dir("/dev/snd").is_ok_and(|all| {
-            all.flatten().any(|entry| {
-                std::fs::OpenOptions::new()
-                    .read(true)
-                    .open(entry.path())
-                    .is_err_and(|error| error.kind() == std::io::ErrorKind::PermissionDenied)
-            })
-        }) {
-            say(
-                "Sound cards may not be used by this user.",
-                "sudo usermod -aG audio $USER, then log in again",
-            );
-        }
-    }
-    advice
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::failure::Failure;
 use super::guard;
 use super::keep::Keep;
 use super::load::{Loaded, Scene};
+use super::osc::Osc;
 use super::problems;
 use super::provenance::provenance;
 use super::screen::{Ending, Scenery, Show};
@@ -17,14 +18,13 @@ use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
 use pacinian::io::midi_in::MidiPorts;
-use pacinian::io::osc::endpoint::{BindError, Endpoint};
-use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::board::Board;
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
+use pacinian::text::problem::escaped;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::{Instant, SystemTime};
@@ -37,7 +37,8 @@ use std::time::{Instant, SystemTime};
     With no device named, here or in the rig, it plays on the system's default, which may be headphones: at -20 dB until --arm. \
     With no sound card at all it plays on a virtual one, which keeps real time and is heard by nobody.\n\
     In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, space all of them, p or Escape shuts \
-    the output at once (c opens it again), a is full level or -20 dB, q ends it. Anywhere else, and with --plain, it writes a line for \
+    the output at once (c opens it again), a is full level or -20 dB, q ends it; Tab chooses a control, left and right move it (with \
+    Shift further), 0 or d resets it. Anywhere else, and with --plain, it writes a line for \
     everything that happens.\n\
     With --watch, what is saved takes over while it sounds: what still exists keeps sounding, controls keep their values, and of a file \
     that is broken the errors are shown while the old one plays on.\n\
@@ -59,9 +60,8 @@ pub struct Play {
     /// Full level on a device that nobody has named
     #[arg(long)]
     arm: bool,
-    /// Listen for OSC on this UDP port, or address and port; a port alone is for this machine only. docs/osc.md lists what it hears
-    #[arg(long, value_name = "ADDR")]
-    osc: Option<Endpoint>,
+    #[command(flatten)]
+    osc: Osc,
     /// The ports of MIDI to listen to, by a part of their names; `none` for none [default: all, if the patch has use for MIDI]
     #[arg(long, value_name = "NAME")]
     midi_in: Option<String>,
@@ -87,12 +87,6 @@ impl From<DeviceError> for Failure {
     }
 }
 
-impl From<BindError> for Failure {
-    fn from(error: BindError) -> Self {
-        Self::usage(error.what, error.help).with_code(error.exit_code)
-    }
-}
-
 impl Play {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
@@ -100,14 +94,21 @@ impl Play {
             self.scene.check_watch()?;
         }
         let since = SystemTime::now();
-        let scene = Scene { live: true, hears: self.input_device.is_some(), ..self.scene.clone() };
+        let mut scene = Scene { live: true, hears: self.input_device.is_some(), ..self.scene.clone() };
+        // Where no rig says which tactors there are, the device does.
+        let mut device = None;
+        if scene.rig.is_none() {
+            let chosen = Wish::of(self.device.as_deref(), None).choose()?;
+            scene.offered = chosen.channels().to_vec();
+            device = Some(chosen);
+        }
         // However long it plays, all of an input may be heard.
         let mut loaded = scene.load(true, Some(self.duration.unwrap_or(FOREVER)))?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
         let wish = Wish::of(self.device.as_deref(), loaded.rig.device.name.as_deref());
-        let device = wish.choose()?;
+        let device = device.map_or_else(|| wish.choose(), Ok)?;
         let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
         let armed = self.arm || wish != Wish::Default || matches!(device, Chosen::Virtual(_));
         let name = match &device {
@@ -120,6 +121,17 @@ impl Play {
         self.keep.check(&loaded)?;
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
+        let offered = device.channels();
+        if scene.rig.is_none()
+            && !offered.is_empty()
+            && offered.iter().all(|count| usize::from(*count) != channels)
+        {
+            let most = offered.last().copied().unwrap_or(0);
+            let what =
+                format!("the patch plays on {channels} tactors, and {} has {most} outputs", device.name());
+            let help = "choose another card with --device (`virtual` is one that has any number), or name a rig with --rig";
+            return Err(Failure::usage(what, help).with_code(69));
+        }
         let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
         let heard_from = reload.scene.plan.inputs();
         let mut listens = Listens::of(&loaded, listens, &heard_from, rate, self.block)?;
@@ -138,6 +150,8 @@ impl Play {
         let stop = Stop::listen()?;
         let journal = self.keep.journal(&reload, scenery.device, armed)?;
         let (makes, is_told, of_device) = (journal.clone(), journal.clone(), journal.clone());
+        let announcer = self.osc.announcer(&reload.scene.plan)?;
+        let (heralds, herald) = (announcer.clone(), announcer.clone());
         let mut session = Session::start(Beginning {
             block: self.block,
             armed,
@@ -147,10 +161,12 @@ impl Play {
             song: loaded.song.clone(),
             listener: Some(Box::new(move |event| {
                 makes.iter().for_each(|journal| journal.hear(event));
+                heralds.iter().for_each(|announcer| announcer.hear(event));
                 heard.hear(event);
             })),
             audience: Box::new(move |what| {
                 is_told.iter().for_each(|journal| journal.told(&what));
+                herald.iter().for_each(|announcer| announcer.told(&what));
                 match &what {
                     Told::Reloaded => drop(verdict.send(Ok(()))),
                     Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
@@ -168,22 +184,19 @@ impl Play {
             SessionError::Device(error) => error.into(),
             SessionError::Plan(what) => Failure::said(65, what),
         })?;
+        // A signal closes the gate itself, whatever this thread is about.
+        stop.also(&session.board().lever.closing())?;
         let mut kept = self.keep.begin(&mut session, journal, &loaded)?;
         terminal.note(&format!(
-            "{} plays on {name}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
-            loaded.name(),
+            "{} plays on {}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
+            escaped(loaded.name()),
+            escaped(&name),
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
         if let Some(hears) = hears {
             terminal.note(&format!("{hears}\n"));
         }
-        let listen = |at| Server::start(at, session.handle().clone(), &loaded.patch);
-        let osc = self.osc.map(listen).transpose()?;
-        if let Some(osc) = &osc {
-            let open = self.osc.is_some_and(|at| at.is_open());
-            let by = if open { "all that can reach it" } else { "programs on this machine" };
-            terminal.note(&format!("OSC is heard on {}, from {by}\n", osc.address()));
-        }
+        let osc = self.osc.listen(session.handle(), &loaded.patch, announcer.as_ref(), terminal)?;
         // What nothing listens to is not opened.
         let wanted = self.midi_in.clone().filter(|name| name != "none");
         let listen = |patch: &Patch| {
@@ -195,7 +208,7 @@ impl Play {
         };
         let mut midi = listen(&loaded.patch)?;
         let course = || Course {
-            scene: Scene { midi: None, tactors: channels as u32, ..scene.clone() },
+            scene: Scene { midi: None, offered: vec![channels as u16], ..scene.clone() },
             device_rate: f64::from(rate),
             device: self.device.clone(),
             wish: wish.clone(),
@@ -233,19 +246,21 @@ impl Play {
                 }
             }
         });
+        // The gate closes before anything else is done, even where the conductor is no more.
+        session.board().lever.close();
+        let _ = session.handle().send(Signal::End);
         drop(watching);
         drop(midi);
         // What the system dropped last is counted when the server ends.
         let counts = osc.map(|osc| Arc::clone(osc.counts()));
-        // The gate closes before anything else is done, even where the conductor is no more.
-        if guard::has_panicked() {
-            session.board().panic();
-        }
-        let _ = session.handle().send(Signal::End);
         let peaks = show.end(session.board(), terminal);
         session.stop();
         if let Some(trouble) = counts.and_then(|counts| counts.trouble()) {
             terminal.note(&format!("{trouble}\n"));
+        }
+        let unsent = announcer.map_or(0, |announcer| announcer.finish());
+        if unsent > 0 {
+            terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }
         let concluded = self.conclude(&loaded, session.board(), &peaks, terminal);
         let concluded = kept.finish(terminal).and(concluded);
@@ -295,7 +310,7 @@ impl Play {
         let load = &board.load;
         let mut text = format!(
             "{}: {} frames, {} voices, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost\n",
-            loaded.name(),
+            escaped(loaded.name()),
             board.frames.get(),
             board.started.get(),
             100.0 * load.mean(),
@@ -318,7 +333,7 @@ impl Play {
         }
         for (name, &peak) in loaded.tactors().iter().zip(peaks) {
             if peak > 0.0 {
-                text += &format!("  {name}: {}\n", dbfs(peak));
+                text += &format!("  {}: {}\n", escaped(name), dbfs(peak));
             }
         }
         terminal.print(&text)

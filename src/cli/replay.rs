@@ -11,6 +11,7 @@ use clap::Args;
 use pacinian::io::journal::remake::RemakeError;
 use pacinian::io::journal::replay::{Replay as Player, ReplayError};
 use pacinian::io::wav::{Encoding, WavReader, WavSpec, WavWriter};
+use pacinian::text::problem::escaped;
 use serde::Serialize;
 use std::fs::File;
 use std::io::BufReader;
@@ -146,7 +147,7 @@ impl Replay {
         let player = Player::open(&self.journal, self.folder.as_deref())?;
         let head = player.head().clone();
         if head.pacinian != env!("CARGO_PKG_VERSION") {
-            let (then, now) = (&head.pacinian, env!("CARGO_PKG_VERSION"));
+            let (then, now) = (escaped(&head.pacinian), env!("CARGO_PKG_VERSION"));
             terminal
                 .note(&format!("pacinian {then} has played this; pacinian {now} may play it otherwise\n"));
         }

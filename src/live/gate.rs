@@ -56,7 +56,9 @@ impl Ramp {
             return self.to;
         }
         let x = self.done as f32 / self.length as f32;
-        self.from + (self.to - self.from) * (x * x * (3.0 - 2.0 * x))
+        // Rounding must not carry it past its ends: a gain of more than 1 would be more than what may leave.
+        let (least, most) = if self.from < self.to { (self.from, self.to) } else { (self.to, self.from) };
+        (self.from + (self.to - self.from) * (x * x * (3.0 - 2.0 * x))).max(least).min(most)
     }
 
     fn go(&mut self, to: f32, frames: f64) {
@@ -245,6 +247,24 @@ mod tests {
         assert!(rising.windows(2).all(|w| w[1] >= w[0]) && rising[9599] == 1.0);
         gate.order(Order::Gain(f32::NAN));
         assert_eq!(pass(&mut gate, 9600)[9599], 0.0);
+    }
+
+    /// A gain of more than 1, by however little, would let more leave than the engine holds back to.
+    #[test]
+    fn no_ramp_passes_its_ends() {
+        for rate in [6000.0, 7350.0, 44_100.0, 48_000.0, 96_000.0, 192_000.0, 767_999.0] {
+            for gain in [1.0, 0.7, UNARMED] {
+                let mut gate = Gate::new(rate, UNARMED);
+                gate.order(Order::Open);
+                gate.order(Order::Gain(gain));
+                for order in [Order::Open, Order::Close, Order::Return, Order::Close, Order::Open] {
+                    gate.order(order);
+                    let all = pass(&mut gate, (0.25 * rate) as usize);
+                    let beyond = all.iter().find(|x| !(0.0..=gain.max(UNARMED)).contains(*x));
+                    assert_eq!(beyond, None, "{rate} Hz, {order:?} to {gain}");
+                }
+            }
+        }
     }
 
     #[test]
