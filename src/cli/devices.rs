@@ -1,20 +1,22 @@
 //! `pacinian devices`.
 
 use super::failure::Failure;
+use super::missing::{JOINING, missing};
 use super::table::{Table, grouped};
 use super::terminal::Terminal;
 use clap::Args;
-use pacinian::io::device::list::{self, Found, Offer};
+use pacinian::io::device::failure::Trouble;
+use pacinian::io::device::hosts::Hosts;
+use pacinian::io::device::list::{Found, Offer};
 use pacinian::io::midi_in;
 use serde_json::json;
 
 /// Lists sound cards (channels, rates, blocks), ports of MIDI, and what is missing
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  pacinian devices\n  pacinian play PATCH --device \"USB Sound\"\n\n\
-    A device is meant by its id, its name, or a part of its name that no other has. `virtual` is a card that keeps real time and \
-    plays to nobody.\n\nOne session plays on one device. Several cards are joined by the sound server into one: with PipeWire, \
-    `pactl load-module module-combine-sink`; with ALSA, a `multi` device in ~/.asoundrc. Cards that do not share a clock drift \
-    apart, by some 50 microseconds a second, unless the server resamples.")]
+    A device is meant by its id, its name, or a part of its name that no other has. Where several hosts have it, that of the first \
+    listed here is meant; one of another is `HOST:NAME`, and `HOST` alone is its default (*). `virtual` is a card that keeps real time \
+    and plays to nobody.\n\nOne session plays on one device; what this prints ends with how several are joined into one.")]
 pub struct Devices {
     /// As one JSON object
     #[arg(long)]
@@ -25,14 +27,9 @@ impl Devices {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let mut hosts = Vec::new();
-        for (name, host) in list::hosts() {
-            let found = match &host {
-                Some(host) => {
-                    list::devices(host).map(|all| all.into_iter().map(|(_, found)| found).collect())
-                }
-                None => Ok(Vec::new()),
-            };
-            hosts.push((name, host.is_some(), found.map_err(|error| error.to_string())));
+        for host in Hosts::default().places() {
+            let found = host.devices().map(|all| all.into_iter().map(|(_, found)| found).collect());
+            hosts.push((host.name.clone(), host.runs(), found.map_err(|error| error.to_string())));
         }
         if self.json {
             let hosts: Vec<_> =
@@ -41,8 +38,9 @@ impl Devices {
                 Ok(ports) => (ports, None),
                 Err(why) => (Vec::new(), Some(why)),
             };
-            let said =
-                json!({ "hosts": hosts, "midi": { "ports": ports, "trouble": trouble }, "advice": advice() });
+            let advice = missing();
+            let midi = json!({ "ports": ports, "trouble": trouble });
+            let said = json!({ "hosts": hosts, "midi": midi, "advice": advice, "joining": JOINING });
             return terminal.print(&format!("{said:#}\n"));
         }
         let mut text = String::new();
@@ -68,9 +66,11 @@ impl Devices {
             }
             Err(why) => format!("{}: {why}\n", terminal.out.bold("MIDI")),
         };
-        for (what, help) in advice() {
+        for (what, help) in missing() {
             text += &format!("\n{what}\n  {help}\n");
         }
+        text += "\nSeveral cards as one\n";
+        JOINING.iter().for_each(|(with, how)| text += &format!("  {with}: {how}\n"));
         terminal.print(&text)
     }
 }
@@ -84,7 +84,7 @@ fn host_as_json(name: &str, runs: bool, found: &Result<Vec<Found>, String>) -> s
             })
         })
     };
-    let device = |f: &Found| json!({ "id": f.id, "name": f.name, "default": f.default, "output": offer(&f.output), "input": offer(&f.input) });
+    let device = |f: &Found| json!({ "id": f.id, "name": f.name, "default": f.default, "output": offer(&f.output), "input": offer(&f.input), "trouble": f.trouble.as_ref().map(ToString::to_string) });
     let (devices, trouble) = match found {
         Ok(all) => (all.iter().map(device).collect(), None),
         Err(error) => (Vec::new(), Some(error)),
@@ -98,7 +98,11 @@ fn table(found: &[Found]) -> String {
     for device in found {
         let offer = device.output.as_ref().or(device.input.as_ref());
         let channels = |offer: &Option<Offer>| offer.as_ref().map_or("-".into(), |o| counts(&o.channels));
-        let rates = offer.map_or(String::new(), |o| range(o.rates) + " Hz");
+        let trouble = device.trouble.as_ref().map_or("", |trouble| match trouble.kind {
+            Trouble::Busy => "in use",
+            _ => "not allowed",
+        });
+        let rates = offer.map_or(trouble.to_string(), |o| range(o.rates) + " Hz");
         let blocks = offer.and_then(|o| o.blocks).map_or(String::new(), range);
         table.row([
             if device.default { "*" } else { "" }.to_string(),
@@ -126,35 +130,6 @@ fn counts(channels: &[u16]) -> String {
         [first, .., last] if usize::from(last - first) + 1 == channels.len() => format!("{first} to {last}"),
         several => several.iter().map(u16::to_string).collect::<Vec<_>>().join(", "),
     }
-}
-
-/// What is missing on this machine, and how to get it.
-fn advice() -> Vec<(String, String)> {
-    let mut advice: Vec<(String, String)> = Vec::new();
-    #[cfg(target_os = "linux")]
-    {
-        use std::path::Path;
-        let mut say = |what: &str, help: &str| advice.push((what.into(), help.into()));
-        if !Path::new("/dev/snd").exists() {
-            say(
-                "This system has no sound hardware: there is no /dev/snd.",
-                "plug a card in, or load its driver; in a container, pass the device: --device /dev/snd",
-            );
-        } else if std::fs::read_dir("/dev/snd").is_ok_and(|all| {
-            all.flatten().any(|entry| {
-                std::fs::OpenOptions::new()
-                    .read(true)
-                    .open(entry.path())
-                    .is_err_and(|error| error.kind() == std::io::ErrorKind::PermissionDenied)
-            })
-        }) {
-            say(
-                "Sound cards may not be used by this user.",
-                "sudo usermod -aG audio $USER, then log in again",
-            );
-        }
-    }
-    advice
 }
 
 #[cfg(test)]

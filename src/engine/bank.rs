@@ -142,8 +142,9 @@ impl<R: Real> Bank<R> {
     }
 
     /// Takes over the voices of an old bank of the same size: its lanes, and the states of the ops that `ops` names. Ops
-    /// without a counterpart begin now. The old bank is left empty.
-    pub fn adopt(&mut self, old: &mut Self, ops: &[Option<usize>], places: &[Vec<(u32, f64)>]) {
+    /// without a counterpart begin now, before sample `clock`; voices that were let go of, and of which such an op is to say when they
+    /// end, fade. The old bank is left empty.
+    pub fn adopt(&mut self, old: &mut Self, ops: &[Option<usize>], places: &[Vec<(u32, f64)>], clock: u64) {
         if self.lanes.len() != old.lanes.len() {
             return;
         }
@@ -170,11 +171,28 @@ impl<R: Real> Bank<R> {
             self.ops.set(lane, &voice.play.fields());
             self.place(lane, places.get(voice.play.place as usize).map_or(&[][..], |p| p));
             let missing = ops.iter().enumerate().filter(|(_, from)| from.is_none());
+            let mut anew = false;
             for (op, _) in missing {
                 // As if the voice began here, so that what is new comes in gently.
-                self.ops.start_one(op, lane, voice.play.id, -LEAD + 1.0);
+                self.ops.start_late(op, lane, voice.play.id, voice.born.until(clock) - LEAD);
+                anew |= self.ops.decides(op);
+            }
+            if anew && voice.status == Status::Released {
+                self.let_fade(lane, Instant { sample: clock, fraction: 0 });
             }
         }
+    }
+
+    /// Makes room to take over the voices of another bank. It allocates.
+    pub fn expect_voices(&mut self) {
+        self.ops.expect_voices();
+    }
+
+    /// A voice that sounds falls silent from `at` on.
+    fn let_fade(&mut self, lane: usize, at: Instant) {
+        self.lanes[lane].status = Status::Fading(at);
+        self.fading[lane / LANES] |= 1 << (lane % LANES);
+        self.sounding -= 1;
     }
 
     /// Lets voices that were started before the engine took over begin now.
@@ -188,9 +206,7 @@ impl<R: Real> Bank<R> {
     pub fn fade_all(&mut self, at: Instant) {
         for lane in 0..self.lanes.len() {
             if matches!(self.lanes[lane].status, Status::Held | Status::Released) {
-                self.lanes[lane].status = Status::Fading(at);
-                self.fading[lane / LANES] |= 1 << (lane % LANES);
-                self.sounding -= 1;
+                self.let_fade(lane, at);
             }
         }
     }
@@ -201,14 +217,11 @@ impl<R: Real> Bank<R> {
         else {
             return;
         };
-        let (group, l) = (lane / LANES, lane % LANES);
         if self.ops.decide() {
             voice.status = Status::Released;
             self.ops.release(lane, at.since(voice.born));
         } else {
-            voice.status = Status::Fading(at);
-            self.fading[group] |= 1 << l;
-            self.sounding -= 1;
+            self.let_fade(lane, at);
         }
     }
 

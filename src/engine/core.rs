@@ -248,6 +248,11 @@ impl<R: Real> Core<R> {
         }
     }
 
+    /// Makes room to take over the voices of another engine. It allocates.
+    pub fn expect_voices(&mut self) {
+        self.banks.iter_mut().for_each(Bank::expect_voices);
+    }
+
     /// Takes the place of `old`: what `inheritance` names goes on here, and the rest fades out there.
     pub fn adopt(&mut self, old: &mut Self, inheritance: &Inheritance) {
         self.clock = old.clock;
@@ -276,7 +281,7 @@ impl<R: Real> Core<R> {
                 .and_then(|(from, ops)| Some((old.banks.get_mut(*from)?, ops, old.first.get(*from)?)));
             match from {
                 Some((bank_of_old, ops, first_of_old)) => {
-                    bank.adopt(bank_of_old, ops, &self.places);
+                    bank.adopt(bank_of_old, ops, &self.places, self.clock);
                     for lane in 0..bank.lanes() {
                         if let Some((at, serial)) = old.ends.get(first_of_old + lane) {
                             self.ends.set(first + lane, at, serial);

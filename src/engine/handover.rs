@@ -90,7 +90,8 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     if listens(new) > listens(old) {
         return Err(Mismatch::Inputs);
     }
-    let engine = Engine::new(new).map_err(|why| Mismatch::Refused(why.to_string()))?;
+    let mut engine = Engine::new(new).map_err(|why| Mismatch::Refused(why.to_string()))?;
+    engine.expect_voices();
     let instruments = new
         .instruments
         .iter()

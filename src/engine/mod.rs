@@ -238,6 +238,11 @@ impl Engine {
         self.listener.delay() / (each!(self, core => core.rate()) * self.ratio as f64)
     }
 
+    /// Makes room to take over the voices of another engine. It allocates.
+    fn expect_voices(&mut self) {
+        each!(mut self, core => core.expect_voices());
+    }
+
     /// Becomes the engine of `new`, which becomes the old one that fades out. Both must be of the same precision, which
     /// [`handover::prepare`] sees to; otherwise nothing happens.
     fn adopt(&mut self, new: &mut Handover) {

@@ -25,6 +25,9 @@ pub struct Ops<R: Real> {
     deciding: Vec<usize>,
     /// Ops that listen to what the hand does.
     touched: Vec<usize>,
+    /// By op, then lane: by how many samples an op began after its voice, whose plan did not have it then. Empty where none can have.
+    behind: Vec<f64>,
+    groups: usize,
     seed: u64,
 }
 
@@ -45,6 +48,8 @@ impl<R: Real> Ops<R> {
             late: vec![[R::ZERO; LANES]; groups * program.late.len()],
             deciding,
             touched,
+            behind: Vec::new(),
+            groups,
             seed,
             program: program.clone(),
         };
@@ -99,11 +104,45 @@ impl<R: Real> Ops<R> {
         }
         for op in 0..self.states.len() {
             self.start_one(op, lane, id, age);
+            self.delay(op, lane, 0.0);
         }
     }
 
+    /// Makes room to remember which ops began after their voices. It allocates.
+    pub fn expect_voices(&mut self) {
+        self.behind = vec![0.0; self.states.len() * self.lanes()];
+    }
+
+    /// Starts one op of a lane whose voice has had its onset `age` samples before the next sample is computed.
+    pub fn start_late(&mut self, op: usize, lane: usize, id: u64, age: f64) {
+        let own = -1.0;
+        self.start_one(op, lane, id, own);
+        self.delay(op, lane, age - own);
+    }
+
+    /// Whether an op says when a voice has ended.
+    pub fn decides(&self, op: usize) -> bool {
+        self.deciding.contains(&op)
+    }
+
+    fn lanes(&self) -> usize {
+        self.groups * LANES
+    }
+
+    fn delay(&mut self, op: usize, lane: usize, behind: f64) {
+        let number = op * self.lanes() + lane;
+        if let Some(slot) = self.behind.get_mut(number) {
+            *slot = behind;
+        }
+    }
+
+    /// A voice time as an op counts it.
+    fn own(&self, op: usize, lane: usize, at: f64) -> f64 {
+        at - self.behind.get(op * self.lanes() + lane).copied().unwrap_or(0.0)
+    }
+
     /// Starts one op of a lane.
-    pub fn start_one(&mut self, op: usize, lane: usize, id: u64, age: f64) {
+    fn start_one(&mut self, op: usize, lane: usize, id: u64, age: f64) {
         let (group, l) = (lane / LANES, lane % LANES);
         let rows = self.program.steady.len();
         let of = &self.program.ops[op];
@@ -118,8 +157,9 @@ impl<R: Real> Ops<R> {
 
     /// Releases a lane at the voice time `at` (samples).
     pub fn release(&mut self, lane: usize, at: f64) {
-        for states in &mut self.states {
-            states.release(lane / LANES, lane % LANES, at);
+        for op in 0..self.states.len() {
+            let at = self.own(op, lane, at);
+            self.states[op].release(lane / LANES, lane % LANES, at);
         }
     }
 
@@ -130,18 +170,26 @@ impl<R: Real> Ops<R> {
 
     /// The hand that holds a lane moves at the voice time `at` (samples).
     pub fn touch(&mut self, lane: usize, motion: Motion, value: f64, at: f64) {
-        for &op in &self.touched {
+        for number in 0..self.touched.len() {
+            let op = self.touched[number];
+            let at = self.own(op, lane, at);
             self.states[op].touch(lane / LANES, lane % LANES, motion, value, at);
         }
     }
 
     /// Swaps in the states of an old program's ops.
     pub fn take_states(&mut self, old: &mut Self, ops: &[Option<usize>]) {
-        for (states, from) in self.states.iter_mut().zip(ops) {
-            if let Some(from) = from.and_then(|i| old.states.get_mut(i))
-                && states.matches(from)
+        let lanes = self.lanes();
+        for (op, (states, from)) in self.states.iter_mut().zip(ops).enumerate() {
+            let Some(from) = *from else { continue };
+            if let Some(old) = old.states.get_mut(from)
+                && states.matches(old)
             {
-                std::mem::swap(states, from);
+                std::mem::swap(states, old);
+            }
+            let old = old.behind.get(from * lanes..(from + 1) * lanes);
+            if let (Some(behind), Some(old)) = (self.behind.get_mut(op * lanes..(op + 1) * lanes), old) {
+                behind.copy_from_slice(old);
             }
         }
     }

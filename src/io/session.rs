@@ -267,6 +267,9 @@ impl Session {
 
     /// Closes the gate, waits until the device has been given silence, and lets go of it.
     pub fn stop(&mut self) {
+        if let Some(keeper) = &self.keeper {
+            keeper.rest();
+        }
         // Whoever floods the session cannot keep it from ending.
         while self.conductor.is_some() && self.handle.send(Signal::End) == Err(Refused::Busy) {
             std::thread::sleep(Duration::from_millis(1));

@@ -13,7 +13,7 @@ use ringbuf::traits::{Consumer, Observer, Producer};
 use super::board::Board;
 use super::callback::{Cue, Report, Rings, SOURCES};
 use super::clock::{Moment, StreamClock};
-use super::gate::{Order, UNARMED};
+use super::gate::UNARMED;
 use super::reload::Reload;
 use super::signal::{Handle, Signal, Stamped, WAITING};
 use super::stamp::{Epoch, Stamp};
@@ -23,7 +23,7 @@ use crate::performer::{Outlet, Performer, When};
 use crate::schedule::Instant;
 use crate::text::Problem;
 
-/// Seconds that patterns are sent ahead.
+/// Seconds that patterns are sent ahead, beyond the block that is computed next.
 const AHEAD: f64 = 0.05;
 
 /// How often it looks whether patterns must be fed, where no signal comes.
@@ -46,9 +46,8 @@ pub enum Told<'a> {
     Report(&'a Report, Option<Moment>),
     /// Something that was asked for and cannot be done.
     Refused(&'a Problem),
-    /// Other patterns play than before. Those that play now: number, and name; what plays from the beginning has number 0 and no
-    /// name.
-    Playing(&'a [(u64, Option<&'a str>)]),
+    /// Other patterns play than before. Those that play now: number, and name; those that play from the beginning have number 0.
+    Playing(&'a [(u64, &'a str)]),
     /// A new patch or rig takes over: what the callback tells of after its next [`super::callback::Deed::Swap`] is meant for it.
     Reloading(&'a Reload),
     /// It plays.
@@ -189,7 +188,7 @@ impl Conductor {
             (self.audience)(Told::Refused(&problem));
         }
         self.feed();
-        self.order(Order::Open);
+        self.board.lever.open();
     }
 
     /// Feeds patterns, hears what the callback did, and lets a plan that waits take over if it can.
@@ -224,7 +223,8 @@ impl Conductor {
 
     fn feed(&mut self) {
         let clock = self.board.clock.get();
-        let until = clock + (AHEAD * self.rate) as u64;
+        let block = self.clock.longest() as f64 / self.ratio;
+        let until = clock + (AHEAD * self.rate + block) as u64;
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
         let troubled = self.performer.trouble().is_some();
         self.performer.feed(until, &mut outlet);
@@ -281,7 +281,7 @@ impl Conductor {
                 Ok(())
             }
             Signal::StopNamed(name) => {
-                self.performer.stop_patterns(|playing| playing == Some(&name));
+                self.performer.stop_named(&name);
                 Ok(())
             }
             Signal::Key(key) => self.performer.key(at, key, outlet),
@@ -291,7 +291,7 @@ impl Conductor {
             Signal::Panic => {
                 // The board's brake has closed the gate, or will.
                 self.board.panic();
-                self.performer.stop_patterns(|_| true);
+                self.performer.stop_patterns();
                 self.voices.clear();
                 sent(self.performer.release_all(at, outlet))
             }
@@ -299,11 +299,11 @@ impl Conductor {
                 let was = self.board.is_panicked();
                 self.board.calm();
                 let woken = !was || self.performer.wake(at, outlet);
-                self.order(Order::Release);
+                self.board.lever.release();
                 sent(woken)
             }
             Signal::Arm(armed) => {
-                self.order(Order::Gain(if armed { 1.0 } else { UNARMED }));
+                self.board.lever.gain(if armed { 1.0 } else { UNARMED });
                 Ok(())
             }
             Signal::Reload(reload) => {
@@ -323,13 +323,8 @@ impl Conductor {
     }
 
     fn end(&mut self) {
-        self.order(Order::Close);
+        self.board.lever.close();
         self.ended = true;
-    }
-
-    fn order(&mut self, order: Order) {
-        let untaken = self.rings.orders.try_push(order).is_err();
-        self.board.refused.add(u64::from(untaken));
     }
 
     /// Lets another scene take over. Where two engines are still under way, it waits.

@@ -252,7 +252,8 @@ impl<R: Real> Track<R> {
             let time = self.lanes[lane].time(self.clock);
             self.reach(lane, time, script);
             let place = &self.lanes[lane];
-            let (segment, x) = (place.segment, time - place.start);
+            // Not before its start, whoever says that it starts later: a slope would lead anywhere from there.
+            let (segment, x) = (place.segment, (time - place.start).max(0.0));
             self.n[lane] = R::ZERO;
             if segment.swing == 0.0 {
                 // Never −0, so that adding a neighbour's curved form changes no bit.

@@ -44,7 +44,8 @@ impl Performer {
         self.clocked.patterns = clocked.into_iter().map(|pattern| (pattern, None)).collect();
         self.roots = own;
         let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, 0.0)).collect();
-        let run = Run::new(0, None, self.score(&roots, self.plan.seed)?);
+        let score = self.score(&roots, self.plan.seed)?;
+        let run = Run::new(0, roots, score);
         self.length = run.length();
         self.runs.retain(|run| run.serial != 0);
         self.runs.push(run);
@@ -123,7 +124,7 @@ impl Performer {
             let Some(speed) = self.patch.patterns.get(pattern).map(speed) else { continue };
             let root = Root::at(pattern, 0.0);
             let run = self.score(&[root], self.seed_of(serial)).and_then(|score| {
-                let mut run = Run::new(serial, Some(root), score).following(0.0, speed);
+                let mut run = Run::new(serial, vec![root], score).following(0.0, speed);
                 while run.next()?.is_some_and(|own| own * speed < beat - NEAR) {
                     run.take();
                 }

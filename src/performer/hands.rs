@@ -198,7 +198,7 @@ impl Performer {
             }
             Gesture::Panic { .. } => {
                 self.hands.iter_mut().for_each(|hands| hands.held.clear());
-                self.stop_patterns(|_| true);
+                self.stop_patterns();
                 let sent = self.release_all(at, outlet);
                 self.taken(sent)
             }

@@ -17,7 +17,7 @@ mod succession;
 mod touch;
 mod when;
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::dsp::random;
@@ -60,6 +60,8 @@ pub struct Performer {
     runs: Vec<Run>,
     /// What plays from the beginning by its own count, by its place in the patch.
     roots: Vec<usize>,
+    /// Which of those were stopped, by their names.
+    stopped: BTreeSet<String>,
     clocked: Clocked,
     length: Option<f64>,
     cut: bool,
@@ -96,7 +98,8 @@ impl Performer {
     pub fn new(scene: Scene, patch: Arc<Patch>, rig: Arc<Rig>, files: OpenEvents) -> Result<Self, Problem> {
         let mut performer = Self::bare(scene, patch, rig, files);
         let roots: Vec<Root> = performer.roots.iter().map(|&p| Root::at(p, 0.0)).collect();
-        let run = Run::new(0, None, performer.score(&roots, performer.plan.seed)?);
+        let score = performer.score(&roots, performer.plan.seed)?;
+        let run = Run::new(0, roots, score);
         performer.length = run.length();
         performer.runs.push(run);
         Ok(performer)
@@ -131,6 +134,7 @@ impl Performer {
             files: Arc::new(Mutex::new(files)),
             runs: Vec::new(),
             roots,
+            stopped: BTreeSet::new(),
             clocked: Clocked::default(),
             length: Some(0.0),
             cut: false,

@@ -42,7 +42,7 @@ impl Performer {
         let root = Root { pattern, at: if follows.is_some() { 0.0 } else { at.seconds }, gain, rate };
         let score = self.score(&[root], self.seed_of(serial))?;
         self.started = serial;
-        let run = Run::new(serial, Some(root), score);
+        let run = Run::new(serial, vec![root], score);
         self.runs.push(match follows {
             Some((beat, beats)) => run.following(beat, beats),
             None => run,
@@ -59,19 +59,31 @@ impl Performer {
         self.runs.len() < before
     }
 
-    /// Stops all patterns that `which` says yes to by their names; what plays from the beginning has none.
-    pub fn stop_patterns(&mut self, which: impl Fn(Option<&str>) -> bool) {
-        let serials: Vec<u64> =
-            self.patterns().filter(|(_, name)| which(*name)).map(|(serial, _)| serial).collect();
-        for serial in serials {
-            self.stop_pattern(serial);
-        }
+    /// Stops all patterns of this name, those that play from the beginning as well, as [`Performer::stop_pattern`] does.
+    pub fn stop_named(&mut self, name: &str) {
+        let Some(pattern) = self.patch.patterns.iter().position(|p| p.name == name) else { return };
+        self.runs.iter_mut().for_each(|run| run.stop(pattern));
+        let (cut, stopped) = (&mut self.cut, &mut self.stopped);
+        self.runs.retain(|run| {
+            let goes = run.serial > 0 && run.roots.iter().all(|root| root.pattern == pattern);
+            *cut |= goes && run.is_cut();
+            if run.serial == 0 && run.roots.iter().any(|root| root.pattern == pattern) {
+                stopped.insert(name.into());
+            }
+            !goes
+        });
     }
 
-    /// The patterns that play: number, and name; what plays from the beginning has none.
-    pub fn patterns(&self) -> impl Iterator<Item = (u64, Option<&str>)> {
-        let name = |pattern: usize| self.patch.patterns.get(pattern).map(|p| p.name.as_str());
-        self.runs.iter().map(move |run| (run.serial, run.root.and_then(|root| name(root.pattern))))
+    /// Stops all patterns.
+    pub fn stop_patterns(&mut self) {
+        self.cut |= self.runs.iter().any(Run::is_cut);
+        self.runs.clear();
+    }
+
+    /// The patterns that play: number, and name; those that play from the beginning have number 0.
+    pub fn patterns(&self) -> impl Iterator<Item = (u64, &str)> {
+        let name = |pattern: usize| self.patch.patterns.get(pattern).map_or("", |p| p.name.as_str());
+        self.runs.iter().flat_map(move |run| run.playing().map(move |pattern| (run.serial, name(pattern))))
     }
 
     /// Gives the outlet all that patterns have before engine sample `until`, as long as it has room. Where it has not, the sample

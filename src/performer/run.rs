@@ -7,8 +7,8 @@ use crate::text::Problem;
 pub(super) struct Run {
     /// 0 for what plays from the beginning; then as they were started.
     pub serial: u64,
-    /// What was started; `None` for what plays from the beginning.
-    pub root: Option<Root>,
+    /// What was started: one pattern, or all that play from the beginning.
+    pub roots: Vec<Root>,
     /// Where it follows a clock: the beat with which it begins, and its own beats a second.
     pub follows: Option<(f64, f64)>,
     score: Score<'static>,
@@ -17,8 +17,8 @@ pub(super) struct Run {
 }
 
 impl Run {
-    pub fn new(serial: u64, root: Option<Root>, score: Score<'static>) -> Self {
-        Self { serial, root, follows: None, score, ahead: None, over: false }
+    pub fn new(serial: u64, roots: Vec<Root>, score: Score<'static>) -> Self {
+        Self { serial, roots, follows: None, score, ahead: None, over: false }
     }
 
     /// The same, counted by a clock: it begins with `beat`, and has itself so many `beats` a second.
@@ -38,6 +38,22 @@ impl Run {
     /// What it says next.
     pub fn take(&mut self) -> Option<Timed> {
         self.ahead.take()
+    }
+
+    /// The patterns of it that still play, by their places in the patch.
+    pub fn playing(&self) -> impl Iterator<Item = usize> {
+        let plays = |number: usize| {
+            self.score.plays(number) || self.ahead.as_ref().is_some_and(|timed| timed.root == number)
+        };
+        self.roots.iter().enumerate().filter(move |(number, _)| plays(*number)).map(|(_, root)| root.pattern)
+    }
+
+    /// Plays no more of a pattern that it began with.
+    pub fn stop(&mut self, pattern: usize) {
+        for number in (0..self.roots.len()).filter(|number| self.roots[*number].pattern == pattern) {
+            self.score.stop(number);
+            self.ahead.take_if(|timed| timed.root == number);
+        }
     }
 
     /// Whether something of it lies past the horizon.

@@ -25,8 +25,7 @@ impl Performer {
         files: OpenEvents,
     ) -> Result<(), Problem> {
         let (old, fed) = (Arc::clone(&self.patch), self.fed);
-        let runs: Vec<_> = self.runs.drain(..).map(|run| (run.serial, run.root, run.follows)).collect();
-        let began = runs.iter().any(|(serial, ..)| *serial == 0);
+        let (began, runs): (Vec<_>, Vec<_>) = self.runs.drain(..).partition(|run| run.serial == 0);
         let mut new = Self::bare(scene, patch, rig, files);
         std::mem::swap(self, &mut new);
         (self.played, self.started, self.fed) = (new.played, new.started, fed);
@@ -52,19 +51,24 @@ impl Performer {
         }
         (self.record, self.moves, self.listener) = (new.record.take(), new.moves.take(), new.listener.take());
         (self.length, self.cut) = (new.length, new.cut);
-        if began {
+        self.stopped = new.stopped;
+        if !began.is_empty() {
             let score = self.score(&roots, self.plan.seed)?;
-            self.resume(Run::new(0, None, score))?;
+            let mut run = Run::new(0, roots, score);
+            let stopped = |p: &crate::patch::Pattern| self.stopped.contains(&p.name);
+            let patterns = self.patch.patterns.iter().enumerate();
+            patterns.filter(|(_, p)| stopped(p)).for_each(|(pattern, _)| run.stop(pattern));
+            self.resume(run)?;
         }
-        for (serial, root, follows) in runs {
-            let Some(root) = root else { continue };
+        for Run { serial, roots, follows, .. } in runs {
+            let Some(&root) = roots.first() else { continue };
             let name = old.patterns.get(root.pattern).map(|p| &p.name);
             let Some(pattern) = self.patch.patterns.iter().position(|p| Some(&p.name) == name) else {
                 continue;
             };
             let root = Root { pattern, ..root };
             let score = self.score(&[root], self.seed_of(serial))?;
-            let run = Run::new(serial, Some(root), score);
+            let run = Run::new(serial, vec![root], score);
             let beats = self.patch.patterns.get(pattern).map_or(2.0, |p| 1.0 / p.time.seconds());
             self.resume(match follows {
                 Some((beat, _)) => run.following(beat, beats),

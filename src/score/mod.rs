@@ -47,6 +47,8 @@ pub struct Timed {
     pub at: f64,
     /// Its serial number in the score, from 0.
     pub id: u64,
+    /// Which of the score's roots it comes from, from 0.
+    pub root: usize,
     /// The pattern it comes from, by its place in [`Patch::patterns`].
     pub pattern: usize,
     /// Which of that pattern's events it is, from 0, in the order of the file. In a shuffled pattern, the event that landed
@@ -153,6 +155,16 @@ impl<'a> Score<'a> {
     /// Whether something was left out so far because it lies past the [`HORIZON`].
     pub fn cut(&self) -> bool {
         self.0.cut
+    }
+
+    /// Whether a root, by its number, has something left to play.
+    pub fn plays(&self, root: usize) -> bool {
+        self.0.plays(root)
+    }
+
+    /// Plays no more of a root, by its number. All others play as they would have, under other serial numbers.
+    pub fn stop(&mut self, root: usize) {
+        self.0.stop(root);
     }
 
     /// How many things are under way; memory grows with it and with nothing else.

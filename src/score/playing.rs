@@ -13,6 +13,8 @@ pub(super) struct Leaf {
 /// One round of a pattern, from one of its onsets.
 #[derive(Debug)]
 pub(super) struct Playing {
+    /// Which of the score's roots it belongs to.
+    pub root: usize,
     /// What plays it; `None` for a root.
     pub parent: Option<Arc<Playing>>,
     /// Which event of the parent it is; for a root, its number.

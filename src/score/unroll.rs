@@ -39,6 +39,8 @@ pub(super) struct Unroll<'a> {
     book: Book<'a>,
     pub limits: Limits,
     heap: BinaryHeap<Entry<'a>>,
+    /// Of each root, how many entries are on the heap.
+    under_way: Vec<usize>,
     /// What all walks hold, in numbers of permutations.
     permuted: usize,
     next_id: u64,
@@ -58,6 +60,7 @@ impl<'a> Unroll<'a> {
             book,
             limits: Limits::DEFAULT,
             heap,
+            under_way: vec![0; roots.len()],
             permuted: 0,
             next_id: 0,
             steps: 0,
@@ -65,7 +68,8 @@ impl<'a> Unroll<'a> {
             length: Some(0.0),
             cut: false,
         };
-        for (number, &Root { pattern: index, at: start, gain, rate }) in (0..).zip(roots) {
+        for (root, &Root { pattern: index, at: start, gain, rate }) in roots.iter().enumerate() {
+            let number = root as u64;
             let sheet = unroll.book.sheet(index)?;
             if !(start >= 0.0 && start.is_finite()) {
                 let what = format!("pattern `{}` cannot start at {start} s", sheet.name);
@@ -84,7 +88,7 @@ impl<'a> Unroll<'a> {
             let leaf = Leaf { event: number, k: 0 };
             let base = keys::root(seed, number);
             let nested = Nested { sheet: index, gain, rate };
-            unroll.begin(None, leaf, base, &nested, start + 0.0)?;
+            unroll.begin(root, None, leaf, base, &nested, start + 0.0)?;
         }
         Ok(unroll)
     }
@@ -98,8 +102,28 @@ impl<'a> Unroll<'a> {
         self.heap.len()
     }
 
+    pub fn plays(&self, root: usize) -> bool {
+        self.under_way.get(root).is_some_and(|entries| *entries > 0)
+    }
+
+    pub fn stop(&mut self, root: usize) {
+        let Some(entries) = self.under_way.get_mut(root) else { return };
+        *entries = 0;
+        let permuted = &mut self.permuted;
+        self.heap.retain(|entry| {
+            let goes = entry.playing.root == root;
+            if let (true, Task::Walk { walk, .. }) = (goes, &entry.task) {
+                *permuted -= walk.holds();
+            }
+            !goes
+        });
+    }
+
     pub fn next(&mut self) -> Option<Result<Timed, Problem>> {
         while let Some(entry) = self.heap.pop() {
+            if let Some(entries) = self.under_way.get_mut(entry.playing.root) {
+                *entries -= 1;
+            }
             let done = self.patience(&entry).and_then(|()| self.step(entry));
             match done {
                 Ok(None) => {}
@@ -111,6 +135,7 @@ impl<'a> Unroll<'a> {
                 }
                 Err(problem) => {
                     self.heap.clear();
+                    self.under_way.fill(0);
                     return Some(Err(problem));
                 }
             }
@@ -146,6 +171,9 @@ impl<'a> Unroll<'a> {
             );
             let help = "let fewer repetitions overlap, and shorten delays and jitter";
             return Err(Problem::error(&sheet.span, what).help(help.to_string()));
+        }
+        if let Some(entries) = self.under_way.get_mut(entry.playing.root) {
+            *entries += 1;
         }
         self.heap.push(entry);
         Ok(())
@@ -225,6 +253,7 @@ impl<'a> Unroll<'a> {
     /// Puts round 0 of a pattern on the heap.
     fn begin(
         &mut self,
+        root: usize,
         parent: Option<Arc<Playing>>,
         leaf: Leaf,
         base: u64,
@@ -241,6 +270,7 @@ impl<'a> Unroll<'a> {
         let scale = (sheet.unit / rate).clamp(1.0 / EXTREME, EXTREME);
         let gain = (gain * nested.gain * sheet.gain).clamp(-EXTREME, EXTREME);
         let playing = Playing {
+            root,
             parent,
             leaf,
             round: 0,
@@ -316,14 +346,14 @@ impl<'a> Unroll<'a> {
             let (playing, leaf) = (playing.clone(), Some(Leaf { k: k + 1, ..leaf }));
             self.push(Entry { time, playing, leaf, task: Task::Happen { which, at } })?;
         }
-        let pattern = playing.sheet;
+        let (root, pattern) = (playing.root, playing.sheet);
         if let Some(nested) = nested {
-            self.begin(Some(playing), leaf, key, &nested, time)?;
+            self.begin(root, Some(playing), leaf, key, &nested, time)?;
         }
         let Some(what) = what else { return Ok(None) };
         let id = self.next_id;
         self.next_id += 1;
-        Ok(Some(Timed { at: time, id, pattern, event: leaf.event, drawn, what }))
+        Ok(Some(Timed { at: time, id, root, pattern, event: leaf.event, drawn, what }))
     }
 
     fn note(&self, playing: &Playing, play: &Play, jitter: Option<&Deviations>, key: u64) -> Note {

@@ -2,6 +2,7 @@
 
 mod bar;
 mod draw;
+mod echo;
 mod happened;
 mod head;
 mod keys;
@@ -30,6 +31,7 @@ use pacinian::text::Problems;
 use super::failure::Failure;
 use super::load::Loaded;
 use super::terminal::Terminal;
+use echo::Echo;
 use happened::{Happened, Mood};
 use keys::{Act, Keys};
 use lines::Lines;
@@ -93,6 +95,7 @@ pub struct Show {
     fetch: PostBox,
     events: VecDeque<Happened>,
     troubles: VecDeque<Happened>,
+    echo: Echo,
     heard: f64,
     told: f64,
     /// The highest of all channels since the last line that said how things stand.
@@ -146,6 +149,7 @@ impl Show {
             fetch,
             events: VecDeque::new(),
             troubles: VecDeque::new(),
+            echo: Echo::default(),
             heard: 0.0,
             told: 0.0,
             highest: 0.0,
@@ -238,6 +242,9 @@ impl Show {
                 State::Playing(playing) => self.players.play(playing),
             }
         }
+        if let (Some(held), Out::Lines(lines)) = (self.echo.due(now), &mut self.out) {
+            lines.put(&lines::event(&held));
+        }
         let events: Vec<Happened> = self.fetch.events().collect();
         events.into_iter().for_each(|happened| self.note(happened));
         let panicked = board.is_panicked();
@@ -259,7 +266,7 @@ impl Show {
     /// Shows that something happened; where the same happens again and again, how often.
     fn note(&mut self, happened: Happened) {
         if let Out::Lines(lines) = &mut self.out {
-            lines.put(&lines::event(&happened));
+            self.echo.take(happened).for_each(|happened| lines.put(&lines::event(&happened)));
             return;
         }
         if happened.mood == Mood::Bad {
@@ -382,6 +389,9 @@ impl Show {
     /// Gives the terminal back, and says what went wrong while the screen was there. Gives the highest magnitude of each channel.
     pub fn end(mut self, board: &Board, terminal: &Terminal) -> Vec<f32> {
         self.listen(board);
+        if let (Some(held), Out::Lines(lines)) = (self.echo.release(self.fetch.elapsed()), &mut self.out) {
+            lines.put(&lines::event(&held));
+        }
         let peak =
             |(channel, (_, meter)): (usize, &(String, Meter))| meter.most.max(board.take_peak(channel));
         let peaks = self.snapshot.tactors.iter().enumerate().map(peak).collect();

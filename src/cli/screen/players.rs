@@ -15,10 +15,8 @@ pub struct Players {
     first: Vec<String>,
     /// What a key sets off.
     triggers: Vec<(u32, String)>,
-    /// Those that were started and play.
+    /// Those that play.
     playing: Vec<String>,
-    /// Whether those from the beginning still play.
-    beginning: bool,
 }
 
 impl Players {
@@ -39,18 +37,13 @@ impl Players {
 
     /// The patch is another; what plays goes on until it is told otherwise.
     pub fn become_of(&mut self, patch: &Patch, first: &[usize]) {
-        let Self { playing, beginning, .. } = std::mem::take(self);
-        *self = Self { playing, beginning, ..Self::new(patch, first) };
+        let playing = std::mem::take(&mut self.playing);
+        *self = Self { playing, ..Self::new(patch, first) };
     }
 
-    /// These play now; those from the beginning have number 0.
-    pub fn play(&mut self, playing: Vec<(u64, Option<String>)>) {
-        self.beginning = playing.iter().any(|(number, _)| *number == 0);
-        self.playing = playing.into_iter().filter_map(|(_, name)| name).collect();
-    }
-
-    fn plays(&self, name: &String) -> bool {
-        self.playing.contains(name) || (self.beginning && self.first.contains(name))
+    /// These play now.
+    pub fn play(&mut self, playing: Vec<String>) {
+        self.playing = playing;
     }
 
     /// The digits that play something.
@@ -60,7 +53,7 @@ impl Players {
                 return Some(KeyFace { digit, name: play.clone(), playing: false, trigger: true });
             }
             let name = self.patterns.get(digit as usize - 1)?;
-            Some(KeyFace { digit, name: name.clone(), playing: self.plays(name), trigger: false })
+            Some(KeyFace { digit, name: name.clone(), playing: self.playing.contains(name), trigger: false })
         };
         (1..=DIGITS).filter_map(face).collect()
     }
@@ -88,7 +81,7 @@ impl Players {
                 _ => format!("there is no pattern {digit}: this patch has {count}"),
             });
         };
-        Ok(if self.plays(name) { self.stop(|n| n == name) } else { start(&[name], number) })
+        Ok(if self.playing.contains(name) { self.stop(|n| n == name) } else { start(&[name], number) })
     }
 
     /// What the space bar asks for: that all patterns stop, or where none plays, that those play again that played from the
@@ -97,7 +90,7 @@ impl Players {
     /// # Errors
     /// Where there are no patterns.
     pub fn all(&self, number: impl FnMut() -> u64) -> Result<Vec<Signal>, String> {
-        if self.beginning || !self.playing.is_empty() {
+        if !self.playing.is_empty() {
             return Ok(self.stop(|_| true));
         }
         let first: Vec<&String> = match self.first.is_empty() {
@@ -108,15 +101,10 @@ impl Players {
     }
 
     fn stop(&self, which: impl Fn(&String) -> bool) -> Vec<Signal> {
-        let mut signals = Vec::new();
-        if self.beginning && self.first.iter().any(&which) {
-            signals.push(Signal::Stop(0));
-        }
         let mut names: Vec<&String> = self.playing.iter().filter(|name| which(name)).collect();
         names.sort();
         names.dedup();
-        signals.extend(names.into_iter().map(|name| Signal::StopNamed(name.clone())));
-        signals
+        names.into_iter().map(|name| Signal::StopNamed(name.clone())).collect()
     }
 }
 
@@ -129,8 +117,11 @@ mod tests {
     use super::Players;
     use pacinian::live::signal::Signal;
 
+    fn names(names: &[&str]) -> Vec<String> {
+        names.iter().map(ToString::to_string).collect()
+    }
+
     fn players() -> Players {
-        let names = |names: &[&str]| names.iter().map(ToString::to_string).collect();
         Players {
             patterns: names(&["walk", "run", "rest"]),
             first: names(&["run"]),
@@ -147,13 +138,13 @@ mod tests {
     fn a_digit_starts_and_stops() {
         let mut players = players();
         assert_eq!(said(players.digit(1, || 7)), "Start(7, \"walk\");");
-        players.play(vec![(0, None), (4, Some("walk".into())), (5, Some("walk".into()))]);
+        players.play(names(&["run", "walk", "walk"]));
         assert_eq!(said(players.digit(1, || 7)), "StopNamed(\"walk\");");
-        assert_eq!(said(players.digit(2, || 7)), "Stop(0);");
+        assert_eq!(said(players.digit(2, || 7)), "StopNamed(\"run\");");
         assert_eq!(said(players.digit(4, || 7)), "there is no pattern 4: this patch has 3");
         assert_eq!(said(players.digit(0, || 7)), "there is no pattern 0: this patch has 3");
         // Ended by itself: a digit starts it again.
-        players.play(vec![(9, Some("rest".into()))]);
+        players.play(names(&["rest"]));
         assert_eq!(said(players.digit(2, || 7)), "Start(7, \"run\");");
     }
 
@@ -170,9 +161,9 @@ mod tests {
     #[test]
     fn space_stops_all_and_then_begins_again() {
         let mut players = players();
-        players.play(vec![(0, None), (4, Some("walk".into()))]);
+        players.play(names(&["walk", "run"]));
         assert!(players.faces()[0].playing && players.faces()[1].playing);
-        assert_eq!(said(players.all(|| 7)), "Stop(0);StopNamed(\"walk\");");
+        assert_eq!(said(players.all(|| 7)), "StopNamed(\"run\");StopNamed(\"walk\");");
         players.play(vec![]);
         assert_eq!(said(players.all(|| 7)), "Start(7, \"run\");");
         players.first.clear();

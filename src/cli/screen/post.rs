@@ -25,7 +25,7 @@ pub enum State {
     /// Full level, or not.
     Armed(bool),
     /// These patterns play.
-    Playing(Vec<(u64, Option<String>)>),
+    Playing(Vec<String>),
 }
 
 /// Where threads of a session put what they say.
@@ -85,8 +85,7 @@ impl Post {
             Told::Report(..) | Told::Began(..) | Told::Came(..) | Told::Reloading(_) => {}
             Told::Refused(problem) => self.say(Mood::Bad, problem.to_string()),
             Told::Playing(playing) => {
-                let own = |(number, name): &(u64, Option<&str>)| (*number, name.map(String::from));
-                self.state(State::Playing(playing.iter().map(own).collect()));
+                self.state(State::Playing(playing.iter().map(|(_, name)| (*name).into()).collect()));
             }
             // Whoever sent it says so.
             Told::Reloaded | Told::Kept(_) => {}

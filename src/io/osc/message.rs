@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use rosc::OscType;
 
+use super::announce::Wants;
 use super::names::Method;
 use crate::patch::Place;
 use crate::patch::place::{channel, position};
@@ -40,6 +41,10 @@ pub enum Ask {
     Subscribe(Duration),
     /// No more.
     Unsubscribe,
+    /// Tell what is played, as it is played.
+    Invite(Wants),
+    /// No more.
+    Dismiss,
     /// Tell how the session stands.
     Status,
     /// Answer.
@@ -100,6 +105,8 @@ pub fn ask(method: &Method, args: &[OscType]) -> Result<Ask, Wrong> {
             _ => return Err(Wrong),
         },
         Method::Unsubscribe => button(args, Ask::Unsubscribe)?,
+        Method::Invite(wants) => button(args, Ask::Invite(*wants))?,
+        Method::Dismiss => button(args, Ask::Dismiss)?,
         Method::Status => button(args, Ask::Status)?,
         Method::Ping => button(args, Ask::Ping)?,
         Method::Trigger(address) => {

@@ -6,6 +6,7 @@
 
 pub mod address;
 pub mod agenda;
+pub mod announce;
 pub mod counts;
 mod drops;
 pub mod endpoint;

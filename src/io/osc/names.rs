@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::address::{LONGEST, Pattern};
+use super::announce::Wants;
 use crate::midi::What;
 use crate::patch::{Control, Patch, Source};
 
@@ -35,6 +36,10 @@ pub enum Method {
     Subscribe,
     /// No more.
     Unsubscribe,
+    /// Tells what is played, as it is played.
+    Invite(Wants),
+    /// No more.
+    Dismiss,
     /// Tells how the session stands.
     Status,
     /// Answers.
@@ -67,6 +72,10 @@ impl Names {
             ("/arm", Method::Arm),
             ("/meter/subscribe", Method::Subscribe),
             ("/meter/unsubscribe", Method::Unsubscribe),
+            ("/marker/subscribe", Method::Invite(Wants::Markers)),
+            ("/marker/unsubscribe", Method::Dismiss),
+            ("/event/subscribe", Method::Invite(Wants::All)),
+            ("/event/unsubscribe", Method::Dismiss),
             ("/status", Method::Status),
             ("/ping", Method::Ping),
         ] {

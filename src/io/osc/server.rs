@@ -11,6 +11,7 @@ use std::time::{Duration, SystemTime};
 use rosc::{OscMessage, OscPacket, OscType, encoder};
 
 use super::agenda::Agenda;
+use super::announce::{Announcer, Wants};
 use super::counts::Counts;
 use super::drops::dropped;
 use super::endpoint::{BindError, Endpoint};
@@ -43,11 +44,16 @@ pub struct Server {
 }
 
 impl Server {
-    /// Listens at `endpoint` for a session that plays `patch`.
+    /// Listens at `endpoint` for a session that plays `patch`. Without an announcer nobody can be told of markers and voices.
     ///
     /// # Errors
     /// As [`Endpoint::bind`], or a system that has no thread left.
-    pub fn start(endpoint: Endpoint, handle: Handle, patch: &Patch) -> Result<Self, BindError> {
+    pub fn start(
+        endpoint: Endpoint,
+        handle: Handle,
+        patch: &Patch,
+        announcer: Option<Announcer>,
+    ) -> Result<Self, BindError> {
         let failed = |error: std::io::Error| BindError::of(endpoint.0, &error);
         let socket = endpoint.bind()?;
         let address = socket.local_addr().map_err(failed)?;
@@ -55,8 +61,9 @@ impl Server {
         let (counts, stop) = (Arc::new(Counts::default()), Arc::new(AtomicBool::new(false)));
         let (send, names) = channel();
         let mut listener = Listener {
-            socket,
+            socket: Arc::new(socket),
             handle,
+            announcer,
             counts: Arc::clone(&counts),
             to_come: names,
             names: Names::default(),
@@ -111,8 +118,9 @@ impl Drop for Server {
 
 /// What the thread has.
 struct Listener {
-    socket: UdpSocket,
+    socket: Arc<UdpSocket>,
     handle: Handle,
+    announcer: Option<Announcer>,
     counts: Arc<Counts>,
     to_come: Receiver<Names>,
     names: Names,
@@ -329,6 +337,19 @@ impl Listener {
                 }
             }
             Ask::Unsubscribe => self.peers.unsubscribe(from, What::Meter),
+            Ask::Invite(wants) => {
+                let invite = |announcer: &Announcer| announcer.invite(from, &self.socket, wants);
+                if self.announcer.as_ref().is_some_and(invite) {
+                    let what = match wants {
+                        Wants::Markers => "/marker/subscribed",
+                        Wants::All => "/event/subscribed",
+                    };
+                    self.answer(from, what, vec![OscType::Int(LIFE as i32)]);
+                } else {
+                    self.counts.crowded.add(1);
+                }
+            }
+            Ask::Dismiss => self.announcer.iter().for_each(|announcer| announcer.dismiss(from)),
             Ask::Status => self.status(from),
             Ask::Ping => self.answer(from, "/pong", vec![]),
             Ask::Trigger(address, numbers) => drop(self.send(at, Signal::Osc(address, numbers))),

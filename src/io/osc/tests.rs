@@ -72,7 +72,7 @@ impl Scene {
         let (out, heard) = sync_channel(WAITING);
         let handle = Handle::new(out, Epoch::begin(), Arc::new(Board::new(3)));
         let patch = Patch::parse("p", PATCH.as_bytes()).unwrap().value;
-        let server = Server::start("0".parse().unwrap(), handle.clone(), &patch).unwrap();
+        let server = Server::start("0".parse().unwrap(), handle.clone(), &patch, None).unwrap();
         Self { server, client: client(), heard, handle }
     }
 

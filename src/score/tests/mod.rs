@@ -4,6 +4,7 @@ mod draws;
 mod files;
 mod hostile;
 mod naive;
+mod stop;
 mod time;
 
 use super::{EventStream, Note, Score, Timed, What};

@@ -1,0 +1,188 @@
+//! What is told of a session, line by line: with the names that its plans give, where in the patterns an event stands, and its times.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+use super::line::{Kind, Line};
+use super::names::Names;
+use super::words;
+use crate::engine::event::{Event, Source};
+use crate::graph::plan::Plan;
+use crate::live::board::Board;
+use crate::live::callback::{Deed, Report};
+use crate::live::clock::Moment;
+use crate::live::conductor::Told;
+use crate::live::signal::Signal;
+use crate::live::stamp::{Epoch, Stamp};
+use crate::performer::{Happening, Heard};
+use crate::schedule::Instant;
+
+/// Origins of events that may wait for the callback to take them.
+const PENDING: usize = 1 << 17;
+
+/// Makes lines of what is told of a session.
+#[derive(Debug)]
+pub struct Chronicle {
+    /// What sounds, and what has not taken over yet.
+    names: Names,
+    next: VecDeque<Names>,
+    /// Where events come from, by the ids of their voices; of markers, in the order in which they were sent.
+    voices: BTreeMap<u64, Stand>,
+    markers: VecDeque<(Instant, String, Stand)>,
+    began: Option<(Epoch, SystemTime)>,
+    /// That of the session, once it has begun.
+    pub board: Arc<Board>,
+}
+
+/// Where in the patterns an event stands, counted from 1.
+#[derive(Debug, Clone)]
+struct Stand {
+    pattern: String,
+    event: u64,
+    drawn: Option<u64>,
+}
+
+impl Chronicle {
+    /// Of a session that begins with `plan`.
+    pub fn of(plan: &Plan) -> Self {
+        Self {
+            names: Names::of(plan),
+            next: VecDeque::new(),
+            voices: BTreeMap::new(),
+            markers: VecDeque::new(),
+            began: None,
+            board: Arc::default(),
+        }
+    }
+
+    /// For the listener of the session.
+    pub fn hear(&mut self, heard: &Heard<'_>) {
+        let Some(origin) = heard.origin else { return };
+        let (event, drawn) = (origin.event + 1, origin.drawn.map(|drawn| u64::from(drawn) + 1));
+        let stand = Stand { pattern: origin.pattern.into(), event, drawn };
+        match (heard.what, heard.id) {
+            (Happening::Marker(name), _) => {
+                self.markers.push_back((heard.instant, name.into(), stand));
+                if self.markers.len() > PENDING {
+                    self.markers.pop_front();
+                }
+            }
+            (_, Some(id)) => {
+                self.voices.insert(id, stand);
+                // Those of events that found no room would stay for ever.
+                if self.voices.len() > PENDING {
+                    self.voices.pop_first();
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// For its audience: a line, where there is one to be made of it.
+    pub fn told(&mut self, told: &Told<'_>) -> Option<Line> {
+        match told {
+            Told::Began(epoch, board) => {
+                let elapsed = epoch.instant(Stamp(0)).elapsed();
+                let utc = SystemTime::now().checked_sub(elapsed).unwrap_or(SystemTime::now());
+                (self.began, self.board) = (Some((*epoch, utc)), Arc::clone(board));
+                None
+            }
+            Told::Came(stamp, signal) => Some(self.came(*stamp, signal)),
+            Told::Report(report, moment) => Some(self.report(report, *moment)),
+            Told::Reloading(reload) => {
+                self.next.push_back(Names::of(&reload.scene.plan));
+                None
+            }
+            Told::Refused(_) | Told::Playing(_) | Told::Reloaded | Told::Kept(_) => None,
+        }
+    }
+
+    /// Seconds of the engine's delay.
+    pub fn delay(&self) -> f64 {
+        self.board.engine_delay.get() as f64 * 1e-9
+    }
+
+    /// The time of day, so many seconds after the beginning.
+    pub fn time(&self, seconds: f64) -> Option<SystemTime> {
+        let (_, utc) = self.began?;
+        utc.checked_add(Duration::try_from_secs_f64(seconds).ok()?)
+    }
+
+    /// The same in words.
+    pub fn date(&self, seconds: f64) -> Option<String> {
+        self.time(seconds).map(|time| humantime::format_rfc3339_nanos(time).to_string())
+    }
+
+    /// A line of something that is noticed now.
+    pub fn now(&self, kind: Kind) -> Line {
+        let seconds = self.began.map(|(epoch, _)| epoch.now().seconds());
+        Line { seconds, utc: seconds.and_then(|seconds| self.date(seconds)), ..Line::new(kind) }
+    }
+
+    fn report(&mut self, report: &Report, moment: Option<Moment>) -> Line {
+        let mut line = match &report.deed {
+            Deed::Event { at, due, source, event } => self.event(*at, *due, *source, event, moment),
+            Deed::Order(order) => {
+                let (name, value) = words::of_order(*order);
+                Line { name: Some(name.into()), value, ..Line::new(Kind::Gate) }
+            }
+            Deed::Swap => {
+                if let Some(names) = self.next.pop_front() {
+                    self.names = names;
+                }
+                Line::new(Kind::Swap)
+            }
+        };
+        line.frame = Some(report.frame);
+        if line.seconds.is_none()
+            && let Some(moment) = moment
+        {
+            line.seconds = Some(moment.time_of(report.frame as f64));
+            line.utc = line.seconds.and_then(|seconds| self.date(seconds));
+        }
+        line
+    }
+
+    fn event(
+        &mut self,
+        at: Instant,
+        due: Instant,
+        source: Source,
+        event: &Event,
+        moment: Option<Moment>,
+    ) -> Line {
+        let mut line = self.names.line(event);
+        let fraction = |instant: Instant| f64::from(instant.fraction) / 4_294_967_296.0;
+        line.source = Some(words::of_source(source).into());
+        (line.sample, line.fraction) = (Some(at.sample), Some(fraction(at)));
+        (line.due_sample, line.due_fraction) = (Some(due.sample), Some(fraction(due)));
+        let stand = match event {
+            Event::Play(play) => self.voices.remove(&play.id),
+            Event::Marker(_) => {
+                let found = self.markers.iter().position(|(instant, ..)| *instant == due);
+                found.and_then(|found| self.markers.remove(found)).map(|(_, name, stand)| {
+                    line.name = Some(name);
+                    stand
+                })
+            }
+            _ => None,
+        };
+        if let Some(Stand { pattern, event, drawn }) = stand {
+            (line.pattern, line.event, line.drawn) = (Some(pattern), Some(event), drawn);
+        }
+        if let Some(moment) = moment {
+            let frame = at.since(Instant::default()) * self.names.ratio;
+            let seconds = moment.time_of(frame) + self.delay() + self.board.device_delay.get() as f64 * 1e-9;
+            (line.seconds, line.utc) = (Some(seconds), self.date(seconds));
+        }
+        line
+    }
+
+    fn came(&self, stamp: Stamp, signal: &Signal) -> Line {
+        let (source, name, message) = words::of_signal(signal);
+        let seconds = Some(stamp.seconds());
+        let utc = self.date(stamp.seconds());
+        Line { source: Some(source.into()), name, message, seconds, utc, ..Line::new(Kind::In) }
+    }
+}

@@ -1,0 +1,209 @@
+//! What is played, told to other programs as it is played: every marker, and to those who ask for more, every voice. Each goes out in a
+//! bundle whose time tag is that at which it leaves the converter.
+
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType, encoder};
+
+use super::endpoint::BindError;
+use super::peers::{LIFE, MOST_PEERS};
+use super::time::Tag;
+use crate::graph::plan::Plan;
+use crate::io::journal::chronicle::Chronicle;
+use crate::io::journal::{Kind, Line};
+use crate::live::board::Figure;
+use crate::live::conductor::Told;
+use crate::performer::Heard;
+
+/// Announcements that may wait to be sent.
+const WAITING: usize = 1 << 12;
+
+/// So long a system may take to send one.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Which announcements somebody wants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wants {
+    /// Markers.
+    Markers,
+    /// Markers, and voices as they begin and are released.
+    All,
+}
+
+/// Tells other programs what is played. Clones tell the same programs.
+#[derive(Debug, Clone)]
+pub struct Announcer(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    chronicle: Mutex<Chronicle>,
+    guests: Mutex<Vec<Guest>>,
+    out: Mutex<Option<SyncSender<Announcement>>>,
+    thread: Mutex<Option<JoinHandle<()>>>,
+    unsent: Arc<Figure>,
+}
+
+#[derive(Debug, Clone)]
+struct Guest {
+    to: SocketAddr,
+    socket: Arc<UdpSocket>,
+    wants: Wants,
+    /// `None`: for good.
+    until: Option<Instant>,
+}
+
+/// What goes out, and to whom.
+type Announcement = (Vec<u8>, Vec<(Arc<UdpSocket>, SocketAddr)>);
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // Whoever panicked while it was held has lost an announcement at most.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Announcer {
+    /// For a session that begins with `plan`. It tells nobody anything yet.
+    ///
+    /// # Errors
+    /// A system that has no thread left.
+    pub fn new(plan: &Plan) -> std::io::Result<Self> {
+        let (out, announcements) = sync_channel(WAITING);
+        let unsent = Arc::new(Figure::default());
+        let missed = Arc::clone(&unsent);
+        let thread = std::thread::Builder::new()
+            .name("osc out".into())
+            .spawn(move || send(&announcements, &missed))?;
+        Ok(Self(Arc::new(Shared {
+            chronicle: Mutex::new(Chronicle::of(plan)),
+            guests: Mutex::default(),
+            out: Mutex::new(Some(out)),
+            thread: Mutex::new(Some(thread)),
+            unsent,
+        })))
+    }
+
+    /// Markers go to this address as long as the session lasts.
+    ///
+    /// # Errors
+    /// A system that gives no socket.
+    pub fn always(&self, to: SocketAddr) -> Result<(), BindError> {
+        let failed = |error: std::io::Error| BindError::of(to, &error);
+        let any: SocketAddr = match to {
+            SocketAddr::V4(_) => (Ipv4Addr::UNSPECIFIED, 0).into(),
+            SocketAddr::V6(_) => (Ipv6Addr::UNSPECIFIED, 0).into(),
+        };
+        let socket = UdpSocket::bind(any).map_err(failed)?;
+        socket.set_write_timeout(Some(PATIENCE)).map_err(failed)?;
+        locked(&self.0.guests).push(Guest {
+            to,
+            socket: Arc::new(socket),
+            wants: Wants::Markers,
+            until: None,
+        });
+        Ok(())
+    }
+
+    /// For the next [`LIFE`] seconds `to` hears from `socket` of what it wants. Says whether there was room.
+    pub(super) fn invite(&self, to: SocketAddr, socket: &Arc<UdpSocket>, wants: Wants) -> bool {
+        let now = Instant::now();
+        let mut guests = locked(&self.0.guests);
+        guests.retain(|guest| guest.until.is_none_or(|until| until > now));
+        let until = Some(now + Duration::from_secs(LIFE));
+        if let Some(known) = guests.iter_mut().find(|guest| guest.to == to && guest.until.is_some()) {
+            (known.wants, known.until) = (wants, until);
+            return true;
+        }
+        let room = guests.len() < MOST_PEERS;
+        if room {
+            guests.push(Guest { to, socket: Arc::clone(socket), wants, until });
+        }
+        room
+    }
+
+    /// `to` hears of nothing that it has asked for any more.
+    pub(super) fn dismiss(&self, to: SocketAddr) {
+        locked(&self.0.guests).retain(|guest| guest.to != to || guest.until.is_none());
+    }
+
+    /// For the listener of the session.
+    pub fn hear(&self, heard: &Heard<'_>) {
+        locked(&self.0.chronicle).hear(heard);
+    }
+
+    /// For its audience.
+    pub fn told(&self, told: &Told<'_>) {
+        // What came in is not announced; it need not be put into words.
+        if matches!(told, Told::Came(..)) {
+            return;
+        }
+        let mut chronicle = locked(&self.0.chronicle);
+        let Some(line) = chronicle.told(told) else { return };
+        let wanted = match line.kind {
+            Kind::Marker => Wants::Markers,
+            Kind::Voice | Kind::Release => Wants::All,
+            _ => return,
+        };
+        let now = Instant::now();
+        let guests = locked(&self.0.guests);
+        let hear = |guest: &&Guest| {
+            (guest.wants == Wants::All || wanted == Wants::Markers)
+                && guest.until.is_none_or(|until| until > now)
+        };
+        let to: Vec<_> =
+            guests.iter().filter(hear).map(|guest| (Arc::clone(&guest.socket), guest.to)).collect();
+        drop(guests);
+        if to.is_empty() {
+            return;
+        }
+        let time = line.seconds.and_then(|seconds| chronicle.time(seconds));
+        drop(chronicle);
+        let number = to.len() as u64;
+        let sent = packet(&line, time.map_or(Tag::AT_ONCE, Tag::of)).is_some_and(|bytes| {
+            locked(&self.0.out).as_ref().is_some_and(|out| out.try_send((bytes, to)).is_ok())
+        });
+        self.0.unsent.add(if sent { 0 } else { number });
+    }
+
+    /// Sends what still waits. Gives how many announcements could not be sent.
+    pub fn finish(&self) -> u64 {
+        drop(locked(&self.0.out).take());
+        if let Some(thread) = locked(&self.0.thread).take() {
+            // One that has panicked has nothing more to say.
+            let _ = thread.join();
+        }
+        self.0.unsent.get()
+    }
+}
+
+fn send(announcements: &Receiver<Announcement>, unsent: &Figure) {
+    for (bytes, guests) in announcements {
+        for (socket, to) in guests {
+            unsent.add(u64::from(socket.send_to(&bytes, to).is_err()));
+        }
+    }
+}
+
+/// A bundle with one message.
+fn packet(line: &Line, tag: Tag) -> Option<Vec<u8>> {
+    let text = |text: &Option<String>| OscType::String(text.clone().unwrap_or_default());
+    let number = |number: Option<u64>| OscType::Long(number.unwrap_or(0) as i64);
+    let real = |number: Option<f64>, missing: f64| OscType::Double(number.unwrap_or(missing));
+    let name = text(&line.name);
+    let (sample, seconds) = (number(line.sample), real(line.seconds, 0.0));
+    let (pattern, event) = (text(&line.pattern), number(line.event));
+    let (addr, args) = match line.kind {
+        Kind::Marker => ("/marker", vec![name, sample, seconds, pattern, event]),
+        Kind::Voice => {
+            let (level, duration) = (real(line.level, 0.0), real(line.duration, f64::INFINITY));
+            let (id, place) = (number(line.id), text(&line.place));
+            ("/event/voice", vec![name, id, sample, seconds, place, level, duration, pattern, event])
+        }
+        _ => ("/event/release", vec![number(line.id), sample, seconds]),
+    };
+    let message = OscPacket::Message(OscMessage { addr: addr.into(), args });
+    let timetag = OscTime { seconds: (tag.0 >> 32) as u32, fractional: tag.0 as u32 };
+    encoder::encode(&OscPacket::Bundle(OscBundle { timetag, content: vec![message] })).ok()
+}
