@@ -78,7 +78,7 @@ pub struct Board {
     pub clamped: Figure,
     /// Samples that the limiter turned down.
     pub limited: Figure,
-    /// Signals that found no room.
+    /// Signals and patterns that found no room.
     pub refused: Figure,
     /// Frames that the recording missed.
     pub unrecorded: Figure,

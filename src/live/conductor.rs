@@ -80,6 +80,8 @@ pub struct Conductor {
     waiting: Option<Box<Reload>>,
     rate: f64,
     ratio: f64,
+    /// Whether patterns have more to send than they were let at once.
+    behind: bool,
     ended: bool,
 }
 
@@ -138,6 +140,7 @@ impl Conductor {
             waiting: None,
             rate,
             ratio,
+            behind: false,
             ended: false,
         };
         (conductor, handle)
@@ -146,7 +149,7 @@ impl Conductor {
     /// Leads until it is told to end, or nobody can tell it anything any more; after [`Conductor::begin`].
     pub fn lead(mut self) {
         while !self.ended {
-            match self.signals.recv_timeout(EVERY) {
+            match self.signals.recv_timeout(if self.behind { Duration::ZERO } else { EVERY }) {
                 Ok(stamped) => {
                     self.take(stamped);
                     // What has piled up is taken before patterns are fed, but not what comes meanwhile: they must not wait for ever.
@@ -183,11 +186,13 @@ impl Conductor {
     /// Sends what sounds from the beginning, and opens the gate.
     pub fn begin(&mut self) {
         (self.audience)(Told::Began(self.epoch, &self.board));
+        let until = self.until(0);
         let mut outlet = ToCallback { rings: &mut self.rings, clock: 0, plan: self.plan };
         if let Err(problem) = self.performer.begin(&mut outlet) {
             (self.audience)(Told::Refused(&problem));
         }
-        self.feed();
+        self.performer.feed(until, &mut outlet);
+        self.hear_trouble(false);
         self.board.lever.open();
     }
 
@@ -214,6 +219,9 @@ impl Conductor {
     }
 
     fn tell_playing(&mut self) {
+        if self.patterns.len() > 1 {
+            self.patterns.retain(|_, serial| *serial == 0 || self.performer.plays(*serial));
+        }
         if !self.performer.patterns().map(|(serial, _)| serial).eq(self.playing.iter().copied()) {
             let playing: Vec<_> = self.performer.patterns().collect();
             self.playing = playing.iter().map(|(serial, _)| *serial).collect();
@@ -221,13 +229,23 @@ impl Conductor {
         }
     }
 
+    /// Up to where patterns are sent, when `clock` is the next sample to be computed.
+    fn until(&self, clock: u64) -> u64 {
+        let block = self.clock.longest() as f64 / self.ratio;
+        clock + (AHEAD * self.rate + block) as u64
+    }
+
     fn feed(&mut self) {
         let clock = self.board.clock.get();
-        let block = self.clock.longest() as f64 / self.ratio;
-        let until = clock + (AHEAD * self.rate + block) as u64;
+        let until = self.until(clock);
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
         let troubled = self.performer.trouble().is_some();
-        self.performer.feed(until, &mut outlet);
+        self.behind = !self.performer.feed_some(until, &mut outlet);
+        self.hear_trouble(troubled);
+    }
+
+    /// Tells what keeps patterns from going on, if that is new.
+    fn hear_trouble(&mut self, troubled: bool) {
         if let Some(problem) = self.performer.trouble().filter(|_| !troubled) {
             (self.audience)(Told::Refused(problem));
         }
@@ -296,9 +314,8 @@ impl Conductor {
                 sent(self.performer.release_all(at, outlet))
             }
             Signal::Calm => {
-                let was = self.board.is_panicked();
                 self.board.calm();
-                let woken = !was || self.performer.wake(at, outlet);
+                let woken = self.performer.wake(at, outlet);
                 self.board.lever.release();
                 sent(woken)
             }
@@ -317,6 +334,7 @@ impl Conductor {
                 Ok(())
             }
         };
+        self.board.refused.add(self.performer.take_turned_away());
         if let Err(problem) = done {
             (self.audience)(Told::Refused(&problem));
         }

@@ -15,6 +15,8 @@ pub enum Kind {
     Release,
     /// All voices are.
     ReleaseAll,
+    /// All voices fall silent at once whose ids agree with this one but for the lowest bits, as many as `value` says.
+    Silence,
     /// The voices of an id are moved by the hand that holds them.
     Touch,
     /// A control is sent to a value.
@@ -41,10 +43,11 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Voice,
         Self::Release,
         Self::ReleaseAll,
+        Self::Silence,
         Self::Touch,
         Self::Control,
         Self::Marker,
@@ -64,6 +67,7 @@ impl Kind {
             Self::Voice => "voice",
             Self::Release => "release",
             Self::ReleaseAll => "release-all",
+            Self::Silence => "silence",
             Self::Touch => "touch",
             Self::Control => "control",
             Self::Marker => "marker",
@@ -85,6 +89,7 @@ impl Kind {
             Self::Voice
                 | Self::Release
                 | Self::ReleaseAll
+                | Self::Silence
                 | Self::Touch
                 | Self::Control
                 | Self::Marker

@@ -245,6 +245,10 @@ impl<R: BufRead> Replay<R> {
             Kind::Voice => Event::Play(self.voice(name, line)?),
             Kind::Release => Event::Release(line.id.ok_or("a release must have an id")?),
             Kind::ReleaseAll => Event::ReleaseAll,
+            Kind::Silence => {
+                let id = line.id.ok_or("a silence must have an id")?;
+                Event::Silence(id, line.value.unwrap_or(0.0) as u8)
+            }
             Kind::Touch => {
                 let motion =
                     Motion::ALL.into_iter().find(|motion| Motion::WORDS.get(motion.number()) == Some(&name));
