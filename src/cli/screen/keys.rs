@@ -2,7 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use pacinian::live::signal::Origin;
 
 /// What somebody at the keyboard wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,6 +80,14 @@ impl Keys {
         // Held down, a key that goes to and fro would flutter.
         let flutters = matches!(act, Act::Arm | Act::All | Act::Form | Act::Digit(_));
         (!(repeated && flutters)).then_some(act)
+    }
+}
+
+/// Where what somebody has typed comes from, for journals.
+pub fn origin(event: &Event) -> Origin {
+    match event {
+        Event::Key(key) => Origin::Key(key.code.to_string().into()),
+        _ => Origin::Program,
     }
 }
 
