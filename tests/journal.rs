@@ -266,7 +266,7 @@ fn what_was_played_is_played_again_to_the_bit() {
             let later = lines[at..].iter().filter(|line| line.kind.is_played());
             assert!(later.clone().all(|line| line.frame >= clock.frame), "{clock:?}");
         }
-        assert!(lines.iter().any(|line| line.kind == Kind::Clock && line.frame > Some(48_000)));
+        assert!(lines.iter().any(|line| line.kind == Kind::Clock && line.frame > Some(24_000)));
         // By which way it came, as it came; and what became of it.
         let came = |source: &str, name: &str, message: &str| {
             lines.iter().position(|line| {
@@ -394,7 +394,7 @@ fn a_journal_cannot_ask_for_more_than_a_session_has() {
     };
     refused(&with("{\"kind\":\"end\",\"frame\":18446744073709551615}\n"), "hours after all");
     refused(&with("{\"kind\":\"clock\",\"frame\":9000000000}\n"), "52.1 hours after all");
-    refused(&text.replacen("\"gain\":1.0", "\"gain\":1e30", 1), "from 0 to 1, not 1e30");
+    refused(&text.replacen("\"gain\":1.0", "\"gain\":1e30", 1), "from 0 to 1, not 1000000");
     refused(&text.replacen("\"gain\":1.0", "\"gain\":-1.0", 1), "from 0 to 1, not -1");
     let plan = text.lines().nth(1).unwrap();
     refused(&with(&format!("{plan}\n").repeat(100)), "plans wait here");
