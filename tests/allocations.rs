@@ -8,15 +8,15 @@ use std::cell::Cell;
 use common::scenes::busy;
 #[cfg(feature = "fundsp-nodes")]
 use common::scenes::leaves;
+use common::storm::{due, event};
 use common::{compiled, play};
 use pacinian::engine::Engine;
-use pacinian::engine::event::{Event, Move, Source};
+use pacinian::engine::event::{Event, Source};
 use pacinian::engine::exchange::exchange;
 use pacinian::engine::meter::Meter;
 use pacinian::engine::task::{Task, Values};
 use pacinian::graph::budget::Need;
 use pacinian::graph::plan::{Plan, Precision};
-use pacinian::node::motion::Motion;
 use pacinian::schedule::{Beat, Instant};
 
 thread_local! {
@@ -62,14 +62,6 @@ unsafe impl GlobalAlloc for Counting {
 static COUNTING: Counting = Counting;
 
 /// A hand that moves one of the voices that were started last.
-fn touch(i: u32) -> Event {
-    let motion = Motion::ALL[i as usize / 10 % 3];
-    Event::Touch(Move {
-        id: u64::from(i.wrapping_sub(8 + i % 50 / 10)),
-        motion,
-        value: f64::from(i % 97) / 50.0 - 0.5,
-    })
-}
 
 /// Allocations and frees of this thread while `work` runs.
 fn counted(work: impl FnOnce()) -> u64 {
@@ -126,16 +118,8 @@ fn a_hundred_thousand_events_and_a_hundred_plans() {
         let begin = events;
         total += counted(|| {
             for i in begin..begin + 100 {
-                let clock = stagehand.engine().clock();
-                let at =
-                    Instant { sample: clock + u64::from(i % 80), fraction: i.wrapping_mul(2_654_435_761) };
-                let event = match i % 10 {
-                    0 => Event::Control(0, f64::from(i % 7) / 7.0),
-                    1 => Event::Release(u64::from(i - 1)),
-                    2 | 3 => touch(i),
-                    _ => Event::Play(play(i % 2, i % 16, 40.0 + f64::from(i % 300), 0.003, u64::from(i))),
-                };
-                stagehand.engine().schedule(at, Source::Program, event);
+                let at = due(stagehand.engine().clock(), i);
+                stagehand.engine().schedule(at, Source::Program, event(i));
             }
             stagehand.process(&[], &mut frames);
         });
@@ -211,6 +195,7 @@ fn memory_is_what_was_foreseen() {
 #[cfg(feature = "live")]
 #[test]
 fn a_callback_in_a_storm_of_events_orders_and_plans() {
+    use common::storm::pull;
     use pacinian::live::board::Board;
     use pacinian::live::callback::{Callback, Cue};
     use pacinian::live::gate::{Gate, Order};
@@ -233,17 +218,8 @@ fn a_callback_in_a_storm_of_events_orders_and_plans() {
             sent += 1;
         }
         for i in events..events + 50 {
-            let at = Instant {
-                sample: board.clock.get() + u64::from(i % 30),
-                fraction: i.wrapping_mul(2_654_435_761),
-            };
-            let event = match i % 10 {
-                0 => Event::Control(0, f64::from(i % 7) / 7.0),
-                1 => Event::Release(u64::from(i - 1)),
-                2 | 3 => touch(i),
-                _ => Event::Play(play(i % 2, i % 16, 40.0 + f64::from(i % 300), 0.003, u64::from(i))),
-            };
-            assert!(rings.cues[(i % 2) as usize].try_push(Cue { plan: u64::from(sent), at, event }).is_ok());
+            let cue = Cue { plan: u64::from(sent), at: due(board.clock.get(), i), event: event(i) };
+            assert!(rings.cues[(i % 2) as usize].try_push(cue).is_ok());
         }
         events += 50;
         match events % 5000 {
@@ -251,8 +227,8 @@ fn a_callback_in_a_storm_of_events_orders_and_plans() {
             2000 => board.calm(),
             _ => {}
         }
-        let orders = [Order::Open, Order::Release, Order::Gain(0.5), Order::Return, Order::Gain(1.0)];
-        assert!(rings.orders.try_push(orders[events as usize / 50 % orders.len()]).is_ok());
+        pull(&board, events / 50);
+        total += counted(|| callback.order(Order::Return));
         total += counted(|| callback.process(&[], &mut frames));
         assert!(frames.iter().all(|x| x.is_finite()));
         reports += std::iter::from_fn(|| rings.reports.try_pop()).count();
@@ -269,32 +245,16 @@ fn a_callback_in_a_storm_of_events_orders_and_plans() {
 #[cfg(feature = "live")]
 #[test]
 fn what_a_device_hears_comes_to_another_without_memory() {
+    use common::storm::listen;
     use pacinian::live::board::Board;
-    use pacinian::live::intake::{Ears, Hearing, bridge};
-    use pacinian::live::stamp::{Epoch, Stamp};
+    use pacinian::live::intake::{Ears, bridge};
+    use pacinian::live::stamp::Epoch;
 
     let board = std::sync::Arc::new(Board::new(1));
     let ears = Ears { rate: 44_100.0, channels: 2, block: 128 };
     let (mut intake, mut feed) = bridge(ears, 48_000.0, 64, Epoch::begin(), &board);
-    let (frames, mut output) = ([0.25_f32; 256], [0.0_f32; 192]);
-    let mut heard = 0.0_f32;
-    let total = counted(|| {
-        let mut next = 1.0;
-        for n in 0..3000_u32 {
-            let now = 1.0 + f64::from(n) * 64.0 / 48_000.0;
-            // With pauses, in which it runs dry, and floods, in which the ring is full.
-            while next < now && n % 1000 < 900 {
-                intake.take(Stamp((next * 1e9) as u64), 0.003, &frames);
-                next += 128.0 / 44_100.0;
-            }
-            if n % 1000 == 950 {
-                board.input.xruns.add(1);
-                (0..500).for_each(|_| intake.take(Stamp((now * 1e9) as u64), 0.0, &frames));
-            }
-            feed.hear(now, 3, &mut output);
-            heard = heard.max(output[0]);
-        }
-    });
+    let mut heard = 0.0;
+    let total = counted(|| heard = listen(&mut intake, &mut feed, &board));
     assert_eq!(total, 0);
     assert!(
         heard > 0.24 && board.input.lost.get() > 0 && board.input.dry.get() > 0,

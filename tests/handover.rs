@@ -3,8 +3,11 @@
 mod common;
 
 use common::{compiled, play, schedule};
+use pacinian::engine::event::{Event, Move, Source};
 use pacinian::engine::exchange::exchange;
 use pacinian::graph::plan::Plan;
+use pacinian::node::motion::Motion;
+use pacinian::schedule::Instant;
 
 const FIRST: &str = r#"
 [control.strength]
@@ -118,4 +121,62 @@ fn a_voice_that_is_always_on_goes_on_alone() {
     let error = changed.iter().zip(&steady).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     // What the extrapolation of two samples misses of a sine: 0.5 (2π 100 / 8000)² at most.
     assert!(error < 0.0031, "{error}");
+}
+
+/// The loudest of each tenth of a second on one channel: a voice of id 1 at time 0, released after `held` seconds and pressed at `pressed`, of a
+/// patch that another takes over after `change` seconds.
+fn loudest(old: &str, new: &str, change: f64, held: f64, pressed: Option<f64>) -> Vec<f32> {
+    let plan = |nodes: &str| {
+        let text = format!("[voice.v]\noutput = \"out\"\n[voice.v.nodes]\n{nodes}");
+        compiled(&text, 1, 48_000.0).plan
+    };
+    let (mut director, mut stagehand) = exchange(&plan(old)).unwrap();
+    schedule(stagehand.engine(), &[(0.0, play(0, 0, 50.0, held, 1))]);
+    if let Some(at) = pressed {
+        let press = Move { id: 1, motion: Motion::Pressure, value: 0.5 };
+        let at = Instant { sample: (at * 8_000.0) as u64, fraction: 0 };
+        assert!(stagehand.engine().schedule(at, Source::Program, Event::Touch(press)));
+    }
+    let mut output = vec![0.0; 48 * 8_000];
+    for (n, part) in output.chunks_mut(48).enumerate() {
+        if n == (change * 1_000.0) as usize {
+            director.send(&plan(new)).unwrap();
+        }
+        stagehand.process(&[], part);
+    }
+    output.chunks(4_800).map(|part| part.iter().fold(0.0_f32, |most, x| most.max(x.abs()))).collect()
+}
+
+/// What a plan adds to a voice that has sounded for seconds has not sounded for seconds itself.
+#[test]
+fn what_is_new_in_an_old_voice_begins_and_ends_as_it_should() {
+    let sine = "tone = { type = \"sine\", frequency = 50, amplitude = 0.05 }\n";
+    let out = |envelope: &str| {
+        format!("{sine}out = {{ type = \"multiply\", inputs = [\"tone\", \"{envelope}\"] }}\n")
+    };
+    let envelope = |name: &str, release: f64, curve: f64| {
+        let node = format!(
+            "{name} = {{ type = \"envelope\", attack = 0.01, release = {release}, release_curve = {curve} }}\n"
+        );
+        format!("{node}{}", out(name))
+    };
+    let bare = sine.replace("tone", "out");
+    let touched = sine.replace("0.05", "\"0.05 * (1 - 0.5 * touch.pressure)\"").replace("tone", "out");
+    for (what, old, new) in [
+        ("an envelope more", &bare, envelope("hit", 0.02, 0.0)),
+        ("another envelope", &envelope("hit", 0.02, 0.0), envelope("thump", 0.03, -4.0)),
+        ("another envelope of the same name", &envelope("hit", 0.02, 0.0), envelope("hit", 0.02, 3.0)),
+        ("a gate", &bare, format!("hit = {{ type = \"gate\" }}\n{}", out("hit"))),
+    ] {
+        let loudest = loudest(old, &new, 4.0, 6.0, None);
+        assert!(loudest[..60].iter().all(|peak| (0.045..0.055).contains(peak)), "{what}: {loudest:?}");
+        assert!(loudest[61..].iter().all(|peak| *peak < 1e-6), "{what}: {loudest:?}");
+    }
+    // One that was let go of and whose envelope is another now has nothing left that would end it.
+    let loudest_of = loudest(&envelope("hit", 5.0, 0.0), &envelope("thump", 5.0, 0.0), 3.0, 1.0, None);
+    assert!(loudest_of[29] > 0.02 && loudest_of[31..].iter().all(|peak| *peak < 1e-6), "{loudest_of:?}");
+    let pressed = loudest(&bare, &touched, 2.0, 7.0, Some(5.0));
+    assert!(pressed[..50].iter().all(|peak| (0.045..0.055).contains(peak)), "{pressed:?}");
+    assert!(pressed[51..69].iter().all(|peak| (0.035..0.0395).contains(peak)), "{pressed:?}");
+    assert!(pressed[71..].iter().all(|peak| *peak < 1e-6), "{pressed:?}");
 }

@@ -14,8 +14,10 @@ use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session};
+use pacinian::live::callback::{Deed, Report};
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
+use pacinian::live::signal::Signal;
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
 use pacinian::text::Problem;
@@ -36,40 +38,42 @@ struct Stage {
     client: UdpSocket,
     /// What the conductor could not do.
     refused: Arc<AtomicU64>,
+    /// Patches that took over.
+    swaps: Arc<AtomicU64>,
+}
+
+fn reload(text: &str) -> Reload {
+    // The rate of the virtual card.
+    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+    let (patch, rig) = (Arc::new(common::patch(text)), Arc::new(Rig::default_for(CHANNELS)));
+    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap();
+    Reload { scene, patch, rig, files: Box::new(|path| Err(Problem::of_file(path))), provenance: None }
 }
 
 impl Stage {
     fn new() -> Self {
-        // The rate of the virtual card.
-        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-        let (patch, rig) = (Arc::new(common::patch(PATCH)), Arc::new(Rig::default_for(CHANNELS)));
-        let compiled = scene(&patch, &rig, &options, &NoAssets).unwrap();
+        let reload = reload(PATCH);
+        let patch = Arc::clone(&reload.patch);
         let refused = Arc::new(AtomicU64::new(0));
-        let count = Arc::clone(&refused);
+        let swaps = Arc::new(AtomicU64::new(0));
+        let (count, swapped) = (Arc::clone(&refused), Arc::clone(&swaps));
         let session = Session::start(Beginning {
             block: Some(64),
             input: pacinian::io::session::Ear::Nothing,
-            audience: Box::new(move |told| {
-                if let Told::Refused(_) = told {
-                    count.fetch_add(1, Ordering::Relaxed);
+            audience: Box::new(move |told| match told {
+                Told::Refused(_) => _ = count.fetch_add(1, Ordering::Relaxed),
+                Told::Report(Report { deed: Deed::Swap, .. }, _) => {
+                    swapped.fetch_add(1, Ordering::Relaxed);
                 }
+                _ => {}
             }),
-            ..Beginning::of(
-                Reload {
-                    scene: compiled,
-                    patch: Arc::clone(&patch),
-                    rig,
-                    files: Box::new(|path| Err(Problem::of_file(path))),
-                    provenance: None,
-                },
-                Chosen::Virtual(None),
-            )
+            ..Beginning::of(reload, Chosen::Virtual(None))
         })
         .unwrap();
         let server = Server::start("0".parse().unwrap(), session.handle().clone(), &patch, None).unwrap();
         let client = UdpSocket::bind("127.0.0.1:0").unwrap();
         client.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
-        Self { session, server: Some(server), client, refused }
+        Self { session, server: Some(server), client, refused, swaps }
     }
 
     fn say(&self, addr: &str, args: &[OscType]) {
@@ -150,7 +154,7 @@ fn the_meter_shows_what_was_asked_for() {
     assert_eq!(stage.refused.load(Ordering::Relaxed), 0);
 }
 
-/// As fast as they can be sent: playing goes on, and each is played or counted.
+/// As fast as they can be sent, while other patches take over: playing goes on, and each is played or counted.
 #[test]
 fn a_flood_is_played_or_counted() {
     const FLOOD: u64 = 100_000;
@@ -171,8 +175,16 @@ fn a_flood_is_played_or_counted() {
     let counts = Arc::clone(stage.server.as_ref().unwrap().counts());
     until("the first pattern has ended", &mut || board.started.get() == 1 && board.voices.get() == 0);
     let (before, frames) = (board.started.get(), board.frames.get());
-    (0..FLOOD).for_each(|_| stage.send(&play));
+    for number in 0..FLOOD {
+        if number % 10_000 == 5_000 {
+            // Another graph each time, so that voices and events go from one plan to the next.
+            let other = PATCH.replace("frequency = 200", &format!("frequency = {}", 200 + number / 1000));
+            stage.session.handle().send(Signal::Reload(Box::new(reload(&other)))).unwrap();
+        }
+        stage.send(&play);
+    }
     assert!(board.frames.get() > frames, "playing goes on");
+    until("patches take over", &mut || stage.swaps.load(Ordering::Relaxed) >= 3);
 
     // Afterwards all is as it was. What is said too early is dropped by the system as well.
     let mut pings = 0;

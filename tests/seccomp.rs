@@ -11,13 +11,12 @@ use std::process::{Command, ExitStatus};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
+use common::compiled;
 use common::scenes::busy;
-use common::{compiled, play};
-use pacinian::engine::event::{Event, Move, Source};
+use common::storm::{self, due};
+use pacinian::engine::event::Source;
 use pacinian::engine::exchange::{Stagehand, exchange};
 use pacinian::graph::plan::Plan;
-use pacinian::node::motion::Motion;
-use pacinian::schedule::Instant;
 
 /// What a child is to do.
 const TASK: &str = "PACINIAN_SECCOMP";
@@ -64,25 +63,8 @@ fn perform(mut stagehand: Stagehand, task: &str, progress: &Progress) -> ! {
     let mut event = 0_u32;
     while allowed && (event < EVENTS || progress.plans.load(Ordering::Acquire) < PLANS) {
         for _ in 0..100 {
-            let clock = stagehand.engine().clock();
-            let at = Instant {
-                sample: clock + u64::from(event % 80),
-                fraction: event.wrapping_mul(2_654_435_761),
-            };
-            let what = match event % 10 {
-                0 => Event::Control(0, f64::from(event % 7) / 7.0),
-                1 => Event::Release(u64::from(event.wrapping_sub(1))),
-                2 => Event::Touch(Move {
-                    id: u64::from(event.wrapping_sub(4)),
-                    motion: Motion::ALL[event as usize / 10 % 3],
-                    value: f64::from(event % 97) / 50.0 - 0.5,
-                }),
-                _ => {
-                    let hertz = 40.0 + f64::from(event % 300);
-                    Event::Play(play(event % 2, event % 16, hertz, 0.003, u64::from(event)))
-                }
-            };
-            stagehand.engine().schedule(at, Source::Program, what);
+            let at = due(stagehand.engine().clock(), event);
+            stagehand.engine().schedule(at, Source::Program, storm::event(event));
             event = event.wrapping_add(1);
         }
         stagehand.process(&input, &mut output);
@@ -128,9 +110,10 @@ fn call_back(mut callback: pacinian::live::callback::Callback, progress: &Progre
 /// The child's other thread, for a callback.
 #[cfg(feature = "live")]
 fn send_to_callback(plans: &[Plan; 2]) -> ! {
+    use common::storm::pull;
     use pacinian::live::board::Board;
     use pacinian::live::callback::{Callback, Cue};
-    use pacinian::live::gate::{Gate, Order};
+    use pacinian::live::gate::Gate;
     use ringbuf::HeapRb;
     use ringbuf::traits::{Consumer, Producer, Split};
     use std::sync::Arc;
@@ -151,27 +134,11 @@ fn send_to_callback(plans: &[Plan; 2]) -> ! {
         }
         let clock = board.clock.get();
         for _ in 0..200 {
-            let at = Instant {
-                sample: clock + u64::from(event % 80),
-                fraction: event.wrapping_mul(2_654_435_761),
-            };
-            let what = match event % 10 {
-                0 => Event::Control(0, f64::from(event % 7) / 7.0),
-                1 => Event::Release(u64::from(event.wrapping_sub(1))),
-                _ => Event::Play(play(
-                    event % 2,
-                    event % 16,
-                    40.0 + f64::from(event % 300),
-                    0.003,
-                    u64::from(event),
-                )),
-            };
-            let taken =
-                rings.cues[(event % 2) as usize].try_push(Cue { plan: u64::from(sent), at, event: what });
+            let cue = Cue { plan: u64::from(sent), at: due(clock, event), event: storm::event(event) };
+            let taken = rings.cues[(event % 2) as usize].try_push(cue);
             event += u32::from(taken.is_ok());
         }
-        let order = [Order::Open, Order::Gain(0.5), Order::Latch, Order::Release][(event % 4) as usize];
-        let _ = rings.orders.try_push(order);
+        pull(&board, event);
         recorded.clear();
         while let Some(report) = rings.reports.try_pop() {
             heard += 1;
@@ -191,10 +158,47 @@ fn send_to_callback(plans: &[Plan; 2]) -> ! {
     std::process::exit(if well { DONE } else { 1 });
 }
 
+/// A thread that hears what a card on another clock brings, under the filter.
+#[cfg(feature = "live")]
+fn listen() -> ! {
+    use pacinian::live::board::Board;
+    use pacinian::live::intake::{Ears, bridge};
+    use pacinian::live::stamp::Epoch;
+    use std::sync::Arc;
+
+    let board = Arc::new(Board::new(1));
+    let ears = Ears { rate: 44_100.0, channels: 2, block: 128 };
+    let (mut intake, mut feed) = bridge(ears, 48_000.0, 64, Epoch::begin(), &board);
+    let progress: &'static Progress = Box::leak(Box::default());
+    let hears = Arc::clone(&board);
+    std::thread::spawn(move || {
+        let allowed = forbid();
+        let heard = if allowed { storm::listen(&mut intake, &mut feed, &hears) } else { 0.0 };
+        progress.voices.store(u64::from(heard > 0.24), Ordering::Release);
+        progress.state.store(if allowed { 3 } else { 2 }, Ordering::Release);
+        loop {
+            std::hint::spin_loop();
+        }
+    });
+    loop {
+        match progress.state.load(Ordering::Acquire) {
+            2 => std::process::exit(NO_FILTER),
+            3 => break,
+            _ => std::thread::sleep(Duration::from_millis(1)),
+        }
+    }
+    let well = progress.voices.load(Ordering::Acquire) == 1 && board.input.dry.get() > 0;
+    std::process::exit(if well { DONE } else { 1 });
+}
+
 /// Not a test of its own: what the child does.
 #[test]
 fn child() {
     let Ok(task) = std::env::var(TASK) else { return };
+    #[cfg(feature = "live")]
+    if task == "listen" {
+        listen();
+    }
     let plan = |time: &str| -> Plan {
         compiled(&busy(24, 8).replace("0.01,", time), CHANNELS as u32, 48_000.0).plan
     };
@@ -248,6 +252,13 @@ fn events_and_plans_without_a_system_call() {
 #[test]
 fn a_session_s_callback_without_a_system_call() {
     let Some(status) = run("callback") else { return };
+    assert_eq!(status.code(), Some(DONE), "{status}");
+}
+
+#[cfg(feature = "live")]
+#[test]
+fn what_a_card_brings_is_heard_without_a_system_call() {
+    let Some(status) = run("listen") else { return };
     assert_eq!(status.code(), Some(DONE), "{status}");
 }
 

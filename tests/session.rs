@@ -265,9 +265,13 @@ fn a_flood_of_midi_during_reloads_is_played_or_counted() {
 /// What plays from the beginning is stopped pattern by pattern, as what was started later, and stays so when the patch is saved anew.
 #[test]
 fn a_pattern_of_the_beginning_is_stopped_by_its_name() {
-    let text = HUM.to_string()
-        + "[pattern.low]\nrepeat = { every = 0.05 }\nevents = [{ at = 0, voice = \"tap\", frequency = 60 }]\n"
-        + "[pattern.high]\nrepeat = { every = 0.05 }\nevents = [{ at = 0, voice = \"tap\", frequency = 200 }]\n";
+    let mut text = HUM.to_string();
+    for (name, frequency) in [("low", 60), ("high", 200)] {
+        text += &format!(
+            "[[trigger]]\non = \"start\"\nplay = \"{name}\"\n[pattern.{name}]\nrepeat = {{ every = 0.05 }}\n\
+             events = [{{ at = 0, voice = \"tap\", frequency = {frequency} }}]\n"
+        );
+    }
     let text = text.replace("frequency = 250", "frequency = \"event.frequency\"");
     let (mut session, _recording, words) = start(&text);
     let played = |frequency: &str| {
@@ -293,4 +297,32 @@ fn a_pattern_of_the_beginning_is_stopped_by_its_name() {
     session.handle().send(Signal::Start(7, "low".into())).unwrap();
     wait("its return", || played("[60.0") > low + 2);
     session.stop();
+}
+
+/// However much is asked of the gate, that it is to close is heard.
+#[test]
+fn a_flood_of_orders_does_not_keep_the_gate_open() {
+    let (mut session, mut recording, _) = start(HUM);
+    wait("the ramp's end", || session.board().frames.get() > 12_000);
+    let handle = session.handle().clone();
+    let flood = std::thread::spawn(move || {
+        let mut sent = 0_u32;
+        while handle.send(Signal::Arm(true)) != Err(pacinian::live::signal::Refused::Ended)
+            && sent < 5_000_000
+        {
+            sent += 1;
+        }
+    });
+    std::thread::sleep(Duration::from_millis(100));
+    // As a signal of the system does it.
+    session.board().lever.closing().store(true, std::sync::atomic::Ordering::Relaxed);
+    wait("the gate", || session.board().shut.get() == 1);
+    let shut = session.board().frames.get();
+    wait("a while", || session.board().frames.get() > shut + 4_800);
+    session.stop();
+    flood.join().unwrap();
+    let mut all = Vec::new();
+    fetch(&mut recording, &mut all);
+    let last = all.iter().rposition(|x| *x != 0.0).unwrap() / 2;
+    assert!(last > 10_000 && (last as u64) < shut, "{last} {shut}");
 }

@@ -1,6 +1,7 @@
 //! `pacinian devices`.
 
 use super::failure::Failure;
+use super::missing::{JOINING, missing};
 use super::table::{Table, grouped};
 use super::terminal::Terminal;
 use clap::Args;
@@ -12,9 +13,7 @@ use serde_json::json;
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  pacinian devices\n  pacinian play PATCH --device \"USB Sound\"\n\n\
     A device is meant by its id, its name, or a part of its name that no other has. `virtual` is a card that keeps real time and \
-    plays to nobody.\n\nOne session plays on one device. Several cards are joined by the sound server into one: with PipeWire, \
-    `pactl load-module module-combine-sink`; with ALSA, a `multi` device in ~/.asoundrc. Cards that do not share a clock drift \
-    apart, by some 50 microseconds a second, unless the server resamples.")]
+    plays to nobody.\n\nOne session plays on one device; what this prints ends with how several are joined into one.")]
 pub struct Devices {
     /// As one JSON object
     #[arg(long)]
@@ -41,8 +40,9 @@ impl Devices {
                 Ok(ports) => (ports, None),
                 Err(why) => (Vec::new(), Some(why)),
             };
-            let said =
-                json!({ "hosts": hosts, "midi": { "ports": ports, "trouble": trouble }, "advice": advice() });
+            let advice = missing();
+            let midi = json!({ "ports": ports, "trouble": trouble });
+            let said = json!({ "hosts": hosts, "midi": midi, "advice": advice, "joining": JOINING });
             return terminal.print(&format!("{said:#}\n"));
         }
         let mut text = String::new();
@@ -68,9 +68,11 @@ impl Devices {
             }
             Err(why) => format!("{}: {why}\n", terminal.out.bold("MIDI")),
         };
-        for (what, help) in advice() {
+        for (what, help) in missing() {
             text += &format!("\n{what}\n  {help}\n");
         }
+        text += "\nSeveral cards as one\n";
+        JOINING.iter().for_each(|(with, how)| text += &format!("  {with}: {how}\n"));
         terminal.print(&text)
     }
 }
@@ -126,35 +128,6 @@ fn counts(channels: &[u16]) -> String {
         [first, .., last] if usize::from(last - first) + 1 == channels.len() => format!("{first} to {last}"),
         several => several.iter().map(u16::to_string).collect::<Vec<_>>().join(", "),
     }
-}
-
-/// What is missing on this machine, and how to get it.
-fn advice() -> Vec<(String, String)> {
-    let mut advice: Vec<(String, String)> = Vec::new();
-    #[cfg(target_os = "linux")]
-    {
-        use std::path::Path;
-        let mut say = |what: &str, help: &str| advice.push((what.into(), help.into()));
-        if !Path::new("/dev/snd").exists() {
-            say(
-                "This system has no sound hardware: there is no /dev/snd.",
-                "plug a card in, or load its driver; in a container, pass the device: --device /dev/snd",
-            );
-        } else if std::fs::read_dir("/dev/snd").is_ok_and(|all| {
-            all.flatten().any(|entry| {
-                std::fs::OpenOptions::new()
-                    .read(true)
-                    .open(entry.path())
-                    .is_err_and(|error| error.kind() == std::io::ErrorKind::PermissionDenied)
-            })
-        }) {
-            say(
-                "Sound cards may not be used by this user.",
-                "sudo usermod -aG audio $USER, then log in again",
-            );
-        }
-    }
-    advice
 }
 
 #[cfg(test)]

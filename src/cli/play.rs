@@ -5,6 +5,7 @@ use super::failure::Failure;
 use super::guard;
 use super::keep::{Keep, Sound};
 use super::load::{Loaded, Scene};
+use super::osc::Osc;
 use super::problems;
 use super::provenance::provenance;
 use super::screen::{Ending, Scenery, Show};
@@ -17,8 +18,6 @@ use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
 use pacinian::io::midi_in::MidiPorts;
-use pacinian::io::osc::endpoint::{BindError, Endpoint};
-use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::board::Board;
 use pacinian::live::conductor::Told;
@@ -59,9 +58,8 @@ pub struct Play {
     /// Full level on a device that nobody has named
     #[arg(long)]
     arm: bool,
-    /// Listen for OSC on this UDP port, or address and port; a port alone is for this machine only. docs/osc.md lists what it hears
-    #[arg(long, value_name = "ADDR")]
-    osc: Option<Endpoint>,
+    #[command(flatten)]
+    osc: Osc,
     /// The ports of MIDI to listen to, by a part of their names; `none` for none [default: all, if the patch has use for MIDI]
     #[arg(long, value_name = "NAME")]
     midi_in: Option<String>,
@@ -84,12 +82,6 @@ const CLOSED: u8 = 129;
 impl From<DeviceError> for Failure {
     fn from(error: DeviceError) -> Self {
         Self::usage(error.what, error.help.unwrap_or_default()).with_code(error.kind.exit_code())
-    }
-}
-
-impl From<BindError> for Failure {
-    fn from(error: BindError) -> Self {
-        Self::usage(error.what, error.help).with_code(error.exit_code)
     }
 }
 
@@ -138,6 +130,8 @@ impl Play {
         let stop = Stop::listen()?;
         let journal = self.keep.journal(&reload, scenery.device, armed)?;
         let (makes, is_told, of_device) = (journal.clone(), journal.clone(), journal.clone());
+        let announcer = self.osc.announcer(&reload.scene.plan)?;
+        let (heralds, herald) = (announcer.clone(), announcer.clone());
         let mut session = Session::start(Beginning {
             block: self.block,
             armed,
@@ -147,10 +141,12 @@ impl Play {
             song: loaded.song.clone(),
             listener: Some(Box::new(move |event| {
                 makes.iter().for_each(|journal| journal.hear(event));
+                heralds.iter().for_each(|announcer| announcer.hear(event));
                 heard.hear(event);
             })),
             audience: Box::new(move |what| {
                 is_told.iter().for_each(|journal| journal.told(&what));
+                herald.iter().for_each(|announcer| announcer.told(&what));
                 match &what {
                     Told::Reloaded => drop(verdict.send(Ok(()))),
                     Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
@@ -168,6 +164,8 @@ impl Play {
             SessionError::Device(error) => error.into(),
             SessionError::Plan(what) => Failure::said(65, what),
         })?;
+        // A signal closes the gate itself, whatever this thread is about.
+        stop.also(&session.board().lever.closing())?;
         let sound = Sound::of(&mut session);
         terminal.note(&format!(
             "{} plays on {name}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
@@ -177,13 +175,7 @@ impl Play {
         if let Some(hears) = hears {
             terminal.note(&format!("{hears}\n"));
         }
-        let listen = |at| Server::start(at, session.handle().clone(), &loaded.patch, None);
-        let osc = self.osc.map(listen).transpose()?;
-        if let Some(osc) = &osc {
-            let open = self.osc.is_some_and(|at| at.is_open());
-            let by = if open { "all that can reach it" } else { "programs on this machine" };
-            terminal.note(&format!("OSC is heard on {}, from {by}\n", osc.address()));
-        }
+        let osc = self.osc.listen(session.handle(), &loaded.patch, announcer.as_ref(), terminal)?;
         // What nothing listens to is not opened.
         let wanted = self.midi_in.clone().filter(|name| name != "none");
         let listen = |patch: &Patch| {
@@ -238,19 +230,21 @@ impl Play {
                 }
             }
         });
+        // The gate closes before anything else is done, even where the conductor is no more.
+        session.board().lever.close();
+        let _ = session.handle().send(Signal::End);
         drop(watching);
         drop(midi);
         // What the system dropped last is counted when the server ends.
         let counts = osc.map(|osc| Arc::clone(osc.counts()));
-        // The gate closes before anything else is done, even where the conductor is no more.
-        if guard::has_panicked() {
-            session.board().panic();
-        }
-        let _ = session.handle().send(Signal::End);
         let peaks = show.end(session.board(), terminal);
         session.stop();
         if let Some(trouble) = counts.and_then(|counts| counts.trouble()) {
             terminal.note(&format!("{trouble}\n"));
+        }
+        let unsent = announcer.map_or(0, |announcer| announcer.finish());
+        if unsent > 0 {
+            terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }
         let concluded = self.conclude(&loaded, session.board(), &peaks, terminal);
         let concluded = kept.finish(terminal).and(concluded);

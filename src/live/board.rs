@@ -1,7 +1,8 @@
 //! The board on which the audio thread shows how things stand, for all to read. Neither side ever waits for the other.
 
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
+use super::lever::Lever;
 use super::load::Load;
 
 /// A figure that one thread writes and others read.
@@ -51,7 +52,8 @@ pub struct InputBoard {
 /// How a session stands.
 #[derive(Debug, Default)]
 pub struct Board {
-    panic: AtomicBool,
+    /// What is wanted of the gate.
+    pub lever: Lever,
     /// By channel: the largest magnitude since it was fetched last, as bits of a number that is never negative.
     peaks: Vec<AtomicU32>,
     /// The same for whoever sends them on, so that the two do not take them from each other.
@@ -76,7 +78,7 @@ pub struct Board {
     pub clamped: Figure,
     /// Samples that the limiter turned down.
     pub limited: Figure,
-    /// Signals and orders that found no room.
+    /// Signals that found no room.
     pub refused: Figure,
     /// Frames that the recording missed.
     pub unrecorded: Figure,
@@ -109,19 +111,19 @@ impl Board {
         Self { peaks: peaks(), sent_peaks: peaks(), ..Self::default() }
     }
 
-    /// Pulls the emergency brake: the next callback closes the gate, and it stays closed until [`Board::calm`].
+    /// As [`Lever::panic`].
     pub fn panic(&self) {
-        self.panic.store(true, Ordering::Release);
+        self.lever.panic();
     }
 
-    /// Takes the brake back. The gate opens only when it is told to.
+    /// As [`Lever::calm`].
     pub fn calm(&self) {
-        self.panic.store(false, Ordering::Release);
+        self.lever.calm();
     }
 
-    /// Whether the brake is pulled.
+    /// As [`Lever::is_panicked`].
     pub fn is_panicked(&self) -> bool {
-        self.panic.load(Ordering::Acquire)
+        self.lever.is_panicked()
     }
 
     /// Channels.

@@ -10,6 +10,7 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 
 use super::board::Board;
 use super::gate::{Gate, Order};
+use super::lever::Obeyed;
 use super::relief::Relieved;
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Stagehand;
@@ -20,9 +21,6 @@ pub const SOURCES: [Source; 2] = [Source::Pattern, Source::Program];
 
 /// Events of a source that may be under way to the callback.
 pub const UNDER_WAY: usize = 1 << 13;
-
-/// Orders that may be.
-const ORDERS: usize = 64;
 
 /// Reports that may wait to be fetched.
 const REPORTS: usize = 1 << 15;
@@ -71,8 +69,6 @@ pub enum Deed {
 pub struct Rings {
     /// By source, as [`SOURCES`] has them.
     pub cues: Vec<HeapProd<Cue>>,
-    /// To the gate.
-    pub orders: HeapProd<Order>,
     /// What the callback did.
     pub reports: HeapCons<Report>,
 }
@@ -81,7 +77,7 @@ pub struct Rings {
 pub struct Callback {
     stagehand: Stagehand,
     cues: Vec<HeapCons<Cue>>,
-    orders: HeapCons<Order>,
+    obeyed: Obeyed,
     reports: HeapProd<Report>,
     gate: Gate,
     board: Arc<Board>,
@@ -124,13 +120,12 @@ impl Callback {
     /// For an engine that has not played yet, behind a gate that is closed.
     pub fn new(mut stagehand: Stagehand, gate: Gate, board: Arc<Board>) -> (Self, Rings) {
         let (senders, cues) = SOURCES.iter().map(|_| HeapRb::new(UNDER_WAY).split()).unzip();
-        let (to_gate, orders) = HeapRb::new(ORDERS).split();
         let (reports, told) = HeapRb::new(REPORTS).split();
         let channels = stagehand.engine().channels();
         let callback = Self {
             stagehand,
             cues,
-            orders,
+            obeyed: Obeyed::default(),
             reports,
             gate,
             board,
@@ -142,7 +137,7 @@ impl Callback {
             frames: 0,
             shed: u8::MAX,
         };
-        (callback, Rings { cues: senders, orders: to_gate, reports: told })
+        (callback, Rings { cues: senders, reports: told })
     }
 
     /// Everything that goes out, goes into `ring` as well. Callbacks for which there is no room are silence there, and counted.
@@ -198,22 +193,21 @@ impl Callback {
         }
     }
 
-    /// Does what the gate is told, and closes it if somebody has pulled the emergency brake.
+    /// Tells the gate what others want of it.
     fn obey(&mut self) {
-        if self.board.is_panicked() && !self.gate.is_latched() {
-            self.order(Order::Latch);
-        }
-        while let Some(order) = self.orders.try_pop() {
-            // A brake pulled in the meantime is stronger.
-            if order == Order::Release && self.board.is_panicked() {
-                continue;
-            }
+        let mut obeyed = self.obeyed;
+        for order in self.board.lever.orders(&mut obeyed) {
             self.order(order);
         }
+        self.obeyed = obeyed;
     }
 
-    /// Tells the gate something, before the next frame.
+    /// Tells the gate something, before the next frame. One that has closed for good does not open any more.
     pub fn order(&mut self, order: Order) {
+        let opens = matches!(order, Order::Open | Order::Return | Order::Release);
+        if opens && self.obeyed.closes() {
+            return;
+        }
         self.gate.order(order);
         self.tell(Deed::Order(order));
     }

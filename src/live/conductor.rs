@@ -13,7 +13,7 @@ use ringbuf::traits::{Consumer, Observer, Producer};
 use super::board::Board;
 use super::callback::{Cue, Report, Rings, SOURCES};
 use super::clock::{Moment, StreamClock};
-use super::gate::{Order, UNARMED};
+use super::gate::UNARMED;
 use super::reload::Reload;
 use super::signal::{Handle, Origin, Signal, Stamped, WAITING};
 use super::stamp::{Epoch, Stamp};
@@ -190,7 +190,7 @@ impl Conductor {
             (self.audience)(Told::Refused(&problem));
         }
         self.feed();
-        self.order(Order::Open);
+        self.board.lever.open();
     }
 
     /// Feeds patterns, hears what the callback did, and lets a plan that waits take over if it can.
@@ -300,11 +300,11 @@ impl Conductor {
                 let was = self.board.is_panicked();
                 self.board.calm();
                 let woken = !was || self.performer.wake(at, outlet);
-                self.order(Order::Release);
+                self.board.lever.release();
                 sent(woken)
             }
             Signal::Arm(armed) => {
-                self.order(Order::Gain(if armed { 1.0 } else { UNARMED }));
+                self.board.lever.gain(if armed { 1.0 } else { UNARMED });
                 Ok(())
             }
             Signal::Reload(reload) => {
@@ -324,13 +324,8 @@ impl Conductor {
     }
 
     fn end(&mut self) {
-        self.order(Order::Close);
+        self.board.lever.close();
         self.ended = true;
-    }
-
-    fn order(&mut self, order: Order) {
-        let untaken = self.rings.orders.try_push(order).is_err();
-        self.board.refused.add(u64::from(untaken));
     }
 
     /// Lets another scene take over. Where two engines are still under way, it waits.

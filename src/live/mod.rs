@@ -17,6 +17,7 @@ pub mod conductor;
 pub mod driver;
 pub mod gate;
 pub mod intake;
+pub mod lever;
 pub mod load;
 pub mod provenance;
 pub mod relief;

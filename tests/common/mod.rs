@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod scenes;
+pub mod storm;
 
 use pacinian::engine::Engine;
 use pacinian::engine::event::{Event, Play, Source};

@@ -1,0 +1,74 @@
+//! `--osc` and `--osc-to` of `pacinian play`.
+
+use super::failure::Failure;
+use super::terminal::Terminal;
+use clap::Args;
+use pacinian::graph::plan::Plan;
+use pacinian::io::osc::announce::Announcer;
+use pacinian::io::osc::endpoint::{BindError, Endpoint};
+use pacinian::io::osc::server::Server;
+use pacinian::live::signal::Handle;
+use pacinian::patch::Patch;
+
+/// Addresses that are told of markers, at most.
+const MOST: usize = 16;
+
+/// What is heard over OSC, and told.
+#[derive(Debug, Clone, Args)]
+pub struct Osc {
+    /// Listen for OSC on this UDP port, or address and port; a port alone is for this machine only. docs/osc.md lists what it hears
+    #[arg(long, value_name = "ADDR")]
+    osc: Option<Endpoint>,
+    /// Tell every marker over OSC to this UDP port, or address and port, as it is played; may be given again for another
+    #[arg(long, value_name = "ADDR")]
+    osc_to: Vec<Endpoint>,
+}
+
+impl From<BindError> for Failure {
+    fn from(error: BindError) -> Self {
+        Self::usage(error.what, error.help).with_code(error.exit_code)
+    }
+}
+
+impl Osc {
+    /// Who tells of a session that begins with `plan`, if anybody can ask for it or is to be told.
+    ///
+    /// # Errors
+    /// Too many who are to be told; a system that has no thread or socket left.
+    pub fn announcer(&self, plan: &Plan) -> Result<Option<Announcer>, Failure> {
+        if self.osc.is_none() && self.osc_to.is_empty() {
+            return Ok(None);
+        }
+        if self.osc_to.len() > MOST {
+            let help = "let one program pass them on";
+            return Err(Failure::usage(format!("--osc-to is given more than {MOST} times"), help));
+        }
+        let announcer = Announcer::new(plan)
+            .map_err(|error| Failure::said(71, format!("no thread to send OSC: {error}")))?;
+        for endpoint in &self.osc_to {
+            announcer.always(endpoint.0)?;
+        }
+        Ok(Some(announcer))
+    }
+
+    /// Listens, if it is to, and says so.
+    ///
+    /// # Errors
+    /// As [`Server::start`].
+    pub fn listen(
+        &self,
+        session: &Handle,
+        patch: &Patch,
+        announcer: Option<&Announcer>,
+        terminal: &Terminal,
+    ) -> Result<Option<Server>, Failure> {
+        for endpoint in &self.osc_to {
+            terminal.note(&format!("markers are told over OSC to {}\n", endpoint.0));
+        }
+        let Some(at) = self.osc else { return Ok(None) };
+        let server = Server::start(at, session.clone(), patch, announcer.cloned())?;
+        let by = if at.is_open() { "all that can reach it" } else { "programs on this machine" };
+        terminal.note(&format!("OSC is heard on {}, from {by}\n", server.address()));
+        Ok(Some(server))
+    }
+}

@@ -1,0 +1,148 @@
+//! What other threads want of the gate: a few values of which the last counts, so that none is ever lost for lack of room.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use super::gate::Order;
+
+/// What is wanted of the gate.
+#[derive(Debug, Default)]
+pub struct Lever {
+    panic: AtomicBool,
+    open: AtomicBool,
+    close: Arc<AtomicBool>,
+    /// How often a latch was taken back.
+    releases: AtomicU32,
+    /// The bits of a gain; 0 while nobody has said one, since no gain below 0 is wanted.
+    gain: AtomicU32,
+}
+
+/// What the gate was told of it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Obeyed {
+    panic: bool,
+    open: bool,
+    close: bool,
+    releases: u32,
+    gain: u32,
+}
+
+/// Marks a gain that somebody has said, also one of 0.
+const SAID: u32 = 1 << 31;
+
+impl Lever {
+    /// Pulls the emergency brake: the next callback closes the gate, and it stays closed until [`Lever::calm`].
+    pub fn panic(&self) {
+        self.panic.store(true, Ordering::Release);
+    }
+
+    /// Takes the brake back. The gate opens only at [`Lever::release`].
+    pub fn calm(&self) {
+        self.panic.store(false, Ordering::Release);
+    }
+
+    /// Whether the brake is pulled.
+    pub fn is_panicked(&self) -> bool {
+        self.panic.load(Ordering::Acquire)
+    }
+
+    /// The gate opens for the first time.
+    pub fn open(&self) {
+        self.open.store(true, Ordering::Release);
+    }
+
+    /// The next callback closes the gate for good: the session comes to its end.
+    pub fn close(&self) {
+        self.close.store(true, Ordering::Release);
+    }
+
+    /// The same for who can do no more than set a flag, as a signal's handler.
+    pub fn closing(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.close)
+    }
+
+    /// What the brake had shut opens again.
+    pub fn release(&self) {
+        self.releases.fetch_add(1, Ordering::AcqRel);
+    }
+
+    /// The gain of the open gate, 0 to 1; what is no number is 0.
+    pub fn gain(&self, gain: f32) {
+        let gain = if gain > 0.0 { gain.min(1.0) } else { 0.0 };
+        self.gain.store(gain.to_bits() | SAID, Ordering::Release);
+    }
+
+    /// What is wanted that the gate was not told of yet.
+    pub(super) fn orders(&self, obeyed: &mut Obeyed) -> impl Iterator<Item = Order> + use<> {
+        let panic = self.is_panicked();
+        let latch = (panic && !obeyed.panic).then_some(Order::Latch);
+        let open = (self.open.load(Ordering::Acquire) && !obeyed.open).then_some(Order::Open);
+        let gain = self.gain.load(Ordering::Acquire);
+        let level = (gain != obeyed.gain).then_some(Order::Gain(f32::from_bits(gain & !SAID)));
+        let releases = self.releases.load(Ordering::Acquire);
+        // A brake pulled in the meantime is stronger.
+        let release = (releases != obeyed.releases && !panic).then_some(Order::Release);
+        let close = (self.close.load(Ordering::Acquire) && !obeyed.close).then_some(Order::Close);
+        *obeyed = Obeyed {
+            panic: panic || (obeyed.panic && release.is_none()),
+            open: obeyed.open || open.is_some(),
+            close: obeyed.close || close.is_some(),
+            releases,
+            gain,
+        };
+        [latch, open, level, release, close].into_iter().flatten()
+    }
+}
+
+impl Obeyed {
+    /// Whether the gate was told to close for good.
+    pub fn closes(self) -> bool {
+        self.close
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Lever, Obeyed, Order};
+
+    fn told(lever: &Lever, obeyed: &mut Obeyed) -> Vec<Order> {
+        lever.orders(obeyed).collect()
+    }
+
+    #[test]
+    fn each_is_told_once_and_the_last_gain_counts() {
+        let (lever, mut obeyed) = (Lever::default(), Obeyed::default());
+        assert_eq!(told(&lever, &mut obeyed), []);
+        lever.open();
+        (0..1000).for_each(|n| lever.gain(n as f32 / 1000.0));
+        assert_eq!(told(&lever, &mut obeyed), [Order::Open, Order::Gain(0.999)]);
+        assert_eq!(told(&lever, &mut obeyed), []);
+        for (gain, is) in [(0.0, 0.0), (-3.0, 0.0), (7.0, 1.0), (f32::NAN, 0.0)] {
+            lever.gain(gain);
+            let told = told(&lever, &mut obeyed);
+            assert!(told == [Order::Gain(is)] || (told.is_empty() && gain == -3.0), "{gain} {told:?}");
+        }
+        lever.close();
+        lever.closing().store(true, std::sync::atomic::Ordering::Relaxed);
+        assert_eq!(told(&lever, &mut obeyed), [Order::Close]);
+        assert!(obeyed.closes() && told(&lever, &mut obeyed).is_empty());
+    }
+
+    #[test]
+    fn a_brake_holds_until_it_is_taken_back_and_released() {
+        let (lever, mut obeyed) = (Lever::default(), Obeyed::default());
+        lever.panic();
+        assert_eq!(told(&lever, &mut obeyed), [Order::Latch]);
+        lever.release();
+        assert_eq!(told(&lever, &mut obeyed), [], "the brake is stronger");
+        lever.calm();
+        assert_eq!(told(&lever, &mut obeyed), [], "and what came meanwhile is no more");
+        lever.panic();
+        assert_eq!(told(&lever, &mut obeyed), [], "it is latched still");
+        lever.calm();
+        lever.release();
+        assert_eq!(told(&lever, &mut obeyed), [Order::Release]);
+        lever.panic();
+        assert_eq!(told(&lever, &mut obeyed), [Order::Latch]);
+    }
+}

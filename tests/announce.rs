@@ -1,0 +1,183 @@
+//! What a session plays is told over OSC, over real UDP.
+#![cfg(feature = "live")]
+
+mod common;
+
+use std::net::UdpSocket;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use pacinian::Note;
+use pacinian::engine::event::Event;
+use pacinian::graph::scene::{Options, scene};
+use pacinian::io::device::choose::Chosen;
+use pacinian::io::osc::announce::Announcer;
+use pacinian::io::osc::server::Server;
+use pacinian::io::session::{Beginning, Session};
+use pacinian::live::callback::{Deed, Report};
+use pacinian::live::conductor::Told;
+use pacinian::live::reload::Reload;
+use pacinian::live::signal::Signal;
+use pacinian::node::asset::NoAssets;
+use pacinian::rig::Rig;
+use pacinian::text::Problem;
+use rosc::{OscMessage, OscPacket, OscType, encoder};
+
+const PATCH: &str = "[voice.hum]\nvoices = 16\noutput = \"o\"\n[voice.hum.nodes]\ns = { type = \"sine\", frequency = 200 }\n\
+    e = { type = \"envelope\", attack = 0.005, release = 0.02 }\no = { type = \"multiply\", inputs = [\"s\", \"e\"] }\n\
+    [pattern.trial]\nrepeat = { every = 0.1 }\nevents = [{ at = 0, marker = \"begin\" }, \
+    { at = 0.0301, voice = \"hum\", duration = 0.02, place = 2, level = 0.25 }, { at = 0.0502, marker = \"end\" }]\n";
+
+fn reload(text: &str) -> Reload {
+    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+    let (patch, rig) = (Arc::new(common::patch(text)), Arc::new(Rig::default_for(2)));
+    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap();
+    Reload { scene, patch, rig, files: Box::new(|path| Err(Problem::of_file(path))), provenance: None }
+}
+
+fn client() -> UdpSocket {
+    let client = UdpSocket::bind("127.0.0.1:0").unwrap();
+    client.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+    client
+}
+
+/// What comes next, with its time tag in seconds since 1970; none for what comes outside of a bundle.
+#[track_caller]
+fn hear(client: &UdpSocket) -> (Option<f64>, OscMessage) {
+    let mut bytes = [0; 65_536];
+    let (length, _) = client.recv_from(&mut bytes).unwrap();
+    match rosc::decoder::decode_udp(&bytes[..length]).unwrap().1 {
+        OscPacket::Message(message) => (None, message),
+        OscPacket::Bundle(bundle) => {
+            let tag = f64::from(bundle.timetag.seconds) - 2_208_988_800.0
+                + f64::from(bundle.timetag.fractional) / 4_294_967_296.0;
+            let Some(OscPacket::Message(message)) = bundle.content.into_iter().next() else { panic!() };
+            (Some(tag), message)
+        }
+    }
+}
+
+fn say(client: &UdpSocket, to: &Server, addr: &str) {
+    let packet = OscPacket::Message(OscMessage { addr: addr.into(), args: vec![] });
+    client.send_to(&encoder::encode(&packet).unwrap(), to.address()).unwrap();
+}
+
+#[track_caller]
+fn marker(client: &UdpSocket) -> (f64, String, i64, f64) {
+    let (tag, message) = hear(client);
+    assert_eq!(message.addr, "/marker");
+    let [
+        OscType::String(name),
+        OscType::Long(sample),
+        OscType::Double(seconds),
+        OscType::String(pattern),
+        OscType::Long(event),
+    ] = &message.args[..]
+    else {
+        panic!("{message:?}")
+    };
+    assert_eq!((pattern.as_str(), *event), ("trial", if name == "begin" { 1 } else { 3 }));
+    (tag.unwrap(), name.clone(), *sample, *seconds)
+}
+
+#[test]
+fn markers_and_voices_are_told_with_the_time_at_which_they_leave() {
+    let first = reload(PATCH);
+    let announcer = Announcer::new(&first.scene.plan).unwrap();
+    let logger = client();
+    announcer.always(logger.local_addr().unwrap()).unwrap();
+    let (hears, told) = (announcer.clone(), announcer.clone());
+    let played = Arc::new(Mutex::new(Vec::new()));
+    let plays = Arc::clone(&played);
+    let session = Session::start(Beginning {
+        block: Some(64),
+        listener: Some(Box::new(move |heard| hears.hear(heard))),
+        audience: Box::new(move |what| {
+            if let Told::Report(Report { deed: Deed::Event { at, event: Event::Marker(_), .. }, .. }, _) =
+                what
+            {
+                plays.lock().unwrap().push(at.sample as i64);
+            }
+            told.told(&what);
+        }),
+        ..Beginning::of(first, Chosen::Virtual(None))
+    })
+    .unwrap();
+    let patch = common::patch(PATCH);
+    let server =
+        Server::start("0".parse().unwrap(), session.handle().clone(), &patch, Some(announcer.clone()))
+            .unwrap();
+
+    // Whoever was named hears all markers, in order, at the samples at which they were played.
+    let heard: Vec<_> = (0..8).map(|_| marker(&logger)).collect();
+    let names: Vec<_> = heard.iter().map(|(_, name, ..)| name.as_str()).collect();
+    assert_eq!(names, ["begin", "end", "begin", "end", "begin", "end", "begin", "end"]);
+    let samples: Vec<i64> = heard.iter().map(|(_, _, sample, _)| *sample).collect();
+    assert_eq!(samples, played.lock().unwrap()[..8]);
+    // From one to the next as much time passes by the tags as by the samples, on a card that keeps real time, and it is now.
+    let (begin, end) = (&heard[2], &heard[7]);
+    let by_samples = (end.2 - begin.2) as f64 / 8_000.0;
+    assert!((by_samples - 0.2502).abs() < 1e-3, "{by_samples}");
+    for by in [end.0 - begin.0, end.3 - begin.3] {
+        assert!((by - by_samples).abs() < 0.05, "{by} where there are {by_samples} s");
+    }
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs_f64();
+    assert!((now - end.0).abs() < 5.0, "{} at {now}", end.0);
+
+    // Whoever asks for markers hears markers, whoever asks for all hears voices too.
+    let (some, all) = (client(), client());
+    say(&some, &server, "/marker/subscribe");
+    assert_eq!(hear(&some).1, OscMessage { addr: "/marker/subscribed".into(), args: vec![60.into()] });
+    say(&all, &server, "/event/subscribe");
+    assert_eq!(hear(&all).1.addr, "/event/subscribed");
+    (0..4).for_each(|_| drop(marker(&some)));
+    let voice = |name: &str| loop {
+        let (tag, message) = hear(&all);
+        if message.addr == "/event/voice" && message.args[0] == OscType::String(name.into()) {
+            assert!(tag.is_some());
+            break message.args;
+        }
+    };
+    let args = voice("hum");
+    assert_eq!(args[4..7], [OscType::String("t2".into()), OscType::Double(0.25), OscType::Double(0.02)]);
+    assert_eq!(args[7..], [OscType::String("trial".into()), OscType::Long(2)]);
+    let number = session
+        .handle()
+        .play("hum", Note { level: Some(0.5), duration: Some(f64::INFINITY), ..Note::default() })
+        .unwrap();
+    let args = loop {
+        let args = voice("hum");
+        if args[5] == OscType::Double(0.5) {
+            break args;
+        }
+    };
+    assert_eq!(args[6], OscType::Double(f64::INFINITY), "until it is released");
+    session.handle().send(Signal::Release(number)).unwrap();
+    let released = loop {
+        let (_, message) = hear(&all);
+        if message.addr == "/event/release" {
+            break message.args;
+        }
+    };
+    assert_eq!(released[0], args[1], "the same id");
+
+    // The words are those of the patch that plays.
+    session.handle().send(Signal::Reload(Box::new(reload(&PATCH.replace("hum", "buzz"))))).unwrap();
+    voice("buzz");
+
+    // Whoever wants no more hears no more; who is told for good still does.
+    say(&some, &server, "/marker/unsubscribe");
+    say(&some, &server, "/ping");
+    while hear(&some).1.addr != "/pong" {}
+    some.set_read_timeout(Some(Duration::from_millis(300))).unwrap();
+    // One may have been on its way.
+    let _ = some.recv_from(&mut [0; 999]);
+    assert!(some.recv_from(&mut [0; 999]).is_err());
+    logger.set_nonblocking(true).unwrap();
+    while logger.recv_from(&mut [0; 999]).is_ok() {}
+    logger.set_nonblocking(false).unwrap();
+    marker(&logger);
+    drop(session);
+    assert_eq!(announcer.finish(), 0);
+    assert_eq!(server.counts().trouble(), None);
+}
