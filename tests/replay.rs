@@ -138,6 +138,16 @@ fn listening(name: &str) -> Room {
     room
 }
 
+/// A WAV file of so many bytes of the samples.
+fn shortened(whole: &[u8], bytes: usize) -> Vec<u8> {
+    let at = whole.windows(4).position(|word| word == b"data").unwrap() + 8;
+    let mut part = whole[..at + bytes].to_vec();
+    part[at - 4..at].copy_from_slice(&(bytes as u32).to_le_bytes());
+    let riff = part.len() as u32 - 8;
+    part[4..8].copy_from_slice(&riff.to_le_bytes());
+    part
+}
+
 fn fails(output: &Output, code: i32, says: &str) {
     let said = text(&output.stderr);
     assert!(output.status.code() == Some(code) && said.contains(says), "{:?} {said}", output.status.code());
@@ -157,16 +167,20 @@ fn what_was_heard_must_be_what_it_was() {
     std::fs::write(&heard, &other).unwrap();
     fails(&replay(), 65, "the SHA-256 of its samples is");
 
-    // Cut to a half, as by a copy that broke off.
-    std::fs::write(&heard, &whole[..whole.len() / 2]).unwrap();
-    fails(&replay(), 65, "were recorded");
+    // Cut to its first tenth of a second.
+    std::fs::write(&heard, shortened(&whole, 4 * 4800)).unwrap();
+    fails(&replay(), 65, "it has 4800 frames, and ");
     // Of a journal that breaks off nobody knows how much was recorded; but it is said where that ends.
     let journal = std::fs::read_to_string(room.0.join("s.jsonl")).unwrap();
     let until = journal.find("{\"kind\":\"end\"").unwrap();
     std::fs::write(room.0.join("s.jsonl"), &journal[..until]).unwrap();
     let cut = replay();
     let said = text(&cut.stdout);
-    assert!(said.contains("the recording of what was heard ends at frame"), "{said}{}", text(&cut.stderr));
+    assert!(said.contains("heard ends at frame 4,800: silence"), "{said}{}", text(&cut.stderr));
+
+    let elsewhere = journal.replace("\"input\":\"s", "\"input\":\"sounds/../s");
+    std::fs::write(room.0.join("t.jsonl"), elsewhere).unwrap();
+    fails(&room.run(&["replay", "t.jsonl"]), 65, "is no name of a file there");
 
     let rate = whole.windows(4).position(|word| word == 48_000_u32.to_le_bytes()).unwrap();
     let mut other = whole.clone();

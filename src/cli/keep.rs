@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::load::Loaded;
-use super::place::{check_kept, check_kept_before};
+use super::place::{check_kept, check_new};
 use super::table::grouped;
 use super::terminal::Terminal;
 use clap::Args;
@@ -56,7 +56,7 @@ pub struct Kept {
     sent: Option<(Recorder, PathBuf)>,
     heard: Option<(Recorder, PathBuf)>,
     journal: Option<(Journal, PathBuf)>,
-    /// Files in which nothing was before.
+    /// Files that were not there before.
     made: Vec<PathBuf>,
     clock: Option<Instant>,
     said: bool,
@@ -71,7 +71,7 @@ impl Keep {
     /// Refuses files that cannot be, or that have something in them, before anything plays.
     ///
     /// # Errors
-    /// As [`check_kept`] and [`check_kept_before`].
+    /// As [`check_kept`] and [`check_new`].
     pub fn check(&self, loaded: &Loaded, hears: bool) -> Result<(), Failure> {
         let record = self.record.as_deref();
         if let Some(record) = record {
@@ -87,7 +87,7 @@ impl Keep {
             }
         }
         let files = [record, self.events.as_deref(), heard.as_deref()].into_iter().flatten();
-        files.filter(|_| !self.replace).try_for_each(check_kept_before)
+        files.filter(|_| !self.replace).try_for_each(check_new)
     }
 
     /// The journal, where one is wanted. Its file is made by [`Keep::begin`].
@@ -128,25 +128,23 @@ impl Keep {
         journal: Option<Journal>,
         loaded: &Loaded,
     ) -> Result<(), FileError> {
-        let is_new =
-            |path: &Path| std::fs::metadata(path).map_or(true, |about| about.is_file() && about.len() == 0);
         let mut made = |path: &PathBuf, is_new: bool| kept.made.extend(is_new.then(|| path.clone()));
         if let Some((path, ring)) = self.record.as_ref().zip(sound.sent) {
             let mut spec = WavSpec::new(sound.channels, sound.rate, Encoding::F32);
             spec.title.clone_from(&loaded.patch.title);
             spec.tactors = loaded.tactors();
-            let new = is_new(path);
+            let new = !path.exists();
             kept.sent = Some((Recorder::start(ring, path, spec)?, path.clone()));
             made(path, new);
         }
         if let Some((path, (ring, channels))) = self.heard().zip(sound.heard) {
             let spec = WavSpec::new(channels, sound.rate, Encoding::F32);
-            let new = is_new(&path);
+            let new = !path.exists();
             kept.heard = Some((Recorder::start_with_digest(ring, &path, spec)?, path.clone()));
             made(&path, new);
         }
         if let Some((journal, path)) = journal.zip(self.events.as_ref()) {
-            let new = is_new(path);
+            let new = !path.exists();
             journal.open()?;
             kept.journal = Some((journal, path.clone()));
             made(path, new);

@@ -95,7 +95,7 @@ pub fn check_own(output: &Path, option: &str, own: &[PathBuf]) -> Result<(), Fai
 ///
 /// # Errors
 /// A file that is there and not empty; exit code 73.
-pub fn check_kept_before(output: &Path) -> Result<(), Failure> {
+pub fn check_new(output: &Path) -> Result<(), Failure> {
     if std::fs::metadata(output).is_ok_and(|about| about.is_file() && about.len() > 0) {
         let what = format!("`{}` is there already", output.display());
         return Err(Failure::usage(what, "give another name, or --replace").with_code(73));

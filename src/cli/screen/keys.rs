@@ -93,8 +93,8 @@ pub fn origin(event: &Event) -> Origin {
 
 #[cfg(test)]
 mod tests {
-    use super::{Act, Keys};
-    use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+    use super::{Act, Keys, Origin, origin};
+    use crossterm::event::{Event, KeyCode, KeyEvent, KeyModifiers};
     use std::time::{Duration, Instant};
 
     /// Presses keys at so many milliseconds; whether the output is shut follows from what they do.
@@ -142,6 +142,15 @@ mod tests {
         // Other keys in between are no repetition.
         let (one, two) = (KeyCode::Char('1'), KeyCode::Char('2'));
         assert!(type_in(&[(0, one), (20, two), (40, one)]).iter().all(Option::is_some));
+    }
+
+    #[test]
+    fn a_key_is_called_by_what_stands_on_it() {
+        for (code, name) in [(KeyCode::Char('3'), "3"), (KeyCode::Char(' '), "Space"), (KeyCode::Esc, "Esc")]
+        {
+            let pressed = Event::Key(KeyEvent::new(code, KeyModifiers::NONE));
+            assert_eq!(origin(&pressed), Origin::Key(name.into()));
+        }
     }
 
     #[test]

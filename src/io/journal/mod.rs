@@ -52,7 +52,7 @@ pub struct Setting {
     pub device: String,
     /// Whether the output has its full level, or that for headphones.
     pub armed: bool,
-    /// The recording of what is heard, by its path beside the journal.
+    /// The recording of what is heard, by its name beside the journal.
     pub input: Option<String>,
     /// The recording of what is sent, by its path.
     pub recording: Option<String>,

@@ -120,6 +120,11 @@ impl Replay<BufReader<File>> {
     pub fn open(path: &Path, recordings: Recordings) -> Result<Self, ReplayError> {
         let mut replay = Self::new(Reader::open(path)?, recordings)?;
         if let Some(input) = &replay.head.input {
+            if Path::new(input).file_name() != Some(input.as_ref()) {
+                let what =
+                    format!("what was heard is beside the journal, and `{input}` is no name of a file there");
+                return Err(replay.reader.wrong(&what).into());
+            }
             let beside = path.parent().unwrap_or(Path::new("")).join(input);
             let channels = replay.stagehand.engine().input_channels();
             replay.input = Some(Recorded::open(beside, replay.head.rate, channels)?);
