@@ -3,7 +3,7 @@
 use super::ear::Listens;
 use super::failure::Failure;
 use super::guard;
-use super::keep::Keep;
+use super::keep::{Keep, Sound};
 use super::load::{Loaded, Scene};
 use super::osc::Osc;
 use super::problems;
@@ -118,8 +118,8 @@ impl Play {
             }
         };
         let options = Options { rate: Some(f64::from(rate)), live: true, ..loaded.options.clone() };
-        self.keep.check(&loaded)?;
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
+        self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
         let offered = device.channels();
         if scene.rig.is_none()
@@ -186,7 +186,7 @@ impl Play {
         })?;
         // A signal closes the gate itself, whatever this thread is about.
         stop.also(&session.board().lever.closing())?;
-        let mut kept = self.keep.begin(&mut session, journal, &loaded)?;
+        let sound = Sound::of(&mut session);
         terminal.note(&format!(
             "{} plays on {}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
             escaped(loaded.name()),
@@ -224,7 +224,12 @@ impl Play {
         let watching = watching
             .transpose()
             .map_err(|error| Failure::said(71, format!("no thread to watch files: {error}")))?;
-        show.begin()?;
+        // Only now, so that a session that could not begin has touched nothing.
+        let mut kept = self.keep.begin(sound, journal, &loaded)?;
+        if let Err(failure) = show.begin() {
+            kept.abandon();
+            return Err(failure);
+        }
         let ended = self.until_the_end(&session, &stop, &mut show, |show| {
             if let Some(trouble) = kept.look(&session) {
                 show.say(&trouble);
