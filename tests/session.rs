@@ -379,3 +379,25 @@ fn a_flood_of_orders_does_not_keep_the_gate_open() {
     let last = all.iter().rposition(|x| *x != 0.0).unwrap() / 2;
     assert!(last > 10_000 && (last as u64) < shut, "{last} {shut}");
 }
+
+/// The output comes in slowly, and what plays from the beginning waits for it: the first is as strong as the second.
+#[test]
+fn the_first_that_is_felt_has_its_full_level() {
+    let text = HUM.to_string()
+        + "[[trigger]]\non = \"start\"\nplay = \"tap\"\nset = { duration = 0.05 }\nplace = 1\n\
+           [pattern.taps]\nevents = [{ at = 0, voice = \"tap\", duration = 0.05 }, { at = 0.3, voice = \"tap\", duration = 0.05 }]\n";
+    let text = text.replace("start = \"always\"\n", "");
+    let (mut session, mut recording, _) = start(&text);
+    wait("both", || session.board().started.get() == 3 && session.board().voices.get() == 0);
+    session.stop();
+    let mut all = Vec::new();
+    fetch(&mut recording, &mut all);
+    let taps = channel(&all, 1);
+    let first = taps.iter().position(|x| x.abs() > 0.1).unwrap();
+    // The ramp of 200 ms, and the delay of the engine.
+    assert!((9_600..9_900).contains(&first), "{first}");
+    let peak = |part: &[f32]| part.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+    let (one, other) = (peak(&taps[..first + 4_800]), peak(&taps[first + 9_600..]));
+    assert!(one > 0.9 && (one - other).abs() < 0.01, "{one} {other}");
+    assert!(peak(&channel(&all, 0)) > 0.9, "a trigger of the start waits as well");
+}
