@@ -357,15 +357,9 @@ mod tests {
             })
             .collect();
         let large = text(&snapshot, 100, 30);
-        for part in [
-            "›knob-1",
-            "knob-0",
-            "knob-2",
-            "0.25",
-            "t15",
-            "0:49.000",
-            "Tab control   arrows move   0 reset",
-        ] {
+        for part in
+            ["›knob-1", "knob-0", "knob-2", "0.25", "t15", "0:49.000", "Tab control   arrows move   0 reset"]
+        {
             assert!(large.contains(part), "no `{part}` in\n{large}");
         }
         let small = text(&snapshot, 60, 12);
