@@ -576,8 +576,27 @@ fn help_and_readme_name_all_exit_codes() {
     let readme = include_str!("../README.md");
     let table =
         readme.split("## Exit codes").nth(1).and_then(|t| t.split("\n## ").next()).unwrap_or_default();
-    for code in ["2", "65", "66", "70", "71", "73", "74", "77", "78", "129", "130", "143"] {
+    for code in
+        ["0", "1", "2", "65", "66", "69", "70", "71", "73", "74", "75", "77", "78", "129", "130", "143"]
+    {
         let words = |text: &str| text.split(|c: char| !c.is_ascii_digit()).any(|word| word == code);
         assert!(words(help) && words(table), "{code}");
+    }
+}
+
+#[test]
+fn a_song_goes_by_either_name() {
+    let scratch = Scratch::new("midi-file");
+    for command in ["play", "render"] {
+        assert!(scratch.run(&[command, "--help"]).succeeds().out.contains("[aliases: --midi-file]"));
+    }
+    scratch.run(&["render", "good.toml", "--midi-file", "none.mid", "-o", "x.wav"]).fails(66, &["none.mid"]);
+}
+
+#[test]
+fn help_begins_with_what_a_newcomer_needs() {
+    let run = Scratch::new("help").run(&["--help"]);
+    for command in ["pacinian devices", "pacinian play PATCH", "plays them on a sound card"] {
+        assert!(run.succeeds().out.contains(command), "no `{command}` in\n{}", run.out);
     }
 }

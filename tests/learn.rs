@@ -76,11 +76,11 @@ fn what_is_moved_is_bound_and_the_rest_of_the_patch_stays() {
     hears(&mut lines, "OSC /fader/1");
     // A button: twice.
     [1, 0, 1, 0].iter().for_each(|on| surface.say("/button", *on));
-    hears(&mut lines, "OSC /button");
+    hears(&mut lines, "OSC /button, instead of osc./old");
     let mut out = String::new();
     child.stdout.take().unwrap().read_to_string(&mut out).unwrap();
     assert!(child.wait().unwrap().success());
-    assert!(out.contains("p.toml: 2 bindings"), "{out}");
+    assert!(out.contains("p.toml: 2 bindings") && out.contains("OSC /button   instead of osc./old"), "{out}");
     let text = std::fs::read_to_string(&path).unwrap();
     let bound = "from = \"osc./button\" # for now\ncontrol = \"rate\"\npickup = false\n";
     let mended = PATCH.replace("from = \"osc./old\" # for now\ncontrol = \"rate\"\npickup = false\n", bound);
@@ -148,13 +148,43 @@ fn keys_leave_a_control_go_back_and_end() {
     let surface = Surface::at(&address);
     surface.move_fader("/first");
     seat.shows("2/2  rate (1 to 10 Hz): move something");
-    seat.press("u\n");
-    seat.shows("1/2  depth (0 to 1): move something \n     OSC /first\n2/2  rate (1 to 10 Hz): move something u\n1/2  depth");
+    // A key that moves a cursor says nothing, and Enter behind it does not either.
+    seat.press("\x1b[C");
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    seat.press("\r");
+    seat.see("the question again", |text| text.matches("2/2  rate").count() == 2);
+    seat.press("b");
+    seat.shows("2/2  rate (1 to 10 Hz): move something back\n1/2  depth");
     surface.move_fader("/second");
     seat.shows("OSC /second\n2/2");
-    seat.press("\n");
-    seat.shows("p.toml: 1 binding");
+    seat.press("s");
+    seat.shows("left as it is\np.toml: 1 binding");
     assert_eq!(seat.end().code(), Some(0));
+    assert!(seat.is_given_back());
     let text = std::fs::read_to_string(path).unwrap();
     assert!(text.contains("osc./second") && !text.contains("/first") && text.contains("osc./old"), "{text}");
+}
+
+#[test]
+fn what_comes_from_the_network_moves_no_cursor() {
+    let scratch = Scratch::new("learn-escapes");
+    scratch.write("p.toml", PATCH);
+    let (mut child, mut lines, surface) = start(&scratch, &[]);
+    hears(&mut lines, "1/2  depth");
+    let address = "/control/\x1b]0;gone\x07\x1b[2J\nMIDI from nowhere\u{202e}";
+    surface.say(address, 0.5_f32);
+    surface.say(&"/control/".chars().chain(std::iter::repeat_n('x', 5000)).collect::<String>(), 0.5_f32);
+    let line = hears(&mut lines, "is an address of pacinian's own");
+    assert!(
+        line.contains("/control/\\u{1b}]0;gone\\u{7}\\u{1b}[2J\\nMIDI from nowhere\\u{202e} is an"),
+        "{line:?}"
+    );
+    assert!(!line.trim_end().contains(char::is_control), "{line:?}");
+    let line = hears(&mut lines, "is an address of pacinian's own");
+    assert!(line.len() < 250, "{}", line.len());
+    surface.say("/far\x1b[1A\x08", 3.0_f32);
+    let line = hears(&mut lines, "a binding takes positions");
+    assert!(line.contains("/far\\u{1b}[1A\\u{8} says 3"), "{line:?}");
+    let _ = child.kill();
+    let _ = child.wait();
 }

@@ -58,7 +58,9 @@ fn keys_do_what_the_screen_says() {
     seat.press("p");
     seat.see("panic", |text| text.contains("PANIC: the output is shut") && text.contains("SHUT"));
     seat.press("c");
-    seat.see("calm", |text| !text.contains("SHUT") && text.contains("open again"));
+    seat.see("calm", |text| {
+        !text.contains("SHUT") && text.contains("open again; patterns were stopped: 1 or space starts them")
+    });
     // A smaller window is filled anew.
     resize(seat.keyboard.as_ref().unwrap(), 50, 12);
     let size = |n| NonZero::new(n).unwrap();
@@ -120,4 +122,59 @@ fn where_a_screen_makes_no_sense_there_are_lines() {
         seat.press("\x03");
         assert_eq!(seat.end().code(), Some(130));
     }
+}
+
+/// Somebody shuts the output over OSC; whoever wants silence at the keyboard must not open it.
+#[test]
+fn a_panic_from_elsewhere_is_opened_by_no_key_that_shuts() {
+    use rosc::{OscMessage, OscPacket, OscType, encoder};
+    let port = std::net::UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port().to_string();
+    let scratch = Scratch::new("screen-elsewhere");
+    scratch.write(
+        "patch.toml",
+        PATCH
+            .replace("[voice.tap]", "[control.depth]\ndefault = 0.5\nunit = \"m\"\n[voice.tap]")
+            .replace("frequency = 200", "frequency = \"400 * depth\""),
+    );
+    let command =
+        scratch.command(&["play", "patch.toml", "--device", "virtual", "--pattern", "left", "--osc", &port]);
+    let Some(mut seat) = Seat::at(&command, (100, 30), "xterm-256color", true) else { return };
+    seat.shows("1 ▶ left");
+    let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let say = |addr: &str, args: Vec<OscType>| {
+        let packet = OscPacket::Message(OscMessage { addr: addr.into(), args });
+        socket.send_to(&encoder::encode(&packet).unwrap(), format!("127.0.0.1:{port}")).unwrap();
+    };
+    say("/panic", vec![]);
+    seat.shows("SHUT");
+    for (key, then) in [("p", "at -20 dB"), ("\x1b", "armed: full level")] {
+        seat.press(key);
+        std::thread::sleep(std::time::Duration::from_millis(700));
+        // The key behind it was heard, and so was that one.
+        seat.press("a");
+        let text = seat.shows(then);
+        assert!(text.contains("SHUT") && !text.contains("open again"), "{text}");
+    }
+    // What plays now is not felt, and says so; a problem is one line.
+    say("/voice/tap", vec![OscType::Int(7)]);
+    seat.shows("not felt: the output is shut");
+    say("/voice/tpa", vec![OscType::Int(7)]);
+    let text = seat.see("a problem", |text| text.contains("tpa"));
+    assert!(!text.contains("\\n"), "{text}");
+    seat.press("c");
+    seat.shows("the output is open again; patterns were stopped: 1 or space starts them");
+    seat.press("1");
+    seat.shows("1 ▶ left");
+    // Controls are seen, and follow the arrows and whoever else moves them.
+    seat.shows("0.5 m");
+    seat.press("\x1b[C");
+    seat.shows("0.52 m");
+    seat.press("\x1b[1;2C");
+    seat.shows("0.62 m");
+    say("/control/depth", vec![OscType::Float(0.25)]);
+    seat.shows("0.25 m");
+    seat.press("0");
+    seat.shows("0.5 m");
+    seat.press("q");
+    assert!(seat.end().success());
 }

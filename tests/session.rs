@@ -248,7 +248,7 @@ fn a_flood_of_midi_during_reloads_is_played_or_counted() {
         block: Some(64),
         audience: Box::new(move |told| {
             let which = match told {
-                Told::Came(_, Signal::Midi(_, Message::NoteOn { .. })) => 0,
+                Told::Came(_, Signal::Midi(_, Message::NoteOn { .. }), _) => 0,
                 Told::Report(
                     pacinian::live::callback::Report {
                         deed: Deed::Event { event: Event::Play(_), .. }, ..

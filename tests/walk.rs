@@ -80,22 +80,30 @@ fn what_was_felt_goes_into_the_rig_and_nothing_else_of_it_changes() {
     let command = scratch.command(&["walk", "--rig", "r.toml", "--seconds", "0.1", "--write"]);
     let Some(mut seat) = seat::Seat::new(&command) else { return };
     seat.shows("1/3  channel 1: `left`, 65 Hz at level 0.25? ");
-    seat.press("ritgh\n");
-    seat.shows("no tactor is called `ritgh`");
-    seat.press("right\n");
-    seat.shows("2/3  channel 2: `right`");
-    seat.press("b\n");
-    seat.shows("? b\n1/3  channel 1");
+    // A key that moves a cursor and Enter agree to nothing.
+    seat.press("\x1b[C");
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    seat.press("\r");
+    seat.shows("that was not understood");
+    seat.press("t");
+    seat.shows("? it was");
+    seat.press("rj\x7fitgh\r");
+    seat.shows("? it was ritgh\n     no tactor is called `ritgh`");
+    seat.press("tright\r");
+    seat.shows("it was right\n2/3  channel 2: `right`");
+    seat.press("b");
+    seat.shows("? back\n1/3  channel 1");
     std::thread::sleep(std::time::Duration::from_millis(300));
-    seat.press("2\n");
+    seat.press("t2\r");
     std::thread::sleep(std::time::Duration::from_millis(300));
     // It felt the first on the third channel of the walk, and nothing on the second.
-    seat.press("n\n");
-    seat.shows("3/3  channel 4: `back`");
+    seat.press("n");
+    seat.shows("? nothing\n3/3  channel 4: `back`");
     std::thread::sleep(std::time::Duration::from_millis(300));
-    seat.press("\n");
+    seat.press("y");
     seat.shows("r.toml: 2 tactors on other channels now");
     assert_eq!(seat.end().code(), Some(0));
+    assert!(seat.is_given_back());
     let shown = seat.contents();
     assert!(
         shown.contains("`left` was felt nowhere, and its channel is another's: it is put on channel 2"),
@@ -117,5 +125,55 @@ fn ctrl_c_ends_it_at_once_and_writes_nothing() {
     seat.shows("1/3  channel 1");
     seat.press("\x03");
     assert_eq!(seat.end().code(), Some(130));
+    assert!(seat.is_given_back());
     assert_eq!(std::fs::read_to_string(path).unwrap(), RIG);
+}
+
+/// Answers that are piped in, a line each.
+#[cfg(unix)]
+fn piped(scratch: &Scratch, answers: &str) -> program::Run {
+    use std::io::Write;
+    use std::process::Stdio;
+    let mut command = scratch.command(&["walk", "--rig", "r.toml", "--seconds", "0.1", "--write"]);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child.stdin.take().unwrap().write_all(answers.as_bytes()).unwrap();
+    program::Run::of(child.wait_with_output().unwrap())
+}
+
+#[cfg(unix)]
+#[test]
+fn lines_are_answers_and_what_is_not_understood_is_asked_again() {
+    let scratch = Scratch::new("walk-lines");
+    let path = scratch.write("r.toml", RIG);
+    let run = piped(&scratch, "right\nlfet\nleft\n\x1b[C\nback\x1b[D\n");
+    assert!(run.succeeds().out.contains("r.toml: 2 tactors on other channels now"), "{}", run.out);
+    assert!(
+        run.err.contains("no tactor is called `lfet`") && run.err.contains("that was not understood"),
+        "{}",
+        run.err
+    );
+    assert!(std::fs::read_to_string(path).unwrap().contains("channel = 2     # by the seam"));
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_not_known_is_not_said_to_be_right() {
+    let scratch = Scratch::new("walk-open");
+    let path = scratch.write("r.toml", RIG);
+    for (answers, told) in [
+        ("\n\n\n", "the rig is as it was felt"),
+        (
+            "y\nn\ns\n",
+            "no tactor was felt elsewhere than the rig says; nothing was felt on channel 2; nothing was said of channel 4",
+        ),
+        ("\nq\n", "no tactor was felt elsewhere than the rig says; nothing was said of channels 2, 4"),
+        // Nobody says anything any more, and an arrow is no answer.
+        ("\n\x1b[A\n", "no tactor was felt elsewhere than the rig says; nothing was said of channels 2, 4"),
+    ] {
+        let run = piped(&scratch, answers);
+        assert!(run.succeeds().out.ends_with(&format!("{told}\n")), "{answers:?}: {}", run.out);
+        assert_eq!(run.err.contains("that was not understood"), answers.contains('\x1b'), "{}", run.err);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), RIG);
+    }
 }

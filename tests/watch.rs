@@ -152,6 +152,10 @@ fn the_screen_shows_what_is_wrong_until_it_is_mended() {
     fs::write(&patch, PATCH.replace("\"sine\"", "\"sinus\"")).unwrap();
     let line = "THE OLD ONE PLAYS ON  p.toml:9: node `s` of voice `hum`: there is no node type \"sinus\" (and 1 more)";
     assert!(seat.shows(line).lines().nth(1).unwrap().contains(line), "{}", seat.contents());
+    // All of it, with its place and its help.
+    for part in ["p.toml:9:14: error: node `s` of voice `hum`", "help: did you mean `sine`?", "p.toml:12:"] {
+        seat.shows(part);
+    }
     let mended = PATCH.replace("first", "second").replace("walk", "run").replace("tap", "knock");
     fs::write(&patch, &mended).unwrap();
     // What plays from the beginning is the first pattern of the new patch now.

@@ -9,6 +9,7 @@ use pacinian::io::device::failure::Trouble;
 use pacinian::io::device::hosts::Hosts;
 use pacinian::io::device::list::{Found, Offer};
 use pacinian::io::midi_in;
+use pacinian::text::problem::escaped;
 use serde_json::json;
 
 /// Lists sound cards (channels, rates, blocks), ports of MIDI, and what is missing
@@ -48,7 +49,7 @@ impl Devices {
             text += &terminal.out.bold(name);
             match (runs, found) {
                 (false, _) => text += ": does not run\n",
-                (true, Err(error)) => text += &format!(": {error}\n"),
+                (true, Err(error)) => text += &format!(": {}\n", escaped(error)),
                 (true, Ok(found)) if found.is_empty() => text += ": no device\n",
                 (true, Ok(found)) => text += &format!("\n{}", table(found)),
             }
@@ -64,7 +65,7 @@ impl Devices {
                 ports.into_iter().for_each(|port| table.row([port]));
                 format!("{}\n{}", terminal.out.bold("MIDI"), table.text())
             }
-            Err(why) => format!("{}: {why}\n", terminal.out.bold("MIDI")),
+            Err(why) => format!("{}: {}\n", terminal.out.bold("MIDI"), escaped(&why)),
         };
         for (what, help) in missing() {
             text += &format!("\n{what}\n  {help}\n");

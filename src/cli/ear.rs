@@ -10,6 +10,7 @@ use pacinian::io::device::keeper::Fate;
 use pacinian::io::device::list::Found;
 use pacinian::io::input::Input;
 use pacinian::io::session::Ear;
+use pacinian::text::problem::escaped;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -58,7 +59,7 @@ impl Listens {
         let of = many(shape.channels, "channel");
         let mut note = format!(
             "it listens to {}: {} of {of} at {} Hz",
-            found.name,
+            escaped(&found.name),
             named(&channels.iter().map(|c| c + 1).collect::<Vec<_>>()),
             shape.rate
         );

@@ -11,6 +11,7 @@ use pacinian::io::device::choose::{self, Chosen, Wish};
 use pacinian::io::latency::measure::{EVERY, Loop, Measured, Round, measure};
 use pacinian::io::{out, replace, text};
 use pacinian::rig::{OutputKind, Rig};
+use pacinian::text::problem::escaped;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -157,12 +158,13 @@ impl Latency {
             return Err(Failure::usage(what, "choose another with --in or --input-device").with_code(69));
         }
         terminal.note(&format!(
-            "{} probes at {} go out on {name} of {} and are listened for on input {} of {}: {:.0} s\n",
+            "{} probes at {} go out on {} of {} and are listened for on input {} of {}: {:.0} s\n",
             self.count,
             dbfs(level as f32),
-            found.name,
+            escaped(&name),
+            escaped(&found.name),
             self.input,
-            heard_of.name,
+            escaped(&heard_of.name),
             f64::from(self.count) * EVERY + 1.0
         ));
         let names = [found.name.clone(), heard_of.name.clone()];

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each a thin use of the library.
 
 mod advice;
+mod against;
 mod ask;
 mod by_default;
 mod check;
@@ -57,13 +58,18 @@ use terminal::{Terminal, When};
     about = "Vibrotactile synthesis: plays the skin the way a synthesizer plays the ear",
     long_about = "Vibrotactile synthesis: plays the skin the way a synthesizer plays the ear.\n\n\
         A patch (a TOML file) says what is felt and when; a rig (another) says which tactor hangs on which channel. \
-        pacinian checks them, and renders them to a WAV file with a channel for each tactor.",
+        pacinian checks them, plays them on a sound card in real time, and renders them to a WAV file with a channel for each tactor.",
     after_help = "Begin here:\n  pacinian demo                   a WAV file and a picture, no hardware needed\n  \
         pacinian check PATCH            see what is wrong with a patch, or what it will run\n  \
-        pacinian render PATCH -o x.wav  render it\n  pacinian format                 what a patch and a rig may say\n  \
+        pacinian render PATCH -o x.wav  render it\n  \
+        pacinian devices                the sound cards and MIDI ports of this machine\n  \
+        pacinian play PATCH             play it: at -20 dB on a card that nobody has named, on a virtual one where there is none\n  \
+        pacinian format                 what a patch and a rig may say\n  \
         pacinian nodes                  the nodes that voices are made of\n\n\
-        Exit codes: 0 all is well, 2 the command line, 65 the patch, 66 a file that is not there, 70 a bug in pacinian,\n\
-        71 signals cannot be listened to, 73 and 74 a file that cannot be written, 77 no permission, 78 the rig,\n\
+        Exit codes: 0 all is well, 1 a replay that differs from its recording, 2 the command line, 65 the patch,\n\
+        66 a file that is not there, 69 a device, port or address that is not there or does not fit, 70 a bug in pacinian,\n\
+        71 what the system does not give (a thread, signals), 73 and 74 a file that cannot be written, a device that fails,\n\
+        75 a device or port that another program has: try again, 77 no permission, 78 the rig,\n\
         129 stopped by SIGHUP, 130 by Ctrl-C, 143 by SIGTERM.",
     disable_help_subcommand = true,
     propagate_version = true

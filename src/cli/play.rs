@@ -3,7 +3,7 @@
 use super::ear::Listens;
 use super::failure::Failure;
 use super::guard;
-use super::keep::Keep;
+use super::keep::{Keep, Sound};
 use super::load::{Loaded, Scene};
 use super::osc::Osc;
 use super::problems;
@@ -24,6 +24,7 @@ use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
+use pacinian::text::problem::escaped;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::{Instant, SystemTime};
@@ -36,7 +37,8 @@ use std::time::{Instant, SystemTime};
     With no device named, here or in the rig, it plays on the system's default, which may be headphones: at -20 dB until --arm. \
     With no sound card at all it plays on a virtual one, which keeps real time and is heard by nobody.\n\
     In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, space all of them, p or Escape shuts \
-    the output at once (c opens it again), a is full level or -20 dB, q ends it. Anywhere else, and with --plain, it writes a line for \
+    the output at once (c opens it again), a is full level or -20 dB, q ends it; Tab chooses a control, left and right move it (with \
+    Shift further), 0 or d resets it. Anywhere else, and with --plain, it writes a line for \
     everything that happens.\n\
     With --watch, what is saved takes over while it sounds: what still exists keeps sounding, controls keep their values, and of a file \
     that is broken the errors are shown while the old one plays on.\n\
@@ -92,14 +94,21 @@ impl Play {
             self.scene.check_watch()?;
         }
         let since = SystemTime::now();
-        let scene = Scene { live: true, hears: self.input_device.is_some(), ..self.scene.clone() };
+        let mut scene = Scene { live: true, hears: self.input_device.is_some(), ..self.scene.clone() };
+        // Where no rig says which tactors there are, the device does.
+        let mut device = None;
+        if scene.rig.is_none() {
+            let chosen = Wish::of(self.device.as_deref(), None).choose()?;
+            scene.offered = chosen.channels().to_vec();
+            device = Some(chosen);
+        }
         // However long it plays, all of an input may be heard.
         let mut loaded = scene.load(true, Some(self.duration.unwrap_or(FOREVER)))?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
         let wish = Wish::of(self.device.as_deref(), loaded.rig.device.name.as_deref());
-        let device = wish.choose()?;
+        let device = device.map_or_else(|| wish.choose(), Ok)?;
         let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
         let armed = self.arm || wish != Wish::Default || matches!(device, Chosen::Virtual(_));
         let name = match &device {
@@ -109,9 +118,20 @@ impl Play {
             }
         };
         let options = Options { rate: Some(f64::from(rate)), live: true, ..loaded.options.clone() };
-        self.keep.check(&loaded)?;
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
+        self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
+        let offered = device.channels();
+        if scene.rig.is_none()
+            && !offered.is_empty()
+            && offered.iter().all(|count| usize::from(*count) != channels)
+        {
+            let most = offered.last().copied().unwrap_or(0);
+            let what =
+                format!("the patch plays on {channels} tactors, and {} has {most} outputs", device.name());
+            let help = "choose another card with --device (`virtual` is one that has any number), or name a rig with --rig";
+            return Err(Failure::usage(what, help).with_code(69));
+        }
         let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
         let heard_from = reload.scene.plan.inputs();
         let mut listens = Listens::of(&loaded, listens, &heard_from, rate, self.block)?;
@@ -166,10 +186,11 @@ impl Play {
         })?;
         // A signal closes the gate itself, whatever this thread is about.
         stop.also(&session.board().lever.closing())?;
-        let mut kept = self.keep.begin(&mut session, journal, &loaded)?;
+        let sound = Sound::of(&mut session);
         terminal.note(&format!(
-            "{} plays on {name}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
-            loaded.name(),
+            "{} plays on {}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
+            escaped(loaded.name()),
+            escaped(&name),
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
         if let Some(hears) = hears {
@@ -187,7 +208,7 @@ impl Play {
         };
         let mut midi = listen(&loaded.patch)?;
         let course = || Course {
-            scene: Scene { midi: None, tactors: channels as u32, ..scene.clone() },
+            scene: Scene { midi: None, offered: vec![channels as u16], ..scene.clone() },
             device_rate: f64::from(rate),
             device: self.device.clone(),
             wish: wish.clone(),
@@ -203,7 +224,12 @@ impl Play {
         let watching = watching
             .transpose()
             .map_err(|error| Failure::said(71, format!("no thread to watch files: {error}")))?;
-        show.begin()?;
+        // Only now, so that a session that could not begin has touched nothing.
+        let mut kept = self.keep.begin(sound, journal, &loaded)?;
+        if let Err(failure) = show.begin() {
+            kept.abandon();
+            return Err(failure);
+        }
         let ended = self.until_the_end(&session, &stop, &mut show, |show| {
             if let Some(trouble) = kept.look(&session) {
                 show.say(&trouble);
@@ -289,7 +315,7 @@ impl Play {
         let load = &board.load;
         let mut text = format!(
             "{}: {} frames, {} voices, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost\n",
-            loaded.name(),
+            escaped(loaded.name()),
             board.frames.get(),
             board.started.get(),
             100.0 * load.mean(),
@@ -312,7 +338,7 @@ impl Play {
         }
         for (name, &peak) in loaded.tactors().iter().zip(peaks) {
             if peak > 0.0 {
-                text += &format!("  {name}: {}\n", dbfs(peak));
+                text += &format!("  {}: {}\n", escaped(name), dbfs(peak));
             }
         }
         terminal.print(&text)

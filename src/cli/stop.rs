@@ -1,15 +1,18 @@
-//! Ctrl-C and its kin: the first asks to come to an end, the second means it.
+//! Ctrl-C and its kin: the first asks to come to an end. Only who insists ends the program at once: a closed terminal sends its signal
+//! twice (the system, and the shell), and what plays must still fade, and files be finished, when the second comes.
 
 use super::failure::Failure;
 use signal_hook::consts::signal::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+#[cfg(unix)]
+use std::time::{Duration, Instant};
 
 #[cfg(unix)]
-const SIGNALS: [i32; 3] = [SIGINT, SIGTERM, signal_hook::consts::signal::SIGHUP];
+const SIGNALS: &[i32] = &[SIGINT, SIGTERM, signal_hook::consts::signal::SIGHUP];
 #[cfg(not(unix))]
-const SIGNALS: [i32; 2] = [SIGINT, SIGTERM];
+const SIGNALS: &[i32] = &[SIGINT, SIGTERM];
 
 fn unheard(error: &std::io::Error) -> Failure {
     Failure::said(71, format!("Ctrl-C cannot be listened to ({error})"))
@@ -21,6 +24,14 @@ pub struct Stop {
     signal: Arc<AtomicUsize>,
 }
 
+/// From so long after the first on, any signal means at once.
+#[cfg(unix)]
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// So long the terminal has to be given back where the program ends at once.
+#[cfg(unix)]
+const LAST: Duration = Duration::from_millis(100);
+
 impl Stop {
     /// Listens from now on.
     ///
@@ -28,14 +39,7 @@ impl Stop {
     /// When the system does not let the program listen.
     pub fn listen() -> Result<Self, Failure> {
         let stop = Self::default();
-        let again = Arc::new(AtomicBool::new(false));
-        for signal in SIGNALS {
-            // In this order: the second of them ends the program before it is noted as the first.
-            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))
-                .and_then(|_| flag::register(signal, Arc::clone(&again)))
-                .and_then(|_| flag::register_usize(signal, Arc::clone(&stop.signal), signal as usize))
-                .map_err(|error| unheard(&error))?;
-        }
+        stop.begin().map_err(|error| unheard(&error))?;
         Ok(stop)
     }
 
@@ -45,7 +49,40 @@ impl Stop {
     /// As [`Stop::listen`].
     pub fn also(&self, set: &Arc<AtomicBool>) -> Result<(), Failure> {
         for signal in SIGNALS {
-            flag::register(signal, Arc::clone(set)).map_err(|error| unheard(&error))?;
+            flag::register(*signal, Arc::clone(set)).map_err(|error| unheard(&error))?;
+        }
+        // Somebody may have been faster.
+        if self.asked().is_some() {
+            set.store(true, Ordering::Release);
+        }
+        Ok(())
+    }
+
+    #[cfg(unix)]
+    fn begin(&self) -> std::io::Result<()> {
+        let mut signals = signal_hook::iterator::Signals::new(SIGNALS)?;
+        let first = Arc::clone(&self.signal);
+        // It waits for as long as the program runs, and acts where all others are stuck.
+        std::thread::Builder::new().name("signals".into()).spawn(move || {
+            let mut insistence = Insistence::default();
+            for signal in signals.forever() {
+                let _ = first.compare_exchange(0, signal as usize, Ordering::Relaxed, Ordering::Relaxed);
+                if insistence.means_at_once(signal, Instant::now()) {
+                    at_once(128 + signal);
+                }
+            }
+        })?;
+        Ok(())
+    }
+
+    #[cfg(not(unix))]
+    fn begin(&self) -> std::io::Result<()> {
+        let again = Arc::new(AtomicBool::new(false));
+        // In this order: the second Ctrl-C ends the program before it is noted as the first.
+        flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(&again))?;
+        flag::register(SIGINT, again)?;
+        for signal in SIGNALS {
+            flag::register_usize(*signal, Arc::clone(&self.signal), *signal as usize)?;
         }
         Ok(())
     }
@@ -56,5 +93,65 @@ impl Stop {
             0 => None,
             signal => Some(u8::try_from(128 + signal).unwrap_or(130)),
         }
+    }
+}
+
+/// Who has asked before.
+#[cfg(unix)]
+#[derive(Debug, Default)]
+struct Insistence {
+    first: Option<Instant>,
+    interrupted: bool,
+}
+
+#[cfg(unix)]
+impl Insistence {
+    /// Whether a signal that comes now says that the program is to end at once: a second Ctrl-C, or any some time after the first.
+    fn means_at_once(&mut self, signal: i32, now: Instant) -> bool {
+        let first = *self.first.get_or_insert(now);
+        let interrupt = signal == SIGINT;
+        let again = interrupt && self.interrupted;
+        self.interrupted |= interrupt;
+        again || now.saturating_duration_since(first) >= PATIENCE
+    }
+}
+
+/// Ends the program without waiting for anything but the terminal, and for that not long: it may be what everybody waits for.
+#[cfg(unix)]
+fn at_once(code: i32) {
+    let giving = std::thread::Builder::new().spawn(super::screen::tty::give_back);
+    let until = Instant::now() + LAST;
+    while giving.as_ref().is_ok_and(|thread| !thread.is_finished()) && Instant::now() < until {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    signal_hook::low_level::exit(code);
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::Insistence;
+    use signal_hook::consts::signal::{SIGHUP, SIGINT, SIGTERM};
+    use std::time::{Duration, Instant};
+
+    /// Which of these signals, at so many milliseconds, is the first that means at once.
+    fn at_once(signals: &[(u64, i32)]) -> Option<usize> {
+        let (begin, mut insistence) = (Instant::now(), Insistence::default());
+        signals
+            .iter()
+            .position(|(ms, signal)| insistence.means_at_once(*signal, begin + Duration::from_millis(*ms)))
+    }
+
+    #[test]
+    fn only_who_insists_ends_it_at_once() {
+        for signal in [SIGHUP, SIGINT, SIGTERM] {
+            assert_eq!(at_once(&[(5000, signal)]), None);
+            assert_eq!(at_once(&[(0, signal), (1000, signal)]), Some(1));
+        }
+        // As when a terminal is closed, and whoever closed it says so again.
+        assert_eq!(at_once(&[(0, SIGHUP), (1, SIGHUP), (20, SIGHUP), (999, SIGTERM)]), None);
+        assert_eq!(at_once(&[(0, SIGHUP), (1, SIGTERM), (2, SIGINT), (999, SIGHUP)]), None);
+        assert_eq!(at_once(&[(0, SIGTERM), (10, SIGINT), (20, SIGINT)]), Some(2));
+        assert_eq!(at_once(&[(0, SIGINT), (1, SIGINT)]), Some(1));
+        assert_eq!(at_once(&[(0, SIGINT), (1, SIGTERM), (1001, SIGHUP)]), Some(2));
     }
 }

@@ -1,5 +1,8 @@
 //! Aligned text.
 
+use pacinian::text::problem::is_hidden;
+use std::borrow::Cow;
+
 /// Rows of cells, the columns aligned to the left and two blanks apart, each line indented by two.
 #[derive(Debug, Default)]
 pub struct Table {
@@ -41,9 +44,18 @@ fn plain(cell: String) -> String {
         Some((end, _)) => cell.get(..end).unwrap_or_default().to_string() + "...",
         None => cell,
     };
+    harmless(&cell, &[]).into_owned()
+}
+
+/// Text without what a terminal would act on rather than show, colours aside and these characters.
+pub fn harmless<'a>(text: &'a str, but: &[char]) -> Cow<'a, str> {
+    let acts = |c: char| is_hidden(c) && !but.contains(&c);
+    if !text.contains(acts) {
+        return text.into();
+    }
     let mut out = String::new();
-    let mut rest = cell.as_str();
-    while let Some((at, c)) = rest.char_indices().find(|(_, c)| pacinian::text::problem::is_hidden(*c)) {
+    let mut rest = text;
+    while let Some((at, c)) = rest.char_indices().find(|(_, c)| acts(*c)) {
         let (before, from) = rest.split_at(at);
         out += before;
         let colour = from.strip_prefix("\x1b[").and_then(|code| code.split_once('m')).map(|(code, _)| code);
@@ -53,7 +65,7 @@ fn plain(cell: String) -> String {
         out += &if colour.is_some() { this.to_string() } else { c.escape_default().to_string() };
         rest = behind;
     }
-    out + rest
+    (out + rest).into()
 }
 
 /// Characters that take room.

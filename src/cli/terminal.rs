@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::paint::Paint;
+use super::table::harmless;
 use clap::{ColorChoice, ValueEnum};
 use std::ffi::OsString;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -50,21 +51,30 @@ impl Terminal {
         if self.err.0 { ColorChoice::Always } else { ColorChoice::Never }
     }
 
-    /// Writes to standard output.
+    /// Writes to standard output; to a terminal, nothing that moves its cursor, whatever names of files and devices hold.
     ///
     /// # Errors
     /// When it cannot be written; quietly when nobody reads it any more.
     pub fn print(&self, text: &str) -> Result<(), Failure> {
         let mut out = std::io::stdout().lock();
+        // What a program reads is not touched.
+        let text = if out.is_terminal() { harmless(text, &['\n', '\t']) } else { text.into() };
         out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| match error.kind() {
             ErrorKind::BrokenPipe => Failure::unread(),
             _ => Failure::said(74, format!("standard output cannot be written ({error})")),
         })
     }
 
-    /// Writes to standard error, as far as that is possible.
-    pub fn note(&self, text: &str) {
+    /// Shows what was typed where the terminal does not, and takes it back: the only text that moves the cursor.
+    pub fn echo(&self, text: &str) {
         let mut err = std::io::stderr().lock();
+        let text = harmless(text, &['\u{8}']);
+        let _ = err.write_all(text.as_bytes()).and_then(|()| err.flush());
+    }
+
+    /// Writes to standard error, as far as that is possible; nothing that moves a terminal's cursor.
+    pub fn note(&self, text: &str) {
+        let (text, mut err) = (harmless(text, &['\n', '\t']), std::io::stderr().lock());
         let _ = err.write_all(text.as_bytes()).and_then(|()| err.flush());
     }
 }

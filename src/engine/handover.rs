@@ -9,7 +9,7 @@ use std::fmt;
 
 use super::Engine;
 use super::vibration::single;
-use crate::graph::plan::{Instrument, Plan};
+use crate::graph::plan::Plan;
 use crate::graph::program::Program;
 
 /// What a new plan takes over from an old one.
@@ -96,7 +96,7 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
         .instruments
         .iter()
         .map(|instrument| {
-            let (i, same) = old.instruments.iter().enumerate().find(|(_, o)| is_same(o, instrument))?;
+            let (i, same) = old.instruments.iter().enumerate().find(|(_, o)| o.goes_on_as(instrument))?;
             Some((i, ops(&same.program, &instrument.program)))
         })
         .collect();
@@ -109,11 +109,6 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
         && old.shared == new.shared
         && old.places == new.places;
     Ok(Handover { engine, inheritance: Inheritance { instruments, shared, controls, levels, unchanged } })
-}
-
-/// Whether the voices of one may go on as voices of the other: the same name, pool and event fields.
-fn is_same(old: &Instrument, new: &Instrument) -> bool {
-    old.name == new.name && old.voices == new.voices && old.fields == new.fields && old.always == new.always
 }
 
 /// For each new op the old op of the same name, type and settings that has not been given away.

@@ -30,7 +30,7 @@ const TOGETHER: Duration = Duration::from_secs(1);
 /// of two seconds.
 const COARSE: Duration = Duration::from_millis(2500);
 
-/// Larger files are not read for that alone.
+/// Larger files are not read at all: they say something else when the system says so.
 const SMALL: u64 = 1 << 20;
 
 /// Files that are looked at.
@@ -74,6 +74,8 @@ enum Content {
         length: u64,
         hash: u64,
     },
+    /// More than is read.
+    Large(About),
     Folder,
     Other,
     Not(ErrorKind),
@@ -121,9 +123,9 @@ impl Watch {
     }
 
     /// Looks at all of them. Gives those that say something else than what was told of them last, once they have been left alone
-    /// for [`SETTLE`].
+    /// for [`SETTLE`]. A file of more than a mebibyte is not read, and counts as something else when its length, time or number is.
     pub fn look(&mut self) -> Vec<PathBuf> {
-        self.look_at(Instant::now())
+        self.look_at(Instant::now(), &|| false)
     }
 
     /// Looks until some say something else, or `stop` says so: then `None`.
@@ -132,7 +134,7 @@ impl Watch {
             if stop() {
                 return None;
             }
-            let changed = self.look();
+            let changed = self.look_at(Instant::now(), &stop);
             if !changed.is_empty() {
                 return Some(changed);
             }
@@ -140,14 +142,20 @@ impl Watch {
         }
     }
 
-    fn look_at(&mut self, now: Instant) -> Vec<PathBuf> {
-        self.places.iter_mut().for_each(|place| place.look(now));
+    /// Nothing where `stop` says so meanwhile, which it is asked between files: a share may be slow.
+    fn look_at(&mut self, now: Instant, stop: &dyn Fn() -> bool) -> Vec<PathBuf> {
+        for place in &mut self.places {
+            if stop() {
+                return Vec::new();
+            }
+            place.look(now);
+        }
         let ages = || self.places.iter().filter_map(|place| place.age(now));
         let Some(longest) = ages().max().filter(|age| *age >= SETTLE) else { return Vec::new() };
         if ages().any(|age| age < SETTLE) && longest < SETTLE + TOGETHER {
             return Vec::new();
         }
-        let told = |place: &mut Place| place.tell(now).then(|| place.path.clone());
+        let told = |place: &mut Place| (!stop() && place.tell(now)).then(|| place.path.clone());
         self.places.iter_mut().filter_map(told).collect()
     }
 }
@@ -171,8 +179,7 @@ impl Place {
         if touched {
             self.fresh = now + COARSE;
         }
-        let small = matches!(about, About::File { length: 0..=SMALL, .. });
-        let rewritten = small && now < self.fresh && {
+        let rewritten = now < self.fresh && {
             let content = Content::of(&self.path, about);
             content != std::mem::replace(&mut self.seen, content)
         };
@@ -224,7 +231,8 @@ fn number(_: &Metadata) -> (u64, u64) {
 impl Content {
     fn of(path: &Path, about: About) -> Self {
         let read = |path: &Path| -> std::io::Result<Self> {
-            let (mut file, mut hasher) = (File::open(path)?, DefaultHasher::new());
+            // It may grow while it is read.
+            let (mut file, mut hasher) = (File::open(path)?.take(SMALL + 1), DefaultHasher::new());
             let (mut bytes, mut length) = (vec![0; 1 << 16], 0);
             loop {
                 match file.read(&mut bytes) {
@@ -239,6 +247,7 @@ impl Content {
             }
         };
         match about {
+            About::File { length, .. } if length > SMALL => Self::Large(about),
             About::File { .. } => read(path).unwrap_or_else(|error| Self::Not(error.kind())),
             About::Folder => Self::Folder,
             About::Other => Self::Other,
@@ -283,7 +292,7 @@ mod tests {
             while self.now < until {
                 self.now += STEP;
                 let name = |path: PathBuf| path.file_name().unwrap().to_string_lossy().into_owned();
-                told.extend(self.watch.look_at(self.now).into_iter().map(name));
+                told.extend(self.watch.look_at(self.now, &|| false).into_iter().map(name));
             }
             told
         }
@@ -330,6 +339,46 @@ mod tests {
             fs::write(bench.path("c"), "behind the link").unwrap();
             assert_eq!(bench.told(SOON), ["a"]);
         }
+    }
+
+    /// However large it is: three gibibytes are looked at here hundreds of times.
+    #[test]
+    fn a_large_file_is_not_read() {
+        let mut bench = Bench::new("large", &["a"]);
+        let large = bench.path("large");
+        let file = fs::File::create(&large).unwrap();
+        file.set_len(3 << 30).unwrap();
+        let seen = |bench: &Bench| bench.watch.places.last().unwrap().seen;
+        bench.watch.follow([bench.path("a"), large.clone()], SystemTime::now() + Duration::from_secs(60));
+        assert!(matches!(seen(&bench), super::Content::Large(_)));
+        assert!(bench.told(2 * COARSE).is_empty());
+        file.set_len((3 << 30) + 1).unwrap();
+        assert_eq!(bench.told(SOON), ["large"]);
+        file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
+        assert_eq!(bench.told(SOON), ["large"]);
+        assert!(matches!(seen(&bench), super::Content::Large(_)));
+        // A small one from now on, and then large again.
+        fs::write(&large, "one").unwrap();
+        assert_eq!(bench.told(SOON), ["large"]);
+        assert!(matches!(seen(&bench), super::Content::Bytes { length: 3, .. }));
+        fs::File::options().write(true).open(&large).unwrap().set_len(super::SMALL + 1).unwrap();
+        assert_eq!(bench.told(SOON), ["large"]);
+        assert!(matches!(seen(&bench), super::Content::Large(_)));
+    }
+
+    #[test]
+    fn whoever_stops_is_not_kept_waiting_by_the_rest_of_the_files() {
+        let bench = &mut Bench::new("stop", &["a", "b", "c"]);
+        let asked = std::cell::Cell::new(0);
+        let stop = || {
+            asked.set(asked.get() + 1);
+            asked.get() > 2
+        };
+        ["a", "b", "c"].iter().for_each(|file| fs::write(bench.path(file), "new").unwrap());
+        assert_eq!(bench.watch.wait(stop), None);
+        // Asked once before, and then before each file: one was looked at.
+        let looked = bench.watch.places.iter().filter(|place| place.restless.is_some()).count();
+        assert_eq!((asked.get(), looked), (4, 1));
     }
 
     #[test]

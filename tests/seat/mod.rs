@@ -128,6 +128,14 @@ impl Seat {
         false
     }
 
+    /// Closes the terminal under the program: nobody holds its other side any more.
+    pub fn hang_up(&mut self) {
+        drop(self.keyboard.take());
+        // Whoever reads in a thread of its own lets go with the next frame that nobody wants any more.
+        let size = |n| NonZero::new(n).unwrap();
+        self.screen = Arc::new(Mutex::new(vt100::Parser::new(size(24), size(80), 0)));
+    }
+
     pub fn signal(&self, name: &str) {
         let kill = Command::new("kill").args(["-s", name, &self.child.id().to_string()]).status();
         assert!(kill.unwrap().success());

@@ -17,13 +17,13 @@ use pacinian::io::midi_in::{self, MidiPorts, PortNews};
 use pacinian::io::osc::endpoint::Endpoint;
 use pacinian::io::{replace, text};
 use pacinian::midi::moved::{Recogniser, Seen, Useless};
-use pacinian::patch::Mover;
 use pacinian::text::nearest::suggest;
+use pacinian::text::problem::escaped;
 use source::Source;
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::{Receiver, channel, sync_channel};
 use std::time::{Duration, Instant};
 
 /// Binds the controls of a patch to what you move: a knob, a fader, a wheel, an OSC address
@@ -32,7 +32,8 @@ use std::time::{Duration, Instant};
     pacinian learn PATCH --control strength --osc 9000\n\n\
     It goes through the controls, one after the other; move for each what is to move it, by a tenth of its way or more. Knobs that are \
     noisy, wheels that spring back and keys that are let go are not mistaken for one that is moved; a button counts when it is \
-    pressed twice. In a terminal, Enter leaves a control as it is, u goes back to the one before, q ends it.\n\
+    pressed twice. In a terminal, the key s or Enter leaves a control as it is, b goes back to the one before, q ends it; lines of the same \
+    may be piped in.\n\
     At the end the bindings go into the patch as [[bind]], and the rest of the file stays as it is. A control that has a binding keeps \
     its range, curve and pick-up. Ctrl-C ends it and writes nothing.")]
 pub struct Learn {
@@ -57,11 +58,16 @@ const WAITING: usize = 1 << 12;
 const LOOK: Duration = Duration::from_millis(10);
 
 /// What may be typed.
-const HELP: &str = "Enter: leave it as it is   u: back to the one before   q: end";
+const KEYS: &str = "s or Enter: leave it as it is   b: back to the one before   q: end";
+const LINES: &str = "s or an empty line: leave it as it is   b: back to the one before   q: end";
+
+/// The exit code of Ctrl-C.
+const INTERRUPTED: u8 = 130;
 
 /// What comes from outside.
 struct Ears {
     messages: Receiver<(f64, u16, String, pacinian::midi::Message)>,
+    news: Receiver<String>,
     recogniser: Recogniser,
     osc: Option<Ear>,
     said: HashSet<Useless>,
@@ -108,7 +114,7 @@ impl Learn {
         }
         let (send, messages) = sync_channel(WAITING);
         let begin = Instant::now();
-        let note = *terminal;
+        let (tell, news) = channel();
         let ports = midi.then(|| {
             let ear = move |number: u16, name: &str, message: Option<pacinian::midi::Message>| {
                 if let Some(message) = message {
@@ -116,41 +122,38 @@ impl Learn {
                     let _ = send.try_send((begin.elapsed().as_secs_f64(), number, name.to_string(), message));
                 }
             };
-            let news = move |news| {
-                note.note(&match news {
-                    PortNews::Opened(name) => format!("MIDI from {name}\n"),
-                    PortNews::Gone(name) => format!("the MIDI port {name} is gone\n"),
-                    PortNews::None(why) => format!("no MIDI: {why}\n"),
-                    PortNews::Refused(name, why) => format!("the MIDI port {name} cannot be opened: {why}\n"),
-                });
-            };
+            // It is told by who knows what stands on the line.
+            let news = move |news| drop(tell.send(told(&news)));
             MidiPorts::hear(Arc::new(ear), midi_in, Box::new(news))
         });
         let no_thread =
             |error: std::io::Error| Failure::said(71, format!("the system gives no thread ({error})"));
         let ports = ports.transpose().map_err(no_thread)?;
-        let person = Typed::listen().map_err(no_thread)?;
+        let person = Typed::listen(true).map_err(no_thread)?;
         let stop = Stop::listen()?;
-        let mut ears = Ears { messages, recogniser: Recogniser::default(), osc, said: HashSet::new() };
+        let mut ears = Ears { messages, news, recogniser: Recogniser::default(), osc, said: HashSet::new() };
         list(&patch, terminal);
-        if person.is_some() {
-            terminal.note(&format!("{HELP}\n\n"));
+        if let Some(person) = &person {
+            terminal.note(&format!("{}\n\n", help(person)));
         }
         let mut learnt: Vec<Option<Source>> = vec![None; controls.len()];
         let mut at = 0;
         while let Some(&number) = controls.get(at) {
             let control = &patch.controls[number];
             let [least, most] = control.range;
-            terminal.note(&format!(
+            let asked = format!(
                 "{}/{}  {} ({least} to {most}{}): move something ",
                 at + 1,
                 controls.len(),
-                control.name,
-                if control.unit.is_empty() { String::new() } else { format!(" {}", control.unit) },
-            ));
-            match self.turn(&mut ears, person.as_ref(), &stop, terminal) {
+                escaped(&control.name),
+                if control.unit.is_empty() { String::new() } else { format!(" {}", escaped(&control.unit)) },
+            );
+            terminal.note(&asked);
+            match self.turn(&mut ears, person.as_ref(), &stop, &asked, terminal) {
                 Turn::Learnt(source) => {
-                    terminal.note(&format!("\n     {}\n", source.shown));
+                    let instead = write::replaced(&patch, &control.name, &source);
+                    let instead = instead.map_or(String::new(), |old| format!(", {old}"));
+                    terminal.note(&format!("\n     {}{instead}\n", source.shown));
                     if let Some(slot) = learnt.get_mut(at) {
                         *slot = Some(source);
                     }
@@ -170,7 +173,7 @@ impl Learn {
                 }
             }
         }
-        drop(ports);
+        drop((ports, person));
         let name_of = |number: &usize| patch.controls[*number].name.clone();
         let learnt: Vec<(String, Source)> = controls
             .iter()
@@ -189,7 +192,10 @@ impl Learn {
         })?;
         replace::replace(&self.patch, &before, after.as_bytes())?;
         let mut table = Table::default();
-        learnt.iter().for_each(|(control, source)| table.row([control, &source.from, &source.shown]));
+        for (control, source) in &learnt {
+            let instead = write::replaced(&patch, control, source).unwrap_or_default();
+            table.row([control, &source.from, &source.shown, &instead]);
+        }
         let count = super::table::many(learnt.len(), "binding");
         terminal.print(&format!("{name}: {count}\n{}", table.text()))
     }
@@ -215,9 +221,47 @@ impl Learn {
         self.controls.iter().map(find).collect()
     }
 
-    /// Waits for something to move, for somebody to say otherwise, or for as long as was said.
-    fn turn(&self, ears: &mut Ears, person: Option<&Typed>, stop: &Stop, terminal: &Terminal) -> Turn {
+    /// Waits for something to move, for somebody to say otherwise, or for as long as was said. What is told meanwhile gets lines of its
+    /// own, and what was `asked` stands behind it again.
+    fn turn(
+        &self,
+        ears: &mut Ears,
+        person: Option<&Typed>,
+        stop: &Stop,
+        asked: &str,
+        terminal: &Terminal,
+    ) -> Turn {
         let begin = Instant::now();
+        let aside = |what: &str| terminal.note(&format!("\n     {what}\n{asked}"));
+        // Whether something was typed that means nothing, so that Enter does not agree to anything.
+        let mut unclear = false;
+        let mut typed = |person: &Typed| {
+            let said = match person.said() {
+                Said::Stop => return Some(Turn::Stopped(INTERRUPTED)),
+                // A pipe has an end, and then there is nobody.
+                Said::End => return person.keyed.then_some(Turn::End),
+                Said::Nothing => return None,
+                Said::Line(line) => line,
+                Said::Key('\n') if !std::mem::take(&mut unclear) => String::new(),
+                Said::Key(key) => key.to_lowercase().to_string(),
+                Said::Unclear if person.keyed => {
+                    unclear = true;
+                    return None;
+                }
+                Said::Unclear => "?".into(),
+            };
+            let (turn, word) = match said.as_str() {
+                "" | "s" => (Turn::Left, "left as it is"),
+                "u" | "b" => (Turn::Back, "back"),
+                "q" => (Turn::End, "end"),
+                _ => {
+                    aside(help(person));
+                    return None;
+                }
+            };
+            terminal.note(&format!("{word}\n"));
+            Some(turn)
+        };
         loop {
             if guard::has_panicked() {
                 return Turn::Stopped(guard::BUG);
@@ -225,26 +269,37 @@ impl Learn {
             if let Some(code) = stop.asked() {
                 return Turn::Stopped(code);
             }
-            match person.map_or(Said::Nothing, Typed::said) {
-                Said::Nothing => {}
-                Said::End => return Turn::End,
-                Said::Line(line) => match line.as_str() {
-                    "" => return Turn::Left,
-                    "u" => return Turn::Back,
-                    "q" => return Turn::End,
-                    _ => terminal.note(&format!("     {HELP} ")),
-                },
+            if let Some(turn) = person.and_then(&mut typed) {
+                return turn;
             }
             match ears.hear() {
                 Some(Heard::Source(source)) => return Turn::Learnt(source),
-                Some(Heard::Useless(why)) => terminal.note(&format!("\n     {why} ")),
+                Some(Heard::Useless(why)) => aside(&why),
                 None => {}
             }
+            ears.news.try_iter().for_each(|news| aside(&news));
             if self.wait.is_some_and(|wait| begin.elapsed().as_secs_f64() >= wait) {
                 terminal.note("\n     nothing moved; it is left as it is\n");
                 return Turn::Left;
             }
             std::thread::sleep(LOOK);
+        }
+    }
+}
+
+/// What may be typed.
+fn help(person: &Typed) -> &'static str {
+    if person.keyed { KEYS } else { LINES }
+}
+
+/// What became of ports, for people.
+fn told(news: &PortNews) -> String {
+    match news {
+        PortNews::Opened(name) => format!("MIDI from {}", escaped(name)),
+        PortNews::Gone(name) => format!("the MIDI port {} is gone", escaped(name)),
+        PortNews::None(why) => format!("no MIDI: {}", escaped(why)),
+        PortNews::Refused(name, why) => {
+            format!("the MIDI port {} cannot be opened: {}", escaped(name), escaped(why))
         }
     }
 }
@@ -271,17 +326,7 @@ fn list(patch: &Patch, terminal: &Terminal) {
     for control in &patch.controls {
         let [least, most] = control.range;
         let binds = patch.binds.iter().filter(|bind| bind.control == control.name);
-        let from: Vec<String> = binds
-            .map(|bind| {
-                let from = match &bind.from {
-                    Mover::Controller(number) => format!("midi.controller {number}"),
-                    Mover::Bend => "midi.bend".into(),
-                    Mover::Pressure => "midi.pressure".into(),
-                    Mover::Osc(address) => format!("osc.{address}"),
-                };
-                bind.channel.map_or(from.clone(), |channel| format!("{from} on channel {channel}"))
-            })
-            .collect();
+        let from: Vec<String> = binds.map(write::moved_by).collect();
         let moved = if from.is_empty() { "not bound".into() } else { from.join(", ") };
         table.row([control.name.clone(), format!("{least} to {most} {}", control.unit), moved]);
     }

@@ -4,6 +4,7 @@ use super::source::Source;
 use pacinian::io::osc::endpoint::{BindError, Endpoint};
 use pacinian::io::osc::packet::unpack;
 use pacinian::midi::moved::Travel;
+use pacinian::text::problem::escaped;
 use rosc::OscType;
 use std::collections::{HashMap, HashSet};
 use std::net::{SocketAddr, UdpSocket};
@@ -17,6 +18,9 @@ const TURN: usize = 256;
 const MOST: usize = 1 << 12;
 /// So long what was recognised must rest before it is recognised again, seconds.
 const REST: f64 = 0.7;
+
+/// Characters of an address that are shown, at most.
+const SHOWN: usize = 80;
 
 /// First parts of addresses that pacinian has itself.
 const OWN: [&str; 11] =
@@ -89,15 +93,16 @@ impl Ear {
 
     fn message(&mut self, seconds: f64, address: &str, value: f64) -> Option<Heard> {
         let first = address.split('/').nth(1).unwrap_or_default();
+        let shown = shown(address);
         if OWN.contains(&first) {
-            return self.say(address, format!("{address} is an address of pacinian's own; see docs/osc.md"));
+            return self.say(address, format!("{shown} is an address of pacinian's own; see docs/osc.md"));
         }
         if !address.starts_with('/') || address.contains(char::is_whitespace) || address.len() > 256 {
             return None;
         }
         if !(-1e-6..=1.0 + 1e-6).contains(&value) {
             let why = format!(
-                "{address} says {value}: a binding takes positions from 0 to 1; set it so where it comes from"
+                "{shown} says {value}: a binding takes positions from 0 to 1; set it so where it comes from"
             );
             return self.say(address, why);
         }
@@ -125,6 +130,12 @@ impl Ear {
         let new = self.said.len() < MOST && self.said.insert(address.into());
         new.then_some(Heard::Useless(why))
     }
+}
+
+/// As it may be shown: whoever sends it chooses it.
+fn shown(address: &str) -> String {
+    let cut: String = address.chars().take(SHOWN).collect();
+    format!("{}{}", escaped(&cut), if cut.len() < address.len() { "..." } else { "" })
 }
 
 fn number(value: &OscType) -> Option<f64> {

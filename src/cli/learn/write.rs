@@ -2,7 +2,8 @@
 
 use super::source::Source;
 use pacinian::Patch;
-use pacinian::patch::Mover;
+use pacinian::patch::{Bind, Mover};
+use pacinian::text::problem::escaped;
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value, value};
 
 /// The text of a patch in which these controls are moved by these sources. A control that one binding moves already keeps its
@@ -56,6 +57,36 @@ pub fn with_bindings(source: &str, learnt: &[(String, Source)]) -> Result<String
     match learnt.iter().all(is_there) {
         true => Ok(text),
         false => Err("its `bind` is written in a way that cannot be changed here".into()),
+    }
+}
+
+/// What a binding is moved by, for people.
+pub fn moved_by(bind: &Bind) -> String {
+    let from = match &bind.from {
+        Mover::Controller(number) => format!("midi.controller {number}"),
+        Mover::Bend => "midi.bend".into(),
+        Mover::Pressure => "midi.pressure".into(),
+        Mover::Osc(address) => format!("osc.{}", escaped(address)),
+    };
+    bind.channel.map_or(from.clone(), |channel| format!("{from} on channel {channel}"))
+}
+
+/// What becomes of the bindings that a control has in a patch once `source` moves it, for people.
+pub fn replaced(patch: &Patch, control: &str, source: &Source) -> Option<String> {
+    let old: Vec<&Bind> = patch.binds.iter().filter(|bind| bind.control == control).collect();
+    match old.as_slice() {
+        [] => None,
+        [one]
+            if Mover::parse(&source.from).is_ok_and(|from| from == one.from)
+                && one.channel == source.channel =>
+        {
+            Some("as before".into())
+        }
+        [one] => Some(format!("instead of {}", moved_by(one))),
+        several => {
+            let all: Vec<String> = several.iter().map(|bind| moved_by(bind)).collect();
+            Some(format!("beside {}", all.join(", ")))
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use super::happened::{Happened, Mood, moment};
 use super::head::{figures, title};
 use super::line::{Ink, Line, flow};
 use super::meters::meters;
+use super::panel::{panel, rows, wrong};
 use super::snapshot::{KeyFace, Snapshot};
 use crate::cli::table::{grouped, many};
 
@@ -77,13 +78,34 @@ pub fn draw(snapshot: &Snapshot, width: usize, height: usize) -> Drawn {
     // A heading for the meters, and one for the events where both have room.
     let headed = rest >= 4;
     rest -= usize::from(headed);
-    let for_events = if rest >= 6 { (rest / 4).clamp(4, 8) } else { 0 };
-    let meters = meters(snapshot, width, rest - for_events);
+    // What is wrong is what somebody looks for now; the controls take what is left, and the events what nobody else wants.
+    let wrong = wrong(snapshot, width);
+    let for_wrong = if rest >= 8 && !wrong.is_empty() { (wrong.len() + 1).min(rest / 2) } else { 0 };
+    let for_controls = match rest - for_wrong {
+        room @ 8.. if !snapshot.controls.is_empty() => (rows(snapshot, width) + 1).min((room / 4).max(2)),
+        _ => 0,
+    };
+    let rest_of_all = rest - for_wrong - for_controls;
+    let for_events = if rest_of_all >= 6 { (rest_of_all / 4).clamp(4, 8) } else { 0 };
+    let meters = meters(snapshot, width, rest_of_all - for_events);
     if headed {
         top.push(heading(&meters.note, width, snapshot.fancy));
     }
-    rest = rest.saturating_sub(meters.lines.len());
+    rest = rest.saturating_sub(meters.lines.len() + for_controls);
     top.extend(meters.lines);
+    if for_wrong > 0 {
+        // All of it where few tactors leave room, but for the latest events.
+        let room = (wrong.len() + 1).min(rest.saturating_sub(for_events.min(3))).max(for_wrong);
+        top.push(heading("what was saved last is not played", width, snapshot.fancy));
+        top.extend(cut(wrong, room - 1));
+        rest = rest.saturating_sub(room);
+    }
+    if for_controls > 0 {
+        let (lines, note) = panel(snapshot, width, for_controls - 1);
+        top.push(heading(&note, width, snapshot.fancy));
+        rest += for_controls - 1 - lines.len();
+        top.extend(lines);
+    }
     if rest >= 2 && for_events > 0 {
         let note = match snapshot.missed {
             0 => "events".to_string(),
@@ -122,6 +144,9 @@ fn help(snapshot: &Snapshot, width: usize) -> Line {
     let panic = if snapshot.panicked { ("c", "opens") } else { ("p", "panic") };
     let arm = if snapshot.armed { "-20 dB" } else { "arm" };
     let mut items = vec![panic, ("q", "end"), ("space", "all patterns"), ("a", arm)];
+    if !snapshot.controls.is_empty() {
+        items.extend([("Tab", "control"), ("arrows", "move it"), ("0", "reset")]);
+    }
     match snapshot.keys.as_slice() {
         [] => items.retain(|(key, _)| *key != "space"),
         [_] => items.insert(2, ("1", "pattern")),
@@ -142,6 +167,18 @@ fn help(snapshot: &Snapshot, width: usize) -> Line {
         line.join(item);
     }
     line
+}
+
+/// So many lines of it, the last of which says how many there are more.
+fn cut(mut lines: Vec<Line>, rows: usize) -> Vec<Line> {
+    if lines.len() > rows {
+        let more = lines.len() - rows + 1;
+        lines.truncate(rows.saturating_sub(1));
+        if rows > 0 {
+            lines.push(Line::of(Ink::Dim, &format!(" and {more} lines more, which are written at the end")));
+        }
+    }
+    lines
 }
 
 fn heading(text: &str, width: usize, fancy: bool) -> Line {
@@ -188,6 +225,7 @@ fn banner(snapshot: &Snapshot, width: usize) -> Vec<Line> {
 #[cfg(test)]
 mod tests {
     use super::{SHUT, STALE, draw};
+    use crate::cli::screen::controls::ControlFace;
     use crate::cli::screen::happened::{Happened, Mood};
     use crate::cli::screen::line::Ink;
     use crate::cli::screen::meter::Meter;
@@ -256,6 +294,9 @@ mod tests {
                         (snapshot.panicked, snapshot.fancy, snapshot.paged) =
                             (state & 1 > 0, state & 2 > 0, state & 4 > 0);
                         snapshot.stale = (state & 8 > 0).then(|| name(1));
+                        let faces = || ControlFace { name: name(2), unit: name(3), ..ControlFace::default() };
+                        snapshot.controls = (0..state & 3).map(|_| faces()).collect();
+                        snapshot.wrong = snapshot.stale.iter().cloned().collect();
                         let lines = draw(&snapshot, width, height).lines;
                         assert_eq!(lines.len(), height);
                         for line in lines {
@@ -295,7 +336,66 @@ mod tests {
         ] {
             assert!(text.contains(part), "no `{part}` in\n{text}");
         }
-        assert!(!text.contains("over time"));
+        assert!(!text.contains("control") && !text.contains("over time") && !text.contains("at least"));
+        snapshot.latency.device = None;
+        assert!(
+            self::text(&snapshot, 100, 30)
+                .contains("latency at least 4.2 ms = block 2.7 + engine 1.5 + device unknown")
+        );
+    }
+
+    #[test]
+    fn controls_are_there_where_there_is_room() {
+        let mut snapshot = scene(16, |n| format!("t{n}"));
+        snapshot.controls = (0..3)
+            .map(|n| ControlFace {
+                name: format!("knob-{n}"),
+                value: 0.25,
+                position: 0.25,
+                chosen: n == 1,
+                ..ControlFace::default()
+            })
+            .collect();
+        let large = text(&snapshot, 100, 30);
+        for part in [
+            "›knob-1",
+            "knob-0",
+            "knob-2",
+            "0.25",
+            "t15",
+            "0:49.000",
+            "Tab control   arrows move it   0 reset",
+        ] {
+            assert!(large.contains(part), "no `{part}` in\n{large}");
+        }
+        let small = text(&snapshot, 60, 12);
+        assert!(!small.contains("knob") && small.contains("t15"), "{small}");
+    }
+
+    /// All of it, wrapped; and what is cut off is counted.
+    #[test]
+    fn everything_that_is_wrong_with_what_was_saved_is_read() {
+        let mut snapshot = scene(4, |n| format!("t{n}"));
+        snapshot.stale = Some("p.toml:9: first (and 1 more)".into());
+        let long = "p.toml:9:14: error: ".to_string() + &"word ".repeat(30) + "last";
+        snapshot.wrong =
+            vec![long, "  help: did you mean `sine`?".into(), "p.toml:12:3: error: second".into()];
+        let shown = text(&snapshot, 80, 30);
+        for part in [
+            "p.toml:9:14: error: word",
+            "word last",
+            "     help: did you mean `sine`?",
+            "p.toml:12:3: error: second",
+            "0:49.000",
+        ] {
+            assert!(shown.contains(part), "no `{part}` in\n{shown}");
+        }
+        snapshot.wrong = (0..100).map(|n| format!("p.toml:{n}: error")).collect();
+        let shown = text(&snapshot, 80, 24);
+        let more = shown.lines().find(|line| line.contains("lines more")).unwrap();
+        let seen = shown.matches(": error").count();
+        assert!(seen >= 3 && more.contains(&format!("and {} lines more", 100 - seen)), "{shown}");
+        assert!(shown.contains("t3 "), "{shown}");
     }
 
     #[test]

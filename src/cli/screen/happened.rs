@@ -33,9 +33,21 @@ pub struct Happened {
 }
 
 impl Happened {
-    /// At so many seconds.
+    /// At so many seconds. A text of several lines, such as that of a problem with its help, is put into one.
     pub fn new(at: f64, mood: Mood, text: impl Into<String>) -> Self {
-        Self { at, text: text.into(), mood, again: 0 }
+        let mut text: String = text.into();
+        if text.contains('\n') {
+            let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+            text =
+                lines.map(|line| line.strip_prefix("help: ").unwrap_or(line)).collect::<Vec<_>>().join(": ");
+        }
+        Self { at, text, mood, again: 0 }
+    }
+
+    /// The same of a voice that played while the output was shut.
+    pub fn unfelt(mut self) -> Self {
+        self.text += ", not felt: the output is shut";
+        self
     }
 
     /// An event that the performer tells of.
@@ -59,13 +71,16 @@ impl Happened {
             Happening::Touch(..) => write!(text, "a voice is bent or pressed"),
             Happening::Release => write!(text, "a voice is released"),
             Happening::ReleaseAll => write!(text, "all voices are released"),
+            Happening::Silence(_) => write!(text, "what MIDI had started falls silent"),
         };
         if let Some(origin) = heard.origin {
             let _ = write!(text, "  [{}]", origin.pattern);
         }
         let mood = match heard.what {
             Happening::Voice { .. } | Happening::Touch(..) | Happening::Release => Mood::Usual,
-            Happening::Marker(_) | Happening::Control(..) | Happening::ReleaseAll => Mood::Told,
+            Happening::Marker(_) | Happening::Control(..) | Happening::ReleaseAll | Happening::Silence(_) => {
+                Mood::Told
+            }
         };
         Self::new(heard.at, mood, text)
     }
@@ -92,7 +107,7 @@ impl Happened {
 }
 
 /// A number in as many digits as one reads at a glance: three, or all before the point.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     let digits = match value.abs() {
         x if x >= 99.95 => 0,
         x if x >= 9.995 => 1,
@@ -127,9 +142,10 @@ pub fn moment(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Happened, clock, moment, short};
+    use super::{Happened, Mood, clock, moment, short};
     use pacinian::performer::{Happening, Heard, Origin};
     use pacinian::schedule::Instant;
+    use pacinian::text::Problem;
 
     #[test]
     fn times_and_numbers_are_short() {
@@ -142,6 +158,14 @@ mod tests {
             [0.0, -0.001, 0.804, 12.34, 250.0, 999.6, 12_345.6].map(short),
             ["0", "0", "0.8", "12.3", "250", "1000", "12346"]
         );
+    }
+
+    #[test]
+    fn a_problem_with_its_help_is_one_line() {
+        let problem = Problem::of_file("there is no voice `hmu`").help("did you mean `hum`?".to_string());
+        let happened = Happened::new(0.0, Mood::Bad, problem.to_string());
+        assert_eq!(happened.text, "there is no voice `hmu`: did you mean `hum`?");
+        assert_eq!(Happened::new(0.0, Mood::Bad, "one\n\n two").text, "one: two");
     }
 
     #[test]

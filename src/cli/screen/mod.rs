@@ -1,6 +1,7 @@
 //! What a person sees while a session plays: a screen where there is a terminal for it, and lines of a log elsewhere.
 
 mod bar;
+mod controls;
 mod draw;
 mod echo;
 mod happened;
@@ -10,6 +11,7 @@ mod line;
 mod lines;
 mod meter;
 mod meters;
+mod panel;
 mod players;
 mod post;
 mod saved;
@@ -31,6 +33,7 @@ use pacinian::text::Problems;
 use super::failure::Failure;
 use super::load::Loaded;
 use super::terminal::Terminal;
+use controls::Controls;
 use echo::Echo;
 use happened::{Happened, Mood};
 use keys::{Act, Keys};
@@ -91,6 +94,7 @@ pub struct Show {
     out: Out,
     snapshot: Snapshot,
     players: Players,
+    controls: Controls,
     keys: Keys,
     fetch: PostBox,
     events: VecDeque<Happened>,
@@ -145,6 +149,7 @@ impl Show {
             out,
             snapshot,
             players,
+            controls: Controls::new(&loaded.patch),
             keys: Keys::default(),
             fetch,
             events: VecDeque::new(),
@@ -168,7 +173,7 @@ impl Show {
 
     /// Shows that something is wrong.
     pub fn say(&mut self, trouble: &str) {
-        let happened = Happened::new(self.fetch.elapsed(), Mood::Bad, trouble);
+        let happened = Happened::new(self.fetch.now(), Mood::Bad, trouble);
         self.note(happened);
     }
 
@@ -203,6 +208,7 @@ impl Show {
                 self.snapshot.events = self.events.iter().cloned().collect();
                 self.snapshot.keys = self.players.faces();
                 self.snapshot.keyless = self.players.keyless();
+                self.snapshot.controls = self.controls.faces();
                 self.snapshot.missed = self.fetch.missed();
                 if !screen.show(&self.snapshot) {
                     return Some(Ending::Closed);
@@ -222,7 +228,10 @@ impl Show {
 
     /// Takes what has come by post, and what the board says by itself.
     fn listen(&mut self, board: &Board) {
-        let now = self.fetch.elapsed();
+        let seconds = board.frames.get() as f64 / f64::from(self.snapshot.rate.max(1));
+        let events = self.fetch.events(board.clock.get(), seconds, board.is_panicked());
+        let now = self.fetch.now();
+        self.controls.hear(&self.fetch.moved());
         let states: Vec<State> = self.fetch.states().collect();
         for state in states {
             match state {
@@ -245,13 +254,12 @@ impl Show {
         if let (Some(held), Out::Lines(lines)) = (self.echo.due(now), &mut self.out) {
             lines.put(&lines::event(&held));
         }
-        let events: Vec<Happened> = self.fetch.events().collect();
         events.into_iter().for_each(|happened| self.note(happened));
         let panicked = board.is_panicked();
         if panicked != std::mem::replace(&mut self.panicked, panicked) {
             let (mood, text) = match panicked {
-                true => (Mood::Bad, "panic: the output is shut"),
-                false => (Mood::Good, "the output is open again"),
+                true => (Mood::Bad, "panic: the output is shut".into()),
+                false => (Mood::Good, self.players.after_panic(matches!(self.out, Out::Screen(_)))),
             };
             self.note(Happened::new(now, mood, text));
         }
@@ -317,25 +325,25 @@ impl Show {
             started: board.started.get(),
             stolen: board.stolen.get(),
         };
-        let heard = &board.input;
+        let (heard, now) = (&board.input, self.fetch.now());
         let gaps = [
             ("an input xrun", heard.xruns.get()),
             ("the input came too late: a gap", heard.dry.get()),
             ("too much input waited: a part is left out", heard.jumps.get()),
             ("input found no room", u64::from(heard.lost.get() > 0)),
         ];
-        for ((text, now), before) in gaps.into_iter().zip(self.gaps) {
-            if now > before {
-                self.note(Happened::new(elapsed, Mood::Bad, text));
+        for ((text, count), before) in gaps.into_iter().zip(self.gaps) {
+            if count > before {
+                self.note(Happened::new(now, Mood::Bad, text));
             }
         }
-        self.gaps = gaps.map(|(_, now)| now);
+        self.gaps = gaps.map(|(_, count)| count);
         let xruns = self.snapshot.figures.xruns;
         let before = std::mem::replace(&mut self.xruns, xruns);
         if xruns > before {
             let text =
                 if xruns - before == 1 { "an xrun".into() } else { format!("{} xruns", xruns - before) };
-            self.note(Happened::new(elapsed, Mood::Bad, text));
+            self.note(Happened::new(now, Mood::Bad, text));
         }
     }
 
@@ -345,7 +353,7 @@ impl Show {
             Event::Resize(..) => Act::Redraw,
             _ => return None,
         };
-        let handle = session.handle();
+        let handle = session.handle().from(keys::origin(event));
         let number = || handle.number();
         let signals = match act {
             Act::End(code) => return Some(Ending::Asked(code)),
@@ -357,13 +365,15 @@ impl Show {
             Act::Arm => Ok(vec![Signal::Arm(!self.snapshot.armed)]),
             Act::Digit(digit) => self.players.digit(digit, number),
             Act::All => self.players.all(number),
-            Act::Turn(by) => {
-                let Out::Screen(screen) = &self.out else { return None };
-                let pages = screen.pages();
-                let page = self.snapshot.page.min(pages - 1) + pages;
-                self.snapshot.page = page.saturating_add_signed(by as isize) % pages;
+            Act::Turn(by) => Ok(self.turn(by)),
+            Act::Choose(by) | Act::Move(by) if self.controls.is_empty() => Ok(self.turn(by.signum())),
+            Act::Choose(by) => {
+                self.controls.choose(by);
                 Ok(Vec::new())
             }
+            Act::Move(by) => Ok(sent_to(self.controls.step(by))),
+            Act::Reset if self.controls.is_empty() => Err("this patch has no controls".into()),
+            Act::Reset => Ok(sent_to(self.controls.reset())),
             Act::Form => {
                 (self.snapshot.paged, self.snapshot.page) = (!self.snapshot.paged, 0);
                 Ok(Vec::new())
@@ -379,17 +389,27 @@ impl Show {
             signals.into_iter().try_for_each(|s| handle.send(s)).map_err(|refused| refused.to_string())
         });
         if let Err(why) = sent {
-            self.note(Happened::new(self.fetch.elapsed(), Mood::Bad, why));
+            self.note(Happened::new(self.fetch.now(), Mood::Bad, why));
         }
         // What was asked for is to be seen at once.
         self.due = true;
         None
     }
 
+    /// Other pages of the meters.
+    fn turn(&mut self, by: i32) -> Vec<Signal> {
+        if let Out::Screen(screen) = &self.out {
+            let pages = screen.pages();
+            let page = self.snapshot.page.min(pages - 1) + pages;
+            self.snapshot.page = page.saturating_add_signed(by as isize) % pages;
+        }
+        Vec::new()
+    }
+
     /// Gives the terminal back, and says what went wrong while the screen was there. Gives the highest magnitude of each channel.
     pub fn end(mut self, board: &Board, terminal: &Terminal) -> Vec<f32> {
         self.listen(board);
-        if let (Some(held), Out::Lines(lines)) = (self.echo.release(self.fetch.elapsed()), &mut self.out) {
+        if let (Some(held), Out::Lines(lines)) = (self.echo.release(self.fetch.now()), &mut self.out) {
             lines.put(&lines::event(&held));
         }
         let peak =
@@ -407,4 +427,9 @@ impl Show {
         }
         peaks
     }
+}
+
+/// A control is sent there.
+fn sent_to(moved: Option<(String, f64)>) -> Vec<Signal> {
+    moved.into_iter().map(|(name, value)| Signal::Set(name, value)).collect()
 }

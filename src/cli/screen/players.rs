@@ -17,6 +17,8 @@ pub struct Players {
     triggers: Vec<(u32, String)>,
     /// Those that play.
     playing: Vec<String>,
+    /// Whether any has played.
+    played: bool,
 }
 
 impl Players {
@@ -37,13 +39,28 @@ impl Players {
 
     /// The patch is another; what plays goes on until it is told otherwise.
     pub fn become_of(&mut self, patch: &Patch, first: &[usize]) {
-        let playing = std::mem::take(&mut self.playing);
-        *self = Self { playing, ..Self::new(patch, first) };
+        let (playing, played) = (std::mem::take(&mut self.playing), self.played);
+        *self = Self { playing, played, ..Self::new(patch, first) };
     }
 
     /// These play now.
     pub fn play(&mut self, playing: Vec<String>) {
+        self.played |= !playing.is_empty();
         self.playing = playing;
+    }
+
+    /// What is to be said where the output is open again, and a panic has stopped what played; `keys` says whether there are such.
+    pub fn after_panic(&self, keys: bool) -> String {
+        let open = "the output is open again";
+        if !self.played || self.patterns.is_empty() || !self.playing.is_empty() {
+            return open.into();
+        }
+        let first = self.faces().into_iter().find(|face| !face.trigger);
+        match first.filter(|_| keys) {
+            Some(face) => format!("{open}; patterns were stopped: {} or space starts them", face.digit),
+            None if keys => format!("{open}; patterns were stopped: space starts them"),
+            None => format!("{open}; patterns were stopped"),
+        }
     }
 
     /// The digits that play something.
@@ -146,6 +163,22 @@ mod tests {
         // Ended by itself: a digit starts it again.
         players.play(names(&["rest"]));
         assert_eq!(said(players.digit(2, || 7)), "Start(7, \"run\");");
+    }
+
+    #[test]
+    fn whoever_opens_the_output_again_is_told_why_nothing_plays() {
+        let mut players = players();
+        assert_eq!(players.after_panic(true), "the output is open again", "nothing has played");
+        players.play(names(&["run"]));
+        players.play(vec![]);
+        let stopped = "the output is open again; patterns were stopped";
+        assert_eq!(players.after_panic(true), format!("{stopped}: 1 or space starts them"));
+        assert_eq!(players.after_panic(false), stopped);
+        players.triggers.push((1, "knock".into()));
+        assert_eq!(players.after_panic(true), format!("{stopped}: 2 or space starts them"));
+        // Somebody was faster.
+        players.play(names(&["run"]));
+        assert_eq!(players.after_panic(true), "the output is open again");
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! The way from the threads of a session to who shows what they say. It never makes them wait.
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use pacinian::io::device::keeper::Fate;
@@ -10,12 +11,14 @@ use pacinian::io::midi_in::PortNews;
 use pacinian::live::callback::{Deed, Report};
 use pacinian::live::conductor::Told;
 use pacinian::live::gate::Order;
-use pacinian::performer::Heard;
+use pacinian::performer::{Happening, Heard};
+use pacinian::schedule::Instant as Due;
 
 use super::happened::{Happened, Mood};
 
-/// Events that may wait to be shown.
+/// Events that may wait to be shown, and those among them whose time has not come.
 const WAITING: usize = 1 << 10;
+const COMING: usize = 1 << 12;
 
 /// How things stand; none of it may get lost.
 #[derive(Debug)]
@@ -28,10 +31,24 @@ pub enum State {
     Playing(Vec<String>),
 }
 
+/// Something that is to be shown.
+#[derive(Debug)]
+struct Letter {
+    happened: Happened,
+    /// When it is due, on the engine's clock; `None`: now.
+    due: Option<Due>,
+    /// Whether it is a voice.
+    sounds: bool,
+}
+
+/// Where the controls were sent last, by their names.
+type Moved = Arc<Mutex<BTreeMap<String, f64>>>;
+
 /// Where threads of a session put what they say.
 #[derive(Debug, Clone)]
 pub struct Post {
-    events: SyncSender<Happened>,
+    events: SyncSender<Letter>,
+    moved: Moved,
     states: Sender<State>,
     missed: Arc<AtomicU64>,
     begin: Instant,
@@ -40,7 +57,14 @@ pub struct Post {
 /// Where it is fetched.
 #[derive(Debug)]
 pub struct PostBox {
-    events: Receiver<Happened>,
+    events: Receiver<Letter>,
+    /// What is still to come, in its order; the second number tells apart what comes at the same time.
+    coming: BTreeMap<(Due, u64), Letter>,
+    taken: u64,
+    moved: Moved,
+    /// Seconds that the session's clock is behind the post's, and the latest that was shown.
+    behind: f64,
+    latest: f64,
     states: Receiver<State>,
     missed: Arc<AtomicU64>,
     begin: Instant,
@@ -51,19 +75,32 @@ pub fn post() -> (Post, PostBox) {
     let (events, event) = sync_channel(WAITING);
     let (states, state) = channel();
     let (missed, begin) = (Arc::<AtomicU64>::default(), Instant::now());
-    let post = Post { events, states, missed: Arc::clone(&missed), begin };
-    (post, PostBox { events: event, states: state, missed, begin })
+    let moved = Moved::default();
+    let post = Post { events, moved: Arc::clone(&moved), states, missed: Arc::clone(&missed), begin };
+    let fetch = PostBox {
+        events: event,
+        coming: BTreeMap::new(),
+        taken: 0,
+        moved,
+        behind: 0.0,
+        latest: 0.0,
+        states: state,
+        missed,
+        begin,
+    };
+    (post, fetch)
 }
 
 impl Post {
-    fn put(&self, happened: Happened) {
-        if self.events.try_send(happened).is_err() {
+    fn put(&self, letter: Letter) {
+        if self.events.try_send(letter).is_err() {
             self.missed.fetch_add(1, Ordering::Relaxed);
         }
     }
 
     fn say(&self, mood: Mood, text: impl Into<String>) {
-        self.put(Happened::new(self.begin.elapsed().as_secs_f64(), mood, text));
+        let happened = Happened::new(self.begin.elapsed().as_secs_f64(), mood, text);
+        self.put(Letter { happened, due: None, sounds: false });
     }
 
     fn state(&self, state: State) {
@@ -73,7 +110,17 @@ impl Post {
 
     /// For the listener of a session.
     pub fn hear(&self, heard: &Heard<'_>) {
-        self.put(Happened::heard(heard));
+        if let Happening::Control(name, value) = heard.what
+            // It is held for no longer than it takes to copy a few numbers.
+            && let Ok(mut moved) = self.moved.lock()
+        {
+            match moved.get_mut(name) {
+                Some(last) => *last = value,
+                None => drop(moved.insert(name.into(), value)),
+            }
+        }
+        let sounds = matches!(heard.what, Happening::Voice { .. });
+        self.put(Letter { happened: Happened::heard(heard), due: Some(heard.instant), sounds });
     }
 
     /// For its audience.
@@ -126,9 +173,46 @@ impl Post {
 }
 
 impl PostBox {
-    /// What happened since this was asked last.
-    pub fn events(&self) -> impl Iterator<Item = Happened> {
-        self.events.try_iter().take(WAITING)
+    /// The session has come so far: engine samples, and seconds. `shut` says whether its output is.
+    ///
+    /// Gives what happened since this was asked last, in its order, as the session's clock has it: what is played ahead only when its
+    /// time has come.
+    pub fn events(&mut self, clock: u64, seconds: f64, shut: bool) -> Vec<Happened> {
+        self.behind = self.elapsed() - seconds;
+        let mut now: Vec<Happened> = Vec::new();
+        for letter in self.events.try_iter().take(WAITING) {
+            match letter.due {
+                Some(_) if self.coming.len() >= COMING => {
+                    self.missed.fetch_add(1, Ordering::Relaxed);
+                }
+                Some(due) => {
+                    self.taken += 1;
+                    self.coming.insert((due, self.taken), letter);
+                }
+                None => {
+                    // Stamped by the other clock, and so never told behind what was told already.
+                    let at = (letter.happened.at - self.behind).max(self.latest);
+                    now.push(Happened { at, ..letter.happened });
+                }
+            }
+        }
+        while let Some(first) = self.coming.first_entry().filter(|first| first.key().0.ceiling() < clock) {
+            let letter = first.remove();
+            now.push(if letter.sounds && shut { letter.happened.unfelt() } else { letter.happened });
+        }
+        now.sort_by(|a, b| a.at.total_cmp(&b.at));
+        self.latest = now.iter().fold(self.latest, |latest, happened| latest.max(happened.at));
+        now
+    }
+
+    /// Where controls were sent since this was asked last.
+    pub fn moved(&self) -> BTreeMap<String, f64> {
+        self.moved.lock().map(|mut moved| std::mem::take(&mut *moved)).unwrap_or_default()
+    }
+
+    /// Seconds since the beginning, as the session's clock has it.
+    pub fn now(&self) -> f64 {
+        (self.elapsed() - self.behind).max(self.latest)
     }
 
     /// How things came to stand since.
@@ -149,22 +233,80 @@ impl PostBox {
 
 #[cfg(test)]
 mod tests {
-    use super::{Happened, Mood, State, WAITING, post};
+    use super::{Due, Mood, Post, PostBox, State, WAITING, post};
     use pacinian::io::device::keeper::Fate;
+    use pacinian::performer::{Happening, Heard};
 
     #[test]
     fn nobody_waits_and_nothing_is_lost_silently() {
-        let (post, fetch) = post();
-        for n in 0..3 * WAITING {
-            post.put(Happened::new(n as f64, Mood::Usual, "x"));
+        let (post, mut fetch) = post();
+        for _ in 0..3 * WAITING {
+            post.say(Mood::Usual, "x");
             post.fate(Fate::Back);
         }
-        assert_eq!(fetch.events().count() as u64 + fetch.missed(), 3 * WAITING as u64);
+        assert_eq!(fetch.events(0, 0.0, false).len() as u64 + fetch.missed(), 3 * WAITING as u64);
         assert!(fetch.missed() > 0);
         let states = fetch.states().filter(|s| matches!(s, State::Device(Fate::Back))).count();
         assert_eq!(states, 3 * WAITING);
         drop(fetch);
         post.fate(Fate::Back);
         post.say(Mood::Bad, "nobody is there");
+    }
+
+    /// Tells of a marker or a voice at an engine sample, where there are 8,000 a second.
+    fn hear(post: &Post, sample: u64, voice: bool) {
+        let (at, instant) = (sample as f64 / 8000.0, Due { sample, fraction: 0 });
+        let place = "t1";
+        let what = match voice {
+            true => Happening::Voice { name: "tap", place, level: 1.0, duration: 0.1, fields: &[], own: &[] },
+            false => Happening::Marker("m"),
+        };
+        post.hear(&Heard { at, instant, origin: None, id: None, what });
+    }
+
+    #[test]
+    fn what_is_played_ahead_is_shown_when_its_time_has_come_and_in_its_order() {
+        let (post, mut fetch) = post();
+        // 50 ms ahead, and out of order: a pattern is fed before somebody presses a key.
+        [400, 800, 240, 1200].iter().for_each(|sample| hear(&post, *sample, false));
+        assert_eq!(fetch.events(240, 0.03, false).len(), 0, "not before it is computed");
+        post.say(Mood::Bad, "trouble");
+        let mut shown = Vec::new();
+        for clock in (241..1600).step_by(16) {
+            let events = fetch.events(clock, clock as f64 / 8000.0, false);
+            assert!(events.iter().all(|happened| happened.at <= clock as f64 / 8000.0), "{events:?}");
+            shown.extend(events);
+        }
+        assert!(shown.is_sorted_by(|a, b| a.at <= b.at), "{shown:?}");
+        let texts: Vec<_> = shown.iter().map(|happened| happened.text.as_str()).collect();
+        assert_eq!(texts, ["trouble", "marker m", "marker m", "marker m", "marker m"]);
+        assert_eq!(shown.last().unwrap().at, 0.15, "to the bit as the patterns have it");
+    }
+
+    #[test]
+    fn a_voice_that_plays_behind_a_shut_gate_says_so() {
+        let (post, mut fetch) = post();
+        (0..4).for_each(|n| hear(&post, 10 * n, n != 2));
+        let told = |fetch: &mut PostBox, clock, shut| -> Vec<bool> {
+            fetch
+                .events(clock, 0.0, shut)
+                .iter()
+                .map(|h| h.text.contains("not felt: the output is shut"))
+                .collect()
+        };
+        assert_eq!(told(&mut fetch, 5, false), [false]);
+        assert_eq!(told(&mut fetch, 25, true), [true, false], "a marker is none");
+        assert_eq!(told(&mut fetch, 35, false), [false]);
+    }
+
+    #[test]
+    fn where_a_control_was_sent_last_is_known_whatever_is_shown() {
+        let (post, fetch) = post();
+        for n in 0..3 * WAITING {
+            let what = Happening::Control("depth", n as f64);
+            post.hear(&Heard { at: 0.0, instant: Due::default(), origin: None, id: None, what });
+        }
+        assert_eq!(fetch.moved().into_iter().collect::<Vec<_>>(), [("depth".to_string(), 3071.0)]);
+        assert!(fetch.moved().is_empty());
     }
 }

@@ -12,16 +12,18 @@ use pacinian::text::problem::escaped;
 impl Show {
     /// What became of something that was saved.
     pub fn watched(&mut self, news: &News) {
-        let now = self.fetch.elapsed();
+        let now = self.fetch.now();
         self.due = true;
-        let (why, brief) = match news {
+        let (why, brief, wrong) = match news {
             News::Took(loaded, first, changed) => {
                 self.snapshot.title = title(loaded);
                 for (place, name) in self.snapshot.tactors.iter_mut().zip(loaded.tactors()) {
                     place.0 = name;
                 }
                 self.players.become_of(&loaded.patch, first);
+                self.controls.become_of(&loaded.patch);
                 (self.snapshot.stale, self.stale) = (None, String::new());
+                self.snapshot.wrong.clear();
                 let names: Vec<String> = changed.iter().map(|path| path.display().to_string()).collect();
                 let names = escaped(&names.join(", ")).into_owned();
                 self.note(Happened::new(now, Mood::Good, format!("{names}: taken up")));
@@ -34,16 +36,17 @@ impl Show {
                 self.warned.clone_from(&loaded.warnings);
                 return;
             }
-            News::Broken(failure) => (failure.text(&self.terminal), failure.brief()),
+            News::Broken(failure) => (failure.text(&self.terminal), failure.brief(), in_full(failure)),
             News::Kept(why, help) => {
-                (Failure::usage(why.as_str(), help.as_str()).text(&self.terminal), format!("{why}: {help}"))
+                let failure = Failure::usage(why.as_str(), help.as_str());
+                (failure.text(&self.terminal), format!("{why}: {help}"), in_full(&failure))
             }
         };
         self.note(Happened::new(now, Mood::Told, format!("the old one plays on: {brief}")));
         if let Out::Lines(lines) = &mut self.out {
             lines.put(why.trim_end());
         }
-        (self.snapshot.stale, self.stale) = (Some(brief), why);
+        (self.snapshot.stale, self.stale, self.snapshot.wrong) = (Some(brief), why, wrong);
     }
 
     fn warn(&mut self, now: f64, warnings: &Problems) {
@@ -55,6 +58,15 @@ impl Show {
             }
         }
     }
+}
+
+/// All that is wrong, with line, column and help, a line each.
+fn in_full(failure: &Failure) -> Vec<String> {
+    failure
+        .problems()
+        .iter()
+        .flat_map(|problems| problems.to_string().lines().map(String::from).collect::<Vec<_>>())
+        .collect()
 }
 
 /// What the patch is called, or else its file.

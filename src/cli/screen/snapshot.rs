@@ -1,5 +1,6 @@
 //! Everything that the screen shows at one moment.
 
+use super::controls::ControlFace;
 use super::happened::Happened;
 use super::meter::Meter;
 
@@ -24,6 +25,8 @@ pub struct Snapshot {
     pub lost: bool,
     /// Why what was saved last does not play.
     pub stale: Option<String>,
+    /// The same in full, with places and help, a line each.
+    pub wrong: Vec<String>,
     /// How the engine is doing.
     pub figures: Figures,
     /// What lies between an event and the skin.
@@ -32,6 +35,8 @@ pub struct Snapshot {
     pub tactors: Vec<(String, Meter)>,
     /// By key, from 1.
     pub keys: Vec<KeyFace>,
+    /// The controls of the patch.
+    pub controls: Vec<ControlFace>,
     /// Patterns for which there is no digit left.
     pub keyless: usize,
     /// The latest events, the last at the end.
@@ -107,5 +112,11 @@ impl Latency {
     /// All of what lies between an event and the skin.
     pub fn total(&self) -> f64 {
         self.block + self.engine + self.device.unwrap_or(0.0) + self.beyond.unwrap_or(0.0)
+    }
+
+    /// The same for people, who learn where the device does not say what it adds.
+    pub fn told(&self) -> String {
+        let least = if self.device.is_none() { "at least " } else { "" };
+        format!("{least}{:.1} ms", 1000.0 * self.total())
     }
 }

@@ -18,6 +18,7 @@ const HOLD: &str = "\x1b[?2026h";
 const SHOW: &str = "\x1b[?2026l";
 
 static TAKEN: AtomicBool = AtomicBool::new(false);
+static KEYS: AtomicBool = AtomicBool::new(false);
 
 /// Whether there can be a screen: keys come from a terminal, both outputs go to it, it can move its cursor, it is not too small, and
 /// nobody wants plain lines.
@@ -59,12 +60,42 @@ pub fn take() -> std::io::Result<()> {
     out.write_all(ENTER.as_bytes()).and_then(|()| out.flush()).inspect_err(|_| give_back())
 }
 
+/// Lets keys through one by one, without an echo, and leaves the terminal as it is otherwise: lines are written as ever, and Ctrl-C is
+/// a signal where there are such.
+///
+/// # Errors
+/// What the system says.
+pub fn take_keys() -> std::io::Result<()> {
+    crossterm::terminal::enable_raw_mode()?;
+    KEYS.store(true, Ordering::SeqCst);
+    #[cfg(unix)]
+    {
+        use rustix::termios::{LocalModes, OptionalActions, OutputModes, tcgetattr, tcsetattr};
+        let as_usual = || {
+            let mut modes = tcgetattr(stdin())?;
+            modes.output_modes |= OutputModes::OPOST;
+            modes.local_modes |= LocalModes::ISIG;
+            tcsetattr(stdin(), OptionalActions::Now, &modes)
+        };
+        as_usual().inspect_err(|_| give_back())?;
+    }
+    Ok(())
+}
+
+/// Whether keys come one by one.
+pub fn are_keys_taken() -> bool {
+    KEYS.load(Ordering::SeqCst)
+}
+
 /// Gives the terminal back, if it was taken; from any thread, a panicking one too.
 pub fn give_back() {
     if TAKEN.swap(false, Ordering::SeqCst) {
         // Not on standard output, which another thread may hold and never let go of.
         let mut err = stderr();
         let _ = err.write_all(LEAVE.as_bytes()).and_then(|()| err.flush());
+        let _ = crossterm::terminal::disable_raw_mode();
+    }
+    if KEYS.swap(false, Ordering::SeqCst) {
         let _ = crossterm::terminal::disable_raw_mode();
     }
 }

@@ -3,6 +3,7 @@
 use super::probe::may_be_felt;
 use pacinian::rig::{Output, Rig};
 use pacinian::text::nearest::suggest;
+use pacinian::text::problem::escaped;
 
 /// What was said.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,15 +16,47 @@ pub enum Answer {
     Nothing,
     /// The same again.
     Again,
+    /// On to the next, without an answer.
+    Skip,
     /// The one before again.
     Back,
     /// Enough.
     Quit,
 }
 
-/// What may be said.
-pub const HELP: &str =
-    "Enter: yes   NAME or channel: it was that one   n: nothing   r: again   b: back   q: end";
+/// What may be said in a line.
+pub const LINES: &str =
+    "Enter: yes   NAME or channel: it was that one   n: nothing   r: again   s: skip   b: back   q: end";
+
+/// What may be said with a key.
+pub const KEYS: &str = "y or Enter: yes   t: it was another, by name or channel   n: nothing   r: again   s: skip   b: back   q: end";
+
+/// What a key says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pressed {
+    /// An answer, and the word for it.
+    Answer(Answer, &'static str),
+    /// That the name or the channel of an output follows.
+    Name,
+    /// Nothing.
+    Nothing,
+}
+
+impl Pressed {
+    /// Of a key.
+    pub fn of(key: char) -> Self {
+        match key.to_ascii_lowercase() {
+            'y' | '\n' => Self::Answer(Answer::Yes, "yes"),
+            'n' => Self::Answer(Answer::Nothing, "nothing"),
+            'r' => Self::Answer(Answer::Again, "again"),
+            's' => Self::Answer(Answer::Skip, "skipped"),
+            'b' => Self::Answer(Answer::Back, "back"),
+            'q' => Self::Answer(Answer::Quit, "end"),
+            't' => Self::Name,
+            _ => Self::Nothing,
+        }
+    }
+}
 
 impl Answer {
     /// Of a line.
@@ -32,13 +65,21 @@ impl Answer {
     /// Says what it cannot mean.
     pub fn of(line: &str, rig: &Rig) -> Result<Self, String> {
         match line {
-            "" | "y" => return Ok(Self::Yes),
-            "n" => return Ok(Self::Nothing),
-            "r" => return Ok(Self::Again),
-            "b" => return Ok(Self::Back),
-            "q" => return Ok(Self::Quit),
-            _ => {}
+            "" | "y" => Ok(Self::Yes),
+            "n" => Ok(Self::Nothing),
+            "r" => Ok(Self::Again),
+            "s" => Ok(Self::Skip),
+            "b" => Ok(Self::Back),
+            "q" => Ok(Self::Quit),
+            _ => Self::named(line, rig),
         }
+    }
+
+    /// Of the name or the channel of an output.
+    ///
+    /// # Errors
+    /// Says what it cannot mean.
+    pub fn named(line: &str, rig: &Rig) -> Result<Self, String> {
         let felt = || rig.outputs.iter().enumerate().filter(|(_, output)| may_be_felt(output));
         let only = |which: &dyn Fn(&Output) -> bool| {
             let mut found = felt().filter(|(_, output)| which(output));
@@ -48,6 +89,9 @@ impl Answer {
             return only(&|output| output.channel == channel)
                 .ok_or_else(|| format!("the rig has nothing that is felt on channel {channel}"));
         }
+        if line.is_empty() {
+            return Err("no name, no channel".into());
+        }
         let lower = line.to_lowercase();
         only(&|output| output.name == line)
             .or_else(|| only(&|output| output.name.to_lowercase() == lower))
@@ -55,7 +99,8 @@ impl Answer {
             .ok_or_else(|| {
                 let near = suggest(line, felt().map(|(_, output)| output.name.as_str()));
                 format!(
-                    "no tactor is called `{line}`{}",
+                    "no tactor is called `{}`{}",
+                    escaped(line),
                     near.map_or(String::new(), |near| format!("; {near}"))
                 )
             })
@@ -64,7 +109,7 @@ impl Answer {
 
 #[cfg(test)]
 mod tests {
-    use super::Answer;
+    use super::{Answer, KEYS, Pressed};
     use pacinian::Rig;
 
     #[test]
@@ -83,5 +128,20 @@ mod tests {
             assert!(of(wrong).is_err(), "{wrong}");
         }
         assert!(of("bakc").unwrap_err().contains("`back`"));
+        // A name is a name, though it begins as a word that may be said.
+        assert_eq!(Answer::named("b", &rig), Ok(Answer::Felt(2)));
+        assert!(Answer::named("", &rig).is_err());
+    }
+
+    #[test]
+    fn keys_say_what_their_help_says() {
+        let keys = KEYS.split("   ").map(|item| item.chars().next().unwrap());
+        let said: Vec<_> = keys.clone().map(Pressed::of).collect();
+        assert_eq!(keys.collect::<String>(), "ytnrsbq");
+        assert!(!said.contains(&Pressed::Nothing) && said[1] == Pressed::Name);
+        assert_eq!(Pressed::of('\n'), said[0]);
+        for key in ['x', ' ', '1', '\u{8}', '[', 'a'] {
+            assert_eq!(Pressed::of(key), Pressed::Nothing);
+        }
     }
 }

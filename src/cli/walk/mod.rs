@@ -21,6 +21,7 @@ use pacinian::io::{replace, text};
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::rig::{OutputKind, Rig};
+use pacinian::text::problem::escaped;
 use pacinian::text::{Problem, Problems};
 use pacinian::{NoAssets, Options};
 use probe::{Probe, bare, probes};
@@ -35,9 +36,10 @@ use std::sync::Arc;
     pacinian walk --rig rigs/belt.toml --device \"USB Sound\" --write\n\n\
     Each channel gets a short tone at the resonance of its actuator (200 Hz where that is not known), at --level or less: at most \
     half of what the actuator is rated for, where the rig says volts. Torques, motors and triggers get nothing.\n\
-    In a terminal it waits after each for what was felt: Enter where it was the tactor that the rig says, the name or the channel of \
-    the one that it was, n for nothing, r for the same again, b for the one before, q to end. With --write the channels that were \
-    felt go into the rig's file, which stays as it is otherwise. Anywhere else it walks over all of them without waiting.\n\
+    In a terminal it waits after each for what was felt, a key each: y or Enter where it was the tactor that the rig says, t and then \
+    the name or the channel of the one that it was, n for nothing, r for the same again, s to leave it out, b for the one before, q to \
+    end. With --write the channels that were felt go into the rig's file, which stays as it is otherwise; answers may be piped in then, a \
+    line each: an empty one for yes, a name, a channel, or a letter as above. Anywhere else it walks over all of them without waiting.\n\
     With no device named, here or in the rig, it plays on the system's default, which may be headphones: at -20 dB until --arm.\n\
     Ctrl-C ends it: the output goes to exact zeros within 2 ms.")]
 pub struct Walk {
@@ -67,9 +69,6 @@ pub struct Walk {
     write: bool,
 }
 
-/// Channels where no rig says how many.
-const CHANNELS: u32 = 8;
-
 fn level(word: &str) -> Result<f64, String> {
     let level = word.parse().ok().filter(|level| *level > 0.0 && *level <= 1.0);
     level.ok_or_else(|| "a level is a number above 0, and 1 at most".into())
@@ -90,7 +89,7 @@ impl Walk {
         let given = read.transpose()?.map(|checked| checked.value);
         let named = given.as_ref().and_then(|rig| rig.device.name.as_deref());
         let wish = Wish::of(self.device.as_deref(), named);
-        let person = Typed::listen()
+        let person = Typed::listen(self.write)
             .map_err(|error| Failure::said(71, format!("no thread for what is typed: {error}")))?;
         if self.write {
             self.check_write(person.is_some())?;
@@ -121,6 +120,7 @@ impl Walk {
         if person.is_none() || felt.is_empty() {
             return Ok(());
         }
+        drop(person);
         self.conclude(&rig, &probes, &felt, &source.unwrap_or_default(), terminal)
     }
 
@@ -128,7 +128,7 @@ impl Walk {
         if !asked {
             return Err(Failure::usage(
                 "--write needs somebody who says what is felt",
-                "run it in a terminal, or leave --write out",
+                "run it in a terminal, pipe a line for each channel in, or leave --write out",
             ));
         }
         if self.rig.as_ref().is_some_and(|rig| text::is_stream(rig)) {
@@ -194,7 +194,7 @@ impl Walk {
         let rate = device.rate(rig.device.rate.map(|rate| rate as u32));
         let armed = self.arm || *wish != Wish::Default || matches!(device, Chosen::Virtual(_));
         let why = match &device {
-            Chosen::Virtual(Some(why)) => format!(", since {why}"),
+            Chosen::Virtual(Some(why)) => format!(", since {}", escaped(why)),
             _ => String::new(),
         };
         let name = device.name().to_string();
@@ -213,10 +213,12 @@ impl Walk {
             }),
             fate: Box::new(move |fate| {
                 note.note(&match fate {
-                    Fate::Lost(why) => format!("the device is gone ({why}); it is waited for\n"),
-                    Fate::Back => "the device is back\n".into(),
-                    Fate::Moved => "the system moved the stream to another device\n".into(),
-                    Fate::Said(what) => format!("{what}\n"),
+                    Fate::Lost(why) => {
+                        format!("\nthe device is gone ({}); it is waited for\n", escaped(&why))
+                    }
+                    Fate::Back => "\nthe device is back\n".into(),
+                    Fate::Moved => "\nthe system moved the stream to another device\n".into(),
+                    Fate::Said(what) => format!("\n{}\n", escaped(&what)),
                 });
             }),
             ..Beginning::of(Reload { scene, patch, rig, files, provenance: None }, device)
@@ -226,8 +228,9 @@ impl Walk {
             SessionError::Plan(what) => Failure::said(65, what),
         })?;
         terminal.note(&format!(
-            "walking over {} of {name}{why}{}\n",
+            "walking over {} of {}{why}{}\n",
             super::table::many(probes.len(), "channel"),
+            escaped(&name),
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
         Ok(session)
@@ -239,7 +242,11 @@ impl Walk {
         for output in others {
             moves |= matches!(output.kind, OutputKind::Drive | OutputKind::Torque);
             let what = kind(&output.kind);
-            terminal.note(&format!("left out: `{}` on channel {}, {what}\n", output.name, output.channel));
+            terminal.note(&format!(
+                "left out: `{}` on channel {}, {what}\n",
+                escaped(&output.name),
+                output.channel
+            ));
         }
         if moves {
             terminal.note("where jacks are not where they seem to be, another channel may lead there: unplug what turns\n");
@@ -272,8 +279,15 @@ impl Walk {
         for note in notes {
             terminal.print(&format!("{note}\n"))?;
         }
+        let open = open(probes, felt);
         if moved.is_empty() {
-            return terminal.print("the rig is as it was felt\n");
+            return terminal.print(&match open {
+                None => "the rig is as it was felt\n".into(),
+                Some(open) => format!("no tactor was felt elsewhere than the rig says; {open}\n"),
+            });
+        }
+        if let Some(open) = open {
+            terminal.print(&format!("{open}\n"))?;
         }
         let other = super::table::many(moved.len(), "tactor");
         let Some(path) = self.rig.as_ref().filter(|_| self.write) else {
@@ -290,8 +304,22 @@ impl Walk {
             Failure::said(78, format!("`{shown}` was left alone: {why}; change its channels by hand"))
         })?;
         replace::replace(path, source, after.as_bytes())?;
-        terminal.print(&format!("{shown}: {other} on other channels now\n"))
+        terminal.print(&format!("{}: {other} on other channels now\n", escaped(&shown.to_string())))
     }
+}
+
+/// Which channels are still not known after what was felt, in words.
+fn open(probes: &[Probe], felt: &BTreeMap<u32, Felt>) -> Option<String> {
+    let which = |wanted: Option<Felt>| {
+        let of = probes.iter().filter(|probe| felt.get(&probe.channel).copied() == wanted);
+        let channels: Vec<String> = of.map(|probe| probe.channel.to_string()).collect();
+        let word = if channels.len() == 1 { "channel" } else { "channels" };
+        (!channels.is_empty()).then(|| format!("{word} {}", channels.join(", ")))
+    };
+    let nothing = which(Some(Felt::Nothing)).map(|channels| format!("nothing was felt on {channels}"));
+    let unsaid = which(None).map(|channels| format!("nothing was said of {channels}"));
+    let both: Vec<String> = nothing.into_iter().chain(unsaid).collect();
+    (!both.is_empty()).then(|| both.join("; "))
 }
 
 fn kind(kind: &OutputKind) -> &'static str {
@@ -306,11 +334,5 @@ fn kind(kind: &OutputKind) -> &'static str {
 
 /// As many as the device has, as far as it says, and 8 at most: those that mix take any number.
 fn channels(device: &Chosen) -> u32 {
-    let offer = match device {
-        Chosen::Card(_, found) => found.output.as_ref(),
-        Chosen::Virtual(_) => None,
-    };
-    let counts = offer.map_or(&[][..], |offer| &offer.channels);
-    let fit = counts.iter().rev().map(|count| u32::from(*count)).find(|count| *count <= CHANNELS);
-    fit.or(counts.first().map(|count| u32::from(*count))).unwrap_or(CHANNELS)
+    crate::cli::by_default::fit(0, device.channels())
 }

@@ -1,9 +1,9 @@
 //! Channel after channel: with somebody who says what is felt, or without.
 
-use super::answer::{Answer, HELP};
+use super::answer::{Answer, KEYS, LINES, Pressed};
 use super::map::Felt;
 use super::probe::Probe;
-use crate::cli::ask::{Said, Typed};
+use crate::cli::ask::{Edit, Entry, Said, Typed};
 use crate::cli::failure::Failure;
 use crate::cli::guard;
 use crate::cli::stop::Stop;
@@ -11,6 +11,7 @@ use crate::cli::terminal::Terminal;
 use pacinian::io::session::Session;
 use pacinian::live::gate::RAMP_IN;
 use pacinian::rig::Rig;
+use pacinian::text::problem::escaped;
 use pacinian::{Note, Place};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -20,6 +21,9 @@ const PAUSE: Duration = Duration::from_millis(300);
 
 /// So long the output takes to come in.
 const OPENS: Duration = Duration::from_millis((1000.0 * RAMP_IN) as u64);
+
+/// The exit code of Ctrl-C.
+const INTERRUPTED: u8 = 130;
 
 /// How it came to an end.
 pub enum End {
@@ -69,7 +73,8 @@ impl Round<'_> {
     /// # Errors
     /// As [`Round::pass`].
     pub fn ask(&self, person: &Typed, felt: &mut BTreeMap<u32, Felt>) -> Result<End, Failure> {
-        self.terminal.note(&format!("{HELP}\n\n"));
+        let help = if person.keyed { KEYS } else { LINES };
+        self.terminal.note(&format!("{help}\n\n"));
         if let Some(code) = self.wait(OPENS) {
             return Ok(End::Stopped(code));
         }
@@ -81,19 +86,9 @@ impl Round<'_> {
             if let Some(code) = self.play(probe)? {
                 return Ok(End::Stopped(code));
             }
-            let answer = loop {
-                match person.said() {
-                    Said::End => return Ok(End::Over),
-                    Said::Line(line) => match Answer::of(&line, self.rig) {
-                        Ok(answer) => break answer,
-                        Err(why) => self.terminal.note(&format!("     {why}\n     {HELP}\n     ? ")),
-                    },
-                    Said::Nothing => {
-                        if let Some(code) = self.wait(Duration::from_millis(10)) {
-                            return Ok(End::Stopped(code));
-                        }
-                    }
-                }
+            let answer = match self.answer(person, help) {
+                Ok(answer) => answer,
+                Err(end) => return Ok(end),
             };
             let what = match answer {
                 // Where the rig has nothing, there is nothing to agree with.
@@ -101,6 +96,7 @@ impl Round<'_> {
                 Answer::Felt(output) => Some(Felt::Output(output)),
                 Answer::Nothing => Some(Felt::Nothing),
                 Answer::Again => continue,
+                Answer::Skip => None,
                 Answer::Back => {
                     at = at.saturating_sub(1);
                     continue;
@@ -114,6 +110,62 @@ impl Round<'_> {
             at += 1;
         }
         Ok(End::Over)
+    }
+
+    /// Waits for an answer that can be understood.
+    fn answer(&self, person: &Typed, help: &str) -> Result<Answer, End> {
+        let mut entry: Option<Entry> = None;
+        // Whether something was typed that means nothing, so that Enter does not agree to anything.
+        let mut unclear = false;
+        let again = |why: &str| self.terminal.note(&format!("\n     {why}\n     {help}\n     ? "));
+        loop {
+            match person.said() {
+                Said::End => return Err(End::Over),
+                Said::Stop => return Err(End::Stopped(INTERRUPTED)),
+                Said::Unclear if person.keyed => unclear = true,
+                Said::Unclear => again("that was not understood"),
+                Said::Line(line) => match Answer::of(&line, self.rig) {
+                    Ok(answer) => {
+                        self.terminal.note(&format!("{}\n", escaped(&line)));
+                        return Ok(answer);
+                    }
+                    Err(why) => again(&why),
+                },
+                Said::Key(key) => match entry.as_mut().map(|entry| entry.press(key)) {
+                    Some(Edit::Echo(text)) => self.terminal.echo(&text),
+                    Some(Edit::Line(line)) => match Answer::named(&line, self.rig) {
+                        Ok(answer) => {
+                            self.terminal.note("\n");
+                            return Ok(answer);
+                        }
+                        Err(why) => {
+                            again(&why);
+                            (entry, unclear) = (None, false);
+                        }
+                    },
+                    None => match Pressed::of(key) {
+                        _ if key == '\n' && unclear => {
+                            again("that was not understood");
+                            unclear = false;
+                        }
+                        Pressed::Answer(answer, word) => {
+                            self.terminal.note(&format!("{word}\n"));
+                            return Ok(answer);
+                        }
+                        Pressed::Name => {
+                            self.terminal.note("it was ");
+                            entry = Some(Entry::default());
+                        }
+                        Pressed::Nothing => unclear = true,
+                    },
+                },
+                Said::Nothing => {
+                    if let Some(code) = self.wait(Duration::from_millis(10)) {
+                        return Err(End::Stopped(code));
+                    }
+                }
+            }
+        }
     }
 
     /// Plays a probe and waits until it is over; the exit code where somebody asks to stop.
@@ -145,7 +197,8 @@ impl Round<'_> {
 
     fn described(&self, probe: &Probe) -> String {
         let output = probe.output.and_then(|at| self.rig.outputs.get(at));
-        let name = output.map_or("nothing in the rig".into(), |output| format!("`{}`", output.name));
+        let name =
+            output.map_or("nothing in the rig".into(), |output| format!("`{}`", escaped(&output.name)));
         let why = if probe.lowered { ", half of what it is rated for" } else { "" };
         format!(
             "channel {}: {name}, {:.0} Hz at level {:.2}{why}",

@@ -1,0 +1,92 @@
+//! Signals that come in pairs, as when a terminal is closed: what plays fades, and what is kept is finished.
+#![cfg(all(feature = "cli", unix))]
+
+mod program;
+#[cfg(target_os = "linux")]
+mod seat;
+
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use program::Scratch;
+
+/// At full swing all the time.
+const PATCH: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.hum]\nstart = \"always\"\noutput = \"s\"\n\
+    nodes.s = { type = \"sine\", frequency = 100, amplitude = 0.5 }\n";
+
+const KEPT: [&str; 7] = ["play", "p.toml", "--device", "virtual", "--record", "a.wav", "--events"];
+
+/// Waits until so much is recorded that the output has come in.
+fn has_played(scratch: &Scratch) {
+    let begin = Instant::now();
+    let length = || std::fs::metadata(scratch.0.join("a.wav")).map_or(0, |about| about.len());
+    // Half a second of 8 channels.
+    while length() < 4 * 8 * 24_000 {
+        assert!(begin.elapsed() < Duration::from_secs(20), "nothing is recorded");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// The recording ends in silence after it swung, and the journal with its end.
+#[track_caller]
+fn is_finished(scratch: &Scratch, how: &str) {
+    let (spec, samples) = scratch.wav("a.wav");
+    let frames: Vec<&[f32]> = samples.chunks_exact(usize::from(spec.channels)).collect();
+    let (before, last) = frames.split_at(frames.len() - 64);
+    assert!(last.iter().all(|frame| frame.iter().all(|x| x.to_bits() == 0)), "{how}: it is cut off");
+    let swings =
+        before.iter().rev().take(9600).flat_map(|frame| frame.iter()).fold(0.0_f32, |a, b| a.max(b.abs()));
+    assert!(swings > 0.45, "{how}: {swings}");
+    let steepest = frames.windows(2).map(|pair| (pair[1][0] - pair[0][0]).abs()).fold(0.0, f32::max);
+    // The ramp of 2 ms is 96 frames long.
+    assert!(steepest < 0.02, "{how}: a step of {steepest}");
+    let journal = std::fs::read_to_string(scratch.0.join("e.jsonl")).unwrap();
+    assert!(journal.trim_end().lines().last().unwrap().contains("\"end\""), "{how}: {journal:.300}");
+    scratch.run(&["replay", "e.jsonl", "--against", "a.wav"]).succeeds();
+}
+
+#[test]
+fn a_second_signal_does_not_cut_the_output_off() {
+    for (first, second, code) in [("HUP", "HUP", 129), ("HUP", "TERM", 129), ("TERM", "INT", 143)] {
+        for pause in ["0.001", "0.02"] {
+            let how = format!("{first}, {pause} s, {second}");
+            let scratch = Scratch::new("stop-pair");
+            scratch.write("p.toml", PATCH);
+            let mut command = scratch.command(&[&KEPT[..], &["e.jsonl"]].concat());
+            let mut child =
+                command.stdin(Stdio::null()).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
+            has_played(&scratch);
+            let id = child.id();
+            // The second finds nobody where the first was that fast.
+            let kill =
+                format!("kill -s {first} {id}; sleep {pause}; kill -s {second} {id} 2>/dev/null; true");
+            assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+            assert_eq!(child.wait().unwrap().code(), Some(code), "{how}");
+            is_finished(&scratch, &how);
+        }
+    }
+}
+
+/// A window that is closed: the system tells all who have the terminal, and the shell tells its children once more.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_terminal_that_is_closed_under_a_shell_does_not_cut_the_output_off() {
+    let scratch = Scratch::new("stop-closed");
+    scratch.write("p.toml", PATCH);
+    let play = scratch.command(&[&KEPT[..], &["e.jsonl"]].concat());
+    let words: Vec<_> =
+        std::iter::once(play.get_program()).chain(play.get_args()).map(|w| w.to_str().unwrap()).collect();
+    let script = format!(
+        "trap 'kill -s HUP $p; sleep 0.02; kill -s HUP $p; wait $p; echo $? > code; exit' HUP; exec 3<&0; {} <&3 & p=$!; wait $p",
+        words.join(" ")
+    );
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &script]).current_dir(&scratch.0);
+    let Some(mut seat) = seat::Seat::at(&shell, (80, 24), "xterm-256color", true) else { return };
+    seat.shows("ARMED");
+    has_played(&scratch);
+    seat.hang_up();
+    seat.end();
+    assert_eq!(std::fs::read_to_string(scratch.0.join("code")).unwrap().trim(), "129");
+    is_finished(&scratch, "closed");
+}
