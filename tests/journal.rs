@@ -152,6 +152,10 @@ fn play(journal_path: &Path, recording: &Path) {
                 let _ = handle.play("tap", note.duration(0.01));
             }
             9 if step % 24 == 9 => handle.send(Signal::Arm(step % 48 == 9)).unwrap(),
+            9 => {
+                let silence = Message::Controller { channel, number: 120, value: 0 };
+                handle.send(Signal::Midi(0, silence)).unwrap();
+            }
             10 if step % 36 == 10 => handle.panic(),
             11 if step % 36 == 11 => handle.send(Signal::Calm).unwrap(),
             _ => {}
@@ -224,6 +228,7 @@ fn what_was_played_is_played_again_to_the_bit() {
             Kind::Voice,
             Kind::Release,
             Kind::ReleaseAll,
+            Kind::Silence,
             Kind::Control,
             Kind::Gate,
             Kind::Swap,
