@@ -588,7 +588,7 @@ fn help_and_readme_name_all_exit_codes() {
 fn a_song_goes_by_either_name() {
     let scratch = Scratch::new("midi-file");
     for command in ["play", "render"] {
-        assert!(scratch.run(&[command, "--help"]).succeeds().out.contains("[aliases: --midi-file]"));
+        assert!(scratch.run(&[command, "--help"]).succeeds().out.contains("[alias: --midi-file]"));
     }
     scratch.run(&["render", "good.toml", "--midi-file", "none.mid", "-o", "x.wav"]).fails(66, &["none.mid"]);
 }

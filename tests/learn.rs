@@ -170,7 +170,6 @@ fn what_comes_from_the_network_moves_no_cursor() {
     let scratch = Scratch::new("learn-escapes");
     scratch.write("p.toml", PATCH);
     let (mut child, mut lines, surface) = start(&scratch, &[]);
-    hears(&mut lines, "1/2  depth");
     let address = "/control/\x1b]0;gone\x07\x1b[2J\nMIDI from nowhere\u{202e}";
     surface.say(address, 0.5_f32);
     surface.say(&"/control/".chars().chain(std::iter::repeat_n('x', 5000)).collect::<String>(), 0.5_f32);

@@ -8,6 +8,7 @@ use pacinian::engine::event::{Event, Play, Source};
 use pacinian::engine::exchange::exchange;
 use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::start::FIELDS;
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
 use pacinian::schedule::Instant;
@@ -24,9 +25,10 @@ voices = 16
 output = "o"
 [voice.bad.defaults]
 size = 1
+frequency = 100
 [voice.bad.nodes]
 tone = { type = "sine", frequency = "event.frequency" }
-edge = { type = "square", frequency = "event.frequency" }
+edge = { type = "pulse", frequency = "event.frequency" }
 noise = { type = "white" }
 o = { type = "multiply", inputs = ["tone + edge + noise", "event.size", "strength"] }
 [voice.heard]
@@ -91,8 +93,13 @@ fn blows() -> impl Strategy<Value = Vec<Blow>> {
 
 /// The voice of [`PATCH`] that does all that, on a place.
 fn bad(plan: &Plan, place: u32, duration: f64, frequency: f64, size: f64) -> Play {
-    let own = [("duration", duration), ("frequency", frequency), ("size", size)];
-    Play { place, ..plan.play("bad", &own).unwrap() }
+    let instrument = plan.instruments.iter().position(|i| &*i.name == "bad").unwrap();
+    let mut own = [0.0; FIELDS];
+    for (to, field) in own.iter_mut().zip(&plan.instruments[instrument].fields) {
+        *to = if &**field == "size" { size } else { frequency };
+    }
+    // Given to the engine past everything that looks at numbers.
+    Play { instrument: instrument as u32, place, level: 1.0, duration, own, id: u64::from(place) }
 }
 
 fn events(plan: &Plan, blows: &[Blow]) -> Vec<(f64, Play)> {
@@ -108,7 +115,7 @@ fn input(frames: usize) -> Vec<f32> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn nothing_leaves_beyond_its_level(

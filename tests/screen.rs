@@ -156,9 +156,9 @@ fn a_panic_from_elsewhere_is_opened_by_no_key_that_shuts() {
         assert!(text.contains("SHUT") && !text.contains("open again"), "{text}");
     }
     // What plays now is not felt, and says so; a problem is one line.
-    say("/voice/tap", vec![OscType::Int(7)]);
+    say("/voice/tap/play", vec![]);
     seat.shows("not felt: the output is shut");
-    say("/voice/tpa", vec![OscType::Int(7)]);
+    say("/voice/tpa/play", vec![]);
     let text = seat.see("a problem", |text| text.contains("tpa"));
     assert!(!text.contains("\\n"), "{text}");
     seat.press("c");

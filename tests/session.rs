@@ -190,7 +190,7 @@ fn another_patch_takes_over_without_a_gap_or_a_jump() {
 #[test]
 fn nothing_is_beyond_the_level_of_the_rig_that_plays() {
     const WILD: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.loud]\nstart = \"always\"\noutput = \"s\"\n\
-        [voice.loud.nodes]\ns = { type = \"square\", frequency = 90, amplitude = 40 }\n[voice.noise]\nstart = \"always\"\n\
+        [voice.loud.nodes]\ns = { type = \"pulse\", frequency = 90, amplitude = 40 }\n[voice.noise]\nstart = \"always\"\n\
         output = \"n\"\nplace = \"t2\"\nnodes.n = { type = \"white\", amplitude = 1e6 }\n";
     let at = |level: f64| {
         let mut rig = Rig::default_for(2);
@@ -210,8 +210,9 @@ fn nothing_is_beyond_the_level_of_the_rig_that_plays() {
     for (n, level) in levels.iter().enumerate().skip(1) {
         session.handle().send(Signal::Reload(Box::new(at(*level)))).unwrap();
         wait("the other rig", || swaps().len() == n);
+        // The limiter forgets in half a second how loud it was under a lower level.
         let from = session.board().frames.get();
-        wait("a while", || session.board().frames.get() > from + 6000);
+        wait("a while", || session.board().frames.get() > from + 36_000);
         fetch(&mut recording, &mut all);
     }
     session.stop();
@@ -247,7 +248,7 @@ fn a_flood_of_midi_during_reloads_is_played_or_counted() {
         block: Some(64),
         audience: Box::new(move |told| {
             let which = match told {
-                Told::Came(_, Signal::Midi(_, Message::NoteOn { .. })) => 0,
+                Told::Came(_, Signal::Midi(_, Message::NoteOn { .. }), _) => 0,
                 Told::Report(
                     pacinian::live::callback::Report {
                         deed: Deed::Event { event: Event::Play(_), .. }, ..
@@ -377,4 +378,26 @@ fn a_flood_of_orders_does_not_keep_the_gate_open() {
     fetch(&mut recording, &mut all);
     let last = all.iter().rposition(|x| *x != 0.0).unwrap() / 2;
     assert!(last > 10_000 && (last as u64) < shut, "{last} {shut}");
+}
+
+/// The output comes in slowly, and what plays from the beginning waits for it: the first is as strong as the second.
+#[test]
+fn the_first_that_is_felt_has_its_full_level() {
+    let text = HUM.to_string()
+        + "[[trigger]]\non = \"start\"\nplay = \"tap\"\nset = { duration = 0.05 }\nplace = 1\n\
+           [pattern.taps]\nevents = [{ at = 0, voice = \"tap\", duration = 0.05 }, { at = 0.3, voice = \"tap\", duration = 0.05 }]\n";
+    let text = text.replace("start = \"always\"\n", "");
+    let (mut session, mut recording, _) = start(&text);
+    wait("both", || session.board().started.get() == 3 && session.board().voices.get() == 0);
+    session.stop();
+    let mut all = Vec::new();
+    fetch(&mut recording, &mut all);
+    let taps = channel(&all, 1);
+    let first = taps.iter().position(|x| x.abs() > 0.1).unwrap();
+    // The ramp of 200 ms, and the delay of the engine.
+    assert!((9_600..9_900).contains(&first), "{first}");
+    let peak = |part: &[f32]| part.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+    let (one, other) = (peak(&taps[..first + 4_800]), peak(&taps[first + 9_600..]));
+    assert!(one > 0.9 && (one - other).abs() < 0.01, "{one} {other}");
+    assert!(peak(&channel(&all, 0)) > 0.9, "a trigger of the start waits as well");
 }

@@ -43,7 +43,8 @@ impl Typed {
     /// What the system says where it gives no thread.
     pub fn listen(piped: bool) -> std::io::Result<Option<Self>> {
         let person = stdin().is_terminal();
-        if if person { !stderr().is_terminal() } else { !piped || is_nothing() } {
+        let wanted = if person { stderr().is_terminal() } else { piped && !is_nothing() };
+        if !wanted {
             return Ok(None);
         }
         let (say, said) = sync_channel(WAITING);

@@ -45,7 +45,7 @@ impl Raw {
             most: single(output.max_level),
             window: vec![0.0; filter.taps - 1 + BLOCK],
         };
-        let lines = there.map(|output| line(output)).collect();
+        let lines = there.map(line).collect();
         let tap =
             |phase: usize, k: usize| filter.response[(filter.taps - 1 - k) * filter.ratio + phase] as f32;
         let phases = (0..filter.ratio).map(|p| (0..filter.taps).map(|k| tap(p, k)).collect()).collect();

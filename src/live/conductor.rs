@@ -15,7 +15,7 @@ use super::callback::{Cue, Report, Rings, SOURCES};
 use super::clock::{Moment, StreamClock};
 use super::gate::UNARMED;
 use super::reload::Reload;
-use super::signal::{Handle, Signal, Stamped, WAITING};
+use super::signal::{Handle, Origin, Signal, Stamped, WAITING};
 use super::stamp::{Epoch, Stamp};
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Director;
@@ -40,8 +40,8 @@ const REMEMBERED: usize = 1 << 14;
 pub enum Told<'a> {
     /// A session began, at this moment; its board.
     Began(Epoch, &'a Arc<Board>),
-    /// Something came in, and when; it is told before anything is done about it.
-    Came(Stamp, &'a Signal),
+    /// Something came in, when, and by which way; it is told before anything is done about it.
+    Came(Stamp, &'a Signal, &'a Origin),
     /// What the callback did, and how its frames and wall time belonged together a moment ago.
     Report(&'a Report, Option<Moment>),
     /// Something that was asked for and cannot be done.
@@ -181,6 +181,8 @@ impl Conductor {
         while let Some(report) = self.rings.reports.try_pop() {
             (self.audience)(Told::Report(&report, moment));
         }
+        // The callback at this moment had not done anything yet; what those before it did has been told.
+        self.board.told.set(moment.map_or(0, |moment| moment.frames));
     }
 
     /// Sends what sounds from the beginning, and opens the gate.
@@ -262,8 +264,8 @@ impl Conductor {
     }
 
     /// Does what a signal asks for.
-    pub fn take(&mut self, Stamped { stamp, signal }: Stamped) {
-        (self.audience)(Told::Came(stamp, &signal));
+    pub fn take(&mut self, Stamped { stamp, origin, signal }: Stamped) {
+        (self.audience)(Told::Came(stamp, &signal, &origin));
         let at = self.when(stamp);
         let clock = self.board.clock.get();
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };

@@ -252,6 +252,13 @@ mod tests {
     /// A gain of more than 1, by however little, would let more leave than the engine holds back to.
     #[test]
     fn no_ramp_passes_its_ends() {
+        // Where rounding would carry it beyond.
+        let (low, high) = (0.200_108_5, 0.823_125_2);
+        let mut gate = Gate::new(768_000.0, low);
+        gate.order(Order::Open);
+        pass(&mut gate, 153_600);
+        gate.order(Order::Gain(high));
+        assert_eq!(pass(&mut gate, 160_000).into_iter().find(|x| !(low..=high).contains(x)), None);
         for rate in [6000.0, 7350.0, 44_100.0, 48_000.0, 96_000.0, 192_000.0, 767_999.0] {
             for gain in [1.0, 0.7, UNARMED] {
                 let mut gate = Gate::new(rate, UNARMED);

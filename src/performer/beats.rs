@@ -115,11 +115,14 @@ impl Clock {
 }
 
 impl Beats {
-    /// Of a song: where its tempo changes, in seconds, and what to, in beats a minute; 120 until then. It ends at `seconds`.
-    pub fn of_song(tempi: &[(f64, f64)], seconds: f64) -> Self {
-        let mut map = vec![(0.0, 0.0, 2.0)];
+    /// Of a song that begins after `lead` seconds: where its tempo changes, in its own seconds, and what to, in beats a minute; 120 until
+    /// then. It ends at its `seconds`.
+    pub fn of_song(tempi: &[(f64, f64)], seconds: f64, lead: f64) -> Self {
+        let first = (lead, 0.0, 2.0);
+        let mut map = vec![first];
         for &(at, tempo) in tempi {
-            let &(from, beat, speed) = map.last().unwrap_or(&(0.0, 0.0, 2.0));
+            let at = lead + at;
+            let &(from, beat, speed) = map.last().unwrap_or(&first);
             let tempo = tempo.clamp(1.0, 10_000.0) / 60.0;
             if at <= from {
                 map.pop();
@@ -128,7 +131,7 @@ impl Beats {
                 map.push((at, beat + (at - from) * speed, tempo));
             }
         }
-        Self::Song(map, seconds)
+        Self::Song(map, lead + seconds)
     }
 
     /// The clock that comes, made if there was none.
@@ -188,7 +191,7 @@ mod tests {
     #[test]
     fn the_map_of_a_song_is_the_integral_of_its_tempo() {
         // 60 a minute for two seconds, then 120, then 30.
-        let beats = Beats::of_song(&[(0.0, 60.0), (2.0, 120.0), (4.0, 30.0)], 10.0);
+        let beats = Beats::of_song(&[(0.0, 60.0), (2.0, 120.0), (4.0, 30.0)], 10.0, 0.0);
         for (beat, seconds, speed) in
             [(0.0, 0.0, 1.0), (1.5, 1.5, 1.0), (2.0, 2.0, 2.0), (5.0, 3.5, 2.0), (7.0, 6.0, 0.5)]
         {
@@ -196,7 +199,11 @@ mod tests {
             assert_eq!(beats.beat(seconds), Some(beat));
         }
         assert_eq!(beats.at(9.5, 2.0), None, "it has ended");
-        assert_eq!(Beats::of_song(&[], 10.0).at(3.0, 1.0), Some((1.5, 2.0)), "120 where nothing is said");
+        assert_eq!(
+            Beats::of_song(&[], 10.0, 0.0).at(3.0, 1.0),
+            Some((1.5, 2.0)),
+            "120 where nothing is said"
+        );
     }
 
     #[test]

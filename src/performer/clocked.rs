@@ -53,7 +53,7 @@ impl Performer {
         }
         self.clocked.patterns = clocked.into_iter().map(|pattern| (pattern, None)).collect();
         self.roots = own;
-        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, 0.0)).collect();
+        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, self.lead)).collect();
         let score = self.score(&roots, self.plan.seed)?;
         let run = Run::new(0, roots, score);
         self.length = run.length();
@@ -69,7 +69,7 @@ impl Performer {
     /// As [`Performer::await_clock`].
     pub fn follow_song(&mut self, tempi: &[(f64, f64)], seconds: f64) -> Result<(), Problem> {
         self.await_clock()?;
-        self.clocked.beats = Beats::of_song(tempi, seconds);
+        self.clocked.beats = Beats::of_song(tempi, seconds, self.lead);
         self.start_clocked(0.0, true)
     }
 

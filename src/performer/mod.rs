@@ -93,6 +93,8 @@ pub struct Performer {
     first: Vec<(When, Play)>,
     /// Seconds up to which patterns have been fed.
     fed: f64,
+    /// Seconds after which what plays from the beginning begins.
+    lead: f64,
 }
 
 impl Performer {
@@ -102,12 +104,24 @@ impl Performer {
     /// What is wrong with the patterns that play from the beginning.
     pub fn new(scene: Scene, patch: Arc<Patch>, rig: Arc<Rig>, files: OpenEvents) -> Result<Self, Problem> {
         let mut performer = Self::bare(scene, patch, rig, files);
-        let roots: Vec<Root> = performer.roots.iter().map(|&p| Root::at(p, 0.0)).collect();
-        let score = performer.score(&roots, performer.plan.seed)?;
-        let run = Run::new(0, roots, score);
-        performer.length = run.length();
-        performer.runs.push(run);
+        performer.lead_in(0.0)?;
         Ok(performer)
+    }
+
+    /// What plays from the beginning, patterns, triggers and a song, begins so many seconds after the engine; voices that are always on
+    /// do not wait. Before anything is fed.
+    ///
+    /// # Errors
+    /// As [`Performer::new`].
+    pub fn lead_in(&mut self, seconds: f64) -> Result<(), Problem> {
+        self.lead = seconds;
+        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, seconds)).collect();
+        let score = self.score(&roots, self.plan.seed)?;
+        let run = Run::new(0, roots, score);
+        self.length = run.length();
+        self.runs.retain(|run| run.serial != 0);
+        self.runs.push(run);
+        Ok(())
     }
 
     /// Without anything that plays.
@@ -159,6 +173,7 @@ impl Performer {
             listener: None,
             first: Vec::new(),
             fed: 0.0,
+            lead: 0.0,
         }
     }
 
@@ -196,7 +211,7 @@ impl Performer {
                         _ => note.fields.push((field.clone(), value)),
                     }
                 }
-                self.play(When::BEGINNING, &trigger.play, &note, outlet)
+                self.play(self.when(self.lead), &trigger.play, &note, outlet)
                     .map_err(|problem| Problem { span: Some(trigger.span.clone()), ..problem })?;
             }
         }
@@ -230,9 +245,10 @@ impl Performer {
 
     /// Plays messages of MIDI, each at its time in seconds from the beginning, in order of time.
     pub fn play_song(&mut self, messages: impl IntoIterator<Item = (f64, Message)>, seconds: f64) {
-        self.song.extend(messages.into_iter().map(|(at, message)| (at, Some(message))));
-        self.song.push_back((seconds, None));
-        self.length = self.length.map(|length| length.max(seconds));
+        let lead = self.lead;
+        self.song.extend(messages.into_iter().map(|(at, message)| (lead + at, Some(message))));
+        self.song.push_back((lead + seconds, None));
+        self.length = self.length.map(|length| length.max(lead + seconds));
     }
 
     /// What stopped a pattern before its end, if something did: an events file with a bad line.

@@ -31,7 +31,7 @@ impl Performer {
         let clocked = self.clocked_names();
         let mut new = Self::bare(scene, patch, rig, files);
         std::mem::swap(self, &mut new);
-        (self.played, self.started, self.fed) = (new.played, new.started, fed);
+        (self.played, self.started, self.fed, self.lead) = (new.played, new.started, fed, new.lead);
         self.turned_away = new.turned_away;
         self.endless = std::mem::take(&mut new.endless);
         self.asleep = std::mem::take(&mut new.asleep);
@@ -41,7 +41,7 @@ impl Performer {
             of(&new.plan).zip(of(&self.plan)).is_some_and(|(old, new)| old.goes_on_as(&new))
         });
         self.take_clock(&mut new, &old);
-        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, 0.0)).collect();
+        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, self.lead)).collect();
         self.hands = std::mem::take(&mut new.hands);
         self.take_hands(&new.plan);
         self.song = std::mem::take(&mut new.song);

@@ -145,7 +145,7 @@ fn help(snapshot: &Snapshot, width: usize) -> Line {
     let arm = if snapshot.armed { "-20 dB" } else { "arm" };
     let mut items = vec![panic, ("q", "end"), ("space", "all patterns"), ("a", arm)];
     if !snapshot.controls.is_empty() {
-        items.extend([("Tab", "control"), ("arrows", "move it"), ("0", "reset")]);
+        items.extend([("Tab", "control"), ("arrows", "move"), ("0", "reset")]);
     }
     match snapshot.keys.as_slice() {
         [] => items.retain(|(key, _)| *key != "space"),
@@ -357,19 +357,13 @@ mod tests {
             })
             .collect();
         let large = text(&snapshot, 100, 30);
-        for part in [
-            "›knob-1",
-            "knob-0",
-            "knob-2",
-            "0.25",
-            "t15",
-            "0:49.000",
-            "Tab control   arrows move it   0 reset",
-        ] {
+        for part in
+            ["›knob-1", "knob-0", "knob-2", "0.25", "t15", "0:49.000", "Tab control   arrows move   0 reset"]
+        {
             assert!(large.contains(part), "no `{part}` in\n{large}");
         }
         let small = text(&snapshot, 60, 12);
-        assert!(!small.contains("knob") && small.contains("t15"), "{small}");
+        assert!(!small.contains("knob") && small.contains("16 tactors"), "{small}");
     }
 
     /// All of it, wrapped; and what is cut off is counted.

@@ -35,6 +35,14 @@ impl Chosen {
         }
     }
 
+    /// The numbers of channels that it offers, ascending; none: any.
+    pub fn channels(&self) -> &[u16] {
+        match self {
+            Self::Card(_, found) => found.output.as_ref().map_or(&[], |offer| &offer.channels),
+            Self::Virtual(_) => &[],
+        }
+    }
+
     /// Frames of a block where nobody says otherwise; `None`: as it likes, where it does not say what it can.
     pub fn usual_block(&self) -> Option<u32> {
         let Self::Card(_, Found { output: Some(Offer { blocks: Some((least, most)), .. }), .. }) = self
@@ -68,6 +76,8 @@ impl Wish {
     pub fn of(said: Option<&str>, rig: Option<&str>) -> Self {
         match said.or(rig) {
             Some(VIRTUAL) => Self::Virtual,
+            // Whoever says so has not said which.
+            Some(DEFAULT) => Self::Default,
             Some(name) => Self::Named(name.into()),
             None => Self::Default,
         }
@@ -137,7 +147,7 @@ fn by_id(hosts: &Hosts, id: &str, fits: impl Fn(&Found) -> bool) -> Result<(Devi
     }
 }
 
-/// What the system's default for recording is called on the command line and in a rig.
+/// What the system's default is called on the command line and in a rig.
 pub const DEFAULT: &str = "default";
 
 /// The device that a person means by `name`, to be listened to, among those of the system.

@@ -7,7 +7,7 @@ use cpal::traits::HostTrait;
 use cpal::{Device, Host, HostId};
 
 use super::failure::DeviceError;
-use super::hush::hush;
+use super::hush::{hush, quietly};
 use super::list::{self, Found};
 
 /// Where devices are looked for: in the sound systems of the machine, which is the default, or in one that a program brings along.
@@ -109,7 +109,12 @@ impl Place {
         hush();
         let default = host.default_output_device().as_ref().map(list::id);
         let all = host.devices().map_err(|error| DeviceError::of("the sound system", &error))?;
-        Ok(all.map(|device| list::look(device, default.as_deref(), &self.of)).collect())
+        let all = all.filter(|device| !list::is_none(&list::id(device)));
+        let looked = all.map(|device| quietly(|| list::look(device, default.as_deref(), &self.of)));
+        // What can neither be played on nor heard, and does not say why, is none: ALSA lists its converters too.
+        let of_use =
+            |found: &Found| found.output.is_some() || found.input.is_some() || found.trouble.is_some();
+        Ok(looked.filter(|(_, found)| of_use(found)).collect())
     }
 }
 

@@ -89,6 +89,11 @@ pub(super) fn id(device: &Device) -> String {
     device.id().map_or_else(|_| device.to_string(), |id| id.to_string())
 }
 
+/// Whether a device only swallows what it is given, as fast as it comes: on it no session would keep time.
+pub(super) fn is_none(id: &str) -> bool {
+    id == "alsa:null"
+}
+
 /// Looks at a device of `hosts`; `default` is the id of theirs that is played on where nobody says anything.
 pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Device, Found) {
     let id = id(&device);
@@ -158,16 +163,23 @@ pub fn find<'a, D>(
             names => format!("there is: {}", names.join(", ")),
         };
         let help = near.map_or(there, |near| format!("did you mean `{near}`?"));
+        let help =
+            format!("{help}; `pacinian devices` lists all, and `virtual` is a card that is always there");
         DeviceError::new(Trouble::Missing, what).help(help)
     })
+}
+
+/// Whether words in it begin so: `card` is in `USB Card`, not in `Discard`.
+fn holds(text: &str, lower: &str) -> bool {
+    let text = text.to_lowercase();
+    let begins = |at: usize| !text[..at].ends_with(char::is_alphanumeric);
+    text.match_indices(lower).any(|(at, _)| begins(at))
 }
 
 /// The one of that name, or else the one with that in its name or id, if there is one.
 fn called<'a, D>(all: &[&'a (D, Found)], name: &str) -> Result<Option<&'a (D, Found)>, DeviceError> {
     let lower = name.to_lowercase();
-    let part = |found: &Found| {
-        found.name.to_lowercase().contains(&lower) || found.id.to_lowercase().contains(&lower)
-    };
+    let part = |found: &Found| holds(&found.name, &lower) || holds(&found.id, &lower);
     let exact = all.iter().any(|(_, found)| found.name == name);
     let mut meant = all.iter().filter(|(_, found)| if exact { found.name == name } else { part(found) });
     let Some(first) = meant.next() else { return Ok(None) };

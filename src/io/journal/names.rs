@@ -8,7 +8,8 @@ use crate::engine::event::{Event, Move, Play};
 use crate::graph::plan::Plan;
 use crate::node::motion::Motion;
 
-use super::line::{Kind, Line};
+use super::kind::Kind;
+use super::line::Line;
 
 /// The names of a plan, for its events.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 use std::sync::{Arc, Mutex};
 
-use super::{Audience, Board, Conductor, Report, Signal, Stamped, Told};
+use super::{Audience, Board, Conductor, Origin, Report, Signal, Stamped, Told};
 use crate::engine::event::Event;
 use crate::engine::exchange::exchange;
 use crate::graph::scene::{Options, Scene, scene};
@@ -96,7 +96,7 @@ impl Bench {
     }
 
     fn take(&mut self, nanoseconds: u64, signal: Signal) {
-        self.conductor.take(Stamped { stamp: Stamp(nanoseconds), signal });
+        self.conductor.take(Stamped { stamp: Stamp(nanoseconds), origin: Origin::Program, signal });
     }
 
     /// The voices that were played: instant in frames, due and effective, and instrument.
