@@ -59,6 +59,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             channel: 0,
             kind: OutputKind::Vibration,
             equaliser: Vec::new(),
+            keeps_dc_off: false,
+            max_level: 1.0,
         }],
         markers: Vec::new(),
         left_out: Vec::new(),

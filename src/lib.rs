@@ -40,9 +40,11 @@
 //!
 //! | room | holds |
 //! |---|---|
-//! | `io` | WAV files, recordings, texts; with the feature `io` |
+//! | `io` | files: WAV, recordings, texts, logs; live also devices, ports of MIDI, OSC, journals, sessions; with the feature `io` |
+//! | `live` | what a session is made of but for its devices: signals, the thread that leads it, its callback; with the feature `live` |
 //! | `report` | the scene reference, error against run time, pictures; with the feature `report` |
-//! | [`player`] | patterns and engine together |
+//! | [`player`] | performer and engine together |
+//! | [`performer`] | patterns, keys and messages become events |
 //! | [`engine`] | voices, events, mix, output stage, hand-over of plans |
 //! | [`graph`] | a node graph and the passes that turn it into a plan |
 //! | [`score`] | patterns unrolled in time |

@@ -61,8 +61,6 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static COUNTING: Counting = Counting;
 
-/// A hand that moves one of the voices that were started last.
-
 /// Allocations and frees of this thread while `work` runs.
 fn counted(work: impl FnOnce()) -> u64 {
     COUNT.with(|c| c.set(Some(0)));

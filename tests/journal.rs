@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::journal::reader::{Item, Reader};
+use pacinian::io::journal::remake::Recordings;
 use pacinian::io::journal::replay::{Met, Replay};
 use pacinian::io::journal::{COLUMNS, Journal, Kind, Line, Setting, of_bytes};
 use pacinian::io::recorder::Recorder;
@@ -16,7 +17,7 @@ use pacinian::io::session::{Beginning, Session};
 use pacinian::io::wav::{Encoding, WavReader, WavSpec};
 use pacinian::live::provenance::{Provenance, RigText, Text};
 use pacinian::live::reload::Reload;
-use pacinian::live::signal::Signal;
+use pacinian::live::signal::{Origin, Signal};
 use pacinian::midi::Message;
 use pacinian::node::asset::NoAssets;
 use pacinian::text::Problem;
@@ -103,7 +104,7 @@ fn until(session: &Session, frame: u64) {
 /// Lets a session play, moved by everything that can move it, and keeps it.
 fn play(journal_path: &Path, recording: &Path) {
     let first = reload(PATCH);
-    let setting = Setting { device: "virtual".into(), armed: true, input: None };
+    let setting = Setting { device: "virtual".into(), armed: true, input: None, recording: None };
     let journal =
         Journal::create(journal_path, setting, &first.scene.plan, first.provenance.as_deref()).unwrap();
     let (hears, is_told) = (journal.clone(), journal.clone());
@@ -139,13 +140,22 @@ fn play(journal_path: &Path, recording: &Path) {
                 .send(Signal::Midi(0, Message::NoteOff { channel, note: note - 1, velocity: 0 }))
                 .unwrap(),
             5 => walk = handle.start("walk").unwrap(),
-            6 => handle.stop(walk).unwrap(),
+            6 => {
+                let stop = Origin::Osc("/pattern/w*/stop".into(), "1".into());
+                handle.from(stop).send(Signal::StopNamed("walk".into())).unwrap();
+                handle.stop(walk).unwrap();
+                handle.from(Origin::Key("x".into())).play("nap", Note::default()).unwrap();
+            }
             7 => drop(held.pop().map(|number| handle.release(number))),
             8 => {
                 let note = Note { place: Some(Place::Name("t3".into())), ..Note::default() };
                 let _ = handle.play("tap", note.duration(0.01));
             }
             9 if step % 24 == 9 => handle.send(Signal::Arm(step % 48 == 9)).unwrap(),
+            9 => {
+                let silence = Message::Controller { channel, number: 120, value: 0 };
+                handle.send(Signal::Midi(0, silence)).unwrap();
+            }
             10 if step % 36 == 10 => handle.panic(),
             11 if step % 36 == 11 => handle.send(Signal::Calm).unwrap(),
             _ => {}
@@ -172,7 +182,7 @@ fn play(journal_path: &Path, recording: &Path) {
 
 /// All frames of a replay.
 fn replayed(path: &Path) -> (Vec<f32>, Met) {
-    let mut replay = Replay::open(path, None).unwrap_or_else(|error| panic!("{error}"));
+    let mut replay = Replay::open(path, Recordings::default()).unwrap_or_else(|error| panic!("{error}"));
     let mut all = Vec::new();
     while let Some(frames) = replay.block().unwrap_or_else(|error| panic!("{error}")) {
         all.extend_from_slice(frames);
@@ -218,10 +228,12 @@ fn what_was_played_is_played_again_to_the_bit() {
             Kind::Voice,
             Kind::Release,
             Kind::ReleaseAll,
+            Kind::Silence,
             Kind::Control,
             Kind::Gate,
             Kind::Swap,
             Kind::In,
+            Kind::Refused,
             Kind::Clock,
             Kind::End,
         ] {
@@ -254,6 +266,27 @@ fn what_was_played_is_played_again_to_the_bit() {
                 "an event is given before its sample is computed"
             );
         }
+        // Up to the frame of a clock's line all that was done is told before it.
+        for (at, clock) in lines.iter().enumerate().filter(|(_, line)| line.kind == Kind::Clock) {
+            let later = lines[at..].iter().filter(|line| line.kind.is_played());
+            assert!(later.clone().all(|line| line.frame >= clock.frame), "{clock:?}");
+        }
+        assert!(lines.iter().any(|line| line.kind == Kind::Clock && line.frame > Some(24_000)));
+        // By which way it came, as it came; and what became of it.
+        let came = |source: &str, name: &str, message: &str| {
+            lines.iter().position(|line| {
+                let words =
+                    [&line.source, &line.name, &line.message].map(|word| word.as_deref().unwrap_or(""));
+                line.kind == Kind::In && words == [source, name, message]
+            })
+        };
+        assert!(came("osc", "/pattern/w*/stop", "1").is_some());
+        assert!(came("program", "walk", "start").is_some());
+        let nap = &lines[came("key", "x", "play nap").unwrap() + 1];
+        assert!(
+            nap.kind == Kind::Refused && nap.message.as_ref().unwrap().contains("no voice called `nap`"),
+            "{nap:?}"
+        );
         assert!(lines.iter().any(
             |line| line.source.as_deref() == Some("midi") && line.message.as_deref() == Some("90 2B 5A")
         ));
@@ -266,7 +299,7 @@ fn short(name: &str) -> String {
     let folder = folder(name);
     let path = folder.join("s.jsonl");
     let first = reload(PATCH);
-    let setting = Setting { device: "virtual".into(), armed: true, input: None };
+    let setting = Setting { device: "virtual".into(), armed: true, input: None, recording: None };
     let journal = Journal::create(&path, setting, &first.scene.plan, first.provenance.as_deref()).unwrap();
     let is_told = journal.clone();
     let mut session = Session::start(Beginning {
@@ -276,6 +309,8 @@ fn short(name: &str) -> String {
     })
     .unwrap();
     until(&session, 9_600);
+    journal.clock(session.clock().moment());
+    until(&session, 14_400);
     session.stop();
     journal.finish().unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
@@ -286,7 +321,7 @@ fn short(name: &str) -> String {
 /// What becomes of a journal: how it ends.
 fn outcome(text: &str) -> Result<Met, String> {
     let reader = Reader::new(Cursor::new(text.as_bytes()), "s.jsonl");
-    let mut replay = Replay::new(reader, None).map_err(|error| error.to_string())?;
+    let mut replay = Replay::new(reader, Recordings::default()).map_err(|error| error.to_string())?;
     while replay.block().map_err(|error| error.to_string())?.is_some() {}
     Ok(replay.met())
 }
@@ -332,6 +367,47 @@ fn what_is_no_journal_any_more_is_refused_at_its_line() {
 }
 
 #[test]
+fn a_journal_that_breaks_off_is_played_up_to_the_last_that_it_tells_of() {
+    let text = short("broken");
+    let clock = text.lines().position(|line| line.contains("\"clock\"")).unwrap();
+    let until: Vec<&str> = text.lines().take(clock + 1).collect();
+    let Line { frame, .. } = serde_json::from_str(until[clock]).unwrap();
+    let met = outcome(&(until.join("\n") + "\n")).unwrap();
+    assert!(!met.ended && met.frames == frame.unwrap() && met.frames > 4_800, "{met:?} {frame:?}");
+    // A voice that is there from the beginning sounds all that time.
+    let reader = Reader::new(Cursor::new(until.join("\n") + "\n"), "s.jsonl");
+    let mut replay = Replay::new(reader, Recordings::default()).unwrap();
+    let mut loud = 0;
+    while let Some(frames) = replay.block().unwrap() {
+        loud += frames.iter().filter(|x| x.abs() > 0.01).count();
+    }
+    assert!(loud > 1000, "{loud}");
+    // Nothing comes behind the end, however often one asks.
+    assert!(replay.block().unwrap().is_none() && replay.met().frames == met.frames);
+}
+
+#[test]
+fn a_journal_cannot_ask_for_more_than_a_session_has() {
+    let text = short("greedy");
+    let refused = |text: &str, says: &str| match outcome(text) {
+        Err(error) => assert!(error.contains(says), "`{error}` does not say `{says}`"),
+        Ok(met) => panic!("it was played: {met:?}"),
+    };
+    let with = |line: &str| {
+        let end = text.find("{\"kind\":\"end\"").unwrap();
+        format!("{}{line}{}", &text[..end], &text[end..])
+    };
+    refused(&with("{\"kind\":\"end\",\"frame\":18446744073709551615}\n"), "hours after all");
+    refused(&with("{\"kind\":\"clock\",\"frame\":9000000000}\n"), "52.1 hours after all");
+    refused(&text.replacen("\"gain\":1.0", "\"gain\":1e30", 1), "from 0 to 1, not 1000000");
+    refused(&text.replacen("\"gain\":1.0", "\"gain\":-1.0", 1), "from 0 to 1, not -1");
+    let plan = text.lines().nth(1).unwrap();
+    refused(&with(&format!("{plan}\n").repeat(100)), "plans wait here");
+    let lost = "{\"kind\":\"lost\",\"value\":1e300}\n";
+    assert_eq!(outcome(&with(&lost.repeat(3))).unwrap().lost, u64::MAX);
+}
+
+#[test]
 fn bytes_of_any_kind_are_no_reason_to_panic() {
     let text = short("hostile");
     let mut state = 1_u64;
@@ -345,7 +421,7 @@ fn bytes_of_any_kind_are_no_reason_to_panic() {
         let mut reader = Reader::new(Cursor::new(&bytes), "s");
         while let Ok(Some(_)) = reader.read() {}
         // What can still be played is played, a second of it at most.
-        if let Ok(mut replay) = Replay::new(Reader::new(Cursor::new(&bytes), "s"), None) {
+        if let Ok(mut replay) = Replay::new(Reader::new(Cursor::new(&bytes), "s"), Recordings::default()) {
             while replay.met().frames < 48_000 && matches!(replay.block(), Ok(Some(_))) {}
         }
     }

@@ -5,6 +5,7 @@ mod common;
 use std::sync::{Arc, Mutex};
 
 use pacinian::graph::scene::Options;
+use pacinian::midi::{Channel, Message};
 use pacinian::node::asset::NoAssets;
 use pacinian::player::{Happening, Note, Player};
 use pacinian::rig::Rig;
@@ -70,6 +71,7 @@ fn a_listener_hears_of_all_that_the_program_does() {
             Happening::Control(name, value) => format!("{name} to {value}"),
             Happening::Release => "release".into(),
             Happening::ReleaseAll => "all".into(),
+            Happening::Silence(bits) => format!("silence {bits}"),
             Happening::Touch(motion, value) => format!("{motion:?} {value}"),
         };
         list.lock().unwrap().push((event.instant.sample, what, event.id));
@@ -88,4 +90,66 @@ fn a_listener_hears_of_all_that_the_program_does() {
     let rest: Vec<_> = (1..5).map(of).collect();
     assert_eq!(rest, [(now, "bare on t1"), (now, "strength to 0.5"), (now, "release"), (now, "all")]);
     assert_eq!((heard[1].2, heard[3].2), (Some(id), Some(id)));
+}
+
+/// What a key has started, even where it takes seconds to die away, is silent within 5 ms of all sound off on its channel; what another
+/// channel, the program and the patch have started is as if nothing had been said.
+#[test]
+fn all_sound_off_is_exact_silence_within_five_milliseconds() {
+    const KEYS: &str = r#"
+[voice.long]
+output = "out"
+[voice.long.nodes]
+tone = { type = "sine", frequency = 100 }
+hold = { type = "envelope", attack = 0.01, release = 3 }
+out = { type = "multiply", inputs = ["tone", "hold"] }
+[voice.hum]
+output = "tone"
+start = "always"
+place = "t2"
+nodes.tone = { type = "sine", frequency = 60, amplitude = 0.2 }
+[pattern.beats]
+repeat = { every = 0.02 }
+events = [{ at = 0, voice = "long", level = 0.2, duration = 0.01 }]
+[[trigger]]
+on = "midi.note"
+play = "long"
+spread = "channels"
+notes = [0, 63]
+[[trigger]]
+on = "midi.note"
+play = "beats"
+notes = [64, 127]
+"#;
+    let on = |channel, note| Message::NoteOn { channel: Channel::new(channel).unwrap(), note, velocity: 100 };
+    let off = |note| Message::NoteOff { channel: Channel::FIRST, note, velocity: 64 };
+    let silence = Message::Controller { channel: Channel::FIRST, number: 120, value: 0 };
+    let play = |silenced: bool| {
+        let options = Options { live: true, rate: Some(48_000.0), ..Options::default() };
+        let patch = common::patch(KEYS);
+        let mut player =
+            Player::new(&patch, &Rig::default_for(2), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+        let mut song =
+            vec![(0.1, on(0, 60)), (0.1, on(1, 60)), (0.1, on(0, 62)), (0.12, on(0, 70)), (0.3, off(60))];
+        if silenced {
+            song.push((0.5, silence));
+        }
+        player.play_song(song, 10.0);
+        let mut frames = vec![0.0; 48_000 * 2];
+        player.process(&mut frames);
+        frames
+    };
+    let (heard, whole) = (play(true), play(false));
+    let of = |frames: &[f32], channel: usize, from: f64| -> Vec<f32> {
+        frames.chunks(2).skip((from * 48_000.0) as usize).map(|frame| frame[channel]).collect()
+    };
+    let peak = |frames: &[f32]| frames.iter().fold(0.0_f32, |peak, x| peak.max(x.abs()));
+    assert!(peak(&of(&heard[..48_000], 0, 0.45)) > 0.1);
+    assert!(peak(&of(&whole, 0, 0.505)) > 0.1);
+    assert_eq!(peak(&of(&heard, 0, 0.505)), 0.0);
+    assert!(of(&heard, 1, 0.0) == of(&whole, 1, 0.0) && peak(&of(&heard, 1, 0.9)) > 0.1);
+    // It goes in a curve and not at a blow: no step is larger than a fifth of what sounded.
+    let steps =
+        of(&heard, 0, 0.49).windows(2).fold(0.0_f32, |most, pair| most.max((pair[1] - pair[0]).abs()));
+    assert!(steps < 0.2 * peak(&of(&heard[..48_000], 0, 0.45)), "{steps}");
 }

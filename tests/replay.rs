@@ -78,7 +78,7 @@ fn a_session_is_kept_and_played_again() {
     std::fs::create_dir_all(room.0.join("elsewhere")).unwrap();
     std::fs::rename(room.0.join("sounds"), room.0.join("elsewhere/sounds")).unwrap();
     let gone = room.run(&["replay", "s.csv", "--against", "s.wav"]);
-    assert_eq!(gone.status.code(), Some(66), "{}", text(&gone.stderr));
+    fails(&gone, 66, "--folder DIR");
     let found = room.run(&["replay", "s.csv", "--against", "s.wav", "--folder", "elsewhere"]);
     assert!(found.status.success(), "{}", text(&found.stderr));
     let felt = room.0.join("elsewhere/sounds/felt.wav");
@@ -114,6 +114,182 @@ fn files_that_cannot_be_are_refused_before_anything_plays() {
     assert_eq!(nothing.status.code(), Some(65));
     assert!(text(&nothing.stderr).contains("p.toml:1: this is no journal"), "{}", text(&nothing.stderr));
     assert_eq!(room.run(&["replay", "none.csv"]).status.code(), Some(66));
+}
+
+/// A patch that sounds without an end and hears.
+const HEARS: &str = r#"format = "pacinian-patch/1"
+title = "Ear"
+[voice.hum]
+start = "always"
+output = "o"
+[voice.hum.nodes]
+s = { type = "sine", frequency = 100, amplitude = 0.1 }
+i = { type = "input" }
+o = { type = "add", inputs = ["s", "i"] }
+"#;
+
+/// A session of a second that hears a recording.
+fn listening(name: &str) -> Room {
+    let room = Room::new(name);
+    std::fs::write(room.0.join("h.toml"), HEARS).unwrap();
+    let play = ["play", "h.toml", "--device", "virtual", "--duration", "1.2", "--input", "sounds/felt.wav"];
+    let kept = room.run(&[&play[..], &["--record", "s.wav", "--events", "s.jsonl"]].concat());
+    assert!(kept.status.success(), "{}", text(&kept.stderr));
+    room
+}
+
+/// A WAV file of so many bytes of the samples.
+fn shortened(whole: &[u8], bytes: usize) -> Vec<u8> {
+    let at = whole.windows(4).position(|word| word == b"data").unwrap() + 8;
+    let mut part = whole[..at + bytes].to_vec();
+    part[at - 4..at].copy_from_slice(&(bytes as u32).to_le_bytes());
+    let riff = part.len() as u32 - 8;
+    part[4..8].copy_from_slice(&riff.to_le_bytes());
+    part
+}
+
+fn fails(output: &Output, code: i32, says: &str) {
+    let said = text(&output.stderr);
+    assert!(output.status.code() == Some(code) && said.contains(says), "{:?} {said}", output.status.code());
+}
+
+#[test]
+fn what_was_heard_must_be_what_it_was() {
+    let room = listening("heard");
+    let again = room.run(&["replay", "s.jsonl", "--against", "s.wav"]);
+    assert!(again.status.success(), "{}{}", text(&again.stdout), text(&again.stderr));
+    let (heard, whole) = (room.0.join("s.input.wav"), std::fs::read(room.0.join("s.input.wav")).unwrap());
+    let replay = || room.run(&["replay", "s.jsonl", "--against", "s.wav"]);
+
+    let mut other = whole.clone();
+    let middle = other.len() / 2 / 4 * 4 + 2;
+    other[middle] ^= 0x40;
+    std::fs::write(&heard, &other).unwrap();
+    fails(&replay(), 65, "the SHA-256 of its samples is");
+
+    // Cut to its first tenth of a second.
+    std::fs::write(&heard, shortened(&whole, 4 * 4800)).unwrap();
+    fails(&replay(), 65, "it has 4800 frames, and ");
+    // Of a journal that breaks off nobody knows how much was recorded; but it is said where that ends.
+    let journal = std::fs::read_to_string(room.0.join("s.jsonl")).unwrap();
+    let until = journal.find("{\"kind\":\"end\"").unwrap();
+    std::fs::write(room.0.join("s.jsonl"), &journal[..until]).unwrap();
+    let cut = replay();
+    let said = text(&cut.stdout);
+    assert!(said.contains("heard ends at frame 4,800: silence"), "{said}{}", text(&cut.stderr));
+
+    let elsewhere = journal.replace("\"input\":\"s", "\"input\":\"sounds/../s");
+    std::fs::write(room.0.join("t.jsonl"), elsewhere).unwrap();
+    fails(&room.run(&["replay", "t.jsonl"]), 65, "is no name of a file there");
+
+    let rate = whole.windows(4).position(|word| word == 48_000_u32.to_le_bytes()).unwrap();
+    let mut other = whole.clone();
+    other[rate..rate + 4].copy_from_slice(&44_100_u32.to_le_bytes());
+    std::fs::write(&heard, &other).unwrap();
+    fails(&replay(), 65, "at 44100 Hz, and the session listened to 1 at 48000 Hz");
+    std::fs::remove_file(&heard).unwrap();
+    fails(&replay(), 66, "s.input.wav");
+}
+
+#[test]
+fn a_journal_that_breaks_off_is_the_same_as_far_as_it_goes() {
+    let room = listening("broken");
+    let journal = std::fs::read_to_string(room.0.join("s.jsonl")).unwrap();
+    let clocks = journal.lines().enumerate().filter(|(_, line)| line.contains("\"kind\":\"clock\""));
+    let (last, line) = clocks.last().unwrap();
+    let frame = serde_json::from_str::<serde_json::Value>(line).unwrap()["frame"].as_u64().unwrap();
+    let until: Vec<&str> = journal.lines().take(last + 1).collect();
+    std::fs::write(room.0.join("s.jsonl"), until.join("\n") + "\n").unwrap();
+    let run = room.run(&["replay", "s.jsonl", "--against", "s.wav"]);
+    let said = text(&run.stdout);
+    assert_eq!(run.status.code(), Some(1), "{said}{}", text(&run.stderr));
+    assert!(said.contains("frames that both have; the recording goes on for"), "{said}");
+    assert!(said.contains("the journal breaks off"), "{said}");
+    let json = room.run(&["replay", "s.jsonl", "--against", "s.wav", "--json"]);
+    let summary: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    let compared = &summary["comparison"];
+    assert_eq!((compared["frames"].as_u64(), compared["different"].as_u64()), (Some(frame), Some(0)));
+    assert!(frame > 40_000 && compared["only_recorded"].as_u64() > Some(0), "{compared}");
+}
+
+#[test]
+fn a_replay_writes_over_nothing_of_the_session() {
+    let room = listening("own");
+    let patch = std::fs::read(room.0.join("h.toml")).unwrap();
+    std::fs::copy(room.0.join("h.toml"), room.0.join("named.wav")).unwrap();
+    let journal = std::fs::read_to_string(room.0.join("s.jsonl")).unwrap();
+    std::fs::write(room.0.join("s.jsonl"), journal.replace("h.toml", "named.wav")).unwrap();
+    let before = |name: &str| std::fs::read(room.0.join(name)).unwrap();
+    for name in ["s.input.wav", "s.wav", "named.wav"] {
+        let was = before(name);
+        fails(&room.run(&["replay", "s.jsonl", "-o", name]), 2, "belongs to the session itself");
+        assert_eq!(before(name), was);
+    }
+    assert_eq!(before("named.wav"), patch);
+    // The recordings that a patch names are the session's, too.
+    let kept = room.run(&[&PLAY[..], &["--events", "t.csv"]].concat());
+    assert!(kept.status.success(), "{}", text(&kept.stderr));
+    let was = before("sounds/felt.wav");
+    fails(&room.run(&["replay", "t.csv", "-o", "sounds/felt.wav"]), 2, "belongs to the session itself");
+    assert_eq!(before("sounds/felt.wav"), was);
+    let told = room.run(&["replay", "t.csv", "-o", "again.wav"]);
+    assert!(text(&told.stderr).contains("again.wav: "), "{}", text(&told.stderr));
+    assert!(room.run(&["replay", "t.csv", "-o", "again.wav"]).status.success());
+}
+
+#[test]
+fn nothing_is_replaced_unless_it_is_asked_for() {
+    let room = Room::new("replace");
+    let (wav, csv) = (room.0.join("s.wav"), room.0.join("s.csv"));
+    for (path, arguments) in [(&wav, ["--record", "s.wav"]), (&csv, ["--events", "s.csv"])] {
+        std::fs::write(path, "the data of Tuesday").unwrap();
+        let arguments = [&PLAY[..], &arguments].concat();
+        fails(&room.run(&arguments), 73, "give another name, or --replace");
+        assert_eq!(std::fs::read(path).unwrap(), b"the data of Tuesday");
+        // One that does not begin has replaced nothing either.
+        let gone: Vec<&str> =
+            arguments.iter().map(|word| if *word == "virtual" { "no such card" } else { word }).collect();
+        assert!(!room.run(&[&gone[..], &["--replace"]].concat()).status.success());
+        assert_eq!(std::fs::read(path).unwrap(), b"the data of Tuesday");
+        let replaced = room.run(&[&arguments[..], &["--replace"]].concat());
+        assert!(replaced.status.success(), "{}", text(&replaced.stderr));
+        assert!(std::fs::read(path).unwrap().len() > 1000);
+        std::fs::remove_file(path).unwrap();
+        // An empty one has nothing to lose.
+        std::fs::write(path, "").unwrap();
+        assert!(room.run(&arguments).status.success());
+        std::fs::remove_file(path).unwrap();
+    }
+    // A port that somebody else has.
+    let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = socket.local_addr().unwrap().port().to_string();
+    let taken = room.run(&[&PLAY[..], &["--record", "s.wav", "--events", "s.csv", "--osc", &port]].concat());
+    assert!(!taken.status.success(), "{}", text(&taken.stderr));
+    assert!(!wav.exists() && !csv.exists());
+}
+
+#[test]
+fn a_journal_is_not_believed_about_files() {
+    let room = Room::new("outside");
+    std::fs::create_dir_all(room.0.join("patches")).unwrap();
+    let patch = PATCH.replace("sounds/felt.wav", "../sounds/felt.wav");
+    std::fs::write(room.0.join("patches/p.toml"), patch).unwrap();
+    let play = ["play", "patches/p.toml", "--device", "virtual", "--duration", "0.3", "--events", "s.jsonl"];
+    let kept = room.run(&[&play[..], &["--allow-outside"]].concat());
+    assert!(kept.status.success(), "{}", text(&kept.stderr));
+    let inside = room.run(&["replay", "s.jsonl"]);
+    assert!(
+        !inside.status.success() && text(&inside.stderr).contains("--allow-outside"),
+        "{}",
+        text(&inside.stderr)
+    );
+    assert!(room.run(&["replay", "s.jsonl", "--allow-outside"]).status.success());
+    // What it has no digest of is not read.
+    let journal = std::fs::read_to_string(room.0.join("s.jsonl")).unwrap();
+    let from = journal.find(",\"files\":[").unwrap();
+    let to = from + journal[from..].find(']').unwrap() + 1;
+    std::fs::write(room.0.join("s.jsonl"), format!("{}{}", &journal[..from], &journal[to..])).unwrap();
+    fails(&room.run(&["replay", "s.jsonl", "--allow-outside"]), 65, "has no SHA-256 of `../sounds/felt.wav`");
 }
 
 /// A full disk is told of, and playing goes on to its end.

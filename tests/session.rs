@@ -23,8 +23,11 @@ const HUM: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.hum]\nst
     o = { type = \"multiply\", inputs = [\"s\", \"e\"] }\n";
 
 fn reload(text: &str) -> Reload {
+    reload_on(text, Rig::default_for(2))
+}
+
+fn reload_on(text: &str, rig: Rig) -> Reload {
     let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-    let rig = Rig::default_for(2);
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
     let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
     let files = Box::new(|_: &str| Err(Problem::of_file("no files here")));
@@ -35,6 +38,10 @@ fn reload(text: &str) -> Reload {
 type Words = Arc<Mutex<Vec<String>>>;
 
 fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
+    start_with(reload(text))
+}
+
+fn start_with(scene: Reload) -> (Session, HeapCons<f32>, Words) {
     let words = Words::default();
     let heard = Arc::clone(&words);
     let audience = move |told: Told<'_>| {
@@ -57,7 +64,7 @@ fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
         block: Some(64),
         record: true,
         audience: Box::new(audience),
-        ..Beginning::of(reload(text), Chosen::Virtual(None))
+        ..Beginning::of(scene, Chosen::Virtual(None))
     })
     .unwrap_or_else(|error| panic!("{error}"));
     let recording = session.recording().unwrap();
@@ -179,6 +186,52 @@ fn another_patch_takes_over_without_a_gap_or_a_jump() {
     assert!(hum[9700..end].chunks(480).filter(|c| c.len() == 480).all(|c| c.iter().any(|x| x.abs() > 0.45)));
 }
 
+/// What leaves keeps to the rig's level, to the bit, while other rigs take over; on the way to another level, to the higher of both.
+#[test]
+fn nothing_is_beyond_the_level_of_the_rig_that_plays() {
+    const WILD: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.loud]\nstart = \"always\"\noutput = \"s\"\n\
+        [voice.loud.nodes]\ns = { type = \"pulse\", frequency = 90, amplitude = 40 }\n[voice.noise]\nstart = \"always\"\n\
+        output = \"n\"\nplace = \"t2\"\nnodes.n = { type = \"white\", amplitude = 1e6 }\n";
+    let at = |level: f64| {
+        let mut rig = Rig::default_for(2);
+        rig.device.max_level = level;
+        reload_on(WILD, rig)
+    };
+    let levels = [0.3, 0.05, 0.7, 1.0 / 3.0, 0.1];
+    let (mut session, mut recording, words) = start_with(at(levels[0]));
+    let mut all = Vec::new();
+    wait("the ramp's end", || session.board().frames.get() > 12_000);
+    let swaps = || -> Vec<usize> {
+        let words = words.lock().unwrap();
+        let frame =
+            |w: &String| w.strip_prefix("Report { frame: ")?.strip_suffix(", deed: Swap }")?.parse().ok();
+        words.iter().filter_map(frame).collect()
+    };
+    for (n, level) in levels.iter().enumerate().skip(1) {
+        session.handle().send(Signal::Reload(Box::new(at(*level)))).unwrap();
+        wait("the other rig", || swaps().len() == n);
+        // The limiter forgets in half a second how loud it was under a lower level.
+        let from = session.board().frames.get();
+        wait("a while", || session.board().frames.get() > from + 36_000);
+        fetch(&mut recording, &mut all);
+    }
+    session.stop();
+    fetch(&mut recording, &mut all);
+    let swaps = swaps();
+    let mut reached = [false; 5];
+    for (n, frame) in all.chunks(2).enumerate() {
+        let now = swaps.partition_point(|swap| *swap <= n);
+        // 400 samples of the engine, and those frames of one that were given out before.
+        let glides = now > 0 && n < swaps[now - 1] + 6 * 400 + 6;
+        let most = if glides { levels[now - 1].max(levels[now]) } else { levels[now] };
+        for x in frame {
+            assert!(f64::from(x.abs()) <= most, "frame {n}: {x} beyond {most}, after {swaps:?}");
+            reached[now] |= f64::from(x.abs()) > 0.9 * levels[now];
+        }
+    }
+    assert_eq!(reached, [true; 5], "it is loud on every rig");
+}
+
 /// A hundred thousand messages as fast as they can be sent, by two threads, while patches are taken over: each is played or counted, and
 /// playing goes on.
 #[test]
@@ -195,7 +248,7 @@ fn a_flood_of_midi_during_reloads_is_played_or_counted() {
         block: Some(64),
         audience: Box::new(move |told| {
             let which = match told {
-                Told::Came(_, Signal::Midi(_, Message::NoteOn { .. })) => 0,
+                Told::Came(_, Signal::Midi(_, Message::NoteOn { .. }), _) => 0,
                 Told::Report(
                     pacinian::live::callback::Report {
                         deed: Deed::Event { event: Event::Play(_), .. }, ..
@@ -325,4 +378,26 @@ fn a_flood_of_orders_does_not_keep_the_gate_open() {
     fetch(&mut recording, &mut all);
     let last = all.iter().rposition(|x| *x != 0.0).unwrap() / 2;
     assert!(last > 10_000 && (last as u64) < shut, "{last} {shut}");
+}
+
+/// The output comes in slowly, and what plays from the beginning waits for it: the first is as strong as the second.
+#[test]
+fn the_first_that_is_felt_has_its_full_level() {
+    let text = HUM.to_string()
+        + "[[trigger]]\non = \"start\"\nplay = \"tap\"\nset = { duration = 0.05 }\nplace = 1\n\
+           [pattern.taps]\nevents = [{ at = 0, voice = \"tap\", duration = 0.05 }, { at = 0.3, voice = \"tap\", duration = 0.05 }]\n";
+    let text = text.replace("start = \"always\"\n", "");
+    let (mut session, mut recording, _) = start(&text);
+    wait("both", || session.board().started.get() == 3 && session.board().voices.get() == 0);
+    session.stop();
+    let mut all = Vec::new();
+    fetch(&mut recording, &mut all);
+    let taps = channel(&all, 1);
+    let first = taps.iter().position(|x| x.abs() > 0.1).unwrap();
+    // The ramp of 200 ms, and the delay of the engine.
+    assert!((9_600..9_900).contains(&first), "{first}");
+    let peak = |part: &[f32]| part.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+    let (one, other) = (peak(&taps[..first + 4_800]), peak(&taps[first + 9_600..]));
+    assert!(one > 0.9 && (one - other).abs() < 0.01, "{one} {other}");
+    assert!(peak(&channel(&all, 0)) > 0.9, "a trigger of the start waits as well");
 }

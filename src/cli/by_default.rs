@@ -4,13 +4,26 @@ use pacinian::patch::{Action, Events, Patch, Place};
 use pacinian::rig::{MAX_CHANNELS, Rig};
 use pacinian::text::Problem;
 
-/// A line of tactors, as many as the patch names, and no fewer than `least`.
-pub fn rig(patch: &Patch, least: u32) -> Rig {
-    Rig::default_for(channels(patch).max(least))
+/// How long the line is where nobody says.
+pub const USUAL: u32 = 8;
+
+/// A line of tactors: as many as the patch names, or more, for a device that offers these numbers of channels; any, where there are none.
+pub fn rig(patch: &Patch, offered: &[u16]) -> Rig {
+    Rig::default_for(fit(needed(patch), offered))
 }
 
-/// As many as the patch names, by number or as `t12`, and 8 at least.
-fn channels(patch: &Patch) -> u32 {
+/// How long a line is that must have `needed` tactors: the usual number or more; on a device that offers only these numbers of channels, one
+/// of those, if one is enough.
+pub fn fit(needed: u32, offered: &[u16]) -> u32 {
+    if offered.is_empty() {
+        return needed.max(USUAL);
+    }
+    let enough = || offered.iter().map(|count| u32::from(*count)).filter(|count| *count >= needed);
+    enough().filter(|count| *count <= USUAL).max().or(enough().min()).unwrap_or(needed)
+}
+
+/// As many as the patch names, by number or as `t12`.
+fn needed(patch: &Patch) -> u32 {
     let of_place = |place: &Place| match place {
         Place::Channel(channel) => *channel,
         Place::Name(name) => name.strip_prefix('t').and_then(|n| n.parse().ok()).unwrap_or(0),
@@ -30,8 +43,7 @@ fn channels(patch: &Patch) -> u32 {
         Action::Choose(list) => list.iter().map(|a| of_action(&a.action)).max().unwrap_or(0),
         action => of_action(action),
     });
-    let most = voices.chain(triggers).chain(events).filter(|n| *n <= MAX_CHANNELS).max().unwrap_or(0);
-    most.max(8)
+    voices.chain(triggers).chain(events).filter(|n| *n <= MAX_CHANNELS).max().unwrap_or(0)
 }
 
 /// Places that the rig lacks are no wonder where nobody named a rig. That is said once; `source` is the patch, which may name its rig
@@ -53,7 +65,7 @@ pub fn advise_a_rig(problems: &mut [Problem], source: &str) {
 
 #[cfg(test)]
 mod tests {
-    use super::channels;
+    use super::{fit, needed};
     use pacinian::patch::{Patch, Place, Voice};
 
     #[test]
@@ -62,10 +74,26 @@ mod tests {
             voices: vec![Voice { place: Some(place), ..Voice::new("v", "o") }],
             ..Patch::default()
         };
-        assert_eq!(channels(&with(Place::Channel(3))), 8);
-        assert_eq!(channels(&with(Place::Channel(17))), 17);
-        assert_eq!(channels(&with(Place::Name("t12".into()))), 12);
-        assert_eq!(channels(&with(Place::Name("t99999".into()))), 8);
-        assert_eq!(channels(&with(Place::Name("top".into()))), 8);
+        assert_eq!(needed(&with(Place::Channel(3))), 3);
+        assert_eq!(needed(&with(Place::Channel(17))), 17);
+        assert_eq!(needed(&with(Place::Name("t12".into()))), 12);
+        assert_eq!(needed(&with(Place::Name("t99999".into()))), 0);
+        assert_eq!(needed(&with(Place::Name("top".into()))), 0);
+    }
+
+    #[test]
+    fn the_line_is_as_long_as_the_device_offers() {
+        for (needed, offered, length) in [
+            (0, &[][..], 8),
+            (12, &[], 12),
+            (0, &[2], 2),
+            (2, &[2], 2),
+            (3, &[2], 3),
+            (1, &[1, 2, 4, 6, 8, 16], 8),
+            (9, &[1, 2, 4, 6, 8, 16], 16),
+            (0, &[16, 32], 16),
+        ] {
+            assert_eq!(fit(needed, offered), length, "{needed} of {offered:?}");
+        }
     }
 }

@@ -5,7 +5,9 @@ use super::missing::{JOINING, missing};
 use super::table::{Table, grouped};
 use super::terminal::Terminal;
 use clap::Args;
-use pacinian::io::device::list::{self, Found, Offer};
+use pacinian::io::device::failure::Trouble;
+use pacinian::io::device::hosts::Hosts;
+use pacinian::io::device::list::{Found, Offer};
 use pacinian::io::midi_in;
 use pacinian::text::problem::escaped;
 use serde_json::json;
@@ -13,8 +15,9 @@ use serde_json::json;
 /// Lists sound cards (channels, rates, blocks), ports of MIDI, and what is missing
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  pacinian devices\n  pacinian play PATCH --device \"USB Sound\"\n\n\
-    A device is meant by its id, its name, or a part of its name that no other has. `virtual` is a card that keeps real time and \
-    plays to nobody.\n\nOne session plays on one device; what this prints ends with how several are joined into one.")]
+    A device is meant by its id, its name, or a part of its name that no other has. Where several hosts have it, that of the first \
+    listed here is meant; one of another is `HOST:NAME`, and `HOST` alone is its default (*). `virtual` is a card that keeps real time \
+    and plays to nobody.\n\nOne session plays on one device; what this prints ends with how several are joined into one.")]
 pub struct Devices {
     /// As one JSON object
     #[arg(long)]
@@ -25,14 +28,9 @@ impl Devices {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let mut hosts = Vec::new();
-        for (name, host) in list::hosts() {
-            let found = match &host {
-                Some(host) => {
-                    list::devices(host).map(|all| all.into_iter().map(|(_, found)| found).collect())
-                }
-                None => Ok(Vec::new()),
-            };
-            hosts.push((name, host.is_some(), found.map_err(|error| error.to_string())));
+        for host in Hosts::default().places() {
+            let found = host.devices().map(|all| all.into_iter().map(|(_, found)| found).collect());
+            hosts.push((host.name.clone(), host.runs(), found.map_err(|error| error.to_string())));
         }
         if self.json {
             let hosts: Vec<_> =
@@ -87,7 +85,7 @@ fn host_as_json(name: &str, runs: bool, found: &Result<Vec<Found>, String>) -> s
             })
         })
     };
-    let device = |f: &Found| json!({ "id": f.id, "name": f.name, "default": f.default, "output": offer(&f.output), "input": offer(&f.input) });
+    let device = |f: &Found| json!({ "id": f.id, "name": f.name, "default": f.default, "output": offer(&f.output), "input": offer(&f.input), "trouble": f.trouble.as_ref().map(ToString::to_string) });
     let (devices, trouble) = match found {
         Ok(all) => (all.iter().map(device).collect(), None),
         Err(error) => (Vec::new(), Some(error)),
@@ -101,7 +99,11 @@ fn table(found: &[Found]) -> String {
     for device in found {
         let offer = device.output.as_ref().or(device.input.as_ref());
         let channels = |offer: &Option<Offer>| offer.as_ref().map_or("-".into(), |o| counts(&o.channels));
-        let rates = offer.map_or(String::new(), |o| range(o.rates) + " Hz");
+        let trouble = device.trouble.as_ref().map_or("", |trouble| match trouble.kind {
+            Trouble::Busy => "in use",
+            _ => "not allowed",
+        });
+        let rates = offer.map_or(trouble.to_string(), |o| range(o.rates) + " Hz");
         let blocks = offer.and_then(|o| o.blocks).map_or(String::new(), range);
         table.row([
             if device.default { "*" } else { "" }.to_string(),

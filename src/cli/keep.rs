@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::load::Loaded;
-use super::place::check_kept;
+use super::place::{check_kept, check_new};
 use super::table::grouped;
 use super::terminal::Terminal;
 use clap::Args;
@@ -12,6 +12,7 @@ use pacinian::io::recorder::Recorder;
 use pacinian::io::session::Session;
 use pacinian::io::wav::{Encoding, WavSpec};
 use pacinian::live::reload::Reload;
+use ringbuf::HeapCons;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -25,17 +26,39 @@ pub struct Keep {
     /// JSON lines (.jsonl); pacinian replay plays it again, to the bit
     #[arg(long, value_name = "FILE")]
     pub events: Option<PathBuf>,
+    /// Lets --record and --events replace files that are there
+    #[arg(long)]
+    pub replace: bool,
 }
 
 /// How often the journal says how frames and time belong together.
 const CLOCK: Duration = Duration::from_secs(1);
 
+/// What comes from a session that is to be kept.
+pub struct Sound {
+    sent: Option<HeapCons<f32>>,
+    heard: Option<(HeapCons<f32>, usize)>,
+    channels: usize,
+    rate: u32,
+}
+
+impl Sound {
+    /// Of a session.
+    pub fn of(session: &mut Session) -> Self {
+        let (sent, heard) = (session.recording(), session.recording_input());
+        Self { sent, heard, channels: session.board().channels(), rate: session.rate() as u32 }
+    }
+}
+
 /// What is being kept.
+#[derive(Default)]
 pub struct Kept {
-    /// With words for people.
-    recorders: Vec<(Recorder, PathBuf, &'static str)>,
+    sent: Option<(Recorder, PathBuf)>,
+    heard: Option<(Recorder, PathBuf)>,
     journal: Option<(Journal, PathBuf)>,
-    clock: Instant,
+    /// Files that were not there before.
+    made: Vec<PathBuf>,
+    clock: Option<Instant>,
     said: bool,
 }
 
@@ -45,86 +68,124 @@ impl Keep {
         self.events.as_ref().map(|events| events.with_extension("input.wav"))
     }
 
-    /// Refuses files that cannot be, before anything plays.
+    /// Refuses files that cannot be, or that have something in them, before anything plays.
     ///
     /// # Errors
-    /// As [`check_kept`].
-    pub fn check(&self, loaded: &Loaded) -> Result<(), Failure> {
+    /// As [`check_kept`] and [`check_new`].
+    pub fn check(&self, loaded: &Loaded, hears: bool) -> Result<(), Failure> {
         let record = self.record.as_deref();
         if let Some(record) = record {
             check_kept(record, "--record", &[], Some(loaded))?;
         }
+        let heard = self.heard().filter(|_| hears);
         if let Some(events) = &self.events {
             Form::of(events).map_err(|error| Failure::said(2, error.message))?;
             let others: Vec<&Path> = record.into_iter().collect();
             check_kept(events, "--events", &others, Some(loaded))?;
-            if let Some(heard) = self.heard() {
-                check_kept(&heard, "--events", &others, Some(loaded))?;
+            if let Some(heard) = &heard {
+                check_kept(heard, "--events", &others, Some(loaded))?;
             }
         }
-        Ok(())
+        let files = [record, self.events.as_deref(), heard.as_deref()].into_iter().flatten();
+        files.filter(|_| !self.replace).try_for_each(check_new)
     }
 
-    /// The journal, where one is wanted.
+    /// The journal, where one is wanted. Its file is made by [`Keep::begin`].
     ///
     /// # Errors
-    /// A file that cannot be made.
+    /// A name that no journal has.
     pub fn journal(&self, reload: &Reload, device: &str, armed: bool) -> Result<Option<Journal>, FileError> {
         let hears = !reload.scene.plan.inputs().is_empty();
         let input = self.heard().filter(|_| hears);
         let input = input.and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
-        let setting = Setting { device: device.into(), armed, input };
-        let create = |path: &PathBuf| {
-            Journal::create(path, setting.clone(), &reload.scene.plan, reload.provenance.as_deref())
+        let recording = self.record.as_ref().map(|record| record.display().to_string());
+        let setting = Setting { device: device.into(), armed, input, recording };
+        let new = |path: &PathBuf| {
+            Journal::new(path, setting.clone(), &reload.scene.plan, reload.provenance.as_deref())
         };
-        self.events.as_ref().map(create).transpose()
+        self.events.as_ref().map(new).transpose()
     }
 
-    /// Begins to keep what a session sends.
+    /// Begins to keep what a session sends, hears and does; to be called when all else is ready. The files are made here.
     ///
     /// # Errors
-    /// A file that cannot be made.
-    pub fn begin(
+    /// A file that cannot be made; the others are as they were then.
+    pub fn begin(&self, sound: Sound, journal: Option<Journal>, loaded: &Loaded) -> Result<Kept, FileError> {
+        let mut kept = Kept::default();
+        match self.make(&mut kept, sound, journal, loaded) {
+            Ok(()) => Ok(kept),
+            Err(error) => {
+                kept.abandon();
+                Err(error)
+            }
+        }
+    }
+
+    fn make(
         &self,
-        session: &mut Session,
+        kept: &mut Kept,
+        sound: Sound,
         journal: Option<Journal>,
         loaded: &Loaded,
-    ) -> Result<Kept, FileError> {
-        let mut recorders = Vec::new();
-        if let Some((path, ring)) = self.record.as_ref().zip(session.recording()) {
-            let mut spec = WavSpec::new(session.board().channels(), session.rate() as u32, Encoding::F32);
+    ) -> Result<(), FileError> {
+        let mut made = |path: &PathBuf, is_new: bool| kept.made.extend(is_new.then(|| path.clone()));
+        if let Some((path, ring)) = self.record.as_ref().zip(sound.sent) {
+            let mut spec = WavSpec::new(sound.channels, sound.rate, Encoding::F32);
             spec.title.clone_from(&loaded.patch.title);
             spec.tactors = loaded.tactors();
-            recorders.push((Recorder::start(ring, path, spec)?, path.clone(), "as they were sent"));
+            let new = !path.exists();
+            kept.sent = Some((Recorder::start(ring, path, spec)?, path.clone()));
+            made(path, new);
         }
-        if let Some((path, (ring, channels))) = self.heard().zip(session.recording_input()) {
-            let spec = WavSpec::new(channels, session.rate() as u32, Encoding::F32);
-            recorders.push((Recorder::start(ring, &path, spec)?, path, "as they were heard"));
+        if let Some((path, (ring, channels))) = self.heard().zip(sound.heard) {
+            let spec = WavSpec::new(channels, sound.rate, Encoding::F32);
+            let new = !path.exists();
+            kept.heard = Some((Recorder::start_with_digest(ring, &path, spec)?, path.clone()));
+            made(&path, new);
         }
-        let journal = journal.zip(self.events.clone());
-        Ok(Kept { recorders, journal, clock: Instant::now(), said: false })
+        if let Some((journal, path)) = journal.zip(self.events.as_ref()) {
+            let new = !path.exists();
+            journal.open()?;
+            kept.journal = Some((journal, path.clone()));
+            made(path, new);
+        }
+        Ok(())
     }
 }
 
 impl Kept {
     /// To be called often. What goes wrong is said once; playing goes on.
     pub fn look(&mut self, session: &Session) -> Option<String> {
-        if self.clock.elapsed() >= CLOCK {
-            self.clock = Instant::now();
+        if self.clock.is_none_or(|clock| clock.elapsed() >= CLOCK) {
+            self.clock = Some(Instant::now());
             if let Some((journal, _)) = &self.journal {
                 journal.clock(session.clock().moment());
             }
         }
         let failed = |path: &Path| Some(format!("`{}` takes no more; the rest is not kept", path.display()));
-        let recorder = self.recorders.iter().find(|(recorder, ..)| recorder.has_failed());
-        let trouble = match (recorder, &self.journal) {
+        let mut recorders = self.sent.iter().chain(&self.heard);
+        let trouble = match (recorders.find(|(recorder, _)| recorder.has_failed()), &self.journal) {
             _ if self.said => None,
-            (Some((_, path, _)), _) => failed(path),
+            (Some((_, path)), _) => failed(path),
             (_, Some((journal, path))) if journal.has_failed() => failed(path),
             _ => None,
         };
         self.said |= trouble.is_some();
         trouble
+    }
+
+    /// Forgets a session that has not begun: files that are new are gone again.
+    pub fn abandon(self) {
+        // Nobody waits for what they would have said.
+        for (recorder, _) in self.sent.into_iter().chain(self.heard) {
+            let _ = recorder.finish();
+        }
+        if let Some((journal, _)) = self.journal {
+            let _ = journal.finish();
+        }
+        for path in self.made {
+            let _ = std::fs::remove_file(path);
+        }
     }
 
     /// Completes the files, after the session has stopped.
@@ -133,13 +194,23 @@ impl Kept {
     /// What went wrong with them.
     pub fn finish(self, terminal: &Terminal) -> Result<(), Failure> {
         let mut failure = Failure::default();
-        for (recorder, path, words) in self.recorders {
+        let note = |path: &Path, frames: u64, words: &str| {
+            terminal.note(&format!("{}: {} frames, as they were {words}\n", path.display(), grouped(frames)));
+        };
+        if let Some((recorder, path)) = self.sent {
             match recorder.finish() {
-                Ok(written) => terminal.note(&format!(
-                    "{}: {} frames, {words}\n",
-                    path.display(),
-                    grouped(written.frames)
-                )),
+                Ok(written) => note(&path, written.frames, "sent"),
+                Err(error) => failure.join(error.into()),
+            }
+        }
+        if let Some((recorder, path)) = self.heard {
+            match recorder.finish_with_digest() {
+                Ok((written, digest)) => {
+                    note(&path, written.frames, "heard");
+                    if let Some(((journal, _), digest)) = self.journal.as_ref().zip(digest) {
+                        journal.heard(written.frames, digest);
+                    }
+                }
                 Err(error) => failure.join(error.into()),
             }
         }

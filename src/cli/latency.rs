@@ -47,9 +47,9 @@ pub struct Latency {
     /// How many times to measure
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u16).range(1..=1000))]
     count: u16,
-    /// Largest sample that goes out, 0 to 1
-    #[arg(long, value_name = "X", default_value_t = 0.1, value_parser = level)]
-    level: f64,
+    /// Largest sample that goes out, 0 to 1 [default: 0.1, or the rig's `max_level` where that is less]
+    #[arg(long, value_name = "X", value_parser = level)]
+    level: Option<f64>,
     /// Write the mean into the rig
     #[arg(long, requires = "rig")]
     save: bool,
@@ -57,6 +57,9 @@ pub struct Latency {
     #[arg(long)]
     json: bool,
 }
+
+/// Largest sample that goes out where nothing says another.
+const USUAL: f64 = 0.1;
 
 fn level(word: &str) -> Result<f64, String> {
     let known = "it is a share of full scale, above 0 and at most 1, such as 0.1";
@@ -108,6 +111,7 @@ impl Latency {
             out::check(path)?;
         }
         let (channel, name) = self.output(rig)?;
+        let level = self.level(rig, channel, &name)?;
         let said = rig.and_then(|rig| rig.device.name.as_deref());
         let wish = Wish::of(self.device.as_deref(), said);
         let chosen = wish.choose()?;
@@ -156,7 +160,7 @@ impl Latency {
         terminal.note(&format!(
             "{} probes at {} go out on {} of {} and are listened for on input {} of {}: {:.0} s\n",
             self.count,
-            dbfs(self.level as f32),
+            dbfs(level as f32),
             escaped(&name),
             escaped(&found.name),
             self.input,
@@ -168,7 +172,7 @@ impl Latency {
         let what = Loop {
             out: (device, found, Shape { channels, rate, block }, channel - 1),
             input: (ear, heard_of, ears, usize::from(self.input) - 1),
-            level: self.level,
+            level,
             count: usize::from(self.count),
         };
         let stop = Stop::listen()?;
@@ -178,7 +182,7 @@ impl Latency {
         // One that came much later than most is another sound.
         let (measured, strays) = without_strays(measured);
         if measured.rounds.len() * 2 < usize::from(self.count) {
-            return Err(self.nothing(&measured, strays, &names, &name));
+            return Err(self.nothing(&measured, strays, &names, &name, level));
         }
         let figures = Figures::of(&measured.rounds);
         if self.json {
@@ -219,7 +223,28 @@ impl Latency {
         Ok((channel, name))
     }
 
-    fn nothing(&self, measured: &Measured, strays: usize, names: &[String; 2], name: &str) -> Failure {
+    /// The largest sample that goes out: never more than the rig lets leave there.
+    fn level(&self, rig: Option<&Rig>, channel: usize, name: &str) -> Result<f64, Failure> {
+        let output =
+            |rig: &Rig| rig.outputs.iter().find(|o| o.channel as usize == channel).map(|o| rig.max_level(o));
+        let most = rig.map_or(1.0, |rig| output(rig).unwrap_or(rig.device.max_level));
+        match self.level {
+            Some(level) if level > most => Err(Failure::usage(
+                format!("the rig lets at most {most} of full scale leave on {name}; --level {level} is more"),
+                format!("send less, --level {most}, or raise `max_level` in the rig"),
+            )),
+            level => Ok(level.unwrap_or(USUAL.min(most))),
+        }
+    }
+
+    fn nothing(
+        &self,
+        measured: &Measured,
+        strays: usize,
+        names: &[String; 2],
+        name: &str,
+        level: f64,
+    ) -> Failure {
         let heard = measured.rounds.len() + strays;
         if measured.broken * 2 > usize::from(self.count) {
             let what = format!("{} of {} probes fell into gaps of the devices", measured.broken, self.count);
@@ -234,14 +259,14 @@ impl Latency {
                     self.count,
                     dbfs(peak)
                 ),
-                format!("come nearer, or send more: --level {}", (self.level * 4.0).min(1.0)),
+                format!("come nearer, or send more: --level {}", (level * 4.0).min(1.0)),
             ),
             peak => (
                 format!("{what} that is like the probe: the largest sample is {}", dbfs(peak)),
                 format!(
                     "is it connected to {name} of {}? Send more: --level {}",
                     names[0],
-                    (self.level * 4.0).min(1.0)
+                    (level * 4.0).min(1.0)
                 ),
             ),
         };

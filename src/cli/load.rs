@@ -61,9 +61,9 @@ pub struct Scene {
     /// Lets recordings and events files lie outside the patch's folder
     #[arg(long)]
     pub allow_outside: bool,
-    /// Where no rig is named, there are at least so many tactors.
+    /// Where no rig is named, the numbers of channels of which the line of tactors is to have one; none: any.
     #[arg(skip)]
-    pub tactors: u32,
+    pub offered: Vec<u16>,
     /// Whether it is played live, and whether somebody has named a device to listen to.
     #[arg(skip)]
     pub live: bool,
@@ -180,7 +180,7 @@ impl Scene {
             input: None,
             midi: None,
             allow_outside: false,
-            tactors: 0,
+            offered: Vec::new(),
             live: false,
             hears: false,
             held,
@@ -250,7 +250,7 @@ impl Scene {
         duration: Option<f64>,
     ) -> Result<Loaded, Failure> {
         let by_default = given.is_none();
-        let rig = given.unwrap_or_else(|| by_default::rig(&patch, self.tactors));
+        let rig = given.unwrap_or_else(|| by_default::rig(&patch, &self.offered));
         self.check_words(&patch)?;
         setting::set(&mut patch, &self.settings)?;
         let rate = self.rate.map(f64::from).or(rig.device.rate).unwrap_or(48_000.0);

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each a thin use of the library.
 
 mod advice;
+mod against;
 mod ask;
 mod by_default;
 mod check;

@@ -79,6 +79,30 @@ pub fn check_kept(
     Ok(out::check(output)?)
 }
 
+/// Refuses to write over what a session was made of, where that is there.
+///
+/// # Errors
+/// A file that is one of `own`.
+pub fn check_own(output: &Path, option: &str, own: &[PathBuf]) -> Result<(), Failure> {
+    if own.iter().any(|file| is_same(file, output)) {
+        let what = format!("`{}` belongs to the session itself, so it is not written over", output.display());
+        return Err(Failure::usage(what, format!("choose another file for {option}")));
+    }
+    Ok(())
+}
+
+/// Refuses to write over a recording that was made before: nobody can play it again.
+///
+/// # Errors
+/// A file that is there and not empty; exit code 73.
+pub fn check_new(output: &Path) -> Result<(), Failure> {
+    if std::fs::metadata(output).is_ok_and(|about| about.is_file() && about.len() > 0) {
+        let what = format!("`{}` is there already", output.display());
+        return Err(Failure::usage(what, "give another name, or --replace").with_code(73));
+    }
+    Ok(())
+}
+
 fn check_extension(output: &Path, right: &str, what: &str, help: &str) -> Result<(), Failure> {
     match output.extension() {
         Some(other) if !other.eq_ignore_ascii_case(right) => Err(Failure::usage(

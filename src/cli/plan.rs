@@ -44,6 +44,8 @@ struct DelayMs {
     voices: f64,
     up_sampling: f64,
     band_limit: f64,
+    /// Of the high-pass that keeps steady voltages off; 0 where no output has one.
+    high_pass: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -77,6 +79,11 @@ struct OutputReport {
     channel: u32,
     name: String,
     kind: &'static str,
+    /// The most that leaves it: as a share of full scale, and in volts (peak) where it is known what full scale is.
+    max_level: f64,
+    max_volts: Option<f64>,
+    /// Whether a steady voltage may leave it; null where the device is not known to let any through.
+    dc: Option<bool>,
     equaliser: Vec<PeakReport>,
 }
 
@@ -85,6 +92,19 @@ struct PeakReport {
     frequency: f64,
     gain_db: f64,
     q: f64,
+}
+
+impl OutputReport {
+    /// The most that leaves it, where that is less than full scale.
+    fn most(&self) -> Option<String> {
+        let volts = self.max_volts.map_or(String::new(), |volts| format!(" = {volts:.3} V"));
+        (self.max_level < 1.0).then(|| format!("at most {}{volts}", self.max_level))
+    }
+
+    /// What becomes of a steady voltage, where that is known.
+    fn steady(&self) -> Option<String> {
+        self.dc.map(|may| if may { "DC may leave".into() } else { "DC is kept off".into() })
+    }
 }
 
 /// Channels listed one by one, at most.
@@ -111,6 +131,7 @@ impl PlanReport {
                 voices: 1e3 * delay.lead,
                 up_sampling: 1e3 * delay.up_sampling,
                 band_limit: 1e3 * delay.band_limit_group,
+                high_pass: 1e3 * delay.high_pass_group,
             },
             voices: voices(plan),
             shared: SharedReport { ops: plan.shared_program.ops.len(), buffers: plan.shared_program.buffers },
@@ -135,6 +156,9 @@ impl PlanReport {
                     channel: o.channel + 1,
                     name: o.name.to_string(),
                     kind: kind(o.kind),
+                    max_level: o.max_level,
+                    max_volts: loaded.rig.device.full_scale_volts.map(|volts| o.max_level * volts),
+                    dc: dc(loaded, o),
                     equaliser: if o.equaliser.is_empty() { Vec::new() } else { peaks(loaded, &o.name) },
                 })
                 .collect(),
@@ -218,9 +242,15 @@ impl PlanReport {
         for output in self.outputs.iter().take(SHOWN) {
             let peak = |p: &PeakReport| format!("{:+} dB at {} (q {})", p.gain_db, hertz(p.frequency), p.q);
             let peaks: Vec<String> = output.equaliser.iter().map(peak).collect();
-            let equaliser =
-                if peaks.is_empty() { String::new() } else { format!("equaliser {}", peaks.join(", ")) };
-            table.row([output.channel.to_string(), output.name.clone(), output.kind.into(), equaliser]);
+            let equaliser = (!peaks.is_empty()).then(|| format!("equaliser {}", peaks.join(", ")));
+            let notes: Vec<String> =
+                [output.most(), output.steady(), equaliser].into_iter().flatten().collect();
+            table.row([
+                output.channel.to_string(),
+                output.name.clone(),
+                output.kind.into(),
+                notes.join("; "),
+            ]);
         }
         let more = self.outputs.len().saturating_sub(SHOWN);
         if more > 0 {
@@ -245,6 +275,12 @@ fn kind(kind: OutputKind) -> &'static str {
         OutputKind::Silent => "not rendered, stays at zero",
         OutputKind::Trigger { .. } => "trigger",
     }
+}
+
+/// Whether a steady voltage may leave an output that is rendered, where that is known.
+fn dc(loaded: &Loaded, output: &pacinian::graph::plan::Output) -> Option<bool> {
+    let described = loaded.rig.outputs.iter().find(|o| *o.name == *output.name)?;
+    loaded.rig.lets_dc(described).filter(|_| output.kind != OutputKind::Silent)
 }
 
 /// The equaliser of an output.

@@ -3,7 +3,7 @@
 use super::ear::Listens;
 use super::failure::Failure;
 use super::guard;
-use super::keep::Keep;
+use super::keep::{Keep, Sound};
 use super::load::{Loaded, Scene};
 use super::osc::Osc;
 use super::problems;
@@ -94,14 +94,21 @@ impl Play {
             self.scene.check_watch()?;
         }
         let since = SystemTime::now();
-        let scene = Scene { live: true, hears: self.input_device.is_some(), ..self.scene.clone() };
+        let mut scene = Scene { live: true, hears: self.input_device.is_some(), ..self.scene.clone() };
+        // Where no rig says which tactors there are, the device does.
+        let mut device = None;
+        if scene.rig.is_none() {
+            let chosen = Wish::of(self.device.as_deref(), None).choose()?;
+            scene.offered = chosen.channels().to_vec();
+            device = Some(chosen);
+        }
         // However long it plays, all of an input may be heard.
         let mut loaded = scene.load(true, Some(self.duration.unwrap_or(FOREVER)))?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
         let wish = Wish::of(self.device.as_deref(), loaded.rig.device.name.as_deref());
-        let device = wish.choose()?;
+        let device = device.map_or_else(|| wish.choose(), Ok)?;
         let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
         let armed = self.arm || wish != Wish::Default || matches!(device, Chosen::Virtual(_));
         let name = match &device {
@@ -111,9 +118,20 @@ impl Play {
             }
         };
         let options = Options { rate: Some(f64::from(rate)), live: true, ..loaded.options.clone() };
-        self.keep.check(&loaded)?;
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
+        self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
+        let offered = device.channels();
+        if scene.rig.is_none()
+            && !offered.is_empty()
+            && offered.iter().all(|count| usize::from(*count) != channels)
+        {
+            let most = offered.last().copied().unwrap_or(0);
+            let what =
+                format!("the patch plays on {channels} tactors, and {} has {most} outputs", device.name());
+            let help = "choose another card with --device (`virtual` is one that has any number), or name a rig with --rig";
+            return Err(Failure::usage(what, help).with_code(69));
+        }
         let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
         let heard_from = reload.scene.plan.inputs();
         let mut listens = Listens::of(&loaded, listens, &heard_from, rate, self.block)?;
@@ -168,7 +186,7 @@ impl Play {
         })?;
         // A signal closes the gate itself, whatever this thread is about.
         stop.also(&session.board().lever.closing())?;
-        let mut kept = self.keep.begin(&mut session, journal, &loaded)?;
+        let sound = Sound::of(&mut session);
         terminal.note(&format!(
             "{} plays on {}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
             escaped(loaded.name()),
@@ -190,7 +208,7 @@ impl Play {
         };
         let mut midi = listen(&loaded.patch)?;
         let course = || Course {
-            scene: Scene { midi: None, tactors: channels as u32, ..scene.clone() },
+            scene: Scene { midi: None, offered: vec![channels as u16], ..scene.clone() },
             device_rate: f64::from(rate),
             device: self.device.clone(),
             wish: wish.clone(),
@@ -206,7 +224,12 @@ impl Play {
         let watching = watching
             .transpose()
             .map_err(|error| Failure::said(71, format!("no thread to watch files: {error}")))?;
-        show.begin()?;
+        // Only now, so that a session that could not begin has touched nothing.
+        let mut kept = self.keep.begin(sound, journal, &loaded)?;
+        if let Err(failure) = show.begin() {
+            kept.abandon();
+            return Err(failure);
+        }
         let ended = self.until_the_end(&session, &stop, &mut show, |show| {
             if let Some(trouble) = kept.look(&session) {
                 show.say(&trouble);

@@ -1,21 +1,25 @@
 //! `pacinian replay`.
 
+use super::against::{Comparison, compare};
 use super::check::json;
 use super::failure::Failure;
-use super::place::check_kept;
+use super::place::{check_kept, check_own};
 use super::progress::Progress;
 use super::stop::Stop;
 use super::table::{Table, dbfs, grouped};
 use super::terminal::Terminal;
 use clap::Args;
-use pacinian::io::journal::remake::RemakeError;
+use pacinian::io::error::FileError;
+use pacinian::io::journal::reader::{Item, Reader};
+use pacinian::io::journal::remake::{Recordings, RemakeError};
 use pacinian::io::journal::replay::{Replay as Player, ReplayError};
-use pacinian::io::wav::{Encoding, WavReader, WavSpec, WavWriter};
+use pacinian::io::wav::{Encoding, WavSpec, WavWriter};
+use pacinian::live::provenance::RigText;
 use pacinian::text::problem::escaped;
 use serde::Serialize;
 use std::fs::File;
 use std::io::BufReader;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Plays the journal of a session again, to the bit
 #[derive(Debug, Args)]
@@ -24,8 +28,9 @@ use std::path::PathBuf;
     pacinian replay heard.csv --against heard.wav\n  pacinian replay heard.csv -o again.wav\n\n\
     A journal holds patch and rig as they were, also those that were saved in between, and every event with its sample; so the same \
     version of pacinian gives the same samples on any machine. Recordings that the patch names must still be where they were, or in \
-    --folder, and be the same.\n\
-    With --against, the exit code is 1 where anything differs."
+    --folder, and be the same; what the session heard must still be beside the journal.\n\
+    A journal that breaks off is played as far as it tells of.\n\
+    With --against, the exit code is 1 where anything differs, be it the length."
 )]
 pub struct Replay {
     /// The journal: what pacinian play --events has written
@@ -36,9 +41,12 @@ pub struct Replay {
     /// A recording of the same session, by play --record, to compare with bit by bit
     #[arg(long, value_name = "FILE.wav")]
     against: Option<PathBuf>,
-    /// The folder in which the patch's recordings are [default: where they were]
+    /// The folder that the patch's recordings are in [default: where they were]
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
+    /// Lets recordings lie outside that folder, as play --allow-outside did
+    #[arg(long)]
+    allow_outside: bool,
     /// The summary as one JSON object
     #[arg(long)]
     json: bool,
@@ -73,39 +81,20 @@ struct Summary {
     lost: u64,
     /// Whether the journal goes to the session's end.
     whole: bool,
+    /// The frame at which the recording of what was heard ends, where the session goes on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deaf_from: Option<u64>,
+    /// Frames of what was heard that are silence in the recording of it.
+    unheard: u64,
     peaks: Vec<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     comparison: Option<Comparison>,
 }
 
-/// What is different from a recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Comparison {
-    recording: String,
-    identical: bool,
-    frames: u64,
-    /// Frames that only one of them has.
-    only_in_one: u64,
-    /// Samples that differ.
-    different: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    first: Option<Difference>,
-    /// The largest difference.
-    largest: f64,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-struct Difference {
-    frame: u64,
-    /// From 1.
-    channel: usize,
-    recorded: f32,
-    replayed: f32,
-}
-
 /// A replay, whose frames go where they are wanted.
-struct Run<'a> {
-    player: Player<BufReader<File>>,
+pub struct Run<'a> {
+    /// What plays.
+    pub player: Player<BufReader<File>>,
     writer: Option<WavWriter<pacinian::io::out::OutputFile>>,
     peaks: Vec<f32>,
     stop: &'a Stop,
@@ -114,7 +103,10 @@ struct Run<'a> {
 
 impl Run<'_> {
     /// The next frames; none at the end, or when somebody has asked to stop.
-    fn block(&mut self, to: &mut Vec<f32>) -> Result<(), Failure> {
+    ///
+    /// # Errors
+    /// A journal that cannot be played, and an output that cannot be written.
+    pub fn block(&mut self, to: &mut Vec<f32>) -> Result<(), Failure> {
         to.clear();
         if self.stop.asked().is_some() {
             return Ok(());
@@ -139,12 +131,16 @@ impl Run<'_> {
 impl Replay {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
+        let recordings = Recordings { folder: self.folder.clone(), allow_outside: self.allow_outside };
         if let Some(output) = &self.output {
             let others: Vec<_> = [Some(&self.journal), self.against.as_ref()].into_iter().flatten().collect();
             let others: Vec<_> = others.into_iter().map(PathBuf::as_path).collect();
             check_kept(output, "-o", &others, None)?;
+            if output.exists() {
+                check_own(output, "-o", &self.own(&recordings)?)?;
+            }
         }
-        let player = Player::open(&self.journal, self.folder.as_deref())?;
+        let player = Player::open(&self.journal, recordings)?;
         let head = player.head().clone();
         if head.pacinian != env!("CARGO_PKG_VERSION") {
             let (then, now) = (escaped(&head.pacinian), env!("CARGO_PKG_VERSION"));
@@ -172,8 +168,9 @@ impl Replay {
             }
         };
         let met = run.player.met();
-        if let Some(writer) = run.writer {
-            writer.finish()?;
+        if let Some((writer, output)) = run.writer.zip(self.output.as_ref()) {
+            let frames = grouped(writer.finish()?.frames);
+            terminal.note(&format!("{}: {frames} frames, as they were sent\n", output.display()));
         }
         let summary = Summary {
             journal: self.journal.display().to_string(),
@@ -188,6 +185,8 @@ impl Replay {
             reloads: met.swaps,
             lost: met.lost,
             whole: met.ended,
+            deaf_from: met.deaf_from,
+            unheard: met.unheard,
             peaks: run.peaks,
             comparison,
         };
@@ -201,72 +200,35 @@ impl Replay {
             _ => Ok(()),
         }
     }
-}
 
-/// Compares every sample with those of a recording, by their bits.
-fn compare(run: &mut Run<'_>, path: &PathBuf) -> Result<Comparison, Failure> {
-    let mut reader = WavReader::open(path)?;
-    let (info, head) = (reader.info(), run.player.head().clone());
-    if info.channels != head.channels || f64::from(info.rate) != head.rate || !info.float {
-        let is = |channels: usize, rate: f64| format!("{channels} channels at {rate} Hz");
-        let stored = if info.float { "" } else { ", stored as integers" };
-        let what = format!(
-            "`{}` has {}{stored}, the session had {} as 32-bit floats",
-            path.display(),
-            is(info.channels, f64::from(info.rate)),
-            is(head.channels, head.rate)
-        );
-        return Err(Failure::usage(what, "name what play --record has kept of the same session"));
-    }
-    let channels = head.channels.max(1);
-    let mut found = Comparison {
-        recording: path.display().to_string(),
-        identical: true,
-        frames: 0,
-        only_in_one: 0,
-        different: 0,
-        first: None,
-        largest: 0.0,
-    };
-    let (mut ours, mut at, mut failed) = (Vec::new(), 0, None);
-    let read = reader.each_frame(|theirs| {
-        if at == ours.len() {
-            at = 0;
-            if let Err(failure) = run.block(&mut ours) {
-                failed = Some(failure);
-                // It is told below, in its own words.
-                return Err(String::new());
+    /// The files that the session is made of, as far as the journal names them.
+    fn own(&self, recordings: &Recordings) -> Result<Vec<PathBuf>, FileError> {
+        let beside = |name: &str| self.journal.parent().unwrap_or(Path::new("")).join(name);
+        let mut reader = Reader::open(&self.journal)?;
+        let mut files = Vec::new();
+        while let Some(item) = reader.read()? {
+            match item {
+                Item::Session(head) => {
+                    files.extend(head.input.as_deref().map(beside));
+                    if let Some(recording) = head.recording.as_ref().map(Path::new) {
+                        files.push(recording.to_owned());
+                        files.extend(recording.file_name().map(|name| beside(&name.to_string_lossy())));
+                    }
+                }
+                Item::Plan(plan) => {
+                    let Some(made_of) = plan.made_of else { continue };
+                    let folder = recordings.folder(&made_of);
+                    files.extend(made_of.files.iter().map(|file| folder.root().join(&file.path)));
+                    files.push(made_of.patch.name.into());
+                    if let RigText::Text(rig) = made_of.rig {
+                        files.push(rig.name.into());
+                    }
+                }
+                Item::Line(_) => {}
             }
         }
-        let Some(frame) = ours.get(at..at + channels) else {
-            found.only_in_one += 1;
-            return Ok(());
-        };
-        at += channels;
-        for (channel, (&recorded, &replayed)) in theirs.iter().zip(frame).enumerate() {
-            if recorded.to_bits() != replayed.to_bits() {
-                found.different += 1;
-                found.largest = found.largest.max(f64::from(recorded - replayed).abs());
-                let here = Difference { frame: found.frames, channel: channel + 1, recorded, replayed };
-                found.first.get_or_insert(here);
-            }
-        }
-        found.frames += 1;
-        Ok(())
-    });
-    if let Some(failure) = failed {
-        return Err(failure);
+        Ok(files)
     }
-    read?;
-    found.only_in_one += ((ours.len() - at) / channels) as u64;
-    while {
-        run.block(&mut ours)?;
-        !ours.is_empty()
-    } {
-        found.only_in_one += (ours.len() / channels) as u64;
-    }
-    found.identical = found.different == 0 && found.only_in_one == 0;
-    Ok(found)
 }
 
 impl Summary {
@@ -287,8 +249,22 @@ impl Summary {
         }
         text += &format!("\n{}\n{}", paint.bold("peaks"), peaks.text());
         if !self.whole {
-            let what = "the journal breaks off before the session's end; what it has was played";
+            let what = "the journal breaks off before the session's end; it was played as far as it tells of";
             text += &format!("\n{}\n", paint.yellow(what));
+        }
+        if let Some(frame) = self.deaf_from {
+            let what = format!(
+                "the recording of what was heard ends at frame {}: silence was heard from there on",
+                grouped(frame)
+            );
+            text += &format!("\n{}\n", paint.yellow(&what));
+        }
+        if self.unheard > 0 {
+            let what = format!(
+                "{} frames of what was heard could not be recorded and were silence here, so this is not all that was played",
+                grouped(self.unheard)
+            );
+            text += &format!("\n{}\n", paint.yellow(&what));
         }
         if self.lost > 0 {
             let what =
@@ -297,27 +273,6 @@ impl Summary {
         }
         if let Some(comparison) = &self.comparison {
             text += &format!("\n{}\n{}\n", paint.bold(&comparison.recording), comparison.text());
-        }
-        text
-    }
-}
-
-impl Comparison {
-    fn text(&self) -> String {
-        if self.identical {
-            return format!("  the same, to the bit, in {} frames", grouped(self.frames));
-        }
-        let mut text = String::from("  different");
-        if let Some(Difference { frame, channel, recorded, replayed }) = self.first {
-            text += &format!(
-                ": first in frame {} on channel {channel}, {recorded:e} there and {replayed:e} here; {} samples, by {:.1e} at most",
-                grouped(frame),
-                grouped(self.different),
-                self.largest
-            );
-        }
-        if self.only_in_one > 0 {
-            text += &format!("; {} frames are only in one of them", grouped(self.only_in_one));
         }
         text
     }

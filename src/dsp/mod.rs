@@ -1,6 +1,7 @@
 //! Blocks that several rooms share.
 
 pub mod biquad;
+pub(crate) mod blocker;
 pub(crate) mod corner;
 pub(crate) mod elementary;
 pub(crate) mod elliptic;

@@ -6,7 +6,7 @@ use super::lane::{Dying, Lane, Status};
 use super::mixer::Routes;
 use super::ops::Ops;
 use super::workspace::{Bus, Workspace};
-use crate::dsp::fade::{FADE, fade};
+use crate::dsp::fade::{FADE, HUSH, fade};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use crate::graph::budget;
@@ -178,7 +178,7 @@ impl<R: Real> Bank<R> {
                 anew |= self.ops.decides(op);
             }
             if anew && voice.status == Status::Released {
-                self.let_fade(lane, Instant { sample: clock, fraction: 0 });
+                self.let_fade(lane, Instant { sample: clock, fraction: 0 }, 1.0);
             }
         }
     }
@@ -188,9 +188,9 @@ impl<R: Real> Bank<R> {
         self.ops.expect_voices();
     }
 
-    /// A voice that sounds falls silent from `at` on.
-    fn let_fade(&mut self, lane: usize, at: Instant) {
-        self.lanes[lane].status = Status::Fading(at);
+    /// A voice that sounds falls silent from `at` on, so many times as fast as most do.
+    fn let_fade(&mut self, lane: usize, at: Instant, pace: f64) {
+        self.lanes[lane].status = Status::Fading(at, pace);
         self.fading[lane / LANES] |= 1 << (lane % LANES);
         self.sounding -= 1;
     }
@@ -206,7 +206,18 @@ impl<R: Real> Bank<R> {
     pub fn fade_all(&mut self, at: Instant) {
         for lane in 0..self.lanes.len() {
             if matches!(self.lanes[lane].status, Status::Held | Status::Released) {
-                self.let_fade(lane, at);
+                self.let_fade(lane, at, 1.0);
+            }
+        }
+    }
+
+    /// Lets all voices that `falls` says yes to fall silent within [`HUSH`] from `at` on, released or not; `silenced` hears of their lanes.
+    pub fn silence(&mut self, falls: impl Fn(&Play) -> bool, at: Instant, mut silenced: impl FnMut(usize)) {
+        for lane in 0..self.lanes.len() {
+            let voice = &self.lanes[lane];
+            if matches!(voice.status, Status::Held | Status::Released) && falls(&voice.play) {
+                self.let_fade(lane, at, FADE / HUSH);
+                silenced(lane);
             }
         }
     }
@@ -221,7 +232,7 @@ impl<R: Real> Bank<R> {
             voice.status = Status::Released;
             self.ops.release(lane, at.since(voice.born));
         } else {
-            self.let_fade(lane, at);
+            self.let_fade(lane, at, 1.0);
         }
     }
 
@@ -337,10 +348,10 @@ impl<R: Real> Bank<R> {
                     self.rising[group] &= !(1 << l);
                 }
             }
-            if let Status::Fading(since) = self.lanes[group * LANES + l].status {
+            if let Status::Fading(since, pace) = self.lanes[group * LANES + l].status {
                 let age = since.until(clock) - LEAD;
                 for (frame, row) in block.iter_mut().enumerate() {
-                    row[l] *= R::of(fade((age + frame as f64) / self.rate));
+                    row[l] *= R::of(fade((age + frame as f64) / self.rate * pace));
                 }
             }
         }
@@ -358,7 +369,7 @@ impl<R: Real> Bank<R> {
                 let lane = group * LANES + l;
                 let over = match self.lanes[lane].status {
                     Status::Free => continue,
-                    Status::Fading(since) => since.until(clock) - LEAD > FADE * self.rate,
+                    Status::Fading(since, _) => since.until(clock) - LEAD > FADE * self.rate,
                     Status::Held | Status::Released => {
                         let bit = 1 << l;
                         if self.ending[group] & bit != 0 && self.peaks[group][l] < R::of(SILENCE) {
@@ -371,10 +382,7 @@ impl<R: Real> Bank<R> {
                         if status == Status::Released && dies {
                             let peak = self.peaks[group][l].wide();
                             if self.lanes[lane].dying.goes_on(GRID, peak, self.stretch) {
-                                self.lanes[lane].status =
-                                    Status::Fading(Instant { sample: clock, fraction: 0 });
-                                self.fading[group] |= bit;
-                                self.sounding -= 1;
+                                self.let_fade(lane, Instant { sample: clock, fraction: 0 }, 1.0);
                                 continue;
                             }
                         }
@@ -391,7 +399,7 @@ impl<R: Real> Bank<R> {
 
     fn free(&mut self, lane: usize) {
         let (group, l) = (lane / LANES, lane % LANES);
-        if !matches!(self.lanes[lane].status, Status::Fading(_) | Status::Free) {
+        if !matches!(self.lanes[lane].status, Status::Fading(..) | Status::Free) {
             self.sounding -= 1;
         }
         self.lanes[lane].status = Status::Free;
@@ -413,7 +421,7 @@ impl<R: Real> Bank<R> {
             }
         }
         let since =
-            |lane: &Lane| if let Status::Fading(since) = lane.status { since } else { Instant::NEVER };
+            |lane: &Lane| if let Status::Fading(since, _) = lane.status { since } else { Instant::NEVER };
         let lane = (0..self.lanes.len()).min_by_key(|&i| since(&self.lanes[i])).unwrap_or(0);
         self.free(lane);
         lane
@@ -432,9 +440,7 @@ impl<R: Real> Bank<R> {
         let victim = quietest
             .or_else(|| of_status(Status::Held).min_by_key(|(_, serial)| *serial).map(|(lane, _)| lane));
         let lane = victim?;
-        self.lanes[lane].status = Status::Fading(at);
-        self.fading[lane / LANES] |= 1 << (lane % LANES);
-        self.sounding -= 1;
+        self.let_fade(lane, at, 1.0);
         self.stolen += 1;
         Some(lane)
     }

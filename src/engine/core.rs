@@ -258,6 +258,9 @@ impl<R: Real> Core<R> {
         self.clock = old.clock;
         self.counters = old.counters;
         std::mem::swap(&mut self.stage, &mut old.stage);
+        if let Some(levels) = &inheritance.levels {
+            self.stage.limit_to(levels);
+        }
         std::mem::swap(&mut self.tasks, &mut old.tasks);
         std::mem::swap(&mut self.declick, &mut old.declick);
         if !inheritance.unchanged {
@@ -303,6 +306,7 @@ impl<R: Real> Core<R> {
                 Event::Control(of, _) | Event::Glide(of, ..) => control(*of).map(|c| *of = c),
                 Event::Release(_)
                 | Event::ReleaseAll
+                | Event::Silence(..)
                 | Event::Touch(..)
                 | Event::Marker(_)
                 | Event::Shed(_) => Some(()),
@@ -367,6 +371,7 @@ impl<R: Real> Core<R> {
             Event::Play(play) => self.play(&play, at),
             Event::Release(id) => self.release_all(Some(id), at),
             Event::ReleaseAll => self.release_all(None, at),
+            Event::Silence(id, bits) => self.silence(id, bits, at),
             Event::Touch(to) => self.banks.iter_mut().for_each(|bank| bank.touch(to, at)),
             Event::Glide(index, value, seconds) => {
                 if let Some(ramp) = self.controls.get_mut(index as usize) {
@@ -409,6 +414,20 @@ impl<R: Real> Core<R> {
                 ends.clear(first + lane);
             });
         }
+    }
+
+    fn silence(&mut self, id: u64, bits: u8, at: Instant) {
+        for (bank, first) in self.banks.iter_mut().zip(&self.first) {
+            let ends = &mut self.ends;
+            bank.silence(
+                |play| play.is_of(id, bits),
+                at,
+                |lane| {
+                    ends.clear(first + lane);
+                },
+            );
+        }
+        self.queue.edit(|event| !matches!(event, Event::Play(play) if play.is_of(id, bits)));
     }
 
     fn render(&mut self, frames: usize, offset: usize, input: &[Vec<f32>]) {

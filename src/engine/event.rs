@@ -21,6 +21,11 @@ pub struct Play {
 }
 
 impl Play {
+    /// Whether its id agrees with `id` but for so many of the lowest bits.
+    pub(crate) fn is_of(&self, id: u64, bits: u8) -> bool {
+        (self.id ^ id).checked_shr(u32::from(bits)).unwrap_or(0) == 0
+    }
+
     /// What start programs read of it.
     pub(crate) fn fields(&self) -> Fields {
         Fields { level: self.level, duration: self.duration, own: self.own }
@@ -54,6 +59,9 @@ pub enum Event {
     Glide(u32, f64, f64),
     /// Release everything.
     ReleaseAll,
+    /// Let all voices fall silent at once, whatever their envelopes say, whose ids agree with this one but for so many of their lowest
+    /// bits; those of them that are still to begin do not.
+    Silence(u64, u8),
     /// Put a pulse on the trigger outputs that listen to this marker, by its place in
     /// [`crate::graph::plan::Plan::markers`]; to one that is not there only outputs for all markers listen.
     Marker(u32),

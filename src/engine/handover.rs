@@ -8,11 +8,12 @@
 use std::fmt;
 
 use super::Engine;
-use crate::graph::plan::{Instrument, Plan};
+use super::vibration::single;
+use crate::graph::plan::Plan;
 use crate::graph::program::Program;
 
 /// What a new plan takes over from an old one.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Inheritance {
     /// For each instrument of the new plan: the old one, and for each op the old op.
     pub instruments: Vec<Option<(usize, Vec<Option<usize>>)>>,
@@ -20,6 +21,8 @@ pub(crate) struct Inheritance {
     pub shared: Vec<Option<usize>>,
     /// For each control: the old control.
     pub controls: Vec<Option<usize>>,
+    /// The most that leaves each channel, where that differs.
+    pub levels: Option<Vec<f32>>,
     /// Whether both plans compute the same, so that nothing can jump.
     pub unchanged: bool,
 }
@@ -37,7 +40,7 @@ pub(crate) struct Handover {
 pub enum Mismatch {
     /// The device differs: rate, channels, or the output stage's filters.
     Device,
-    /// What hangs on the channels differs: kinds of outputs, equalisers, markers.
+    /// What hangs on the channels differs: kinds of outputs, equalisers, markers, whether steady voltages are kept off.
     Outputs,
     /// The new plan listens to more channels than the old one.
     Inputs,
@@ -51,7 +54,9 @@ impl fmt::Display for Mismatch {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Device => f.write_str("the new rig has another rate, other channels or another filter"),
-            Self::Outputs => f.write_str("the new rig has other outputs or other equalisers"),
+            Self::Outputs => f.write_str(
+                "the new rig has other outputs, other equalisers, or another word on steady voltages (dc)",
+            ),
             Self::Inputs => f.write_str("the new patch listens to further input channels"),
             Self::Precision => f.write_str("the new plan computes with other numbers"),
             Self::Refused(why) => f.write_str(why),
@@ -71,9 +76,9 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     {
         return Err(Mismatch::Device);
     }
-    // The output stage goes on as it is.
+    // The output stage goes on as it is, but for its levels.
     let hanging = |plan: &Plan| -> Vec<_> {
-        plan.outputs.iter().map(|o| (o.channel, o.kind, o.equaliser.clone())).collect()
+        plan.outputs.iter().map(|o| (o.channel, o.kind, o.equaliser.clone(), o.keeps_dc_off)).collect()
     };
     if hanging(old) != hanging(new) || old.markers != new.markers {
         return Err(Mismatch::Outputs);
@@ -91,22 +96,19 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
         .instruments
         .iter()
         .map(|instrument| {
-            let (i, same) = old.instruments.iter().enumerate().find(|(_, o)| is_same(o, instrument))?;
+            let (i, same) = old.instruments.iter().enumerate().find(|(_, o)| o.goes_on_as(instrument))?;
             Some((i, ops(&same.program, &instrument.program)))
         })
         .collect();
     let controls = new.controls.iter().map(|c| old.controls.iter().position(|o| o.name == c.name)).collect();
     let shared = ops(&old.shared_program, &new.shared_program);
+    let levels = new.max_levels();
+    let levels = (old.max_levels() != levels).then(|| levels.into_iter().map(single).collect());
     let unchanged = old.instruments == new.instruments
         && old.shared_program == new.shared_program
         && old.shared == new.shared
         && old.places == new.places;
-    Ok(Handover { engine, inheritance: Inheritance { instruments, shared, controls, unchanged } })
-}
-
-/// Whether the voices of one may go on as voices of the other: the same name, pool and event fields.
-fn is_same(old: &Instrument, new: &Instrument) -> bool {
-    old.name == new.name && old.voices == new.voices && old.fields == new.fields && old.always == new.always
+    Ok(Handover { engine, inheritance: Inheritance { instruments, shared, controls, levels, unchanged } })
 }
 
 /// For each new op the old op of the same name, type and settings that has not been given away.

@@ -66,8 +66,8 @@ pub enum Status {
     Held,
     /// It was released.
     Released,
-    /// It falls silent from this instant on.
-    Fading(Instant),
+    /// It falls silent from this instant on, so many times as fast as [`crate::dsp::fade::fade`] has it.
+    Fading(Instant, f64),
 }
 
 #[cfg(test)]

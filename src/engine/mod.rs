@@ -73,12 +73,15 @@ pub struct Delay {
     pub band_limit_phase: f64,
     /// Group delay of the band limit at 250 Hz.
     pub band_limit_group: f64,
+    /// Group delay at 250 Hz of the high-pass that keeps steady voltages off, 2.5 µs, where an output has one, else 0. Outputs that have
+    /// none come that much earlier.
+    pub high_pass_group: f64,
 }
 
 impl Delay {
     /// All of it, for the envelope of a tone of 250 Hz.
     pub fn total(&self) -> f64 {
-        self.lead + self.up_sampling + self.band_limit_group
+        self.lead + self.up_sampling + self.band_limit_group + self.high_pass_group
     }
 }
 
@@ -137,6 +140,7 @@ impl Engine {
             up_sampling: stage.fir_frames / (rate * self.ratio as f64),
             band_limit_phase: stage.band_limit_phase_250,
             band_limit_group: stage.band_limit_group_250,
+            high_pass_group: stage.high_pass_group_250,
         }
     }
 

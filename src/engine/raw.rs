@@ -2,14 +2,15 @@
 //!
 //! What an engine sample is between two of them is said by the filter that brings vibration up too: it passes 0 to 1 kHz as it
 //! is and keeps the images of that away. Whatever a patch puts between 1 kHz and half the engine's rate goes out as well, weaker
-//! towards the end, and with images. Full scale is the limit: beyond it a sample is cut, and counted.
+//! towards the end, and with images. Full scale is the limit, or the output's own level where that is lower: beyond it
+//! a sample is cut, and counted.
 
-use super::vibration::{Counts, Row};
+use super::vibration::{Counts, Row, single};
 use super::workspace::BLOCK;
 use crate::dsp::biquad::Complex;
 use crate::dsp::interpolator::Interpolator;
 use crate::dsp::lanes::LANES;
-use crate::graph::plan::{OutputKind, Plan};
+use crate::graph::plan::{Output, OutputKind, Plan};
 
 /// The raw outputs of a plan.
 #[derive(Debug)]
@@ -25,6 +26,8 @@ pub struct Raw {
 #[derive(Debug)]
 struct Line {
     channel: usize,
+    /// The most that leaves it.
+    most: f32,
     /// The samples that the filter still needs, and behind them those of the block.
     window: Vec<f32>,
 }
@@ -36,8 +39,12 @@ impl Raw {
         // Where there are none, neither is the filter.
         let (taps, ratio) = if raw.is_empty() { (1, 1) } else { (plan.taps, plan.ratio) };
         let filter = Interpolator::design(taps, ratio, plan.device_rate / ratio as f64);
-        let line = |channel| Line { channel, window: vec![0.0; filter.taps - 1 + BLOCK] };
-        let there = raw.iter().map(|o| o.channel as usize).filter(|channel| *channel < plan.channels);
+        let there = raw.iter().filter(|o| (o.channel as usize) < plan.channels);
+        let line = |output: &&Output| Line {
+            channel: output.channel as usize,
+            most: single(output.max_level),
+            window: vec![0.0; filter.taps - 1 + BLOCK],
+        };
         let lines = there.map(line).collect();
         let tap =
             |phase: usize, k: usize| filter.response[(filter.taps - 1 - k) * filter.ratio + phase] as f32;
@@ -58,6 +65,13 @@ impl Raw {
     /// Whether all of it is silence.
     pub fn is_idle(&self) -> bool {
         self.lines.iter().all(|line| line.window[..self.filter.taps - 1].iter().all(|x| *x == 0.0))
+    }
+
+    /// Lets no more leave the channels than these levels.
+    pub fn limit_to(&mut self, levels: &[f32]) {
+        for line in &mut self.lines {
+            line.most = levels.get(line.channel).copied().unwrap_or(1.0);
+        }
     }
 
     /// Samples that were no numbers, and those that were beyond full scale.
@@ -95,8 +109,11 @@ impl Raw {
             for window in line.window[..past + samples].windows(past + 1) {
                 for (taps, frame) in self.phases.iter().zip(&mut frames) {
                     let value: f32 = taps.iter().zip(window).map(|(tap, x)| tap * x).sum();
-                    self.counts.clamped += u64::from(value.abs() > 1.0);
-                    frame[line.channel] = value.clamp(-1.0, 1.0);
+                    // The sum of what is near the end of the numbers may be none.
+                    let within = value.abs() <= line.most;
+                    let cut = if value.is_nan() { 0.0 } else { line.most.copysign(value) };
+                    self.counts.clamped += u64::from(!within);
+                    frame[line.channel] = if within { value } else { cut };
                 }
             }
             line.window.copy_within(samples..samples + past, 0);

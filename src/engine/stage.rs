@@ -24,8 +24,15 @@ impl Stage {
     /// # Errors
     /// A rate or a number of taps that the stage cannot be built for.
     pub(crate) fn new(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
-        let (taps, equalisers) = (plan.taps, plan.equalisers());
-        let options = Options { taps, ratio: Some(plan.ratio), equalisers, isa, ..Options::default() };
+        let options = Options {
+            taps: plan.taps,
+            ratio: Some(plan.ratio),
+            equalisers: plan.by_channel(Vec::new(), |output| output.equaliser.clone()),
+            keeps_dc_off: plan.by_channel(false, |output| output.keeps_dc_off),
+            levels: plan.max_levels(),
+            isa,
+            ..Options::default()
+        };
         let vibration = Vibration::new(plan.channels, plan.device_rate, &options)?;
         let rows = vec![Row::default(); vibration.groups() * super::workspace::BLOCK];
         let triggers = Triggers::new(plan, &vibration);
@@ -51,6 +58,14 @@ impl Stage {
             true => self.raw.response(frequency),
             false => self.vibration.response(channel, frequency),
         }
+    }
+
+    /// Lets no more leave the channels than these levels: raw outputs and pulses from the next frame on, vibration as
+    /// [`Vibration::limit_to`] says.
+    pub(crate) fn limit_to(&mut self, levels: &[f32]) {
+        self.vibration.limit_to(levels);
+        self.raw.limit_to(levels);
+        self.triggers.limit_to(levels);
     }
 
     /// Whether nothing rings in it.

@@ -1,6 +1,6 @@
-//! Trigger outputs: pulses of full scale at markers, at the device's rate, aligned with the vibration.
+//! Trigger outputs: pulses of full scale, or of the output's own level where that is lower, at markers, at the device's rate, aligned with the vibration.
 
-use super::vibration::Vibration;
+use super::vibration::{Vibration, single};
 use crate::graph::plan::{OutputKind, Plan};
 use crate::node::kernel::LEAD;
 use crate::schedule::Instant;
@@ -18,6 +18,8 @@ pub struct Triggers {
 #[derive(Debug)]
 struct Trigger {
     channel: usize,
+    /// How high its pulses are.
+    height: f32,
     marker: Option<u32>,
     length: u64,
     /// The frames of the pulses to come and under way; one that overlaps the last makes it longer.
@@ -32,14 +34,16 @@ impl Triggers {
     /// Those of a plan.
     pub fn new(plan: &Plan, vibration: &Vibration) -> Self {
         let delay = vibration.delay();
-        let late =
-            LEAD * plan.ratio as f64 + delay.fir_frames + delay.band_limit_group_250 * plan.device_rate;
+        let late = LEAD * plan.ratio as f64
+            + delay.fir_frames
+            + (delay.band_limit_group_250 + delay.high_pass_group_250) * plan.device_rate;
         let outputs = plan
             .outputs
             .iter()
             .filter_map(|output| match output.kind {
                 OutputKind::Trigger { marker, pulse } => Some(Trigger {
                     channel: output.channel as usize,
+                    height: single(output.max_level),
                     marker,
                     length: ((pulse * plan.device_rate).round() as u64).max(1),
                     pulses: [(0, 0); WAITING],
@@ -54,6 +58,13 @@ impl Triggers {
     /// Whether no pulse waits or is under way.
     pub fn is_idle(&self) -> bool {
         self.outputs.iter().all(|output| output.count == 0)
+    }
+
+    /// Lets no pulse be higher than these levels of the channels, one that is under way included.
+    pub fn limit_to(&mut self, levels: &[f32]) {
+        for output in &mut self.outputs {
+            output.height = levels.get(output.channel).copied().unwrap_or(1.0);
+        }
     }
 
     /// A marker at an instant: its pulse begins when vibration that began then is felt (by the group delay at 250 Hz), to the
@@ -87,7 +98,7 @@ impl Triggers {
                 let after = rest.chunks_exact_mut(self.channels);
                 for frame in before.chain(after).take(to).skip(from) {
                     if let Some(value) = frame.get_mut(output.channel) {
-                        *value = 1.0;
+                        *value = output.height;
                     }
                 }
             }

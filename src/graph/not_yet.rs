@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashSet};
 
 use super::plan::{LeftOut, Why};
 use crate::patch::{Action, Events, Patch, Place, Source};
-use crate::rig::{self, Coupling, Finder, Rig};
+use crate::rig::{self, Finder, Rig};
 
 /// What a patch and a rig name and nothing acts on yet.
 pub fn not_yet(patch: &Patch, rig: &Rig) -> Vec<LeftOut> {
@@ -27,8 +27,6 @@ pub fn not_yet(patch: &Patch, rig: &Rig) -> Vec<LeftOut> {
         };
         say(true, format!("trigger `{on}` of `{}`", trigger.play));
     }
-    say(rig.device.coupling != Coupling::Dc, "`coupling` of the device".into());
-    say(rig.device.full_scale_volts.is_some(), "`full_scale_volts` of the device".into());
     for amplifier in &rig.amplifiers {
         say(true, format!("amplifier `{}`", amplifier.name));
     }
@@ -168,8 +166,6 @@ play = "tap"
     fn what_nothing_acts_on_is_told() {
         let wanted = [
             "trigger `knob.detent` of `tap`",
-            "`coupling` of the device",
-            "`full_scale_volts` of the device",
             "amplifier `class-d`",
             "`resonance` of actuator `exciter`",
             "`q` of actuator `exciter`",

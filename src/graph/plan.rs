@@ -75,15 +75,20 @@ impl Plan {
         inputs
     }
 
-    /// Sections of the equaliser of each channel.
-    pub(crate) fn equalisers(&self) -> Vec<Vec<Biquad>> {
-        let mut all = vec![Vec::new(); self.channels];
+    /// Of each channel, what its output says, or `otherwise` where it has none.
+    pub(crate) fn by_channel<T: Clone>(&self, otherwise: T, of: impl Fn(&Output) -> T) -> Vec<T> {
+        let mut all = vec![otherwise; self.channels];
         for output in &self.outputs {
-            if let Some(sections) = all.get_mut(output.channel as usize) {
-                sections.clone_from(&output.equaliser);
+            if let Some(to) = all.get_mut(output.channel as usize) {
+                *to = of(output);
             }
         }
         all
+    }
+
+    /// The most that leaves each channel.
+    pub(crate) fn max_levels(&self) -> Vec<f64> {
+        self.by_channel(1.0, |output| output.max_level)
     }
 }
 
@@ -149,6 +154,14 @@ impl Instrument {
         }
         hears
     }
+
+    /// Whether its voices may go on as voices of another: the same name, pool and event fields.
+    pub(crate) fn goes_on_as(&self, new: &Self) -> bool {
+        self.name == new.name
+            && self.voices == new.voices
+            && self.fields == new.fields
+            && self.always == new.always
+    }
 }
 
 /// What hangs on a channel.
@@ -162,6 +175,10 @@ pub struct Output {
     pub kind: OutputKind,
     /// The sections of its equaliser at the engine's rate; for vibration.
     pub equaliser: Vec<Biquad>,
+    /// Whether a high-pass keeps steady voltages off it; for vibration.
+    pub keeps_dc_off: bool,
+    /// The most that leaves it, as a share of full scale: above 0, and 1 at most.
+    pub max_level: f64,
 }
 
 /// What is done to a channel on its way out.

@@ -221,7 +221,14 @@ fn output(
         (OutputKind::Vibration, Some(actuator)) => equaliser(actuator, rate, problems),
         _ => Vec::new(),
     };
-    Output { name: output.name.as_str().into(), channel: output.channel.saturating_sub(1), kind, equaliser }
+    Output {
+        name: output.name.as_str().into(),
+        channel: output.channel.saturating_sub(1),
+        kind,
+        equaliser,
+        keeps_dc_off: rig.lets_dc(output) == Some(false),
+        max_level: rig.max_level(output),
+    }
 }
 
 /// The sections of an actuator's equaliser at the engine's rate.

@@ -104,6 +104,7 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
         Happening::Touch(..) => "touch",
         Happening::Release => "release",
         Happening::ReleaseAll => "release-all",
+        Happening::Silence(_) => "silence",
     };
     write!(to, "{},{},{fraction},{kind},", heard.at, heard.instant.sample)?;
     match heard.origin {
@@ -146,6 +147,7 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
         Happening::Touch(motion, value) => {
             write!(to, "{},,,,value={value},,", Motion::WORDS[motion.number()])?;
         }
+        Happening::Silence(bits) => write!(to, ",,,,value={bits},,")?,
         Happening::Release | Happening::ReleaseAll => to.push_str(",,,,,,"),
     }
     heard.id.map_or(Ok(()), |id| write!(to, "{id}"))?;

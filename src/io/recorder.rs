@@ -10,6 +10,7 @@ use ringbuf::HeapCons;
 use ringbuf::traits::{Consumer, Observer};
 
 use super::error::{FileError, FileErrorKind};
+use super::journal::Digest;
 use super::out::OutputFile;
 use super::wav::{WavSpec, WavWriter, Written};
 
@@ -19,7 +20,7 @@ const EVERY: Duration = Duration::from_millis(50);
 /// A recording under way, in a thread of its own.
 #[derive(Debug)]
 pub struct Recorder {
-    thread: Option<JoinHandle<Result<Written, FileError>>>,
+    thread: Option<JoinHandle<Result<(Written, Option<String>), FileError>>>,
     over: Arc<AtomicBool>,
 }
 
@@ -29,13 +30,30 @@ impl Recorder {
     /// # Errors
     /// A file that cannot be made, and frames that no WAV file can have.
     pub fn start(ring: HeapCons<f32>, path: &Path, spec: WavSpec) -> Result<Self, FileError> {
+        Self::begin(ring, path, spec, None)
+    }
+
+    /// The same, with a digest of the samples, by which the recording is known again.
+    ///
+    /// # Errors
+    /// As [`Recorder::start`].
+    pub fn start_with_digest(ring: HeapCons<f32>, path: &Path, spec: WavSpec) -> Result<Self, FileError> {
+        Self::begin(ring, path, spec, Some(Digest::new()))
+    }
+
+    fn begin(
+        ring: HeapCons<f32>,
+        path: &Path,
+        spec: WavSpec,
+        digest: Option<Digest>,
+    ) -> Result<Self, FileError> {
         let channels = spec.channels.max(1);
         let writer = WavWriter::create(path, spec)?;
         let over = Arc::<AtomicBool>::default();
         let told = Arc::clone(&over);
         let thread = std::thread::Builder::new()
             .name("recorder".into())
-            .spawn(move || record(ring, writer, channels, &told))
+            .spawn(move || record(ring, writer, channels, digest, &told))
             .map_err(|error| FileError::creating(path, &error))?;
         Ok(Self { thread: Some(thread), over })
     }
@@ -49,7 +67,15 @@ impl Recorder {
     ///
     /// # Errors
     /// What went wrong with the file.
-    pub fn finish(mut self) -> Result<Written, FileError> {
+    pub fn finish(self) -> Result<Written, FileError> {
+        self.finish_with_digest().map(|(written, _)| written)
+    }
+
+    /// The same, with the digest of its samples if it was to make one ([`Recorder::start_with_digest`]).
+    ///
+    /// # Errors
+    /// As [`Recorder::finish`].
+    pub fn finish_with_digest(mut self) -> Result<(Written, Option<String>), FileError> {
         self.over.store(true, Ordering::Release);
         let ended = self.thread.take().map(JoinHandle::join);
         ended.and_then(Result::ok).unwrap_or_else(|| {
@@ -69,8 +95,9 @@ fn record(
     mut ring: HeapCons<f32>,
     mut writer: WavWriter<OutputFile>,
     channels: usize,
+    mut digest: Option<Digest>,
     over: &AtomicBool,
-) -> Result<Written, FileError> {
+) -> Result<(Written, Option<String>), FileError> {
     let mut frames = vec![0.0; channels * 4096];
     loop {
         // Asked first, so that nothing is missed that came before.
@@ -80,9 +107,10 @@ fn record(
             let part = whole.min(frames.len());
             let taken = ring.pop_slice(&mut frames[..part]);
             writer.write(&frames[..taken])?;
+            digest.iter_mut().for_each(|digest| digest.samples(&frames[..taken]));
         }
         if last {
-            return writer.finish();
+            return Ok((writer.finish()?, digest.map(Digest::finish)));
         }
         std::thread::sleep(EVERY);
     }

@@ -24,7 +24,7 @@ use crate::live::callback::Callback;
 use crate::live::clock::StreamClock;
 use crate::live::conductor::{Audience, Conductor};
 use crate::live::driver::Driver;
-use crate::live::gate::{Gate, RAMP_OUT, UNARMED};
+use crate::live::gate::{Gate, RAMP_IN, RAMP_OUT, UNARMED};
 use crate::live::intake::{Ears, bridge};
 use crate::live::reload::Reload;
 use crate::live::signal::{Handle, Refused, Signal};
@@ -144,6 +144,8 @@ impl Session {
         if let Some(listener) = listener {
             performer.listen(listener);
         }
+        // The first that is felt is not to be weaker than the others.
+        performer.lead_in(RAMP_IN).map_err(|why| SessionError::Plan(why.to_string()))?;
         if let Some(song) = song {
             performer.play_song(song.messages.iter().copied(), song.seconds);
             let counted = performer.follow_song(&song.tempi, song.seconds);
@@ -267,6 +269,9 @@ impl Session {
 
     /// Closes the gate, waits until the device has been given silence, and lets go of it.
     pub fn stop(&mut self) {
+        if let Some(keeper) = &self.keeper {
+            keeper.rest();
+        }
         // Whoever floods the session cannot keep it from ending.
         while self.conductor.is_some() && self.handle.send(Signal::End) == Err(Refused::Busy) {
             std::thread::sleep(Duration::from_millis(1));

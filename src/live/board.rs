@@ -78,12 +78,14 @@ pub struct Board {
     pub clamped: Figure,
     /// Samples that the limiter turned down.
     pub limited: Figure,
-    /// Signals that found no room.
+    /// Signals and patterns that found no room.
     pub refused: Figure,
     /// Frames that the recording missed.
     pub unrecorded: Figure,
     /// Things done that the log did not hear of.
     pub untold: Figure,
+    /// Frames before which everything that was done has been told.
+    pub told: Figure,
     /// 0 while all periodic tasks run; where there is too much to do, 255 less the rank above which they rest.
     pub shed: Figure,
     /// Whether the gate is shut: 1, or 0.

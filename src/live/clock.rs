@@ -85,7 +85,7 @@ impl Moment {
 impl Follower {
     /// For a device of `rate` frames a second that is expected to ask for blocks of `block` frames; both are found out as it runs.
     pub fn new(rate: f64, block: u64) -> (Self, StreamClock) {
-        let face = Arc::new(Face::default());
+        let face = Arc::new(Face { longest: AtomicU64::new(block), ..Face::default() });
         let clock = StreamClock(Arc::clone(&face));
         let frame = 1.0 / rate;
         (
@@ -179,7 +179,12 @@ impl StreamClock {
         }
     }
 
-    /// The same for the audio thread: `None` as well where a callback came in between.
+    /// The longest block so far, in frames; before the first, what was expected.
+    pub fn longest(&self) -> u64 {
+        self.0.longest.load(Ordering::Relaxed)
+    }
+
+    /// As [`StreamClock::moment`], for the audio thread: `None` as well where a callback came in between.
     pub fn glimpse(&self) -> Option<Moment> {
         let Face { turn, frames, time, frame, longest } = &*self.0;
         let before = turn.load(Ordering::Acquire);

@@ -15,7 +15,7 @@ use super::callback::{Cue, Report, Rings, SOURCES};
 use super::clock::{Moment, StreamClock};
 use super::gate::UNARMED;
 use super::reload::Reload;
-use super::signal::{Handle, Signal, Stamped, WAITING};
+use super::signal::{Handle, Origin, Signal, Stamped, WAITING};
 use super::stamp::{Epoch, Stamp};
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Director;
@@ -23,7 +23,7 @@ use crate::performer::{Outlet, Performer, When};
 use crate::schedule::Instant;
 use crate::text::Problem;
 
-/// Seconds that patterns are sent ahead.
+/// Seconds that patterns are sent ahead, beyond the block that is computed next.
 const AHEAD: f64 = 0.05;
 
 /// How often it looks whether patterns must be fed, where no signal comes.
@@ -40,8 +40,8 @@ const REMEMBERED: usize = 1 << 14;
 pub enum Told<'a> {
     /// A session began, at this moment; its board.
     Began(Epoch, &'a Arc<Board>),
-    /// Something came in, and when; it is told before anything is done about it.
-    Came(Stamp, &'a Signal),
+    /// Something came in, when, and by which way; it is told before anything is done about it.
+    Came(Stamp, &'a Signal, &'a Origin),
     /// What the callback did, and how its frames and wall time belonged together a moment ago.
     Report(&'a Report, Option<Moment>),
     /// Something that was asked for and cannot be done.
@@ -80,6 +80,8 @@ pub struct Conductor {
     waiting: Option<Box<Reload>>,
     rate: f64,
     ratio: f64,
+    /// Whether patterns have more to send than they were let at once.
+    behind: bool,
     ended: bool,
 }
 
@@ -138,6 +140,7 @@ impl Conductor {
             waiting: None,
             rate,
             ratio,
+            behind: false,
             ended: false,
         };
         (conductor, handle)
@@ -146,7 +149,7 @@ impl Conductor {
     /// Leads until it is told to end, or nobody can tell it anything any more; after [`Conductor::begin`].
     pub fn lead(mut self) {
         while !self.ended {
-            match self.signals.recv_timeout(EVERY) {
+            match self.signals.recv_timeout(if self.behind { Duration::ZERO } else { EVERY }) {
                 Ok(stamped) => {
                     self.take(stamped);
                     // What has piled up is taken before patterns are fed, but not what comes meanwhile: they must not wait for ever.
@@ -178,16 +181,20 @@ impl Conductor {
         while let Some(report) = self.rings.reports.try_pop() {
             (self.audience)(Told::Report(&report, moment));
         }
+        // The callback at this moment had not done anything yet; what those before it did has been told.
+        self.board.told.set(moment.map_or(0, |moment| moment.frames));
     }
 
     /// Sends what sounds from the beginning, and opens the gate.
     pub fn begin(&mut self) {
         (self.audience)(Told::Began(self.epoch, &self.board));
+        let until = self.until(0);
         let mut outlet = ToCallback { rings: &mut self.rings, clock: 0, plan: self.plan };
         if let Err(problem) = self.performer.begin(&mut outlet) {
             (self.audience)(Told::Refused(&problem));
         }
-        self.feed();
+        self.performer.feed(until, &mut outlet);
+        self.hear_trouble(false);
         self.board.lever.open();
     }
 
@@ -214,6 +221,9 @@ impl Conductor {
     }
 
     fn tell_playing(&mut self) {
+        if self.patterns.len() > 1 {
+            self.patterns.retain(|_, serial| *serial == 0 || self.performer.plays(*serial));
+        }
         if !self.performer.patterns().map(|(serial, _)| serial).eq(self.playing.iter().copied()) {
             let playing: Vec<_> = self.performer.patterns().collect();
             self.playing = playing.iter().map(|(serial, _)| *serial).collect();
@@ -221,12 +231,23 @@ impl Conductor {
         }
     }
 
+    /// Up to where patterns are sent, when `clock` is the next sample to be computed.
+    fn until(&self, clock: u64) -> u64 {
+        let block = self.clock.longest() as f64 / self.ratio;
+        clock + (AHEAD * self.rate + block) as u64
+    }
+
     fn feed(&mut self) {
         let clock = self.board.clock.get();
-        let until = clock + (AHEAD * self.rate) as u64;
+        let until = self.until(clock);
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
         let troubled = self.performer.trouble().is_some();
-        self.performer.feed(until, &mut outlet);
+        self.behind = !self.performer.feed_some(until, &mut outlet);
+        self.hear_trouble(troubled);
+    }
+
+    /// Tells what keeps patterns from going on, if that is new.
+    fn hear_trouble(&mut self, troubled: bool) {
         if let Some(problem) = self.performer.trouble().filter(|_| !troubled) {
             (self.audience)(Told::Refused(problem));
         }
@@ -243,8 +264,8 @@ impl Conductor {
     }
 
     /// Does what a signal asks for.
-    pub fn take(&mut self, Stamped { stamp, signal }: Stamped) {
-        (self.audience)(Told::Came(stamp, &signal));
+    pub fn take(&mut self, Stamped { stamp, origin, signal }: Stamped) {
+        (self.audience)(Told::Came(stamp, &signal, &origin));
         let at = self.when(stamp);
         let clock = self.board.clock.get();
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
@@ -295,9 +316,8 @@ impl Conductor {
                 sent(self.performer.release_all(at, outlet))
             }
             Signal::Calm => {
-                let was = self.board.is_panicked();
                 self.board.calm();
-                let woken = !was || self.performer.wake(at, outlet);
+                let woken = self.performer.wake(at, outlet);
                 self.board.lever.release();
                 sent(woken)
             }
@@ -316,6 +336,7 @@ impl Conductor {
                 Ok(())
             }
         };
+        self.board.refused.add(self.performer.take_turned_away());
         if let Err(problem) = done {
             (self.audience)(Told::Refused(&problem));
         }

@@ -6,15 +6,15 @@
 /// Where a gate is told to go.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Order {
-    /// Open within [`RAMP_IN`]; a latch stays.
+    /// Open within [`RAMP_IN`]; a latch stays, and so does [`Order::Close`].
     Open,
-    /// Open within [`RAMP_BACK`], after the device was away; a latch stays.
+    /// Open within [`RAMP_BACK`], after [`Order::Close`], since the device was away; a latch stays.
     Return,
     /// Close within [`RAMP_OUT`] and stay closed until [`Order::Release`].
     Latch,
-    /// Takes back a latch, and opens within [`RAMP_IN`].
+    /// Takes back a latch, and opens within [`RAMP_IN`], but for [`Order::Close`].
     Release,
-    /// Close within [`RAMP_OUT`].
+    /// Close within [`RAMP_OUT`] and stay closed until [`Order::Return`].
     Close,
     /// Go to this gain, from 0 to 1, within [`RAMP_IN`].
     Gain(f32),
@@ -56,7 +56,9 @@ impl Ramp {
             return self.to;
         }
         let x = self.done as f32 / self.length as f32;
-        self.from + (self.to - self.from) * (x * x * (3.0 - 2.0 * x))
+        // Rounding must not carry it past its ends: a gain of more than 1 would be more than what may leave.
+        let (least, most) = if self.from < self.to { (self.from, self.to) } else { (self.to, self.from) };
+        (self.from + (self.to - self.from) * (x * x * (3.0 - 2.0 * x))).max(least).min(most)
     }
 
     fn go(&mut self, to: f32, frames: f64) {
@@ -84,12 +86,14 @@ pub struct Gate {
     open: Ramp,
     gain: Ramp,
     latched: bool,
+    /// The device is away, or all is over.
+    closed: bool,
 }
 
 impl Gate {
     /// Closed, for frames at `rate`; open, it has the gain `gain`.
     pub fn new(rate: f64, gain: f32) -> Self {
-        Self { rate, open: Ramp::resting(0.0), gain: Ramp::resting(gain), latched: false }
+        Self { rate, open: Ramp::resting(0.0), gain: Ramp::resting(gain), latched: false, closed: false }
     }
 
     /// Does as told, from the next frame on.
@@ -97,6 +101,8 @@ impl Gate {
         match order {
             Order::Latch => self.latched = true,
             Order::Release => self.latched = false,
+            Order::Close => self.closed = true,
+            Order::Return => self.closed = false,
             _ => {}
         }
         let (to, seconds) = match order {
@@ -106,7 +112,7 @@ impl Gate {
                 return;
             }
             Order::Latch | Order::Close => (0.0, RAMP_OUT),
-            _ if self.latched => return,
+            _ if self.latched || self.closed => return,
             Order::Return => (1.0, RAMP_BACK),
             Order::Open | Order::Release => (1.0, RAMP_IN),
         };
@@ -205,6 +211,33 @@ mod tests {
     }
 
     #[test]
+    fn what_is_closed_while_the_device_is_away_comes_in_when_it_is_back_and_not_before() {
+        // Whatever happens meanwhile.
+        for meanwhile in
+            [vec![], vec![Order::Open], vec![Order::Latch, Order::Release], vec![Order::Gain(0.5)]]
+        {
+            let mut gate = Gate::new(RATE, 1.0);
+            gate.order(Order::Close);
+            for order in &meanwhile {
+                gate.order(*order);
+                assert_eq!(pass(&mut gate, 10_000), [0.0; 10_000], "{order:?}");
+            }
+            gate.order(Order::Return);
+            let rising = pass(&mut gate, 961);
+            assert!(rising[0] < 1e-5 && rising.windows(2).all(|w| w[1] - w[0] < 2e-3), "{meanwhile:?}");
+            assert!(rising[960] >= 0.5);
+        }
+        // A brake that was pulled and not let go holds.
+        let mut gate = Gate::new(RATE, 1.0);
+        for order in [Order::Open, Order::Close, Order::Latch, Order::Return] {
+            gate.order(order);
+        }
+        assert_eq!(pass(&mut gate, 10_000), [0.0; 10_000]);
+        gate.order(Order::Release);
+        assert_eq!(pass(&mut gate, 9600)[9599], 1.0);
+    }
+
+    #[test]
     fn arming_goes_from_a_tenth_to_all() {
         let mut gate = Gate::new(RATE, UNARMED);
         gate.order(Order::Open);
@@ -214,6 +247,31 @@ mod tests {
         assert!(rising.windows(2).all(|w| w[1] >= w[0]) && rising[9599] == 1.0);
         gate.order(Order::Gain(f32::NAN));
         assert_eq!(pass(&mut gate, 9600)[9599], 0.0);
+    }
+
+    /// A gain of more than 1, by however little, would let more leave than the engine holds back to.
+    #[test]
+    fn no_ramp_passes_its_ends() {
+        // Where rounding would carry it beyond.
+        let (low, high) = (0.200_108_5, 0.823_125_2);
+        let mut gate = Gate::new(768_000.0, low);
+        gate.order(Order::Open);
+        pass(&mut gate, 153_600);
+        gate.order(Order::Gain(high));
+        assert_eq!(pass(&mut gate, 160_000).into_iter().find(|x| !(low..=high).contains(x)), None);
+        for rate in [6000.0, 7350.0, 44_100.0, 48_000.0, 96_000.0, 192_000.0, 767_999.0] {
+            for gain in [1.0, 0.7, UNARMED] {
+                let mut gate = Gate::new(rate, UNARMED);
+                gate.order(Order::Open);
+                gate.order(Order::Gain(gain));
+                for order in [Order::Open, Order::Close, Order::Return, Order::Close, Order::Open] {
+                    gate.order(order);
+                    let all = pass(&mut gate, (0.25 * rate) as usize);
+                    let beyond = all.iter().find(|x| !(0.0..=gain.max(UNARMED)).contains(*x));
+                    assert_eq!(beyond, None, "{rate} Hz, {order:?} to {gain}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -156,6 +156,9 @@ impl Intake {
     /// As [`Intake::hear`], at a moment.
     pub fn take(&mut self, at: Stamp, delay: f64, frames: &[f32]) {
         let count = (frames.len() / self.channels) as u64;
+        if count == 0 {
+            return;
+        }
         let whole = &frames[..count as usize * self.channels];
         if self.ring.vacant_len() < whole.len() {
             self.skipped.fetch_add(count, Ordering::Release);

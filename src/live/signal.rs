@@ -48,11 +48,25 @@ pub enum Signal {
     End,
 }
 
+/// By which way a signal came, where it does not say so itself. A journal has it.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Origin {
+    /// From a program that has a [`Handle`].
+    #[default]
+    Program,
+    /// From a key of the computer; what stands on it.
+    Key(Arc<str>),
+    /// In an OSC message: its address and its arguments, as they came.
+    Osc(Arc<str>, Arc<str>),
+}
+
 /// A signal with the moment at which it arrived.
 #[derive(Debug)]
 pub struct Stamped {
     /// When it arrived.
     pub stamp: Stamp,
+    /// By which way.
+    pub origin: Origin,
     /// What it is.
     pub signal: Signal,
 }
@@ -67,6 +81,7 @@ pub struct Handle {
     epoch: Epoch,
     board: Arc<Board>,
     numbers: Arc<AtomicU64>,
+    origin: Origin,
 }
 
 /// Why a signal was not taken.
@@ -91,7 +106,12 @@ impl std::error::Error for Refused {}
 
 impl Handle {
     pub(crate) fn new(out: SyncSender<Stamped>, epoch: Epoch, board: Arc<Board>) -> Self {
-        Self { out, epoch, board, numbers: Arc::default() }
+        Self { out, epoch, board, numbers: Arc::default(), origin: Origin::Program }
+    }
+
+    /// The same handle for signals that come another way.
+    pub fn from(&self, origin: Origin) -> Self {
+        Self { origin, ..self.clone() }
     }
 
     /// Sends a signal that arrives now.
@@ -107,7 +127,8 @@ impl Handle {
     /// # Errors
     /// One that was not taken.
     pub fn send_at(&self, stamp: Stamp, signal: Signal) -> Result<(), Refused> {
-        self.out.try_send(Stamped { stamp, signal }).map_err(|error| match error {
+        let origin = self.origin.clone();
+        self.out.try_send(Stamped { stamp, origin, signal }).map_err(|error| match error {
             TrySendError::Full(_) => {
                 self.board.refused.add(1);
                 Refused::Busy

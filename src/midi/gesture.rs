@@ -77,16 +77,12 @@ pub enum Gesture {
         /// Quarter notes from its beginning.
         beats: f64,
     },
-    /// The clock's tempo, when it is first known and when it changes.
-    Tempo {
-        /// Quarter notes a minute.
-        beats_per_minute: f64,
-    },
-    /// Everything stops, now. The notes that sounded are gone, those that a pedal held as well; no [`Gesture::NoteOff`] follows for them.
+    /// All that was started through a channel falls silent, now, what dies away already as well. Its notes are gone, those that a pedal
+    /// held, too; no [`Gesture::NoteOff`] follows for them.
     Panic {
         /// Why.
         reason: Reason,
-        /// Whose notes; `None` for all channels.
+        /// Which; `None` for all channels.
         channel: Option<Channel>,
     },
 }
@@ -135,13 +131,11 @@ pub enum Transport {
     Stop,
 }
 
-/// Why everything stops.
+/// Why something falls silent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Reason {
     /// Controller 120.
     AllSoundOff,
-    /// Controller 123, or one of 124 to 127, which imply it.
-    AllNotesOff,
     /// System reset, 0xFF.
     Reset,
     /// A cable that had promised to say that it is there (0xFE) has been silent for more than 300 ms.

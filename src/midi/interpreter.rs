@@ -8,7 +8,6 @@ use super::parameter::{self, Change, Entry};
 use super::sensing::Sensing;
 use super::sounding::{Note, Sounding};
 use super::strip::{MODES, Moved, Range, SOSTENUTO, SUSTAIN, TIMBRE};
-use super::tempo::Clocks;
 use super::zone::{Channels, Zone};
 
 /// The velocity of a key that goes up where nothing says it: 64, as the MIDI 1.0 Detailed Specification has it for a note-on of velocity 0.
@@ -56,14 +55,14 @@ pub struct Counts {
 ///   where it is harder, its timbre adds as far as it is from the middle. Its pedals, its panic and its resets are the whole zone's. RPN 0
 ///   on a member is for all members of its zone. On members controller 74 is timbre alone, elsewhere an ordinary controller too.
 /// - **Controllers** are at their upper 7 bits at once and at 14 bits when the lower ones follow; numbered parameters too.
-/// - **Panic.** Controllers 120 and 123 to 127 stop a channel, a reset and a lost cable all of them, pedals or not: MIDI would let a pedal
-///   hold notes through 123, but here it is what a person presses to make things stop.
-/// - **Clock.** See [`Gesture::Tempo`].
+/// - **All notes off.** Controller 123 is a note-off for every key that is down on its channel, and a pedal that is down keeps those notes
+///   until it goes up (MIDI 1.0 Detailed Specification, "Channel Mode Messages" and "Hold 1"); 124 to 127, which choose modes that do not
+///   exist here, imply it.
+/// - **Panic.** Controller 120 silences a channel, a reset and a lost cable all of them, at once, pedals or not.
 #[derive(Debug)]
 pub struct Interpreter {
     desk: Desk,
     sounding: Sounding,
-    clocks: Clocks,
     sensing: Sensing,
     now: f64,
     counts: Counts,
@@ -81,7 +80,6 @@ impl Interpreter {
         Self {
             desk: Desk::default(),
             sounding: Sounding::new(),
-            clocks: Clocks::default(),
             sensing: Sensing::default(),
             now: 0.0,
             counts: Counts::default(),
@@ -120,17 +118,14 @@ impl Interpreter {
             Message::SongPosition { sixteenths } => {
                 sink(Gesture::Position { beats: f64::from(sixteenths & 16_383) / 4.0 });
             }
-            Message::Clock => {
-                let tempo = self.clocks.clock(self.now);
-                tempo.into_iter().for_each(|beats_per_minute| sink(Gesture::Tempo { beats_per_minute }));
-            }
+            // Whoever follows it counts by itself, since what matters is when it came.
+            Message::Clock => (),
             Message::Start => sink(Gesture::Transport { what: Transport::Start }),
             Message::Continue => sink(Gesture::Transport { what: Transport::Continue }),
             Message::Stop => sink(Gesture::Transport { what: Transport::Stop }),
             Message::ActiveSensing => self.sensing.promise(),
             Message::Reset => {
                 self.sensing.forget();
-                self.clocks = Clocks::default();
                 self.desk = Desk::default();
                 self.panic(Reason::Reset, sink);
             }
@@ -144,7 +139,6 @@ impl Interpreter {
             self.now = self.now.max(seconds);
         }
         if self.sensing.lost(self.now) {
-            self.clocks = Clocks::default();
             self.desk.rest();
             self.panic(Reason::SensingLost, sink);
         }
@@ -159,7 +153,6 @@ impl Interpreter {
     /// The port is gone: all that sounds ends, and hands are off wheels and pedals. Zones and bend ranges stay for when it comes back.
     pub fn let_go(&mut self, sink: Sink<'_>) {
         self.desk.rest();
-        self.clocks = Clocks::default();
         self.sensing.forget();
         self.end(Channels::ALL, sink);
     }
@@ -278,11 +271,8 @@ impl Interpreter {
 
     fn mode(&mut self, channel: Channel, number: u8, sink: Sink<'_>) {
         let scope = self.desk.zones.scope(channel);
-        let reason = match number {
-            LOCAL => {
-                self.counts.left_out += 1;
-                return;
-            }
+        match number {
+            LOCAL => self.counts.left_out += 1,
             RESET_CONTROLLERS => {
                 for channel in scope.iter() {
                     self.desk.strip_mut(channel).reset().for_each(|moved| sink(controller(channel, moved)));
@@ -291,13 +281,20 @@ impl Interpreter {
                     (note.poly_pressure, note.caught) = (0, false);
                 }
                 self.let_up(scope, sink);
-                return self.refresh(scope, sink);
+                self.refresh(scope, sink);
             }
-            ALL_SOUND_OFF => Reason::AllSoundOff,
-            _ => Reason::AllNotesOff,
-        };
-        self.sounding.end(|note| scope.has(note.channel));
-        scope.iter().for_each(|channel| sink(Gesture::Panic { reason, channel: Some(channel) }));
+            ALL_SOUND_OFF => {
+                self.sounding.end(|note| scope.has(note.channel));
+                let reason = Reason::AllSoundOff;
+                scope.iter().for_each(|channel| sink(Gesture::Panic { reason, channel: Some(channel) }));
+            }
+            _ => {
+                for note in self.sounding.iter_mut().filter(|note| scope.has(note.channel)) {
+                    note.released.get_or_insert(RELEASE);
+                }
+                self.let_up(scope, sink);
+            }
+        }
     }
 
     fn panic(&mut self, reason: Reason, sink: Sink<'_>) {

@@ -157,7 +157,8 @@ pub const TOPICS: &[Topic] = &[
         text: "Times are counted in seconds, or with time = \"beats\" in beats of `tempo` a minute, durations too.\n\n\
                With clock = \"midi\" a pattern plays when a sequencer's song does: start, stop, continue and song position move it, and its \
                beats, durations too, are those of the MIDI clock, jitter taken out. What it plays moves with it. Where a trigger plays it \
-               while that song runs, it joins in at once; while none runs, and in a rendering without --midi, it has its own tempo. With \
+               while that song runs, it joins in at once; while none runs, and in a rendering without --midi, it has its own tempo. Of \
+               several ports, the one counts whose song runs; another may start one when that stands. With \
                --midi, the tempo of that song counts.\n\n\
                A pattern that repeats without `times` goes on for ever; then no other pattern can play it. `every` is counted from \
                one beginning to the next.\n\n\
@@ -247,7 +248,14 @@ pub const TOPICS: &[Topic] = &[
                - key.1: a key of the computer, from 1\n\
                - knob.detent: a knob passes a notch\n\n\
                A note sounds as long as its key or the pedal holds it, unless `set` gives it a `duration`; its velocity is its level, unless \
-               `set` gives it a `level`. Of a pattern, `set` gives `gain` and `rate`. In `pacinian play` and with `--midi`, no pattern begins by \
+               `set` gives it a `level`. Of a pattern, `set` gives `gain` and `rate`. A pattern that ends plays to its end; one that repeats \
+               without `times` plays as long as the key or the pedal holds it, and where no key does, the next hit begins it anew. At most \
+               256 patterns play at a time.\n\n\
+               Controllers 123 to 127 (all notes off) let go of the keys that are down on their channel. Controller 120 (all sound off) \
+               silences within 2 ms what its channel has started, voices that die away and patterns included, and a reset, or a cable \
+               that had promised to stay and is lost, what its port has started. Voices that are always on, what plays from the beginning \
+               and what other ports, keys or programs have started go on.\n\n\
+               In `pacinian play` and with `--midi`, no pattern begins by \
                itself in a patch that has triggers, but those with start.\n\n\
                Nodes and knobs set nothing off yet; they are read and checked.",
         tables: &[&trigger::TABLE],

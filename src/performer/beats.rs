@@ -40,6 +40,9 @@ pub(super) enum Beats {
 pub(super) struct Clock {
     /// Whether the song runs.
     running: bool,
+    /// Whether no clock has come since it does. The sender may have stopped its clocks meanwhile, so until then nobody knows when its
+    /// beats are.
+    awaited: bool,
     /// Clocks since the beginning of the song, up to the one that comes next.
     count: f64,
     /// When that is expected, seconds; `None` before the first.
@@ -80,23 +83,29 @@ impl Clock {
         self.age = self.age.saturating_add(1);
         if self.running {
             self.count += 1.0;
+            self.awaited = false;
         }
     }
 
     /// The song plays on from so many beats, with the clock that comes next.
     pub fn run(&mut self, beats: f64) {
-        (self.running, self.count) = (true, beats * CLOCKS);
+        (self.running, self.awaited, self.count) = (true, true, beats * CLOCKS);
     }
 
-    /// The song stops. Gives where it stands.
-    pub fn stop(&mut self) -> f64 {
-        self.running = false;
-        self.count / CLOCKS
+    /// The song stops. Gives where it stands if it ran.
+    pub fn stop(&mut self) -> Option<f64> {
+        std::mem::take(&mut self.running).then_some(self.count / CLOCKS)
+    }
+
+    /// Whether the song runs, and its clocks still come.
+    pub fn runs(&self, now: f64) -> bool {
+        let overdue = TRUSTED * if self.period > 0.0 { self.period } else { PERIODS[1] };
+        self.running && self.next.is_none_or(|next| now - next <= overdue)
     }
 
     /// When a beat falls, and how many there are a second; `usual` where nothing is known of that yet.
     fn at(&self, beat: f64, usual: f64) -> Option<(f64, f64)> {
-        let next = self.next.filter(|_| self.running)?;
+        let next = self.next.filter(|_| self.running && !self.awaited)?;
         let period = if self.period > 0.0 { self.period } else { 1.0 / (CLOCKS * usual) };
         // With one clock only, the next is expected where it was.
         let next = if self.age == 1 { next + period } else { next };
@@ -106,11 +115,14 @@ impl Clock {
 }
 
 impl Beats {
-    /// Of a song: where its tempo changes, in seconds, and what to, in beats a minute; 120 until then. It ends at `seconds`.
-    pub fn of_song(tempi: &[(f64, f64)], seconds: f64) -> Self {
-        let mut map = vec![(0.0, 0.0, 2.0)];
+    /// Of a song that begins after `lead` seconds: where its tempo changes, in its own seconds, and what to, in beats a minute; 120 until
+    /// then. It ends at its `seconds`.
+    pub fn of_song(tempi: &[(f64, f64)], seconds: f64, lead: f64) -> Self {
+        let first = (lead, 0.0, 2.0);
+        let mut map = vec![first];
         for &(at, tempo) in tempi {
-            let &(from, beat, speed) = map.last().unwrap_or(&(0.0, 0.0, 2.0));
+            let at = lead + at;
+            let &(from, beat, speed) = map.last().unwrap_or(&first);
             let tempo = tempo.clamp(1.0, 10_000.0) / 60.0;
             if at <= from {
                 map.pop();
@@ -119,7 +131,7 @@ impl Beats {
                 map.push((at, beat + (at - from) * speed, tempo));
             }
         }
-        Self::Song(map, seconds)
+        Self::Song(map, lead + seconds)
     }
 
     /// The clock that comes, made if there was none.
@@ -152,7 +164,13 @@ impl Beats {
         match self {
             Self::None => None,
             Self::Clock(clock) => {
-                let (next, period) = (clock.next.filter(|_| clock.running)?, clock.period);
+                if !clock.running {
+                    return None;
+                }
+                let Some(next) = clock.next.filter(|_| !clock.awaited) else {
+                    return Some(clock.count / CLOCKS);
+                };
+                let period = clock.period;
                 let ahead = if period > 0.0 { (seconds - next) / period } else { 0.0 };
                 Some(((clock.count + ahead) / CLOCKS).max(0.0))
             }
@@ -173,7 +191,7 @@ mod tests {
     #[test]
     fn the_map_of_a_song_is_the_integral_of_its_tempo() {
         // 60 a minute for two seconds, then 120, then 30.
-        let beats = Beats::of_song(&[(0.0, 60.0), (2.0, 120.0), (4.0, 30.0)], 10.0);
+        let beats = Beats::of_song(&[(0.0, 60.0), (2.0, 120.0), (4.0, 30.0)], 10.0, 0.0);
         for (beat, seconds, speed) in
             [(0.0, 0.0, 1.0), (1.5, 1.5, 1.0), (2.0, 2.0, 2.0), (5.0, 3.5, 2.0), (7.0, 6.0, 0.5)]
         {
@@ -181,7 +199,11 @@ mod tests {
             assert_eq!(beats.beat(seconds), Some(beat));
         }
         assert_eq!(beats.at(9.5, 2.0), None, "it has ended");
-        assert_eq!(Beats::of_song(&[], 10.0).at(3.0, 1.0), Some((1.5, 2.0)), "120 where nothing is said");
+        assert_eq!(
+            Beats::of_song(&[], 10.0, 0.0).at(3.0, 1.0),
+            Some((1.5, 2.0)),
+            "120 where nothing is said"
+        );
     }
 
     #[test]
@@ -201,8 +223,29 @@ mod tests {
         // Clocks that come no more: a beat is trusted, and no more than that.
         let now = 199.0 / CLOCKS;
         assert!(beats.at(now + 0.9, 2.0).is_some() && beats.at(now + 1.1, 2.0).is_none());
-        assert!((beats.clock().stop() - 200.0 / CLOCKS).abs() < 1e-12);
-        assert_eq!(beats.at(9.0, 2.0), None);
+        let stood = beats.clock().stop().unwrap();
+        assert!((stood - 200.0 / CLOCKS).abs() < 1e-12);
+        assert_eq!((beats.at(9.0, 2.0), beats.clock().stop()), (None, None), "it stands already");
+    }
+
+    /// A sender that sends no clocks while its song stands: the loop knows its tempo still, and not when it goes on.
+    #[test]
+    fn after_a_pause_the_first_clock_says_when() {
+        let mut beats = Beats::None;
+        beats.clock().run(0.0);
+        let clocks = |beats: &mut Beats, from: f64| {
+            (0..36).for_each(|n| beats.clock().tick(from + f64::from(n) * 0.5 / CLOCKS));
+        };
+        clocks(&mut beats, 1.0);
+        beats.clock().stop();
+        for (from, begin) in [(20.0, 0.0), (40.0, 2.5)] {
+            beats.clock().run(begin);
+            assert_eq!((beats.at(begin, 2.0), beats.beat(from)), (None, Some(begin)));
+            beats.clock().tick(from);
+            let (at, speed) = beats.at(begin + 0.5, 2.0).unwrap();
+            assert!((at - from - 0.25).abs() < 1e-3 && (speed - 2.0).abs() < 1e-3, "{at} and {speed}");
+        }
+        assert!(beats.clock().runs(40.4) && !beats.clock().runs(41.0), "its clocks have stopped");
     }
 
     #[test]

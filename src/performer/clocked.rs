@@ -4,8 +4,10 @@
 //! known then, and lasts as long as that tempo says; what has been fed is not moved any more.
 
 use super::beats::Beats;
+use super::hands::PORTS;
 use super::run::Run;
-use super::{Outlet, Performer, When};
+use super::whence::Whence;
+use super::{Performer, When};
 use crate::midi::Message;
 use crate::patch::Pattern;
 use crate::score::Root;
@@ -14,9 +16,13 @@ use crate::text::Problem;
 /// Patterns that a clock starts and stops.
 #[derive(Debug, Default)]
 pub(super) struct Clocked {
+    /// Whether what follows a clock waits for one.
+    pub awaits: bool,
     /// By their place in the patch, with the serial number under which each plays or played last.
     pub patterns: Vec<(usize, Option<u64>)>,
     pub beats: Beats,
+    /// Where the song begins that was started and whose patterns have yet to begin, and whether what they draw is drawn anew.
+    pub begin: Option<(f64, bool)>,
     /// The port whose clock counts.
     port: Option<u16>,
     /// Where the song stands, in beats.
@@ -24,9 +30,10 @@ pub(super) struct Clocked {
 }
 
 /// Beats by which a place may be missed and still count as reached.
-const NEAR: f64 = 1e-6;
+pub(super) const NEAR: f64 = 1e-6;
 
-fn speed(pattern: &Pattern) -> f64 {
+/// A pattern's own beats a second.
+pub(super) fn speed(pattern: &Pattern) -> f64 {
     1.0 / pattern.time.seconds()
 }
 
@@ -36,14 +43,17 @@ impl Performer {
     /// # Errors
     /// What is wrong with the patterns that play from the beginning.
     pub fn await_clock(&mut self) -> Result<(), Problem> {
+        if std::mem::replace(&mut self.clocked.awaits, true) {
+            return Ok(());
+        }
         let follows = |p: &usize| self.patch.patterns.get(*p).is_some_and(|pattern| pattern.follows);
         let (clocked, own): (Vec<usize>, Vec<usize>) = self.roots.iter().partition(|p| follows(p));
-        if clocked.is_empty() || !self.clocked.patterns.is_empty() {
+        if clocked.is_empty() {
             return Ok(());
         }
         self.clocked.patterns = clocked.into_iter().map(|pattern| (pattern, None)).collect();
         self.roots = own;
-        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, 0.0)).collect();
+        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, self.lead)).collect();
         let score = self.score(&roots, self.plan.seed)?;
         let run = Run::new(0, roots, score);
         self.length = run.length();
@@ -59,46 +69,53 @@ impl Performer {
     /// As [`Performer::await_clock`].
     pub fn follow_song(&mut self, tempi: &[(f64, f64)], seconds: f64) -> Result<(), Problem> {
         self.await_clock()?;
-        self.clocked.beats = Beats::of_song(tempi, seconds);
+        self.clocked.beats = Beats::of_song(tempi, seconds, self.lead);
         self.start_clocked(0.0, true)
     }
 
-    /// What a message says about the song, where something follows it.
-    pub(super) fn count(&mut self, at: When, port: u16, message: Message) -> Result<(), Problem> {
-        let says = matches!(
-            message,
-            Message::Clock
-                | Message::Start
-                | Message::Continue
-                | Message::Stop
-                | Message::SongPosition { .. }
-        );
-        let other = self.clocked.port.is_some_and(|known| known != port);
-        if !says || other || self.clocked.patterns.is_empty() || matches!(self.clocked.beats, Beats::Song(..))
+    /// What a message says about the song. A song of another port is taken up where none runs.
+    pub(super) fn count(&mut self, at: When, port: u16, message: Message) {
+        let begins = matches!(message, Message::Start | Message::Continue | Message::SongPosition { .. });
+        if !(begins || matches!(message, Message::Clock | Message::Stop))
+            || !self.clocked.awaits
+            || matches!(self.clocked.beats, Beats::Song(..))
         {
-            return Ok(());
+            return;
+        }
+        if self.clocked.port.is_some_and(|known| known != port) {
+            if !begins || self.clocked.beats.clock().runs(at.seconds) {
+                return;
+            }
+            // Its clocks are others, too.
+            self.stop_clocked();
+            self.clocked.beats = Beats::None;
         }
         self.clocked.port = Some(port);
         match message {
             Message::Clock => self.clocked.beats.clock().tick(at.seconds),
-            Message::Start => {
-                self.clocked.beats.clock().run(0.0);
-                return self.start_clocked(0.0, true);
-            }
-            Message::Continue => {
-                let stands = self.clocked.stands;
-                self.clocked.beats.clock().run(stands);
-                return self.start_clocked(stands, false);
-            }
+            Message::Start => self.song_runs(0.0, true),
+            Message::Continue => self.song_runs(self.clocked.stands, false),
             Message::SongPosition { sixteenths } => self.clocked.stands = f64::from(sixteenths) / 4.0,
             _ => self.stop_clocked(),
         }
-        Ok(())
+    }
+
+    /// The song plays on from so many beats. Its patterns are begun when they are fed, however often it is said before.
+    fn song_runs(&mut self, beat: f64, anew: bool) {
+        self.runs.retain(|run| run.follows.is_none());
+        self.clocked.beats.clock().run(beat);
+        let anew = anew || self.clocked.begin.is_some_and(|(_, anew)| anew);
+        self.clocked.begin = Some((beat, anew));
+    }
+
+    /// Whether the clock that counts is that of a port.
+    pub(super) fn clock_is_of(&self, port: usize) -> bool {
+        self.clocked.port.is_some_and(|of| usize::from(of).min(PORTS - 1) == port)
     }
 
     /// A port is gone: if its clock counted, another may.
     pub(super) fn count_no_more(&mut self, port: u16) {
-        if self.clocked.port == Some(port) {
+        if self.clock_is_of(usize::from(port).min(PORTS - 1)) {
             self.stop_clocked();
             (self.clocked.port, self.clocked.beats) = (None, Beats::None);
         }
@@ -106,36 +123,50 @@ impl Performer {
 
     /// Takes away what follows a clock.
     pub(super) fn stop_clocked(&mut self) {
-        if let Beats::Clock(clock) = &mut self.clocked.beats {
-            self.clocked.stands = clock.stop();
+        if let Beats::Clock(clock) = &mut self.clocked.beats
+            && let Some(beat) = clock.stop()
+        {
+            self.clocked.stands = beat;
         }
+        self.clocked.begin = None;
         self.runs.retain(|run| run.follows.is_none());
+    }
+
+    /// Begins what a song that was started has yet to begin.
+    pub(super) fn begin_clocked(&mut self) {
+        if let Some((beat, anew)) = self.clocked.begin.take()
+            && let Err(problem) = self.start_clocked(beat, anew)
+        {
+            self.trouble.get_or_insert(problem);
+        }
     }
 
     /// Plays what follows a clock, from this beat on; with `anew`, what it draws is drawn anew.
     fn start_clocked(&mut self, beat: f64, anew: bool) -> Result<(), Problem> {
-        self.runs.retain(|run| run.follows.is_none());
         let mut result = Ok(());
         for number in 0..self.clocked.patterns.len() {
-            let (pattern, serial) = self.clocked.patterns[number];
-            let serial = serial.filter(|_| !anew).unwrap_or(self.started + 1);
-            self.started = self.started.max(serial);
-            self.clocked.patterns[number].1 = Some(serial);
-            let Some(speed) = self.patch.patterns.get(pattern).map(speed) else { continue };
-            let root = Root::at(pattern, 0.0);
-            let run = self.score(&[root], self.seed_of(serial)).and_then(|score| {
-                let mut run = Run::new(serial, vec![root], score).following(0.0, speed);
-                while run.next()?.is_some_and(|own| own * speed < beat - NEAR) {
-                    run.take();
-                }
-                Ok(run)
-            });
-            match run {
-                Ok(run) => self.runs.push(run),
-                Err(problem) => result = result.and(Err(problem)),
-            }
+            result = result.and(self.start_one_clocked(number, beat, anew));
         }
         result
+    }
+
+    /// The same for the one of that number in [`Clocked::patterns`].
+    pub(super) fn start_one_clocked(&mut self, number: usize, beat: f64, anew: bool) -> Result<(), Problem> {
+        let Some(&(pattern, serial)) = self.clocked.patterns.get(number) else { return Ok(()) };
+        let Some(speed) = self.patch.patterns.get(pattern).map(speed) else { return Ok(()) };
+        let serial = serial.filter(|_| !anew).unwrap_or(self.started + 1);
+        self.started = self.started.max(serial);
+        self.clocked.patterns[number].1 = Some(serial);
+        if let Some(pattern) = self.patch.patterns.get(pattern) {
+            self.stopped.remove(&pattern.name);
+        }
+        let root = Root::at(pattern, 0.0);
+        let score = self.score(&[root], self.seed_of(serial))?;
+        let port = self.clocked.port.map(|port| usize::from(port).min(PORTS - 1));
+        let whence = port.map_or(Whence::HERE, |port| Whence::midi(port, None));
+        let run = Run::new(serial, vec![root], score).by(whence).following(0.0, speed);
+        self.runs.push(run.from((beat - NEAR) / speed));
+        Ok(())
     }
 
     /// Where a pattern that is started now begins, if a clock counts its beats.
@@ -146,16 +177,10 @@ impl Performer {
 
     /// When something falls that a run says at its `own` time, and by how much longer what it plays lasts. `None` where a clock has yet to
     /// say so.
-    pub(super) fn falls(
-        &self,
-        follows: Option<(f64, f64)>,
-        own: f64,
-        outlet: &dyn Outlet,
-    ) -> Option<(f64, f64)> {
+    pub(super) fn falls(&self, follows: Option<(f64, f64)>, own: f64, earliest: f64) -> Option<(f64, f64)> {
         let Some((beat, usual)) = follows else { return Some((own, 1.0)) };
         let (at, speed) = self.clocked.beats.at(beat + own * usual, usual)?;
         // A clock that has become faster may ask for what is past.
-        let earliest = outlet.clock() as f64 / self.plan.engine_rate();
         Some((at.max(earliest), usual / speed))
     }
 }
@@ -164,9 +189,10 @@ impl Performer {
 mod tests {
     use std::sync::Arc;
 
-    use super::{Message, Outlet, Performer, When};
+    use super::super::Outlet;
+    use super::{Message, Performer, When};
     use crate::engine::event::{Event, Source};
-    use crate::graph::scene::{Options, scene};
+    use crate::graph::scene::{Options, Scene, scene};
     use crate::node::asset::NoAssets;
     use crate::patch::Patch;
     use crate::rig::Rig;
@@ -196,24 +222,43 @@ mod tests {
 
     /// A beat of half a beat's length, at 120 a minute by its own count; every fourth is left out.
     fn performer(clock: &str) -> Performer {
+        let (scene, patch, rig) = compiled(clock);
+        let refuse = |_: &str| Err(Problem::of_file("no files here"));
+        Performer::new(scene, patch, rig, Box::new(refuse)).unwrap_or_else(|p| panic!("{p}"))
+    }
+
+    /// The same patch with other lines is saved while it plays.
+    fn save(performer: &mut Performer, clock: &str) {
+        let (scene, patch, rig) = compiled(clock);
+        let refuse = |_: &str| Err(Problem::of_file("no files here"));
+        performer.become_of(scene, patch, rig, Box::new(refuse)).unwrap_or_else(|p| panic!("{p}"));
+    }
+
+    /// What stands behind a line of its own goes behind the pattern.
+    fn compiled(clock: &str) -> (Scene, Arc<Patch>, Arc<Rig>) {
+        let (clock, rest) = clock.split_once("---").unwrap_or((clock, ""));
         let text = format!(
             "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\noutput = \"o\"\n[voice.v.nodes]\n\
              o = {{ type = \"sine\", frequency = 100 }}\n[pattern.p]\ntime = \"beats\"\n{clock}\n\
              events = [{{ at = 0, voice = \"v\", duration = 0.5, repeat = {{ every = 1, times = 3 }} }}]\n\
-             repeat = {{ every = 4, times = 50 }}\n"
+             repeat = {{ every = 4, times = 50 }}\n{rest}"
         );
         let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
         let rig = Rig::default_for(1);
         let options = Options { live: true, ..Options::default() };
         let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
-        let refuse = |_: &str| Err(Problem::of_file("no files here"));
-        Performer::new(scene, Arc::new(patch), Arc::new(rig), Box::new(refuse))
-            .unwrap_or_else(|p| panic!("{p}"))
+        (scene, Arc::new(patch), Arc::new(rig))
     }
 
     fn say(performer: &mut Performer, kept: &mut Kept, seconds: f64, message: Message) {
+        say_to(performer, 0, kept, seconds, message);
+    }
+
+    fn say_to(performer: &mut Performer, port: u16, kept: &mut Kept, seconds: f64, message: Message) {
         kept.0 = (seconds * RATE) as u64;
-        performer.midi(When::of_seconds(seconds, RATE), 0, message, kept).unwrap_or_else(|p| panic!("{p}"));
+        performer
+            .midi(When::of_seconds(seconds, RATE), port, message, kept)
+            .unwrap_or_else(|p| panic!("{p}"));
         // As a session does: fifty milliseconds ahead.
         performer.feed(kept.0 + 400, kept);
     }
@@ -343,6 +388,155 @@ mod tests {
         assert_eq!(all, wanted);
         assert_eq!(fed(1), all);
         assert_eq!(fed(12_345), all);
+    }
+
+    /// Senders that send no clocks while their song stands.
+    #[test]
+    fn after_a_pause_nothing_plays_before_the_first_clock() {
+        let (mut performer, mut kept) = (performer("clock = \"midi\""), Kept::default());
+        performer.await_clock().unwrap();
+        say(&mut performer, &mut kept, 0.99, Message::Start);
+        let stop = clocks(&mut performer, &mut kept, 1.0, 36, 120.0, 0.0);
+        say(&mut performer, &mut kept, stop, Message::Stop);
+        performer.feed(80_000, &mut kept);
+        near(&kept, &due(1.0, 0, 2, 120.0), 1e-3);
+        // It stands half a beat behind the second.
+        for (message, at, first) in [(Message::Start, 20.0, 0), (Message::Continue, 40.0, 2)] {
+            kept.1.clear();
+            say(&mut performer, &mut kept, at, message);
+            for n in 1..20 {
+                performer.feed((at * RATE) as u64 + 400 * n, &mut kept);
+            }
+            assert!(kept.1.is_empty(), "no clock has come: {:?}", kept.1);
+            let wait = if first > 0 { 0.25 } else { 0.0 };
+            let stop = clocks(&mut performer, &mut kept, at + 2.0, 36, 120.0, 0.0);
+            say(&mut performer, &mut kept, stop, Message::Stop);
+            near(&kept, &due(at + 2.0 + wait, first, 2 - first / 2, 120.0), 2e-3);
+        }
+    }
+
+    #[test]
+    fn a_song_position_outlasts_another_stop() {
+        let (mut performer, mut kept) = (performer("clock = \"midi\""), Kept::default());
+        performer.await_clock().unwrap();
+        say(&mut performer, &mut kept, 0.99, Message::Start);
+        let end = clocks(&mut performer, &mut kept, 1.0, 30, 120.0, 0.0);
+        kept.1.clear();
+        for message in
+            [Message::Stop, Message::SongPosition { sixteenths: 4 * 17 }, Message::Stop, Message::Continue]
+        {
+            say(&mut performer, &mut kept, end - 0.01, message);
+        }
+        clocks(&mut performer, &mut kept, end, 2 * 24, 120.0, 0.0);
+        near(&kept, &due(end, 17, 2, 120.0), 2e-3);
+    }
+
+    /// A port that only sends clocks, as many do at all times, keeps nobody from playing.
+    #[test]
+    fn the_port_counts_whose_song_runs() {
+        let (mut performer, mut kept) = (performer("clock = \"midi\""), Kept::default());
+        performer.await_clock().unwrap();
+        let begin = clocks(&mut performer, &mut kept, 0.0, 48, 60.0, 0.0);
+        say_to(&mut performer, 5, &mut kept, begin, Message::Start);
+        let other = |performer: &mut Performer, kept: &mut Kept, from: f64, count: u32| {
+            for n in 0..count {
+                let at = from + f64::from(n) / 48.0;
+                say_to(performer, 5, kept, at, Message::Clock);
+                // The first goes on; its clocks, and its song while the other runs, count for nothing.
+                let noise = [Message::Clock, Message::Start, Message::SongPosition { sixteenths: 99 }];
+                say(performer, kept, at + 0.001, noise[n as usize % 3]);
+            }
+            from + f64::from(count) / 48.0
+        };
+        let stop = other(&mut performer, &mut kept, begin + 0.1, 60);
+        near(&kept, &due(begin + 0.1, 0, 3, 120.0), 2e-3);
+        // The first stops what is not its own; the other does, and then the first may.
+        say(&mut performer, &mut kept, stop, Message::Stop);
+        assert_eq!(performer.patterns().filter(|(serial, _)| *serial > 0).count(), 1);
+        say_to(&mut performer, 5, &mut kept, stop, Message::Stop);
+        assert_eq!(performer.patterns().filter(|(serial, _)| *serial > 0).count(), 0);
+        kept.1.clear();
+        say(&mut performer, &mut kept, stop, Message::SongPosition { sixteenths: 8 });
+        say(&mut performer, &mut kept, stop, Message::Continue);
+        clocks(&mut performer, &mut kept, stop + 0.1, 20, 60.0, 0.0);
+        near(&kept, &[stop + 0.1], 2e-3);
+    }
+
+    #[test]
+    fn a_file_that_is_saved_may_change_who_counts() {
+        let (own, clock) = ("tempo = 60", "clock = \"midi\"");
+        let (mut performer, mut kept) = (performer(own), Kept::default());
+        performer.await_clock().unwrap();
+        let feed = |performer: &mut Performer, kept: &mut Kept, until: f64| {
+            performer.feed((until * RATE) as u64, kept);
+            std::mem::take(&mut kept.1).into_iter().map(|(at, _)| at).collect::<Vec<_>>()
+        };
+        assert_eq!(feed(&mut performer, &mut kept, 1.5), [0.0, 1.0]);
+        // From its own tempo to the clock, which does not run.
+        save(&mut performer, clock);
+        assert!(feed(&mut performer, &mut kept, 5.0).is_empty());
+        say(&mut performer, &mut kept, 6.0, Message::Start);
+        let now = clocks(&mut performer, &mut kept, 6.0, 30, 120.0, 0.0);
+        near(&kept, &due(6.0, 0, 2, 120.0), 2e-3);
+        kept.1.clear();
+        // Back, and it is where it would have been. The clock goes on meanwhile.
+        save(&mut performer, own);
+        let now = clocks(&mut performer, &mut kept, now, 24 * 5 - 6, 120.0, 0.0);
+        let played: Vec<_> = kept.1.drain(..).map(|(at, _)| at).collect();
+        assert_eq!(played, [8.0, 9.0]);
+        // And to the clock again: its song is at the sixth beat, which has just been played, and the seventh is left out.
+        save(&mut performer, clock);
+        clocks(&mut performer, &mut kept, now, 3 * 24 - 6, 120.0, 0.0);
+        near(&kept, &due(now + 0.5, 7, 2, 120.0), 2e-3);
+        assert!((now - 9.0).abs() < 1e-9);
+        // Saved once more as it is, it plays on as it did.
+        kept.1.clear();
+        save(&mut performer, clock);
+        clocks(&mut performer, &mut kept, now + 1.5 - 0.125, 30, 120.0, 0.0);
+        near(&kept, &due(now + 1.5, 9, 2, 120.0), 2e-3);
+        // What was stopped does not come back by being saved.
+        performer.stop_patterns();
+        kept.1.clear();
+        for file in [own, clock, own] {
+            save(&mut performer, file);
+            performer.feed(160_000, &mut kept);
+        }
+        assert!(kept.1.is_empty(), "{:?}", kept.1);
+    }
+
+    /// In a patch where triggers alone play what follows a clock.
+    #[test]
+    fn what_a_trigger_plays_joins_in() {
+        let text = "clock = \"midi\"---[[trigger]]\non = \"key.1\"\nplay = \"p\"\n";
+        let (mut performer, mut kept) = (performer(text), Kept::default());
+        performer.await_clock().unwrap();
+        say(&mut performer, &mut kept, 1.0, Message::Start);
+        let now = clocks(&mut performer, &mut kept, 1.0, 49, 60.0, 0.0);
+        assert!(kept.1.is_empty());
+        performer.key(When::of_seconds(now, RATE), 1, &mut kept).unwrap();
+        clocks(&mut performer, &mut kept, now, 40, 60.0, 0.0);
+        near(&kept, &[now, now + 1.0], 4e-3);
+    }
+
+    /// Every message asks for millions of events to be left out.
+    #[test]
+    fn a_flood_of_song_positions_is_cheap() {
+        let many = "clock = \"midi\"---[[trigger]]\non = \"start\"\nplay = \"q\"\n[pattern.q]\ntime = \"beats\"\nclock = \"midi\"\nrepeat = { every = 0.001 }\n\
+                    events = [{ at = 0, voice = \"v\" }]\n";
+        let (mut performer, mut kept) = (performer(many), Kept::default());
+        performer.await_clock().unwrap();
+        for n in 0..20_000 {
+            let at = When::of_seconds(f64::from(n) * 1e-4, RATE);
+            let place = Message::SongPosition { sixteenths: 16_383 };
+            for message in [place, Message::Continue] {
+                performer.midi(at, 0, message, &mut kept).unwrap();
+            }
+            if n % 100 == 0 {
+                performer.feed_some(16_000, &mut kept);
+            }
+        }
+        assert!(!performer.feed_some(16_000, &mut kept), "it is on its way");
+        assert!(kept.1.is_empty());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What comes from outside: keys, messages of MIDI and OSC set triggers off and move controls.
 
 use super::touch::Held;
-use super::{Note, Outlet, Performer, Touch, When};
+use super::{Note, Outlet, Performer, Touch, When, Whence};
 use crate::midi::{Channel, Expression, Gesture, Interpreter, Message, pitch};
 use crate::node::motion::Motion;
 use crate::patch::{Mover, Place, Source, Spread, Trigger};
@@ -14,13 +14,27 @@ pub const PORTS: usize = 64;
 pub(super) struct Hands {
     interpreter: Interpreter,
     pub(super) held: Vec<Held>,
+    /// Patterns without end that keys hold: the key, its channel, and the pattern's serial number.
+    holds: Vec<(u32, Channel, u64)>,
+    /// Channels through which something was started that may sound: a bit each.
+    loud: u16,
     /// Where each controller of each channel stood, for triggers that it passes.
     stood: Box<[[f64; 120]; 16]>,
     gestures: Vec<Gesture>,
 }
 
-/// A key that goes down: its port, itself, and how it is bent and pressed.
-type Key = (usize, u32, Expression);
+/// What sets triggers off.
+#[derive(Clone, Copy, Default)]
+struct Hit {
+    /// The level where nothing else is said.
+    velocity: Option<f64>,
+    /// The port and channel through which it came.
+    port: Option<(usize, Channel)>,
+    /// The key that goes down, and how it is bent and pressed.
+    key: Option<(u32, Expression)>,
+    /// Its note.
+    note: Option<u8>,
+}
 
 /// What a voice that follows the wheel by itself gets for `pitch`: that of the key, since the bend would count twice. No patch can name it so.
 const UNBENT: &str = "pitch without its bend";
@@ -30,6 +44,8 @@ impl Default for Hands {
         Self {
             interpreter: Interpreter::new(),
             held: Vec::new(),
+            holds: Vec::new(),
+            loud: 0,
             stood: Box::new([[0.0; 120]; 16]),
             gestures: Vec::new(),
         }
@@ -63,7 +79,7 @@ impl Performer {
         let result = moved.map_or(Ok(()), |(mover, channel, position)| {
             self.move_by(at, &|from| *from == mover, Some(channel), position, outlet)
         });
-        let result = result.and(self.count(at, port, message));
+        self.count(at, port, message);
         result.and(
             self.hear(port, at, outlet, |interpreter, sink| interpreter.message(at.seconds, message, sink)),
         )
@@ -141,8 +157,13 @@ impl Performer {
                         && on_channel(t.channel, channel)
                         && t.notes.is_none_or(|[least, most]| (least..=most).contains(&note))
                 };
-                let held = Some((port, key, expression));
-                self.set_off(at, &fits, &known, Some(velocity), held, Some((channel, note)), outlet)
+                let hit = Hit {
+                    velocity: Some(velocity),
+                    port: Some((port, channel)),
+                    key: Some((key, expression)),
+                    note: Some(note),
+                };
+                self.set_off(at, &fits, &known, hit, outlet)
             }
             Gesture::NoteOff { key, .. } => {
                 let mut sent = true;
@@ -155,6 +176,10 @@ impl Performer {
                     voice.key != key
                 });
                 self.hands[port].held = held;
+                while let Some(place) = self.hands[port].holds.iter().position(|(of, ..)| *of == key) {
+                    let (_, _, serial) = self.hands[port].holds.swap_remove(place);
+                    self.stop_pattern(serial);
+                }
                 self.taken(sent)
             }
             Gesture::Move { key, what, value } => {
@@ -184,7 +209,8 @@ impl Performer {
                     "channel" => Some(f64::from(channel.number())),
                     _ => None,
                 };
-                result.and(self.set_off(at, &passes, &known, None, None, Some((channel, 0)), outlet))
+                let hit = Hit { port: Some((port, channel)), ..Hit::default() };
+                result.and(self.set_off(at, &passes, &known, hit, outlet))
             }
             Gesture::Program { channel, program, .. } => {
                 let fits =
@@ -194,18 +220,14 @@ impl Performer {
                     "channel" => Some(f64::from(channel.number())),
                     _ => None,
                 };
-                self.set_off(at, &fits, &known, None, None, Some((channel, 0)), outlet)
+                let hit = Hit { port: Some((port, channel)), ..Hit::default() };
+                self.set_off(at, &fits, &known, hit, outlet)
             }
-            Gesture::Panic { .. } => {
-                self.hands.iter_mut().for_each(|hands| hands.held.clear());
-                self.stop_patterns();
-                let sent = self.release_all(at, outlet);
+            Gesture::Panic { channel, .. } => {
+                let sent = self.quiet(at, port, channel, outlet);
                 self.taken(sent)
             }
-            Gesture::Parameter { .. }
-            | Gesture::Transport { .. }
-            | Gesture::Position { .. }
-            | Gesture::Tempo { .. } => Ok(()),
+            Gesture::Parameter { .. } | Gesture::Transport { .. } | Gesture::Position { .. } => Ok(()),
         }
     }
 
@@ -214,7 +236,28 @@ impl Performer {
     /// # Errors
     /// The first of what it would play and cannot; the rest is played.
     pub fn key(&mut self, at: When, key: u32, outlet: &mut dyn Outlet) -> Result<(), Problem> {
-        self.set_off(at, &|t| t.on == Source::Key(key), &|_| None, None, None, None, outlet)
+        self.set_off(at, &|t| t.on == Source::Key(key), &|_| None, Hit::default(), outlet)
+    }
+
+    /// All that a port has started, or one of its channels, falls silent at once, and nothing else. Says whether there was room.
+    fn quiet(&mut self, at: When, port: usize, channel: Option<Channel>, outlet: &mut dyn Outlet) -> bool {
+        let hands = &mut self.hands[port];
+        hands.held.retain(|held| channel.is_some_and(|channel| held.channel != channel));
+        hands.holds.retain(|(_, of, _)| channel.is_some_and(|channel| *of != channel));
+        let quiet = channel.map_or(u16::MAX, |channel| 1 << channel.index());
+        // What a clock has started is its port's, and of no channel.
+        let clock = channel.is_none() && self.clock_is_of(port);
+        if self.hands[port].loud & quiet == 0 && !clock {
+            return true;
+        }
+        let sent = self.silence(at, port, channel, outlet);
+        if sent {
+            self.hands[port].loud &= !quiet;
+        }
+        if clock {
+            self.count_no_more(port as u16);
+        }
+        sent
     }
 
     /// A message of OSC came to an address, with its values. Says whether something listens to that.
@@ -237,28 +280,29 @@ impl Performer {
         if let Some(value) = value {
             self.move_by(at, &moved, None, value, outlet)?;
         }
-        self.set_off(at, &fits, &known, None, None, None, outlet).map(|()| listens)
+        self.set_off(at, &fits, &known, Hit::default(), outlet).map(|()| listens)
     }
 
-    /// Plays what the triggers that fit play. `velocity` is the level where nothing else is said; `held` the key that holds it.
-    #[expect(clippy::too_many_arguments, reason = "what a trigger knows")]
+    /// Plays what the triggers that fit play.
     fn set_off(
         &mut self,
         at: When,
         fits: &dyn Fn(&Trigger) -> bool,
         known: Known<'_>,
-        velocity: Option<f64>,
-        held: Option<Key>,
-        note: Option<(Channel, u8)>,
+        hit: Hit,
         outlet: &mut dyn Outlet,
     ) -> Result<(), Problem> {
         let patch = std::sync::Arc::clone(&self.patch);
         let mut result = Ok(());
+        let whence = hit.port.map_or(Whence::HERE, |(port, channel)| Whence::midi(port, Some(channel)));
         for trigger in patch.triggers.iter().filter(|t| fits(t)) {
+            if let Some((port, channel)) = hit.port {
+                self.hands[port].loud |= 1 << channel.index();
+            }
             let mut note =
-                Note { place: self.spread(trigger, note).or(trigger.place.clone()), ..Note::default() };
-            note.level = velocity;
-            let (mut gain, mut rate) = (velocity.unwrap_or(1.0), 1.0);
+                Note { place: self.spread(trigger, hit).or(trigger.place.clone()), ..Note::default() };
+            note.level = hit.velocity;
+            let (mut gain, mut rate) = (hit.velocity.unwrap_or(1.0), 1.0);
             let instrument = self.voices.get(&trigger.play).and_then(|voice| self.instruments[*voice]);
             let hears = instrument.and_then(|i| self.hears.get(i as usize)).copied().unwrap_or_default();
             let follows = hears[Motion::Detune.number()];
@@ -275,13 +319,13 @@ impl Performer {
             }
             let told = |problem: Problem| Problem { span: Some(trigger.span.clone()), ..problem };
             if !self.voices.contains_key(&trigger.play) {
-                let started =
-                    self.start_scaled(at, &trigger.play, gain.clamp(0.0, 100.0), rate.clamp(0.001, 1000.0));
-                result = result.and(started.map(drop).map_err(told));
+                let scale = (gain.clamp(0.0, 100.0), rate.clamp(0.001, 1000.0));
+                let started = self.start_by(at, &trigger.play, scale, whence, hit);
+                result = result.and(started.map_err(told));
                 continue;
             }
             // A key holds what has no duration of its own.
-            let holds = held.is_some() && note.duration.is_none();
+            let holds = hit.key.is_some() && note.duration.is_none();
             if holds {
                 note.duration = Some(f64::INFINITY);
             }
@@ -293,9 +337,12 @@ impl Performer {
             for (_, value) in &mut note.fields {
                 *value = if value.is_finite() { value.clamp(-1e9, 1e9) } else { 0.0 };
             }
-            match self.play(at, &trigger.play, &note, outlet) {
+            match self.play_by(at, &trigger.play, &note, whence, outlet) {
                 Ok(voice) => {
-                    if let (Some((port, key, expression)), Some(instrument)) = (held, instrument) {
+                    if let (Some((port, channel)), Some((key, expression)), Some(instrument)) =
+                        (hit.port, hit.key, instrument)
+                    {
+                        let key = (key, channel);
                         let mut voice = Held::new(key, voice, holds, instrument, hears, expression);
                         // At the instant of its onset, so that it begins there.
                         self.tell_voice(at, &mut voice, true, outlet);
@@ -308,10 +355,38 @@ impl Performer {
         result
     }
 
+    /// Starts a pattern for a trigger. One without end plays as long as the key is held that started it; one that no key holds begins
+    /// anew with every hit, since two of it would never end.
+    fn start_by(
+        &mut self,
+        at: When,
+        pattern: &str,
+        (gain, rate): (f64, f64),
+        whence: Whence,
+        hit: Hit,
+    ) -> Result<(), Problem> {
+        let endless = self.is_endless(pattern);
+        let held = hit.port.zip(hit.key).filter(|_| endless);
+        if endless
+            && held.is_none()
+            && let Some(before) = self.endless.remove(pattern)
+        {
+            self.stop_pattern(before);
+        }
+        let serial = self.start_scaled(at, pattern, gain, rate, whence)?;
+        match held {
+            Some(((port, channel), (key, _))) => self.hands[port].holds.push((key, channel, serial)),
+            None if endless => drop(self.endless.insert(pattern.into(), serial)),
+            None => {}
+        }
+        Ok(())
+    }
+
     /// The tactor that a trigger spreads a note to.
-    fn spread(&self, trigger: &Trigger, note: Option<(Channel, u8)>) -> Option<Place> {
+    fn spread(&self, trigger: &Trigger, hit: Hit) -> Option<Place> {
         let tactors = self.rig.outputs.len();
-        let (channel, note) = note.filter(|_| tactors > 0)?;
+        let (_, channel) = hit.port.filter(|_| tactors > 0)?;
+        let note = hit.note.unwrap_or(0);
         let number = match trigger.spread {
             Spread::Off => return None,
             Spread::Channels => channel.index() % tactors,

@@ -61,4 +61,7 @@ pub enum Happening<'a> {
     Release,
     /// All voices are released.
     ReleaseAll,
+    /// All voices fall silent at once whose ids agree with this one but for so many of their lowest bits: what a MIDI channel or port
+    /// has started.
+    Silence(u8),
 }

@@ -16,15 +16,16 @@ mod stream;
 mod succession;
 mod touch;
 mod when;
+mod whence;
 
-use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::dsp::random;
 use crate::engine::event::{Event, Move, Play, Source};
 use crate::graph::plan::Plan;
 use crate::graph::scene::Scene;
-use crate::midi::Message;
+use crate::midi::{Channel, Message};
 use crate::patch::{Patch, Place};
 use crate::rig::{Finder, Rig};
 use crate::score::{EventStream, HORIZON, Root, Score};
@@ -35,11 +36,13 @@ use hands::Hands;
 pub use heard::{Happening, Heard, Listener, Origin};
 pub use note::Note;
 pub use outlet::Outlet;
+pub use patterns::MOST_RUNS;
 use pickup::Pickup;
 use run::Run;
 use stream::Stream;
 pub use touch::Touch;
 pub use when::When;
+use whence::Whence;
 
 /// Opens events files for the score, by their path as written in the patch.
 pub type OpenEvents = Box<dyn FnMut(&str) -> Result<EventStream<'static>, Problem> + Send>;
@@ -66,9 +69,14 @@ pub struct Performer {
     length: Option<f64>,
     cut: bool,
     trouble: Option<Problem>,
-    /// What the program played, and patterns it started.
+    /// What the program played, and patterns it started, and those that too many others kept from it.
     played: u64,
     started: u64,
+    turned_away: u64,
+    /// Patterns without end that triggers have started, other than keys that hold them: by their names, the serial number.
+    endless: BTreeMap<String, u64>,
+    /// Which voices that are always on were let go of, by their names.
+    asleep: BTreeSet<String>,
     /// One for each port of MIDI.
     hands: Vec<Hands>,
     /// Messages that are played from a file, in order of time; `None` lets go of all keys.
@@ -85,10 +93,9 @@ pub struct Performer {
     first: Vec<(When, Play)>,
     /// Seconds up to which patterns have been fed.
     fed: f64,
+    /// Seconds after which what plays from the beginning begins.
+    lead: f64,
 }
-
-/// Voices that the program plays have ids from here on, so that they share no random numbers with those of patterns.
-const PROGRAM: u64 = 1 << 62;
 
 impl Performer {
     /// For a patch compiled for a rig. What plays from the beginning is ready to be fed.
@@ -97,12 +104,24 @@ impl Performer {
     /// What is wrong with the patterns that play from the beginning.
     pub fn new(scene: Scene, patch: Arc<Patch>, rig: Arc<Rig>, files: OpenEvents) -> Result<Self, Problem> {
         let mut performer = Self::bare(scene, patch, rig, files);
-        let roots: Vec<Root> = performer.roots.iter().map(|&p| Root::at(p, 0.0)).collect();
-        let score = performer.score(&roots, performer.plan.seed)?;
-        let run = Run::new(0, roots, score);
-        performer.length = run.length();
-        performer.runs.push(run);
+        performer.lead_in(0.0)?;
         Ok(performer)
+    }
+
+    /// What plays from the beginning, patterns, triggers and a song, begins so many seconds after the engine; voices that are always on
+    /// do not wait. Before anything is fed.
+    ///
+    /// # Errors
+    /// As [`Performer::new`].
+    pub fn lead_in(&mut self, seconds: f64) -> Result<(), Problem> {
+        self.lead = seconds;
+        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, seconds)).collect();
+        let score = self.score(&roots, self.plan.seed)?;
+        let run = Run::new(0, roots, score);
+        self.length = run.length();
+        self.runs.retain(|run| run.serial != 0);
+        self.runs.push(run);
+        Ok(())
     }
 
     /// Without anything that plays.
@@ -141,6 +160,9 @@ impl Performer {
             trouble: None,
             played: 0,
             started: 0,
+            turned_away: 0,
+            endless: BTreeMap::new(),
+            asleep: BTreeSet::new(),
             hands: Vec::new(),
             song: VecDeque::new(),
             pickups,
@@ -151,6 +173,7 @@ impl Performer {
             listener: None,
             first: Vec::new(),
             fed: 0.0,
+            lead: 0.0,
         }
     }
 
@@ -188,7 +211,7 @@ impl Performer {
                         _ => note.fields.push((field.clone(), value)),
                     }
                 }
-                self.play(When::BEGINNING, &trigger.play, &note, outlet)
+                self.play(self.when(self.lead), &trigger.play, &note, outlet)
                     .map_err(|problem| Problem { span: Some(trigger.span.clone()), ..problem })?;
             }
         }
@@ -217,14 +240,15 @@ impl Performer {
 
     /// Whether all patterns have ended, and a song if there is one.
     pub fn is_over(&self) -> bool {
-        self.runs.is_empty() && self.song.is_empty()
+        self.runs.is_empty() && self.song.is_empty() && self.clocked.begin.is_none()
     }
 
     /// Plays messages of MIDI, each at its time in seconds from the beginning, in order of time.
     pub fn play_song(&mut self, messages: impl IntoIterator<Item = (f64, Message)>, seconds: f64) {
-        self.song.extend(messages.into_iter().map(|(at, message)| (at, Some(message))));
-        self.song.push_back((seconds, None));
-        self.length = self.length.map(|length| length.max(seconds));
+        let lead = self.lead;
+        self.song.extend(messages.into_iter().map(|(at, message)| (lead + at, Some(message))));
+        self.song.push_back((lead + seconds, None));
+        self.length = self.length.map(|length| length.max(lead + seconds));
     }
 
     /// What stopped a pattern before its end, if something did: an events file with a bad line.
@@ -264,6 +288,18 @@ impl Performer {
         note: &Note,
         outlet: &mut dyn Outlet,
     ) -> Result<u64, Problem> {
+        self.play_by(at, voice, note, Whence::HERE, outlet)
+    }
+
+    /// The same for somebody.
+    fn play_by(
+        &mut self,
+        at: When,
+        voice: &str,
+        note: &Note,
+        whence: Whence,
+        outlet: &mut dyn Outlet,
+    ) -> Result<u64, Problem> {
         in_time(at)?;
         let patch = Arc::clone(&self.patch);
         let index = self.voices.get(voice).copied();
@@ -283,7 +319,7 @@ impl Performer {
         let own = self.plan.play(&voice.name, &fields)?.own;
         let place = note.place.as_ref().or(voice.place.as_ref());
         let place = self.rig.resolve_by(&self.finder, place, &(0..0))? as u32;
-        let id = PROGRAM + self.played + 1;
+        let id = whence.voice(self.played + 1);
         let play = Play { instrument, place, level, duration, own, id };
         if outlet.room(Source::Program) == 0 || !self.send(at, Source::Program, play, outlet) {
             return Err(full());
@@ -306,8 +342,11 @@ impl Performer {
         self.order(at, Event::Release(id), Some(id), Happening::Release, outlet)
     }
 
-    /// Releases every voice that sounds then, held and always-on ones too. The patterns go on, so what they play later sounds.
+    /// Releases every voice that sounds then, held and always-on ones too, which [`Performer::wake`] brings back. The patterns go on, so
+    /// what they play later sounds.
     pub fn release_all(&mut self, at: When, outlet: &mut dyn Outlet) -> bool {
+        let always = self.plan.instruments.iter().filter(|instrument| instrument.always);
+        self.asleep.extend(always.map(|instrument| instrument.name.to_string()));
         self.order(at, Event::ReleaseAll, None, Happening::ReleaseAll, outlet)
     }
 
@@ -362,12 +401,33 @@ impl Performer {
         sent
     }
 
-    /// Lets the voices that are always on sound again, after [`Performer::release_all`]. Says whether there was room.
+    /// Lets the voices that are always on and were let go of sound again. Says whether there was room.
     pub fn wake(&mut self, at: When, outlet: &mut dyn Outlet) -> bool {
-        let plays: Vec<Play> = self.plan.always().collect();
-        plays
-            .into_iter()
-            .fold(true, |sent, play| sent & outlet.send(at.instant, Source::Program, Event::Play(play)))
+        let mut sent = true;
+        for play in self.plan.always() {
+            let name = self.plan.instruments.get(play.instrument as usize).map_or("", |i| &*i.name);
+            if self.asleep.contains(name) {
+                let woken = outlet.send(at.instant, Source::Program, Event::Play(play));
+                sent &= woken;
+                // One that found no room may be woken once more.
+                woken.then(|| self.asleep.remove(name));
+            }
+        }
+        sent
+    }
+
+    /// Lets all that a port of MIDI has started, or one of its channels, fall silent at once. Says whether there was room.
+    fn silence(&mut self, at: When, port: usize, channel: Option<Channel>, outlet: &mut dyn Outlet) -> bool {
+        self.stop_of(port, channel);
+        let mut sent = true;
+        for (id, bits) in Whence::all(port, channel) {
+            // A reference hears of it as the end of what was played.
+            for (start, play) in self.record.iter_mut().flatten().filter(|(_, play)| play.is_of(id, bits)) {
+                play.duration = play.duration.min((at.seconds - *start).max(0.0));
+            }
+            sent &= self.order(at, Event::Silence(id, bits), Some(id), Happening::Silence(bits), outlet);
+        }
+        sent
     }
 
     fn when(&self, seconds: f64) -> When {

@@ -1,15 +1,21 @@
 //! Patterns and songs that play: started, stopped, and fed to the outlet in order of time.
 
-use super::run::Run;
+use super::clocked::NEAR;
+use super::run::{Next, Run};
 use super::touch::RESERVED;
+use super::whence::Whence;
 use super::{Happening, Outlet, Performer, Stand, When, in_time};
 use crate::engine::event::{Event, Play, Source};
+use crate::midi::Channel;
 use crate::score::{Root, Timed, What};
 use crate::text::Problem;
 use crate::text::nearest::suggest;
 
-/// Ids of a pattern that the program starts have its serial number from this bit on.
-const OF_RUN: u32 = 40;
+/// Patterns that play at a time, however they were started; those of the beginning count as one.
+pub const MOST_RUNS: usize = 256;
+
+/// Events that [`Performer::feed_some`] gives or leaves out, and messages of a song that it plays: about a millisecond's work.
+const AT_ONCE: usize = 512;
 
 /// Room that a message of a song needs at most, lest one that could set more off than there ever is room for would wait for ever.
 const MOST_NEEDED: usize = 1 << 12;
@@ -18,18 +24,19 @@ impl Performer {
     /// Starts a pattern. Gives a number to stop it by. What it draws differs from one start to the next.
     ///
     /// # Errors
-    /// A pattern that the patch does not have, what is wrong with it, or a time that cannot be.
+    /// A pattern that the patch does not have, what is wrong with it, a time that cannot be, or [`MOST_RUNS`] patterns that play already.
     pub fn start_pattern(&mut self, at: When, name: &str) -> Result<u64, Problem> {
-        self.start_scaled(at, name, 1.0, 1.0)
+        self.start_scaled(at, name, 1.0, 1.0, Whence::HERE)
     }
 
-    /// The same, with a gain and a rate.
+    /// The same, with a gain and a rate, for somebody.
     pub(super) fn start_scaled(
         &mut self,
         at: When,
         name: &str,
         gain: f64,
         rate: f64,
+        whence: Whence,
     ) -> Result<u64, Problem> {
         in_time(at)?;
         let names = || self.patch.patterns.iter().map(|p| p.name.as_str());
@@ -37,17 +44,32 @@ impl Performer {
             let what = format!("there is no pattern `{name}`");
             return Err(Problem::of_file(what).help(suggest(name, names())));
         };
+        if self.runs.len() >= MOST_RUNS {
+            self.turned_away += 1;
+            let what = format!("pattern `{name}` does not play: {MOST_RUNS} patterns play already");
+            return Err(Problem::of_file(what).help("stop some, or start fewer".to_string()));
+        }
         let serial = self.started + 1;
         let follows = self.follows(at, pattern);
         let root = Root { pattern, at: if follows.is_some() { 0.0 } else { at.seconds }, gain, rate };
         let score = self.score(&[root], self.seed_of(serial))?;
         self.started = serial;
-        let run = Run::new(serial, vec![root], score);
+        let run = Run::new(serial, vec![root], score).by(whence);
         self.runs.push(match follows {
             Some((beat, beats)) => run.following(beat, beats),
             None => run,
         });
         Ok(serial)
+    }
+
+    /// How many patterns did not play since too many did, since this was asked last.
+    pub fn take_turned_away(&mut self) -> u64 {
+        std::mem::take(&mut self.turned_away)
+    }
+
+    /// Whether a pattern plays that has this number.
+    pub fn plays(&self, serial: u64) -> bool {
+        self.runs.iter().any(|run| run.serial == serial)
     }
 
     /// Stops a pattern by the number under which it was started, or what plays from the beginning by 0: nothing more of it will be
@@ -56,7 +78,17 @@ impl Performer {
         let before = self.runs.len();
         self.cut |= self.runs.iter().any(|run| run.serial == serial && run.is_cut());
         self.runs.retain(|run| run.serial != serial);
+        if serial == 0 {
+            self.remember_stopped(false);
+        }
         self.runs.len() < before
+    }
+
+    /// What plays from the beginning does not come back with another patch; with `clocked`, what follows a clock neither.
+    fn remember_stopped(&mut self, clocked: bool) {
+        let clocked = self.clocked.patterns.iter().filter(|_| clocked).map(|(pattern, _)| pattern);
+        let names = self.roots.iter().chain(clocked).filter_map(|pattern| self.patch.patterns.get(*pattern));
+        self.stopped.extend(names.map(|pattern| pattern.name.clone()));
     }
 
     /// Stops all patterns of this name, those that play from the beginning as well, as [`Performer::stop_pattern`] does.
@@ -67,7 +99,9 @@ impl Performer {
         self.runs.retain(|run| {
             let goes = run.serial > 0 && run.roots.iter().all(|root| root.pattern == pattern);
             *cut |= goes && run.is_cut();
-            if run.serial == 0 && run.roots.iter().any(|root| root.pattern == pattern) {
+            if (run.serial == 0 || run.follows.is_some())
+                && run.roots.iter().any(|root| root.pattern == pattern)
+            {
                 stopped.insert(name.into());
             }
             !goes
@@ -78,6 +112,24 @@ impl Performer {
     pub fn stop_patterns(&mut self) {
         self.cut |= self.runs.iter().any(Run::is_cut);
         self.runs.clear();
+        self.clocked.begin = None;
+        self.remember_stopped(true);
+    }
+
+    /// Stops what a port of MIDI has started, or one of its channels.
+    pub(super) fn stop_of(&mut self, port: usize, channel: Option<Channel>) {
+        let (cut, runs) = (&mut self.cut, &mut self.runs);
+        runs.retain(|run| {
+            let goes = run.whence.is_of(port, channel);
+            *cut |= goes && run.is_cut();
+            !goes
+        });
+    }
+
+    /// Whether a pattern goes on until it is stopped.
+    pub(super) fn is_endless(&self, name: &str) -> bool {
+        let pattern = self.patch.patterns.iter().find(|pattern| pattern.name == name);
+        pattern.and_then(|pattern| pattern.repeat).is_some_and(|repeat| repeat.times.is_none())
     }
 
     /// The patterns that play: number, and name; those that play from the beginning have number 0.
@@ -89,35 +141,56 @@ impl Performer {
     /// Gives the outlet all that patterns have before engine sample `until`, as long as it has room. Where it has not, the sample
     /// with which the first event takes effect that did not find any.
     pub fn feed(&mut self, until: u64, outlet: &mut dyn Outlet) -> Option<u64> {
+        // No machine would live to see the end of that.
+        self.feed_up_to(until, outlet, usize::MAX).1
+    }
+
+    /// The same, but no more than what takes about a millisecond. Says whether that was all, as far as there was room; what has gone by
+    /// until it goes on is given late, or left out where a pattern had yet to come to where it begins.
+    pub fn feed_some(&mut self, until: u64, outlet: &mut dyn Outlet) -> bool {
+        self.feed_up_to(until, outlet, AT_ONCE).0
+    }
+
+    /// The same for so many events. Says whether that was all, and the sample of the first for which there was no room.
+    fn feed_up_to(&mut self, until: u64, outlet: &mut dyn Outlet, most: usize) -> (bool, Option<u64>) {
         let until = until as f64 / self.plan.engine_rate();
-        let song = self.feed_song(until, outlet);
-        while let Some((number, at, longer)) = self.first_run(outlet) {
+        let mut work = most;
+        let song = self.feed_song(until, outlet, &mut work);
+        let song_is_done = work > 0;
+        self.begin_clocked();
+        // What has much to leave out must not keep the others waiting.
+        let (mut work, mut left_out) = (most, most);
+        while let Some((number, at, longer)) = self.first_run(outlet, &mut left_out) {
             if at >= until {
                 break;
             }
             if outlet.room(Source::Pattern) == 0 {
                 let full = self.when(at).instant.ceiling();
-                return Some(song.map_or(full, |song| song.min(full)));
+                return (song_is_done, Some(song.map_or(full, |song| song.min(full))));
             }
+            if work == 0 {
+                return (false, song);
+            }
+            work -= 1;
             let run = &mut self.runs[number];
-            let (serial, timed) = (run.serial, run.take());
+            let (serial, whence, timed) = (run.serial, run.whence, run.take());
             if let Some(mut timed) = timed {
                 timed.at = at;
                 if let What::Play(note) = &mut timed.what {
                     note.duration *= longer;
                 }
                 self.fed = self.fed.max(at);
-                self.perform(serial, timed, outlet);
+                self.perform(whence.of_run(serial, timed.id), timed, outlet);
             }
         }
         self.fed = self.fed.max(until);
-        song
+        (song_is_done && !self.runs.iter().any(Run::is_behind), song)
     }
 
     /// The messages of a song before `until` seconds, and how keys have moved that may be told before then, as far as there is room; where
     /// there is not, the sample of the first without.
-    fn feed_song(&mut self, until: f64, outlet: &mut dyn Outlet) -> Option<u64> {
-        loop {
+    fn feed_song(&mut self, until: f64, outlet: &mut dyn Outlet, work: &mut usize) -> Option<u64> {
+        while *work > 0 {
             let message = self.song.front().copied().filter(|(at, _)| *at < until);
             let earliest = outlet.clock() as f64 / self.plan.engine_rate();
             let told = self.next_move().map(|at| at.max(earliest)).filter(|at| *at < until);
@@ -136,6 +209,7 @@ impl Performer {
                 if self.next_move() == before {
                     return Some(at.instant.ceiling());
                 }
+                *work -= 1;
                 continue;
             }
             let (at, message) = message?;
@@ -144,6 +218,7 @@ impl Performer {
                 return Some(at.instant.ceiling());
             }
             self.song.pop_front();
+            *work -= 1;
             let played = match message {
                 Some(message) => self.midi(at, 0, message, outlet),
                 None => {
@@ -155,28 +230,35 @@ impl Performer {
                 self.trouble.get_or_insert(problem);
             }
         }
+        None
     }
 
-    /// Which pattern says something next, when, and how much longer than by its own count it lasts; of those at the same time, the one that was started first. Takes those away
-    /// that have ended.
-    fn first_run(&mut self, outlet: &dyn Outlet) -> Option<(usize, f64, f64)> {
+    /// Which pattern says something next, when, and how much longer than by its own count it lasts; of those at the same time, the one
+    /// that was started first. Takes those away that have ended. There are no more than [`MOST_RUNS`], so they are searched.
+    fn first_run(&mut self, outlet: &dyn Outlet, left_out: &mut usize) -> Option<(usize, f64, f64)> {
+        let earliest = outlet.clock() as f64 / self.plan.engine_rate();
         let mut first: Option<(usize, f64, f64)> = None;
         let mut number = 0;
         while number < self.runs.len() {
-            let next = self.runs[number].next().unwrap_or_else(|problem| {
+            if self.runs[number].is_behind() {
+                let now = self.now_of(&self.runs[number], earliest);
+                self.runs[number].leave_out(now);
+            }
+            let next = self.runs[number].next(left_out).unwrap_or_else(|problem| {
                 self.trouble.get_or_insert(problem);
-                None
+                Next::Over
             });
             match next {
-                Some(own) => {
-                    if let Some((at, longer)) = self.falls(self.runs[number].follows, own, outlet)
+                Next::Later => number += 1,
+                Next::At(own) => {
+                    if let Some((at, longer)) = self.falls(self.runs[number].follows, own, earliest)
                         && first.is_none_or(|(_, earliest, _)| at < earliest)
                     {
                         first = Some((number, at, longer));
                     }
                     number += 1;
                 }
-                None => {
+                Next::Over => {
                     let run = self.runs.remove(number);
                     self.cut |= run.is_cut();
                 }
@@ -185,9 +267,21 @@ impl Performer {
         first
     }
 
-    fn perform(&mut self, serial: u64, timed: Timed, outlet: &mut dyn Outlet) {
+    /// Where a run stands at `seconds`, by its own count.
+    fn now_of(&self, run: &Run, seconds: f64) -> f64 {
+        match run.follows {
+            // Where the song stands, so does the run.
+            Some((begin, beats)) => {
+                let beat = self.clocked.beats.beat(seconds);
+                beat.map_or(f64::NEG_INFINITY, |beat| (beat - begin - NEAR) / beats)
+            }
+            None => seconds,
+        }
+    }
+
+    fn perform(&mut self, id: u64, timed: Timed, outlet: &mut dyn Outlet) {
         let from = Stand { pattern: timed.pattern, event: timed.event, drawn: timed.drawn };
-        let (id, at) = ((serial << OF_RUN) + timed.id, self.when(timed.at));
+        let at = self.when(timed.at);
         match timed.what {
             What::Play(note) => {
                 let Some(instrument) = self.instruments[note.voice] else { return };
@@ -207,3 +301,6 @@ impl Performer {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,6 @@
 //! A pattern that plays.
 
+use super::whence::Whence;
 use crate::score::{Root, Score, Timed};
 use crate::text::Problem;
 
@@ -7,18 +8,50 @@ use crate::text::Problem;
 pub(super) struct Run {
     /// 0 for what plays from the beginning; then as they were started.
     pub serial: u64,
+    /// Who started it.
+    pub whence: Whence,
     /// What was started: one pattern, or all that play from the beginning.
     pub roots: Vec<Root>,
     /// Where it follows a clock: the beat with which it begins, and its own beats a second.
     pub follows: Option<(f64, f64)>,
     score: Score<'static>,
     ahead: Option<Timed>,
+    /// What it would say before is left out, by its own count; `None` once it has come there.
+    from: Option<f64>,
+    /// Whether it has not come there at once.
+    behind: bool,
     over: bool,
+}
+
+/// What a run says next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Next {
+    /// Something, at this time by its own count.
+    At(f64),
+    /// That is not known yet: it has to leave out more than it may at once.
+    Later,
+    /// Nothing more.
+    Over,
 }
 
 impl Run {
     pub fn new(serial: u64, roots: Vec<Root>, score: Score<'static>) -> Self {
-        Self { serial, roots, follows: None, score, ahead: None, over: false }
+        Self {
+            serial,
+            whence: Whence::HERE,
+            roots,
+            follows: None,
+            score,
+            ahead: None,
+            from: None,
+            behind: false,
+            over: false,
+        }
+    }
+
+    /// The same, started by somebody.
+    pub fn by(self, whence: Whence) -> Self {
+        Self { whence, ..self }
     }
 
     /// The same, counted by a clock: it begins with `beat`, and has itself so many `beats` a second.
@@ -26,13 +59,41 @@ impl Run {
         Self { follows: Some((beat, beats)), ..self }
     }
 
-    /// When it says something next, by its own count; `None` when it has ended.
-    pub fn next(&mut self) -> Result<Option<f64>, Problem> {
-        if self.ahead.is_none() && !self.over {
-            self.ahead = self.score.next().transpose().inspect_err(|_| self.over = true)?;
-            self.over = self.ahead.is_none();
+    /// The same, without what it would have said before, by its own count.
+    pub fn from(self, from: f64) -> Self {
+        Self { from: Some(from), ..self }
+    }
+
+    /// When it says something next. Each event that it leaves out is taken off `work`; when that is used up, it goes on from there the
+    /// next time.
+    pub fn next(&mut self, work: &mut usize) -> Result<Next, Problem> {
+        loop {
+            if self.ahead.is_none() && !self.over {
+                self.ahead = self.score.next().transpose().inspect_err(|_| self.over = true)?;
+                self.over = self.ahead.is_none();
+            }
+            let Some(timed) = &self.ahead else { return Ok(Next::Over) };
+            if self.from.is_none_or(|from| timed.at >= from) {
+                (self.from, self.behind) = (None, false);
+                return Ok(Next::At(timed.at));
+            }
+            if *work == 0 {
+                self.behind = true;
+                return Ok(Next::Later);
+            }
+            *work -= 1;
+            self.ahead = None;
         }
-        Ok(self.ahead.as_ref().map(|timed| timed.at))
+    }
+
+    /// Whether it had to leave out more than it could at once.
+    pub fn is_behind(&self) -> bool {
+        self.behind
+    }
+
+    /// Leaves out, while it is behind, what it would say before, as well: what has gone by meanwhile, by its own count.
+    pub fn leave_out(&mut self, before: f64) {
+        self.from = self.from.map(|from| from.max(before));
     }
 
     /// What it says next.

@@ -1,7 +1,9 @@
 //! From one scene to the next while patterns play.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::clocked::speed;
 use super::run::Run;
 use super::{OpenEvents, Performer};
 use crate::graph::plan::Plan;
@@ -26,11 +28,20 @@ impl Performer {
     ) -> Result<(), Problem> {
         let (old, fed) = (Arc::clone(&self.patch), self.fed);
         let (began, runs): (Vec<_>, Vec<_>) = self.runs.drain(..).partition(|run| run.serial == 0);
+        let clocked = self.clocked_names();
         let mut new = Self::bare(scene, patch, rig, files);
         std::mem::swap(self, &mut new);
-        (self.played, self.started, self.fed) = (new.played, new.started, fed);
+        (self.played, self.started, self.fed, self.lead) = (new.played, new.started, fed, new.lead);
+        self.turned_away = new.turned_away;
+        self.endless = std::mem::take(&mut new.endless);
+        self.asleep = std::mem::take(&mut new.asleep);
+        // What does not go on in the new plan sounds there from its beginning.
+        self.asleep.retain(|name| {
+            let of = |plan: &'_ Plan| plan.instruments.iter().find(|i| *i.name == **name).cloned();
+            of(&new.plan).zip(of(&self.plan)).is_some_and(|(old, new)| old.goes_on_as(&new))
+        });
         self.take_clock(&mut new, &old);
-        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, 0.0)).collect();
+        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, self.lead)).collect();
         self.hands = std::mem::take(&mut new.hands);
         self.take_hands(&new.plan);
         self.song = std::mem::take(&mut new.song);
@@ -52,30 +63,64 @@ impl Performer {
         (self.record, self.moves, self.listener) = (new.record.take(), new.moves.take(), new.listener.take());
         (self.length, self.cut) = (new.length, new.cut);
         self.stopped = new.stopped;
-        if !began.is_empty() {
+        // What followed a clock and has its own tempo now plays from the beginning like all else.
+        let own = |p: &usize| self.patch.patterns.get(*p).is_some_and(|p| clocked.contains_key(&p.name));
+        if !began.is_empty() || self.roots.iter().any(own) {
             let score = self.score(&roots, self.plan.seed)?;
             let mut run = Run::new(0, roots, score);
             let stopped = |p: &crate::patch::Pattern| self.stopped.contains(&p.name);
             let patterns = self.patch.patterns.iter().enumerate();
             patterns.filter(|(_, p)| stopped(p)).for_each(|(pattern, _)| run.stop(pattern));
-            self.resume(run)?;
+            self.resume(run);
         }
-        for Run { serial, roots, follows, .. } in runs {
+        for Run { serial, whence, roots, follows, .. } in runs {
             let Some(&root) = roots.first() else { continue };
             let name = old.patterns.get(root.pattern).map(|p| &p.name);
             let Some(pattern) = self.patch.patterns.iter().position(|p| Some(&p.name) == name) else {
                 continue;
             };
-            let root = Root { pattern, ..root };
+            let mut root = Root { pattern, ..root };
+            let new = self.patch.patterns.get(pattern).filter(|new| new.follows).map(speed);
+            if let (Some((begin, beats)), None) = (follows, new) {
+                if clocked.values().any(|known| *known == Some(serial)) {
+                    continue;
+                }
+                // A clock counted it, and does so no more.
+                let beat = self.clocked.beats.beat(fed).unwrap_or(begin);
+                root.at = (fed - (beat - begin) / beats).max(0.0);
+            }
             let score = self.score(&[root], self.seed_of(serial))?;
-            let run = Run::new(serial, vec![root], score);
-            let beats = self.patch.patterns.get(pattern).map_or(2.0, |p| 1.0 / p.time.seconds());
-            self.resume(match follows {
-                Some((beat, _)) => run.following(beat, beats),
+            let run = Run::new(serial, vec![root], score).by(whence);
+            self.resume(match follows.zip(new) {
+                Some(((beat, _), beats)) => run.following(beat, beats),
                 None => run,
-            })?;
+            });
         }
-        Ok(())
+        self.join_clock()
+    }
+
+    /// Lets patterns that follow a clock since now join in where its song runs.
+    fn join_clock(&mut self) -> Result<(), Problem> {
+        let Some(beat) = self.clocked.beats.beat(self.fed).filter(|_| self.clocked.begin.is_none()) else {
+            return Ok(());
+        };
+        let mut result = Ok(());
+        for number in 0..self.clocked.patterns.len() {
+            let (pattern, serial) = self.clocked.patterns[number];
+            let stopped = self.patch.patterns.get(pattern).is_none_or(|p| self.stopped.contains(&p.name));
+            if serial.is_none() && !stopped {
+                result = result.and(self.start_one_clocked(number, beat, false));
+            }
+        }
+        result
+    }
+
+    /// The patterns that a clock starts and stops, by their names, with their serial numbers.
+    fn clocked_names(&self) -> HashMap<String, Option<u64>> {
+        let named = |(pattern, serial): &(usize, Option<u64>)| {
+            Some((self.patch.patterns.get(*pattern)?.name.clone(), *serial))
+        };
+        self.clocked.patterns.iter().filter_map(named).collect()
     }
 
     /// Voices that keys of the `old` plan hold are those of this one, and hear what theirs hear now.
@@ -94,7 +139,7 @@ impl Performer {
 
     /// The clock counts on, for the patterns that follow it now; one that did before has the serial number that it had.
     fn take_clock(&mut self, from: &mut Self, old: &Patch) {
-        if !from.clocked.patterns.is_empty() {
+        if from.clocked.awaits {
             let follows = |p: &usize| self.patch.patterns.get(*p).is_some_and(|pattern| pattern.follows);
             let (clocked, own): (Vec<usize>, Vec<usize>) = self.roots.iter().partition(|p| follows(p));
             let name = |patch: &Patch, p: usize| patch.patterns.get(p).map(|p| p.name.clone());
@@ -111,15 +156,14 @@ impl Performer {
     }
 
     /// Takes a run up where feeding stands.
-    fn resume(&mut self, mut run: Run) -> Result<(), Problem> {
+    fn resume(&mut self, run: Run) {
         let fed = match run.follows {
             Some((begin, beats)) => self.clocked.beats.beat(self.fed).map(|beat| (beat - begin) / beats),
             None => Some(self.fed),
         };
-        while run.next()?.is_some_and(|at| fed.is_some_and(|fed| at < fed)) {
-            run.take();
-        }
-        self.runs.push(run);
-        Ok(())
+        self.runs.push(match fed {
+            Some(fed) => run.from(fed),
+            None => run,
+        });
     }
 }

@@ -3,7 +3,7 @@
 use super::{Happening, Outlet, Performer, When, full, in_time};
 use crate::engine::event::{Event, Move, Source};
 use crate::graph::plan::Plan;
-use crate::midi::{Expression, What};
+use crate::midi::{Channel, Expression, What};
 use crate::node::motion::Motion;
 use crate::text::Problem;
 
@@ -63,8 +63,9 @@ pub(super) const RESERVED: usize = 512;
 /// A voice that a key has started and that is down.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Held {
-    /// The key.
+    /// The key, and its channel.
     pub key: u32,
+    pub channel: Channel,
     /// The voice's id.
     pub voice: u64,
     /// Whether it sounds for as long as the key is down.
@@ -88,7 +89,7 @@ struct Moved {
 impl Held {
     /// With what was known at its onset, of which the voice does not know yet.
     pub fn new(
-        key: u32,
+        (key, channel): (u32, Channel),
         voice: u64,
         holds: bool,
         instrument: u32,
@@ -99,7 +100,7 @@ impl Held {
             let (motion, value) = touch.motion();
             Moved { value, waits: hears[motion.number()] && value != motion.rest(), free: f64::NEG_INFINITY }
         });
-        Self { key, voice, holds, instrument, hears, moves }
+        Self { key, channel, voice, holds, instrument, hears, moves }
     }
 
     /// Its key moves.

@@ -12,9 +12,6 @@ pub struct When {
 }
 
 impl When {
-    /// The beginning.
-    pub const BEGINNING: Self = Self { seconds: 0.0, instant: Instant { sample: 0, fraction: 0 } };
-
     /// So many seconds from the beginning, for an engine of `rate` samples a second.
     pub fn of_seconds(seconds: f64, rate: f64) -> Self {
         Self { seconds, instant: Instant::of_samples(seconds * rate) }

@@ -17,8 +17,10 @@ pub struct Device {
     pub rate: Option<f64>,
     /// Volts at a sample of 1.0; `None`: unknown, and then no figure in volts is given.
     pub full_scale_volts: Option<f64>,
-    /// What its outputs let through.
-    pub coupling: Coupling,
+    /// What its outputs let through; `None`: nothing is known, and it is taken to let no steady voltage through.
+    pub coupling: Option<Coupling>,
+    /// The most that leaves any of its outputs, as a share of full scale.
+    pub max_level: f64,
     /// Seconds that pass beyond what the system says from an output through what hangs on it back to an input; `None`: not measured.
     pub loop_latency: Option<f64>,
 }
@@ -32,7 +34,8 @@ impl Device {
             channels,
             rate: None,
             full_scale_volts: None,
-            coupling: Coupling::Dc,
+            coupling: None,
+            max_level: 1.0,
             loop_latency: None,
         }
     }
@@ -46,6 +49,9 @@ pub fn usual_ratio(rate: f64) -> usize {
     (rate / 8000.0).round().max(1.0) as usize
 }
 
+/// The least and the most that `max_level` may be.
+pub(crate) const LEVELS: [f64; 2] = [1e-4, 1.0];
+
 /// What an output lets through.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coupling {
@@ -54,6 +60,14 @@ pub enum Coupling {
     /// A first-order high-pass at so many hertz.
     HighPass(f64),
 }
+
+/// The key of the device and of each output.
+pub(super) const MAX_LEVEL: Field = Field::new(
+    "max_level",
+    Form::number(1.0, LEVELS[0], LEVELS[1]),
+    "",
+    "The most that leaves, as a share of full scale; of the device's and the output's own the lower one holds.",
+);
 
 /// Its keys.
 pub static TABLE: Table = Table {
@@ -90,8 +104,9 @@ pub static TABLE: Table = Table {
             "coupling",
             Form::Defined("coupling"),
             "",
-            "What its outputs let through: \"dc\", or { high_pass = 8.0 } for a first-order high-pass (Hz).",
+            "What its outputs let through: \"dc\", or { high_pass = 8.0 } for a first-order high-pass (Hz). With \"dc\", a steady voltage leaves only on outputs that are declared for it.",
         ),
+        MAX_LEVEL,
         Field::new(
             "loop_latency",
             Form::any_number(-0.1, 10.0),
@@ -130,7 +145,8 @@ pub(crate) fn read(reader: &Reader) -> Device {
         channels: reader.count("channels").and_then(|n| u32::try_from(n).ok()).unwrap_or(MAX_CHANNELS),
         rate: reader.number("rate"),
         full_scale_volts: reader.number("full_scale_volts"),
-        coupling: coupling.unwrap_or(Coupling::Dc),
+        coupling,
+        max_level: reader.number_or_default("max_level"),
         loop_latency: reader.number("loop_latency"),
     }
 }

@@ -125,6 +125,31 @@ impl Rig {
         self.amplifiers.iter().find(|a| a.name == name)
     }
 
+    /// The most that leaves an output, as a share of full scale: the lower of the device's and its own.
+    pub fn max_level(&self, output: &Output) -> f64 {
+        self.device.max_level.min(output.max_level)
+    }
+
+    /// Whether a steady voltage that is played on an output leaves the device; `None` where the device is not known to let any through,
+    /// so that it takes care of that itself.
+    pub fn lets_dc(&self, output: &Output) -> Option<bool> {
+        let coupled = self.device.coupling == Some(Coupling::Dc);
+        coupled.then(|| output.kind != OutputKind::Vibration || output.dc)
+    }
+
+    /// That a card with capacitors lets nothing steady through, whatever is said of an output.
+    fn contradiction(&self) -> Option<Problem> {
+        let Some(Coupling::HighPass(corner)) = self.device.coupling else { return None };
+        let output = self.outputs.iter().find(|output| output.dc)?;
+        let what = format!(
+            "output `{}` has dc = true, but the device lets nothing steady through: its coupling is a high-pass at {corner} Hz",
+            output.name
+        );
+        let help =
+            "leave `dc` out, or say coupling = \"dc\" if the device lets steady voltages through".to_string();
+        Some(Problem::warning(&output.span, what).help(help))
+    }
+
     /// What is wrong with it as a whole: channels that the device lacks or that are taken twice, names that nothing has.
     pub fn check(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
@@ -136,6 +161,7 @@ impl Rig {
             problems.push(Problem::of_file(what));
         }
         problems.extend(self.too_large());
+        problems.extend(self.contradiction());
         let (mut names, mut channels) = (HashMap::new(), HashMap::new());
         let actuators: HashSet<&str> = self.actuators.iter().map(|a| a.name.as_str()).collect();
         let amplifiers: HashSet<&str> = self.amplifiers.iter().map(|a| a.name.as_str()).collect();

@@ -1,6 +1,7 @@
 //! A channel of the device and what hangs on it.
 
 use super::MAX_CHANNELS;
+use super::device::MAX_LEVEL;
 use crate::patch::place;
 use crate::text::field::{Field, Form, Table};
 use crate::text::reader::Reader;
@@ -25,6 +26,10 @@ pub struct Output {
     pub gain: f64,
     /// Whether what goes out is turned upside down.
     pub inverted: bool,
+    /// The most that leaves it, as a share of full scale; see [`super::Rig::max_level`].
+    pub max_level: f64,
+    /// For vibration on a device whose coupling is "dc": whether a steady voltage may leave it.
+    pub dc: bool,
     /// Where it stands.
     pub span: Span,
     /// Where its channel stands.
@@ -76,6 +81,8 @@ impl Output {
             amplifier: None,
             gain: 1.0,
             inverted: false,
+            max_level: 1.0,
+            dc: false,
             span: 0..0,
             channel_span: 0..0,
         }
@@ -102,11 +109,18 @@ const POLARITY: Field = Field::new(
 const POSITION: Field =
     Field::new("position", Form::Defined("position"), "m", "Where on the body: [x, y] or [x, y, z].");
 
+const DC: Field = Field::new(
+    "dc",
+    Form::Flag(false),
+    "",
+    "Whether a steady voltage may leave it, where the device's coupling is \"dc\"; for vibration.",
+);
+
 /// The keys of a tactor.
 pub static TACTOR: Table = Table {
     name: "tactor",
     doc: "An output for vibration.",
-    fields: &[NAME, CHANNEL, POSITION, ACTUATOR, AMPLIFIER, GAIN, POLARITY],
+    fields: &[NAME, CHANNEL, POSITION, ACTUATOR, AMPLIFIER, GAIN, POLARITY, MAX_LEVEL, DC],
     others: None,
 };
 
@@ -129,6 +143,8 @@ pub static TABLE: Table = Table {
         AMPLIFIER,
         GAIN,
         POLARITY,
+        MAX_LEVEL,
+        DC,
         Field::new(
             "marker",
             Form::Text,
@@ -165,6 +181,17 @@ pub(crate) fn read(reader: &Reader, is_tactor: bool) -> Output {
         );
         reader.sink.push(Problem::warning(&reader.span_of("kind"), what));
     }
+    if kind != OutputKind::Vibration && reader.has("dc") {
+        let what = format!("{} is of kind {}; only vibration has `dc`", reader.who, kind.word());
+        let help = match kind {
+            OutputKind::Raw | OutputKind::Trigger { .. } => {
+                "leave it out: what is of this kind may be steady"
+            }
+            _ => "leave it out",
+        };
+        let problem = Problem::error(&reader.span_of("dc"), what).help(help.to_string());
+        reader.sink.push(problem);
+    }
     let inverted = reader.at("polarity").is_some_and(|value| match (value.number(), value.text()) {
         (Some(1.0), _) => false,
         (Some(-1.0), _) | (_, Some("invert")) => true,
@@ -187,6 +214,8 @@ pub(crate) fn read(reader: &Reader, is_tactor: bool) -> Output {
         amplifier: reader.text("amplifier").map(Into::into),
         gain: reader.number_or_default("gain"),
         inverted,
+        max_level: reader.number_or_default("max_level"),
+        dc: reader.flag("dc"),
         span: reader.span.clone(),
         channel_span: reader.span_of("channel"),
     }

@@ -40,20 +40,29 @@ pub const TOPICS: &[Topic] = &[
         name: "device",
         written: "[device]",
         doc: "The sound card.",
-        text: "Most cards let nothing through below some 5 to 20 Hz: coupling = { high_pass = 15.0 }. `rate` may be left out; then `--rate` \
-               says it, or it is 48,000 Hz.",
+        text: "`rate` may be left out; then `--rate` says it, or it is 48,000 Hz.\n\n\
+               Most cards let nothing through below some 5 to 20 Hz: coupling = { high_pass = 15.0 }. Where nothing is \
+               said, the card is taken to be one of them, and nothing is done. Say coupling = \"dc\" if yours lets steady voltages \
+               through. A coil that holds one does not move and gets hot, so every tactor then has a high-pass at 1 Hz, unless it \
+               says dc = true. It is of first order, far below what is felt as vibration: at 20 Hz it takes away 0.011 dB and turns by 2.9°, at \
+               250 Hz it makes envelopes 2.5 µs later; of a voltage that stays, 37 % is left after 0.16 s and -80 dB after 1.5 s. \
+               Outputs of kind `raw` and `trigger` are declared for steady voltages by their kind.\n\n\
+               `max_level` is the most that leaves any output, as a share of full scale (of `full_scale_volts`, if that is known). \
+               See [[output]].",
         tables: &[&device::TABLE, &device::COUPLING],
         example: "[device]\n\
                   channels = 8\n\
                   rate = 48000\n\
                   full_scale_volts = 1.0\n\
-                  coupling = { high_pass = 15.0 }",
+                  coupling = \"dc\"\n\
+                  max_level = 0.5",
     },
     Topic {
         name: "tactor",
         written: "[[tactor]]",
         doc: "An output for vibration.",
-        text: "Events find it by its `name`, its `channel` or its `position`, in metres from wherever the origin was put.",
+        text: "Events find it by its `name`, its `channel` or its `position`, in metres from wherever the origin was put. What is done to what \
+               goes out, and in which order, stands at [[output]].",
         tables: &[&output::TACTOR],
         example: "[device]\n\
                   channels = 2\n\
@@ -63,19 +72,29 @@ pub const TOPICS: &[Topic] = &[
                   channel = 2\n\
                   position = [0.0, 0.1]\n\
                   gain = 0.8\n\
-                  polarity = -1",
+                  polarity = -1\n\
+                  max_level = 0.7",
     },
     Topic {
         name: "output",
         written: "[[output]]",
         doc: "A channel of the device and what hangs on it.",
         text: "What its `kind` means:\n\n\
-               - `vibration`: for the skin, band-limited to 1 kHz and limited to full scale; the same as a [[tactor]]\n\
-               - `trigger`: a pulse at each marker, or at those called `marker`, aligned with the vibration; for EEG amplifiers, cameras, loggers\n\
-               - `raw`: what is played there as it comes, without equaliser, limiter and band limit, cut at full scale; for measuring, \
+               - `vibration`: for the skin, band-limited to 1 kHz and limited to `max_level`; the same as a [[tactor]]\n\
+               - `trigger`: a pulse at each marker, or at those called `marker`, `max_level` high and aligned with the vibration; for EEG \
+               amplifiers, cameras, loggers\n\
+               - `raw`: what is played there as it comes, without equaliser, limiter and band limit, cut at `max_level`; for measuring, \
                not for skin\n\
                - `drive`: a motor's voltage; not rendered yet, its channel stays at zero\n\
-               - `torque`: a knob's torque; not rendered yet, its channel stays at zero",
+               - `torque`: a knob's torque; not rendered yet, its channel stays at zero\n\n\
+               What is played on an output for vibration goes, in this order, through its `gain` and `polarity`, the high-pass that keeps \
+               steady voltages off (if the device's coupling is \"dc\" and the output does not say dc = true), the actuator's equaliser, the \
+               limiter, which acts at `max_level` and lets what stays below pass as it is, and the band limit. When it is played live, \
+               a gate comes last, which opens and closes in a ramp: what is behind it is zero when it is closed, whatever the filters hold.\n\n\
+               Of the device's `max_level` and the output's own, the lower one holds. No sample is ever beyond it, whatever a patch, a control \
+               or what comes in may do (in a file of 16 or 24 bits the dither adds up to a step and a half). A rig that is saved with another \
+               `max_level` while it plays takes over like anything else: raw outputs and pulses keep to it at once, and vibration glides \
+               there within 50 ms, on whose way it keeps to the higher of both.",
         tables: &[&output::TABLE],
         example: "[device]\n\
                   channels = 2\n\

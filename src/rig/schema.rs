@@ -17,6 +17,6 @@ pub fn schema() -> Value {
     );
     defs.insert("polarity".into(), json!({ "enum": [1, -1, "invert"], "default": 1 }));
     let coupling = refer(&COUPLING, &mut defs);
-    defs.insert("coupling".into(), json!({ "oneOf": [{ "const": "dc" }, coupling], "default": "dc" }));
+    defs.insert("coupling".into(), json!({ "oneOf": [{ "const": "dc" }, coupling] }));
     of_file("A pacinian rig", &super::TABLE, defs)
 }

@@ -59,7 +59,10 @@ fn reads_everything() {
     assert_eq!(checked.warnings.list, []);
     let rig = checked.value;
     assert_eq!((rig.device.channels, rig.device.rate), (8, Some(48000.0)));
-    assert_eq!((rig.device.full_scale_volts, rig.device.coupling), (Some(1.4), Coupling::HighPass(8.0)));
+    assert_eq!(
+        (rig.device.full_scale_volts, rig.device.coupling),
+        (Some(1.4), Some(Coupling::HighPass(8.0)))
+    );
     let amplifier = rig.amplifier("class-d").unwrap();
     assert_eq!((amplifier.gain, amplifier.drive, amplifier.max_amperes), (6.0, Drive::Current, Some(1.0)));
     let exciter = rig.actuator("exciter").unwrap();
@@ -117,6 +120,14 @@ fn every_mistake_is_told_at_its_line() {
             "[[output]]\nname = \"a\"\nchannel = 1\nkind = \"raw\"\npulse = 1".into(),
             &[(8, "only a trigger has `pulse`")],
         ),
+        (
+            "[[output]]\nname = \"a\"\nchannel = 1\nkind = \"raw\"\ndc = true".into(),
+            &[(8, "output 1 is of kind raw; only vibration has `dc`")],
+        ),
+        (format!("{tactor}dc = 1"), &[(7, "`dc` of tactor 1")]),
+        (format!("{tactor}max_level = 0"), &[(7, "`max_level` of tactor 1 is 0; it must be")]),
+        (format!("{tactor}max_level = 1.1"), &[(7, "is 1.1; it must be")]),
+        (format!("{tactor}max_level = nan"), &[(7, "`max_level` of tactor 1")]),
         ("[[output]]\nname = \"a\"\nchannel = 1".into(), &[(4, "output 1 lacks `kind`")]),
         ("tactor = 3".into(), &[(4, "the device has no key `tactor`")]),
     ];
@@ -132,6 +143,7 @@ fn every_mistake_is_told_at_its_line() {
         ("channels = 5000", "from 1 to 4096"),
         ("channels = 2\ncoupling = \"ac\"", "it must be \"dc\" or"),
         ("channels = 2\ncoupling = { high_pass = 0 }", "`high_pass` of `coupling` of the device"),
+        ("channels = 2\nmax_level = 2", "`max_level` of the device"),
         ("rate = 48000", "the device lacks `channels`"),
     ] {
         let source = format!("format = \"pacinian-rig/1\"\n[device]\n{device}\n");
@@ -148,6 +160,34 @@ fn kinds_that_are_not_rendered_are_a_warning() {
         let checked = Rig::parse("w.toml", source.as_bytes()).unwrap();
         assert_told(&source, &checked.warnings, &[(7, "which is not rendered yet")]);
     }
+}
+
+#[test]
+fn the_lower_level_holds_and_steady_voltages_leave_where_it_is_said() {
+    let rig = |device: &str| {
+        let text = format!(
+            "{HEAD}{device}\n[[tactor]]\nname = \"a\"\nchannel = 1\nmax_level = 0.25\n[[tactor]]\nname = \"b\"\nchannel = 2\n\
+             dc = true\n[[output]]\nkind = \"raw\"\nname = \"c\"\nchannel = 3\nmax_level = 0.75\n[[output]]\nkind = \"trigger\"\n\
+             name = \"d\"\nchannel = 4\n"
+        );
+        (Rig::parse("r.toml", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")), text)
+    };
+    let (half, _) = rig("max_level = 0.5\ncoupling = \"dc\"");
+    let level = |rig: &Rig| rig.outputs.iter().map(|o| rig.max_level(o)).collect::<Vec<_>>();
+    let steady = |rig: &Rig| rig.outputs.iter().map(|o| rig.lets_dc(o)).collect::<Vec<_>>();
+    assert_eq!(level(&half.value), [0.25, 0.5, 0.5, 0.5]);
+    assert_eq!(steady(&half.value), [Some(false), Some(true), Some(true), Some(true)]);
+    assert_eq!(half.warnings.list, []);
+    let (unsaid, _) = rig("");
+    assert_eq!(level(&unsaid.value), [0.25, 1.0, 0.75, 1.0]);
+    assert_eq!((steady(&unsaid.value), unsaid.warnings.list), (vec![None; 4], vec![]));
+    let (blocked, text) = rig("coupling = { high_pass = 8 }");
+    assert_eq!(steady(&blocked.value), [None; 4]);
+    assert_told(
+        &text,
+        &blocked.warnings,
+        &[(9, "lets nothing steady through: its coupling is a high-pass at 8 Hz")],
+    );
 }
 
 #[test]

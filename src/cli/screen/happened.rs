@@ -71,13 +71,16 @@ impl Happened {
             Happening::Touch(..) => write!(text, "a voice is bent or pressed"),
             Happening::Release => write!(text, "a voice is released"),
             Happening::ReleaseAll => write!(text, "all voices are released"),
+            Happening::Silence(_) => write!(text, "what MIDI had started falls silent"),
         };
         if let Some(origin) = heard.origin {
             let _ = write!(text, "  [{}]", origin.pattern);
         }
         let mood = match heard.what {
             Happening::Voice { .. } | Happening::Touch(..) | Happening::Release => Mood::Usual,
-            Happening::Marker(_) | Happening::Control(..) | Happening::ReleaseAll => Mood::Told,
+            Happening::Marker(_) | Happening::Control(..) | Happening::ReleaseAll | Happening::Silence(_) => {
+                Mood::Told
+            }
         };
         Self::new(heard.at, mood, text)
     }

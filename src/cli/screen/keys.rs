@@ -2,7 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use pacinian::live::signal::Origin;
 
 /// What somebody at the keyboard wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -119,10 +120,18 @@ impl Keys {
     }
 }
 
+/// Where what somebody has typed comes from, for journals.
+pub fn origin(event: &Event) -> Origin {
+    match event {
+        Event::Key(key) => Origin::Key(key.code.to_string().into()),
+        _ => Origin::Program,
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Act, Keys};
-    use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+    use super::{Act, Keys, Origin, origin};
+    use crossterm::event::{Event, KeyCode, KeyEvent, KeyModifiers};
     use std::time::{Duration, Instant};
 
     /// Presses keys at so many milliseconds; whether the output is shut follows from what they do.
@@ -207,6 +216,15 @@ mod tests {
         // Other keys in between are no repetition.
         let (one, two) = (KeyCode::Char('1'), KeyCode::Char('2'));
         assert!(type_in(&[(0, one), (20, two), (40, one)]).iter().all(Option::is_some));
+    }
+
+    #[test]
+    fn a_key_is_called_by_what_stands_on_it() {
+        for (code, name) in [(KeyCode::Char('3'), "3"), (KeyCode::Char(' '), "Space"), (KeyCode::Esc, "Esc")]
+        {
+            let pressed = Event::Key(KeyEvent::new(code, KeyModifiers::NONE));
+            assert_eq!(origin(&pressed), Origin::Key(name.into()));
+        }
     }
 
     #[test]

@@ -353,7 +353,7 @@ impl Show {
             Event::Resize(..) => Act::Redraw,
             _ => return None,
         };
-        let handle = session.handle();
+        let handle = session.handle().from(keys::origin(event));
         let number = || handle.number();
         let signals = match act {
             Act::End(code) => return Some(Ending::Asked(code)),

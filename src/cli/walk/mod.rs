@@ -69,9 +69,6 @@ pub struct Walk {
     write: bool,
 }
 
-/// Channels where no rig says how many.
-const CHANNELS: u32 = 8;
-
 fn level(word: &str) -> Result<f64, String> {
     let level = word.parse().ok().filter(|level| *level > 0.0 && *level <= 1.0);
     level.ok_or_else(|| "a level is a number above 0, and 1 at most".into())
@@ -337,11 +334,5 @@ fn kind(kind: &OutputKind) -> &'static str {
 
 /// As many as the device has, as far as it says, and 8 at most: those that mix take any number.
 fn channels(device: &Chosen) -> u32 {
-    let offer = match device {
-        Chosen::Card(_, found) => found.output.as_ref(),
-        Chosen::Virtual(_) => None,
-    };
-    let counts = offer.map_or(&[][..], |offer| &offer.channels);
-    let fit = counts.iter().rev().map(|count| u32::from(*count)).find(|count| *count <= CHANNELS);
-    fit.or(counts.first().map(|count| u32::from(*count))).unwrap_or(CHANNELS)
+    crate::cli::by_default::fit(0, device.channels())
 }

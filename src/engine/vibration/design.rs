@@ -2,6 +2,7 @@
 
 use super::limiter::Limits;
 use super::{Options, Refusal, Row};
+use crate::dsp::blocker::{Blocker, CORNER};
 use crate::dsp::elliptic::Elliptic;
 use crate::dsp::interpolator::Interpolator;
 use crate::dsp::lanes::LANES;
@@ -40,6 +41,7 @@ pub(super) struct Pair {
 pub(super) struct Design {
     pub rate: f64,
     pub band_limit: Elliptic,
+    pub blocker: Blocker,
     pub fir: Interpolator,
     pub sections: [Section; SECTIONS],
     pub pairs: Vec<Pair>,
@@ -77,7 +79,8 @@ impl Design {
         }
         let limits = options.limiter.then(|| Limits::new(&band_limit));
         let pairs = pairs(&fir, band_limit.gain);
-        Ok(Self { rate, gain: band_limit.gain as f32, band_limit, fir, sections, pairs, limits })
+        let blocker = Blocker::new(CORNER, rate);
+        Ok(Self { rate, gain: band_limit.gain as f32, band_limit, blocker, fir, sections, pairs, limits })
     }
 }
 

@@ -1,8 +1,10 @@
 //! Eight channels of the stage: their state, and their way through a block.
 
+use super::ceiling::Ceiling;
 use super::design::{Design, MAX_TAPS, SECTIONS};
 use super::limiter::{LAGS, LAGS_FAST, Limiter};
 use super::loops::{Cascade, LARGEST, SILENCE, copy, filter, survey, up_sample};
+use super::shape::{Bell, Block};
 use super::{Counts, GRID, Row};
 use crate::dsp::biquad::Biquad;
 use crate::dsp::isa::Isa;
@@ -49,14 +51,6 @@ impl<'a> Target<'a> {
     }
 }
 
-/// An equaliser's section on eight lanes.
-#[derive(Debug)]
-struct Bell {
-    b: [Row; 3],
-    a: [Row; 2],
-    state: [Row; 2],
-}
-
 /// Room that the groups use in turn.
 #[derive(Debug)]
 #[repr(align(64))]
@@ -75,12 +69,27 @@ impl Scratch {
     }
 }
 
+/// What is done to a channel besides limiting it to the band.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Channel<'a> {
+    pub equaliser: &'a [Biquad],
+    pub keeps_dc_off: bool,
+    /// The most that leaves it, of full scale.
+    pub level: f32,
+}
+
+impl Channel<'_> {
+    const PLAIN: Self = Self { equaliser: &[], keeps_dc_off: false, level: 1.0 };
+}
+
 /// Eight channels.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Group {
     lanes: usize,
+    block: Option<Block>,
     bells: Vec<Bell>,
+    ceiling: Option<Ceiling>,
     state: Cascade,
     /// Samples of the band limit's output that the up-sampling still needs, oldest first.
     past: [Row; MAX_TAPS - 1],
@@ -93,24 +102,16 @@ pub(super) struct Group {
 }
 
 impl Group {
-    pub fn new<'a>(lanes: usize, equaliser: impl Fn(usize) -> &'a [Biquad]) -> Self {
-        let deepest = (0..lanes).map(|l| equaliser(l).len()).max().unwrap_or(0);
-        let bells = (0..deepest)
-            .map(|i| {
-                let section = |l: usize| match l < lanes {
-                    true => equaliser(l).get(i).copied().unwrap_or(Biquad::THROUGH),
-                    false => Biquad::THROUGH,
-                };
-                Bell {
-                    b: std::array::from_fn(|k| std::array::from_fn(|l| section(l).b[k] as f32)),
-                    a: std::array::from_fn(|k| std::array::from_fn(|l| section(l).a[k] as f32)),
-                    state: [SILENCE; 2],
-                }
-            })
-            .collect();
+    pub fn new<'a>(design: &Design, lanes: usize, channel: impl Fn(usize) -> Channel<'a>) -> Self {
+        let channel = |l: usize| if l < lanes { channel(l) } else { Channel::PLAIN };
+        let deepest = (0..lanes).map(|l| channel(l).equaliser.len()).max().unwrap_or(0);
+        let section = |l: usize, i: usize| channel(l).equaliser.get(i).copied();
+        let bells = (0..deepest).map(|i| Bell::new(|l| section(l, i).unwrap_or(Biquad::THROUGH))).collect();
         Self {
             lanes,
+            block: Block::new(design.blocker, |l| channel(l).keeps_dc_off),
             bells,
+            ceiling: Ceiling::new(std::array::from_fn(|l| channel(l).level)),
             state: [[SILENCE; 2]; SECTIONS],
             past: [SILENCE; MAX_TAPS - 1],
             limiter: Limiter::REST,
@@ -127,6 +128,11 @@ impl Group {
 
     pub fn gain(&self, lane: usize) -> f32 {
         self.limiter.gain[lane]
+    }
+
+    /// Lets no more leave the lanes than this, from now on, or in a while where something sounds.
+    pub fn limit_to(&mut self, levels: Row) {
+        Ceiling::go(&mut self.ceiling, levels, !self.asleep);
     }
 
     /// Renders a block into this group's channels of `out`.
@@ -154,6 +160,8 @@ impl Group {
         while done < rows.len() {
             let now = clock.wrapping_add(done as u64) % GRID;
             let count = ((GRID - now) as usize).min(rows.len() - done);
+            let glides = self.ceiling.as_ref().and_then(Ceiling::glides);
+            let count = glides.map_or(count, |left| count.min(left as usize));
             let ends_on_grid = now as usize + count == CHUNK;
             let chunk = &mut rows[done..done + count];
             let (frames, later) = target.split(count * step);
@@ -165,6 +173,9 @@ impl Group {
                 Isa::Avx2 => unsafe { self.chunk_avx2(design, chunk, frames, scratch) },
                 #[cfg(not(target_arch = "x86_64"))]
                 Isa::Avx2 => self.chunk_baseline(design, chunk, frames, scratch),
+            }
+            if self.ceiling.as_ref().is_some_and(|c| glides.is_some() && c.glides().is_none()) {
+                Ceiling::settle(&mut self.ceiling);
             }
             if ends_on_grid {
                 self.settle(design.fir.taps);
@@ -216,9 +227,15 @@ impl Group {
         for (quiet, peak) in self.quiet.iter_mut().zip(peaks) {
             *quiet &= peak == 0.0;
         }
-        if !self.bells.is_empty() {
+        if self.block.is_some() || !self.bells.is_empty() || self.ceiling.is_some() {
+            if let Some(block) = &mut self.block {
+                block.run(rows);
+            }
             for bell in &mut self.bells {
                 bell.run(rows);
+            }
+            if let Some(ceiling) = &self.ceiling {
+                ceiling.lift(rows);
             }
             peaks = survey(rows).0;
         }
@@ -232,6 +249,9 @@ impl Group {
             self.limit(design, rows, peaks, recent);
         } else {
             filter(&design.sections, &mut self.state, rows, recent);
+        }
+        if let Some(ceiling) = &mut self.ceiling {
+            ceiling.lower(recent);
         }
         let line = &mut line[..MAX_TAPS - 1 + rows.len()];
         if self.lanes == LANES {
@@ -265,13 +285,14 @@ impl Group {
             (11, _) => up_sample::<11, 0>(design, line, past, target),
             _ => up_sample::<12, 0>(design, line, past, target),
         };
+        let most = self.ceiling.as_ref().map_or([1.0; LANES], |ceiling| *ceiling.most());
         let mut over = false;
-        for (held, peak) in self.peak.iter_mut().zip(peak) {
+        for ((held, peak), most) in self.peak.iter_mut().zip(peak).zip(most) {
             *held = if *held > peak { *held } else { peak };
-            over |= peak > 1.0;
+            over |= peak > most;
         }
         if over {
-            self.clamp(target);
+            self.clamp(target, &most);
         }
     }
 
@@ -323,12 +344,12 @@ impl Group {
     }
 
     #[cold]
-    fn clamp(&mut self, target: &mut Target<'_>) {
+    fn clamp(&mut self, target: &mut Target<'_>, most: &Row) {
         let first = target.place.first;
         for frame in target.frames() {
-            for value in &mut frame[first..first + LANES] {
-                if value.abs() > 1.0 {
-                    *value = value.clamp(-1.0, 1.0);
+            for (value, most) in frame[first..first + LANES].iter_mut().zip(most) {
+                if value.abs() > *most {
+                    *value = most.copysign(*value);
                     self.counts.clamped += 1;
                 }
             }
@@ -359,42 +380,24 @@ impl Group {
         let mut silent = true;
         for l in 0..LANES {
             let past = &self.past[..taps - 1];
-            let bells = self.bells.iter().flat_map(|bell| &bell.state);
             let dead = self.quiet[l]
-                && self
-                    .state
-                    .iter()
-                    .flatten()
-                    .chain(past.iter())
-                    .chain(bells)
-                    .all(|row| row[l].abs() < FLUSH);
+                && self.state.iter().flatten().chain(past.iter()).all(|row| row[l].abs() < FLUSH)
+                && self.bells.iter().all(|bell| bell.is_dead(l, FLUSH))
+                && self.block.as_ref().is_none_or(|block| block.is_dead(l, FLUSH));
             if dead {
-                let bells = self.bells.iter_mut().flat_map(|bell| &mut bell.state);
-                for row in self.state.iter_mut().flatten().chain(&mut self.past).chain(bells) {
+                for row in self.state.iter_mut().flatten().chain(&mut self.past) {
                     row[l] = 0.0;
                 }
+                self.bells.iter_mut().for_each(|bell| bell.rest(l));
+                self.block.iter_mut().for_each(|block| block.rest(l));
                 self.limiter.rest(l);
             }
             silent &= dead;
             self.quiet[l] = true;
         }
         self.asleep = silent;
-    }
-}
-
-impl Bell {
-    #[inline(always)]
-    fn run(&mut self, rows: &mut [Row]) {
-        let [mut first, mut second] = self.state;
-        for row in rows {
-            for l in 0..LANES {
-                let x = row[l];
-                let y = self.b[0][l] * x + first[l];
-                first[l] = self.b[1][l] * x - self.a[0][l] * y + second[l];
-                second[l] = self.b[2][l] * x - self.a[1][l] * y;
-                row[l] = y;
-            }
+        if silent {
+            Ceiling::settle(&mut self.ceiling);
         }
-        self.state = [first, second];
     }
 }

@@ -1,22 +1,26 @@
 //! The vibration stage: engine-rate channels in, interleaved device frames out.
 //!
-//! In order, a channel: equaliser, limiter, band limit, up-sampling, and a clamp at full scale that should never act.
+//! In order, a channel: the high-pass that keeps steady voltages off (where it has one), equaliser, limiter, band limit, up-sampling, and
+//! a clamp that should never act. Limiter and clamp act at full scale, or at the channel's own level where that is lower.
 //! Channels run in groups of eight lanes. Everything is decided by engine time, so any split of a run into blocks gives
 //! the same bits; so does every instruction set.
 
+mod ceiling;
 mod design;
 mod group;
 mod limiter;
 mod loops;
+mod shape;
 #[cfg(test)]
 mod tests;
 
 use crate::dsp::biquad::{Biquad, Complex, MOST_SECTIONS};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::LANES;
+pub(super) use ceiling::single;
 use design::Design;
 pub use design::{DEVICE_RATES, ENGINE_RATES};
-use group::{Group, Place, Scratch, Target};
+use group::{Channel, Group, Place, Scratch, Target};
 
 /// One engine sample of eight channels.
 pub type Row = [f32; LANES];
@@ -40,6 +44,10 @@ pub struct Options {
     pub ratio: Option<usize>,
     /// Equaliser sections of each channel at the engine's rate; channels beyond the list have none.
     pub equalisers: Vec<Vec<Biquad>>,
+    /// Channels with a high-pass that keeps steady voltages off; those beyond the list have none.
+    pub keeps_dc_off: Vec<bool>,
+    /// The most that leaves each channel, as a share of full scale, above 0 and 1 at most; it is 1 for those beyond the list.
+    pub levels: Vec<f64>,
     /// Whether the limiter is there.
     pub limiter: bool,
     /// Instruction set; what the machine lacks falls back to the baseline.
@@ -48,7 +56,15 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { taps: 6, ratio: None, equalisers: Vec::new(), limiter: true, isa: Isa::detect() }
+        Self {
+            taps: 6,
+            ratio: None,
+            equalisers: Vec::new(),
+            keeps_dc_off: Vec::new(),
+            levels: Vec::new(),
+            limiter: true,
+            isa: Isa::detect(),
+        }
     }
 }
 
@@ -63,6 +79,8 @@ pub enum Refusal {
     EngineRate(f64),
     /// Too many equaliser sections: the channel (from 0), and how many it has.
     Sections(usize, usize),
+    /// A level that is not above 0 and 1 at most: the channel (from 0), and the level.
+    Level(usize, f64),
 }
 
 impl std::fmt::Display for Refusal {
@@ -78,6 +96,13 @@ impl std::fmt::Display for Refusal {
                 "channel {} has {count} equaliser sections; {MOST_SECTIONS} are the most",
                 channel + 1
             ),
+            Self::Level(channel, level) => {
+                let channel = channel + 1;
+                write!(
+                    f,
+                    "channel {channel} lets {level} of full scale leave; choose more than 0, and 1 at most"
+                )
+            }
         }
     }
 }
@@ -93,6 +118,8 @@ pub struct Delay {
     pub band_limit_phase_250: f64,
     /// Band limit: group delay at 250 Hz, seconds.
     pub band_limit_group_250: f64,
+    /// The high-pass that keeps steady voltages off: group delay at 250 Hz, seconds, of channels that have one; 0 where none has.
+    pub high_pass_group_250: f64,
 }
 
 /// What the stage has met since it was made.
@@ -115,6 +142,7 @@ pub struct Vibration {
     groups: Vec<Group>,
     channels: usize,
     equalisers: Vec<Vec<Biquad>>,
+    keeps_dc_off: Vec<bool>,
     isa: Isa,
     scratch: Box<Scratch>,
     /// Groups that run through a turn one after another before the next do: all, or as many as a tile holds.
@@ -130,19 +158,30 @@ impl Vibration {
         if let Some(channel) = (0..channels).find(|&c| sections(c).len() > MOST_SECTIONS) {
             return Err(Refusal::Sections(channel, sections(channel).len()));
         }
+        let usable = |level: f64| level.is_finite() && f64::from(f32::MIN_POSITIVE) <= level && level <= 1.0;
+        let levels = &options.levels[..options.levels.len().min(channels)];
+        if let Some(channel) = levels.iter().position(|level| !usable(*level)) {
+            return Err(Refusal::Level(channel, levels[channel]));
+        }
+        let channel = |channel: usize| Channel {
+            equaliser: sections(channel),
+            keeps_dc_off: options.keeps_dc_off.get(channel) == Some(&true),
+            level: levels.get(channel).map_or(1.0, |level| single(*level)),
+        };
         let groups = (0..channels)
             .step_by(LANES)
-            .map(|first| Group::new((channels - first).min(LANES), |lane| sections(first + lane)))
+            .map(|first| Group::new(&design, (channels - first).min(LANES), |lane| channel(first + lane)))
             .collect();
         let scratch = Box::new(Scratch::new(channels, design.fir.ratio));
         let (equalisers, isa) = (options.equalisers.clone(), options.isa.or_supported());
+        let keeps_dc_off: Vec<bool> = options.keeps_dc_off.iter().take(channels).copied().collect();
         // In wide frames the lines that one group writes would throw each other out of the cache before the next group adds
         // its part to them: a kilochannel's frames lie 4,096 bytes apart, which is where most caches begin again.
         let wide = channels > WIDE;
         let groups: Vec<Group> = groups;
         let abreast = if wide { TILE } else { groups.len().max(1) };
         let tile = vec![0.0; if wide { GRID as usize * design.fir.ratio * TILE * LANES } else { 0 }];
-        Ok(Self { design, groups, channels, equalisers, isa, scratch, abreast, tile })
+        Ok(Self { design, groups, channels, equalisers, keeps_dc_off, isa, scratch, abreast, tile })
     }
 
     /// Engine rate, Hz.
@@ -171,14 +210,30 @@ impl Vibration {
             fir_frames: self.design.fir.delay(),
             band_limit_phase_250: self.design.band_limit.phase_delay(250.0),
             band_limit_group_250: self.design.band_limit.group_delay(250.0),
+            high_pass_group_250: match self.keeps_dc_off.contains(&true) {
+                true => self.design.blocker.group_delay(250.0, self.design.rate),
+                false => 0.0,
+            },
         }
     }
 
-    /// The designed linear response of `channel` at `frequency` (Hz): its equaliser, band limit and up-sampling, their delays
+    /// Lets no more leave the channels than these levels, of full scale, from now on: at once where nothing sounds, else gliding
+    /// there within 50 ms, on whose way what leaves a channel keeps to the higher of both. Channels beyond the list go to 1.
+    pub(super) fn limit_to(&mut self, levels: &[f32]) {
+        for (g, group) in self.groups.iter_mut().enumerate() {
+            group.limit_to(std::array::from_fn(|l| levels.get(g * LANES + l).copied().unwrap_or(1.0)));
+        }
+    }
+
+    /// The designed linear response of `channel` at `frequency` (Hz): its high-pass, equaliser, band limit and up-sampling, their delays
     /// included. Device frame m holds time m / device rate, engine sample n falls on frame n × ratio.
     pub fn response(&self, channel: usize, frequency: f64) -> Complex {
         let sections = self.equalisers.get(channel).into_iter().flatten();
-        let equaliser = sections.fold(Complex::from(1.0), |r, s| r * s.response(frequency, self.design.rate));
+        let high_pass = match self.keeps_dc_off.get(channel) {
+            Some(true) => self.design.blocker.response(frequency, self.design.rate),
+            _ => Complex::from(1.0),
+        };
+        let equaliser = sections.fold(high_pass, |r, s| r * s.response(frequency, self.design.rate));
         equaliser * self.design.band_limit.response(frequency) * self.design.fir.response(frequency)
     }
 

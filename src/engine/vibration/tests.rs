@@ -347,7 +347,9 @@ fn any_split_and_any_instruction_set_give_the_same_bits() {
     for taps in [4, 5, 6, 8, 12] {
         for rate in [48_000.0, 88_200.0, 8000.0] {
             let equalisers = equalisers.clone();
-            let options = Options { taps, equalisers, isa: Isa::Baseline, ..Options::default() };
+            let (keeps_dc_off, levels) = (vec![true, false, true], vec![1.0, 0.3, 0.05]);
+            let options =
+                Options { taps, equalisers, keeps_dc_off, levels, isa: Isa::Baseline, ..Options::default() };
             let whole = run(&mut stage(19, rate, &options), &scene(), || 6000);
             assert!(whole.iter().all(|v| v.abs() <= 1.0));
             let mut random = random(9);
@@ -368,6 +370,103 @@ fn any_split_and_any_instruction_set_give_the_same_bits() {
                 }
             }
         }
+    }
+}
+
+/// So does another level that is gone to while it sounds, be it in the middle of a turn.
+#[test]
+fn any_split_of_a_glide_gives_the_same_bits() {
+    let halves = |from: usize, to: usize| -> Vec<Vec<f32>> {
+        scene().into_iter().map(|signal| signal[from..to].to_vec()).collect()
+    };
+    let glide = |cut: usize, isa: Isa| {
+        let options = Options { levels: vec![0.5; 12], isa, ..Options::default() };
+        let mut chain = stage(19, 48_000.0, &options);
+        let mut out = run(&mut chain, &halves(0, 3003), || cut);
+        chain.limit_to(&[0.125; 19]);
+        out.extend(run(&mut chain, &halves(3003, 3203), || cut));
+        // Before it is there, it goes elsewhere.
+        chain.limit_to(&[0.25; 4]);
+        out.extend(run(&mut chain, &halves(3203, 6000), || cut));
+        out
+    };
+    let whole = glide(6000, Isa::Baseline);
+    for cut in [1, 7, 64, 131] {
+        assert!(bits(&glide(cut, Isa::detect())) == bits(&whole), "blocks of {cut}");
+    }
+}
+
+/// What leaves keeps to the level of its channel as it otherwise keeps to full scale, and what is too loud there stays the tone it is.
+#[test]
+fn a_level_below_full_scale_is_held_as_full_scale_is() {
+    for level in [0.3, 0.07] {
+        let options = Options { levels: vec![level], ..Options::default() };
+        for (name, signal) in hostile(8000.0, 12_000) {
+            let mut chain = stage(1, 48_000.0, &options);
+            let loud = signal.iter().map(|v| (3.0 * level * v) as f32).collect();
+            let out = channel(&run(&mut chain, &[loud], || 64), 1, 0);
+            let peak = f64::from(chain.take_peak(0));
+            assert!(out.iter().all(|v| v.abs() <= level), "{name} at {level}");
+            assert!(peak < 1.05 * level, "{name} at {level}: {peak} before the clamp");
+            let leak = above(&out, 1000.0, 48_000.0);
+            assert!(leak < -60.0, "{name} at {level}: {leak} dB");
+        }
+        for (hertz, over) in [(40.0, 2.0), (150.0, 1.0), (250.0, 4.0), (600.0, 1.2), (90.0, 0.9)] {
+            let tone = |n: usize| {
+                let rise = (n as f64 / 40.0).min(1.0);
+                (level * over * rise * (TAU * hertz / 8000.0 * n as f64).sin()) as f32
+            };
+            let mut chain = stage(1, 48_000.0, &options);
+            let out = channel(&run(&mut chain, &[(0..6400).map(tone).collect()], || 64), 1, 0);
+            let left = residual(&out[16_800..36_000], hertz, 48_000.0);
+            assert!(left < -90.0, "{hertz} Hz × {over} at {level}: {left} dB");
+            assert_eq!(chain.counts().limited == 0, over < 0.95, "{hertz} Hz × {over} at {level}");
+            assert_eq!(chain.counts().clamped, 0);
+        }
+    }
+}
+
+/// Against its definition in double precision: of a voltage that stays nothing stays, however long one waits.
+#[test]
+fn the_high_pass_follows_its_definition_and_leaves_nothing_of_what_is_steady() {
+    let options = Options { keeps_dc_off: vec![false, true, true], limiter: false, ..Options::default() };
+    let mut chain = stage(3, 48_000.0, &options);
+    let mut noise = random(17);
+    let signals: Vec<Vec<f32>> = (0..3)
+        .map(|c| (0..24_000).map(|_| if c < 2 { 0.6 } else { (0.3 + 0.4 * noise()) as f32 }).collect())
+        .collect();
+    let out = run(&mut chain, &signals, || 64);
+    let blocker = crate::dsp::blocker::Blocker::new(1.0, 8000.0);
+    let mut plain = stage(3, 48_000.0, &Options { limiter: false, ..Options::default() });
+    let exact: Vec<Vec<f32>> = signals
+        .iter()
+        .map(|signal| {
+            let mut mean = 0.0;
+            let step = |x: &f32| {
+                let apart = f64::from(*x) - mean;
+                mean += blocker.pull * apart;
+                (blocker.keep * apart) as f32
+            };
+            signal.iter().map(step).collect()
+        })
+        .collect();
+    let wanted = run(&mut plain, &exact, || 64);
+    for c in [1, 2] {
+        assert!(channel(&out, 3, c) == channel(&wanted, 3, c), "channel {c}");
+    }
+    let late = |c: usize| channel(&out, 3, c)[130_000..].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    // Single precision would leave 90 dB below it for ever.
+    assert!(late(0) > 0.55 && late(1) < 1e-7, "{} {}", late(0), late(1));
+}
+
+#[test]
+fn levels_that_are_none_are_refused() {
+    for level in [0.0, -0.5, 1.5, f64::NAN, f64::INFINITY] {
+        let options = Options { levels: vec![1.0, level], ..Options::default() };
+        let why = Vibration::new(2, 48_000.0, &options).unwrap_err();
+        assert!(matches!(why, Refusal::Level(1, _)), "{why}");
+        // Of channels that are not there nothing is said.
+        assert!(Vibration::new(1, 48_000.0, &options).is_ok());
     }
 }
 

@@ -76,7 +76,7 @@ impl Capture {
         let buffer_size = shape.block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
-        let tell = teller(news, move || gaps.input.xruns.add(1));
+        let tell = teller(news, move || gaps.input.xruns.add(1), || {});
         let stream = match format {
             SampleFormat::F32 => stream::<f32, _>(device, config, hear, tell),
             SampleFormat::I32 => stream::<i32, _>(device, config, hear, tell),
@@ -132,6 +132,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::{Shape, shape};
+    use crate::io::device::hosts::Hosts;
     use crate::io::device::list::{Found, Offer};
 
     #[test]
@@ -142,8 +143,8 @@ mod tests {
             blocks: Some((64, 4096)),
             formats: vec![],
         };
-        let card =
-            Found { id: "x".into(), name: "x".into(), default: false, output: None, input: Some(offer) };
+        let (id, name, hosts) = ("x".into(), "x".into(), Hosts::default());
+        let card = Found { id, name, default: false, output: None, input: Some(offer), trouble: None, hosts };
         let of = |channels, rate, block| shape(&card, channels, rate, block).unwrap();
         assert_eq!(of(1, 48_000, None), Shape { channels: 1, rate: 48_000, block: Some(240) });
         assert_eq!(of(3, 96_000, Some(256)), Shape { channels: 8, rate: 48_000, block: Some(128) });

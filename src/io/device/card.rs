@@ -1,6 +1,7 @@
 //! A stream to a sound card.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 
 use cpal::traits::{DeviceTrait, StreamTrait};
@@ -10,7 +11,7 @@ use cpal::{
 };
 
 use super::failure::{DeviceError, Trouble};
-use super::list::Found;
+use super::list::{Found, Offer};
 use super::minder::teller;
 use super::priority;
 use crate::live::board::Board;
@@ -25,6 +26,14 @@ pub struct Shape {
     pub rate: u32,
     /// Frames a block; `None`: as the card likes.
     pub block: Option<u32>,
+}
+
+impl Shape {
+    /// For a device that is back: in blocks as near to those of before as it now offers.
+    pub(super) fn again(self, offer: Option<&Offer>) -> Self {
+        let Some((least, most)) = offer.and_then(|offer| offer.blocks) else { return self };
+        Self { block: self.block.map(|block| block.min(most).max(least)), ..self }
+    }
 }
 
 /// What a card tells of itself while it plays.
@@ -82,23 +91,25 @@ impl Card {
         let buffer_size = shape.block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
-        let tell = teller(news, move || gaps.xruns.add(1));
-        let delays = Arc::clone(board);
+        let gone = Arc::new(AtomicBool::new(false));
+        let mut player = Player { driver, raised: false, gone: Arc::clone(&gone), board: Arc::clone(board) };
+        let lost = move || gone.store(true, Ordering::Relaxed);
+        let tell = teller(news, move || gaps.xruns.add(1), lost);
         let stream = match format {
-            SampleFormat::F32 => {
-                let mut player = Player { driver, raised: false, board: delays };
-                device.build_output_stream(
-                    config,
-                    move |output: &mut [f32], info: &cpal::OutputCallbackInfo| {
-                        player.begin(info);
+            SampleFormat::F32 => device.build_output_stream(
+                config,
+                move |output: &mut [f32], info: &cpal::OutputCallbackInfo| {
+                    if player.begin(info) {
                         player.driver.fill(output);
-                    },
-                    tell,
-                    None,
-                )
-            }
-            SampleFormat::I32 => convert::<i32, _>(device, config, driver, delays, tell),
-            _ => convert::<i16, _>(device, config, driver, delays, tell),
+                    } else {
+                        output.fill(0.0);
+                    }
+                },
+                tell,
+                None,
+            ),
+            SampleFormat::I32 => convert::<i32, _>(device, config, player, tell),
+            _ => convert::<i16, _>(device, config, player, tell),
         };
         let stream = stream.map_err(|error| DeviceError::of(&found.name, &error))?;
         stream.play().map_err(|error| DeviceError::of(&found.name, &error))?;
@@ -132,11 +143,17 @@ pub(super) fn behind(stream: &cpal::Stream, clock: impl Fn() -> f64) -> f64 {
 struct Player<F> {
     driver: F,
     raised: bool,
+    /// The device was lost, even if it still asks for frames.
+    gone: Arc<AtomicBool>,
     board: Arc<Board>,
 }
 
 impl<F: Fill> Player<F> {
-    fn begin(&mut self, info: &cpal::OutputCallbackInfo) {
+    /// Begins a block. Says whether anything is to be played in it.
+    fn begin(&mut self, info: &cpal::OutputCallbackInfo) -> bool {
+        if self.gone.load(Ordering::Relaxed) {
+            return false;
+        }
         if !std::mem::replace(&mut self.raised, true) {
             priority::raise();
         }
@@ -144,27 +161,30 @@ impl<F: Fill> Player<F> {
         let delay = stamp.playback.saturating_duration_since(stamp.callback);
         self.driver.begin(seconds(stamp.callback), delay.as_secs_f64());
         self.board.device_delay.set(delay.as_nanos() as u64);
+        true
     }
 }
 
-/// Frames that are converted at a time.
-const STRETCH: usize = 256;
+/// Frames that are converted at a time, at least: whoever fills them is to see blocks as long as they are.
+const STRETCH: usize = 8192;
 
 fn convert<T, E>(
     device: &Device,
     config: StreamConfig,
-    driver: impl Fill,
-    board: Arc<Board>,
+    mut player: Player<impl Fill>,
     tell: E,
 ) -> Result<cpal::Stream, cpal::Error>
 where
     T: SizedSample + FromSample<f32>,
     E: FnMut(cpal::Error) + Send + 'static,
 {
-    let mut player = Player { driver, raised: false, board };
-    let mut scratch = vec![0.0_f32; STRETCH * usize::from(config.channels)];
+    let asked = if let BufferSize::Fixed(block) = config.buffer_size { block as usize } else { 0 };
+    let mut scratch = vec![0.0_f32; STRETCH.max(asked) * usize::from(config.channels)];
     let fill = move |output: &mut [T], info: &cpal::OutputCallbackInfo| {
-        player.begin(info);
+        if !player.begin(info) {
+            output.fill(T::EQUILIBRIUM);
+            return;
+        }
         for part in output.chunks_mut(scratch.len().max(1)) {
             let frames = &mut scratch[..part.len()];
             player.driver.fill(frames);

@@ -3,6 +3,7 @@
 use cpal::Device;
 
 use super::failure::{DeviceError, Trouble};
+use super::hosts::Hosts;
 use super::list::{self, Found, Offer};
 
 /// What a person says about the device.
@@ -31,6 +32,14 @@ impl Chosen {
         match self {
             Self::Card(_, found) => &found.name,
             Self::Virtual(_) => "virtual card",
+        }
+    }
+
+    /// The numbers of channels that it offers, ascending; none: any.
+    pub fn channels(&self) -> &[u16] {
+        match self {
+            Self::Card(_, found) => found.output.as_ref().map_or(&[], |offer| &offer.channels),
+            Self::Virtual(_) => &[],
         }
     }
 
@@ -67,72 +76,101 @@ impl Wish {
     pub fn of(said: Option<&str>, rig: Option<&str>) -> Self {
         match said.or(rig) {
             Some(VIRTUAL) => Self::Virtual,
+            // Whoever says so has not said which.
+            Some(DEFAULT) => Self::Default,
             Some(name) => Self::Named(name.into()),
             None => Self::Default,
         }
     }
 
-    /// The device that is meant.
+    /// The device that is meant, among those of the system.
     ///
     /// # Errors
-    /// A device that was named and is not there. Of what is not named nothing is expected.
+    /// A device that was named and is not there, or cannot be had. Of what is not named nothing is expected.
     pub fn choose(&self) -> Result<Chosen, DeviceError> {
-        let plays = |found: &Found| found.output.is_some();
+        self.choose_among(&Hosts::default())
+    }
+
+    /// The device that is meant, among those of `hosts`; the session on it looks for it there again when it was away.
+    ///
+    /// # Errors
+    /// As [`Wish::choose`].
+    pub fn choose_among(&self, hosts: &Hosts) -> Result<Chosen, DeviceError> {
         match self {
             Self::Virtual => Ok(Chosen::Virtual(None)),
             Self::Default => {
-                for (_, host) in list::hosts() {
-                    let Some(host) = host else { continue };
-                    let all = list::devices(&host).unwrap_or_default();
-                    if let Some((device, found)) = all.into_iter().find(|(_, f)| f.default && plays(f)) {
-                        return Ok(Chosen::Card(device, found));
+                let mut why = "no sound card is there";
+                for place in hosts.places() {
+                    let all = place.devices().unwrap_or_default();
+                    let Some((device, found)) = all.into_iter().find(|(_, f)| f.default) else { continue };
+                    match found.trouble.as_ref().map(|trouble| trouble.kind) {
+                        _ if found.output.is_some() => return Ok(Chosen::Card(device, found)),
+                        Some(Trouble::Busy) => why = "another program plays on the sound card",
+                        Some(Trouble::Forbidden) => why = "this user may not play on the sound card",
+                        _ => {}
                     }
                 }
-                Ok(Chosen::Virtual(Some("no sound card is there")))
+                Ok(Chosen::Virtual(Some(why)))
             }
             Self::Named(name) => {
-                let mut all = Vec::new();
-                for (_, host) in list::hosts() {
-                    all.extend(host.and_then(|host| list::devices(&host).ok()).unwrap_or_default());
-                }
-                let (device, found) = list::find(&all, name, plays)?;
+                let all = hosts.devices();
+                let (device, found) = named(&all, name, |found| found.output.is_some())?;
                 Ok(Chosen::Card(device.clone(), found.clone()))
             }
         }
     }
 }
 
-/// A card by its id, if it is there now.
-pub fn again(id: &str) -> Result<(Device, Found), DeviceError> {
-    by_id(id, |found| found.output.is_some())
+/// The device of that name that fits, or that nobody can tell of whether it does, which is an error of its own.
+fn named<'a>(
+    all: &'a [(Device, Found)],
+    name: &str,
+    fits: impl Fn(&Found) -> bool,
+) -> Result<&'a (Device, Found), DeviceError> {
+    let device = list::find(all, name, |found| fits(found) || found.trouble.is_some())?;
+    match &device.1.trouble {
+        Some(trouble) if !fits(&device.1) => Err(trouble.clone()),
+        _ => Ok(device),
+    }
 }
 
-fn by_id(id: &str, fits: impl Fn(&Found) -> bool) -> Result<(Device, Found), DeviceError> {
-    let found = list::hosts().into_iter().find_map(|(_, host)| list::device(&host?, id));
-    found
-        .filter(|(_, found)| fits(found))
-        .ok_or_else(|| DeviceError::new(Trouble::Missing, format!("{id} is not there")))
+/// A card of `hosts` by its id, if it is there now.
+pub(super) fn again(hosts: &Hosts, id: &str) -> Result<(Device, Found), DeviceError> {
+    by_id(hosts, id, |found| found.output.is_some())
 }
 
-/// What the system's default for recording is called on the command line and in a rig.
+fn by_id(hosts: &Hosts, id: &str, fits: impl Fn(&Found) -> bool) -> Result<(Device, Found), DeviceError> {
+    match hosts.device(id) {
+        Some(device) if fits(&device.1) => Ok(device),
+        Some((_, Found { trouble: Some(trouble), .. })) => Err(trouble),
+        _ => Err(DeviceError::new(Trouble::Missing, format!("{id} is not there"))),
+    }
+}
+
+/// What the system's default is called on the command line and in a rig.
 pub const DEFAULT: &str = "default";
 
-/// The device that a person means by `name`, to be listened to.
+/// The device that a person means by `name`, to be listened to, among those of the system.
 ///
 /// # Errors
 /// None of that name that has inputs, or several.
 pub fn heard(name: &str) -> Result<(Device, Found), DeviceError> {
-    let hears = |found: &Found| found.input.is_some();
-    let all: Vec<_> = list::hosts()
-        .into_iter()
-        .flat_map(|(_, host)| host.and_then(|host| list::devices(&host).ok()).unwrap_or_default())
-        .collect();
-    match list::find(&all, name, hears) {
+    heard_among(&Hosts::default(), name)
+}
+
+/// The device that a person means by `name`, to be listened to, among those of `hosts`.
+///
+/// # Errors
+/// As [`heard`].
+pub fn heard_among(hosts: &Hosts, name: &str) -> Result<(Device, Found), DeviceError> {
+    let all = hosts.devices();
+    match named(&all, name, |found| found.input.is_some()) {
         Ok(found) => Ok(found.clone()),
         Err(error) if name == DEFAULT => {
-            let id = list::default_input().ok_or(error)?;
-            heard_again(&id)
+            let id = hosts.default_input().ok_or(error)?;
+            heard_again(hosts, &id)
         }
+        Err(error) if error.kind != Trouble::Missing => Err(error),
         Err(error) => match list::find(&all, name, |_| true) {
             Ok((_, found)) => Err(DeviceError::new(Trouble::Unfit, format!("{} has no inputs", found.name))
                 .help("`pacinian devices` lists which have")),
@@ -141,7 +179,7 @@ pub fn heard(name: &str) -> Result<(Device, Found), DeviceError> {
     }
 }
 
-/// A device with inputs by its id, if it is there now.
-pub(super) fn heard_again(id: &str) -> Result<(Device, Found), DeviceError> {
-    by_id(id, |found| found.input.is_some())
+/// A device of `hosts` with inputs by its id, if it is there now.
+pub(super) fn heard_again(hosts: &Hosts, id: &str) -> Result<(Device, Found), DeviceError> {
+    by_id(hosts, id, |found| found.input.is_some())
 }

@@ -74,7 +74,9 @@ impl DeviceError {
             }
             _ => (Trouble::Other, "`pacinian devices` says how it stands"),
         };
-        Self::new(kind, format!("{device}: {error}")).help(help)
+        // What is to be done follows behind it.
+        let error = error.to_string();
+        Self::new(kind, format!("{device}: {}", error.trim_end_matches('.'))).help(help)
     }
 }
 

@@ -1,16 +1,16 @@
 //! Keeps a session on its device: notices when that is gone, goes on in silence, and comes back when it does. Never to another one.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
-
-use cpal::Device;
 
 use super::card::{Card, News, Shape};
 use super::choose::{Chosen, again};
 use super::failure::{DeviceError, Trouble};
-use super::list::Found;
-use super::minder::{Minder, Pulse, Search};
+use super::hosts::Hosts;
+use super::minder::{Minder, Pulse, Search, let_go};
+use super::returning::{Returning, Stand};
 use super::virtual_card::VirtualCard;
 use crate::live::board::Board;
 use crate::live::driver::Driver;
@@ -36,35 +36,38 @@ pub const BLOCK: usize = 128;
 const SILENT: Duration = Duration::from_millis(300);
 const MISSED: f64 = 12.0;
 
-/// So long a device may take to let go of a stream.
-const RELEASE: Duration = Duration::from_secs(5);
-
 enum Playing {
-    Card(#[expect(dead_code, reason = "held, and dropped")] Card),
+    Card(Card),
     Virtual(#[expect(dead_code, reason = "held, and dropped")] VirtualCard),
-    /// The driver did not come home: nothing more can be played.
+    /// The device has not let go of the driver yet.
     Nothing,
 }
 
 /// Keeps a session on its device until it is dropped.
 pub struct Keeper {
+    resting: Arc<AtomicBool>,
     _minder: Minder,
 }
 
 struct Keeping {
-    id: Option<String>,
+    /// Where the device is looked for, and its id; `None`: the virtual card is all that was chosen.
+    sought: Option<(Hosts, String)>,
     shape: Shape,
     board: Arc<Board>,
     playing: Playing,
+    /// Where it seems to be back.
+    returning: Option<Returning>,
     home: Receiver<Box<Driver>>,
     lend: Sender<Box<Driver>>,
-    news: Receiver<News>,
-    tell: Sender<News>,
+    /// What the device that plays says; of one that was let go of, nobody hears any more.
+    news: Option<Receiver<News>>,
     fate: Box<dyn FnMut(Fate) + Send>,
     pulse: Pulse,
     search: Search,
-    /// Whether the device is there.
-    present: bool,
+    /// The session is about to end.
+    resting: Arc<AtomicBool>,
+    /// What was said last of why it does not play.
+    trouble: Option<String>,
 }
 
 impl Keeper {
@@ -80,41 +83,43 @@ impl Keeper {
         fate: Box<dyn FnMut(Fate) + Send>,
     ) -> Result<Self, DeviceError> {
         let (lend, home) = channel();
-        let (tell, news) = channel();
         let mut keeping = Keeping {
-            id: None,
+            sought: None,
             shape,
             board: Arc::clone(board),
             playing: Playing::Nothing,
+            returning: None,
             home,
             lend,
-            news,
-            tell,
+            news: None,
             fate,
             pulse: Pulse::new(),
             search: Search::new(),
-            present: true,
+            resting: Arc::default(),
+            trouble: None,
         };
+        let resting = Arc::clone(&keeping.resting);
         match chosen {
             Chosen::Card(device, found) => {
-                keeping.open(driver, &device, &found)?;
-                keeping.id = Some(found.id);
+                let (tell, news) = channel();
+                let lent = driver.lend(keeping.lend.clone());
+                keeping.playing = Playing::Card(Card::open(&device, &found, shape, lent, board, tell)?);
+                keeping.news = Some(news);
+                keeping.sought = Some((found.hosts, found.id));
             }
             Chosen::Virtual(_) => keeping.tick(driver)?,
         }
         let minder = Minder::start("device", move || keeping.look())?;
-        Ok(Self { _minder: minder })
+        Ok(Self { resting, _minder: minder })
+    }
+
+    /// From now on, a device that is away is not come back to: what is about to be closed is not to be opened once more.
+    pub fn rest(&self) {
+        self.resting.store(true, Ordering::Release);
     }
 }
 
 impl Keeping {
-    fn open(&mut self, driver: Driver, device: &Device, found: &Found) -> Result<(), DeviceError> {
-        let lent = driver.lend(self.lend.clone());
-        let card = Card::open(device, found, self.shape, lent, &self.board, self.tell.clone())?;
-        self.playing = Playing::Card(card);
-        Ok(())
-    }
-
     fn tick(&mut self, driver: Driver) -> Result<(), DeviceError> {
         let block = self.shape.block.map_or(BLOCK, |block| block as usize);
         let lent = driver.lend(self.lend.clone());
@@ -125,69 +130,112 @@ impl Keeping {
         Ok(())
     }
 
-    /// Takes the driver from whatever plays.
+    /// The clock goes on, on the virtual card, behind a closed gate.
+    fn go_on(&mut self, mut driver: Driver) {
+        let block = self.shape.block.map_or(BLOCK, |block| block as usize);
+        driver.move_to(block, Order::Close);
+        if let Err(error) = self.tick(driver) {
+            (self.fate)(Fate::Said(error.to_string()));
+        }
+    }
+
+    /// Takes the driver from whatever plays; `None` while that does not let go of it.
     fn take_home(&mut self) -> Option<Box<Driver>> {
-        self.playing = Playing::Nothing;
-        self.home.recv_timeout(RELEASE).ok()
+        match std::mem::replace(&mut self.playing, Playing::Nothing) {
+            Playing::Card(card) => let_go(card),
+            other => drop(other),
+        }
+        self.home.try_recv().ok()
+    }
+
+    fn is_present(&self) -> bool {
+        matches!(self.playing, Playing::Card(_))
     }
 
     /// Looks whether the device is there and asks for frames.
     fn look(&mut self) {
         let now = Instant::now();
         let pause = self.pulse.pause(now, self.board.frames.get());
-        while let Ok(news) = self.news.try_recv() {
-            match news {
-                // Its own stream may say so too when it is closed.
-                News::Lost(why) if self.present => self.lose(why),
-                News::Lost(_) => {}
-                News::Moved => (self.fate)(Fate::Moved),
-                News::Said(what) => (self.fate)(Fate::Said(what)),
-            }
+        while let Some(Ok(news)) = self.news.as_ref().map(Receiver::try_recv) {
+            self.hear(news);
         }
         let block = self.board.block.get().max(1) as f64 / f64::from(self.shape.rate);
         let silent = SILENT.max(Duration::from_secs_f64(MISSED * block));
-        if self.present && self.id.is_some() && pause > silent {
+        if self.is_present() && pause > silent {
             self.lose("it does not ask for anything any more".into());
         }
-        if self.search.is_due(now, self.present) && self.find() {
-            self.pulse.begin();
-            // What the old stream said on its way out.
-            while self.news.try_recv().is_ok() {}
+        if let (Playing::Nothing, Ok(driver)) = (&self.playing, self.home.try_recv()) {
+            self.go_on(*driver);
+        }
+        if self.resting.load(Ordering::Acquire) {
+            return;
+        }
+        match self.returning.as_mut().map(|returning| returning.stand(now)) {
+            Some(Stand::Waits) => {}
+            Some(Stand::Plays) => self.come_back(),
+            Some(Stand::Fails(why)) => {
+                self.returning.take().into_iter().for_each(let_go);
+                self.complain(why);
+            }
+            None if self.search.is_due(now, self.is_present()) => self.find(),
+            None => {}
         }
     }
 
-    /// The device is gone: the clock goes on, on the virtual card, behind a closed gate.
+    fn hear(&mut self, news: News) {
+        match news {
+            News::Lost(why) => self.lose(why),
+            News::Moved => (self.fate)(Fate::Moved),
+            News::Said(what) => (self.fate)(Fate::Said(what)),
+        }
+    }
+
+    /// The device is gone.
     fn lose(&mut self, why: String) {
-        self.present = false;
-        if let Some(mut driver) = self.take_home() {
-            let block = self.shape.block.map_or(BLOCK, |block| block as usize);
-            driver.move_to(block, Order::Close);
-            if let Err(error) = self.tick(*driver) {
-                (self.fate)(Fate::Said(error.to_string()));
-            }
-        }
+        self.news = None;
+        self.trouble = Some(why.clone());
         (self.fate)(Fate::Lost(why));
+        if let Some(driver) = self.take_home() {
+            self.go_on(*driver);
+        }
     }
 
-    /// Opens the device if it is there again. Says whether it did.
-    fn find(&mut self) -> bool {
-        let Some(id) = &self.id else { return false };
-        let Ok((device, found)) = again(id) else { return false };
-        let Some(mut driver) = self.take_home() else { return false };
+    /// Opens the device if it is there again.
+    fn find(&mut self) {
+        let Some((hosts, id)) = &self.sought else { return };
+        let found = again(hosts, id);
+        match found.and_then(|(device, found)| Returning::open(&device, &found, self.shape, &self.board)) {
+            Ok(returning) => self.returning = Some(returning),
+            // That it is away is known.
+            Err(error) if error.kind == Trouble::Missing => {}
+            Err(error) => self.complain(error.to_string()),
+        }
+    }
+
+    /// It is there and cannot be played on, which is said once.
+    fn complain(&mut self, why: String) {
+        if self.trouble.as_ref() != Some(&why) {
+            (self.fate)(Fate::Said(why.clone()));
+            self.trouble = Some(why);
+        }
+    }
+
+    /// It asks for frames: it gets those of the session.
+    fn come_back(&mut self) {
+        let Some(mut driver) = self.take_home() else { return };
+        let Some(returning) = self.returning.take() else { return self.go_on(*driver) };
         driver.move_to(self.shape.block.unwrap_or(0) as usize, Order::Return);
-        if self.open(*driver, &device, &found).is_ok() {
-            self.present = true;
-            (self.fate)(Fate::Back);
-            return true;
-        }
-        // It came home when it could not be opened.
-        if let Ok(mut driver) = self.home.recv_timeout(RELEASE) {
-            let block = self.shape.block.map_or(BLOCK, |block| block as usize);
-            driver.move_to(block, Order::Close);
-            if let Err(error) = self.tick(*driver) {
-                (self.fate)(Fate::Said(error.to_string()));
-            }
-        }
-        false
+        let (card, said, news) = returning.play(driver.lend(self.lend.clone()));
+        (self.playing, self.news, self.trouble) = (Playing::Card(card), Some(news), None);
+        self.pulse.begin();
+        (self.fate)(Fate::Back);
+        said.into_iter().for_each(|news| self.hear(news));
+    }
+}
+
+impl Drop for Keeping {
+    fn drop(&mut self) {
+        drop(self.take_home());
+        self.returning.take().into_iter().for_each(let_go);
     }
 }

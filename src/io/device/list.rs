@@ -1,10 +1,10 @@
 //! Which devices there are, and what they offer.
 
-use cpal::traits::{DeviceTrait, HostTrait};
-use cpal::{Device, Host, SupportedBufferSize, SupportedStreamConfigRange};
+use cpal::traits::DeviceTrait;
+use cpal::{Device, SupportedBufferSize, SupportedStreamConfigRange};
 
 use super::failure::{DeviceError, Trouble};
-use super::hush::hush;
+use super::hosts::Hosts;
 use crate::text::nearest::nearest;
 
 /// A device that there is.
@@ -20,6 +20,10 @@ pub struct Found {
     pub output: Option<Offer>,
     /// What it offers to be heard.
     pub input: Option<Offer>,
+    /// Why it does not say what it offers: somebody else has it, or the system does not let us.
+    pub trouble: Option<DeviceError>,
+    /// Where it was found, and is looked for when it was away.
+    pub hosts: Hosts,
 }
 
 /// What a device offers in one direction.
@@ -33,6 +37,24 @@ pub struct Offer {
     pub blocks: Option<(u32, u32)>,
     /// Names of sample formats.
     pub formats: Vec<String>,
+}
+
+impl Found {
+    /// What its host is called.
+    pub fn host(&self) -> &str {
+        self.id.split_once(':').map_or("", |(host, _)| host)
+    }
+
+    /// Whether it is as good as another for whoever says its name: the same card in another host, or ALSA's other ways to it
+    /// (`hw:CARD=X,DEV=0`, `plughw:CARD=X,DEV=0`). A second card of the same make is not.
+    fn may_stand_for(&self, other: &Self) -> bool {
+        let card = |found: &Self| {
+            let (_, rest) = found.id.split_once("CARD=")?;
+            rest.split(',').next().map(str::to_string)
+        };
+        let same_card = card(self).is_some() && card(self) == card(other);
+        self.name == other.name && (self.host() != other.host() || same_card)
+    }
 }
 
 impl Offer {
@@ -62,55 +84,50 @@ impl Offer {
     }
 }
 
-/// The hosts that this program was built with, the best first, each with whether it runs.
-pub fn hosts() -> Vec<(String, Option<Host>)> {
-    let open = |id: &cpal::HostId| (id.to_string(), cpal::host_from_id(*id).ok());
-    cpal::ALL_HOSTS.iter().map(open).collect()
-}
-
-/// All devices of a host.
-///
-/// # Errors
-/// A host that does not answer.
-pub fn devices(host: &Host) -> Result<Vec<(Device, Found)>, DeviceError> {
-    hush();
-    let default = host.default_output_device().as_ref().map(self::id);
-    let all = host.devices().map_err(|error| DeviceError::of("the sound system", &error))?;
-    Ok(all.map(|device| look(device, default.as_deref())).collect())
-}
-
-/// The device of a host that has this id, if it is there; no other is looked at.
-pub fn device(host: &Host, id: &str) -> Option<(Device, Found)> {
-    hush();
-    let device = host.device_by_id(&id.parse().ok()?)?;
-    let (device, found) = look(device, None);
-    (found.id == id).then_some((device, found))
-}
-
-fn id(device: &Device) -> String {
+/// What a device is called for good.
+pub(super) fn id(device: &Device) -> String {
     device.id().map_or_else(|_| device.to_string(), |id| id.to_string())
 }
 
-fn look(device: Device, default: Option<&str>) -> (Device, Found) {
+/// Whether a device only swallows what it is given, as fast as it comes: on it no session would keep time.
+pub(super) fn is_none(id: &str) -> bool {
+    id == "alsa:null"
+}
+
+/// Looks at a device of `hosts`; `default` is the id of theirs that is played on where nobody says anything.
+pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Device, Found) {
     let id = id(&device);
-    let found = Found {
-        name: device.to_string(),
-        default: default == Some(id.as_str()),
-        output: device.supported_output_configs().ok().and_then(Offer::of),
-        input: device.supported_input_configs().ok().and_then(Offer::of),
-        id,
+    let name = match id.as_str() {
+        // It has the name that this program's ports would have.
+        "jack:output" => "JACK, outputs".into(),
+        "jack:input" => "JACK, inputs".into(),
+        _ => device.to_string(),
     };
+    let mut trouble = None;
+    let mut refused = |error: cpal::Error| {
+        let error = DeviceError::of(&name, &error);
+        if matches!(error.kind, Trouble::Busy | Trouble::Forbidden) {
+            trouble.get_or_insert(error);
+        }
+    };
+    #[cfg_attr(not(all(feature = "jack", target_os = "linux")), expect(unused_mut))]
+    let mut output = device.supported_output_configs().map_err(&mut refused).ok().and_then(Offer::of);
+    #[cfg_attr(not(all(feature = "jack", target_os = "linux")), expect(unused_mut))]
+    let mut input = device.supported_input_configs().map_err(&mut refused).ok().and_then(Offer::of);
+    #[cfg(all(feature = "jack", target_os = "linux"))]
+    match id.as_str() {
+        "jack:output" => super::jack_ports::limit(&mut output, "system:playback_.*"),
+        "jack:input" => super::jack_ports::limit(&mut input, "system:capture_.*"),
+        _ => {}
+    }
+    let default = default == Some(id.as_str());
+    let found = Found { id, name, default, output, input, trouble, hosts: hosts.clone() };
     (device, found)
 }
 
-/// The id of the device that the system records from where nobody says anything.
-pub fn default_input() -> Option<String> {
-    let id = |host: Host| host.default_input_device().and_then(|device| device.id().ok());
-    hosts().into_iter().filter_map(|(_, host)| host).find_map(id).map(|id| id.to_string())
-}
-
-/// The device that a person means by `name`: its id, its name, or a part of its name that no other has. Only those for which `fits`
-/// says yes are looked at.
+/// The device that a person means by `name`: its id, its name, or a part of its name that no other has. Where several hosts have
+/// it, that of the first is meant, unless a host stands in front: `pipewire:NAME`; a host alone means its default. Only those for which
+/// `fits` says yes are looked at.
 ///
 /// # Errors
 /// None of that name, or several.
@@ -119,32 +136,58 @@ pub fn find<'a, D>(
     name: &str,
     fits: impl Fn(&Found) -> bool,
 ) -> Result<&'a (D, Found), DeviceError> {
-    let fitting = || all.iter().filter(|(_, found)| fits(found));
-    let exact =
-        fitting().find(|(_, f)| f.id == name || f.id.split_once(':').is_some_and(|(_, id)| id == name));
-    if let Some(found) = exact.or_else(|| fitting().find(|(_, found)| found.name == name)) {
+    let fitting: Vec<&(D, Found)> = all.iter().filter(|(_, found)| fits(found)).collect();
+    let by_id = |id: &str| {
+        fitting.iter().find(|(_, f)| f.id == id || f.id.split_once(':').is_some_and(|(_, own)| own == id))
+    };
+    if let Some(found) = by_id(name) {
         return Ok(found);
     }
-    let lower = name.to_lowercase();
-    let part = |found: &Found| {
-        found.name.to_lowercase().contains(&lower) || found.id.to_lowercase().contains(&lower)
-    };
-    let mut parts = fitting().filter(|(_, found)| part(found));
-    match (parts.next(), parts.next()) {
-        (Some(found), None) => Ok(found),
-        (Some((_, a)), Some((_, b))) => {
-            Err(DeviceError::new(Trouble::Missing, format!("`{name}` may be {} or {}", a.id, b.id))
-                .help("give more of its name"))
+    let (host, rest) = name.split_once(':').unwrap_or((name, ""));
+    let of_host: Vec<_> =
+        fitting.iter().copied().filter(|(_, f)| f.host().eq_ignore_ascii_case(host)).collect();
+    let several = match rest {
+        _ if of_host.is_empty() => called(&fitting, name)?,
+        "" => {
+            let default = of_host.iter().find(|(_, found)| found.default);
+            return Ok(default.unwrap_or(&of_host[0]));
         }
-        _ => {
-            let what = format!("there is no device `{name}`");
-            let names: Vec<&str> = fitting().map(|(_, found)| found.name.as_str()).collect();
-            let near = nearest(name, names.iter().copied());
-            let there = match names.as_slice() {
-                [] => "no device is there at all".to_string(),
-                names => format!("there is: {}", names.join(", ")),
-            };
-            let help = near.map_or(there, |near| format!("did you mean `{near}`?"));
+        rest => called(&of_host, rest)?,
+    };
+    several.ok_or_else(|| {
+        let what = format!("there is no device `{name}`");
+        let names: Vec<&str> = fitting.iter().map(|(_, found)| found.name.as_str()).collect();
+        let near = nearest(name, names.iter().copied());
+        let there = match names.as_slice() {
+            [] => "no device is there at all".to_string(),
+            names => format!("there is: {}", names.join(", ")),
+        };
+        let help = near.map_or(there, |near| format!("did you mean `{near}`?"));
+        let help =
+            format!("{help}; `pacinian devices` lists all, and `virtual` is a card that is always there");
+        DeviceError::new(Trouble::Missing, what).help(help)
+    })
+}
+
+/// Whether words in it begin so: `card` is in `USB Card`, not in `Discard`.
+fn holds(text: &str, lower: &str) -> bool {
+    let text = text.to_lowercase();
+    let begins = |at: usize| !text[..at].ends_with(char::is_alphanumeric);
+    text.match_indices(lower).any(|(at, _)| begins(at))
+}
+
+/// The one of that name, or else the one with that in its name or id, if there is one.
+fn called<'a, D>(all: &[&'a (D, Found)], name: &str) -> Result<Option<&'a (D, Found)>, DeviceError> {
+    let lower = name.to_lowercase();
+    let part = |found: &Found| holds(&found.name, &lower) || holds(&found.id, &lower);
+    let exact = all.iter().any(|(_, found)| found.name == name);
+    let mut meant = all.iter().filter(|(_, found)| if exact { found.name == name } else { part(found) });
+    let Some(first) = meant.next() else { return Ok(None) };
+    match meant.find(|(_, found)| !found.may_stand_for(&first.1)) {
+        None => Ok(Some(first)),
+        Some((_, other)) => {
+            let what = format!("`{name}` may be {} or {}", first.1.id, other.id);
+            let help = if other.name == first.1.name { "name it by its id" } else { "give more of its name" };
             Err(DeviceError::new(Trouble::Missing, what).help(help))
         }
     }
@@ -152,10 +195,12 @@ pub fn find<'a, D>(
 
 #[cfg(test)]
 mod tests {
-    use super::{Found, find};
+    use super::{Found, Hosts, find};
 
     fn found(id: &str, name: &str) -> ((), Found) {
-        ((), Found { id: id.into(), name: name.into(), default: false, output: None, input: None })
+        let hosts = Hosts::default();
+        let (id, name) = (id.into(), name.into());
+        ((), Found { id, name, default: false, output: None, input: None, trouble: None, hosts })
     }
 
     #[test]
@@ -177,5 +222,36 @@ mod tests {
         assert_eq!(none.kind.exit_code(), 69);
         let empty: [((), Found); 0] = [];
         assert!(find(&empty, "x", |_| true).unwrap_err().to_string().contains("no device is there"));
+    }
+    #[test]
+    fn a_name_in_two_hosts_is_the_first_ones_and_two_cards_of_one_name_are_two() {
+        let mut all = [
+            found("pipewire:usb-1", "Belt"),
+            found("pipewire:out", "Speakers"),
+            found("alsa:sysdefault:CARD=Belt", "Belt"),
+            found("alsa:hw:CARD=Belt,DEV=0", "Belt"),
+            found("alsa:hw:CARD=Glove,DEV=0", "Glove, USB Audio"),
+            found("alsa:plughw:CARD=Glove,DEV=0", "Glove, USB Audio"),
+            found("alsa:hw:CARD=Glove_1,DEV=0", "Glove, USB Audio"),
+            found("alsa:hw:CARD=Hat,DEV=0", "Hat, USB Audio"),
+            found("alsa:plughw:CARD=Hat,DEV=0", "Hat, USB Audio"),
+        ];
+        all[1].1.default = true;
+        let id = |name: &str| find(&all, name, |_| true).map(|(_, found)| found.id.clone());
+        assert_eq!(id("Belt").unwrap(), "pipewire:usb-1");
+        assert_eq!(id("alsa:Belt").unwrap(), "alsa:sysdefault:CARD=Belt");
+        assert_eq!(id("ALSA:bel").unwrap(), "alsa:sysdefault:CARD=Belt");
+        assert_eq!(id("pipewire").unwrap(), "pipewire:out");
+        assert_eq!(id("hat").unwrap(), "alsa:hw:CARD=Hat,DEV=0");
+        for name in ["Glove, USB Audio", "glove", "alsa:glove"] {
+            let two = id(name).unwrap_err().to_string();
+            assert!(
+                two.contains("CARD=Glove,DEV=0 or alsa:hw:CARD=Glove_1,DEV=0") && two.contains("by its id"),
+                "{two}"
+            );
+        }
+        assert_eq!(id("hw:CARD=Glove_1,DEV=0").unwrap(), "alsa:hw:CARD=Glove_1,DEV=0");
+        assert!(id("jack:Belt").unwrap_err().to_string().contains("there is no device `jack:Belt`"));
+        assert!(id("pipewire:Hat").is_err(), "it is not in that host");
     }
 }

@@ -10,17 +10,15 @@ use super::capture::Capture;
 use super::card::{News, Shape};
 use super::choose::heard_again;
 use super::failure::{DeviceError, Trouble};
+use super::hosts::Hosts;
 use super::keeper::Fate;
 use super::list::Found;
-use super::minder::{Minder, Pulse, Search};
+use super::minder::{Minder, Pulse, Search, let_go};
 use crate::live::board::Board;
 use crate::live::intake::Intake;
 
 /// So long without a callback: then the device is taken for lost.
 const SILENT: Duration = Duration::from_millis(500);
-
-/// So long a device may take to let go of a stream.
-const RELEASE: Duration = Duration::from_secs(5);
 
 /// Listens until it is dropped.
 pub struct Listening {
@@ -28,6 +26,8 @@ pub struct Listening {
 }
 
 struct Keeping {
+    /// Where the device is looked for, and its id.
+    hosts: Hosts,
     id: String,
     shape: Shape,
     board: Arc<Board>,
@@ -37,11 +37,15 @@ struct Keeping {
     intake: Option<Box<Intake>>,
     home: Receiver<Box<Intake>>,
     lend: Sender<Box<Intake>>,
-    news: Receiver<News>,
-    tell: Sender<News>,
+    /// What the device that is open says; of one that was let go of, nobody hears any more.
+    news: Option<Receiver<News>>,
     fate: Box<dyn FnMut(Fate) + Send>,
     pulse: Pulse,
     search: Search,
+    /// Where it was told that the device is gone: frames that had come by then.
+    gone: Option<u64>,
+    /// What was said last of why it is not listened to.
+    trouble: Option<String>,
 }
 
 impl Listening {
@@ -57,12 +61,22 @@ impl Listening {
         fate: Box<dyn FnMut(Fate) + Send>,
     ) -> Result<Self, DeviceError> {
         let (lend, home) = channel();
-        let (tell, news) = channel();
-        let (capture, intake, id) = (None, Some(Box::new(intake)), found.id.clone());
-        let board = Arc::clone(board);
-        let (pulse, search) = (Pulse::new(), Search::new());
-        let mut keeping =
-            Keeping { id, shape, board, capture, intake, home, lend, news, tell, fate, pulse, search };
+        let mut keeping = Keeping {
+            hosts: found.hosts.clone(),
+            id: found.id.clone(),
+            shape,
+            board: Arc::clone(board),
+            capture: None,
+            intake: Some(Box::new(intake)),
+            home,
+            lend,
+            news: None,
+            fate,
+            pulse: Pulse::new(),
+            search: Search::new(),
+            gone: None,
+            trouble: None,
+        };
         keeping.open(&device, &found)?;
         let minder = Minder::start("input", move || keeping.look())?;
         Ok(Self { _minder: minder })
@@ -71,33 +85,27 @@ impl Listening {
 
 impl Keeping {
     fn open(&mut self, device: &Device, found: &Found) -> Result<(), DeviceError> {
-        let Some(mut intake) = self.intake.take() else {
-            return Err(DeviceError::new(
-                Trouble::Other,
-                format!("{} has not let go of the input", found.name),
-            ));
+        let Some(mut intake) = self.intake.take().or_else(|| self.home.try_recv().ok()) else {
+            let what = format!("{} has not let go of the input", found.name);
+            return Err(DeviceError::new(Trouble::Other, what));
         };
-        intake.forget(self.shape.block.unwrap_or(0) as usize);
+        let shape = self.shape.again(found.input.as_ref());
+        intake.forget(shape.block.unwrap_or(0) as usize);
         let lent = intake.lend(self.lend.clone());
-        match Capture::open(device, found, self.shape, lent, &self.board, self.tell.clone()) {
-            Ok(capture) => self.capture = Some(capture),
-            Err(error) => {
-                self.intake = self.home.recv_timeout(RELEASE).ok();
-                return Err(error);
-            }
-        }
+        let (tell, news) = channel();
+        self.capture = Some(Capture::open(device, found, shape, lent, &self.board, tell)?);
+        self.news = Some(news);
         Ok(())
     }
 
     /// Looks whether the device is there and brings frames.
     fn look(&mut self) {
         let now = Instant::now();
-        let pause = self.pulse.pause(now, self.board.input.frames.get());
-        while let Ok(news) = self.news.try_recv() {
+        let frames = self.board.input.frames.get();
+        let pause = self.pulse.pause(now, frames);
+        while let Some(Ok(news)) = self.news.as_ref().map(Receiver::try_recv) {
             match news {
-                // Its own stream may say so too when it is closed.
-                News::Lost(why) if self.capture.is_some() => self.lose(why),
-                News::Lost(_) => {}
+                News::Lost(why) => self.lose(why),
                 News::Moved => (self.fate)(Fate::Moved),
                 News::Said(what) => (self.fate)(Fate::Said(what)),
             }
@@ -105,20 +113,46 @@ impl Keeping {
         if self.capture.is_some() && pause > SILENT {
             self.lose("it brings nothing any more".into());
         }
+        // That it lets itself be opened does not mean that it hears.
+        if self.capture.is_some() && self.gone.is_some_and(|before| frames != before) {
+            (self.gone, self.trouble) = (None, None);
+            (self.fate)(Fate::Back);
+        }
         if self.search.is_due(now, self.capture.is_some()) {
-            let there = heard_again(&self.id).and_then(|(device, found)| self.open(&device, &found));
-            if there.is_ok() {
-                self.pulse.begin();
-                // What the old stream said on its way out.
-                while self.news.try_recv().is_ok() {}
-                (self.fate)(Fate::Back);
+            let there = heard_again(&self.hosts, &self.id);
+            match there.and_then(|(device, found)| self.open(&device, &found)) {
+                Ok(()) => self.pulse.begin(),
+                // That it is away is known.
+                Err(error) if error.kind == Trouble::Missing => {}
+                Err(error) => self.complain(error.to_string()),
             }
         }
     }
 
+    /// The device is gone, or gone again.
     fn lose(&mut self, why: String) {
-        self.capture = None;
-        self.intake = self.home.recv_timeout(RELEASE).ok();
-        (self.fate)(Fate::Lost(why));
+        self.news = None;
+        if self.gone.is_none() {
+            self.trouble = Some(why.clone());
+            (self.fate)(Fate::Lost(why));
+        } else {
+            self.complain(why);
+        }
+        self.capture.take().into_iter().for_each(let_go);
+        self.gone = Some(self.board.input.frames.get());
+    }
+
+    /// It is there and cannot be listened to, which is said once.
+    fn complain(&mut self, why: String) {
+        if self.trouble.as_ref() != Some(&why) {
+            (self.fate)(Fate::Said(why.clone()));
+            self.trouble = Some(why);
+        }
+    }
+}
+
+impl Drop for Keeping {
+    fn drop(&mut self) {
+        self.capture.take().into_iter().for_each(let_go);
     }
 }

@@ -53,7 +53,7 @@ impl Drop for Minder {
 }
 
 /// So long after it was opened, a device's callbacks may take to begin.
-const PATIENCE: Duration = Duration::from_secs(3);
+pub(super) const PATIENCE: Duration = Duration::from_secs(3);
 
 /// Whether a device still calls back.
 pub(super) struct Pulse {
@@ -111,16 +111,38 @@ impl Search {
     }
 }
 
-/// What a stream is given to tell of its errors: `gap` counts those after which it has gone on by itself.
+/// What a stream is given to tell of its errors: `gap` counts those after which it has gone on by itself, `lost` hears at once of those
+/// after which it is of no use.
 pub(super) fn teller(
     news: Sender<News>,
     gap: impl Fn() + Send + 'static,
+    lost: impl Fn() + Send + 'static,
 ) -> impl FnMut(cpal::Error) + Send + 'static {
+    // Whoever has let go of the stream does not hear of it any more.
     move |error| match error.kind() {
         ErrorKind::Xrun => gap(),
         ErrorKind::DeviceChanged => drop(news.send(News::Moved)),
         ErrorKind::RealtimeDenied => drop(news.send(News::Said(error.to_string()))),
-        _ => drop(news.send(News::Lost(error.to_string()))),
+        _ => {
+            lost();
+            drop(news.send(News::Lost(error.to_string())));
+        }
+    }
+}
+
+/// So long a device may take to let go of a stream.
+pub(super) const RELEASE: Duration = Duration::from_secs(5);
+
+/// Lets go of a stream. A device that takes longer than [`RELEASE`] for it does so by itself.
+pub(super) fn let_go(stream: impl Send + 'static) {
+    let (done, waits) = channel();
+    let work = move || {
+        drop(stream);
+        let _ = done.send(());
+    };
+    // Where there is no thread for it, it is gone already.
+    if std::thread::Builder::new().name("release".into()).spawn(work).is_ok() {
+        let _ = waits.recv_timeout(RELEASE);
     }
 }
 

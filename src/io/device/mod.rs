@@ -4,10 +4,14 @@ pub mod capture;
 pub mod card;
 pub mod choose;
 pub mod failure;
+pub mod hosts;
 pub(crate) mod hush;
+#[cfg(all(feature = "jack", target_os = "linux"))]
+mod jack_ports;
 pub mod keeper;
 pub mod list;
 pub mod listening;
 mod minder;
 pub mod priority;
+mod returning;
 pub mod virtual_card;

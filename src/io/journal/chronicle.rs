@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
-use super::line::{Kind, Line};
+use super::kind::Kind;
+use super::line::Line;
 use super::names::Names;
 use super::words;
 use crate::engine::event::{Event, Source};
@@ -13,7 +14,7 @@ use crate::live::board::Board;
 use crate::live::callback::{Deed, Report};
 use crate::live::clock::Moment;
 use crate::live::conductor::Told;
-use crate::live::signal::Signal;
+use crate::live::signal::{Origin, Signal};
 use crate::live::stamp::{Epoch, Stamp};
 use crate::performer::{Happening, Heard};
 use crate::schedule::Instant;
@@ -88,13 +89,15 @@ impl Chronicle {
                 (self.began, self.board) = (Some((*epoch, utc)), Arc::clone(board));
                 None
             }
-            Told::Came(stamp, signal) => Some(self.came(*stamp, signal)),
+            Told::Came(stamp, signal, origin) => Some(self.came(*stamp, signal, origin)),
             Told::Report(report, moment) => Some(self.report(report, *moment)),
             Told::Reloading(reload) => {
                 self.next.push_back(Names::of(&reload.scene.plan));
                 None
             }
-            Told::Refused(_) | Told::Playing(_) | Told::Reloaded | Told::Kept(_) => None,
+            Told::Refused(problem) => Some(self.refused(None, problem.to_string())),
+            Told::Kept(why) => Some(self.refused(Some("reload".into()), (*why).to_string())),
+            Told::Playing(_) | Told::Reloaded => None,
         }
     }
 
@@ -179,8 +182,13 @@ impl Chronicle {
         line
     }
 
-    fn came(&self, stamp: Stamp, signal: &Signal) -> Line {
-        let (source, name, message) = words::of_signal(signal);
+    fn refused(&self, name: Option<String>, why: String) -> Line {
+        let why = why.replace("\n  help: ", "; ");
+        Line { name, message: Some(why), ..self.now(Kind::Refused) }
+    }
+
+    fn came(&self, stamp: Stamp, signal: &Signal, origin: &Origin) -> Line {
+        let (source, name, message) = words::of_signal(signal, origin);
         let seconds = Some(stamp.seconds());
         let utc = self.date(stamp.seconds());
         Line { source: Some(source.into()), name, message, seconds, utc, ..Line::new(Kind::In) }

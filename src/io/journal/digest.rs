@@ -4,10 +4,37 @@ use std::fmt::Write as _;
 use std::io::Read;
 use std::path::Path;
 
-use sha2::{Digest, Sha256};
+use sha2::{Digest as _, Sha256};
 
 use crate::io::error::FileError;
 use crate::io::open;
+
+/// One that is made bit by bit.
+#[derive(Debug, Clone, Default)]
+pub struct Digest(Sha256);
+
+impl Digest {
+    /// Nothing so far.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Goes on with samples: with their bytes as 32-bit floats, the lowest first, as a WAV file has them.
+    pub fn samples(&mut self, samples: &[f32]) {
+        let mut bytes = [0; 1024];
+        for samples in samples.chunks(bytes.len() / 4) {
+            for (sample, bytes) in samples.iter().zip(bytes.chunks_exact_mut(4)) {
+                bytes.copy_from_slice(&sample.to_le_bytes());
+            }
+            self.0.update(&bytes[..4 * samples.len()]);
+        }
+    }
+
+    /// Of all that, in hexadecimal.
+    pub fn finish(self) -> String {
+        hexadecimal(&self.0.finalize())
+    }
+}
 
 /// Of bytes, in hexadecimal.
 pub fn of_bytes(bytes: &[u8]) -> String {
@@ -20,7 +47,7 @@ pub fn of_bytes(bytes: &[u8]) -> String {
 /// One that cannot be read.
 pub fn of_file(path: &Path) -> Result<String, FileError> {
     let mut file = open::open(path)?;
-    let (mut digest, mut buffer) = (Sha256::new(), vec![0; 1 << 16]);
+    let (mut digest, mut buffer) = (Sha256::default(), vec![0; 1 << 16]);
     loop {
         match file.read(&mut buffer).map_err(|error| FileError::reading(path, &error))? {
             0 => return Ok(hexadecimal(&digest.finalize())),
@@ -40,7 +67,18 @@ fn hexadecimal(bytes: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{of_bytes, of_file};
+    use super::{Digest, of_bytes, of_file};
+
+    #[test]
+    fn samples_count_as_a_file_has_them() {
+        let samples: Vec<f32> = (0..1000).map(|n| (n as f32 - 300.0) / 700.0).collect();
+        let bytes: Vec<u8> = samples.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let mut digest = Digest::new();
+        let (some, others) = samples.split_at(333);
+        digest.samples(some);
+        digest.samples(others);
+        assert_eq!(digest.finish(), of_bytes(&bytes));
+    }
 
     #[test]
     fn it_is_that_of_the_standard() {

@@ -32,6 +32,9 @@ pub struct Head {
     /// The recording of what was heard, if the patch listens to an input: a file beside the journal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub input: Option<String>,
+    /// The recording of what was sent, if there is one, by its path as the person wrote it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recording: Option<String>,
 }
 
 /// What a journal says of a plan.

@@ -5,95 +5,7 @@ use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize};
 
-/// What a line tells of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kind {
-    /// A voice is to sound.
-    Voice,
-    /// The voices of an id are released.
-    Release,
-    /// All voices are.
-    ReleaseAll,
-    /// The voices of an id are moved by the hand that holds them.
-    Touch,
-    /// A control is sent to a value.
-    Control,
-    /// A marker.
-    Marker,
-    /// Periodic tasks above the rank `value` rest, and the others run.
-    Shed,
-    /// The gate was told something.
-    Gate,
-    /// The plan that was written down last and has not played yet takes over.
-    Swap,
-    /// Something came in.
-    In,
-    /// Something became of the device.
-    Device,
-    /// How frames and time belong together, and what was counted so far.
-    Clock,
-    /// Lines are missing here, as many as `value` says.
-    Lost,
-    /// The session ended.
-    End,
-}
-
-impl Kind {
-    /// All kinds.
-    pub const ALL: [Self; 14] = [
-        Self::Voice,
-        Self::Release,
-        Self::ReleaseAll,
-        Self::Touch,
-        Self::Control,
-        Self::Marker,
-        Self::Shed,
-        Self::Gate,
-        Self::Swap,
-        Self::In,
-        Self::Device,
-        Self::Clock,
-        Self::Lost,
-        Self::End,
-    ];
-
-    /// As it is written.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Voice => "voice",
-            Self::Release => "release",
-            Self::ReleaseAll => "release-all",
-            Self::Touch => "touch",
-            Self::Control => "control",
-            Self::Marker => "marker",
-            Self::Shed => "shed",
-            Self::Gate => "gate",
-            Self::Swap => "swap",
-            Self::In => "in",
-            Self::Device => "device",
-            Self::Clock => "clock",
-            Self::Lost => "lost",
-            Self::End => "end",
-        }
-    }
-
-    /// Whether a replay needs it.
-    pub fn is_played(self) -> bool {
-        matches!(
-            self,
-            Self::Voice
-                | Self::Release
-                | Self::ReleaseAll
-                | Self::Touch
-                | Self::Control
-                | Self::Marker
-                | Self::Shed
-                | Self::Gate
-                | Self::Swap
-        )
-    }
-}
+use super::kind::Kind;
 
 /// A line. What does not apply to its kind is `None`, which is an empty cell of a table.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -158,7 +70,8 @@ pub struct Line {
     /// Which alternative of a `choose` was drawn, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drawn: Option<u64>,
-    /// What came in: the bytes of a MIDI message in hexadecimal, the arguments of an OSC message, words of the device.
+    /// What came in: the bytes of a MIDI message in hexadecimal, the arguments of an OSC message; words of the device; why something was
+    /// refused; at the end, the digest of what was heard.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
 }

@@ -8,9 +8,11 @@
 pub mod chronicle;
 mod digest;
 mod head;
+mod kind;
 mod line;
 mod names;
 pub mod reader;
+mod recorded;
 pub mod remake;
 pub mod replay;
 mod words;
@@ -30,9 +32,10 @@ use crate::live::provenance::Provenance;
 use crate::live::stamp::Epoch;
 use crate::performer::Heard;
 
-pub use digest::{of_bytes, of_file};
+pub use digest::{Digest, of_bytes, of_file};
 pub use head::{FORMAT, Head, PlanHead};
-pub use line::{COLUMNS, Kind, Line};
+pub use kind::Kind;
+pub use line::{COLUMNS, Line};
 pub use writer::Form;
 
 use chronicle::Chronicle;
@@ -49,8 +52,10 @@ pub struct Setting {
     pub device: String,
     /// Whether the output has its full level, or that for headphones.
     pub armed: bool,
-    /// The recording of what is heard, by its path beside the journal.
+    /// The recording of what is heard, by its name beside the journal.
     pub input: Option<String>,
+    /// The recording of what is sent, by its path.
+    pub recording: Option<String>,
 }
 
 #[derive(Debug)]
@@ -60,6 +65,7 @@ struct Keeping {
     chronicle: Chronicle,
     plans: u64,
     first: Option<(PlanHead, f64, usize)>,
+    heard: Option<(u64, String)>,
 }
 
 impl Journal {
@@ -73,13 +79,36 @@ impl Journal {
         plan: &Plan,
         made_of: Option<&Provenance>,
     ) -> Result<Self, FileError> {
+        let journal = Self::new(path, setting, plan, made_of)?;
+        journal.open().map(|()| journal)
+    }
+
+    /// As [`Journal::create`], but the file is only made by [`Journal::open`]; until then it is listened to, and kept.
+    ///
+    /// # Errors
+    /// A name that does not end in .csv or .jsonl.
+    pub fn new(
+        path: &Path,
+        setting: Setting,
+        plan: &Plan,
+        made_of: Option<&Provenance>,
+    ) -> Result<Self, FileError> {
         Ok(Self(Arc::new(Mutex::new(Keeping {
-            writer: Writer::create(path)?,
+            writer: Writer::new(path)?,
             setting,
             chronicle: Chronicle::of(plan),
             plans: 1,
             first: Some((plan_head(0, plan, made_of), plan.device_rate, plan.channels)),
+            heard: None,
         }))))
+    }
+
+    /// Makes the file, or empties the one that is there.
+    ///
+    /// # Errors
+    /// A file that cannot be made.
+    pub fn open(&self) -> Result<(), FileError> {
+        self.get().writer.open()
     }
 
     fn get(&self) -> MutexGuard<'_, Keeping> {
@@ -123,17 +152,26 @@ impl Journal {
         keeping.writer.put(Entry::Line(Box::new(line)));
     }
 
-    /// Writes how frames and time belong together, and what was counted so far; to be called now and then.
+    /// Writes how frames and time belong together, and what was counted so far; to be called about once a second. All that was done
+    /// before that frame stands before this line, so a journal that breaks off can be played again up to there.
     pub fn clock(&self, moment: Option<Moment>) {
         let mut keeping = self.get();
         let mut line = keeping.chronicle.now(Kind::Clock);
         if let Some(moment) = moment {
-            (line.frame, line.seconds) = (Some(moment.frames), Some(moment.time));
-            line.utc = keeping.chronicle.date(moment.time);
+            let frame = keeping.chronicle.board.told.get().min(moment.frames);
+            let seconds = moment.time_of(frame as f64);
+            (line.frame, line.seconds) = (Some(frame), Some(seconds));
+            line.utc = keeping.chronicle.date(seconds);
             line.fields.insert("rate".into(), 1.0 / moment.frame);
         }
         line.fields.extend(counters(&keeping.chronicle.board));
         keeping.writer.put(Entry::Line(Box::new(line)));
+    }
+
+    /// What was heard has been recorded: so many frames, with this digest of their samples ([`Digest::samples`]). It is written with the
+    /// end, so that a replay knows the recording again.
+    pub fn heard(&self, frames: u64, sha256: String) {
+        self.get().heard = Some((frames, sha256));
     }
 
     /// Whether the file takes no more; [`Journal::finish`] says why.
@@ -150,6 +188,10 @@ impl Journal {
         let mut line = keeping.chronicle.now(Kind::End);
         line.frame = Some(keeping.chronicle.board.frames.get());
         line.fields.extend(counters(&keeping.chronicle.board));
+        if let Some((frames, sha256)) = keeping.heard.take() {
+            line.fields.insert(INPUT_FRAMES.into(), frames as f64);
+            line.message = Some(sha256);
+        }
         keeping.writer.put(Entry::Line(Box::new(line)));
         let untold = keeping.chronicle.board.untold.get();
         keeping.writer.finish().map(|lost| lost + untold)
@@ -159,6 +201,11 @@ impl Journal {
 fn plan_head(number: u64, plan: &Plan, made_of: Option<&Provenance>) -> PlanHead {
     PlanHead { plan: number, seed: plan.seed, engine_rate: plan.engine_rate(), made_of: made_of.cloned() }
 }
+
+/// What a replay reads of the counters.
+const UNTOLD: &str = "untold";
+const INPUT_UNRECORDED: &str = "input_unrecorded";
+const INPUT_FRAMES: &str = "input_frames";
 
 /// What was counted so far, by name.
 fn counters(board: &Board) -> BTreeMap<String, f64> {
@@ -170,7 +217,8 @@ fn counters(board: &Board) -> BTreeMap<String, f64> {
         ("refused", board.refused.get()),
         ("xruns", board.xruns.get()),
         ("unrecorded", board.unrecorded.get()),
-        ("untold", board.untold.get()),
+        (UNTOLD, board.untold.get()),
+        (INPUT_UNRECORDED, board.input.unrecorded.get()),
         ("masked", board.masked.get()),
         ("clamped", board.clamped.get()),
         ("limited", board.limited.get()),
@@ -199,6 +247,7 @@ impl Keeping {
             utc,
             monotonic,
             input: self.setting.input.clone(),
+            recording: self.setting.recording.clone(),
         };
         self.writer.put(Entry::Head(Box::new(head)));
         self.writer.put(Entry::Plan(Box::new(plan)));

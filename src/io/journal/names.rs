@@ -8,7 +8,8 @@ use crate::engine::event::{Event, Move, Play};
 use crate::graph::plan::Plan;
 use crate::node::motion::Motion;
 
-use super::line::{Kind, Line};
+use super::kind::Kind;
+use super::line::Line;
 
 /// The names of a plan, for its events.
 #[derive(Debug, Clone)]
@@ -51,6 +52,9 @@ impl Names {
             Event::Play(play) => self.voice(play),
             Event::Release(id) => Line { id: Some(*id), ..Line::new(Kind::Release) },
             Event::ReleaseAll => Line::new(Kind::ReleaseAll),
+            Event::Silence(id, bits) => {
+                Line { id: Some(*id), value: Some(f64::from(*bits)), ..Line::new(Kind::Silence) }
+            }
             Event::Touch(Move { id, motion, value }) => Line {
                 id: Some(*id),
                 name: Motion::WORDS.get(motion.number()).map(|word| (*word).to_string()),

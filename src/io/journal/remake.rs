@@ -1,6 +1,6 @@
 //! Makes a scene again from what a journal says that it was made of.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::digest;
 use crate::graph::scene::{Options, Scene, scene};
@@ -10,6 +10,23 @@ use crate::live::provenance::{Provenance, RigText};
 use crate::patch::{Patch, Permissions};
 use crate::rig::Rig;
 use crate::text::{Problem, Problems};
+
+/// Where the recordings are that a session's patches name, and whether they may be there. Of that a journal is not believed.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Recordings {
+    /// The folder that their paths count from; `None`: where they were.
+    pub folder: Option<PathBuf>,
+    /// Whether they may lie outside of it.
+    pub allow_outside: bool,
+}
+
+impl Recordings {
+    /// The folder of what a scene was made of.
+    pub fn folder(&self, made_of: &Provenance) -> Folder {
+        let folder = self.folder.as_deref().unwrap_or(Path::new(&made_of.folder));
+        Folder::new(folder).allow_outside(self.allow_outside)
+    }
+}
 
 /// Why a scene cannot be made again.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,13 +48,13 @@ impl std::fmt::Display for RemakeError {
 
 impl std::error::Error for RemakeError {}
 
-/// The scene. Recordings are looked for in `folder`; `None`: where they were.
+/// The scene.
 ///
 /// # Errors
-/// Recordings that are not there or not the same any more; and what is wrong with patch and rig, which only another version of
-/// the program can find.
-pub fn remake(made_of: &Provenance, folder: Option<&Path>) -> Result<Scene, RemakeError> {
-    let may = Permissions { allow_outside: made_of.allow_outside };
+/// Recordings that are not there or not the same any more, or of which the journal has no digest; and what is wrong with patch and rig,
+/// which only another version of the program can find.
+pub fn remake(made_of: &Provenance, recordings: &Recordings) -> Result<Scene, RemakeError> {
+    let may = Permissions { allow_outside: recordings.allow_outside };
     let text = &made_of.patch;
     same(&text.text, &text.sha256, &text.name)?;
     let parsed = Patch::parse_with(&text.name, text.text.as_bytes(), may).map_err(RemakeError::Scene)?;
@@ -59,20 +76,23 @@ pub fn remake(made_of: &Provenance, folder: Option<&Path>) -> Result<Scene, Rema
     };
     let options = Options::from(&made_of.options);
     let rate = options.rate.or(rig.device.rate).unwrap_or(48_000.0);
-    let folder = Folder::new(folder.unwrap_or(Path::new(&made_of.folder)))
-        .allow_outside(made_of.allow_outside)
-        .at_rate(recordings_rate(rate));
+    let folder = recordings.folder(made_of).at_rate(recordings_rate(rate));
+    let listed = |path: &str| made_of.files.iter().any(|file| file.path == path);
+    if let Some((path, _)) = patch.recordings().find(|(path, _)| !listed(path)) {
+        return Err(malformed(format!(
+            "the journal has no SHA-256 of `{path}`, which its patch plays: somebody has changed it"
+        )));
+    }
     // Only recordings are needed again: what was in events files has become events.
     for file in made_of.files.iter().filter(|file| is_recording(&patch, &file.path)) {
-        let path = folder.resolve(&file.path).map_err(RemakeError::File)?;
+        let path = folder.resolve(&file.path).map_err(|error| missing(error, &folder))?;
         let now = digest::of_file(&path).map_err(RemakeError::File)?;
         if now != file.sha256 {
-            let what = format!(
+            return Err(malformed(format!(
                 "`{}` is not what was played: its SHA-256 is {now}, that of the session's was {}",
                 path.display(),
                 file.sha256
-            );
-            return Err(RemakeError::File(FileError::new(FileErrorKind::Malformed, what)));
+            )));
         }
     }
     scene(&patch, &rig, &options, &folder).map_err(RemakeError::Scene)
@@ -87,7 +107,26 @@ fn same(text: &str, sha256: &str, name: &str) -> Result<(), RemakeError> {
     if digest::of_bytes(text.as_bytes()) == sha256 {
         return Ok(());
     }
-    let what =
-        format!("the journal's text of `{name}` does not have its SHA-256: somebody has changed one of them");
-    Err(RemakeError::File(FileError::new(FileErrorKind::Malformed, what)))
+    Err(malformed(format!(
+        "the journal's text of `{name}` does not have its SHA-256: somebody has changed one of them"
+    )))
+}
+
+fn malformed(what: String) -> RemakeError {
+    RemakeError::File(FileError::new(FileErrorKind::Malformed, what))
+}
+
+/// Whoever plays a journal elsewhere has the recordings elsewhere.
+fn missing(error: FileError, folder: &Folder) -> RemakeError {
+    let help = match error.kind {
+        FileErrorKind::Missing => {
+            format!(
+                "; if the patch's folder is not `{}` any more, name it: --folder DIR",
+                folder.root().display()
+            )
+        }
+        FileErrorKind::Outside => ": --allow-outside".into(),
+        _ => String::new(),
+    };
+    RemakeError::File(FileError { message: error.message + &help, ..error })
 }

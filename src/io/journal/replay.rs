@@ -4,24 +4,33 @@
 use std::collections::{HashMap, VecDeque};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::head::Head;
-use super::line::{Kind, Line};
+use super::kind::Kind;
+use super::line::Line;
 use super::reader::{Item, Reader};
-use super::remake::{RemakeError, remake};
-use super::words;
+use super::recorded::Recorded;
+use super::remake::{Recordings, RemakeError, remake};
+use super::{INPUT_FRAMES, INPUT_UNRECORDED, UNTOLD, words};
 use crate::engine::event::{Event, Move, Play};
 use crate::engine::exchange::{Director, Stagehand, exchange};
 use crate::graph::plan::Plan;
 use crate::io::error::FileError;
-use crate::io::wav::WavReader;
 use crate::live::gate::Gate;
+use crate::live::provenance::Provenance;
 use crate::node::motion::Motion;
 use crate::schedule::Instant;
 
 /// Frames of a block.
 const BLOCK: usize = 4096;
+
+/// Seconds between two lines with a frame, at most: a session writes one a second. What says more has been edited, and would be played
+/// for ever.
+const APART: f64 = 3600.0;
+
+/// Plans that may wait for their turn. Two are under way in a session, and their ways are told a little later.
+const WAITING: usize = 16;
 
 /// Why a journal cannot be played, or no further.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,24 +71,31 @@ pub struct Met {
     pub lost: u64,
     /// Whether the journal goes to the session's end.
     pub ended: bool,
+    /// The frame at which the recording of what was heard ends, where the session goes on: silence is heard from there on.
+    pub deaf_from: Option<u64>,
+    /// Frames that were heard, but found no room in the recording: they are silence in it.
+    pub unheard: u64,
 }
 
 /// A journal that is played again.
 pub struct Replay<R> {
     reader: Reader<R>,
     head: Head,
-    folder: Option<PathBuf>,
+    recordings: Recordings,
     director: Director,
     stagehand: Stagehand,
     gate: Gate,
     names: Numbers,
-    next: VecDeque<Plan>,
+    next: VecDeque<Provenance>,
     pending: Option<Box<Line>>,
-    /// What was heard, a vector a channel.
-    input: Vec<Vec<f32>>,
+    input: Option<Recorded>,
     frames: Vec<f32>,
     heard: Vec<f32>,
     met: Met,
+    /// The furthest frame that a line tells of.
+    furthest: u64,
+    /// Things done that the last line with counters misses.
+    untold: u64,
 }
 
 /// The numbers of a plan's names.
@@ -97,15 +113,21 @@ impl Numbers {
 }
 
 impl Replay<BufReader<File>> {
-    /// Opens a journal. Recordings that its patches name are looked for in `folder`; `None`: where they were.
+    /// Opens a journal, and beside it the recording of what was heard, if there is one.
     ///
     /// # Errors
-    /// One that cannot be read, or whose first scene cannot be made again.
-    pub fn open(path: &Path, folder: Option<&Path>) -> Result<Self, ReplayError> {
-        let mut replay = Self::new(Reader::open(path)?, folder)?;
+    /// Files that cannot be read, a first scene that cannot be made again, and a recording that is not as the session heard.
+    pub fn open(path: &Path, recordings: Recordings) -> Result<Self, ReplayError> {
+        let mut replay = Self::new(Reader::open(path)?, recordings)?;
         if let Some(input) = &replay.head.input {
+            if Path::new(input).file_name() != Some(input.as_ref()) {
+                let what =
+                    format!("what was heard is beside the journal, and `{input}` is no name of a file there");
+                return Err(replay.reader.wrong(&what).into());
+            }
             let beside = path.parent().unwrap_or(Path::new("")).join(input);
-            replay.input = WavReader::open(beside)?.channels()?;
+            let channels = replay.stagehand.engine().input_channels();
+            replay.input = Some(Recorded::open(beside, replay.head.rate, channels)?);
         }
         Ok(replay)
     }
@@ -116,7 +138,7 @@ impl<R: BufRead> Replay<R> {
     ///
     /// # Errors
     /// As [`Replay::open`].
-    pub fn new(mut reader: Reader<R>, folder: Option<&Path>) -> Result<Self, ReplayError> {
+    pub fn new(mut reader: Reader<R>, recordings: Recordings) -> Result<Self, ReplayError> {
         let Some(Item::Session(head)) = reader.read()? else {
             return Err(reader.wrong("this is no journal of a session").into());
         };
@@ -124,7 +146,7 @@ impl<R: BufRead> Replay<R> {
             return Err(reader.wrong("a plan must follow the first line").into());
         };
         let Some(made_of) = first.made_of else { return Err(unmade(&reader)) };
-        let plan = remake(&made_of, folder).map_err(ReplayError::Scene)?.plan;
+        let plan = remake(&made_of, &recordings).map_err(ReplayError::Scene)?.plan;
         let wrong = |what: String| ReplayError::from(reader.wrong(&what));
         if plan.channels != head.channels || plan.device_rate != head.rate {
             return Err(wrong(format!(
@@ -132,22 +154,27 @@ impl<R: BufRead> Replay<R> {
                 head.channels, head.rate, plan.channels, plan.device_rate
             )));
         }
+        if !(0.0..=1.0).contains(&head.gain) {
+            return Err(wrong(format!("the gain of an output is from 0 to 1, not {}", head.gain)));
+        }
         let (director, stagehand) = exchange(&plan).map_err(|why| wrong(why.to_string()))?;
         let gate = Gate::new(plan.device_rate, head.gain as f32);
         Ok(Self {
             reader,
             head: *head,
-            folder: folder.map(Path::to_owned),
+            recordings,
             director,
             stagehand,
             gate,
             names: Numbers::of(plan),
             next: VecDeque::new(),
             pending: None,
-            input: Vec::new(),
+            input: None,
             frames: Vec::new(),
             heard: Vec::new(),
             met: Met::default(),
+            furthest: 0,
+            untold: 0,
         })
     }
 
@@ -161,38 +188,25 @@ impl<R: BufRead> Replay<R> {
         self.met
     }
 
-    /// The next frames, interleaved; `None` at the end.
+    /// The next frames, interleaved; `None` at the end. A journal that breaks off ends at the furthest frame that it tells of.
     ///
     /// # Errors
     /// A line that cannot be, or what cannot be made again.
     pub fn block(&mut self) -> Result<Option<&[f32]>, ReplayError> {
-        loop {
+        while !self.met.ended {
             let Some(line) = self.pending.take() else {
                 match self.reader.read()? {
-                    None => return Ok(None),
-                    Some(Item::Session(_)) => {
-                        return Err(self.reader.wrong("a second session begins here").into());
+                    None => {
+                        self.met.lost = self.met.lost.saturating_add(std::mem::take(&mut self.untold));
+                        return self.compute(self.furthest.saturating_sub(self.met.frames));
                     }
-                    Some(Item::Plan(plan)) => {
-                        let Some(made_of) = plan.made_of else { return Err(unmade(&self.reader)) };
-                        let scene = remake(&made_of, self.folder.as_deref()).map_err(ReplayError::Scene)?;
-                        self.next.push_back(scene.plan);
-                    }
-                    Some(Item::Line(line)) if line.kind == Kind::Lost => {
-                        self.met.lost += line.value.unwrap_or(1.0) as u64;
-                    }
-                    Some(Item::Line(line)) if line.kind.is_played() || line.kind == Kind::End => {
-                        self.pending = Some(line);
-                    }
-                    Some(Item::Line(_)) => {}
+                    Some(item) => self.pending = self.take(item)?,
                 }
                 continue;
             };
             let Some(frame) = line.frame else {
-                return Err(self
-                    .reader
-                    .wrong(&format!("a line `{}` must have a frame", line.kind.word()))
-                    .into());
+                let what = format!("a line `{}` must have a frame", line.kind.word());
+                return Err(self.reader.wrong(&what).into());
             };
             let Some(frames) = frame.checked_sub(self.met.frames) else {
                 let what = format!("frame {frame} has passed: {} have been given out", self.met.frames);
@@ -200,36 +214,96 @@ impl<R: BufRead> Replay<R> {
             };
             if frames > 0 {
                 self.pending = Some(line);
-                self.compute(frames.min(BLOCK as u64) as usize);
-                return Ok(Some(&self.frames));
+                return self.compute(frames);
             }
-            if line.kind == Kind::End {
-                self.met.ended = true;
-                self.met.lost += line.fields.get("untold").copied().unwrap_or(0.0) as u64;
+            match line.kind {
+                Kind::End => self.end(&line)?,
+                Kind::Swap => self.swap()?,
+                _ => self.act(&line).map_err(|what| self.reader.wrong(&what))?,
+            }
+        }
+        Ok(None)
+    }
+
+    /// Takes what comes next; gives what is to be done at its frame.
+    fn take(&mut self, item: Item) -> Result<Option<Box<Line>>, ReplayError> {
+        let line = match item {
+            Item::Session(_) => return Err(self.reader.wrong("a second session begins here").into()),
+            Item::Plan(plan) => {
+                let Some(made_of) = plan.made_of else { return Err(unmade(&self.reader)) };
+                if self.next.len() >= WAITING {
+                    let what = format!("more than {WAITING} plans wait here, so no session has played this");
+                    return Err(self.reader.wrong(&what).into());
+                }
+                self.next.push_back(made_of);
                 return Ok(None);
             }
-            self.act(&line).map_err(|what| self.reader.wrong(&what))?;
+            Item::Line(line) => line,
+        };
+        if let Some(frame) = line.frame {
+            let apart = frame.saturating_sub(self.furthest.max(self.met.frames)) as f64 / self.head.rate;
+            if apart > APART {
+                let what = format!(
+                    "frame {frame} is {:.1} hours after all that was told before, and a session tells of itself every second",
+                    apart / 3600.0
+                );
+                return Err(self.reader.wrong(&what).into());
+            }
+            self.furthest = self.furthest.max(frame);
+        }
+        // Numbers that no counter has become the nearest that one could.
+        let count = |name: &str| line.fields.get(name).map(|count| *count as u64);
+        match line.kind {
+            Kind::Lost => {
+                self.met.lost = self.met.lost.saturating_add(line.value.unwrap_or(1.0) as u64);
+                Ok(None)
+            }
+            Kind::Clock | Kind::End => {
+                self.untold = count(UNTOLD).unwrap_or(self.untold);
+                self.met.unheard = count(INPUT_UNRECORDED).unwrap_or(self.met.unheard);
+                Ok(Some(line).filter(|line| line.kind == Kind::End))
+            }
+            kind => Ok(Some(line).filter(|_| kind.is_played())),
         }
     }
 
-    fn compute(&mut self, frames: usize) {
+    fn end(&mut self, line: &Line) -> Result<(), ReplayError> {
+        self.met.ended = true;
+        self.met.lost = self.met.lost.saturating_add(self.untold);
+        if let (Some(input), Some(frames), Some(sha256)) =
+            (self.input.take(), line.fields.get(INPUT_FRAMES), &line.message)
+        {
+            input.check(*frames as u64, sha256)?;
+        }
+        Ok(())
+    }
+
+    /// So many frames, or as many of them as make a block.
+    fn compute(&mut self, frames: u64) -> Result<Option<&[f32]>, ReplayError> {
+        let frames = frames.min(BLOCK as u64) as usize;
+        if frames == 0 {
+            return Ok(None);
+        }
         let ears = self.stagehand.engine().input_channels();
-        self.heard.clear();
-        for frame in self.met.frames..self.met.frames + if ears > 0 { frames as u64 } else { 0 } {
-            let sample = |channel: usize| {
-                self.input
-                    .get(channel)
-                    .and_then(|samples| samples.get(frame as usize))
-                    .copied()
-                    .unwrap_or(0.0)
-            };
-            self.heard.extend((0..ears).map(sample));
+        match &mut self.input {
+            Some(input) => {
+                let missing = input.next(frames, &mut self.heard)?;
+                if missing > 0 {
+                    let from = self.met.frames + frames as u64 - missing;
+                    self.met.deaf_from.get_or_insert(from);
+                }
+            }
+            None => {
+                self.heard.clear();
+                self.heard.resize(ears * frames, 0.0);
+            }
         }
         self.frames.clear();
         self.frames.resize(frames * self.head.channels, 0.0);
         self.stagehand.compute(&self.heard, &mut self.frames);
         self.gate.pass(&mut self.frames, self.head.channels);
         self.met.frames += frames as u64;
+        Ok(Some(&self.frames))
     }
 
     fn act(&mut self, line: &Line) -> Result<(), String> {
@@ -241,10 +315,13 @@ impl<R: BufRead> Replay<R> {
                 self.gate.order(order);
                 return Ok(());
             }
-            Kind::Swap => return self.swap(),
             Kind::Voice => Event::Play(self.voice(name, line)?),
             Kind::Release => Event::Release(line.id.ok_or("a release must have an id")?),
             Kind::ReleaseAll => Event::ReleaseAll,
+            Kind::Silence => {
+                let id = line.id.ok_or("a silence must have an id")?;
+                Event::Silence(id, line.value.unwrap_or(0.0) as u8)
+            }
             Kind::Touch => {
                 let motion =
                     Motion::ALL.into_iter().find(|motion| Motion::WORDS.get(motion.number()) == Some(&name));
@@ -268,7 +345,9 @@ impl<R: BufRead> Replay<R> {
                 let number = markers.iter().position(|marker| **marker == *name);
                 Event::Marker(number.map_or(u32::MAX, |number| number as u32))
             }
-            Kind::In | Kind::Device | Kind::Clock | Kind::Lost | Kind::End => return Ok(()),
+            Kind::Swap | Kind::In | Kind::Refused | Kind::Device | Kind::Clock | Kind::Lost | Kind::End => {
+                return Ok(());
+            }
         };
         let at = instant(line).ok_or("an event must have a `sample` and a `fraction` from 0 to below 1")?;
         let source = line.source.as_deref().unwrap_or_default();
@@ -295,14 +374,16 @@ impl<R: BufRead> Replay<R> {
         Ok(Play { place: *place, id: line.id.ok_or("a voice must have an id")?, ..play })
     }
 
-    fn swap(&mut self) -> Result<(), String> {
-        let plan = self.next.pop_front().ok_or("no plan was written down that could take over here")?;
-        let sent = self.director.send(&plan).map_err(|mismatch| mismatch.to_string())?;
+    fn swap(&mut self) -> Result<(), ReplayError> {
+        let Some(made_of) = self.next.pop_front() else {
+            return Err(self.reader.wrong("no plan was written down that could take over here").into());
+        };
+        let plan = remake(&made_of, &self.recordings).map_err(ReplayError::Scene)?.plan;
+        let sent = self.director.send(&plan).map_err(|mismatch| self.reader.wrong(&mismatch.to_string()))?;
         if !sent || !self.stagehand.take_over() {
-            return Err(
-                "a plan cannot take over while the one before still fades, so no session has played this"
-                    .into(),
-            );
+            let what =
+                "a plan cannot take over while the one before still fades, so no session has played this";
+            return Err(self.reader.wrong(what).into());
         }
         self.names = Numbers::of(plan);
         self.met.swaps += 1;

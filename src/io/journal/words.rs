@@ -2,32 +2,58 @@
 
 use crate::engine::event::Source;
 use crate::live::gate::Order;
-use crate::live::signal::Signal;
+use crate::live::signal::{Origin, Signal};
 use crate::performer::Touch;
 
-/// Where something came in, at what, and what it was.
-pub(super) fn of_signal(signal: &Signal) -> (&'static str, Option<String>, Option<String>) {
-    match signal {
-        Signal::Midi(port, message) => ("midi", Some(port.to_string()), Some(hexadecimal(&message.bytes()))),
-        Signal::MidiGone(port) => ("midi", Some(port.to_string()), Some("gone".into())),
-        Signal::Osc(address, values) => {
-            let values: Vec<String> = values.iter().map(f64::to_string).collect();
-            ("osc", Some(address.clone()), Some(values.join(" ")))
+/// How something came in, where, and what it was.
+pub(super) fn of_signal(signal: &Signal, origin: &Origin) -> (&'static str, Option<String>, Option<String>) {
+    match (origin, signal) {
+        (Origin::Osc(address, arguments), _) => ("osc", Some(address.to_string()), filled(arguments)),
+        (Origin::Key(key), Signal::Key(_)) => ("key", Some(key.to_string()), None),
+        (Origin::Key(key), _) => {
+            let (what, which) = asked(signal);
+            let words = [what].into_iter().chain(which).collect::<Vec<_>>().join(" ");
+            ("key", Some(key.to_string()), Some(words))
         }
-        Signal::Key(key) => ("key", Some(key.to_string()), None),
-        Signal::Play(_, voice, _) => ("program", Some(voice.clone()), Some("play".into())),
-        Signal::Release(_) => ("program", None, Some("release".into())),
-        Signal::Touch(number, touch) => ("program", Some(number.to_string()), Some(touched(*touch))),
-        Signal::ReleaseAll => ("program", None, Some("release-all".into())),
-        Signal::Set(control, value) => ("program", Some(control.clone()), Some(format!("set {value}"))),
-        Signal::Start(_, pattern) => ("program", Some(pattern.clone()), Some("start".into())),
-        Signal::Stop(number) => ("program", Some(number.to_string()), Some("stop".into())),
-        Signal::StopNamed(pattern) => ("program", Some(pattern.clone()), Some("stop".into())),
-        Signal::Panic => ("program", None, Some("panic".into())),
-        Signal::Calm => ("program", None, Some("calm".into())),
-        Signal::Arm(armed) => ("program", None, Some(if *armed { "arm" } else { "disarm" }.into())),
-        Signal::Reload(reload) => ("program", Some(reload.patch.title.clone()), Some("reload".into())),
-        Signal::End => ("program", None, Some("end".into())),
+        (_, Signal::Midi(port, message)) => {
+            ("midi", Some(port.to_string()), Some(hexadecimal(&message.bytes())))
+        }
+        (_, Signal::MidiGone(port)) => ("midi", Some(port.to_string()), Some("gone".into())),
+        (_, Signal::Osc(address, values)) => {
+            let values: Vec<String> = values.iter().map(f64::to_string).collect();
+            ("osc", Some(address.clone()), filled(&values.join(" ")))
+        }
+        (_, Signal::Key(key)) => ("key", Some(key.to_string()), None),
+        (Origin::Program, _) => {
+            let (what, which) = asked(signal);
+            ("program", which, Some(what))
+        }
+    }
+}
+
+fn filled(text: &str) -> Option<String> {
+    Some(text).filter(|text| !text.is_empty()).map(String::from)
+}
+
+/// What a program asks for, and of what.
+fn asked(signal: &Signal) -> (String, Option<String>) {
+    match signal {
+        Signal::Play(_, voice, _) => ("play".into(), Some(voice.clone())),
+        Signal::Release(number) => ("release".into(), Some(number.to_string())),
+        Signal::Touch(number, touch) => (touched(*touch), Some(number.to_string())),
+        Signal::ReleaseAll => ("release-all".into(), None),
+        Signal::Set(control, value) => (format!("set {value}"), Some(control.clone())),
+        Signal::Start(_, pattern) => ("start".into(), Some(pattern.clone())),
+        Signal::Stop(number) => ("stop".into(), Some(number.to_string())),
+        Signal::StopNamed(pattern) => ("stop".into(), Some(pattern.clone())),
+        Signal::Panic => ("panic".into(), None),
+        Signal::Calm => ("calm".into(), None),
+        Signal::Arm(armed) => (if *armed { "arm" } else { "disarm" }.into(), None),
+        Signal::Reload(reload) => ("reload".into(), Some(reload.patch.title.clone())),
+        Signal::End => ("end".into(), None),
+        Signal::Key(key) => ("key".into(), Some(key.to_string())),
+        Signal::Midi(port, _) | Signal::MidiGone(port) => ("midi".into(), Some(port.to_string())),
+        Signal::Osc(address, _) => ("osc".into(), Some(address.clone())),
     }
 }
 
@@ -83,8 +109,33 @@ pub(super) fn source(word: &str) -> Option<Source> {
 
 #[cfg(test)]
 mod tests {
-    use super::{SOURCES, of_order, of_source, order, source};
+    use super::{SOURCES, of_order, of_signal, of_source, order, source};
     use crate::live::gate::Order;
+    use crate::live::signal::{Origin, Signal};
+    use crate::midi::Message;
+
+    #[test]
+    fn what_came_in_says_by_which_way() {
+        let told = |signal: &Signal, origin: &Origin| {
+            let (source, name, message) = of_signal(signal, origin);
+            format!("{source}|{}|{}", name.unwrap_or_default(), message.unwrap_or_default())
+        };
+        let (program, key) = (Origin::Program, Origin::Key("3".into()));
+        let osc = Origin::Osc("/pattern/w*/play".into(), "1".into());
+        let start = Signal::Start(4, "walk".into());
+        assert_eq!(told(&start, &program), "program|walk|start");
+        assert_eq!(told(&start, &key), "key|3|start walk");
+        assert_eq!(told(&start, &osc), "osc|/pattern/w*/play|1");
+        assert_eq!(told(&Signal::Panic, &key), "key|3|panic");
+        assert_eq!(told(&Signal::Key(3), &key), "key|3|");
+        assert_eq!(told(&Signal::Key(3), &program), "key|3|");
+        let midi = Signal::Midi(
+            2,
+            Message::NoteOff { channel: crate::midi::Channel::new(1).unwrap(), note: 60, velocity: 0 },
+        );
+        assert_eq!(told(&midi, &program), "midi|2|81 3C 00");
+        assert_eq!(told(&Signal::Osc("/a".into(), vec![0.5, 2.0]), &program), "osc|/a|0.5 2");
+    }
 
     #[test]
     fn what_is_written_is_understood() {

@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::head::{Head, PlanHead};
-use super::line::{COLUMNS, Kind, Line};
+use super::kind::Kind;
+use super::line::{COLUMNS, Line};
 use crate::io::error::{FileError, FileErrorKind};
 use crate::io::out::OutputFile;
 
@@ -64,27 +65,42 @@ pub enum Entry {
 #[derive(Debug)]
 pub struct Writer {
     out: Option<SyncSender<Entry>>,
+    /// What waits for the file to be made.
+    entries: Option<Receiver<Entry>>,
     thread: Option<JoinHandle<Result<(), FileError>>>,
     path: PathBuf,
+    form: Form,
     /// Lines that found no room since the last that did.
     lost: u64,
     lost_in_all: u64,
 }
 
 impl Writer {
-    /// Makes the file, or empties the one that is there.
+    /// For a file that is made by [`Writer::open`]; until then, as much waits as there is room for.
     ///
     /// # Errors
-    /// A file that cannot be made, and a name that does not say how it is written.
-    pub fn create(path: &Path) -> Result<Self, FileError> {
+    /// A name that does not say how it is written.
+    pub fn new(path: &Path) -> Result<Self, FileError> {
         let form = Form::of(path)?;
-        let file = BufWriter::with_capacity(1 << 16, OutputFile::create(path)?);
         let (out, entries) = sync_channel(WAITING);
+        let (out, entries) = (Some(out), Some(entries));
+        Ok(Self { out, entries, thread: None, path: path.to_owned(), form, lost: 0, lost_in_all: 0 })
+    }
+
+    /// Makes the file, or empties the one that is there. Where it is open already, nothing happens.
+    ///
+    /// # Errors
+    /// A file that cannot be made.
+    pub fn open(&mut self) -> Result<(), FileError> {
+        let Some(entries) = self.entries.take() else { return Ok(()) };
+        let file = BufWriter::with_capacity(1 << 16, OutputFile::create(&self.path)?);
+        let form = self.form;
         let thread = std::thread::Builder::new()
             .name("journal".into())
             .spawn(move || write(&entries, form, file))
-            .map_err(|error| FileError::creating(path, &error))?;
-        Ok(Self { out: Some(out), thread: Some(thread), path: path.to_owned(), lost: 0, lost_in_all: 0 })
+            .map_err(|error| FileError::creating(&self.path, &error))?;
+        self.thread = Some(thread);
+        Ok(())
     }
 
     /// Has something written; what finds no room is counted, there and in the file.
@@ -174,7 +190,8 @@ fn put(form: Form, entry: Entry, to: &mut Vec<u8>) {
                 to.push(b'\n');
             }
             Form::Csv => {
-                let mut table = csv::WriterBuilder::new().from_writer(&mut *to);
+                // What has a `#` in it is put in quotes, in which it begins no comment.
+                let mut table = csv::WriterBuilder::new().comment(Some(b'#')).from_writer(&mut *to);
                 let _ = table.write_record(line.cells());
             }
         },
@@ -194,4 +211,42 @@ fn note(form: Form, kind: &str, head: &impl Serialize, to: &mut Vec<u8>) {
     }
     let _ = serde_json::to_writer(&mut *to, &Note { kind, head });
     to.push(b'\n');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Entry, Form, put};
+    use crate::io::journal::kind::Kind;
+    use crate::io::journal::line::{COLUMNS, Line};
+
+    /// The cells of a line as `pandas.read_csv(..., comment="#")` finds them: outside quotes a `#` ends the line.
+    fn read(line: &str) -> Vec<String> {
+        let (mut cells, mut quoted) = (vec![String::new()], false);
+        let mut letters = line.chars().peekable();
+        while let Some(letter) = letters.next() {
+            match letter {
+                '"' if quoted && letters.peek() == Some(&'"') => {
+                    cells.last_mut().unwrap().extend(letters.next())
+                }
+                '"' => quoted = !quoted,
+                ',' if !quoted => cells.push(String::new()),
+                '#' if !quoted => return cells,
+                '\n' if !quoted => return cells,
+                letter => cells.last_mut().unwrap().push(letter),
+            }
+        }
+        cells
+    }
+
+    #[test]
+    fn no_name_begins_a_comment() {
+        for name in ["trial #1", "#", "say \"#\"", "a,#b", "plain"] {
+            let line = Line { name: Some(name.into()), utc: Some("2026".into()), ..Line::new(Kind::Marker) };
+            let mut bytes = Vec::new();
+            put(Form::Csv, Entry::Line(Box::new(line.clone())), &mut bytes);
+            let text = String::from_utf8(bytes).unwrap();
+            assert_eq!(read(&text), line.cells(), "{text}");
+            assert_eq!(read(&text).len(), COLUMNS.len());
+        }
+    }
 }

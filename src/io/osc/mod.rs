@@ -15,6 +15,7 @@ pub mod message;
 pub mod names;
 pub mod packet;
 pub mod peers;
+mod said;
 pub mod server;
 pub mod time;
 

@@ -20,8 +20,9 @@ use super::message::{Ask, ask};
 use super::names::Names;
 use super::packet::{Unreadable, unpack};
 use super::peers::{LIFE, Peers, What};
+use super::said;
 use super::time::{Due, Tag};
-use crate::live::signal::{Handle, Signal};
+use crate::live::signal::{Handle, Origin, Signal};
 use crate::live::stamp::Stamp;
 use crate::patch::{Control, Patch};
 
@@ -126,7 +127,7 @@ struct Listener {
     names: Names,
     /// What each control was sent to last.
     values: Vec<f64>,
-    agenda: Agenda<(SocketAddr, u64, Ask)>,
+    agenda: Agenda<(SocketAddr, u64, Origin, Ask)>,
     ids: Ids,
     peers: Peers,
     /// Whether the brake was pulled when that was looked at last.
@@ -216,6 +217,8 @@ impl Listener {
                     continue;
                 }
             };
+            let origin = said::origin(&message);
+            self.handle = self.handle.from(origin.clone());
             let due = tag.due(now, wall);
             self.counts.late.add(u64::from(due == Due::Late));
             for method in methods {
@@ -225,7 +228,7 @@ impl Listener {
                     (Ok(Ask::Panic), _) => self.act(now, from, self.messages, Ask::Panic),
                     (Ok(_), Due::Far) => self.counts.far.add(1),
                     (Ok(what), Due::At(at)) => {
-                        let room = self.agenda.add(at, (from, self.messages, what));
+                        let room = self.agenda.add(at, (from, self.messages, origin.clone(), what));
                         self.counts.refused.add(u64::from(!room));
                     }
                     (Ok(what), Due::AtOnce | Due::Late) => self.act(now, from, self.messages, what),
@@ -241,7 +244,10 @@ impl Listener {
             self.cancel();
         }
         self.panicked = panicked;
-        while let Some((at, (from, message, what))) = self.agenda.take(Stamp(now.0.saturating_add(AHEAD))) {
+        while let Some((at, (from, message, origin, what))) =
+            self.agenda.take(Stamp(now.0.saturating_add(AHEAD)))
+        {
+            self.handle = self.handle.from(origin);
             self.act(at, from, message, what);
         }
         if self.peers.next().is_some_and(|next| next <= now) {

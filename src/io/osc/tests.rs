@@ -22,7 +22,7 @@ use super::peers::MOST_PEERS;
 use super::server::Server;
 use super::time::Tag;
 use crate::live::board::Board;
-use crate::live::signal::{Handle, Signal, Stamped, WAITING};
+use crate::live::signal::{Handle, Origin, Signal, Stamped, WAITING};
 use crate::live::stamp::Epoch;
 use crate::patch::Patch;
 use crate::performer::Touch;
@@ -290,6 +290,11 @@ fn bundles_are_played_at_their_time() {
         .collect();
     assert_eq!(kinds, ["set", "start", "stop"]);
     assert_eq!(heard[0].stamp, heard[1].stamp);
+    // Each says by which message it came, also where others came in between.
+    let said = |address: &str, arguments: &str| Origin::Osc(address.into(), arguments.into());
+    let origins: Vec<_> = heard.iter().map(|heard| heard.origin.clone()).collect();
+    let walk = ["/pattern/walk/play", "/pattern/walk/stop"].map(|address| said(address, ""));
+    assert_eq!(origins, [&[said("/control/depth", "2")][..], &walk].concat());
     for (heard, due) in heard.iter().zip([0.2, 0.2, 0.4]) {
         assert!((heard.stamp.since(start) - due).abs() < 0.05, "{heard:?}");
     }

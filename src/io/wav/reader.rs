@@ -159,29 +159,44 @@ impl<R: Read + Seek> WavReader<R> {
         self.decode(u64::MAX, |_, samples| take(samples).map_err(Trouble::File))
     }
 
+    /// Puts the samples of `frames` frames from `first` on into `to`, all channels side by side; fewer where the file ends.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn part(&mut self, first: u64, frames: usize, to: &mut Vec<f32>) -> Result<(), FileError> {
+        to.clear();
+        let end = first.saturating_add(frames as u64);
+        let take = |_, samples: &[f32]| {
+            to.extend_from_slice(samples);
+            Ok(())
+        };
+        self.pieces(first, end, take).map_err(|trouble| trouble.at(&self.path))
+    }
+
     /// Shows `take` every frame of the first so many.
     fn decode(
         &mut self,
         frames: u64,
         take: impl FnMut(u64, &[f32]) -> Result<(), Trouble>,
     ) -> Result<(), FileError> {
-        self.pieces(frames, take).map_err(|trouble| trouble.at(&self.path))
+        self.pieces(0, frames, take).map_err(|trouble| trouble.at(&self.path))
     }
 
     /// `hound` gets each piece as a little file of its own with a header that is known to be right. So none of its limits on
     /// headers and lengths is met, and a piece is all that it can make of what it is given.
     fn pieces(
         &mut self,
-        most: u64,
+        first: u64,
+        end: u64,
         mut take: impl FnMut(u64, &[f32]) -> Result<(), Trouble>,
     ) -> Result<(), Trouble> {
         let Map { channels, stored, start, frames, .. } = self.map;
-        let frames = frames.min(most);
+        let frames = frames.min(end);
         let block = channels * stored.bytes();
         let step = (PIECE / channels).max(1) as u64;
-        self.source.seek(SeekFrom::Start(start))?;
+        let mut done = first.min(frames);
+        self.source.seek(SeekFrom::Start(start + done * block as u64))?;
         let (mut piece, mut frame_of_samples) = (Vec::new(), Vec::with_capacity(channels));
-        let mut done = 0;
         while done < frames {
             let size = (frames - done).min(step) as usize * block;
             plain_header(&mut piece, channels, stored, size);
@@ -293,6 +308,25 @@ mod tests {
 
     fn read(file: &[u8]) -> Result<Vec<Vec<f32>>, FileError> {
         WavReader::new(Cursor::new(file), "x.wav")?.channels()
+    }
+
+    #[test]
+    fn a_part_is_that_of_the_whole() {
+        for (channels, frames) in [(1, 100_000), (3, 50_000)] {
+            let bytes = written(channels, Encoding::F32, frames);
+            let mut reader = WavReader::new(Cursor::new(bytes), "w").unwrap();
+            let mut whole = Vec::new();
+            reader.each_frame(|frame| Ok(whole.extend_from_slice(frame))).unwrap();
+            let mut part = vec![9.0];
+            for (first, count) in
+                [(0, 1), (7, 4096), (0, 99_999), (frames as u64 - 3, 10), (1 << 60, 5), (3, 0)]
+            {
+                reader.part(first, count, &mut part).unwrap();
+                let from = (first as usize).min(frames);
+                let to = (from + count).min(frames);
+                assert_eq!(part, whole[from * channels..to * channels], "{first} {count}");
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 use std::sync::{Arc, Mutex};
 
-use super::{Audience, Board, Conductor, Report, Signal, Stamped, Told};
+use super::{Audience, Board, Conductor, Origin, Report, Signal, Stamped, Told};
 use crate::engine::event::Event;
 use crate::engine::exchange::exchange;
 use crate::graph::scene::{Options, Scene, scene};
@@ -17,6 +17,11 @@ use crate::text::Problem;
 
 /// A voice of each name, in this order.
 fn compiled(voices: &[&str]) -> (Scene, Arc<Patch>, Arc<Rig>) {
+    compiled_with(voices, "")
+}
+
+/// The same, and what else the file says.
+fn compiled_with(voices: &[&str], rest: &str) -> (Scene, Arc<Patch>, Arc<Rig>) {
     let mut text = String::from("format = \"pacinian-patch/1\"\ntitle = \"t\"\n");
     for name in voices {
         text += &format!(
@@ -24,6 +29,7 @@ fn compiled(voices: &[&str]) -> (Scene, Arc<Patch>, Arc<Rig>) {
              e = {{ type = \"envelope\", release = 0.01 }}\no = {{ type = \"multiply\", inputs = [\"s\", \"e\"] }}\n"
         );
     }
+    text += rest;
     let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
     let rig = Rig::default_for(1);
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
@@ -53,7 +59,10 @@ struct Bench {
 
 impl Bench {
     fn new(voices: &[&str]) -> Self {
-        let (scene, patch, rig) = compiled(voices);
+        Self::of(compiled(voices))
+    }
+
+    fn of((scene, patch, rig): (Scene, Arc<Patch>, Arc<Rig>)) -> Self {
         let (director, stagehand) = exchange(&scene.plan).unwrap();
         let files = Box::new(|_: &str| Err(Problem::of_file("none")));
         let performer = Performer::new(scene, patch, rig, files).unwrap();
@@ -87,7 +96,7 @@ impl Bench {
     }
 
     fn take(&mut self, nanoseconds: u64, signal: Signal) {
-        self.conductor.take(Stamped { stamp: Stamp(nanoseconds), signal });
+        self.conductor.take(Stamped { stamp: Stamp(nanoseconds), origin: Origin::Program, signal });
     }
 
     /// The voices that were played: instant in frames, due and effective, and instrument.
@@ -162,4 +171,97 @@ fn of_two_patches_that_wait_the_later_plays() {
         bench.conductor.go_on();
     }
     assert_eq!(bench.conductor.performer.patch().voices[0].name, "e");
+}
+
+const PATTERNS: &str = "[[trigger]]\non = \"start\"\nplay = \"none\"\n\
+    [pattern.none]\nevents = [{ at = 0, voice = \"a\", level = 0 }]\n\
+    [pattern.short]\nevents = [{ at = 0, voice = \"a\", duration = 0.001 }]\n\
+    [pattern.dense]\nrepeat = { every = 0.0001 }\nevents = [{ at = 0, voice = \"a\", duration = 0.001 }]\n";
+
+#[test]
+fn numbers_of_patterns_that_have_ended_are_forgotten() {
+    let mut bench = Bench::of(compiled_with(&["a"], PATTERNS));
+    for n in 1..=200 {
+        let now = bench.next();
+        bench.take(now, Signal::Start(2 * n, "short".into()));
+        bench.take(now, Signal::Start(2 * n + 1, "dense".into()));
+        bench.take(now, Signal::StopNamed("dense".into()));
+        (0..2).for_each(|_| bench.block());
+        bench.conductor.go_on();
+    }
+    (0..100).for_each(|_| bench.block());
+    bench.conductor.go_on();
+    assert!(bench.conductor.patterns.len() <= 1, "{:?}", bench.conductor.patterns);
+    // One that plays is kept, and stopped by its number.
+    let now = bench.next();
+    bench.take(now, Signal::Start(1000, "dense".into()));
+    bench.conductor.go_on();
+    assert_eq!(bench.conductor.performer.patterns().filter(|(serial, _)| *serial > 0).count(), 1);
+    bench.take(now, Signal::Stop(1000));
+    assert_eq!(bench.conductor.performer.patterns().filter(|(serial, _)| *serial > 0).count(), 0);
+}
+
+/// Whatever is started, a round of the conductor is short: it sends no more than so many events before it hears again.
+#[test]
+fn a_flood_of_starts_leaves_it_free_to_hear() {
+    let mut bench = Bench::of(compiled_with(&["a"], PATTERNS));
+    for n in 0..3000 {
+        let now = bench.next();
+        bench.take(now, Signal::Start(n, "dense".into()));
+    }
+    assert!(bench.conductor.board.refused.get() >= 3000 - 256);
+    let room = |bench: &Bench| -> usize {
+        bench.conductor.rings.cues.iter().map(ringbuf::traits::Observer::vacant_len).sum()
+    };
+    let before = room(&bench);
+    bench.conductor.go_on();
+    assert!((1..2000).contains(&(before - room(&bench))), "{}", before - room(&bench));
+    assert!(bench.conductor.behind, "there is more to do");
+    let now = bench.next();
+    bench.take(now, Signal::Panic);
+    bench.conductor.go_on();
+    assert!(!bench.conductor.behind && bench.conductor.performer.patterns().count() == 0);
+}
+
+/// However they were silenced, and whatever was saved meanwhile, and never twice.
+#[test]
+fn voices_that_are_always_on_come_back_with_calm() {
+    let always = |voices: &[&str]| {
+        let rest: String = voices
+            .iter()
+            .map(|name| {
+                format!(
+                    "[voice.{name}]\noutput = \"s\"\nstart = \"always\"\nnodes.s = {{ type = \"sine\", frequency = 50 }}\n"
+                )
+            })
+            .collect();
+        compiled_with(&["a"], &rest)
+    };
+    let sounding = |bench: &mut Bench| {
+        bench.conductor.go_on();
+        (0..20).for_each(|_| bench.block());
+        bench.conductor.board.voices.get()
+    };
+    let mut bench = Bench::of(always(&["hum"]));
+    assert_eq!(sounding(&mut bench), 1);
+    for silence in [Signal::ReleaseAll, Signal::Panic] {
+        let now = bench.next();
+        bench.take(now, silence);
+        assert_eq!(sounding(&mut bench), 0);
+        let now = bench.next();
+        bench.take(now, Signal::Calm);
+        bench.take(now, Signal::Calm);
+        assert_eq!(sounding(&mut bench), 1);
+    }
+    let now = bench.next();
+    bench.take(now, Signal::Panic);
+    sounding(&mut bench);
+    let (scene, patch, rig) = always(&["hum", "buzz"]);
+    let files = Box::new(|_: &str| Err(Problem::of_file("none")));
+    let now = bench.next();
+    bench.take(now, Signal::Reload(Box::new(Reload { scene, patch, rig, files, provenance: None })));
+    assert_eq!(sounding(&mut bench), 1, "the new one");
+    let now = bench.next();
+    bench.take(now, Signal::Calm);
+    assert_eq!(sounding(&mut bench), 2);
 }

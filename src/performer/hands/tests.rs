@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
-use super::{Message, Outlet, Performer, When, wheel};
-use crate::engine::event::{Event, Source};
+use super::{Message, Note, Outlet, Performer, When, wheel};
+use crate::engine::event::{Event, Play, Source};
 use crate::graph::scene::{Options, scene};
 use crate::midi::{Channel, pitch};
 use crate::node::asset::NoAssets;
@@ -164,17 +164,139 @@ fn patterns_start_by_key_program_controller_and_message() {
     assert_eq!(plays, [(1.25, 0.5), (2.25, 0.5), (3.125, 0.5), (4.0, 0.25)]);
 }
 
+/// Plays `v`, and the endless pattern `e`.
+const BOTH: &str = "[pattern.e]\nrepeat = { every = 0.01 }\nevents = [{ at = 0, voice = \"v\", level = 0.25 }]\n\
+    [[trigger]]\non = \"midi.note\"\nplay = \"v\"\nnotes = [0, 63]\n\
+    [[trigger]]\non = \"midi.note\"\nplay = \"e\"\nnotes = [64, 127]\n";
+
+/// Which of the plays that were sent a silence or release meant, in order of sending, and the rest of what was sent.
+fn ended(kept: &Kept) -> Vec<usize> {
+    let plays: Vec<Play> =
+        kept.0.iter().filter_map(|(_, e)| if let Event::Play(p) = e { Some(*p) } else { None }).collect();
+    let falls = |play: &Play| {
+        kept.0.iter().any(|(_, event)| match event {
+            Event::Release(id) => *id == play.id,
+            Event::Silence(id, bits) => play.is_of(*id, *bits),
+            Event::ReleaseAll => true,
+            _ => false,
+        })
+    };
+    plays.iter().enumerate().filter(|(_, play)| falls(play)).map(|(n, _)| n).collect()
+}
+
 #[test]
-fn a_panic_stops_patterns_and_voices() {
-    let (mut performer, mut kept) = performer("[[trigger]]\non = \"midi.note\"\nplay = \"v\"\n");
-    performer.start_pattern(When::of_seconds(0.1, 8000.0), "p").unwrap();
+fn all_notes_off_lets_go_of_the_keys_of_its_channel_alone() {
+    for number in 123..128 {
+        let (mut performer, mut kept) = performer(BOTH);
+        performer.start_pattern(When::of_seconds(0.0, 8000.0), "p").unwrap();
+        for (channel, note) in [(0, 60), (1, 60), (0, 61)] {
+            send(&mut performer, &mut kept, 0.1, on(channel, note, 100));
+        }
+        performer.midi(When::of_seconds(0.1, 8000.0), 1, on(0, 60, 100), &mut kept).unwrap();
+        send(&mut performer, &mut kept, 0.1, on(0, 70, 100));
+        send(&mut performer, &mut kept, 0.1, on(1, 70, 100));
+        send(&mut performer, &mut kept, 0.2, controller(number, 0));
+        assert_eq!(ended(&kept), [0, 2]);
+        assert!(kept.0.iter().all(|(_, event)| matches!(event, Event::Play(_) | Event::Release(_))));
+        let playing: Vec<_> = performer.patterns().map(|(_, name)| name).collect();
+        assert_eq!(playing, ["p", "e"], "that of the other channel");
+    }
+}
+
+#[test]
+fn all_sound_off_silences_what_its_channel_has_started_and_nothing_else() {
+    let (mut performer, mut kept) = performer(&format!(
+        "{BOTH}[[trigger]]\non = \"midi.program 3\"\nplay = \"v\"\nset = {{ duration = 60 }}\n"
+    ));
+    let at = |seconds| When::of_seconds(seconds, 8000.0);
+    performer.start_pattern(at(0.1), "e").unwrap();
+    performer.play(at(0.1), "v", &Note::default(), &mut kept).unwrap();
+    // One that is let go of, one that the pedal holds, one of a program, one of a pattern.
     send(&mut performer, &mut kept, 0.1, on(0, 60, 100));
+    send(&mut performer, &mut kept, 0.1, off(0, 60));
+    send(&mut performer, &mut kept, 0.1, controller(64, 127));
+    send(&mut performer, &mut kept, 0.1, on(0, 61, 100));
+    send(&mut performer, &mut kept, 0.1, off(0, 61));
+    send(&mut performer, &mut kept, 0.1, Message::Program { channel: channel(0), program: 3 });
+    send(&mut performer, &mut kept, 0.1, on(1, 60, 100));
+    performer.midi(at(0.1), 1, on(0, 60, 100), &mut kept).unwrap();
+    kept.0.retain(|(_, event)| matches!(event, Event::Play(_)));
+    send(&mut performer, &mut kept, 0.1, on(0, 70, 100));
+    let before = kept.0.len();
+    performer.feed(804, &mut kept);
+    // One of each pattern, the program's first.
+    assert_eq!(kept.0.len() - before, 2);
     send(&mut performer, &mut kept, 0.2, controller(120, 0));
-    assert_eq!(kept.0.last().map(|(_, e)| *e), Some(Event::ReleaseAll));
     let sent = kept.0.len();
-    send(&mut performer, &mut kept, 0.3, off(0, 60));
-    performer.feed(80_000, &mut kept);
-    assert_eq!(kept.0.len(), sent, "nothing is released twice, and nothing plays any more");
+    assert_eq!(ended(&kept), [1, 2, 3, before + 1]);
+    assert!(kept.0.iter().all(|(_, event)| matches!(event, Event::Play(_) | Event::Silence(..))));
+    // Said again and again, it says nothing.
+    (0..100).for_each(|_| send(&mut performer, &mut kept, 0.2, controller(120, 0)));
+    send(&mut performer, &mut kept, 0.3, off(0, 70));
+    assert_eq!(kept.0.len(), sent);
+    assert_eq!(performer.patterns().filter(|(_, name)| *name == "e").count(), 1, "the program's goes on");
+}
+
+#[test]
+fn a_reset_and_a_lost_cable_silence_what_their_port_has_started_and_nothing_else() {
+    for lost in [false, true] {
+        let (mut performer, mut kept) = performer(BOTH);
+        let at = |seconds| When::of_seconds(seconds, 8000.0);
+        performer.play(at(0.1), "v", &Note::default(), &mut kept).unwrap();
+        performer.start_pattern(at(0.1), "e").unwrap();
+        performer.midi(at(0.1), 1, on(0, 60, 100), &mut kept).unwrap();
+        for channel in [0, 7, 15] {
+            send(&mut performer, &mut kept, 0.1, on(channel, 60, 100));
+        }
+        send(&mut performer, &mut kept, 0.1, on(3, 70, 100));
+        send(&mut performer, &mut kept, 0.1, Message::ActiveSensing);
+        performer.midi_tick(at(0.39), &mut kept).unwrap();
+        assert!(ended(&kept).is_empty());
+        match lost {
+            true => performer.midi_tick(at(0.41), &mut kept).unwrap(),
+            false => send(&mut performer, &mut kept, 0.4, Message::Reset),
+        }
+        assert_eq!(ended(&kept), [2, 3, 4], "lost: {lost}");
+        assert!(!kept.0.iter().any(|(_, event)| matches!(event, Event::ReleaseAll)));
+        assert_eq!(performer.patterns().filter(|(_, name)| *name == "e").count(), 1);
+        // The next note is a new beginning.
+        send(&mut performer, &mut kept, 1.0, on(0, 60, 100));
+        assert!(matches!(kept.0.last(), Some((_, Event::Play(_)))));
+    }
+}
+
+#[test]
+fn a_key_holds_a_pattern_without_end_and_one_that_ends_plays_on() {
+    let (mut performer, mut kept) = performer(&format!(
+        "{BOTH}[[trigger]]\non = \"midi.note\"\nchannel = 16\nplay = \"p\"\n\
+         [[trigger]]\non = \"key.1\"\nplay = \"e\"\n[[trigger]]\non = \"osc./e\"\nplay = \"e\"\n"
+    ));
+    let at = |seconds| When::of_seconds(seconds, 8000.0);
+    let playing = |performer: &Performer| performer.patterns().filter(|(_, name)| *name == "e").count();
+    let before = playing(&performer);
+    send(&mut performer, &mut kept, 0.1, on(0, 70, 100));
+    send(&mut performer, &mut kept, 0.1, on(0, 71, 100));
+    assert_eq!(playing(&performer) - before, 2);
+    send(&mut performer, &mut kept, 0.2, off(0, 70));
+    assert_eq!(playing(&performer) - before, 1);
+    // The pedal is as good as a key.
+    send(&mut performer, &mut kept, 0.2, controller(64, 127));
+    send(&mut performer, &mut kept, 0.2, off(0, 71));
+    assert_eq!(playing(&performer) - before, 1);
+    send(&mut performer, &mut kept, 0.2, controller(64, 0));
+    assert_eq!(playing(&performer) - before, 0);
+    // Hits of no key begin it anew.
+    for n in 0..50 {
+        performer.key(at(0.3 + 0.01 * f64::from(n)), 1, &mut kept).unwrap();
+        performer.osc(at(0.305 + 0.01 * f64::from(n)), "/e", &[], &mut kept).unwrap();
+        assert_eq!(playing(&performer) - before, 1);
+    }
+    // A pattern that ends does so by itself.
+    send(&mut performer, &mut kept, 1.0, on(15, 1, 100));
+    send(&mut performer, &mut kept, 1.0, off(15, 1));
+    assert_eq!(performer.patterns().filter(|(_, name)| *name == "p").count(), 1);
+    performer.midi_gone(at(2.0), 0, &mut kept).unwrap();
+    assert_eq!(performer.patterns().filter(|(_, name)| *name == "p").count(), 1);
 }
 
 #[test]

@@ -1,0 +1,17 @@
+//! How many channels a JACK server has. A client may have as many as it likes, and cpal offers 64; those for which the server's card has no
+//! port would go nowhere.
+
+use jack::{Client, ClientOptions, PortFlags};
+
+use super::list::Offer;
+
+/// What a device of JACK offers, as far as there are ports that it is connected with.
+pub(super) fn limit(offer: &mut Option<Offer>, ports: &str) {
+    let Some(offer) = offer else { return };
+    let Ok((client, _)) = Client::new("pacinian_ports", ClientOptions::NO_START_SERVER) else { return };
+    let there = client.ports(Some(ports), None, PortFlags::empty()).len();
+    // Where there is no card at all, somebody connects them by hand.
+    if there > 0 {
+        offer.channels.retain(|channels| usize::from(*channels) <= there);
+    }
+}

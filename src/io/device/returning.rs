@@ -1,0 +1,105 @@
+//! A device that seems to be back. It plays silence until it has asked for some; only then is it given what there is to play, so that one
+//! that takes a stream and never asks for anything does not hold up the session.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Instant;
+
+use cpal::Device;
+use ringbuf::traits::{Consumer, Producer, Split};
+use ringbuf::{HeapCons, HeapProd, HeapRb};
+
+use super::card::{Card, Fill, News, Shape};
+use super::failure::DeviceError;
+use super::list::Found;
+use super::minder::PATIENCE;
+use crate::live::board::Board;
+use crate::live::driver::Lent;
+
+/// What fills a device's frames: silence, until the driver comes.
+struct Waiting {
+    driver: Option<Lent>,
+    comes: HeapCons<Lent>,
+    asked: Arc<AtomicBool>,
+}
+
+impl Fill for Waiting {
+    fn fill(&mut self, output: &mut [f32]) {
+        if self.driver.is_none() {
+            self.driver = self.comes.try_pop();
+        }
+        match &mut self.driver {
+            Some(driver) => driver.fill(output),
+            None => output.fill(0.0),
+        }
+        if !output.is_empty() {
+            self.asked.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// A device that was opened again.
+pub(super) struct Returning {
+    card: Card,
+    driver: HeapProd<Lent>,
+    asked: Arc<AtomicBool>,
+    since: Instant,
+    news: Receiver<News>,
+    /// What it has said of itself, but that it is lost.
+    said: Vec<News>,
+}
+
+/// How it stands with it.
+pub(super) enum Stand {
+    /// It has not asked for anything yet.
+    Waits,
+    /// It has.
+    Plays,
+    /// It is gone again, or was waited for long enough: why.
+    Fails(String),
+}
+
+impl Returning {
+    /// Opens a device.
+    ///
+    /// # Errors
+    /// As [`Card::open`].
+    pub fn open(
+        device: &Device,
+        found: &Found,
+        shape: Shape,
+        board: &Arc<Board>,
+    ) -> Result<Self, DeviceError> {
+        let (driver, comes) = HeapRb::new(1).split();
+        let asked = Arc::new(AtomicBool::new(false));
+        let waiting = Waiting { driver: None, comes, asked: Arc::clone(&asked) };
+        let (tell, news) = channel();
+        let card = Card::open(device, found, shape.again(found.output.as_ref()), waiting, board, tell)?;
+        Ok(Self { card, driver, asked, since: Instant::now(), news, said: Vec::new() })
+    }
+
+    /// How it stands at a moment.
+    pub fn stand(&mut self, now: Instant) -> Stand {
+        while let Ok(news) = self.news.try_recv() {
+            match news {
+                News::Lost(why) => return Stand::Fails(why),
+                other => self.said.push(other),
+            }
+        }
+        if self.asked.load(Ordering::Relaxed) {
+            Stand::Plays
+        } else if now.saturating_duration_since(self.since) > PATIENCE {
+            Stand::Fails("it is there, and does not ask for anything".into())
+        } else {
+            Stand::Waits
+        }
+    }
+
+    /// Gives it what there is to play, and what it has said of itself; what it says further comes through the other end.
+    pub fn play(mut self, driver: Lent) -> (Card, Vec<News>, Receiver<News>) {
+        // There is room for one, and there is only one.
+        let _ = self.driver.try_push(driver);
+        (self.card, self.said, self.news)
+    }
+}

@@ -1,0 +1,102 @@
+//! Kinds of lines of a journal.
+
+use serde::{Deserialize, Serialize};
+
+/// What a line tells of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// A voice is to sound.
+    Voice,
+    /// The voices of an id are released.
+    Release,
+    /// All voices are.
+    ReleaseAll,
+    /// All voices fall silent at once whose ids agree with this one but for the lowest bits, as many as `value` says.
+    Silence,
+    /// The voices of an id are moved by the hand that holds them.
+    Touch,
+    /// A control is sent to a value.
+    Control,
+    /// A marker.
+    Marker,
+    /// Periodic tasks above the rank `value` rest, and the others run.
+    Shed,
+    /// The gate was told something.
+    Gate,
+    /// The plan that was written down last and has not played yet takes over.
+    Swap,
+    /// Something came in.
+    In,
+    /// Something that was asked for cannot be done.
+    Refused,
+    /// Something became of the device.
+    Device,
+    /// How frames and time belong together, and what was counted so far.
+    Clock,
+    /// Lines are missing here, as many as `value` says.
+    Lost,
+    /// The session ended.
+    End,
+}
+
+impl Kind {
+    /// All kinds.
+    pub const ALL: [Self; 16] = [
+        Self::Voice,
+        Self::Release,
+        Self::ReleaseAll,
+        Self::Silence,
+        Self::Touch,
+        Self::Control,
+        Self::Marker,
+        Self::Shed,
+        Self::Gate,
+        Self::Swap,
+        Self::In,
+        Self::Refused,
+        Self::Device,
+        Self::Clock,
+        Self::Lost,
+        Self::End,
+    ];
+
+    /// As it is written.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Voice => "voice",
+            Self::Release => "release",
+            Self::ReleaseAll => "release-all",
+            Self::Silence => "silence",
+            Self::Touch => "touch",
+            Self::Control => "control",
+            Self::Marker => "marker",
+            Self::Shed => "shed",
+            Self::Gate => "gate",
+            Self::Swap => "swap",
+            Self::In => "in",
+            Self::Refused => "refused",
+            Self::Device => "device",
+            Self::Clock => "clock",
+            Self::Lost => "lost",
+            Self::End => "end",
+        }
+    }
+
+    /// Whether a replay needs it.
+    pub fn is_played(self) -> bool {
+        matches!(
+            self,
+            Self::Voice
+                | Self::Release
+                | Self::ReleaseAll
+                | Self::Silence
+                | Self::Touch
+                | Self::Control
+                | Self::Marker
+                | Self::Shed
+                | Self::Gate
+                | Self::Swap
+        )
+    }
+}

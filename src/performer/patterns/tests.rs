@@ -1,0 +1,145 @@
+use std::sync::Arc;
+
+use super::{AT_ONCE, MOST_RUNS, Outlet, Performer, When};
+use crate::engine::event::{Event, Source};
+use crate::graph::scene::{Options, Scene, scene};
+use crate::node::asset::NoAssets;
+use crate::patch::Patch;
+use crate::rig::Rig;
+use crate::schedule::Instant;
+use crate::text::Problem;
+
+/// Keeps what it is sent: when, and how loud. It has endless room.
+#[derive(Default)]
+struct Kept(u64, Vec<(f64, f64)>);
+
+impl Outlet for Kept {
+    fn clock(&self) -> u64 {
+        self.0
+    }
+    fn room(&self, _: Source) -> usize {
+        1 << 20
+    }
+    fn send(&mut self, at: Instant, _: Source, event: Event) -> bool {
+        if let Event::Play(play) = event {
+            self.1.push((at.since(Instant::default()) / 8000.0, play.level));
+        }
+        true
+    }
+}
+
+fn compiled(patterns: &str) -> (Scene, Arc<Patch>, Arc<Rig>) {
+    let text = format!(
+        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\noutput = \"o\"\n[voice.v.nodes]\n\
+         o = {{ type = \"sine\", frequency = 100 }}\n{patterns}"
+    );
+    let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let rig = Rig::default_for(1);
+    let options = Options { live: true, ..Options::default() };
+    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+    (scene, Arc::new(patch), Arc::new(rig))
+}
+
+fn performer(patterns: &str) -> Performer {
+    let (scene, patch, rig) = compiled(patterns);
+    let refuse = |_: &str| Err(Problem::of_file("no files here"));
+    Performer::new(scene, patch, rig, Box::new(refuse)).unwrap_or_else(|p| panic!("{p}"))
+}
+
+fn saved(performer: &mut Performer, patterns: &str) {
+    let (scene, patch, rig) = compiled(patterns);
+    let refuse = |_: &str| Err(Problem::of_file("no files here"));
+    performer.become_of(scene, patch, rig, Box::new(refuse)).unwrap_or_else(|p| panic!("{p}"));
+}
+
+const QUIET: &str = "[pattern.none]\nevents = [{ at = 0, voice = \"v\", level = 0.5 }]\n";
+
+fn pattern(name: &str, every: f64, level: f64) -> String {
+    format!(
+        "[pattern.{name}]\nrepeat = {{ every = {every} }}\nevents = [{{ at = 0, voice = \"v\", level = {level} }}]\n"
+    )
+}
+
+#[test]
+fn too_many_patterns_are_turned_away_in_words_and_counted() {
+    let mut performer = performer(&format!("{QUIET}{}", pattern("p", 1.0, 1.0)));
+    let before = performer.patterns().count();
+    let at = When::of_seconds(0.5, 8000.0);
+    let mut last = 0;
+    let mut refused = 0;
+    for _ in 0..2000 {
+        match performer.start_pattern(at, "p") {
+            Ok(serial) => last = serial,
+            Err(problem) => {
+                assert!(problem.what.contains("256 patterns play already"), "{problem}");
+                assert!(problem.help.is_some());
+                refused += 1;
+            }
+        }
+    }
+    let playing = performer.patterns().count() - before;
+    assert!(playing <= MOST_RUNS && playing + 1 >= MOST_RUNS, "{playing}");
+    assert_eq!(performer.take_turned_away(), refused);
+    assert_eq!((refused as usize + playing, performer.take_turned_away()), (2000, 0));
+    // Where one goes, there is room for one.
+    assert!(performer.stop_pattern(last) && performer.start_pattern(at, "p").is_ok());
+    assert!(performer.start_pattern(at, "p").is_err());
+}
+
+/// However much there is, little is done at once, and in the end the same as if it had been done at once.
+#[test]
+fn what_is_fed_in_parts_is_what_is_fed_at_once() {
+    let text = format!("{}{}", pattern("a", 0.0001, 1.0), pattern("b", 0.00013, 0.5));
+    let play = |parts: bool| {
+        let (mut performer, mut kept) = (performer(&text), Kept::default());
+        performer.start_pattern(When::of_seconds(0.01, 8000.0), "b").unwrap();
+        let mut calls = 0;
+        if parts {
+            loop {
+                let before = kept.1.len();
+                let done = performer.feed_some(8000, &mut kept);
+                assert!(kept.1.len() - before <= AT_ONCE);
+                calls += 1;
+                if done {
+                    break;
+                }
+            }
+        } else {
+            assert_eq!(performer.feed(8000, &mut kept), None);
+        }
+        (kept.1, calls)
+    };
+    let ((all, _), (parts, calls)) = (play(false), play(true));
+    assert!(all.len() > 17_000 && calls > 30, "{} in {calls}", all.len());
+    assert_eq!(all, parts);
+}
+
+/// A pattern that has long been playing when its file is saved takes its place little by little, and nothing else waits for it.
+#[test]
+fn what_has_much_to_leave_out_keeps_nobody_waiting() {
+    let mut performer = performer(&pattern("a", 0.001, 1.0));
+    let mut kept = Kept::default();
+    performer.feed(80_000, &mut kept);
+    kept.0 = 80_000;
+    saved(&mut performer, &pattern("a", 0.001, 0.5));
+    performer.start_pattern(When::of_seconds(10.0, 8000.0), "a").unwrap();
+    kept.1.clear();
+    let mut calls = 0;
+    // It has 10,000 to leave out, and time goes on meanwhile.
+    while !performer.feed_some(kept.0 + 400, &mut kept) {
+        kept.0 += 8;
+        calls += 1;
+    }
+    assert!(calls >= 10_000 / AT_ONCE, "{calls}");
+    performer.feed(81_600, &mut kept);
+    // Of each millisecond: what was started meanwhile, and from some time on both.
+    let mut of_each = [0; 200];
+    for (at, level) in &kept.1 {
+        assert_eq!(*level, 0.5);
+        of_each[((at - 10.0) * 1000.0).round() as usize] += 1;
+    }
+    let both = of_each.iter().position(|count| *count == 2).unwrap();
+    assert!((calls - 1..calls + 2).contains(&both), "{both} after {calls}");
+    assert!(of_each[..both].iter().all(|count| *count == 1), "{of_each:?}");
+    assert!(of_each[both..].iter().all(|count| *count == 2), "{of_each:?}");
+}
