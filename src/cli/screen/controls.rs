@@ -145,7 +145,7 @@ mod tests {
 
     fn patch(controls: &str) -> Patch {
         let text = format!(
-            "format = \"pacinian-patch/1\"\n{controls}\n[voice.v]\noutput = \"s\"\nnodes.s = {{ type = \"sine\", frequency = 100 }}\n"
+            "format = \"pacinian-patch/1\"\ntitle = \"t\"\n{controls}\n[voice.v]\noutput = \"s\"\nnodes.s = {{ type = \"sine\", frequency = 100 }}\n"
         );
         Patch::parse("", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value
     }

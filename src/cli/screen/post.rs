@@ -278,8 +278,8 @@ mod tests {
             shown.extend(events);
         }
         assert!(shown.is_sorted_by(|a, b| a.at <= b.at), "{shown:?}");
-        let texts: Vec<_> = shown.iter().map(|happened| happened.text.as_str()).collect();
-        assert_eq!(texts, ["trouble", "marker m", "marker m", "marker m", "marker m"]);
+        let count = |text: &str| shown.iter().filter(|happened| happened.text == text).count();
+        assert_eq!((count("marker m"), count("trouble"), shown.len()), (4, 1, 5), "{shown:?}");
         assert_eq!(shown.last().unwrap().at, 0.15, "to the bit as the patterns have it");
     }
 
