@@ -17,10 +17,13 @@ use super::wav::{WavSpec, WavWriter, Written};
 /// How often it fetches what has come.
 const EVERY: Duration = Duration::from_millis(50);
 
+/// What became of a recording, and the digest of its samples, if there is one.
+type Recording = Result<(Written, Option<String>), FileError>;
+
 /// A recording under way, in a thread of its own.
 #[derive(Debug)]
 pub struct Recorder {
-    thread: Option<JoinHandle<Result<(Written, Option<String>), FileError>>>,
+    thread: Option<JoinHandle<Recording>>,
     over: Arc<AtomicBool>,
 }
 
@@ -75,7 +78,7 @@ impl Recorder {
     ///
     /// # Errors
     /// As [`Recorder::finish`].
-    pub fn finish_with_digest(mut self) -> Result<(Written, Option<String>), FileError> {
+    pub fn finish_with_digest(mut self) -> Recording {
         self.over.store(true, Ordering::Release);
         let ended = self.thread.take().map(JoinHandle::join);
         ended.and_then(Result::ok).unwrap_or_else(|| {
@@ -97,7 +100,7 @@ fn record(
     channels: usize,
     mut digest: Option<Digest>,
     over: &AtomicBool,
-) -> Result<(Written, Option<String>), FileError> {
+) -> Recording {
     let mut frames = vec![0.0; channels * 4096];
     loop {
         // Asked first, so that nothing is missed that came before.
