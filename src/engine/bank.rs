@@ -214,10 +214,19 @@ impl<R: Real> Bank<R> {
     /// Lets all voices that `falls` says yes to fall silent within [`HUSH`] from `at` on, released or not; `silenced` hears of their lanes.
     pub fn silence(&mut self, falls: impl Fn(&Play) -> bool, at: Instant, mut silenced: impl FnMut(usize)) {
         for lane in 0..self.lanes.len() {
-            let voice = &self.lanes[lane];
-            if matches!(voice.status, Status::Held | Status::Released) && falls(&voice.play) {
-                self.let_fade(lane, at, FADE / HUSH);
-                silenced(lane);
+            let (status, pace) = (self.lanes[lane].status, FADE / HUSH);
+            match status {
+                Status::Free => {}
+                _ if !falls(&self.lanes[lane].play) => {}
+                Status::Held | Status::Released => {
+                    self.let_fade(lane, at, pace);
+                    silenced(lane);
+                }
+                // One that makes room goes on faster from where it is.
+                Status::Fading(since, slow) => {
+                    let done = at.since(since).max(0.0) * (1.0 - slow / pace);
+                    self.lanes[lane].status = Status::Fading(since + done, pace);
+                }
             }
         }
     }
