@@ -4,8 +4,9 @@
 /// Seconds in which a voice that must make room falls silent, and in which one without an envelope comes and goes.
 pub const FADE: f64 = 0.004;
 
-/// Seconds in which a voice falls silent that must do so at once: what the output stage still has of it is over within 5 ms, then.
-pub const HUSH: f64 = 0.001;
+/// Seconds in which a voice falls silent that must do so at once: 5 ms later less than a hundredth of it is left. One that went faster
+/// would make the band limit ring for longer.
+pub const HUSH: f64 = 0.003;
 
 /// Gain of a voice that falls silent, `seconds` after it began to: 1 − (10 x³ − 15 x⁴ + 6 x⁵) with x = `seconds` / [`FADE`], 1
 /// before and 0 after. It is the polynomial of least degree whose slope and curvature are 0 at both ends.
