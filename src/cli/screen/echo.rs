@@ -16,6 +16,12 @@ pub struct Echo {
 impl Echo {
     /// What is to be said where this happens.
     pub fn take(&mut self, happened: Happened) -> impl Iterator<Item = Happened> {
+        if happened.mood == Mood::Good {
+            // What is wrong after it is wrong anew.
+            let held = self.release(happened.at);
+            self.last = None;
+            return held.into_iter().chain(Some(happened));
+        }
         if happened.mood != Mood::Bad {
             return None.into_iter().chain(Some(happened));
         }
@@ -67,6 +73,8 @@ mod tests {
         said.extend(echo.due(3_800.0 / 1000.0));
         said.extend(echo.due(5_000.0 / 1000.0));
         said.extend(echo.take(bad(5_100, "nor this")));
+        said.extend(echo.take(Happened::new(5.2, Mood::Good, "mended")));
+        said.extend(echo.take(bad(5_300, "nor this")));
         let usual = said.iter().filter(|h| h.mood == Mood::Usual).count();
         let texts: Vec<_> = said.iter().filter(|h| h.mood == Mood::Bad).map(|h| h.text.as_str()).collect();
         assert_eq!(usual, 2_500);
@@ -77,6 +85,7 @@ mod tests {
             "no (499 more)",
             "nor this",
             "nor this (1 more)",
+            "nor this",
             "nor this",
         ];
         assert_eq!(texts.iter().map(|t| t.replace([',', '\u{202f}'], " ")).collect::<Vec<_>>(), wanted);
