@@ -385,6 +385,7 @@ fn a_flood_of_orders_does_not_keep_the_gate_open() {
 fn the_first_that_is_felt_has_its_full_level() {
     let text = HUM.to_string()
         + "[[trigger]]\non = \"start\"\nplay = \"tap\"\nset = { duration = 0.05 }\nplace = 1\n\
+           [[trigger]]\non = \"start\"\nplay = \"taps\"\n\
            [pattern.taps]\nevents = [{ at = 0, voice = \"tap\", duration = 0.05 }, { at = 0.3, voice = \"tap\", duration = 0.05 }]\n";
     let text = text.replace("start = \"always\"\n", "");
     let (mut session, mut recording, _) = start(&text);
