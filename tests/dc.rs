@@ -40,6 +40,7 @@ o = { type = "multiply", inputs = ["t", "e", 0.5] }
 
 const STEADY: u32 = 0;
 const TONE: u32 = 1;
+#[cfg(feature = "report")]
 const PLATEAU: u32 = 2;
 const SWELL: u32 = 3;
 
