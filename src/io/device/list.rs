@@ -140,7 +140,8 @@ pub fn find<'a, D>(
     let by_id = |id: &str| {
         fitting.iter().find(|(_, f)| f.id == id || f.id.split_once(':').is_some_and(|(_, own)| own == id))
     };
-    if let Some(found) = by_id(name) {
+    // A host goes before a device that is called like one: ALSA's plug-in for JACK is `jack`, too.
+    if let Some(found) = by_id(name).filter(|_| fitting.iter().all(|(_, f)| f.host() != name)) {
         return Ok(found);
     }
     let (host, rest) = name.split_once(':').unwrap_or((name, ""));
