@@ -12,6 +12,8 @@ mod outlet;
 mod patterns;
 mod pickup;
 mod run;
+#[cfg(test)]
+mod staged;
 mod stream;
 mod succession;
 mod touch;
@@ -115,13 +117,23 @@ impl Performer {
     /// As [`Performer::new`].
     pub fn lead_in(&mut self, seconds: f64) -> Result<(), Problem> {
         self.lead = seconds;
-        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, seconds)).collect();
-        let score = self.score(&roots, self.plan.seed)?;
-        let run = Run::new(0, roots, score);
+        self.begin_anew()
+    }
+
+    /// What plays from the beginning begins there.
+    fn begin_anew(&mut self) -> Result<(), Problem> {
+        let run = self.beginning()?;
         self.length = run.length();
         self.runs.retain(|run| run.serial != 0);
         self.runs.push(run);
         Ok(())
+    }
+
+    /// What plays from the beginning.
+    fn beginning(&self) -> Result<Run, Problem> {
+        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, self.lead)).collect();
+        let score = self.score(&roots, self.plan.seed)?;
+        Ok(Run::new(0, roots, score))
     }
 
     /// Without anything that plays.

@@ -41,7 +41,6 @@ impl Performer {
             of(&new.plan).zip(of(&self.plan)).is_some_and(|(old, new)| old.goes_on_as(&new))
         });
         self.take_clock(&mut new, &old);
-        let roots: Vec<Root> = self.roots.iter().map(|&p| Root::at(p, self.lead)).collect();
         self.hands = std::mem::take(&mut new.hands);
         self.take_hands(&new.plan);
         self.song = std::mem::take(&mut new.song);
@@ -66,8 +65,7 @@ impl Performer {
         // What followed a clock and has its own tempo now plays from the beginning like all else.
         let own = |p: &usize| self.patch.patterns.get(*p).is_some_and(|p| clocked.contains_key(&p.name));
         if !began.is_empty() || self.roots.iter().any(own) {
-            let score = self.score(&roots, self.plan.seed)?;
-            let mut run = Run::new(0, roots, score);
+            let mut run = self.beginning()?;
             let stopped = |p: &crate::patch::Pattern| self.stopped.contains(&p.name);
             let patterns = self.patch.patterns.iter().enumerate();
             patterns.filter(|(_, p)| stopped(p)).for_each(|(pattern, _)| run.stop(pattern));

@@ -1,15 +1,9 @@
-use std::sync::Arc;
-
+use super::super::staged::{self, HEAD};
 use super::{Message, Note, Outlet, Performer, When, wheel};
 use crate::engine::event::{Event, Play, Source};
-use crate::graph::scene::{Options, scene};
 use crate::midi::{Channel, pitch};
-use crate::node::asset::NoAssets;
 use crate::node::motion::Motion;
-use crate::patch::Patch;
-use crate::rig::Rig;
 use crate::schedule::Instant;
-use crate::text::Problem;
 
 /// Keeps what it is sent.
 #[derive(Default)]
@@ -28,19 +22,13 @@ impl Outlet for Kept {
     }
 }
 
-const HEAD: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[control.depth]\ndefault = 0.5\nrange = [0, 2]\n\
+const PATCH: &str = "[control.depth]\ndefault = 0.5\nrange = [0, 2]\n\
     [voice.v]\noutput = \"o\"\n[voice.v.nodes]\ns = { type = \"sine\", frequency = \"event.frequency\" }\n\
     e = { type = \"envelope\" }\no = { type = \"multiply\", inputs = [\"s\", \"e\", \"depth\"] }\n\
     [pattern.p]\nevents = [{ at = 0.25, voice = \"v\", level = 0.5 }]\n";
 
 fn performer(rest: &str) -> (Performer, Kept) {
-    let patch = Patch::parse("t", format!("{HEAD}{rest}").as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-    let rig = Rig::default_for(8);
-    let options = Options { live: true, ..Options::default() };
-    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
-    let refuse = |_: &str| Err(Problem::of_file("no files here"));
-    let performer = Performer::new(scene, Arc::new(patch), Arc::new(rig), Box::new(refuse));
-    (performer.unwrap_or_else(|p| panic!("{p}")), Kept::default())
+    (staged::performer(&format!("{HEAD}{PATCH}{rest}"), 8), Kept::default())
 }
 
 fn channel(number: u8) -> Channel {

@@ -1,13 +1,7 @@
-use std::sync::Arc;
-
+use super::super::staged::{self, HEAD, VOICE};
 use super::{AT_ONCE, MOST_RUNS, Outlet, Performer, When};
 use crate::engine::event::{Event, Source};
-use crate::graph::scene::{Options, Scene, scene};
-use crate::node::asset::NoAssets;
-use crate::patch::Patch;
-use crate::rig::Rig;
 use crate::schedule::Instant;
-use crate::text::Problem;
 
 /// Keeps what it is sent: when, and how loud. It has endless room.
 #[derive(Default)]
@@ -28,28 +22,12 @@ impl Outlet for Kept {
     }
 }
 
-fn compiled(patterns: &str) -> (Scene, Arc<Patch>, Arc<Rig>) {
-    let text = format!(
-        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\noutput = \"o\"\n[voice.v.nodes]\n\
-         o = {{ type = \"sine\", frequency = 100 }}\n{patterns}"
-    );
-    let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-    let rig = Rig::default_for(1);
-    let options = Options { live: true, ..Options::default() };
-    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
-    (scene, Arc::new(patch), Arc::new(rig))
-}
-
 fn performer(patterns: &str) -> Performer {
-    let (scene, patch, rig) = compiled(patterns);
-    let refuse = |_: &str| Err(Problem::of_file("no files here"));
-    Performer::new(scene, patch, rig, Box::new(refuse)).unwrap_or_else(|p| panic!("{p}"))
+    staged::performer(&format!("{HEAD}{VOICE}{patterns}"), 1)
 }
 
 fn saved(performer: &mut Performer, patterns: &str) {
-    let (scene, patch, rig) = compiled(patterns);
-    let refuse = |_: &str| Err(Problem::of_file("no files here"));
-    performer.become_of(scene, patch, rig, Box::new(refuse)).unwrap_or_else(|p| panic!("{p}"));
+    staged::save(performer, &format!("{HEAD}{VOICE}{patterns}"), 1);
 }
 
 const QUIET: &str = "[pattern.none]\nevents = [{ at = 0, voice = \"v\", level = 0.5 }]\n";
