@@ -158,3 +158,55 @@ notes = [64, 127]
         of(&heard, 0, 0.49).windows(2).fold(0.0_f32, |most, pair| most.max((pair[1] - pair[0]).abs()));
     assert!(steps < 0.2 * peak(&of(&heard[..48_000], 0, 0.45)), "{steps}");
 }
+
+/// Where nothing else sounds the output itself goes to exact zeros, and comes back for the next key, which sounds as it would have.
+#[test]
+fn where_nothing_else_sounds_it_is_exact_zeros_after_five_milliseconds() {
+    const KEYS: &str = r#"
+[voice.long]
+output = "out"
+[voice.long.nodes]
+tone = { type = "sine", frequency = 100 }
+hold = { type = "envelope", attack = 0.01, release = 3 }
+out = { type = "multiply", inputs = ["tone", "hold"] }
+[[trigger]]
+on = "midi.note"
+play = "long"
+"#;
+    // Quiet enough that the limiter, which holds what it does, has nothing to do.
+    let on = |note| Message::NoteOn { channel: Channel::FIRST, note, velocity: 50 };
+    let play = |song: Vec<(f64, Message)>, parts: &[usize]| {
+        let options = Options { live: true, rate: Some(48_000.0), ..Options::default() };
+        let patch = common::patch(KEYS);
+        let mut player =
+            Player::new(&patch, &Rig::default_for(1), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+        player.play_song(song, 10.0);
+        let mut frames = vec![0.0; 48_000];
+        let (mut rest, mut parts) = (&mut frames[..], parts.iter().cycle());
+        while !rest.is_empty() {
+            let (now, later) = rest.split_at_mut((*parts.next().unwrap()).min(rest.len()));
+            player.process(now);
+            rest = later;
+        }
+        frames
+    };
+    let silence = Message::Controller { channel: Channel::FIRST, number: 120, value: 0 };
+    for panic in [silence, Message::Reset] {
+        let song = vec![(0.1, on(60)), (0.12, on(67)), (0.5, panic), (0.52, on(48)), (0.6, panic)];
+        let heard = play(song.clone(), &[48_000]);
+        let at = |seconds: f64| (seconds * 48_000.0_f64).round() as usize;
+        let peak =
+            |from: f64, to: f64| heard[at(from)..at(to)].iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+        assert!(peak(0.4, 0.5) > 0.1);
+        assert!(
+            heard[at(0.505)..at(0.52)].iter().chain(&heard[at(0.605)..]).all(|x| x.to_bits() == 0),
+            "{panic:?}"
+        );
+        assert_eq!(play(song, &[1, 77, 64, 480, 1001]), heard);
+        // The next key: as if it were the first, but for what still rings of the others, 75 dB below.
+        let alone = play(vec![(0.52, on(48))], &[480]);
+        let off =
+            |from: f64, to: f64| (at(from)..at(to)).map(|i| (heard[i] - alone[i]).abs()).fold(0.0, f32::max);
+        assert!(off(0.52, 0.6) < 1e-3 * peak(0.4, 0.5), "{}", off(0.52, 0.6));
+    }
+}

@@ -231,6 +231,11 @@ impl<R: Real> Bank<R> {
         }
     }
 
+    /// Whether every voice that sounds or still fades is one that `falls` says yes to.
+    pub fn only_sounds(&self, falls: impl Fn(&Play) -> bool) -> bool {
+        self.lanes.iter().all(|lane| lane.status == Status::Free || falls(&lane.play))
+    }
+
     /// Releases the voice of that serial number on `lane`, if it is still there.
     pub fn end(&mut self, lane: usize, serial: u64, at: Instant) {
         let Some(voice) = self.lanes.get_mut(lane).filter(|v| v.serial == serial && v.status == Status::Held)

@@ -391,6 +391,7 @@ impl<R: Real> Core<R> {
     fn play(&mut self, play: &Play, at: Instant) {
         let place = self.places.get(play.place as usize).map_or(&[][..], |p| p);
         let Some(bank) = self.banks.get_mut(play.instrument as usize) else { return };
+        self.stage.open(self.clock);
         self.counters.started += 1;
         let serial = self.counters.started;
         let (lane, stolen) = bank.start(play, at, self.clock, place, serial);
@@ -428,6 +429,9 @@ impl<R: Real> Core<R> {
             );
         }
         self.queue.edit(|event| !matches!(event, Event::Play(play) if play.is_of(id, bits)));
+        if self.banks.iter().all(|bank| bank.only_sounds(|play| play.is_of(id, bits))) {
+            self.stage.shut(self.clock);
+        }
     }
 
     fn render(&mut self, frames: usize, offset: usize, input: &[Vec<f32>]) {

@@ -9,6 +9,7 @@ pub mod event;
 pub mod exchange;
 pub mod guard;
 pub mod handover;
+mod hush;
 mod lane;
 mod listener;
 mod lookup;

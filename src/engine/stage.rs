@@ -1,5 +1,6 @@
 //! From the mix to the device: the output stage of each kind of output.
 
+use super::hush::Hush;
 use super::raw::Raw;
 use super::triggers::Triggers;
 use super::vibration::{Counts, Options, Refusal, Row, Vibration};
@@ -16,6 +17,7 @@ pub struct Stage {
     rows: Vec<Row>,
     triggers: Triggers,
     raw: Raw,
+    hush: Hush,
 }
 
 impl Stage {
@@ -36,7 +38,8 @@ impl Stage {
         let vibration = Vibration::new(plan.channels, plan.device_rate, &options)?;
         let rows = vec![Row::default(); vibration.groups() * super::workspace::BLOCK];
         let triggers = Triggers::new(plan, &vibration);
-        Ok(Self { vibration, rows, triggers, raw: Raw::new(plan) })
+        let hush = Hush::new(plan.device_rate, plan.ratio);
+        Ok(Self { vibration, rows, triggers, raw: Raw::new(plan), hush })
     }
 
     /// What the stage does to vibration outputs.
@@ -80,6 +83,16 @@ impl Stage {
         self.triggers.mark(marker, at);
     }
 
+    /// All that sounded falls silent: everything but pulses of markers is exact zero 2 ms after the engine sample `clock`.
+    pub(crate) fn shut(&mut self, clock: u64) {
+        self.hush.shut(clock);
+    }
+
+    /// Something sounds from the engine sample `clock` on.
+    pub(crate) fn open(&mut self, clock: u64) {
+        self.hush.open(clock);
+    }
+
     /// Renders `samples` engine samples of the mix, from `clock` on, to interleaved frames of the device. The
     /// sample after those for which `output` has room goes to `rest`.
     pub(crate) fn process<R: Real>(
@@ -95,6 +108,7 @@ impl Stage {
         self.raw.take(rows, fed, samples);
         self.vibration.process_with_rest(samples, rows, fed, clock, output, rest);
         self.raw.write(samples, output, rest);
+        self.hush.apply(clock, samples, self.vibration.channels(), output, rest);
         self.triggers.write(clock, samples, output, rest);
     }
 }

@@ -252,8 +252,8 @@ pub const TOPICS: &[Topic] = &[
                without `times` plays as long as the key or the pedal holds it, and where no key does, the next hit begins it anew. At most \
                256 patterns play at a time.\n\n\
                Controllers 123 to 127 (all notes off) let go of the keys that are down on their channel. Controller 120 (all sound off) \
-               silences what its channel has started, to less than a hundredth within 5 ms, voices that die away and patterns included, and a reset, or a cable \
-               that had promised to stay and is lost, what its port has started. Voices that are always on, what plays from the beginning \
+               silences what its channel has started, voices that die away and patterns included, and a reset, or a cable that had promised to stay \
+               and is lost, what its port has started: to less than a hundredth within 5 ms, and to exact zeros where nothing else sounds. Voices that are always on, what plays from the beginning \
                and what other ports, keys or programs have started go on.\n\n\
                In `pacinian play` and with `--midi`, no pattern begins by \
                itself in a patch that has triggers, but those with start.\n\n\
