@@ -13,6 +13,7 @@ mod failure;
 mod form;
 mod format;
 mod guard;
+mod hearers;
 mod input;
 mod keep;
 mod latency;

@@ -3,6 +3,7 @@
 use super::ear::Listens;
 use super::failure::Failure;
 use super::guard;
+use super::hearers::Hearers;
 use super::keep::{Keep, Sound};
 use super::load::{Loaded, Scene};
 use super::osc::Osc;
@@ -20,7 +21,6 @@ use pacinian::io::device::failure::DeviceError;
 use pacinian::io::midi_in::MidiPorts;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::board::Board;
-use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
@@ -121,16 +121,8 @@ impl Play {
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
         self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
-        let offered = device.channels();
-        if scene.rig.is_none()
-            && !offered.is_empty()
-            && offered.iter().all(|count| usize::from(*count) != channels)
-        {
-            let most = offered.last().copied().unwrap_or(0);
-            let what =
-                format!("the patch plays on {channels} tactors, and {} has {most} outputs", device.name());
-            let help = "choose another card with --device (`virtual` is one that has any number), or name a rig with --rig";
-            return Err(Failure::usage(what, help).with_code(69));
+        if scene.rig.is_none() {
+            fits(&device, channels)?;
         }
         let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
         let heard_from = reload.scene.plan.inputs();
@@ -145,13 +137,12 @@ impl Play {
             duration: self.duration,
         };
         let (mut show, post) = Show::new(&scenery, terminal)?;
-        let (heard, told, fate, ears, ports) = (post.clone(), post.clone(), post.clone(), post.clone(), post);
+        let (ears, ports) = (post.clone(), post.clone());
         let (verdict, verdicts) = channel();
         let stop = Stop::listen()?;
         let journal = self.keep.journal(&reload, scenery.device, armed)?;
-        let (makes, is_told, of_device) = (journal.clone(), journal.clone(), journal.clone());
         let announcer = self.osc.announcer(&reload.scene.plan)?;
-        let (heralds, herald) = (announcer.clone(), announcer.clone());
+        let hearers = Hearers { journal: journal.clone(), announcer: announcer.clone(), post };
         let mut session = Session::start(Beginning {
             block: self.block,
             armed,
@@ -159,25 +150,9 @@ impl Play {
             record: self.keep.record.is_some(),
             record_input: self.keep.events.is_some(),
             song: loaded.song.clone(),
-            listener: Some(Box::new(move |event| {
-                makes.iter().for_each(|journal| journal.hear(event));
-                heralds.iter().for_each(|announcer| announcer.hear(event));
-                heard.hear(event);
-            })),
-            audience: Box::new(move |what| {
-                is_told.iter().for_each(|journal| journal.told(&what));
-                herald.iter().for_each(|announcer| announcer.told(&what));
-                match &what {
-                    Told::Reloaded => drop(verdict.send(Ok(()))),
-                    Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
-                    _ => {}
-                }
-                told.told(what);
-            }),
-            fate: Box::new(move |what| {
-                of_device.iter().for_each(|journal| journal.fate(&what));
-                fate.fate(what);
-            }),
+            listener: Some(hearers.clone().listener()),
+            audience: hearers.clone().audience(verdict),
+            fate: hearers.fate(),
             ..Beginning::of(reload, device)
         })
         .map_err(|error| match error {
@@ -343,6 +318,19 @@ impl Play {
         }
         terminal.print(&text)
     }
+}
+
+/// A device that nobody has described has to have as many outputs as the patch has tactors.
+fn fits(device: &Chosen, channels: usize) -> Result<(), Failure> {
+    let offered = device.channels();
+    let Some(most) = offered.last().filter(|_| offered.iter().all(|count| usize::from(*count) != channels))
+    else {
+        return Ok(());
+    };
+    let what = format!("the patch plays on {channels} tactors, and {} has {most} outputs", device.name());
+    let help =
+        "choose another card with --device (`virtual` is one that has any number), or name a rig with --rig";
+    Err(Failure::usage(what, help).with_code(69))
 }
 
 impl Loaded {

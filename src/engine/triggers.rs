@@ -1,4 +1,6 @@
-//! Trigger outputs: pulses of full scale, or of the output's own level where that is lower, at markers, at the device's rate, aligned with the vibration.
+//! Trigger outputs: pulses of full scale, or of the output's own level where that is lower, at markers.
+//!
+//! They leave at the device's rate, aligned with the vibration.
 
 use super::vibration::{Vibration, single};
 use crate::graph::plan::{OutputKind, Plan};

@@ -202,10 +202,9 @@ impl Callback {
         self.obeyed = obeyed;
     }
 
-    /// Tells the gate something, before the next frame. One that has closed for good does not open any more.
+    /// Tells the gate something, before the next frame. One that has closed for good does not open again because a device is back.
     pub fn order(&mut self, order: Order) {
-        let opens = matches!(order, Order::Open | Order::Return | Order::Release);
-        if opens && self.obeyed.closes() {
+        if order == Order::Return && self.obeyed.closes() {
             return;
         }
         self.gate.order(order);

@@ -52,7 +52,8 @@ impl Drop for Minder {
     }
 }
 
-/// So long after it was opened, a device's callbacks may take to begin.
+/// So long after it was opened, a device's callbacks may take to begin and to become regular: a sink of PulseAudio that was idle asks
+/// for a block or two, and then plays two seconds of its own silence first.
 pub(super) const PATIENCE: Duration = Duration::from_secs(3);
 
 /// Whether a device still calls back.
@@ -76,7 +77,7 @@ impl Pulse {
     /// For how long there have been no more than so many frames.
     pub fn pause(&mut self, now: Instant, frames: u64) -> Duration {
         if frames != self.frames {
-            (self.frames, self.since) = (frames, now);
+            (self.frames, self.since) = (frames, now.max(self.since));
         }
         now.saturating_duration_since(self.since)
     }
@@ -148,7 +149,7 @@ pub(super) fn let_go(stream: impl Send + 'static) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Pulse, SEARCH, SOON, Search};
+    use super::{PATIENCE, Pulse, SEARCH, SOON, Search};
     use std::time::{Duration, Instant};
 
     #[test]
@@ -172,5 +173,18 @@ mod tests {
         let soon = SOON.as_millis() as u64;
         assert_eq!(due(2_000, 2_000 + soon - 100, &mut search), (soon - 100) / SEARCH.as_millis() as u64);
         assert_eq!(due(2_000 + soon, 12_000 + soon, &mut search), 10);
+    }
+
+    #[test]
+    fn a_device_may_take_its_time_at_first_and_not_later() {
+        let (begin, mut pulse) = (Instant::now(), Pulse::new());
+        let mut pause = |seconds: f64, frames| {
+            pulse.pause(begin + Duration::from_secs_f64(seconds), frames).as_secs_f64()
+        };
+        assert_eq!((pause(0.01, 256), pause(0.02, 512), pause(2.0, 512)), (0.0, 0.0, 0.0));
+        let late = PATIENCE.as_secs_f64() + 0.4;
+        assert!((0.3..=0.4).contains(&pause(late, 512)));
+        assert_eq!(pause(late + 1.0, 768), 0.0);
+        assert!((pause(late + 1.5, 768) - 0.5).abs() < 1e-6);
     }
 }

@@ -1,0 +1,238 @@
+//! Playing through PipeWire to a second program, `pw-record`, and what happens when its sink or the server goes away.
+//!
+//! It needs the feature `pipewire`, and pipewire, wireplumber and dbus-daemon (on Debian packages of these names, and pipewire-bin). They run
+//! in a folder of the test's own, with a sink that has no hardware. Where one is missing, a test says that it was skipped, and why.
+#![cfg(target_os = "linux")]
+
+#[path = "common/bench.rs"]
+mod bench;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use bench::{scene, signal, wait};
+
+const CHANNELS: u32 = 24;
+const DEVICE: &str = "pipewire:glove";
+
+/// One server at a time leaves the others the processor.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// A server with its session manager, and a folder of a test's own.
+struct Rig {
+    folder: PathBuf,
+    /// In the order in which they were started.
+    running: Vec<Child>,
+    _alone: MutexGuard<'static, ()>,
+}
+
+fn sink() -> String {
+    let position: String = (0..CHANNELS).map(|n| format!("AUX{n} ")).collect();
+    format!(
+        "{{ factory.name = support.null-audio-sink node.name = glove node.description = Glove media.class = Audio/Sink audio.rate = 48000 \
+         audio.channels = {CHANNELS} audio.position = [ {position}] object.linger = true monitor.channel-volumes = false }}"
+    )
+}
+
+impl Rig {
+    fn new(name: &str) -> Option<Self> {
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        for program in ["pipewire", "wireplumber", "dbus-daemon", "pw-record", "pw-cli"] {
+            if let Err(error) = Command::new(program).arg("--version").stdout(Stdio::null()).status() {
+                println!("skipped: {program}: {error}");
+                return None;
+            }
+        }
+        let folder = std::env::temp_dir().join(format!("pacinian-pw-{}-{name}", std::process::id()));
+        fs::create_dir_all(folder.join("config/pipewire/pipewire.conf.d")).unwrap();
+        // A quantum that a busy machine keeps up with.
+        let config = format!(
+            "context.properties = {{ default.clock.rate = 48000 default.clock.allowed-rates = [ 48000 ] default.clock.quantum = 1024 \
+             default.clock.min-quantum = 1024 default.clock.max-quantum = 2048 }}\n\
+             context.objects = [ {{ factory = adapter args = {} }} ]\n",
+            sink()
+        );
+        fs::write(folder.join("config/pipewire/pipewire.conf.d/sink.conf"), config).unwrap();
+        let mut rig = Self { folder, running: Vec::new(), _alone: alone };
+        rig.start();
+        Some(rig)
+    }
+
+    fn start(&mut self) {
+        self.run("pipewire", &[]);
+        wait("the server", || self.has("glove"));
+        let address = format!("--address={}", self.bus());
+        self.run("dbus-daemon", &["--session", "--nofork", "--nopidfile", &address]);
+        wait("the bus", || self.folder.join("bus").exists());
+        self.run("wireplumber", &[]);
+    }
+
+    fn run(&mut self, program: &str, arguments: &[&str]) {
+        let says = fs::File::create(self.folder.join(program)).unwrap();
+        let mut command = self.command(program);
+        let child = command.args(arguments).stdout(Stdio::null()).stderr(says).spawn();
+        self.running.push(child.unwrap_or_else(|error| panic!("{program}: {error}")));
+    }
+
+    fn bus(&self) -> String {
+        format!("unix:path={}", self.folder.join("bus").display())
+    }
+
+    /// Whether the server has a node of that name.
+    fn has(&self, name: &str) -> bool {
+        self.node(name).is_some()
+    }
+
+    fn node(&self, name: &str) -> Option<String> {
+        let listed = self.command("pw-cli").args(["ls", "Node"]).output().unwrap();
+        let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
+        let mut id = None;
+        for line in listed.lines() {
+            if let Some(rest) = line.trim().strip_prefix("id ") {
+                id = rest.split(',').next().map(str::to_string);
+            } else if line.trim() == format!("node.name = \"{name}\"") {
+                return id;
+            }
+        }
+        None
+    }
+
+    /// They do not come to their senses before they die.
+    fn kill(&mut self) {
+        for mut child in self.running.drain(..).rev() {
+            let _ = child.kill();
+            child.wait().unwrap();
+        }
+        let _ = fs::remove_file(self.folder.join("bus"));
+    }
+
+    fn command(&self, program: impl AsRef<std::ffi::OsStr>) -> Command {
+        let mut command = Command::new(program);
+        command
+            .env("XDG_RUNTIME_DIR", &self.folder)
+            .env("PIPEWIRE_RUNTIME_DIR", &self.folder)
+            .env("XDG_CONFIG_HOME", self.folder.join("config"))
+            .env("XDG_STATE_HOME", self.folder.join("state"))
+            .env("DBUS_SESSION_BUS_ADDRESS", self.bus())
+            .env_remove("PULSE_SERVER")
+            .current_dir(&self.folder)
+            .stdin(Stdio::null());
+        command
+    }
+
+    fn program(&self, arguments: &[&str]) -> Command {
+        let mut command = self.command(env!("CARGO_BIN_EXE_pacinian"));
+        command.args(arguments);
+        command
+    }
+
+    /// The sink's inputs, recorded by a second program until it is told to stop; it listens when this returns.
+    fn record(&self, file: &str) -> Child {
+        let map: Vec<String> = (0..CHANNELS).map(|n| format!("AUX{n}")).collect();
+        let mut command = self.command("pw-record");
+        command.args(["--target", "glove", "-P", "{ stream.capture.sink=true stream.dont-remix=true }"]);
+        command.args(["--rate", "48000", "--format", "f32", "--channels", &CHANNELS.to_string()]);
+        let child = command.args(["--channel-map", &map.join(","), file]).spawn().unwrap();
+        let length = || fs::metadata(self.folder.join(file)).map_or(0, |about| about.len());
+        wait("the recorder", || length() > 20_000);
+        child
+    }
+
+    /// What it has heard, interleaved.
+    fn heard(&self, mut child: Child, file: &str) -> Vec<f32> {
+        signal(&child, "INT");
+        child.wait().unwrap();
+        floats(&self.folder.join(file))
+    }
+}
+
+impl Drop for Rig {
+    fn drop(&mut self) {
+        self.kill();
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// The data of a float WAV.
+fn floats(path: &Path) -> Vec<f32> {
+    let wav = fs::read(path).unwrap();
+    let data = wav.windows(4).position(|w| w == b"data").unwrap() + 8;
+    wav[data..].chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+}
+
+#[test]
+fn a_second_program_hears_every_channel_to_the_bit() {
+    let Some(rig) = Rig::new("bits") else { return };
+    scene(&rig.folder, CHANNELS);
+    let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
+    assert!(rig.program(&render).output().unwrap().status.success());
+    let offline = floats(&rig.folder.join("offline.wav"));
+    let channels = CHANNELS as usize;
+    // Behind the ramp of the beginning, in which nothing sounds yet.
+    let (begin, end) = (channels * 9_600, offline.len().min(channels * 57_000));
+    let first = (begin..end).step_by(channels).find(|at| offline[*at] != 0.0).unwrap();
+    // This machine may stop for a moment, and a quantum is lost; then it is tried again.
+    for attempt in 0..5 {
+        let recorder = rig.record("heard.wav");
+        let play = ["play", "patch.toml", "--rig", "rig.toml", "--device", DEVICE];
+        let played = rig.program(&play).args(["--block", "1024", "--duration", "2"]).output().unwrap();
+        let said =
+            String::from_utf8_lossy(&played.stdout).into_owned() + &String::from_utf8_lossy(&played.stderr);
+        std::thread::sleep(Duration::from_millis(300));
+        let heard = rig.heard(recorder, "heard.wav");
+        assert!(played.status.success(), "{said}");
+        let at = heard.iter().step_by(channels).position(|x| *x != 0.0).map(|frame| frame * channels);
+        // A delay of whole frames, the same for all.
+        let same = at.is_some_and(|at| {
+            let part = (at + begin).checked_sub(first).and_then(|from| heard.get(from..from + (end - begin)));
+            part.is_some_and(|part| {
+                part.iter().zip(&offline[begin..end]).all(|(a, b)| a.to_bits() == b.to_bits())
+            })
+        });
+        if same {
+            return;
+        }
+        assert!(attempt < 4, "other samples, five times: {said}");
+    }
+}
+
+/// The sink is destroyed and made again, and then the server is killed and started again: the same device is waited for, and no other played on.
+#[test]
+fn a_sink_and_a_server_that_go_are_waited_for() {
+    let Some(mut rig) = Rig::new("gone") else { return };
+    scene(&rig.folder, CHANNELS);
+    let hum = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"s\"\n[voice.v.nodes]\n\
+               s = { type = \"sine\", frequency = 100, amplitude = 0.5 }\n";
+    fs::write(rig.folder.join("hum.toml"), hum).unwrap();
+    let play = ["play", "hum.toml", "--rig", "rig.toml", "--device", DEVICE, "--block", "1024"];
+    let told = rig.folder.join("told");
+    let mut play = rig.program(&play);
+    let mut child = play.stdout(Stdio::null()).stderr(fs::File::create(&told).unwrap()).spawn().unwrap();
+    let says = |what: &str| fs::read_to_string(&told).unwrap_or_default().matches(what).count();
+    wait("the beginning", || says("plays on") == 1);
+    std::thread::sleep(Duration::from_millis(500));
+
+    let glove = rig.node("glove").unwrap();
+    assert!(rig.command("pw-cli").args(["destroy", &glove]).status().unwrap().success());
+    wait("the loss of the sink", || says("the device is gone") == 1);
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(rig.command("pw-cli").args(["create-node", "adapter", &sink()]).status().unwrap().success());
+    wait("its return", || says("the device is back") == 1);
+
+    rig.kill();
+    wait("the loss of the server", || says("the device is gone") == 2);
+    rig.start();
+    wait("its return", || says("the device is back") == 2);
+    assert!(child.try_wait().unwrap().is_none(), "it goes on");
+
+    let recorder = rig.record("heard.wav");
+    std::thread::sleep(Duration::from_millis(800));
+    let heard = rig.heard(recorder, "heard.wav");
+    signal(&child, "INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{}", fs::read_to_string(&told).unwrap());
+    let hum = heard.iter().step_by(CHANNELS as usize);
+    assert!(hum.clone().any(|x| x.abs() > 0.45) && hum.clone().all(|x| x.abs() <= 0.5001), "it sounds again");
+}
