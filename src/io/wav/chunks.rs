@@ -93,7 +93,12 @@ pub(super) fn map<R: Read + Seek>(source: &mut R) -> Result<Map, Trouble> {
     let mut at = 12_u64;
     for _ in 0..MOST_CHUNKS {
         if let (Some(format), Some((start, size))) = (format, data) {
-            return whole(format, start, size);
+            let map = whole(format, start, size)?;
+            let riff = u64::from(u32::from_le_bytes([form[4], form[5], form[6], form[7]])) + 8;
+            // A RF64 file says elsewhere how long it is.
+            let ends = if large.is_some() { length } else { riff.min(length) };
+            behind(source, at, ends, length, u64::from(format.rate).saturating_mul(format.block()))?;
+            return Ok(map);
         }
         if at + 8 > length {
             return match (format, data) {
@@ -147,9 +152,40 @@ pub(super) fn map<R: Read + Seek>(source: &mut R) -> Result<Map, Trouble> {
     file(format!("none of its first {MOST_CHUNKS} chunks holds samples: write it again"))
 }
 
+/// That what stands behind the samples, from byte `at` on, is none: up to where the file says that it `ends` there are chunks, and behind
+/// that less than what a second takes, such as a tag that some player has put there.
+fn behind<R: Read + Seek>(
+    source: &mut R,
+    mut at: u64,
+    ends: u64,
+    length: u64,
+    second: u64,
+) -> Result<(), Trouble> {
+    let samples = at;
+    let more = |from: u64| {
+        file(format!(
+            "{} bytes follow the samples that its header promises, and are no chunk: more was recorded than its header knows of; mend it with `sox --ignore-length in.wav out.wav`",
+            length - from
+        ))
+    };
+    for _ in 0..MOST_CHUNKS {
+        if at + 8 > ends {
+            break;
+        }
+        source.seek(SeekFrom::Start(at))?;
+        let head: [u8; 8] = bytes(source)?;
+        let size = u64::from(u32::from_le_bytes([head[4], head[5], head[6], head[7]]));
+        if !head[..4].iter().all(|c| (b' '..=b'~').contains(c)) || size > ends - at - 8 {
+            return more(samples);
+        }
+        at += 8 + size + size % 2;
+    }
+    if length.saturating_sub(at.max(ends)) >= second.max(1) { more(ends.max(samples)) } else { Ok(()) }
+}
+
 /// That the samples are frames, and at least one.
 fn whole(format: Format, start: u64, size: u64) -> Result<Map, Trouble> {
-    let block = (format.channels * format.stored.bytes()) as u64;
+    let block = format.block();
     if size == 0 {
         return file("it holds no samples at all: record it again");
     }
@@ -172,6 +208,13 @@ struct Format {
     channels: usize,
     rate: u32,
     stored: Stored,
+}
+
+impl Format {
+    /// Bytes of a frame.
+    fn block(self) -> u64 {
+        (self.channels * self.stored.bytes()) as u64
+    }
 }
 
 fn read_format<R: Read>(source: &mut R, size: u64) -> Result<Format, Trouble> {

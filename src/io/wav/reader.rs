@@ -426,6 +426,33 @@ mod tests {
         assert!(read(&good).is_ok());
     }
 
+    /// A header that was not written again when the recording went on.
+    #[test]
+    fn samples_that_the_header_does_not_know_of_are_not_passed_over() {
+        let samples: Vec<u8> = (0..40_000u32).map(|n| (n * 7) as u8 | 0x80).collect();
+        let good = by_hand(1, 1, 8000, 2, 16, &[], &samples);
+        let with = |riff: u32, data: u32| {
+            let mut file = good.clone();
+            file[4..8].copy_from_slice(&riff.to_le_bytes());
+            file[40..44].copy_from_slice(&data.to_le_bytes());
+            read(&file)
+        };
+        let whole = good.len() as u32 - 8;
+        for (riff, data) in [(whole, 1000), (whole, 39_000), (1036, 1000), (0, 1000)] {
+            let error = with(riff, data).expect_err("more than a second is not heard");
+            assert!(error.message.contains("more was recorded than its header knows of"), "{error}");
+        }
+        // The tag of a player, half a second, and a chunk that is one.
+        assert!(with(whole, 40_000).is_ok() && with(32_036, 32_000).is_ok());
+        let mut file = by_hand(1, 1, 8000, 2, 16, &[], &samples[..1000]);
+        file.extend_from_slice(b"bext");
+        file.extend_from_slice(&39_000_u32.to_le_bytes());
+        file.extend_from_slice(&samples[1000..]);
+        let size = file.len() as u32 - 8;
+        file[4..8].copy_from_slice(&size.to_le_bytes());
+        assert_eq!(read(&file).unwrap()[0].len(), 500);
+    }
+
     #[test]
     fn a_file_of_endless_small_chunks_is_given_up() {
         let mut file = b"RIFF\0\0\0\0WAVE".to_vec();
