@@ -8,6 +8,9 @@ use std::io::{self, Read, Seek, SeekFrom};
 const MOST_CHUNKS: usize = 4096;
 /// What is in a field of 32 bits when the true number stands in `ds64`, or was never written.
 const ELSEWHERE: u32 = u32::MAX;
+/// Seconds of samples of which a header may not know: as much as a program that is killed leaves behind if it brings its header up to
+/// date every few seconds, as ours does.
+const UNKNOWN: u64 = 4;
 
 /// How the samples are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,8 +99,9 @@ pub(super) fn map<R: Read + Seek>(source: &mut R) -> Result<Map, Trouble> {
             let map = whole(format, start, size)?;
             let riff = u64::from(u32::from_le_bytes([form[4], form[5], form[6], form[7]])) + 8;
             // A RF64 file says elsewhere how long it is.
-            let ends = if large.is_some() { length } else { riff.min(length) };
-            behind(source, at, ends, length, u64::from(format.rate).saturating_mul(format.block()))?;
+            let ends = large.map_or(riff, |(riff, _): (u64, u64)| riff.saturating_add(8)).min(length);
+            let second = u64::from(format.rate).saturating_mul(format.block());
+            behind(source, at, ends, length, second.saturating_mul(UNKNOWN))?;
             return Ok(map);
         }
         if at + 8 > length {
@@ -118,7 +122,7 @@ pub(super) fn map<R: Read + Seek>(source: &mut R) -> Result<Map, Trouble> {
         if &id == b"data" {
             if word == ELSEWHERE {
                 match large {
-                    Some(bytes) => size = bytes,
+                    Some((_, bytes)) => size = bytes,
                     None => {
                         return file(
                             "the program that wrote it never filled in its length (a streamed WAV): convert it, such as with `sox --ignore-length in.wav out.wav`",
@@ -142,9 +146,7 @@ pub(super) fn map<R: Read + Seek>(source: &mut R) -> Result<Map, Trouble> {
         } else if &id == b"fmt " && format.is_none() {
             format = Some(read_format(source, size)?);
         } else if &id == b"ds64" && size >= 16 {
-            let sizes: [u8; 16] = bytes(source)?;
-            let (_, data) = sizes.split_at(8);
-            large = data.try_into().ok().map(u64::from_le_bytes);
+            large = Some((u64::from_le_bytes(bytes(source)?), u64::from_le_bytes(bytes(source)?)));
         }
         // Chunks begin at even places.
         at = start + size + size % 2;
@@ -153,13 +155,13 @@ pub(super) fn map<R: Read + Seek>(source: &mut R) -> Result<Map, Trouble> {
 }
 
 /// That what stands behind the samples, from byte `at` on, is none: up to where the file says that it `ends` there are chunks, and behind
-/// that less than what a second takes, such as a tag that some player has put there.
+/// that less than `some` bytes, such as a tag that some player has put there.
 fn behind<R: Read + Seek>(
     source: &mut R,
     mut at: u64,
     ends: u64,
     length: u64,
-    second: u64,
+    some: u64,
 ) -> Result<(), Trouble> {
     let samples = at;
     let more = |from: u64| {
@@ -180,7 +182,7 @@ fn behind<R: Read + Seek>(
         }
         at += 8 + size + size % 2;
     }
-    if length.saturating_sub(at.max(ends)) >= second.max(1) { more(ends.max(samples)) } else { Ok(()) }
+    if length.saturating_sub(at.max(ends)) >= some.max(1) { more(ends.max(samples)) } else { Ok(()) }
 }
 
 /// That the samples are frames, and at least one.
