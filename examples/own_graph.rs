@@ -42,6 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         shared: Vec::new(),
         shared_program: Program::default(),
         controls: Vec::new(),
+        watches: Vec::new(),
         instruments: vec![Instrument {
             name: "voice".into(),
             program: compiled.program,

@@ -11,7 +11,7 @@ use crate::graph::scene::{Options, scene};
 use crate::midi::Message;
 use crate::node::asset::Assets;
 use crate::patch::Patch;
-use crate::performer::{Performer, When};
+use crate::performer::{Callings, Performer, When};
 use crate::rig::Rig;
 use crate::text::{Problem, Problems};
 
@@ -23,6 +23,7 @@ pub use crate::performer::{Happening, Heard, Listener, Note, OpenEvents, Origin,
 pub struct Player {
     engine: Engine,
     performer: Performer,
+    callings: Callings,
 }
 
 impl Player {
@@ -50,10 +51,11 @@ impl Player {
         let scene = scene(patch, rig, options, assets)?;
         let told = |problem: Problem| patch.origin.problems(vec![problem]);
         let mut engine = Engine::new(&scene.plan).map_err(|r| told(Problem::of_file(r.to_string())))?;
+        let callings = Callings::of(&scene.plan);
         let (shared, rig) = (Arc::new(patch.clone()), Arc::new(rig.clone()));
         let mut performer = Performer::new(scene, shared, rig, files).map_err(told)?;
         performer.begin(&mut engine).map_err(told)?;
-        Ok(Self { engine, performer })
+        Ok(Self { engine, performer, callings })
     }
 
     /// The engine.
@@ -111,7 +113,8 @@ impl Player {
         self.performer.trouble()
     }
 
-    /// Keeps what is played from now on, in seconds, for a reference.
+    /// Keeps what is played from now on, in seconds, for a reference. What signals set off is not kept: whoever plays the plan again sets
+    /// it off again.
     pub fn record(&mut self) {
         self.performer.record();
     }
@@ -207,6 +210,14 @@ impl Player {
     pub fn process_input(&mut self, input: &[f32], output: &mut [f32]) {
         let ratio = self.plan().ratio;
         stretch::play(self, ratio, input, output);
+        self.tell_crossings();
+    }
+
+    /// Tells of what signals have set off.
+    fn tell_crossings(&mut self) {
+        for crossing in self.engine.crossings() {
+            self.performer.tell_crossing(&self.callings, &crossing);
+        }
     }
 }
 
@@ -216,6 +227,7 @@ impl stretch::Feeds for Player {
     }
 
     fn feed(&mut self, until: u64) -> Option<u64> {
+        self.tell_crossings();
         self.performer.feed(until, &mut self.engine)
     }
 }

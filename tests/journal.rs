@@ -29,6 +29,8 @@ title = "t"
 default = 0.8
 range = [0.0, 1.0]
 smoothing = 0.02
+[shared.nodes]
+sway = { type = "lfo", rate = 23 }
 [voice.hum]
 start = "always"
 output = "s"
@@ -61,6 +63,12 @@ place = "spread"
 [[trigger]]
 on = "start"
 play = "walk"
+[[trigger]]
+on = "node.sway falls 0.3"
+play = "tap"
+place = "t3"
+hold = 0.05
+set = { level = 0.3, duration = 0.01 }
 "#;
 
 fn reload(text: &str) -> Reload {
@@ -239,6 +247,17 @@ fn what_was_played_is_played_again_to_the_bit() {
         ] {
             assert!(lines.iter().any(|line| line.kind == kind), "{kind:?}");
         }
+        // What a node sets off stands there, under its own name, and is set off again without.
+        let set_off: Vec<_> = lines.iter().filter(|line| line.source.as_deref() == Some("node")).collect();
+        let seconds = met.frames as f64 / 48_000.0;
+        // Of 23 a second, those that are not held back: every second.
+        assert!((set_off.len() as f64 - 11.5 * seconds).abs() < 2.0, "{} in {seconds} s", set_off.len());
+        for (n, line) in set_off.iter().enumerate() {
+            assert_eq!((line.kind, line.pattern.as_deref()), (Kind::Voice, Some("node.sway falls 0.3")));
+            assert_eq!((line.event, line.id), (Some(n as u64 + 1), Some(1 << 63 | n as u64)));
+            assert_eq!((line.name.as_deref(), line.place.as_deref()), (Some("tap"), Some("t3")));
+            assert!(line.frame.unwrap() as f64 <= line.sample.unwrap() as f64 * 6.0 + 6.0);
+        }
         let drawn = lines.iter().filter(|line| line.pattern.as_deref() == Some("walk"));
         assert!(
             drawn.clone().any(|line| line.event == Some(2) && line.drawn == Some(2)),
@@ -298,7 +317,8 @@ fn what_was_played_is_played_again_to_the_bit() {
 fn short(name: &str) -> String {
     let folder = folder(name);
     let path = folder.join("s.jsonl");
-    let first = reload(PATCH);
+    // Without what a node sets off: those lines are told, and not played.
+    let first = reload(PATCH.split("[[trigger]]\non = \"node").next().unwrap_or_default());
     let setting = Setting { device: "virtual".into(), armed: true, input: None, recording: None };
     let journal = Journal::create(&path, setting, &first.scene.plan, first.provenance.as_deref()).unwrap();
     let is_told = journal.clone();

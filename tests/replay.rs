@@ -138,6 +138,48 @@ fn listening(name: &str) -> Room {
     room
 }
 
+/// What a node hears sets off the same voices again, from what was recorded; the journal tells of them, and they are not played twice.
+#[test]
+fn what_a_node_has_set_off_it_sets_off_again() {
+    let room = Room::new("node");
+    let patch = format!(
+        "{HEARS}[shared.nodes]\near = {{ type = \"input\" }}\nrub = {{ type = \"follow\", input = \"ear\", attack = 0.002, release = 0.005 }}\n\
+         [voice.tick]\noutput = \"o\"\nplace = \"t2\"\n[voice.tick.nodes]\ns = {{ type = \"white\", amplitude = 0.3 }}\n\
+         e = {{ type = \"burst\", attack = 0.002, decay = 0.01 }}\no = {{ type = \"multiply\", inputs = [\"s\", \"e\"] }}\n\
+         [[trigger]]\non = \"node.rub rises 0.1\"\nplay = \"tick\"\nset = {{ duration = 0.01 }}\n"
+    );
+    std::fs::write(room.0.join("n.toml"), patch).unwrap();
+    let play = ["play", "n.toml", "--device", "virtual", "--duration", "1", "--input", "sounds/felt.wav"];
+    let kept = room.run(&[&play[..], &["--record", "s.wav", "--events", "s.csv"]].concat());
+    assert!(kept.status.success(), "{}", text(&kept.stderr));
+    let journal = std::fs::read_to_string(room.0.join("s.csv")).unwrap();
+    let told = journal.lines().filter(|line| line.starts_with("voice,") && line.contains(",node,")).count();
+    assert!(told > 2 && journal.contains(",node.rub rises 0.1,1,"), "{told}: {journal}");
+    let again = room.run(&["replay", "s.csv", "--against", "s.wav", "--json"]);
+    assert!(again.status.success(), "{}{}", text(&again.stdout), text(&again.stderr));
+    let summary: serde_json::Value = serde_json::from_slice(&again.stdout).unwrap();
+    assert_eq!(summary["comparison"]["identical"], true);
+    // The gate's orders alone were given to anybody.
+    assert_eq!(summary["events"], 0);
+    // It is what rendering makes of it, too.
+    let log = [
+        "render",
+        "n.toml",
+        "--input",
+        "sounds/felt.wav",
+        "--duration",
+        "0.9",
+        "-o",
+        "r.wav",
+        "--log",
+        "r.csv",
+    ];
+    assert!(room.run(&log).status.success());
+    let rendered = std::fs::read_to_string(room.0.join("r.csv")).unwrap();
+    let rendered = rendered.lines().filter(|line| line.contains(",voice,node.rub rises 0.1,")).count();
+    assert!(rendered > 2, "{rendered} rendered, {told} played");
+}
+
 /// A WAV file of so many bytes of the samples.
 fn shortened(whole: &[u8], bytes: usize) -> Vec<u8> {
     let at = whole.windows(4).position(|word| word == b"data").unwrap() + 8;

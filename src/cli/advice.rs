@@ -38,7 +38,7 @@ fn whole(what: &str, help: &str) -> Problem {
 /// Whether anything sounds or is marked without somebody to play it.
 fn plays(loaded: &Loaded) -> bool {
     let patch = &loaded.patch;
-    let starts = patch.triggers.iter().filter(|t| t.on == Source::Start);
+    let starts = patch.triggers.iter().filter(|t| matches!(t.on, Source::Start | Source::Node { .. }));
     let started: HashSet<&str> = starts.map(|t| t.play.as_str()).collect();
     let voice = patch.voices.iter().any(|v| v.start == Start::Always || started.contains(v.name.as_str()));
     voice || !playing(loaded).is_empty()

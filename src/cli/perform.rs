@@ -6,6 +6,7 @@ use super::plan::{is_endless, playing};
 use super::progress::Progress;
 use super::stop::Stop;
 use super::terminal::Terminal;
+use pacinian::graph::plan::Shared;
 use pacinian::patch::Source;
 use pacinian::player::Player;
 use pacinian::score::{Score, What};
@@ -75,10 +76,15 @@ impl Until {
         let playing = playing(loaded);
         let always = player.plan().instruments.iter().find(|i| i.always);
         let endless = playing.iter().filter_map(|&i| patch.patterns.get(i)).find(|p| is_endless(p));
-        let who = match (endless, always) {
-            (Some(pattern), _) => format!("pattern `{}` repeats without end", pattern.name),
-            (_, Some(voice)) => format!("voice `{}` is always on", voice.name),
-            (None, None) if player.plan().instruments.is_empty() => {
+        // A control stands still, but for a song, which has an end.
+        let moves =
+            |signal: u32| !matches!(player.plan().shared.get(signal as usize), Some(Shared::Control(_)));
+        let watch = player.plan().watches.iter().find(|watch| moves(watch.signal));
+        let who = match (endless, always, watch) {
+            (Some(pattern), ..) => format!("pattern `{}` repeats without end", pattern.name),
+            (_, Some(voice), _) => format!("voice `{}` is always on", voice.name),
+            (.., Some(watch)) => format!("`{}` may set off a voice at any time", watch.name),
+            (None, None, None) if player.plan().instruments.is_empty() => {
                 let what = format!("{}: nothing in this patch plays by itself", loaded.name());
                 let notes = patch.triggers.iter().any(|t| t.on == Source::MidiNote);
                 return Err(Failure::usage(
@@ -92,7 +98,7 @@ impl Until {
                 )
                 .with_code(65));
             }
-            (None, None) => return Ok(Self::Over(patch.render.tail.unwrap_or(0.0))),
+            (None, None, None) => return Ok(Self::Over(patch.render.tail.unwrap_or(0.0))),
         };
         if let Some(seconds) = input {
             return Ok(Self::Seconds(seconds));

@@ -28,6 +28,8 @@ pub struct PlanReport {
     voices: Vec<VoiceReport>,
     shared: SharedReport,
     controls: Vec<ControlReport>,
+    /// Voices that nodes set off.
+    triggers: Vec<WatchReport>,
     /// What the patch listens to; null where that is nothing.
     input: Option<InputReport>,
     channels: usize,
@@ -75,6 +77,19 @@ struct ControlReport {
 }
 
 #[derive(Debug, Serialize)]
+struct WatchReport {
+    /// What sets it off, as the patch has it.
+    on: String,
+    play: String,
+    place: String,
+    /// Seconds during which it does not set it off again.
+    hold: f64,
+    rearm: f64,
+    /// From the instant at which the threshold is passed to the voice's onset.
+    delay_ms: f64,
+}
+
+#[derive(Debug, Serialize)]
 struct OutputReport {
     channel: u32,
     name: String,
@@ -107,7 +122,7 @@ impl OutputReport {
     }
 }
 
-/// Channels listed one by one, at most.
+/// Channels, and nodes that set something off, listed one by one, at most.
 const SHOWN: usize = 16;
 
 impl PlanReport {
@@ -147,6 +162,7 @@ impl PlanReport {
                     smoothing: c.smoothing,
                 })
                 .collect(),
+            triggers: watches(plan, player.engine().watch_delay()),
             input: InputReport::of(loaded, player),
             channels: plan.channels,
             outputs: plan
@@ -198,6 +214,7 @@ impl PlanReport {
         section("voices", self.voice_lines());
         section("controls", self.control_lines());
         section("patterns", lines(&self.patterns));
+        section("set off by nodes", self.watch_lines());
         section("channels", self.channel_lines());
         section("left out, and why", left_out_text(&plan.left_out));
         text
@@ -233,6 +250,24 @@ impl PlanReport {
                 range,
                 format!("within {} ms", 1e3 * c.smoothing),
             ]);
+        }
+        table.text()
+    }
+
+    fn watch_lines(&self) -> String {
+        let mut table = Table::default();
+        for watch in self.triggers.iter().take(SHOWN) {
+            let hold =
+                if watch.hold > 0.0 { format!("; not again within {} s", watch.hold) } else { String::new() };
+            table.row([
+                watch.on.clone(),
+                format!("{} on {}", watch.play, watch.place),
+                format!("{:.2} ms later{hold}", watch.delay_ms),
+            ]);
+        }
+        let more = self.triggers.len().saturating_sub(SHOWN);
+        if more > 0 {
+            table.row(["...".into(), format!("and {more} more")]);
         }
         table.text()
     }
@@ -289,6 +324,18 @@ fn peaks(loaded: &Loaded, name: &str) -> Vec<PeakReport> {
     let actuator = output.and_then(|o| loaded.rig.actuator(o.actuator.as_deref()?));
     let report = |p: &Peak| PeakReport { frequency: p.frequency, gain_db: p.gain_db, q: p.q };
     actuator.map_or(Vec::new(), |a| a.equaliser.iter().map(report).collect())
+}
+
+fn watches(plan: &Plan, delay: f64) -> Vec<WatchReport> {
+    let report = |watch: &pacinian::graph::watch::Watch| WatchReport {
+        on: watch.name.to_string(),
+        play: plan.instruments.get(watch.instrument as usize).map_or(String::new(), |i| i.name.to_string()),
+        place: plan.outputs.get(watch.place as usize).map_or(String::new(), |o| o.name.to_string()),
+        hold: watch.hold,
+        rearm: watch.rearm,
+        delay_ms: 1e3 * delay,
+    };
+    plan.watches.iter().map(report).collect()
 }
 
 fn voices(plan: &Plan) -> Vec<VoiceReport> {

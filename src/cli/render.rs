@@ -30,7 +30,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
     The log of --log has a first line with patch, seed and rates, and set=\"CONTROL=VALUE;...\" after --set, a second with the names of the columns, and a line for each \
     event as it is scheduled: seconds, engine sample and fraction of one; voice, marker or control; the pattern, which of its \
     events (from 1, in the order of the file, so a shuffled pattern shows what landed where) and which alternative of a `choose` \
-    was drawn (from 1); name, tactor, level, frequency, other fields, duration, id. Instants are those of the events: what is felt \
+    was drawn (from 1); name, tactor, level, frequency, other fields, duration, id. Of a voice that a node has set off, the pattern \
+    is what did so, `node.tap rises 0.2`, and the event how often it had; its line comes a little after those of its time. Instants are those of the events: what is felt \
     comes later by the delay in the first line. The same patch and seed give the same log."
 )]
 pub struct Render {

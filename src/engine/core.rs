@@ -10,6 +10,7 @@ use super::refusal::Refusal;
 use super::roster::Roster;
 use super::stage::Stage;
 use super::task::Board;
+use super::watch::{self, Watcher};
 use super::workspace::{BLOCK, Workspace};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
@@ -58,6 +59,7 @@ pub struct Core<R: Real> {
     controls: Vec<Ramp<R>>,
     work: Workspace<R>,
     latest: Vec<R>,
+    watcher: Watcher,
     declick: Declick<R>,
     stage: Stage,
     tasks: Roster,
@@ -102,6 +104,7 @@ impl<R: Real> Core<R> {
             controls,
             work: Workspace::new(buffers, plan.shared.len(), plan.channels),
             latest: vec![R::ZERO; plan.shared.len()],
+            watcher: Watcher::new(plan, rate),
             declick: Declick::new(groups),
             stage: Stage::new(plan, isa)?,
             tasks: Roster::default(),
@@ -125,6 +128,11 @@ impl<R: Real> Core<R> {
     /// The periodic tasks.
     pub fn tasks(&mut self) -> &mut Roster {
         &mut self.tasks
+    }
+
+    /// What signals set off.
+    pub fn watcher(&mut self) -> &mut Watcher {
+        &mut self.watcher
     }
 
     /// Engine samples a second.
@@ -165,7 +173,8 @@ impl<R: Real> Core<R> {
     /// Whether nothing sounds, nothing waits and nothing rings.
     pub fn is_silent(&self) -> bool {
         let lasts = |end: Instant| end.ceiling() >= self.clock;
-        let waits = !self.queue.is_empty() || !self.ends.is_empty() || self.outlasted.is_some_and(lasts);
+        let due = !self.queue.is_empty() || !self.ends.is_empty() || !self.watcher.is_empty();
+        let waits = due || self.outlasted.is_some_and(lasts);
         !waits && self.banks.iter().all(Bank::is_idle) && self.stage.is_asleep()
     }
 
@@ -215,7 +224,11 @@ impl<R: Real> Core<R> {
             let left = (samples - done) as u64;
             let end = self.ends.next().map_or(u64::MAX, Instant::ceiling);
             let next = self.queue.next().unwrap_or(u64::MAX).min(end).min((self.clock / GRID + 1) * GRID);
-            let next = next.min(self.tasks.next(self.clock + 1));
+            let mut next = next.min(self.tasks.next(self.clock + 1));
+            if !self.watcher.is_idle() {
+                let start = self.watcher.next().map_or(u64::MAX, Instant::ceiling);
+                next = next.min(start).min(self.clock + watch::STRETCH);
+            }
             let frames = (next - self.clock).min(left) as usize;
             self.render(frames, done, input);
             if let Some(old) = &mut leaving {
@@ -292,6 +305,8 @@ impl<R: Real> Core<R> {
             }
         }
         (self.outlasted, self.settled) = (old.outlasted, old.settled);
+        let (from, same) = (&inheritance.watches, inheritance.same_signals);
+        self.counters.dropped += self.watcher.adopt(&mut old.watcher, from, same, self.clock);
         std::mem::swap(&mut self.queue, &mut old.queue);
         let instrument = |old: u32| {
             let of_old = |i: &Option<(usize, _)>| i.as_ref().is_some_and(|(from, _)| *from == old as usize);
@@ -341,19 +356,36 @@ impl<R: Real> Core<R> {
         self.tasks.run(clock, &mut Board { controls: &mut self.controls, latest: &self.latest, clock });
     }
 
-    /// Events and ends of voices that are due before the next sample, in order of time; ends first where they fall together.
+    /// Events, ends of voices and what signals set off that are due before the next sample, in order of time; where they fall together,
+    /// ends come first and what signals set off last.
     fn run_events(&mut self) {
         loop {
+            let (event, start) = (self.queue.first(), self.watcher.next());
             let end = self.ends.next().filter(|end| end.ceiling() <= self.clock);
             if let Some(end) = end
-                && self.queue.first().is_none_or(|event| end <= event)
+                && event.is_none_or(|event| end <= event)
+                && start.is_none_or(|start| end <= start)
             {
                 self.end_next();
+            } else if let Some(start) = start
+                && start.ceiling() <= self.clock
+                && event.is_none_or(|event| start < event)
+            {
+                self.cross();
             } else if let Some(entry) = self.queue.pop_due(self.clock) {
                 self.handle(entry.at, entry.what);
             } else {
                 return;
             }
+        }
+    }
+
+    /// Starts what a signal has set off next.
+    fn cross(&mut self) {
+        match self.watcher.begin(self.clock) {
+            Some((at, Some(play))) => self.play(&play, at),
+            Some((_, None)) => self.counters.dropped += 1,
+            None => {}
         }
     }
 
@@ -482,6 +514,26 @@ impl<R: Real> Core<R> {
                 }
             }
         }
+        if !self.watcher.is_idle() {
+            self.watch(frames);
+        }
         self.sound(frames, offset);
+    }
+
+    /// Looks at the signals that are watched, as they are before what is no number in them becomes 0.
+    fn watch(&mut self, frames: usize) {
+        let Self { watcher, sources, shared, work, clock, counters, .. } = self;
+        let dropped = watcher.look(*clock, frames, |signal| {
+            let output = match (sources.get(signal)?, &*shared) {
+                (Shared::Node(output), Some(shared)) => shared.output(*output as usize),
+                _ => None,
+            };
+            let buffer = match output {
+                Some(Feed::Buffer(b)) => work.buffers.get(b as usize)?,
+                _ => work.shared.get(signal)?,
+            };
+            Some(|frame: usize| buffer.at(frame)[0].wide())
+        });
+        counters.dropped += dropped;
     }
 }

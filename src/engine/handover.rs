@@ -5,12 +5,15 @@
 //! values, waiting events keep their times. Voices that have no counterpart fall silent within 4 ms in the old engine, which
 //! then goes back to the control thread to be freed.
 
+use std::collections::{HashMap, VecDeque};
 use std::fmt;
+use std::sync::Arc;
 
 use super::Engine;
 use super::vibration::single;
 use crate::graph::plan::Plan;
 use crate::graph::program::Program;
+use crate::graph::watch::Watch;
 
 /// What a new plan takes over from an old one.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -21,6 +24,10 @@ pub(crate) struct Inheritance {
     pub shared: Vec<Option<usize>>,
     /// For each control: the old control.
     pub controls: Vec<Option<usize>>,
+    /// For each watch of the old plan: the new one that waits for the same.
+    pub watches: Vec<Option<usize>>,
+    /// Whether engine-wide signals are computed as they were.
+    pub same_signals: bool,
     /// The most that leaves each channel, where that differs.
     pub levels: Option<Vec<f32>>,
     /// Whether both plans compute the same, so that nothing can jump.
@@ -104,11 +111,24 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     let shared = ops(&old.shared_program, &new.shared_program);
     let levels = new.max_levels();
     let levels = (old.max_levels() != levels).then(|| levels.into_iter().map(single).collect());
-    let unchanged = old.instruments == new.instruments
-        && old.shared_program == new.shared_program
-        && old.shared == new.shared
-        && old.places == new.places;
-    Ok(Handover { engine, inheritance: Inheritance { instruments, shared, controls, levels, unchanged } })
+    let same_signals = old.shared_program == new.shared_program && old.shared == new.shared;
+    let unchanged = old.instruments == new.instruments && same_signals && old.places == new.places;
+    let watches = watches(old, new);
+    let inheritance = Inheritance { instruments, shared, controls, watches, same_signals, levels, unchanged };
+    Ok(Handover { engine, inheritance })
+}
+
+/// For each watch of an old plan the new one with the same signal, threshold, direction and voice that has not been given away.
+fn watches(old: &Plan, new: &Plan) -> Vec<Option<usize>> {
+    let key = |plan: &Plan, watch: &Watch| {
+        let voice = plan.instruments.get(watch.instrument as usize).map(|i| Arc::clone(&i.name));
+        (Arc::clone(&watch.name), voice)
+    };
+    let mut known: HashMap<_, VecDeque<usize>> = HashMap::new();
+    for (place, watch) in new.watches.iter().enumerate() {
+        known.entry(key(new, watch)).or_default().push_back(place);
+    }
+    old.watches.iter().map(|watch| known.get_mut(&key(old, watch))?.pop_front()).collect()
 }
 
 /// For each new op the old op of the same name, type and settings that has not been given away.

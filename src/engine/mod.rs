@@ -23,6 +23,7 @@ pub mod stage;
 pub mod task;
 mod triggers;
 pub mod vibration;
+pub mod watch;
 #[doc(hidden)] // for benches/engine.rs
 pub mod workspace;
 
@@ -31,6 +32,7 @@ use std::sync::Arc;
 
 use crate::dsp::isa::Isa;
 use crate::graph::plan::{Plan, Precision};
+use crate::graph::watch::LATENCY;
 use crate::node::kernel::LEAD;
 use crate::schedule::Instant;
 use core::Core;
@@ -40,6 +42,7 @@ use listener::Listener;
 use refusal::Refusal;
 use stage::Stage;
 use task::Task;
+use watch::Crossing;
 
 pub use roster::Duty;
 use workspace::BLOCK;
@@ -237,6 +240,29 @@ impl Engine {
     /// Seconds by which what comes in is late at the nodes that read it.
     pub fn input_delay(&self) -> f64 {
         self.listener.delay() / (each!(self, core => core.rate()) * self.ratio as f64)
+    }
+
+    /// Seconds from the instant at which a signal passes a threshold to the onset of the voice that this sets off, of the plan's
+    /// [watches](crate::graph::watch::Watch).
+    pub fn watch_delay(&self) -> f64 {
+        LATENCY as f64 / each!(self, core => core.rate())
+    }
+
+    /// What signals have set off since this was asked last, in order of its onsets; some 4,000 are kept. It is that of the plan that
+    /// plays: to be asked before another takes over.
+    pub fn crossings(&mut self) -> std::vec::Drain<'_, Crossing> {
+        each!(mut self, core => core.watcher().begun())
+    }
+
+    /// How much of what signals have set off was not kept.
+    pub fn unkept_crossings(&mut self) -> u64 {
+        each!(mut self, core => core.watcher().unkept())
+    }
+
+    /// Signals set off nothing more that would begin at `until` or later.
+    #[cfg_attr(not(feature = "report"), allow(dead_code))]
+    pub(crate) fn watch_until(&mut self, until: Instant) {
+        each!(mut self, core => core.watcher().end_at(until));
     }
 
     /// Makes room to take over the voices of another engine. It allocates.

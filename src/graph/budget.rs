@@ -20,6 +20,10 @@ const ROWS: u64 = 64;
 const STAGE: u64 = 16 << 10;
 const ENGINE: u64 = 4 << 20;
 
+/// What it takes to watch a signal, with what waits to begin; and what keeps what has begun, where there is any.
+const WATCH: u64 = 576;
+const BEGUN: u64 = 576 << 10;
+
 /// What an engine will take, as an estimate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Need {
@@ -95,6 +99,8 @@ fn of<R: Real>(plan: &Plan) -> Need {
     let programs = plan.instruments.iter().map(|i| &i.program).chain([&plan.shared_program]);
     let buffers = programs.map(buffers).max().unwrap_or(0) + plan.shared.len() as u64;
     bytes = bytes.saturating_add(buffers.saturating_mul(ROWS * LANES as u64 * real));
+    let watches = plan.watches.len() as u64;
+    bytes = bytes.saturating_add(watches.saturating_mul(WATCH) + if watches > 0 { BEGUN } else { 0 });
 
     let mut add = |program: &Program, groups: u64, routes: u64, share: Share| {
         let mut greatest = (0, None);

@@ -13,6 +13,7 @@ pub mod program;
 mod prune;
 pub mod scene;
 pub mod start;
+pub mod watch;
 
 use std::sync::Arc;
 

@@ -21,9 +21,9 @@ pub fn not_yet(patch: &Patch, rig: &Rig) -> Vec<LeftOut> {
             | Source::MidiNote
             | Source::MidiProgram(_)
             | Source::MidiController { .. }
-            | Source::Osc(_) => continue,
-            Source::KnobDetent => "knob.detent".into(),
-            Source::Node { node, .. } => format!("node.{node}"),
+            | Source::Osc(_)
+            | Source::Node { .. } => continue,
+            Source::KnobDetent => "knob.detent",
         };
         say(true, format!("trigger `{on}` of `{}`", trigger.play));
     }
@@ -62,7 +62,8 @@ pub fn never_fed(patch: &Patch, rig: &Rig, voices: &BTreeSet<usize>) -> Vec<Left
     for &v in voices {
         reach(patch.voices[v].place.as_ref());
     }
-    for trigger in patch.triggers.iter().filter(|t| t.on == Source::Start && t.place.is_some()) {
+    let sets_off = |on: &Source| matches!(on, Source::Start | Source::Node { .. });
+    for trigger in patch.triggers.iter().filter(|t| sets_off(&t.on) && t.place.is_some()) {
         reach(trigger.place.as_ref());
     }
     for pattern in &patch.patterns {

@@ -9,6 +9,7 @@ use crate::node::motion::Motion;
 
 use super::order::depth_first;
 use super::program::{Program, program};
+use super::watch::Watch;
 use super::{Base, Graph, NodeId, Signal, Wire, fold, late, onset, prune};
 
 /// The number type of the lanes.
@@ -26,8 +27,8 @@ pub enum Precision {
 /// What [`crate::graph::scene::scene`] makes holds together, and whoever makes one by hand must see to it: channels of
 /// [`Plan::places`] and [`Plan::outputs`] lie below [`Plan::channels`], every [`Shared::Control`] names one of [`Plan::controls`],
 /// rates, voices and ranges are those of an engine (which refuses other plans); every [`Shared::Node`] names an output of
-/// [`Plan::shared_program`]; programs read only signals that [`Plan::shared`] has. A place, an instrument or a marker that an event
-/// names and that is not there is passed over.
+/// [`Plan::shared_program`]; programs read only signals that [`Plan::shared`] has. A place, an instrument or a marker that an event or a
+/// watch names and that is not there is passed over.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// Frames a second of the device or file.
@@ -48,6 +49,8 @@ pub struct Plan {
     pub shared_program: Program,
     /// Live parameters.
     pub controls: Vec<Control>,
+    /// Voices that engine-wide signals set off.
+    pub watches: Vec<Watch>,
     /// The voices' programs.
     pub instruments: Vec<Instrument>,
     /// Gain rows: a place as channels (from 0) with gains.
@@ -221,6 +224,8 @@ pub enum Why {
     NeverTriggered,
     /// Nothing reads it.
     NeverRead,
+    /// It never moves, so it never passes a threshold.
+    NeverCrosses,
     /// It is read and checked, and nothing acts on it yet.
     NotYet,
     /// Outputs of this kind are not rendered yet.
@@ -235,6 +240,7 @@ impl fmt::Display for Why {
             Self::NeverFed => "nothing feeds it",
             Self::NeverTriggered => "nothing starts it",
             Self::NeverRead => "nothing reads it",
+            Self::NeverCrosses => "its node never moves, so it never crosses",
             Self::NotYet => "nothing acts on it yet",
             Self::NotRendered => "outputs of its kind are not rendered yet; it stays at zero",
         })

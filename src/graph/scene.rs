@@ -8,10 +8,11 @@ use super::build::{self, Want, Wanted};
 use super::not_yet::{never_fed, not_yet};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
+use super::watch::{self, Watch};
 use crate::dsp::biquad::Biquad;
 use crate::node::NodeKind;
 use crate::node::asset::Assets;
-use crate::patch::{Action, Events, Patch, Scope, Source, Start};
+use crate::patch::{Action, Events, Patch, Scope, Source, Start, Trigger};
 use crate::rig::{self, Finder, RATES, Rig, usual_ratio};
 use crate::text::{Problem, Problems};
 
@@ -96,7 +97,8 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     }
     let mut left_out = Vec::new();
     let patterns = patterns(patch, options, &mut problems);
-    let voices = voices(patch, &patterns, options.live, &mut left_out);
+    let (watched, still) = watch::split(patch, assets, engine_rate);
+    let voices = voices(patch, &patterns, &watched, options.live, &mut left_out);
 
     let mut wanted = Wanted::default();
     let scope = Scope::new(patch, None);
@@ -134,6 +136,12 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
             Err(why) => problems.push(Problem::error(&voice.span, format!("voice `{}`: {why}", voice.name))),
         }
     }
+    let watches = watches(patch, rig, &finder, &watched, &of_voice, &mut wanted, &mut problems);
+    left_out.extend(still.iter().filter_map(|place| {
+        let trigger = patch.triggers.get(*place)?;
+        let what = format!("trigger `{}` of `{}`", watch::words(trigger)?, trigger.play);
+        Some(LeftOut { what, why: Why::NeverCrosses })
+    }));
     let (shared, shared_program) =
         shared(patch, &mut wanted, assets, device_rate / ratio as f64, &mut left_out, &mut problems);
     let (shared, controls) = controls(patch, shared, &mut left_out);
@@ -162,6 +170,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         shared,
         shared_program,
         controls,
+        watches,
         instruments,
         places: rig.outputs.iter().map(place).collect(),
         outputs,
@@ -275,8 +284,9 @@ fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Ve
     let started: Vec<usize> =
         patch.triggers.iter().filter(|t| t.on == Source::Start).filter_map(|t| find(&t.play)).collect();
     let any_start = patch.triggers.iter().any(|t| t.on == Source::Start);
-    // Where keys and messages play, patterns wait for them.
-    let waits = options.live && !patch.triggers.is_empty();
+    // Where keys and messages play, patterns wait for them. What a node sets off is a voice.
+    let sets_off = |trigger: &Trigger| !matches!(trigger.on, Source::Node { .. });
+    let waits = options.live && patch.triggers.iter().any(sets_off);
     let mut playing = if any_start || waits || patch.patterns.is_empty() { started } else { vec![0] };
     // What a clock starts is ready for it.
     let clocked = patch.patterns.iter().enumerate().filter(|(_, pattern)| pattern.follows).map(|(i, _)| i);
@@ -289,7 +299,14 @@ fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Ve
 }
 
 /// The voices that may sound: those of the patterns that play, of triggers, and those that always do.
-fn voices(patch: &Patch, patterns: &[usize], live: bool, left_out: &mut Vec<LeftOut>) -> BTreeSet<usize> {
+/// `watched`: the triggers that nodes may set off, by their places.
+fn voices(
+    patch: &Patch,
+    patterns: &[usize],
+    watched: &[usize],
+    live: bool,
+    left_out: &mut Vec<LeftOut>,
+) -> BTreeSet<usize> {
     let voices = places(patch.voices.iter().map(|v| v.name.as_str()));
     let patterns_by_name = places(patch.patterns.iter().map(|p| p.name.as_str()));
     let voice = |name: &str| voices.get(name).copied();
@@ -303,6 +320,7 @@ fn voices(patch: &Patch, patterns: &[usize], live: bool, left_out: &mut Vec<Left
         open.extend(0..patch.patterns.len());
     }
     found.extend(patch.triggers.iter().filter(|t| t.on == Source::Start).filter_map(|t| voice(&t.play)));
+    found.extend(watched.iter().filter_map(|place| voice(&patch.triggers.get(*place)?.play)));
     while let Some(p) = open.pop() {
         if !played.insert(p) {
             continue;
@@ -343,6 +361,39 @@ fn voices(patch: &Patch, patterns: &[usize], live: bool, left_out: &mut Vec<Left
             .map(|(_, p)| unused("pattern", &p.name)),
     );
     found
+}
+
+/// What engine-wide signals set off: triggers by their places in the patch.
+fn watches(
+    patch: &Patch,
+    rig: &Rig,
+    finder: &Finder,
+    watched: &[usize],
+    of_voice: &[Option<u32>],
+    wanted: &mut Wanted,
+    problems: &mut Vec<Problem>,
+) -> Vec<Watch> {
+    let scope = Scope::new(patch, None);
+    let voices = places(patch.voices.iter().map(|v| v.name.as_str()));
+    let mut watches = Vec::with_capacity(watched.len());
+    for trigger in watched.iter().filter_map(|place| patch.triggers.get(*place)) {
+        let voice = voices
+            .get(trigger.play.as_str())
+            .and_then(|v| Some((patch.voices.get(*v)?, (*of_voice.get(*v)?)?)));
+        // That of a voice which could not be built has been told of.
+        let Some((voice, instrument)) = voice else { continue };
+        let (place, span) = match &trigger.place {
+            Some(place) => (Some(place), &trigger.span),
+            None => (voice.place.as_ref(), &voice.place_span),
+        };
+        match rig.resolve_by(finder, place, span) {
+            Ok(place) => {
+                watches.extend(watch::watch(trigger, voice, &scope, wanted, instrument, place as u32))
+            }
+            Err(problem) => problems.push(problem),
+        }
+    }
+    watches
 }
 
 /// How long a voice's delays may be silent and still bring something: their longest times, one after the other.

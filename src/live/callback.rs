@@ -14,6 +14,7 @@ use super::lever::Obeyed;
 use super::relief::Relieved;
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Stagehand;
+use crate::engine::watch::Crossing;
 use crate::schedule::Instant;
 
 /// Sources of events, in the order in which they go at the same instant.
@@ -59,6 +60,8 @@ pub enum Deed {
         /// What it is.
         event: Event,
     },
+    /// A signal of the engine set off a voice, by itself: nobody gave the engine an event.
+    Crossing(Crossing),
     /// It told the gate something.
     Order(Order),
     /// It let a new plan take over.
@@ -88,6 +91,8 @@ pub struct Callback {
     plan: u64,
     /// Events that came too late for their plan.
     outdated: u64,
+    /// What signals have set off and the engine did not keep, as of the last time.
+    unkept: u64,
     /// Frames given out.
     frames: u64,
     /// Tasks above this rank rest.
@@ -134,6 +139,7 @@ impl Callback {
             channels,
             plan: 0,
             outdated: 0,
+            unkept: 0,
             frames: 0,
             shed: u8::MAX,
         };
@@ -177,6 +183,7 @@ impl Callback {
             self.take_cues();
         }
         self.stagehand.compute(input, output);
+        self.tell_crossings();
         if let Some(record) = &mut self.record_input {
             let channels = self.stagehand.engine().input_channels().max(1);
             let frames = output.len() / self.channels.max(1);
@@ -252,6 +259,18 @@ impl Callback {
                 self.tell(Deed::Event { at, due, source, event });
             }
         }
+    }
+
+    /// Tells what signals have set off in the frames that were just computed.
+    fn tell_crossings(&mut self) {
+        let mut untold = 0;
+        for crossing in self.stagehand.engine().crossings() {
+            let report = Report { frame: self.frames, deed: Deed::Crossing(crossing) };
+            untold += u64::from(self.reports.try_push(report).is_err());
+        }
+        let unkept = self.stagehand.engine().unkept_crossings();
+        untold += unkept - std::mem::replace(&mut self.unkept, unkept).min(unkept);
+        self.board.untold.add(untold);
     }
 
     fn tell(&mut self, deed: Deed) {

@@ -3,7 +3,7 @@
 //! It turns the moments at which signals arrived into frames, lets the performer make events of them, and sends those to the
 //! callback ahead of their time. It compiles nothing and waits for nothing but signals.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
@@ -11,7 +11,7 @@ use std::time::Duration;
 use ringbuf::traits::{Consumer, Observer, Producer};
 
 use super::board::Board;
-use super::callback::{Cue, Report, Rings, SOURCES};
+use super::callback::{Cue, Deed, Report, Rings, SOURCES};
 use super::clock::{Moment, StreamClock};
 use super::gate::UNARMED;
 use super::reload::Reload;
@@ -19,7 +19,7 @@ use super::signal::{Handle, Origin, Signal, Stamped, WAITING};
 use super::stamp::{Epoch, Stamp};
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Director;
-use crate::performer::{Outlet, Performer, When};
+use crate::performer::{Callings, Outlet, Performer, When};
 use crate::schedule::Instant;
 use crate::text::Problem;
 
@@ -74,6 +74,9 @@ pub struct Conductor {
     patterns: HashMap<u64, u64>,
     /// The serial numbers of the patterns that it told of last.
     playing: Vec<u64>,
+    /// What the plan that sounds calls things, and those that have not taken over yet.
+    callings: Callings,
+    next: VecDeque<Callings>,
     /// Plans that were sent after the first.
     plan: u64,
     /// One that waits until an engine has come back.
@@ -124,6 +127,7 @@ impl Conductor {
         let handle = Handle::new(out, epoch, Arc::clone(board));
         let plan = performer.plan();
         let (rate, ratio) = (plan.engine_rate(), plan.ratio as f64);
+        let callings = Callings::of(plan);
         let conductor = Self {
             performer,
             director,
@@ -136,6 +140,8 @@ impl Conductor {
             voices: BTreeMap::new(),
             patterns: HashMap::from([(0, 0)]),
             playing: Vec::new(),
+            callings,
+            next: VecDeque::new(),
             plan: 0,
             waiting: None,
             rate,
@@ -179,6 +185,15 @@ impl Conductor {
     fn hear(&mut self) {
         let moment = self.clock.moment();
         while let Some(report) = self.rings.reports.try_pop() {
+            match &report.deed {
+                Deed::Swap => {
+                    if let Some(callings) = self.next.pop_front() {
+                        self.callings = callings;
+                    }
+                }
+                Deed::Crossing(crossing) => self.performer.tell_crossing(&self.callings, crossing),
+                Deed::Event { .. } | Deed::Order(_) => {}
+            }
             (self.audience)(Told::Report(&report, moment));
         }
         // The callback at this moment had not done anything yet; what those before it did has been told.
@@ -353,6 +368,7 @@ impl Conductor {
             Ok(false) => self.waiting = Some(reload),
             Ok(true) => {
                 self.plan += 1;
+                self.next.push_back(Callings::of(&reload.scene.plan));
                 (self.audience)(Told::Reloading(&reload));
                 let Reload { scene, patch, rig, files, .. } = *reload;
                 // Those that play on may be called otherwise now.

@@ -73,7 +73,7 @@ impl<'a> Advice<'a> {
         let mut fields = Vec::new();
         let mut level = None;
         for (field, expr, span) in &trigger.set {
-            match (field.as_str(), expr.constant()) {
+            match (field.as_str(), expr.value(&|name| trigger.on.known(name))) {
                 ("level", value) => level = value,
                 (name, Some(value)) => fields.push((name, value, span)),
                 (_, None) => {}
@@ -222,9 +222,11 @@ fn longest(patch: &Patch) -> HashMap<&str, f64> {
     for trigger in &patch.triggers {
         let Some(default) = defaults.get(trigger.play.as_str()) else { continue };
         let said = trigger.set.iter().find(|(field, ..)| field == "duration");
-        let seconds = said.map_or(Some(*default), |(_, expr, _)| expr.constant());
+        let known = |name: &str| trigger.on.known(name);
+        let seconds = said.map_or(Some(*default), |(_, expr, _)| expr.value(&known));
         // Whoever sets it off may hold it.
-        let seconds = seconds.filter(|_| trigger.on == Source::Start).unwrap_or(f64::INFINITY);
+        let holds = !matches!(trigger.on, Source::Start | Source::Node { .. });
+        let seconds = seconds.filter(|_| !holds).unwrap_or(f64::INFINITY);
         longest.entry(&trigger.play).and_modify(|l| *l = l.max(seconds)).or_insert(seconds);
     }
     longest.retain(|_, seconds| seconds.is_finite());

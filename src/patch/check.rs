@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::crossing;
 use super::cycle::{chain, cycles};
 use super::expr::Reads;
 use super::names::{Names, no_field};
@@ -383,14 +384,15 @@ impl Check<'_> {
             );
         }
         if let Source::Node { node, .. } = &trigger.on
-            && !matches!(shared.find(node), Some(Target::Shared(_)))
+            && !matches!(shared.find(node), Some(Target::Shared(_) | Target::Control(_)))
             && !self.broken.contains(node.as_str())
         {
-            let what = format!("there is no shared node `{node}` to set off a trigger");
+            let what = format!("there is no shared node `{node}`, and no control, to set off a trigger");
             let help = self.suggest(node, shared.names());
             self.error(&trigger.on_span, what, help);
         }
         let of_pattern = voice.is_none() && names.pattern(&trigger.play).is_some();
+        crossing::check(trigger, of_pattern, &mut self.problems);
         if of_pattern && trigger.place.is_some() {
             let what = format!("a trigger cannot say where pattern `{}` plays", trigger.play);
             self.error(&trigger.span, what, "its events say so, or their voices".to_string());
@@ -404,7 +406,7 @@ impl Check<'_> {
                 );
                 self.error(span, what, help);
             }
-            if let (Some(_), Some(value)) = (voice, expr.constant()) {
+            if let (Some(_), Some(value)) = (voice, expr.value(&|name| trigger.on.known(name))) {
                 let (least, most) = match field.as_str() {
                     "level" => (0.0, 100.0),
                     "duration" => (0.0, 1e6),
@@ -435,7 +437,9 @@ impl Check<'_> {
                 Reads::Touch(_) => unknown.push(("touch", span)),
             });
             for (name, span) in unknown {
-                let help = if known.is_empty() {
+                let help = if matches!(shared.find(name), Some(Target::Shared(_) | Target::Control(_))) {
+                    format!("`set` is worked out when the voice begins; let its nodes read `{name}`")
+                } else if known.is_empty() {
                     "it gives nothing to read".into()
                 } else {
                     format!("it gives {}", listed(known))

@@ -8,6 +8,7 @@ pub(crate) mod advice;
 pub(crate) mod bind;
 mod check;
 pub(crate) mod control;
+mod crossing;
 mod cycle;
 pub(crate) mod event;
 pub(crate) mod events_file;
@@ -239,13 +240,13 @@ impl Patch {
         self.triggers.iter().any(set_off) || self.binds.iter().any(|bind| !matches!(bind.from, Mover::Osc(_)))
     }
 
-    /// Every place that stands in it, with where it stands: of voices, of events, of triggers that are set off by the start.
+    /// Every place that stands in it, with where it stands: of voices, of events, of triggers that are set off by the start or by a node.
     pub fn each_place(&self, mut see: impl FnMut(&Place, &Span)) {
         for voice in &self.voices {
             voice.place.iter().for_each(|place| see(place, &voice.place_span));
         }
         self.each_play(|play, _| play.place.iter().for_each(|place| see(place, &play.place_span)));
-        for trigger in self.triggers.iter().filter(|t| t.on == Source::Start) {
+        for trigger in self.triggers.iter().filter(|t| matches!(t.on, Source::Start | Source::Node { .. })) {
             trigger.place.iter().for_each(|place| see(place, &trigger.span));
         }
     }

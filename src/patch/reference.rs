@@ -238,7 +238,8 @@ pub const TOPICS: &[Topic] = &[
         doc: "What starts a voice or a pattern.",
         text: "`on` is one of these:\n\n\
                - start: the beginning. Where any trigger says so, only those patterns play by themselves\n\
-               - node.NAME rises 0.3, node.NAME falls 0.3: a shared node passes a threshold; `set` may read `value`\n\
+               - node.NAME rises 0.3, node.NAME falls 0.3: a shared node, or a control, passes a threshold; `set` may read `value`, which is \
+               the threshold. It plays a voice, no pattern\n\
                - midi.note: a note begins; `set` may read `note`, `pitch` (its frequency in Hz, with its bend unless the voice reads \
                touch.bend by itself), `velocity`, `channel`, and how it is bent and pressed then: `bend` (semitones), `pressure` and `timbre` \
                (0 to 1)\n\
@@ -255,9 +256,16 @@ pub const TOPICS: &[Topic] = &[
                silences what its channel has started, voices that die away and patterns included, and a reset, or a cable that had promised to stay \
                and is lost, what its port has started: to less than a hundredth within 5 ms, and to exact zeros where nothing else sounds. Voices that are always on, what plays from the beginning \
                and what other ports, keys or programs have started go on.\n\n\
+               A node is looked at sample by sample, at the engine's rate. Where one sample lies short of the threshold and the next on it or \
+               beyond, the instant is where a straight line between the two passes it, and the voice begins 8 samples of the engine after \
+               that, 1 ms at 8000 Hz: always the same, however the card asks for its frames. To set off a voice again it must have come \
+               back, below the threshold for one that rises, or as far as `rearm`; within `hold` seconds of an onset nothing is set off \
+               again, which keeps the tremble of a sensor from many onsets. Where it stands at the beginning, or as another text of the \
+               patch takes over, sets nothing off. A value that is no number sets nothing off, and a node that never moves is left out. \
+               More than 1024 voices in 8 ms are not set off: the rest is counted as dropped.\n\n\
                In `pacinian play` and with `--midi`, no pattern begins by \
-               itself in a patch that has triggers, but those with start.\n\n\
-               Nodes and knobs set nothing off yet; they are read and checked.",
+               itself in a patch that has triggers, but those with start, unless all of them are set off by nodes.\n\n\
+               Knobs set nothing off yet; they are read and checked.",
         tables: &[&trigger::TABLE],
         example: "[shared.nodes]\n\
                   breath = { type = \"lfo\", rate = 0.5 }\n\
@@ -266,7 +274,8 @@ pub const TOPICS: &[Topic] = &[
                   on = \"node.breath rises 0.3\"\n\
                   play = \"tap\"\n\
                   place = \"t2\"\n\
-                  set = { frequency = \"100 + 50 * value\" }",
+                  hold = 0.05\n\
+                  set = { frequency = 80, level = 0.5 }",
     },
     Topic {
         name: "bind",

@@ -29,6 +29,10 @@ pub struct Trigger {
     pub notes: Option<[u8; 2]>,
     /// Whether what it plays goes to different tactors.
     pub spread: Spread,
+    /// Seconds after it was set off by a node during which that does not set it off again; 0: none.
+    pub hold: f64,
+    /// What a node must come back to before it can set it off again; `None`: the threshold.
+    pub rearm: Option<f64>,
     /// Where it stands.
     pub span: Span,
 }
@@ -44,6 +48,9 @@ pub enum Spread {
     /// By MIDI channel: channel 1 on the first tactor, and round and round.
     Channels,
 }
+
+/// The longest [`Trigger::hold`], seconds.
+pub(super) const MOST_HOLD: f64 = 3600.0;
 
 const SPREADS: [Spread; 3] = [Spread::Off, Spread::Notes, Spread::Channels];
 
@@ -71,9 +78,9 @@ pub enum Source {
     Osc(String),
     /// The knob passes a detent.
     KnobDetent,
-    /// A shared node passes a threshold.
+    /// A shared node, or a control, passes a threshold.
     Node {
-        /// The shared node.
+        /// The shared node or control.
         node: String,
         /// Upwards; else downwards.
         rises: bool,
@@ -115,6 +122,19 @@ pub static TABLE: Table = Table {
             Form::Word(&["off", "notes", "channels"]),
             "",
             "Spreads what it plays over the tactors of the rig, in their order, by note or by MIDI channel.",
+        ),
+        Field::new(
+            "hold",
+            Form::number(0.0, 0.0, MOST_HOLD),
+            "s",
+            "For a node: so long after it has set this off, it does not do so again.",
+        ),
+        Field::new(
+            "rearm",
+            Form::any_number(-1e9, 1e9),
+            "",
+            "For a node: what it must come back to, below (or above) its threshold, before it can set this off again; the threshold where \
+             nothing is said.",
         ),
     ],
     others: None,
@@ -180,6 +200,15 @@ impl Source {
         }
         Err("nothing like that sets off a trigger".into())
     }
+
+    /// What is known beforehand of what [`Source::names`] says: a node stands at its threshold as it passes it.
+    pub(crate) fn known(&self, name: &str) -> Option<f64> {
+        match (self, name) {
+            (Self::Node { threshold, .. }, "value") => Some(*threshold),
+            _ => None,
+        }
+    }
+
     /// Whether it comes from outside while a patch plays: a key, MIDI, OSC.
     pub fn is_live(&self) -> bool {
         match self {
@@ -277,6 +306,8 @@ pub(crate) fn read(reader: &Reader) -> Option<Trigger> {
             channel: None,
             notes: None,
             spread: Spread::Off,
+            hold: 0.0,
+            rearm: None,
             span: reader.span.clone(),
         });
     };
@@ -285,6 +316,8 @@ pub(crate) fn read(reader: &Reader) -> Option<Trigger> {
         channel: reader.count("channel").and_then(|n| u8::try_from(n).ok()),
         notes: notes(reader),
         spread: SPREADS.get(reader.word("spread")).copied().unwrap_or_default(),
+        hold: reader.number("hold").unwrap_or(0.0),
+        rearm: reader.number("rearm"),
         play: reader.text("play")?.into(),
         play_span: reader.span_of("play"),
         on,

@@ -4,17 +4,17 @@ use crate::node::motion::Motion;
 use crate::schedule::Instant;
 
 /// Hears of every event as it is given to the engine: those of the patterns in order of their time, those of the program
-/// in between.
+/// in between; and of voices that signals have set off, a little after they began.
 pub type Listener = Box<dyn FnMut(&Heard<'_>) + Send>;
 
-/// An event that was given to the engine.
+/// An event that was given to the engine, or arose in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Heard<'a> {
     /// Seconds from the beginning, as the patterns have it.
     pub at: f64,
     /// The same on the engine's clock.
     pub instant: Instant,
-    /// The pattern it comes from; `None` for what a trigger or the program plays.
+    /// The pattern it comes from, or the signal that set it off; `None` for what any other trigger or the program plays.
     pub origin: Option<Origin<'a>>,
     /// The id of the voice, or the serial number of the marker in its score; `None` for what has none.
     pub id: Option<u64>,
@@ -25,7 +25,7 @@ pub struct Heard<'a> {
 /// Where in the patterns an event stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Origin<'a> {
-    /// The pattern.
+    /// The pattern; of what a signal has set off, what did so, `node.breath rises 0.3`, and `event` counts how often.
     pub pattern: &'a str,
     /// Which of its events, from 0, in the order of the file; in a shuffled pattern, the one that landed here.
     pub event: u64,

@@ -5,6 +5,7 @@
 
 mod beats;
 mod clocked;
+mod crossed;
 mod hands;
 mod heard;
 mod note;
@@ -34,6 +35,7 @@ use crate::score::{EventStream, HORIZON, Root, Score};
 use crate::text::Problem;
 
 use clocked::Clocked;
+pub use crossed::Callings;
 use hands::Hands;
 pub use heard::{Happening, Heard, Listener, Origin};
 pub use note::Note;

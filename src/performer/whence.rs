@@ -1,7 +1,8 @@
 //! Where something that sounds was started, as its voices' ids say.
 //!
 //! A voice is known to the engine by its id alone. So that what a channel or a port of MIDI has started can fall silent at one word,
-//! whether it is still held, dies away or comes from a pattern, ids tell it in their upper bits.
+//! whether it is still held, dies away or comes from a pattern, ids tell it in their upper bits. Those of what signals set off in the
+//! engine are [another's](crate::graph::watch::id).
 
 use crate::midi::Channel;
 
@@ -61,6 +62,7 @@ impl Whence {
 mod tests {
     use super::Whence;
     use crate::engine::event::Play;
+    use crate::graph::watch;
     use crate::midi::Channel;
 
     #[test]
@@ -97,9 +99,17 @@ mod tests {
                 }
             }
         }
-        // What always sounds has the highest ids of all.
-        let always = Play { id: u64::MAX - 1, ..Play::default() };
-        assert!(!Whence::all(63, None).iter().any(|(id, bits)| always.is_of(*id, *bits)));
+        // What always sounds has the highest ids of all, and what signals set off those between.
+        for id in [u64::MAX - 1, watch::id(0, 0), watch::id(usize::MAX, u64::MAX)] {
+            let other = Play { id, ..Play::default() };
+            let falls =
+                |port: usize| Whence::all(port, None).iter().any(|(id, bits)| other.is_of(*id, *bits));
+            assert!(!falls(0) && !falls(63), "{id:x}");
+            assert!(
+                all.iter()
+                    .all(|whence| whence.voice(0) >> 62 != id >> 62 && whence.of_run(0, 0) >> 62 != id >> 62)
+            );
+        }
         assert_eq!((Whence::HERE.of_run(0, 7), Whence::HERE.voice(7)), (7, (1 << 62) + 7));
     }
 }

@@ -42,7 +42,8 @@ pub struct Measured {
     pub stolen: u64,
 }
 
-/// What was played: enough to play it again, and to say what it should have been.
+/// What was played: enough to play it again, and to say what it should have been. What engine-wide signals of the plan set off is no part
+/// of it: they do so again, until it ends.
 #[derive(Debug, Clone, Copy)]
 pub struct Take<'a> {
     /// Voices, in seconds from the beginning, in order.
@@ -186,6 +187,8 @@ struct Playing<'a> {
 impl<'a> Playing<'a> {
     fn new(engine: Engine, plan: &Plan, take: &Take<'a>) -> Self {
         let (events, moves) = (before(take.seconds, take.events), before(take.seconds, take.moves));
+        let mut engine = engine;
+        engine.watch_until(Instant::of_samples(take.seconds * plan.engine_rate()));
         Self {
             engine,
             events: events.iter(),

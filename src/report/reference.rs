@@ -17,6 +17,7 @@ use crate::graph::Base;
 use crate::graph::plan::{Plan, Shared};
 use crate::graph::program::{Feed, Program};
 use crate::graph::start::{FIELDS, Fields};
+use crate::graph::watch::{LATENCY, Watch, id};
 use crate::node::kernel::{LEAD, Onset, Twin};
 use crate::node::white::REACH;
 use crate::node::{spec::Kind, twin};
@@ -56,7 +57,7 @@ pub fn reference_hearing(
     all
 }
 
-/// What a reference is of.
+/// What a reference is of, besides what engine-wide signals of the plan set off.
 #[derive(Debug, Clone, Copy)]
 pub struct Played<'a> {
     /// Voices, in seconds from the beginning.
@@ -90,15 +91,21 @@ pub fn reference_watched<S>(
     let lasts = |at: f64, play: &Play| play.duration.min(released - at);
     let work = |at: f64, play: &Play| lasts(at, play).min(seconds - at).max(0.01);
     let of_shared = if plan.shared_program.ops.is_empty() { 0.0 } else { seconds };
-    let total = voices().map(|(at, play)| work(at, &play)).sum::<f64>() + of_shared;
+    let known = voices().map(|(at, play)| work(at, &play)).sum::<f64>();
+    // What signals set off is known only when these are.
+    let of_voices = known + if plan.watches.is_empty() { 0.0 } else { seconds };
+    let total = of_shared + of_voices;
     let mut share = |done: f64| watch((done / total.max(1e-9)).min(1.0));
     share(0.0)?;
     let shared = shared(plan, length * over, fine, hearing(plan, input, length, over), &mut share)?;
+    let crossed = crossings(plan, &shared, over, released);
+    let found = known + crossed.iter().map(|(at, play)| work(*at, play)).sum::<f64>();
+    let part = if found > 0.0 { of_voices / found } else { 1.0 };
     let mut channels = vec![vec![0.0; length]; plan.channels];
     let mut moves_of: HashMap<u64, Vec<(f64, Move)>> = HashMap::new();
     moves.iter().for_each(|moved| moves_of.entry(moved.1.id).or_default().push(*moved));
     let mut done = of_shared;
-    for (at, play) in voices() {
+    for (at, play) in voices().chain(crossed.iter().copied()) {
         let Some(instrument) = plan.instruments.get(play.instrument as usize) else { continue };
         let (own, lasts) = (work(at, &play), lasts(at, &play));
         let onset = at;
@@ -106,10 +113,10 @@ pub fn reference_watched<S>(
         let mut voice = Voice::new(&instrument.program, &play, at, plan.seed, rate, fine);
         let its = moves_of.get(&play.id).into_iter().flatten().filter(|(at, _)| *at >= onset);
         voice.moves = its.map(|(at, of)| (at - onset, *of)).collect();
-        let mut within = |seconds: f64| share(done + seconds.clamp(0.0, own));
+        let mut within = |seconds: f64| share(done + seconds.clamp(0.0, own) * part);
         let rendered = voice.render(lasts, &shared, length * over, instrument.tail + QUIET, &mut within)?;
         let (first, samples, gain) = rendered;
-        done += own;
+        done += own * part;
         for &(channel, part) in plan.places.get(play.place as usize).into_iter().flatten() {
             if let Some(low) = channels.get_mut(channel as usize) {
                 share(done)?;
@@ -118,6 +125,45 @@ pub fn reference_watched<S>(
         }
     }
     Ok(Reference { rate, channels })
+}
+
+/// What the watches of a plan set off before so many seconds, given engine-wide signals at `over` times the engine's rate: a signal is
+/// read at the engine's samples, and straight in between, as [`crate::graph::watch::Watch`] has it.
+fn crossings(plan: &Plan, shared: &[Vec<f64>], over: usize, until: f64) -> Vec<(f64, Play)> {
+    let rate = plan.engine_rate();
+    let mut found = Vec::new();
+    for (place, watch) in plan.watches.iter().enumerate() {
+        let way = if watch.rises { 1.0 } else { -1.0 };
+        let (mut before, mut ready, mut number, mut free) = (None::<f64>, true, 0, 0.0);
+        let signal = shared.get(watch.signal as usize).into_iter().flatten().step_by(over);
+        for (n, value) in signal.enumerate() {
+            if !value.is_finite() {
+                before = None;
+                continue;
+            }
+            // Past the threshold by so much.
+            let past = way * (value - watch.threshold);
+            ready |= way * (value - watch.rearm) < 0.0;
+            if past >= 0.0 && before.is_none_or(|before| before < 0.0) {
+                if let Some(before) = before.filter(|_| ready) {
+                    let at = n as f64 - 1.0 + before / (before - past) + LATENCY as f64;
+                    if at >= free && at < until * rate {
+                        let &Watch { instrument, place: at_place, level, duration, own, .. } = watch;
+                        let id = id(place, number);
+                        found.push((
+                            at / rate,
+                            Play { instrument, place: at_place, level, duration, own, id },
+                        ));
+                        number += 1;
+                        free = at + watch.hold * rate;
+                    }
+                }
+                ready = false;
+            }
+            before = Some(past);
+        }
+    }
+    found
 }
 
 /// Samples between two questions whether to go on.

@@ -1,6 +1,7 @@
 //! Patches that keep an engine busy.
 
-/// Nodes of many kinds, shared ones, an input, a control and a hand in one voice, and a second, plain voice; so many of either.
+/// Nodes of many kinds, shared ones, an input, a control and a hand in one voice, and a second, plain voice, which a node sets off some 200
+/// times a second; so many of either.
 pub fn busy(beats: u32, plain: u32) -> String {
     format!(
         r#"
@@ -10,6 +11,7 @@ range = [0.0, 1.0]
 [shared.nodes]
 wobble = {{ type = "lfo", rate = 3 }}
 ear = {{ type = "input" }}
+hiss = {{ type = "white" }}
 [voice.beat]
 voices = {beats}
 output = "out"
@@ -25,6 +27,12 @@ voices = {plain}
 output = "tone"
 [voice.plain.nodes]
 tone = {{ type = "sine", frequency = "event.frequency" }}
+[[trigger]]
+on = "node.hiss rises 0.8"
+play = "plain"
+place = 1
+hold = 0.003
+set = {{ duration = 0.005, level = 0.1 }}
 "#
     )
 }

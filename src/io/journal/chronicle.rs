@@ -8,7 +8,8 @@ use super::kind::Kind;
 use super::line::Line;
 use super::names::Names;
 use super::words;
-use crate::engine::event::{Event, Source};
+use crate::engine::event::Event;
+use crate::engine::watch::Crossing;
 use crate::graph::plan::Plan;
 use crate::live::board::Board;
 use crate::live::callback::{Deed, Report};
@@ -125,7 +126,12 @@ impl Chronicle {
 
     fn report(&mut self, report: &Report, moment: Option<Moment>) -> Line {
         let mut line = match &report.deed {
-            Deed::Event { at, due, source, event } => self.event(*at, *due, *source, event, moment),
+            Deed::Event { at, due, source, event } => {
+                self.event(*at, *due, words::of_source(*source), event, moment)
+            }
+            Deed::Crossing(Crossing { at, play, .. }) => {
+                self.event(*at, *at, words::NODE, &Event::Play(*play), moment)
+            }
             Deed::Order(order) => {
                 let (name, value) = words::of_order(*order);
                 Line { name: Some(name.into()), value, ..Line::new(Kind::Gate) }
@@ -151,13 +157,13 @@ impl Chronicle {
         &mut self,
         at: Instant,
         due: Instant,
-        source: Source,
+        source: &str,
         event: &Event,
         moment: Option<Moment>,
     ) -> Line {
         let mut line = self.names.line(event);
         let fraction = |instant: Instant| f64::from(instant.fraction) / 4_294_967_296.0;
-        line.source = Some(words::of_source(source).into());
+        line.source = Some(source.into());
         (line.sample, line.fraction) = (Some(at.sample), Some(fraction(at)));
         (line.due_sample, line.due_fraction) = (Some(due.sample), Some(fraction(due)));
         let stand = match event {

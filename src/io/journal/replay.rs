@@ -263,7 +263,10 @@ impl<R: BufRead> Replay<R> {
                 self.met.unheard = count(INPUT_UNRECORDED).unwrap_or(self.met.unheard);
                 Ok(Some(line).filter(|line| line.kind == Kind::End))
             }
-            kind => Ok(Some(line).filter(|_| kind.is_played())),
+            // What signals set off they set off here as well.
+            kind => {
+                Ok(Some(line).filter(|line| kind.is_played() && line.source.as_deref() != Some(words::NODE)))
+            }
         }
     }
 

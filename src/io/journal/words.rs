@@ -73,6 +73,9 @@ fn hexadecimal(bytes: &[u8]) -> String {
 /// Sources of events.
 const SOURCES: [(Source, &str); 2] = [(Source::Pattern, "pattern"), (Source::Program, "program")];
 
+/// What a signal of the engine has set off: it is no event that was given to the engine, and arises again by itself.
+pub(super) const NODE: &str = "node";
+
 pub(super) fn of_source(source: Source) -> &'static str {
     SOURCES.iter().find(|(known, _)| *known == source).map_or("", |(_, word)| word)
 }
