@@ -52,11 +52,13 @@
 //! | [`midi`] | bytes of MIDI into messages, messages into gestures; with the feature `midi` files too |
 //! | [`text`] | problems that point at their line, schemas |
 //! | [`node`] | the node library, one file a node; with the feature `fundsp-nodes` a few units of `fundsp` too |
+//! | [`actuator`] | models of what moves, and which drive makes it do what is wanted; no part of a scene yet |
 //! | [`schedule`] | the sample clock |
 //! | [`dsp`] | blocks that several rooms share |
 
 #![warn(missing_docs)]
 
+pub mod actuator;
 pub mod dsp;
 pub mod engine;
 pub mod graph;

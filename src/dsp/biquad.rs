@@ -1,73 +1,8 @@
 //! Second-order sections and their frequency response.
 
 use std::f64::consts::TAU;
-use std::ops::{Add, Div, Mul, Sub};
 
-/// A complex number, for frequency responses and pole placement.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Complex {
-    /// Real part.
-    pub re: f64,
-    /// Imaginary part.
-    pub im: f64,
-}
-
-impl Complex {
-    /// The number `re + i im`.
-    pub fn new(re: f64, im: f64) -> Self {
-        Self { re, im }
-    }
-
-    /// The unit vector at `angle` (radians).
-    pub(crate) fn turned(angle: f64) -> Self {
-        Self::new(angle.cos(), angle.sin())
-    }
-
-    /// Absolute value.
-    pub fn abs(self) -> f64 {
-        self.re.hypot(self.im)
-    }
-
-    /// Angle (radians, ±π).
-    pub(crate) fn angle(self) -> f64 {
-        self.im.atan2(self.re)
-    }
-}
-
-impl From<f64> for Complex {
-    fn from(re: f64) -> Self {
-        Self::new(re, 0.0)
-    }
-}
-
-impl Add for Complex {
-    type Output = Self;
-    fn add(self, o: Self) -> Self {
-        Self::new(self.re + o.re, self.im + o.im)
-    }
-}
-
-impl Sub for Complex {
-    type Output = Self;
-    fn sub(self, o: Self) -> Self {
-        Self::new(self.re - o.re, self.im - o.im)
-    }
-}
-
-impl Mul for Complex {
-    type Output = Self;
-    fn mul(self, o: Self) -> Self {
-        Self::new(self.re * o.re - self.im * o.im, self.re * o.im + self.im * o.re)
-    }
-}
-
-impl Div for Complex {
-    type Output = Self;
-    fn div(self, o: Self) -> Self {
-        let scale = 1.0 / (o.re * o.re + o.im * o.im);
-        Self::new((self.re * o.re + self.im * o.im) * scale, (self.im * o.re - self.re * o.im) * scale)
-    }
-}
+pub use super::complex::Complex;
 
 /// Sections of an equaliser, at most, wherever one is described or built.
 pub(crate) const MOST_SECTIONS: usize = 16;
@@ -107,8 +42,8 @@ impl Biquad {
     /// Response at `frequency` (Hz) for a sampling `rate` (Hz).
     pub fn response(&self, frequency: f64, rate: f64) -> Complex {
         let z = Complex::turned(-TAU * frequency / rate);
-        let above = Complex::from(self.b[0]) + z * (Complex::from(self.b[1]) + z * self.b[2].into());
-        let below = Complex::from(1.0) + z * (Complex::from(self.a[0]) + z * self.a[1].into());
+        let above = Complex::from(self.b[0]) + z * (Complex::from(self.b[1]) + z * self.b[2]);
+        let below = Complex::from(1.0) + z * (Complex::from(self.a[0]) + z * self.a[1]);
         above / below
     }
 
@@ -141,7 +76,7 @@ mod tests {
         let (mut state, mut sum) = ([0.0; 2], Complex::default());
         for n in 0..4000 {
             let y = bell.step(&mut state, if n == 0 { 1.0 } else { 0.0 });
-            sum = sum + Complex::turned(-std::f64::consts::TAU * 300.0 / 8000.0 * f64::from(n)) * y.into();
+            sum = sum + Complex::turned(-std::f64::consts::TAU * 300.0 / 8000.0 * f64::from(n)) * y;
         }
         assert!((sum - bell.response(300.0, 8000.0)).abs() < 1e-12);
     }

@@ -57,8 +57,8 @@ impl Elliptic {
         let z = Complex::turned(-2.0 * PI * frequency / self.rate);
         // τ = Re(Σ k c_k z^-k / Σ c_k z^-k), numerator's less denominator's, in samples.
         let lag = |c: [f64; 3]| {
-            let sum = Complex::from(c[0]) + z * (Complex::from(c[1]) + z * c[2].into());
-            let weighted = z * (Complex::from(c[1]) + z * (2.0 * c[2]).into());
+            let sum = Complex::from(c[0]) + z * (Complex::from(c[1]) + z * c[2]);
+            let weighted = z * (Complex::from(c[1]) + z * (2.0 * c[2]));
             (weighted / sum).re
         };
         self.sections.iter().map(|s| lag(s.b) - lag([1.0, s.a[0], s.a[1]])).sum::<f64>() / self.rate

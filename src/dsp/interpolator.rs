@@ -81,7 +81,7 @@ impl Interpolator {
         let step = -TAU * frequency / (self.rate * self.ratio as f64);
         let mut sum = Complex::default();
         for (n, &h) in self.response.iter().enumerate() {
-            sum = sum + Complex::turned(step * n as f64) * (h / self.ratio as f64).into();
+            sum = sum + Complex::turned(step * n as f64) * (h / self.ratio as f64);
         }
         sum
     }

@@ -2,6 +2,7 @@
 
 pub mod biquad;
 pub(crate) mod blocker;
+pub mod complex;
 pub(crate) mod corner;
 pub(crate) mod elementary;
 pub(crate) mod elliptic;

@@ -43,7 +43,7 @@ fn bits(values: &[f32]) -> Vec<u32> {
 fn at(signal: &[f64], hertz: f64, rate: f64) -> Complex {
     let mut sum = Complex::default();
     for (n, &v) in signal.iter().enumerate() {
-        sum = sum + Complex::turned(-TAU * hertz / rate * n as f64) * v.into();
+        sum = sum + Complex::turned(-TAU * hertz / rate * n as f64) * v;
     }
     sum
 }
@@ -121,7 +121,7 @@ fn the_chain_is_flat_and_its_delay_is_the_reported_one_at_every_rate() {
         click[0] = 0.25;
         let out = channel(&run(&mut chain, &[click], || 64), 1, 0);
         for hertz in (0..=850).step_by(10).map(f64::from) {
-            let h = at(&out, hertz, rate) * (4.0 / chain.ratio() as f64).into();
+            let h = at(&out, hertz, rate) * (4.0 / chain.ratio() as f64);
             let designed = chain.response(0, hertz);
             assert!((h - designed).abs() < 1e-5, "{rate} {hertz}: {h:?} {designed:?}");
             assert!((20.0 * h.abs().log10()).abs() < 0.5, "{rate} {hertz}");

@@ -1,0 +1,152 @@
+//! A parameter that cannot be.
+
+use std::fmt;
+
+/// A parameter that cannot be, and what it would have to keep to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fault {
+    /// The field, as a file calls it.
+    pub field: &'static str,
+    /// What it was.
+    pub value: f64,
+    /// What it must keep to.
+    pub limit: Limit,
+    /// Where the limit comes from, if not from the field alone.
+    pub because: Option<&'static str>,
+}
+
+/// What a parameter must keep to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Limit {
+    /// More than this.
+    Above(f64),
+    /// This or more.
+    Least(f64),
+    /// Less than this.
+    Below(f64),
+    /// This or less.
+    Most(f64),
+    /// Between these, ends included, in this unit.
+    Within(f64, f64, &'static str),
+    /// Nothing: here it has no meaning.
+    Absent,
+}
+
+impl Fault {
+    /// A value that breaks a limit which another field sets.
+    pub(crate) fn because(field: &'static str, value: f64, limit: Limit, because: &'static str) -> Self {
+        Self { field, value, limit, because: Some(because) }
+    }
+}
+
+impl Limit {
+    /// Whether a value keeps to it; what is not a number keeps to nothing, nor does an infinite value.
+    fn admits(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Above(limit) => value > limit,
+                Self::Least(limit) => value >= limit,
+                Self::Below(limit) => value < limit,
+                Self::Most(limit) => value <= limit,
+                Self::Within(least, most, _) => (least..=most).contains(&value),
+                Self::Absent => false,
+            }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { field, value, limit, because } = self;
+        write!(f, "`{field}` is {value}, but must be ")?;
+        match limit {
+            Limit::Above(limit) => write!(f, "above {limit}"),
+            Limit::Least(limit) => write!(f, "at least {limit}"),
+            Limit::Below(limit) => write!(f, "below {limit}"),
+            Limit::Most(limit) => write!(f, "at most {limit}"),
+            Limit::Within(least, most, unit) => write!(f, "within {least} and {most} {unit}"),
+            Limit::Absent => write!(f, "left out"),
+        }?;
+        if !value.is_finite() && !matches!(limit, Limit::Absent | Limit::Within(..)) {
+            write!(f, ", and finite")?;
+        }
+        because.map_or(Ok(()), |because| write!(f, ": {because}"))
+    }
+}
+
+impl std::error::Error for Fault {}
+
+/// Refuses a value that breaks a limit.
+///
+/// # Errors
+/// The field, the value and the limit.
+pub(crate) fn check(field: &'static str, value: f64, limit: Limit) -> Result<(), Fault> {
+    if limit.admits(value) { Ok(()) } else { Err(Fault { field, value, limit, because: None }) }
+}
+
+/// Refuses what is not between two ends, given in a unit.
+///
+/// # Errors
+/// The field, the value and the limits.
+pub(crate) fn within(
+    field: &'static str,
+    value: f64,
+    (least, most): (f64, f64),
+    unit: &'static str,
+) -> Result<(), Fault> {
+    check(field, value, Limit::Within(least, most, unit))
+}
+
+/// Refuses what is not above 0.
+///
+/// # Errors
+/// The field, the value and the limit.
+pub(crate) fn positive(field: &'static str, value: f64) -> Result<(), Fault> {
+    check(field, value, Limit::Above(0.0))
+}
+
+/// Refuses what is below 0.
+///
+/// # Errors
+/// The field, the value and the limit.
+pub(crate) fn not_negative(field: &'static str, value: f64) -> Result<(), Fault> {
+    check(field, value, Limit::Least(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Fault, Limit, check, not_negative, positive, within};
+
+    #[test]
+    fn it_names_field_value_and_limit() {
+        let text = |r: Result<(), Fault>| r.unwrap_err().to_string();
+        assert_eq!(text(positive("mass", 0.0)), "`mass` is 0, but must be above 0");
+        assert_eq!(text(not_negative("inductance", -0.5)), "`inductance` is -0.5, but must be at least 0");
+        assert_eq!(
+            text(check("volts", f64::INFINITY, Limit::Least(1.0))),
+            "`volts` is inf, but must be at least 1, and finite"
+        );
+        let fault = Fault::because("amperes", 2.0, Limit::Most(1.0), "that is what the amplifier gives");
+        assert_eq!(
+            fault.to_string(),
+            "`amperes` is 2, but must be at most 1: that is what the amplifier gives"
+        );
+        assert_eq!(
+            text(within("rate", f64::NAN, (1.0, 1e8), "steps a second")),
+            "`rate` is NaN, but must be within 1 and 100000000 steps a second"
+        );
+        assert!(within("rate", 1.0, (1.0, 2.0), "").is_ok() && within("rate", 2.0, (1.0, 2.0), "").is_ok());
+        let fault = Fault::because("preload", f64::NAN, Limit::Absent, "there is no skin");
+        assert_eq!(fault.to_string(), "`preload` is NaN, but must be left out: there is no skin");
+    }
+
+    #[test]
+    fn what_is_not_a_number_keeps_to_no_limit() {
+        for limit in [Limit::Above(0.0), Limit::Least(0.0), Limit::Below(0.0), Limit::Most(0.0)] {
+            for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                assert!(check("x", value, limit).is_err());
+            }
+        }
+        assert!(positive("x", f64::MIN_POSITIVE).is_ok() && not_negative("x", 0.0).is_ok());
+        assert!(check("x", 1.0, Limit::Below(1.0)).is_err() && check("x", 1.0, Limit::Most(1.0)).is_ok());
+    }
+}

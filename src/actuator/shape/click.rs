@@ -1,0 +1,135 @@
+//! Clicks and thumps: the rotor is thrown forward and stopped.
+
+use std::f64::consts::TAU;
+
+use super::course::Course;
+use super::trial::{PATIENCE, RATE, Trial, angle};
+use super::unreachable::Unreachable;
+use crate::actuator::fault::within;
+use crate::actuator::motor::{Drive, Motor, Parameters};
+
+/// A short movement that begins and ends at rest: a click of a part of a turn, a thump of one or a few.
+///
+/// The drive goes forward, then backward until the rotor stands still. Backward for as long as forward would leave it running the wrong
+/// way: friction and back-EMF help to stop what they hindered. The instants are found on the motor's own model, with its inductance and,
+/// where the mass is known to hang, gravity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Click {
+    /// By how much the mass turns altogether: 1e-4 to 1000 turns, negative backward. With [`Ending::Stopped`] until the drive ends.
+    pub turns: f64,
+    /// What it is driven with either way, V.
+    pub volts: f64,
+    /// Where the mass hangs before, rad from straight down.
+    pub angle: f64,
+    /// How it ends.
+    pub ending: Ending,
+}
+
+/// How a click ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// The drive ends, in a short circuit, as soon as the rotor stands still. What then still runs in the coil gives it a last push
+    /// back; in a small motor it is gone in microseconds.
+    Stopped,
+    /// A last forward pulse takes the current out of the coil as well, so that rotor and coil come to rest together.
+    Settled,
+}
+
+/// A click that was worked out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clicked {
+    /// What to do.
+    pub course: Course,
+    /// Seconds forward, backward, and forward again.
+    pub seconds: [f64; 3],
+    /// The largest speed, rad/s.
+    pub peak_speed: f64,
+    /// The speed when the drive ends, rad/s.
+    pub left: f64,
+    /// Where the mass hangs when the drive ends, rad from straight down, whole turns included.
+    pub angle: f64,
+}
+
+/// Parts to which the time of the forward drive is halved.
+const HALVINGS: u32 = 40;
+
+impl Click {
+    /// Works it out.
+    ///
+    /// # Errors
+    /// A number beyond its limits; a voltage that does not start the motor, or does not turn it that far within 10 s.
+    pub fn solve(&self, parameters: &Parameters) -> Result<Clicked, Unreachable> {
+        self.check()?;
+        let volts = self.volts.abs().copysign(self.turns);
+        let at_rest = Trial::new(parameters, self.angle, RATE)?;
+        let far = TAU * self.turns.abs();
+        let turned = |trial: &Trial| (trial.angle() - at_rest.angle()) * self.turns.signum();
+        // The forward drive is over by the time at which it alone has turned the mass that far.
+        let mut whole = at_rest.clone();
+        let begin = at_rest.angle();
+        let left = |motor: &Motor| far - (angle(motor) - begin) * self.turns.signum();
+        let Some(most) = whole.until(Drive::Voltage(volts), PATIENCE, left) else {
+            let never = turned(&whole) < 1e-3 && whole.motor.is_stuck();
+            return Err(match never {
+                true => Unreachable::Start(self.volts, parameters.start_volts()),
+                false => Unreachable::Slow(self.volts, PATIENCE),
+            });
+        };
+        let (mut from, mut to) = (0.0, most);
+        let mut best = self.try_for(&at_rest, most, volts)?;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (from + to);
+            best = self.try_for(&at_rest, middle, volts)?;
+            let far_enough = (best.angle - begin) * self.turns.signum() >= far;
+            *if far_enough { &mut to } else { &mut from } = middle;
+        }
+        Ok(best)
+    }
+
+    fn check(&self) -> Result<(), Unreachable> {
+        within("turns", self.turns.abs(), (1e-4, 1000.0), "turns, either way")?;
+        within("volts", self.volts.abs(), (1e-6, 1e6), "V")?;
+        within("angle", self.angle, (-1e6, 1e6), "rad")?;
+        Ok(())
+    }
+
+    /// Forward for so long, and then to rest.
+    fn try_for(&self, at_rest: &Trial, forward: f64, volts: f64) -> Result<Clicked, Unreachable> {
+        let mut trial = at_rest.clone();
+        let sign = volts.signum();
+        trial.run(forward, Drive::Voltage(volts));
+        let fast = trial.clone();
+        let late = || Unreachable::Slow(volts.abs(), PATIENCE);
+        let running = |motor: &Motor| motor.speed() * sign;
+        let stop = trial.until(Drive::Voltage(-volts), PATIENCE, running).ok_or_else(late)?;
+        let (mut backward, mut again) = (stop, 0.0);
+        // The coil still turns it faster for a while after the switch.
+        let mut peak = fast.clone();
+        let rising = |motor: &Motor| motor.angular_acceleration() * sign;
+        peak.until(Drive::Voltage(-volts), stop, rising);
+        if self.ending == Ending::Settled && trial.motor.current() * sign < 0.0 {
+            // With a shorter way back, the pulse that empties the coil ends with the rotor still running: longer, and it runs backward.
+            let (mut from, mut to) = (0.0, stop);
+            for _ in 0..HALVINGS {
+                backward = 0.5 * (from + to);
+                trial = fast.clone();
+                trial.run(backward, Drive::Voltage(-volts));
+                let empties = |motor: &Motor| -motor.current() * sign;
+                again = trial.until(Drive::Voltage(volts), PATIENCE, empties).ok_or_else(late)?;
+                let runs = trial.motor.speed() * sign > 0.0;
+                *if runs { &mut from } else { &mut to } = backward;
+            }
+        }
+        let course = Course::ending_in(Drive::SHORT)
+            .then(forward, Drive::Voltage(volts))
+            .then(backward, Drive::Voltage(-volts))
+            .then(again, Drive::Voltage(volts));
+        Ok(Clicked {
+            course,
+            seconds: [forward, backward, again],
+            peak_speed: peak.motor.speed().abs(),
+            left: trial.motor.speed(),
+            angle: trial.angle(),
+        })
+    }
+}

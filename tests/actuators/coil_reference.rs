@@ -1,0 +1,119 @@
+//! The coil actuators against reference data of high precision.
+
+use pacinian::actuator::coil::model::{Model, State};
+use pacinian::actuator::coil::parameters::{Coil, Inertial, Skin, Spring, Tissue, VoiceCoil};
+use pacinian::actuator::coil::plant::Plant;
+use pacinian::actuator::coil::response::Response;
+use pacinian::actuator::drive::Drive;
+use pacinian::dsp::complex::Complex;
+use serde_json::Value;
+
+fn reference() -> Value {
+    serde_json::from_str(include_str!("reference/voicecoil_frf.json")).expect("reference data")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().or_else(|| value.as_str()?.parse().ok()).expect("a number")
+}
+
+fn field(data: &Value, name: &str) -> f64 {
+    number(&data["params"][name])
+}
+
+fn coil(data: &Value) -> Coil {
+    Coil { resistance: field(data, "R"), inductance: field(data, "L"), force_factor: field(data, "Bl") }
+}
+
+fn suspension(data: &Value) -> Spring {
+    Spring { stiffness: field(data, "k"), damping: field(data, "c") }
+}
+
+fn tactor(data: &Value) -> Plant {
+    let skin = Tissue {
+        mass: field(data, "ms"),
+        spring: Spring { stiffness: field(data, "ks"), damping: field(data, "cs") },
+    };
+    Plant::voice_coil(&VoiceCoil {
+        coil: coil(data),
+        mass: field(data, "m"),
+        suspension: suspension(data),
+        skin: Skin::One(skin),
+    })
+    .expect("sound")
+}
+
+fn inertial(data: &Value) -> Plant {
+    Plant::inertial(&Inertial {
+        coil: coil(data),
+        slug_mass: field(data, "m"),
+        casing_mass: field(data, "M"),
+        suspension: suspension(data),
+        hand: Tissue::default(),
+    })
+    .expect("sound")
+}
+
+/// Largest distance from the points of a table, as a share of each.
+fn worst(table: &Value, response: impl Fn(f64) -> Complex) -> f64 {
+    let rows = table.as_array().expect("rows");
+    assert_eq!(rows.len(), 21);
+    let distance = |row: &Value| {
+        let (magnitude, degrees) = (number(&row[1]), number(&row[2]));
+        let expected = Complex::turned(degrees.to_radians()) * magnitude;
+        (response(number(&row[0])) - expected).abs() / magnitude
+    };
+    rows.iter().map(distance).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_frequency_responses_are_those_of_the_reference() {
+    let data = reference();
+    let (skin, motor) = (tactor(&data["tactor"]), inertial(&data["inertial"]));
+    let of = |plant: Plant, volts: bool, what: fn(Response) -> Complex| {
+        move |hertz| what(if volts { plant.per_volt(hertz) } else { plant.per_ampere(hertz) })
+    };
+    for (table, response) in [
+        (&data["tactor"]["x_per_V"], of(skin, true, |r| r.displacement)),
+        (&data["tactor"]["x_per_A"], of(skin, false, |r| r.displacement)),
+        (&data["inertial"]["acc_per_V"], of(motor, true, |r| r.casing)),
+        (&data["inertial"]["acc_per_A"], of(motor, false, |r| r.casing)),
+    ] {
+        let worst = worst(table, response);
+        assert!(worst < 1e-12, "{worst:e}");
+    }
+}
+
+/// Largest distance of the model's own matrix from the reference's, whose rows and columns are current, displacement, velocity and
+/// input; as a share of each entry.
+fn matrix_distance(plant: &Plant, rows: &Value) -> f64 {
+    let states = [
+        State { current: 1.0, ..State::default() },
+        State { displacement: 1.0, ..State::default() },
+        State { velocity: 1.0, ..State::default() },
+        State::default(),
+    ];
+    let mut worst: f64 = 0.0;
+    for (column, state) in states.iter().enumerate() {
+        let mut model = Model::new(plant, 48_000.0, Drive::Voltage).expect("sound");
+        model.set_state(state);
+        model.advance(if column == 3 { 1.0 } else { 0.0 });
+        let after = model.state();
+        for (row, is) in [after.current, after.displacement, after.velocity].iter().enumerate() {
+            let expected = number(&rows[row][column]);
+            worst = worst.max((is / expected - 1.0).abs());
+        }
+    }
+    worst
+}
+
+#[test]
+fn the_matrices_are_those_of_the_reference() {
+    let data = reference();
+    for (plant, rows) in [
+        (tactor(&data["tactor"]), &data["tactor"]["zoh_48k_[i,x,v|V]"]),
+        (inertial(&data["inertial"]), &data["inertial"]["zoh_48k_[i,z,zdot|V]"]),
+    ] {
+        let worst = matrix_distance(&plant, rows);
+        assert!(worst < 1e-13, "{worst:e}");
+    }
+}

@@ -1,0 +1,16 @@
+//! Models of actuators against reference data, closed forms and laws; drive shaping on them.
+
+mod coil_contact;
+mod coil_quiet;
+mod coil_reference;
+mod coil_stop;
+mod common;
+mod motor_energy;
+mod motor_events;
+mod motor_extremes;
+mod motor_laws;
+mod motor_plan;
+mod motor_quiet;
+mod motor_reference;
+mod shape;
+mod silent;
