@@ -7,7 +7,7 @@ use pacinian::engine::Engine;
 use pacinian::engine::event::Play;
 use pacinian::engine::exchange::exchange;
 use pacinian::graph::plan::{Plan, Precision};
-use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::scene::Options;
 use pacinian::graph::start::FIELDS;
 use pacinian::graph::watch::Watch;
 use pacinian::node::asset::NoAssets;
@@ -374,6 +374,7 @@ fn a_control_sets_voices_off_too() {
 #[cfg(feature = "report")]
 #[test]
 fn the_reference_hears_them() {
+    use pacinian::graph::scene::scene;
     use pacinian::report::Take;
     let shared = "slow = { type = \"lfo\", rate = 7.3 }\nwild = { type = \"lfo\", wave = \"triangle\", rate = 61, high = \"slow\" }";
     let text = text(

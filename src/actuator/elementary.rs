@@ -46,15 +46,13 @@ pub fn exp_m1(x: f64) -> f64 {
     power * small + (power - 1.0)
 }
 
-/// e^x, as [`exp_m1`].
-#[inline]
-pub fn exp(x: f64) -> f64 {
-    exp_m1(x) + 1.0
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{exp, exp_m1};
+    use super::exp_m1;
+
+    fn exp(x: f64) -> f64 {
+        exp_m1(x) + 1.0
+    }
 
     #[test]
     fn it_is_the_exponential_function() {

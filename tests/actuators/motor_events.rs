@@ -38,8 +38,9 @@ fn a_step_is_the_sum_of_its_parts() {
         Parameters { stiction: 3e-3, ..PAD },
         Parameters { coulomb: 0.0, ..PAD },
         Parameters { inertia: 1e-8, casing: Casing::Held, ..PAD },
-        // It swings by half a turn in a step.
+        // It swings by half a turn in a step, and by a whole one.
         Parameters { inertia: 3e-9, casing: Casing::Held, ..PAD },
+        Parameters { inertia: 8e-10, coulomb: 6e-5, stiction: 7e-5, casing: Casing::Held, ..PAD },
     ]
     .into_iter()
     .enumerate()

@@ -247,6 +247,12 @@ fn parked_clicks_kick_the_same_way() {
         let back = Park { from: click.angle, to: home.angle, volts: 1.3 * motor.start_volts() };
         let back = back.solve(&motor).unwrap().unwrap();
         assert!((back.peak_speed / click.peak_speed).powi(2) < 0.5, "the way back is felt less");
+        let ends = |course: &Course, from: f64| {
+            let mut plant = plant(&motor, from);
+            course.play(&mut plant, RATE, (course.duration() * RATE).ceil() as usize + 1, |_| {});
+            plant.reading().angle
+        };
+        assert!(apart(&[ends(&back.course, click.angle), home.angle]) < 0.01, "it is back");
         let play = |plant: &mut Motor, course: &Course| {
             course.play(plant, RATE, (course.duration() * RATE).ceil() as usize + 4800, |_| {});
             assert!(plant.is_stuck(), "{name}");
@@ -313,6 +319,51 @@ fn switching_reaches_its_wish_and_swings_by_what_one_sample_does() {
         let (_, pulled) = Switching { pull: 50.0, ..drive }.shape(&wished).unwrap();
         let lag = |speeds: &[f64]| wished.iter().zip(speeds).map(|(w, s)| (w - s) / RATE).sum::<f64>().abs();
         assert!(lag(&pulled) < 0.1 * lag(&speeds), "{} {}", lag(&pulled), lag(&speeds));
+    }
+}
+
+/// What each term of the inverse is for: without it, these are missed by many times as much.
+#[test]
+fn coil_and_gravity_are_part_of_the_inverse() {
+    let [coin, _, pad] = motors()[..] else { unreachable!() };
+    let by = |motor: &Parameters, angle: Option<f64>, peak: f64, seconds: f64| {
+        let inverse = Inverse { parameters: *motor, limit: motor.rated_volts, rate: RATE, angle };
+        let wished = burst(&inverse, peak, seconds);
+        let shaped = inverse.shape(&wished).unwrap();
+        assert_eq!(shaped.short, 0.0);
+        missed(&shaped.volts, motor, peak, &wished)
+    };
+    // The coil of the large motor is late by 0.4 ms.
+    assert!(by(&pad, Some(0.0), 20.0, 0.1) < 1e-3, "{}", by(&pad, Some(0.0), 20.0, 0.1));
+    let (known, unknown) = (by(&coin, Some(0.0), 1.0, 0.15), by(&coin, None, 1.0, 0.15));
+    println!("1 m/s2 on the coin motor: {known:.5} with gravity known, {unknown:.3} without");
+    assert!(known < 1e-3 && unknown > 0.02, "{known} {unknown}");
+}
+
+/// What falls faster than the brake can bring it down is left earlier, and the rotor stands at the end.
+#[test]
+fn what_cannot_be_followed_is_braked_in_time() {
+    for motor in motors() {
+        let inverse = Inverse { parameters: motor, limit: motor.rated_volts, rate: RATE, angle: Some(0.0) };
+        let speed = 0.8 * motor.rated_speed();
+        // At the speed for a tenth of a second, and the wish to stop at once.
+        let wished: Vec<f64> = (0..9600).map(|n| if n < 4800 { speed } else { 0.0 }).collect();
+        let shaped = inverse.shape(&wished).unwrap();
+        assert!(shaped.short > 0.9 * speed, "{}", shaped.short);
+        assert!(shaped.speeds.iter().zip(&wished).all(|(s, w)| *s >= 0.0 && s <= w));
+        assert!(shaped.volts.iter().any(|v| *v < -0.9 * motor.rated_volts), "it is braked");
+        let mut plant = plant(&motor, 0.0);
+        let (mut worst, mut late) = (0.0_f64, 0.0_f64);
+        for (n, volts) in shaped.volts.iter().enumerate() {
+            plant.drive(Drive::Voltage(*volts));
+            plant.step();
+            worst = worst.max((plant.speed() - shaped.speeds[n + 1]).abs());
+            if n > 4850 {
+                late = late.max(plant.speed().abs());
+            }
+        }
+        println!("off the plan by {:.4}, behind the end {:.4}", worst / speed, late / speed);
+        assert!(worst < 0.1 * speed && late < 0.01 * speed, "{worst} {late} {speed}");
     }
 }
 

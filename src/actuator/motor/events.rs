@@ -2,7 +2,7 @@
 
 use super::drive::Drive;
 use super::elementary::{ln, wrapped};
-use super::flow::{Motion, Push};
+use super::flow::{Motion, Push, Way};
 use super::kernels::of_number;
 use super::model::{Grip, Motor, NOTHING, Regime};
 use super::piece::{Guard, Piece};
@@ -172,27 +172,26 @@ impl<const BOOKED: bool> Motor<BOOKED> {
         time.max(0.0)
     }
 
-    /// What acts over a time, and the torque of gravity to go on with.
-    fn piece(&self, span: f64) -> (Push, f64) {
+    /// What acts over a time whose way is known, and the torque of gravity to go on with.
+    fn piece(&self, span: f64, way: &Way) -> (Push, f64) {
         let (flow, state) = (&self.flows[self.regime as usize], &self.state);
-        let friction = self.swift.friction;
+        let (x, friction) = (state.motion(), self.swift.friction);
         let others = Push { volts: self.volts, torque: friction, slope: 0.0, curve: 0.0 };
-        let turned = |push: &Push, t: f64| {
-            state.phase + flow.change(state.motion(), push, t).angle / std::f64::consts::TAU
+        let pulled_by = |push: &Push, way: &Way| {
+            let angle = way.change(flow.rates(x, push), x.speed, push).angle;
+            self.gravity(state.phase + angle / std::f64::consts::TAU)
         };
         match self.method {
             Method::None => (others, 0.0),
             Method::Midpoint => {
                 let pulled = Push { torque: friction + state.pull, ..others };
-                let pull = self.gravity(turned(&pulled, 0.5 * span));
+                let pull = pulled_by(&pulled, &flow.over(0.5 * span));
                 (Push { torque: friction + pull, ..others }, pull)
             }
             Method::Parabola => {
-                let (inertia, x) = (self.rotor.inertia, state.motion());
                 let free = flow.rates(x, &others).speed;
-                let begins = begins(self.weight, free, inertia, x.speed, state.phase, &others);
-                let middle = self.gravity(turned(&begins, 0.5 * span));
-                let end = self.gravity(turned(&begins, span));
+                let begins = begins(self.weight, free, self.rotor.inertia, x.speed, state.phase, &others);
+                let (middle, end) = (pulled_by(&begins, &flow.over(0.5 * span)), pulled_by(&begins, way));
                 (parabola(begins, friction, [middle, end], span), end)
             }
         }
@@ -220,7 +219,8 @@ impl<const BOOKED: bool> Motor<BOOKED> {
     /// Turning until something happens, or for all of the time.
     fn slide(&mut self, left: f64, events: bool) -> Option<(f64, Event)> {
         let flow = self.flows[self.regime as usize];
-        let (push, pull) = self.piece(left);
+        let way = flow.over(left);
+        let (push, pull) = self.piece(left, &way);
         let piece = Piece::new(&flow, self.state.motion(), push);
         let guards = if events { self.guards() } else { [None; 3] };
         let parts = (left * self.swings() / std::f64::consts::FRAC_PI_2).ceil().clamp(1.0, MOST_PARTS);
@@ -228,7 +228,7 @@ impl<const BOOKED: bool> Motor<BOOKED> {
         let mut part = 1.0;
         loop {
             let t = if part == parts { left } else { left * (part / parts) };
-            let (motion, angle) = piece.at(t);
+            let (motion, angle) = if part == parts { piece.by(&way) } else { piece.at(t) };
             let mut first: Option<(f64, Event)> = None;
             for (guard, event) in guards.iter().flatten() {
                 let met = piece.meets(guard, from, (t, motion));

@@ -148,11 +148,6 @@ impl Flow {
         };
         Way { t, lightness: self.inverse.0, kernels }
     }
-
-    /// How far all goes from `x` in a time.
-    pub fn change(&self, x: Motion, push: &Push, t: f64) -> Change {
-        self.over(t).change(self.rates(x, push), x.speed, push)
-    }
 }
 
 /// A way to a later time, the same from every state.

@@ -27,7 +27,7 @@
 //! motor.step_with(&[(1.0 / 3.0, Drive::Open)]);
 //! let now = motor.reading();
 //! assert!(now.speed > 1400.0 && now.current == 0.0 && now.acceleration[0].abs() < 18.0);
-//! # Ok::<(), pacinian::actuator::motor::Fault>(())
+//! # Ok::<(), pacinian::actuator::fault::Fault>(())
 //! ```
 
 mod drive;

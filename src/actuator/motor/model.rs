@@ -263,6 +263,7 @@ impl<const BOOKED: bool> Motor<BOOKED> {
         }
         if let Drive::Current { amperes, limit } = self.drive {
             let (r, k) = (self.rotor.resistance, self.rotor.gain);
+            bounds.limited = true;
             if self.regime == Regime::Held {
                 bounds.speed.0 = bounds.speed.0.max((-limit - r * amperes) / k);
                 bounds.speed.1 = bounds.speed.1.min((limit - r * amperes) / k);

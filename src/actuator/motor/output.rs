@@ -2,6 +2,7 @@
 
 use super::elementary::{cosine, sine};
 use super::model::{Counts, Grip, Motor};
+use super::mount::Mount;
 use super::parameters::{Casing, Parameters};
 use super::plan::Plan;
 
@@ -35,42 +36,55 @@ impl<const BOOKED: bool> Motor<BOOKED> {
     pub fn reading(&self) -> Reading {
         let (x, phase) = (self.state.motion(), self.state.phase);
         let alpha = self.angular_acceleration();
-        let mut reading = Reading {
+        Reading {
             current: x.current,
             voltage: self.terminal(),
             speed: x.speed,
             angle: std::f64::consts::TAU * phase,
             turns: self.state.turns,
             angular_acceleration: alpha,
+            force: self.force(),
+            acceleration: self.acceleration(),
+            displacement: self.mount.as_ref().map_or([0.0; 2], Mount::displacement),
             reaction: self.gravity(phase) - self.rotor.inertia * alpha,
-            ..Reading::default()
-        };
-        if self.plan.casing {
-            let (s, c, square) = (sine(phase), cosine(phase), x.speed * x.speed);
-            let lever = self.parameters.eccentric;
-            reading.force = [lever * (square * s - alpha * c), lever * (-square * c - alpha * s)];
-            match self.parameters.casing {
-                Casing::Held => {}
-                Casing::Free { mass } => reading.acceleration = reading.force.map(|f| f / mass),
-                Casing::Suspended { mass, .. } => {
-                    if let Some(mount) = &self.mount {
-                        reading.displacement = mount.displacement();
-                        reading.acceleration = mount.acceleration(reading.force.map(|f| f / mass));
-                    }
-                }
-            }
         }
-        reading
+    }
+
+    /// [`Reading::force`].
+    #[inline]
+    pub fn force(&self) -> [f64; 2] {
+        if !self.plan.casing {
+            return [0.0; 2];
+        }
+        let (phase, speed) = (self.state.phase, self.state.speed);
+        let (s, c, square, lever) = (sine(phase), cosine(phase), speed * speed, self.parameters.eccentric);
+        let alpha = if self.grip == Grip::Sticks { 0.0 } else { self.turns_by(-self.weight * s) };
+        [lever * (square * s - alpha * c), lever * (-square * c - alpha * s)]
+    }
+
+    /// [`Reading::acceleration`].
+    #[inline]
+    pub fn acceleration(&self) -> [f64; 2] {
+        match (self.parameters.casing, &self.mount) {
+            (Casing::Free { mass }, _) => self.force().map(|f| f / mass),
+            (Casing::Suspended { mass, .. }, Some(mount)) => {
+                mount.acceleration(self.force().map(|f| f / mass))
+            }
+            _ => [0.0; 2],
+        }
     }
 
     /// rad/s².
     pub fn angular_acceleration(&self) -> f64 {
-        if self.grip == Grip::Sticks {
-            return 0.0;
-        }
+        if self.grip == Grip::Sticks { 0.0 } else { self.turns_by(self.gravity(self.state.phase)) }
+    }
+
+    /// The same while it turns, given the torque of gravity.
+    #[inline]
+    fn turns_by(&self, pull: f64) -> f64 {
         let x = self.state.motion();
         let torque = self.rotor.gain * x.current - self.rotor.viscous * x.speed + self.swift.friction;
-        (torque + self.gravity(self.state.phase)) / self.rotor.inertia
+        (torque + pull) / self.rotor.inertia
     }
 
     /// Of the coil, A.

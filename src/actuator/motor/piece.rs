@@ -1,6 +1,6 @@
 //! A time in which nothing switches, and where in it a limit is met.
 
-use super::flow::{Flow, Motion, Push};
+use super::flow::{Flow, Motion, Push, Way};
 
 /// Halvings and Newton steps towards a crossing.
 const TRIES: usize = 40;
@@ -43,7 +43,12 @@ impl<'a> Piece<'a> {
 
     /// Where it is at a time, and how far it turned, rad.
     pub fn at(&self, t: f64) -> (Motion, f64) {
-        let change = self.flow.over(t).change(self.rates, self.from.speed, &self.push);
+        self.by(&self.flow.over(t))
+    }
+
+    /// The same by the way to that time.
+    pub fn by(&self, way: &Way) -> (Motion, f64) {
+        let change = way.change(self.rates, self.from.speed, &self.push);
         let to =
             Motion { current: self.from.current + change.current, speed: self.from.speed + change.speed };
         (to, change.angle)

@@ -18,26 +18,18 @@ impl<const BOOKED: bool> Motor<BOOKED> {
             if self.grip == Grip::Sticks || self.mount.is_some() || BOOKED {
                 continue;
             }
-            match self.method {
-                Method::None => self.rush_by::<NONE>(&mut left, &mut seen),
-                Method::Midpoint => self.rush_by::<MIDPOINT>(&mut left, &mut seen),
-                Method::Parabola => self.rush_by::<PARABOLA>(&mut left, &mut seen),
+            let smooth = self.grip == Grip::None;
+            match (self.method, self.rotor.inductance == 0.0) {
+                (Method::None, true) => self.rush::<NONE, true, true>(&mut left, &mut seen),
+                (Method::None, _) if smooth => self.rush::<NONE, false, false>(&mut left, &mut seen),
+                (Method::None, _) => self.rush::<NONE, false, true>(&mut left, &mut seen),
+                (Method::Midpoint, true) => self.rush::<MIDPOINT, true, true>(&mut left, &mut seen),
+                (Method::Midpoint, _) if smooth => self.rush::<MIDPOINT, false, false>(&mut left, &mut seen),
+                (Method::Midpoint, _) => self.rush::<MIDPOINT, false, true>(&mut left, &mut seen),
+                (Method::Parabola, true) => self.rush::<PARABOLA, true, true>(&mut left, &mut seen),
+                (Method::Parabola, _) if smooth => self.rush::<PARABOLA, false, false>(&mut left, &mut seen),
+                (Method::Parabola, _) => self.rush::<PARABOLA, false, true>(&mut left, &mut seen),
             }
-        }
-    }
-
-    #[inline(always)]
-    fn rush_by<const METHOD: u8>(
-        &mut self,
-        left: &mut std::slice::Iter<'_, f64>,
-        seen: &mut impl FnMut(f64, f64, f64),
-    ) {
-        if self.rotor.inductance == 0.0 {
-            self.rush::<METHOD, true, true>(left, seen);
-        } else if self.grip == Grip::None {
-            self.rush::<METHOD, false, false>(left, seen);
-        } else {
-            self.rush::<METHOD, false, true>(left, seen);
         }
     }
 
@@ -57,12 +49,17 @@ impl<const BOOKED: bool> Motor<BOOKED> {
                 from.current = flow.dictated(state.speed, *volts).unwrap_or(state.current);
             }
             let Some((next, _)) = swift.step::<METHOD, FULL, DRY>(&from, *volts) else { break };
-            (state, last) = (next, *volts);
+            state = next;
+            if FULL {
+                last = *volts;
+            }
             rest.next();
             seen(state.current, state.speed, state.phase);
         }
         self.state = state;
-        (self.drive, self.volts) = (Drive::Voltage(last), last);
+        if let Some(volts) = all[..all.len() - rest.len()].last() {
+            (self.drive, self.volts) = (Drive::Voltage(*volts), *volts);
+        }
         *left = rest;
     }
 

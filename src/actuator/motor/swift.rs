@@ -46,6 +46,8 @@ impl State {
 pub(super) struct Bounds {
     /// Times this the speed must end above the other, so that it still turns the same way.
     pub sense: (f64, f64),
+    /// Whether there is a current source with its limits.
+    pub limited: bool,
     /// Between these the speed must end.
     pub speed: (f64, f64),
     /// Between these the current must end.
@@ -58,6 +60,7 @@ impl Bounds {
     /// Anything goes.
     pub const FREE: Self = Self {
         sense: (0.0, -1.0),
+        limited: false,
         speed: (f64::NEG_INFINITY, f64::INFINITY),
         current: (f64::NEG_INFINITY, f64::INFINITY),
         dip: [0.0; 3],
@@ -126,17 +129,12 @@ impl Swift {
             _ => from + all(row, x, &push),
         };
         let motion = Motion { current: go(x.current, &table.current), speed: go(x.speed, &table.speed) };
-        let (row, mut whole) = (&table.turns, state.turns);
-        // A difference, lest the compiler put it into one instruction with another sum and wait for both.
-        let mut phase = match METHOD {
-            NONE => state.phase - (-row[1] * x.speed - (row[0] * x.current + known(row))),
-            MIDPOINT => {
-                state.phase - (-row[3] * pull - ((row[0] * x.current + row[1] * x.speed) + known(row)))
-            }
-            _ => go(state.phase, row),
-        };
+        let (mut phase, mut whole) = (go(state.phase, &table.turns), state.turns);
         let between = |x: f64, (low, high): (f64, f64)| x > low && x < high;
-        if FULL && !(between(motion.speed, bounds.speed) && between(motion.current, bounds.current)) {
+        if FULL
+            && bounds.limited
+            && !(between(motion.speed, bounds.speed) && between(motion.current, bounds.current))
+        {
             return None;
         }
         if FULL || DRY {

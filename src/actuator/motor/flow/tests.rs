@@ -1,6 +1,13 @@
 use super::super::exact::{Twice, exponential};
 use super::{Change, Flow, Motion, Push, Rotor};
 
+impl Flow {
+    /// How far all goes from `x` in a time.
+    fn change(&self, x: Motion, push: &Push, t: f64) -> Change {
+        self.over(t).change(self.rates(x, push), x.speed, push)
+    }
+}
+
 const COIN: Rotor =
     Rotor { resistance: 30.0, inductance: 3e-4, gain: 0.955e-3, inertia: 1.8e-9, viscous: 2.15e-8 };
 
