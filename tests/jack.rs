@@ -74,8 +74,9 @@ impl Rig {
         Some(rig)
     }
 
+    /// The memory of one that was killed is there again as soon as nobody has hold of it.
     fn start(&mut self) {
-        self.try_start().expect("it ran before");
+        wait("the server's memory", || self.try_start().is_ok());
     }
 
     /// The error is what a server says that has ended at once; one that lives and does not answer is none.
