@@ -56,28 +56,35 @@ impl Drop for Minder {
 /// for a block or two, and then plays two seconds of its own silence first.
 pub(super) const PATIENCE: Duration = Duration::from_secs(3);
 
+/// Looks at which there were more frames, after which a device's callbacks are regular.
+const REGULAR: u32 = 10;
+
 /// Whether a device still calls back.
 pub(super) struct Pulse {
     /// Frames that were counted last, and since when there have been no more.
     frames: u64,
     since: Instant,
+    /// How often there were more, since it was opened.
+    looks: u32,
 }
 
 impl Pulse {
     /// Of a device that was just opened.
     pub fn new() -> Self {
-        Self { frames: 0, since: Instant::now() + PATIENCE }
+        Self { frames: 0, since: Instant::now() + PATIENCE, looks: 0 }
     }
 
     /// It was opened again.
     pub fn begin(&mut self) {
-        self.since = Instant::now() + PATIENCE;
+        (self.since, self.looks) = (Instant::now() + PATIENCE, 0);
     }
 
     /// For how long there have been no more than so many frames.
     pub fn pause(&mut self, now: Instant, frames: u64) -> Duration {
         if frames != self.frames {
-            (self.frames, self.since) = (frames, now.max(self.since));
+            self.looks = self.looks.saturating_add(1);
+            let since = if self.looks < REGULAR { now.max(self.since) } else { now };
+            (self.frames, self.since) = (frames, since);
         }
         now.saturating_duration_since(self.since)
     }
@@ -186,5 +193,10 @@ mod tests {
         assert!((0.3..=0.4).contains(&pause(late, 512)));
         assert_eq!(pause(late + 1.0, 768), 0.0);
         assert!((pause(late + 1.5, 768) - 0.5).abs() < 1e-6);
+        // One that has been regular for a while is not waited for any longer.
+        let (begin, mut pulse) = (Instant::now(), Pulse::new());
+        let mut pause = |ms: u64, frames| pulse.pause(begin + Duration::from_millis(ms), frames).as_millis();
+        assert!((1..=12).all(|n| pause(20 * n, 256 * n) == 0));
+        assert_eq!(pause(640, 256 * 12), 400);
     }
 }
