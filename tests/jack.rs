@@ -15,7 +15,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use bench::{scene, signal, wait};
+use bench::{HUM, floats, hums, is_delayed, scene, signal, wait};
 
 const CHANNELS: u32 = 24;
 
@@ -184,14 +184,7 @@ fn a_second_program_hears_every_channel_to_the_bit() {
     scene(&rig.folder, CHANNELS);
     let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
     assert!(rig.program(&render).output().unwrap().status.success());
-    let wav = fs::read(rig.folder.join("offline.wav")).unwrap();
-    let data = wav.windows(4).position(|w| w == b"data").unwrap() + 8;
-    let offline: Vec<f32> =
-        wav[data..].chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-    let channels = CHANNELS as usize;
-    // Behind the ramp of the beginning, in which nothing sounds yet.
-    let (begin, end) = (channels * 9_600, offline.len().min(channels * 57_000));
-    let first = (begin..end).step_by(channels).find(|at| offline[*at] != 0.0).unwrap();
+    let offline = floats(&rig.folder.join("offline.wav"));
     for way in WAYS {
         // This machine may stop for a moment, and the server drops a block; then it is tried again.
         for attempt in 0..5 {
@@ -202,16 +195,7 @@ fn a_second_program_hears_every_channel_to_the_bit() {
                 + &String::from_utf8_lossy(&played.stderr);
             let (heard, gaps) = recorder.finish();
             assert!(played.status.success(), "{said}");
-            let at = heard.iter().step_by(channels).position(|x| *x != 0.0).map(|frame| frame * channels);
-            // A delay of whole frames, the same for all.
-            let same = at.is_some_and(|at| {
-                let from = (at + begin).checked_sub(first);
-                let part = from.and_then(|from| heard.get(from..from + (end - begin)));
-                part.is_some_and(|part| {
-                    part.iter().zip(&offline[begin..end]).all(|(a, b)| a.to_bits() == b.to_bits())
-                })
-            });
-            if same {
+            if is_delayed(&heard, &offline, CHANNELS) {
                 break;
             }
             let gap = gaps > 0 || !said.contains(" 0 xruns");
@@ -224,9 +208,7 @@ fn a_second_program_hears_every_channel_to_the_bit() {
 fn a_server_that_is_killed_is_waited_for() {
     let Some(mut rig) = Rig::new("killed") else { return };
     scene(&rig.folder, CHANNELS);
-    let hum = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"s\"\n[voice.v.nodes]\n\
-               s = { type = \"sine\", frequency = 100, amplitude = 0.5 }\n";
-    fs::write(rig.folder.join("hum.toml"), hum).unwrap();
+    fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
     for way in WAYS {
         let play = ["play", "hum.toml", "--rig", "rig.toml", "--device", way, "--block", "1024"];
         let mut play = rig.program(&play);
@@ -256,10 +238,6 @@ fn a_server_that_is_killed_is_waited_for() {
         let said = String::from_utf8_lossy(&fs::read(rig.folder.join("told")).unwrap()).into_owned();
         assert_eq!(status.code(), Some(130), "{said}");
         assert_eq!(said.matches("the device is back").count(), 2, "{said}");
-        let hum = heard.iter().step_by(CHANNELS as usize);
-        assert!(
-            hum.clone().any(|x| x.abs() > 0.45) && hum.clone().all(|x| x.abs() <= 0.5001),
-            "it sounds again"
-        );
+        assert!(hums(&heard, CHANNELS), "it sounds again");
     }
 }

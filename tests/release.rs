@@ -28,6 +28,16 @@ on = "start"
 play = "held"
 "#;
 
+/// Takes seconds to die away.
+const LONG: &str = r#"
+[voice.long]
+output = "out"
+[voice.long.nodes]
+tone = { type = "sine", frequency = 100 }
+hold = { type = "envelope", attack = 0.01, release = 3 }
+out = { type = "multiply", inputs = ["tone", "hold"] }
+"#;
+
 fn player() -> Player {
     let options = Options { live: true, ..Options::default() };
     let patch = common::patch(PATCH);
@@ -97,12 +107,6 @@ fn a_listener_hears_of_all_that_the_program_does() {
 #[test]
 fn all_sound_off_is_a_hundredth_after_five_milliseconds_and_then_nothing() {
     const KEYS: &str = r#"
-[voice.long]
-output = "out"
-[voice.long.nodes]
-tone = { type = "sine", frequency = 100 }
-hold = { type = "envelope", attack = 0.01, release = 3 }
-out = { type = "multiply", inputs = ["tone", "hold"] }
 [voice.hum]
 output = "tone"
 start = "always"
@@ -126,7 +130,7 @@ notes = [64, 127]
     let silence = Message::Controller { channel: Channel::FIRST, number: 120, value: 0 };
     let play = |silenced: bool| {
         let options = Options { live: true, rate: Some(48_000.0), ..Options::default() };
-        let patch = common::patch(KEYS);
+        let patch = common::patch(&format!("{LONG}{KEYS}"));
         let mut player =
             Player::new(&patch, &Rig::default_for(2), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
         let mut song =
@@ -163,12 +167,6 @@ notes = [64, 127]
 #[test]
 fn where_nothing_else_sounds_it_is_exact_zeros_after_five_milliseconds() {
     const KEYS: &str = r#"
-[voice.long]
-output = "out"
-[voice.long.nodes]
-tone = { type = "sine", frequency = 100 }
-hold = { type = "envelope", attack = 0.01, release = 3 }
-out = { type = "multiply", inputs = ["tone", "hold"] }
 [[trigger]]
 on = "midi.note"
 play = "long"
@@ -177,7 +175,7 @@ play = "long"
     let on = |note| Message::NoteOn { channel: Channel::FIRST, note, velocity: 50 };
     let play = |song: Vec<(f64, Message)>, parts: &[usize]| {
         let options = Options { live: true, rate: Some(48_000.0), ..Options::default() };
-        let patch = common::patch(KEYS);
+        let patch = common::patch(&format!("{LONG}{KEYS}"));
         let mut player =
             Player::new(&patch, &Rig::default_for(1), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
         player.play_song(song, 10.0);

@@ -1,8 +1,8 @@
 //! What goes into a rumble motor comes out of it or stays in it. What is dissipated and supplied is summed up by quadrature of the motion, so
 //! the balance closes only where the motion is right. The casing is no part of it: on springs it takes from the mass and gives nothing back.
 
-use crate::common::{cases, run};
-use pacinian::actuator::motor::{Casing, Drive, Energy, GRAVITY, Level, Motor, Parameters, Plan};
+use crate::common::{PAD, cases, run};
+use pacinian::actuator::motor::{Drive, Energy, Level, Motor, Parameters, Plan};
 
 /// What is missing, as a share of what came in.
 fn share(motor: &Motor<true>) -> f64 {
@@ -21,20 +21,6 @@ fn the_balance_closes_over_every_trajectory_at_48_khz() {
         }
     }
 }
-
-const PAD: Parameters = Parameters {
-    resistance: 10.42,
-    inductance: 4.2e-3,
-    gain: 0.011,
-    inertia: 1.15e-7,
-    viscous: 1e-6,
-    coulomb: 6e-4,
-    stiction: 7e-4,
-    eccentric: 1.38e-5,
-    gravity: GRAVITY,
-    casing: Casing::Free { mass: 0.25 },
-    rated_volts: 12.5,
-};
 
 /// Voltages, a current within its limit and beyond it, and terminals opened while current flows.
 fn all_drives(parameters: &Parameters, level: Level) -> (f64, Energy) {

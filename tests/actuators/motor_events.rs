@@ -2,19 +2,8 @@
 
 use pacinian::actuator::motor::{Casing, Drive, Level, Motor, Parameters, Plan};
 
-const PAD: Parameters = Parameters {
-    resistance: 10.42,
-    inductance: 4.2e-3,
-    gain: 0.011,
-    inertia: 1.15e-7,
-    viscous: 1e-6,
-    coulomb: 6e-4,
-    stiction: 7e-4,
-    eccentric: 1.38e-5,
-    gravity: 0.0,
-    casing: Casing::Free { mass: 0.25 },
-    rated_volts: 12.5,
-};
+/// Flat on the table.
+const PAD: Parameters = Parameters { gravity: 0.0, ..crate::common::PAD };
 
 fn new(parameters: &Parameters, rate: f64) -> Motor {
     Motor::new(parameters, &Plan::whole(Level::Default), rate).unwrap()

@@ -1,23 +1,10 @@
 //! The rumble motor past the edges: every rate and time constant, no friction, no inertia to speak of, drives that are no numbers.
 
+use crate::common::COIN;
 use pacinian::actuator::motor::{
     Casing, Drive, GRAVITY, Level, Motor, Parameters, Plan, Reading, Suspension,
 };
 use proptest::prelude::{Just, Strategy, any, prop, prop_oneof, proptest};
-
-const COIN: Parameters = Parameters {
-    resistance: 30.0,
-    inductance: 3e-4,
-    gain: 0.955e-3,
-    inertia: 1.8e-9,
-    viscous: 2.15e-8,
-    coulomb: 1.5e-5,
-    stiction: 2e-5,
-    eccentric: 7.3e-7,
-    gravity: GRAVITY,
-    casing: Casing::Free { mass: 0.1 },
-    rated_volts: 3.0,
-};
 
 const LEVELS: [Level; 3] = [Level::Economy, Level::Default, Level::Fine];
 

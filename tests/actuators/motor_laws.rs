@@ -6,19 +6,9 @@ use pacinian::actuator::motor::{Casing, Drive, GRAVITY, Level, Motor, Parameters
 const RATE: f64 = 48_000.0;
 const STEPS: u32 = 24_000;
 
-const COIN: Parameters = Parameters {
-    resistance: 30.0,
-    inductance: 0.0,
-    gain: 0.955e-3,
-    inertia: 1.8e-9,
-    viscous: 2.15e-8,
-    coulomb: 1.5e-5,
-    stiction: 2e-5,
-    eccentric: 7.3e-7,
-    gravity: 0.0,
-    casing: Casing::Held,
-    rated_volts: 3.0,
-};
+/// Held flat, with a coil that follows at once.
+const COIN: Parameters =
+    Parameters { inductance: 0.0, gravity: 0.0, casing: Casing::Held, ..crate::common::COIN };
 
 fn smooth() -> Parameters {
     Parameters { coulomb: 0.0, stiction: 0.0, ..COIN }

@@ -1,23 +1,12 @@
 //! A running rumble motor never allocates, whatever happens in a step.
 
-use pacinian::actuator::motor::{Casing, Drive, GRAVITY, Level, Motor, Parameters, Plan, Suspension};
+use crate::common::COIN;
+use pacinian::actuator::motor::{Casing, Drive, Level, Motor, Parameters, Plan, Suspension};
 
 #[test]
 fn a_running_motor_never_allocates() {
     let by = Suspension { stiffness: 1000.0, damping: 3.0 };
-    let p = Parameters {
-        resistance: 30.0,
-        inductance: 3e-4,
-        gain: 0.955e-3,
-        inertia: 1.8e-9,
-        viscous: 2.15e-8,
-        coulomb: 1.5e-5,
-        stiction: 2e-5,
-        eccentric: 7.3e-7,
-        gravity: GRAVITY,
-        casing: Casing::Suspended { mass: 0.1, across: by, upright: by },
-        rated_volts: 3.0,
-    };
+    let p = Parameters { casing: Casing::Suspended { mass: 0.1, across: by, upright: by }, ..COIN };
     let light = Parameters { inertia: 1e-15, eccentric: 0.0, ..p };
     for level in [Level::Economy, Level::Default, Level::Fine] {
         for p in [p, light] {

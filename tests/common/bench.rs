@@ -137,3 +137,32 @@ pub fn scene(folder: &Path, channels: u32) {
     fs::write(folder.join("patch.toml"), patch).unwrap();
     fs::write(folder.join("rig.toml"), rig).unwrap();
 }
+
+/// A tone on the first channel, always.
+pub const HUM: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"s\"\n[voice.v.nodes]\n\
+    s = { type = \"sine\", frequency = 100, amplitude = 0.5 }\n";
+
+/// Whether that tone is in interleaved frames, and nothing louder.
+pub fn hums(frames: &[f32], channels: u32) -> bool {
+    let hum = frames.iter().step_by(channels as usize);
+    hum.clone().any(|x| x.abs() > 0.45) && hum.clone().all(|x| x.abs() <= 0.5001)
+}
+
+/// The samples of a WAV of floats.
+pub fn floats(path: &Path) -> Vec<f32> {
+    let wav = fs::read(path).unwrap();
+    let data = wav.windows(4).position(|w| w == b"data").unwrap() + 8;
+    wav[data..].chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+}
+
+/// Whether frames that were heard are those of [`scene`] as it is rendered, to the bit and with a delay of whole frames that is the same for
+/// all channels. The first 200 ms, in which the output comes in and nothing sounds yet, do not count.
+pub fn is_delayed(heard: &[f32], rendered: &[f32], channels: u32) -> bool {
+    let channels = channels as usize;
+    let (begin, end) = (channels * 9_600, rendered.len().min(channels * 57_000));
+    let first = (begin..end).step_by(channels).find(|at| rendered[*at] != 0.0).unwrap();
+    let at = heard.iter().step_by(channels).position(|x| *x != 0.0).map(|frame| frame * channels);
+    let from = at.and_then(|at| (at + begin).checked_sub(first));
+    let part = from.and_then(|from| heard.get(from..from + (end - begin)));
+    part.is_some_and(|part| part.iter().zip(&rendered[begin..end]).all(|(a, b)| a.to_bits() == b.to_bits()))
+}

@@ -1,10 +1,10 @@
 //! Where the energy of a motor goes.
 
-use super::elementary::sine;
 use super::flow::{Flow, Motion, Push, Rotor};
 use super::kernels::of_number;
 use super::model::{Motor, Regime};
 use super::piece::Piece;
+use crate::actuator::elementary::sine;
 
 /// Nodes and weights of Gauss and Legendre on −1 to 1, the positive half: exact for polynomials of degree 15.
 const NODES: [(f64, f64); 4] = [

@@ -1,12 +1,12 @@
 //! What switches in a motor: stops and starts, and a current source at its limit. All of it at its instant.
 
 use super::drive::Drive;
-use super::elementary::{ln, wrapped};
 use super::flow::{Motion, Push, Way};
 use super::kernels::of_number;
 use super::model::{Grip, Motor, NOTHING, Regime};
 use super::piece::{Guard, Piece};
 use super::swift::{Method, State, begins, parabola};
+use crate::actuator::elementary::{ln, wrapped};
 
 /// Events in a step, at most.
 pub const MOST_EVENTS: usize = 8;

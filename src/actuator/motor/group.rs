@@ -1,13 +1,13 @@
 //! Eight rumble motors side by side.
 
 use super::drive::{Drive, MOST_DRIVE};
-use super::elementary::wrapped;
 use super::model::{Grip, Motor, NOTHING};
 use super::output::Reading;
 use super::parameters::Parameters;
 use super::plan::{Level, Plan};
 use super::swift::State as Kept;
 use super::table::Row;
+use crate::actuator::elementary::wrapped;
 use crate::actuator::fault::Fault;
 
 /// Motors in a group.

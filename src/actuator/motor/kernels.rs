@@ -4,7 +4,7 @@
 //! φₖ(z) = Σ zⁿ / (n + k)!, so that φₖ = 1/k! + z φₖ₊₁ (Hochbruck and Ostermann: "Exponential integrators", Acta Numerica 2010).
 //! Nothing is divided by an eigenvalue that may be small, nor by the distance of two.
 
-use super::elementary::{cosine, exp, sine};
+use crate::actuator::elementary::{cosine, exp, sine};
 
 /// Where the largest |zt| is below this, a Taylor series serves.
 const NEAR: f64 = 2.0;
@@ -206,5 +206,5 @@ fn turning(x: f64, y: f64) -> [(f64, f64); 4] {
 
 /// Cosine of any number of turns.
 fn cosine_of(turns: f64) -> f64 {
-    cosine(super::elementary::wrapped(turns).0)
+    cosine(crate::actuator::elementary::wrapped(turns).0)
 }

@@ -31,7 +31,6 @@
 //! ```
 
 mod drive;
-mod elementary;
 mod energy;
 mod events;
 #[cfg(test)]

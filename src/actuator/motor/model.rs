@@ -1,7 +1,6 @@
 //! A rumble motor as it runs.
 
 use super::drive::Drive;
-use super::elementary::{sine, wrapped};
 use super::energy::Energy;
 use super::flow::{Flow, Push, Rotor};
 use super::kernels::of_number;
@@ -10,6 +9,7 @@ use super::parameters::{Casing, Parameters};
 use super::plan::{Level, Plan};
 use super::swift::{Bounds, MIDPOINT, Method, NONE, PARABOLA, State, Swift};
 use super::table::Table;
+use crate::actuator::elementary::{sine, wrapped};
 use crate::actuator::fault::{Fault, within};
 
 /// Below this a current (A) or a speed (rad/s) is nothing.

@@ -4,9 +4,9 @@
 //! Ÿ + (c/M) Ẏ + (K/M) Y = μ ((c/M) s′ + (K/M) s): nothing is differentiated twice, and what remains is small where the casing is nearly
 //! free. s is a cubic between the ends of a piece (Hermite), and the oscillator's answer to a cubic is exact.
 
-use super::elementary::{cosine, sine};
 use super::kernels::{Kernels, Pair};
 use super::parameters::Suspension;
+use crate::actuator::elementary::{cosine, sine};
 
 /// Both directions.
 #[derive(Debug, Clone)]

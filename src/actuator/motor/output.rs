@@ -1,10 +1,10 @@
 //! What comes out of a motor.
 
-use super::elementary::{cosine, sine};
 use super::model::{Counts, Grip, Motor};
 use super::mount::Mount;
 use super::parameters::{Casing, Parameters};
 use super::plan::Plan;
+use crate::actuator::elementary::{cosine, sine};
 
 /// What a motor does at an instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

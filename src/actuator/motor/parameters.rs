@@ -202,29 +202,31 @@ impl Parameters {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Casing, GRAVITY, Parameters, Suspension};
+impl Parameters {
+    /// For tests: a coin motor of 10 mm on 100 g, upright.
+    pub(crate) const COIN: Self = Self {
+        resistance: 30.0,
+        inductance: 3e-4,
+        gain: 0.955e-3,
+        inertia: 1.8e-9,
+        viscous: 2.15e-8,
+        coulomb: 1.5e-5,
+        stiction: 2e-5,
+        eccentric: 7.3e-7,
+        gravity: GRAVITY,
+        casing: Casing::Free { mass: 0.1 },
+        rated_volts: 3.0,
+    };
+}
 
-    fn coin() -> Parameters {
-        Parameters {
-            resistance: 30.0,
-            inductance: 3e-4,
-            gain: 0.955e-3,
-            inertia: 1.8e-9,
-            viscous: 2.15e-8,
-            coulomb: 1.5e-5,
-            stiction: 2e-5,
-            eccentric: 7.3e-7,
-            gravity: GRAVITY,
-            casing: Casing::Free { mass: 0.1 },
-            rated_volts: 3.0,
-        }
-    }
+#[cfg(test)]
+mod tests {
+    use super::{Casing, Parameters, Suspension};
 
     /// The figures of the set `coin10`, as its author computed them: two or three digits each.
     #[test]
     fn the_derived_figures_are_those_of_the_set() {
-        let p = coin();
+        let p = Parameters::COIN;
         assert_eq!(p.check(), Ok(()));
         let near =
             |got: f64, expected: f64, by: f64| assert!((got - expected).abs() <= by, "{got} {expected}");
@@ -249,7 +251,7 @@ mod tests {
         let nan = f64::NAN;
         let spring = Suspension { stiffness: 100.0, damping: 0.1 };
         let on = |across, upright| Casing::Suspended { mass: 0.1, across, upright };
-        let p = coin();
+        let p = Parameters::COIN;
         for (field, bad) in [
             ("resistance", Parameters { resistance: 0.0, ..p }),
             ("resistance", Parameters { resistance: -1.0, ..p }),

@@ -1,9 +1,9 @@
 //! A step in which nothing switches: numbers times numbers.
 
-use super::elementary::{cosine, sine, wrapped};
 use super::flow::{Motion, Push};
 use super::model::NOTHING;
 use super::table::{Row, Table, all};
+use crate::actuator::elementary::{cosine, sine, wrapped};
 
 /// How gravity enters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

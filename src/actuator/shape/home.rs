@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::course::Course;
 use super::trial::{PATIENCE, Trial, angle};
 use super::unreachable::Unreachable;
-use crate::actuator::fault::within;
+use crate::actuator::fault::{Fault, Limit, within};
 use crate::actuator::motor::{Drive, Motor, Parameters};
 
 /// Brings the mass to the same place from wherever it hangs.
@@ -47,9 +47,14 @@ impl Home {
     /// Works it out.
     ///
     /// # Errors
-    /// A number beyond its limits; a voltage that does not start the motor from everywhere; a motor that nothing catches within 4 s.
+    /// A number beyond its limits; no gravity; a voltage that does not start the motor from everywhere; a motor that nothing catches within 4 s.
     pub fn solve(&self, parameters: &Parameters) -> Result<Homed, Unreachable> {
         within("volts", self.volts.abs(), (1e-6, 1e6), "V")?;
+        parameters.check()?;
+        if parameters.weight() == 0.0 {
+            let why = "only gravity on an eccentric mass can catch it";
+            return Err(Fault::because("gravity", parameters.gravity, Limit::Above(0.0), why).into());
+        }
         if self.volts.abs() < parameters.start_volts() {
             return Err(Unreachable::Start(self.volts, parameters.start_volts()));
         }

@@ -1,7 +1,37 @@
-//! The reference trajectories of rumble motors: where they stand, and how a motor runs through one.
+//! Two rumble motors, and the reference trajectories: where they stand, and how a motor runs through one.
 
-use pacinian::actuator::motor::{Casing, Drive, Motor, Parameters, Plan, Suspension};
+use pacinian::actuator::motor::{Casing, Drive, GRAVITY, Motor, Parameters, Plan, Suspension};
 use serde_json::Value;
+
+/// A coin motor of 10 mm on 100 g, upright.
+pub const COIN: Parameters = Parameters {
+    resistance: 30.0,
+    inductance: 3e-4,
+    gain: 0.955e-3,
+    inertia: 1.8e-9,
+    viscous: 2.15e-8,
+    coulomb: 1.5e-5,
+    stiction: 2e-5,
+    eccentric: 7.3e-7,
+    gravity: GRAVITY,
+    casing: Casing::Free { mass: 0.1 },
+    rated_volts: 3.0,
+};
+
+/// A motor of a game pad on 250 g, upright.
+pub const PAD: Parameters = Parameters {
+    resistance: 10.42,
+    inductance: 4.2e-3,
+    gain: 0.011,
+    inertia: 1.15e-7,
+    viscous: 1e-6,
+    coulomb: 6e-4,
+    stiction: 7e-4,
+    eccentric: 1.38e-5,
+    gravity: GRAVITY,
+    casing: Casing::Free { mass: 0.25 },
+    rated_volts: 12.5,
+};
 
 /// A trajectory of the reference.
 pub struct Case {

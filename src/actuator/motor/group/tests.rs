@@ -1,19 +1,7 @@
-use super::super::{Casing, Drive, Level, Motor, Parameters, Plan};
+use super::super::{Drive, Level, Motor, Parameters, Plan};
 use super::{Group, LANES};
 
-const COIN: Parameters = Parameters {
-    resistance: 30.0,
-    inductance: 3e-4,
-    gain: 0.955e-3,
-    inertia: 1.8e-9,
-    viscous: 2.15e-8,
-    coulomb: 1.5e-5,
-    stiction: 2e-5,
-    eccentric: 7.3e-7,
-    gravity: 9.8,
-    casing: Casing::Free { mass: 0.1 },
-    rated_volts: 3.0,
-};
+const COIN: Parameters = Parameters::COIN;
 
 /// Eight that differ, one of them none, one without friction, one without inductance.
 fn eight() -> [Option<Parameters>; LANES] {
