@@ -31,12 +31,8 @@ pub fn not_yet(patch: &Patch, rig: &Rig) -> Vec<LeftOut> {
         say(true, format!("amplifier `{}`", amplifier.name));
     }
     for actuator in &rig.actuators {
-        for (is, key) in [
-            (actuator.resonance.is_some(), "resonance"),
-            (actuator.q.is_some(), "q"),
-            (actuator.rated_volts.is_some(), "rated_volts"),
-        ] {
-            say(is, format!("`{key}` of actuator `{}`", actuator.name));
+        for key in ["resonance", "q", "rated_volts"] {
+            say(actuator.value(key).is_some(), format!("`{key}` of actuator `{}`", actuator.name));
         }
     }
     for output in rig.outputs.iter().filter(|o| o.kind == rig::OutputKind::Raw) {

@@ -200,7 +200,7 @@ fn place(output: &rig::Output) -> Vec<(u32, f64)> {
 }
 
 fn is_not_rendered(output: &rig::Output) -> bool {
-    matches!(output.kind, rig::OutputKind::Drive | rig::OutputKind::Torque)
+    matches!(output.kind, rig::OutputKind::Drive(_) | rig::OutputKind::Torque)
 }
 
 fn output(
@@ -223,7 +223,7 @@ fn output(
         }
         rig::OutputKind::Vibration => OutputKind::Vibration,
         rig::OutputKind::Raw => OutputKind::Raw,
-        rig::OutputKind::Drive | rig::OutputKind::Torque => OutputKind::Silent,
+        rig::OutputKind::Drive(_) | rig::OutputKind::Torque => OutputKind::Silent,
     };
     let actuator = output.actuator.as_ref().and_then(|name| rig.actuator(name));
     let equaliser = match (kind, actuator) {

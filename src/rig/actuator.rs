@@ -1,9 +1,14 @@
 //! What moves.
 
+use std::collections::BTreeMap;
+
+use super::part::{self, Part};
+use super::quantity::{self, MODELS};
 use crate::dsp::biquad::MOST_SECTIONS;
-use crate::text::Span;
 use crate::text::field::{Field, Form, Table};
+use crate::text::nearest::suggest;
 use crate::text::reader::Reader;
+use crate::text::{Problem, Span};
 
 /// An actuator, `[actuator.NAME]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,12 +17,10 @@ pub struct Actuator {
     pub name: String,
     /// What it is.
     pub model: Model,
-    /// Resonance, Hz; `None`: unknown.
-    pub resonance: Option<f64>,
-    /// Quality of the resonance; `None`: unknown.
-    pub q: Option<f64>,
-    /// What it is made for, volts (peak); `None`: unknown.
-    pub rated_volts: Option<f64>,
+    /// The part that it is, of those that ship; `None`: none of them.
+    pub part: Option<String>,
+    /// Its figures, by their keys, SI units: what the rig says, and below that what the part says.
+    pub values: BTreeMap<&'static str, f64>,
     /// Peaking filters that even it out, in order.
     pub equaliser: Vec<Peak>,
     /// Where it stands.
@@ -25,7 +28,7 @@ pub struct Actuator {
 }
 
 /// What an actuator is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Model {
     /// Nothing is known of it.
     Generic,
@@ -37,12 +40,52 @@ pub enum Model {
     RumbleMotor,
     /// A linear resonant actuator.
     Lra,
+    /// A piezo-electric element.
+    Piezo,
 }
 
 impl Model {
     /// All, in the order of the words in a file.
-    pub(crate) const ALL: [Self; 5] =
-        [Self::Generic, Self::VoiceCoil, Self::InertialMotor, Self::RumbleMotor, Self::Lra];
+    pub const ALL: [Self; 6] =
+        [Self::Generic, Self::VoiceCoil, Self::InertialMotor, Self::RumbleMotor, Self::Lra, Self::Piezo];
+
+    /// The word for it in a file.
+    pub fn word(self) -> &'static str {
+        WORDS[self as usize]
+    }
+
+    /// The model of a word.
+    pub fn of_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|model| model.word() == word)
+    }
+}
+
+const WORDS: &[&str] = &["generic", "voice-coil", "inertial-motor", "rumble-motor", "lra", "piezo"];
+
+impl Actuator {
+    /// One of which nothing is known.
+    pub fn generic(name: &str) -> Self {
+        Self {
+            name: name.into(),
+            model: Model::Generic,
+            part: None,
+            values: BTreeMap::new(),
+            equaliser: Vec::new(),
+            span: 0..0,
+        }
+    }
+
+    /// The figure at a key, SI units; `None`: unknown.
+    pub fn value(&self, key: &str) -> Option<f64> {
+        self.values.get(key).copied()
+    }
+
+    /// Takes over what a part says and the rig does not.
+    fn fill_in(&mut self, part: &Part) {
+        for (key, value) in &part.values {
+            self.values.entry(key).or_insert(value.value);
+        }
+    }
 }
 
 /// A peaking filter.
@@ -57,22 +100,31 @@ pub struct Peak {
 }
 
 /// Its keys.
-pub static TABLE: Table = Table {
-    name: "actuator",
-    doc: "What moves.",
-    fields: &[
-        Field::new(
-            "model",
-            Form::Word(&["generic", "voice-coil", "inertial-motor", "rumble-motor", "lra"]),
-            "",
-            "What it is.",
-        ),
-        Field::new("resonance", Form::any_number(1.0, 10_000.0), "Hz", "Its resonance."),
-        Field::new("q", Form::any_number(0.05, 1000.0), "", "Quality of the resonance."),
-        Field::new("rated_volts", Form::any_number(1e-3, 1e4), "V", "What it is made for (peak)."),
-        Field::new("equaliser", Form::Many(&PEAK), "", "Peaking filters that even it out, in order."),
-    ],
-    others: None,
+pub static TABLE: Table = Table { name: "actuator", doc: "What moves.", fields: &FIELDS, others: None };
+
+const OWN: [Field; 3] = [
+    Field::new("model", Form::Word(WORDS), "", "What it is; that of the part where one is named."),
+    Field::new(
+        "part",
+        Form::Text,
+        "",
+        "A part that ships with pacinian: what is not said here is taken from it. `pacinian parts` lists them.",
+    ),
+    Field::new("equaliser", Form::Many(&PEAK), "", "Peaking filters that even it out, in order."),
+];
+
+const FIELDS: [Field; OWN.len() + quantity::COUNT] = {
+    let mut fields = [const { Field::new("", Form::Text, "", "") }; OWN.len() + quantity::COUNT];
+    let [model, part, equaliser] = OWN;
+    fields[0] = model;
+    fields[1] = part;
+    let mut n = 0;
+    while n < quantity::COUNT {
+        fields[n + 2] = quantity::FIELDS[n];
+        n += 1;
+    }
+    fields[quantity::COUNT + 2] = equaliser;
+    fields
 };
 
 /// The keys of a peaking filter.
@@ -93,12 +145,40 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Actuator {
         let what = format!("{} has {} filters, the most is {MOST_SECTIONS}", reader.who, peaks.len());
         reader.sink.error(&reader.span_of("equaliser"), what);
     }
-    Actuator {
+    let part = reader.text("part").and_then(|name| found(name, reader));
+    let said = Model::ALL.get(reader.word("model")).copied().unwrap_or(Model::Generic);
+    let model = match &part {
+        Some(part) if !reader.has("model") => part.model,
+        Some(part) if part.model != said => {
+            let what = format!(
+                "{} is of model {}, but the part `{}` is of model {}",
+                reader.who,
+                said.word(),
+                part.name,
+                part.model.word()
+            );
+            let help = "leave `model` out: the part says it".to_string();
+            reader.sink.push(Problem::error(&reader.span_of("model"), what).help(help));
+            part.model
+        }
+        _ => said,
+    };
+    let mut values = BTreeMap::new();
+    for (field, of) in quantity::FIELDS.iter().zip(MODELS).filter(|(field, _)| reader.has(field.key)) {
+        if !of.is_empty() && !of.contains(&model) {
+            let what = format!("{} is of model {}, which has no `{}`", reader.who, model.word(), field.key);
+            let words: Vec<&str> = of.iter().map(|model| model.word()).collect();
+            let help = format!("it is a figure of {}", words.join(", "));
+            reader.sink.push(Problem::error(&reader.span_of(field.key), what).help(help));
+            continue;
+        }
+        values.extend(reader.number(field.key).map(|value| (field.key, value)));
+    }
+    let mut actuator = Actuator {
         name: name.into(),
-        model: Model::ALL.get(reader.word("model")).copied().unwrap_or(Model::Generic),
-        resonance: reader.number("resonance"),
-        q: reader.number("q"),
-        rated_volts: reader.number("rated_volts"),
+        model,
+        part: part.map(|part| part.name.into()),
+        values,
         equaliser: peaks
             .iter()
             .filter_map(|p| {
@@ -110,5 +190,20 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Actuator {
             })
             .collect(),
         span: reader.span.clone(),
+    };
+    if let Some(part) = part {
+        actuator.fill_in(part);
     }
+    actuator
+}
+
+fn found(name: &str, reader: &Reader) -> Option<&'static Part> {
+    let part = part::find(name);
+    if part.is_none() {
+        let what = format!("{} is the part `{name}`, which is not among those that ship", reader.who);
+        let help = suggest(name, part::all().iter().map(|part| part.name))
+            .unwrap_or_else(|| "`pacinian parts` lists them; or give its figures here".to_string());
+        reader.sink.push(Problem::error(&reader.span_of("part"), what).help(help));
+    }
+    part
 }

@@ -125,8 +125,9 @@ pub static COUPLING: Table = Table {
     others: None,
 };
 
-pub(crate) fn read(reader: &Reader) -> Device {
-    let coupling = reader.at("coupling").and_then(|value| match (value.text(), value.table()) {
+/// What the key `coupling` says.
+pub(super) fn read_coupling(reader: &Reader) -> Option<Coupling> {
+    reader.at("coupling").and_then(|value| match (value.text(), value.table()) {
         (Some("dc"), _) => Some(Coupling::Dc),
         (_, Some(entries)) => {
             let who = format!("`coupling` of {}", reader.who);
@@ -138,14 +139,17 @@ pub(crate) fn read(reader: &Reader) -> Device {
             reader.mistaken("coupling", &value, "\"dc\" or { high_pass = 8.0 }");
             None
         }
-    });
+    })
+}
+
+pub(crate) fn read(reader: &Reader) -> Device {
     Device {
         name: reader.text("name").map(Into::into),
         input: reader.text("input").map(Into::into),
         channels: reader.count("channels").and_then(|n| u32::try_from(n).ok()).unwrap_or(MAX_CHANNELS),
         rate: reader.number("rate"),
         full_scale_volts: reader.number("full_scale_volts"),
-        coupling,
+        coupling: read_coupling(reader),
         max_level: reader.number_or_default("max_level"),
         loop_latency: reader.number("loop_latency"),
     }

@@ -4,16 +4,20 @@ pub(crate) mod actuator;
 mod amplifier;
 pub(crate) mod device;
 mod finder;
+mod motor;
 pub(crate) mod output;
+pub mod part;
+pub(crate) mod quantity;
 pub mod reference;
 mod resolve;
 mod schema;
 
 pub use actuator::{Actuator, Model, Peak};
-pub use amplifier::{Amplifier, Drive};
+pub use amplifier::{Amplifier, Drive, Rectifier};
 pub use device::{Coupling, Device, RATES, usual_ratio};
 pub use finder::Finder;
-pub use output::{Output, OutputKind};
+pub use motor::Wiring;
+pub use output::{Output, OutputKind, Shaping, Turning};
 pub use schema::schema;
 
 /// The most channels a device may have.
@@ -162,6 +166,8 @@ impl Rig {
         }
         problems.extend(self.too_large());
         problems.extend(self.contradiction());
+        let wired = self.outputs.iter().filter_map(|output| self.wiring(output)?.err());
+        problems.extend(wired.take(Sink::MOST));
         let (mut names, mut channels) = (HashMap::new(), HashMap::new());
         let actuators: HashSet<&str> = self.actuators.iter().map(|a| a.name.as_str()).collect();
         let amplifiers: HashSet<&str> = self.amplifiers.iter().map(|a| a.name.as_str()).collect();

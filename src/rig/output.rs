@@ -41,8 +41,8 @@ pub struct Output {
 pub enum OutputKind {
     /// Vibration for the skin, band-limited to 1 kHz.
     Vibration,
-    /// A motor's voltage.
-    Drive,
+    /// What turns a rumble motor.
+    Drive(Turning),
     /// A knob's torque.
     Torque,
     /// Pulses at markers: all of them, or those of one name.
@@ -56,12 +56,49 @@ pub enum OutputKind {
     Raw,
 }
 
+/// How a rumble motor is turned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turning {
+    /// From the level that is played to what reaches the terminals.
+    pub shaping: Shaping,
+    /// Seconds by which it knows ahead what is played; `None`: as long as the motor needs to be braked from its full speed.
+    pub look_ahead: Option<f64>,
+    /// By how much the plane in which its mass spins is tilted off upright, rad; `None`: unknown, and gravity has no part in what is worked out.
+    pub tilt: Option<f64>,
+}
+
+/// From the level that is played on a motor's output to what reaches its terminals. A level is the share of the rated vibration, and
+/// backward where it is negative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shaping {
+    /// Inverse dynamics: the motor does what is played, as far as it can, and is braked in time.
+    Inverse,
+    /// The full voltage until the motor is as fast as what is played, and the full voltage backward until it is as slow.
+    Overdrive,
+    /// The full voltage one way or the other, at every sample whichever brings the motor nearer.
+    Switching,
+    /// The voltage that holds the speed, and a short circuit behind it: what there is without any of this.
+    Plain,
+}
+
+impl Shaping {
+    /// All, in the order of the words in a file.
+    pub const ALL: [Self; 4] = [Self::Inverse, Self::Overdrive, Self::Switching, Self::Plain];
+
+    /// The word for it in a file.
+    pub fn word(self) -> &'static str {
+        SHAPINGS[self as usize]
+    }
+}
+
+const SHAPINGS: &[&str] = &["inverse", "overdrive", "switching", "plain"];
+
 impl OutputKind {
     /// The word for it in a file.
     pub(crate) fn word(&self) -> &'static str {
         match self {
             Self::Vibration => "vibration",
-            Self::Drive => "drive",
+            Self::Drive(_) => "drive",
             Self::Torque => "torque",
             Self::Trigger { .. } => "trigger",
             Self::Raw => "raw",
@@ -152,13 +189,35 @@ pub static TABLE: Table = Table {
             "For a trigger: the marker that gives a pulse; all of them where nothing is said.",
         ),
         Field::new("pulse", Form::number(0.005, 1e-5, 10.0), "s", "For a trigger: length of the pulse."),
+        Field::new(
+            "shaping",
+            Form::Word(SHAPINGS),
+            "",
+            "For a drive: from the level that is played to what reaches the motor's terminals.",
+        ),
+        Field::new(
+            "look_ahead",
+            Form::any_number(0.0, 0.5),
+            "s",
+            "For a drive: by how much what is played there is late, so that the motor can be braked in time; as long as braking from its full speed takes where nothing is said.",
+        ),
+        Field::new(
+            "tilt",
+            Form::any_number(-4.0, 4.0),
+            "rad",
+            "For a drive: by how much the plane in which the mass spins is tilted off upright; gravity has no part in it where nothing is said.",
+        ),
     ],
     others: None,
 };
 
 pub(crate) fn read(reader: &Reader, is_tactor: bool) -> Output {
     let kind = match if is_tactor { 0 } else { reader.word("kind") } {
-        1 => OutputKind::Drive,
+        1 => OutputKind::Drive(Turning {
+            shaping: Shaping::ALL.get(reader.word("shaping")).copied().unwrap_or(Shaping::Inverse),
+            look_ahead: reader.number("look_ahead"),
+            tilt: reader.number("tilt"),
+        }),
         2 => OutputKind::Torque,
         3 => OutputKind::Trigger {
             marker: reader.text("marker").map(Into::into),
@@ -167,13 +226,20 @@ pub(crate) fn read(reader: &Reader, is_tactor: bool) -> Output {
         4 => OutputKind::Raw,
         _ => OutputKind::Vibration,
     };
-    if !is_tactor && !matches!(kind, OutputKind::Trigger { .. }) {
-        for key in ["marker", "pulse"].into_iter().filter(|k| reader.has(k)) {
-            let what = format!("{} is of kind {}; only a trigger has `{key}`", reader.who, kind.word());
-            reader.sink.error(&reader.span_of(key), what);
+    if !is_tactor {
+        let (triggers, turns) =
+            (matches!(kind, OutputKind::Trigger { .. }), matches!(kind, OutputKind::Drive(_)));
+        for (is, keys, of) in [
+            (triggers, &["marker", "pulse"][..], "a trigger"),
+            (turns, &["shaping", "look_ahead", "tilt"], "a drive"),
+        ] {
+            for key in keys.iter().filter(|key| !is && reader.has(key)) {
+                let what = format!("{} is of kind {}; only {of} has `{key}`", reader.who, kind.word());
+                reader.sink.error(&reader.span_of(key), what);
+            }
         }
     }
-    if matches!(kind, OutputKind::Drive | OutputKind::Torque) {
+    if kind == OutputKind::Torque {
         let what = format!(
             "{} is of kind {}, which is not rendered yet: its channel stays silent",
             reader.who,

@@ -14,7 +14,7 @@ pub struct Table {
 }
 
 /// A key of a table.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct Field {
     /// The key.
     pub key: &'static str,
@@ -29,7 +29,7 @@ pub struct Field {
 }
 
 /// What may stand at a key.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub enum Form {
     /// A string.
     Text,

@@ -1,6 +1,7 @@
 //! The two file formats: what is read, what is refused and in which words, and that nothing breaks the reader.
 
 mod hostile;
+mod motor;
 mod patch;
 mod rig;
 mod schema;

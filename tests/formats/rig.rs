@@ -66,7 +66,8 @@ fn reads_everything() {
     let amplifier = rig.amplifier("class-d").unwrap();
     assert_eq!((amplifier.gain, amplifier.drive, amplifier.max_amperes), (6.0, Drive::Current, Some(1.0)));
     let exciter = rig.actuator("exciter").unwrap();
-    assert_eq!((exciter.model, exciter.resonance, exciter.q), (Model::InertialMotor, Some(65.0), Some(2.0)));
+    assert_eq!(exciter.model, Model::InertialMotor);
+    assert_eq!((exciter.value("resonance"), exciter.value("q")), (Some(65.0), Some(2.0)));
     assert_eq!((exciter.equaliser[0].gain_db, exciter.equaliser[0].q), (-6.0, 1.0));
     let [top, low, sync, audio] = rig.outputs.as_slice() else { panic!("four outputs") };
     assert_eq!((top.name.as_str(), top.channel, top.gain, top.inverted), ("top", 3, 0.5, true));
@@ -155,11 +156,9 @@ fn every_mistake_is_told_at_its_line() {
 
 #[test]
 fn kinds_that_are_not_rendered_are_a_warning() {
-    for kind in ["drive", "torque"] {
-        let source = format!("{HEAD}[[output]]\nname = \"a\"\nchannel = 1\nkind = \"{kind}\"\n");
-        let checked = Rig::parse("w.toml", source.as_bytes()).unwrap();
-        assert_told(&source, &checked.warnings, &[(7, "which is not rendered yet")]);
-    }
+    let source = format!("{HEAD}[[output]]\nname = \"a\"\nchannel = 1\nkind = \"torque\"\n");
+    let checked = Rig::parse("w.toml", source.as_bytes()).unwrap();
+    assert_told(&source, &checked.warnings, &[(7, "which is not rendered yet")]);
 }
 
 #[test]

@@ -240,7 +240,7 @@ impl Walk {
         let others = rig.outputs.iter().filter(|output| !probe::may_be_felt(output));
         let mut moves = false;
         for output in others {
-            moves |= matches!(output.kind, OutputKind::Drive | OutputKind::Torque);
+            moves |= matches!(output.kind, OutputKind::Drive(_) | OutputKind::Torque);
             let what = kind(&output.kind);
             terminal.note(&format!(
                 "left out: `{}` on channel {}, {what}\n",
@@ -326,7 +326,7 @@ fn kind(kind: &OutputKind) -> &'static str {
     match kind {
         OutputKind::Vibration => "vibration",
         OutputKind::Raw => "played as it comes",
-        OutputKind::Drive => "a motor",
+        OutputKind::Drive(_) => "a motor",
         OutputKind::Torque => "a torque",
         OutputKind::Trigger { .. } => "a trigger",
     }

@@ -45,7 +45,7 @@ pub fn patch() -> Result<Patch, Problems> {
 pub fn may_be_felt(output: &Output) -> bool {
     match output.kind {
         OutputKind::Vibration | OutputKind::Raw => true,
-        OutputKind::Drive | OutputKind::Torque | OutputKind::Trigger { .. } => false,
+        OutputKind::Drive(_) | OutputKind::Torque | OutputKind::Trigger { .. } => false,
     }
 }
 
@@ -81,7 +81,7 @@ pub fn bare(rig: &Rig, probes: &[Probe]) -> Rig {
 /// Its resonance, if that is known and can be felt.
 fn frequency(rig: &Rig, output: &Output) -> f64 {
     let actuator = output.actuator.as_ref().and_then(|name| rig.actuator(name));
-    let resonance = actuator.and_then(|actuator| actuator.resonance);
+    let resonance = actuator.and_then(|actuator| actuator.value("resonance"));
     resonance.map_or(USUAL, |hertz| hertz.clamp(BAND[0], BAND[1]))
 }
 
@@ -96,7 +96,7 @@ fn bearable(rig: &Rig, output: &Output) -> Option<f64> {
     // As if all its peaks were at the frequency of the probe.
     let lifted: f64 = actuator.equaliser.iter().map(|peak| peak.gain_db.max(0.0)).sum();
     let volts = rig.device.full_scale_volts? * gain * output.gain * 10_f64.powf(lifted / 20.0);
-    let most = SHARE * actuator.rated_volts? / volts;
+    let most = SHARE * actuator.value("rated_volts")? / volts;
     most.is_finite().then_some(most)
 }
 
@@ -106,12 +106,12 @@ mod tests {
     use pacinian::patch::Place;
     use pacinian::{NoAssets, Note, Options, Patch, Player, Rig};
 
-    const RIG: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 7\nfull_scale_volts = 2.0\n\
-        [amplifier.a]\ngain = 5\n[actuator.slow]\nresonance = 65\nrated_volts = 2\n[actuator.odd]\nresonance = 3000\n\
+    const RIG: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 7\nfull_scale_volts = 2.0\ncoupling = \"dc\"\n\
+        [amplifier.a]\ngain = 5\ncoupling = \"dc\"\n[actuator.coin]\npart = \"coin-10mm\"\n[actuator.slow]\nresonance = 65\nrated_volts = 2\n[actuator.odd]\nresonance = 3000\n\
         equaliser = [{ frequency = 100, gain_db = 6.0206 }]\nrated_volts = 2\n\
         [[tactor]]\nname = \"left\"\nchannel = 1\nactuator = \"slow\"\namplifier = \"a\"\n\
         [[tactor]]\nname = \"right\"\nchannel = 2\nactuator = \"odd\"\ngain = 0.5\n\
-        [[output]]\nkind = \"torque\"\nname = \"knob\"\nchannel = 3\n[[output]]\nkind = \"drive\"\nname = \"motor\"\nchannel = 4\n\
+        [[output]]\nkind = \"torque\"\nname = \"knob\"\nchannel = 3\n[[output]]\nkind = \"drive\"\nname = \"motor\"\nchannel = 4\nactuator = \"coin\"\namplifier = \"a\"\n\
         [[output]]\nkind = \"trigger\"\nname = \"eeg\"\nchannel = 5\n[[output]]\nkind = \"raw\"\nname = \"coil\"\nchannel = 7\n";
 
     fn rig() -> Rig {

@@ -1,0 +1,255 @@
+//! A rumble motor as a rig describes it: what it is made of, and what of a card's samples reaches it.
+
+use super::device::Coupling;
+use super::output::Turning;
+use super::{Actuator, Amplifier, Drive, Model, Output, OutputKind, Rig};
+use crate::actuator::fault::Fault;
+use crate::actuator::motor::{Casing, GRAVITY, Parameters, Suspension};
+use crate::text::Problem;
+
+/// A motor on an output.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wiring {
+    /// How it is turned.
+    pub turning: Turning,
+    /// The motor; its gravity is that of the tilt, 0 where that is unknown.
+    pub parameters: Parameters,
+    /// Whether the amplifier imposes a current: then figures of the drive are amperes.
+    pub is_current: bool,
+    /// Volts or amperes at the motor for a sample of 1.0, negative where the amplifier turns it upside down.
+    pub per_sample: f64,
+    /// The most that reaches the motor, volts or amperes.
+    pub limit: f64,
+    /// The most voltage that the amplifier gives, V; that of the motor's limit where it is not known.
+    pub compliance: f64,
+}
+
+/// What is missing for a motor, or contradicts itself.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Lack {
+    /// A figure that nothing says.
+    Figure(&'static str),
+    /// A figure that cannot be.
+    Fault(Fault),
+}
+
+impl Actuator {
+    /// A rumble motor, from what is known of it: gravity aside.
+    ///
+    /// Either all that it is made of is known, or what can be told from outside (`time_constant`, `speed_per_volt`, `running_volts`,
+    /// `start_volts`, `eccentric_per_mass`): then resistance and mass are 1 and stand for no real ones, and currents mean nothing.
+    ///
+    /// # Errors
+    /// The first figure that is missing or cannot be.
+    pub fn rumble_motor(&self) -> Result<Parameters, Lack> {
+        let get = |key: &'static str| self.value(key).ok_or(Lack::Figure(key));
+        let or = |key: &str, otherwise: f64| self.value(key).unwrap_or(otherwise);
+        let rated_volts = get("rated_volts")?;
+        let from_outside = self.value("time_constant").is_some() && self.value("torque_constant").is_none();
+        let parameters = if from_outside {
+            let gain = 1.0 / get("speed_per_volt")?;
+            let running = or("running_volts", 0.0);
+            let mass = or("mass", 1.0);
+            Parameters {
+                resistance: 1.0,
+                inductance: 0.0,
+                gain,
+                inertia: get("time_constant")? * gain * gain,
+                viscous: 0.0,
+                coulomb: running * gain,
+                stiction: or("start_volts", running) * gain,
+                eccentric: get("eccentric_per_mass")? * mass,
+                gravity: 0.0,
+                casing: Casing::Suspended { mass, across: FREE, upright: FREE },
+                rated_volts,
+            }
+        } else {
+            let coulomb = or("coulomb_friction", 0.0);
+            Parameters {
+                resistance: get("resistance")?,
+                inductance: or("inductance", 0.0),
+                gain: get("torque_constant")?,
+                inertia: get("inertia")?,
+                viscous: or("viscous_friction", 0.0),
+                coulomb,
+                stiction: or("static_friction", coulomb),
+                eccentric: get("eccentric_moment")?,
+                gravity: 0.0,
+                casing: self.casing(),
+                rated_volts,
+            }
+        };
+        parameters.check().map_err(Lack::Fault)?;
+        Ok(parameters)
+    }
+
+    fn casing(&self) -> Casing {
+        let Some(mass) = self.value("mass") else { return Casing::Held };
+        match self.value("mount_stiffness") {
+            Some(stiffness) => {
+                let spring = Suspension { stiffness, damping: self.value("mount_damping").unwrap_or(0.0) };
+                Casing::Suspended { mass, across: spring, upright: spring }
+            }
+            None => Casing::Free { mass },
+        }
+    }
+
+    /// The most it bears, V: `max_volts`, else what it is made for.
+    pub fn most_volts(&self) -> Option<f64> {
+        self.value("max_volts").or(self.value("rated_volts"))
+    }
+}
+
+const FREE: Suspension = Suspension { stiffness: 0.0, damping: 0.0 };
+
+impl Rig {
+    /// The motor on an output of kind drive; `None` for other outputs.
+    ///
+    /// # Errors
+    /// What is missing, or what on its way lets nothing steady through: with the reason and what would help.
+    pub fn wiring(&self, output: &Output) -> Option<Result<Wiring, Problem>> {
+        let OutputKind::Drive(turning) = output.kind else { return None };
+        Some(self.wire(output, turning))
+    }
+
+    fn wire(&self, output: &Output, turning: Turning) -> Result<Wiring, Problem> {
+        let name = &output.name;
+        let lacks = |what: String, help: &str| Err(Problem::error(&output.span, what).help(help.to_string()));
+        let Some(actuator) = output.actuator.as_ref().and_then(|name| self.actuator(name)) else {
+            let help = "name a motor: actuator = \"NAME\", and describe it under [actuator.NAME]";
+            return lacks(
+                format!("output `{name}` is a drive without an actuator: what it turns is not known"),
+                help,
+            );
+        };
+        if actuator.model != Model::RumbleMotor {
+            let what = format!(
+                "output `{name}` is a drive, but its actuator `{}` is of model {}",
+                actuator.name,
+                actuator.model.word()
+            );
+            return lacks(
+                what,
+                "drives turn motors (model = \"rumble-motor\"); for all else write [[tactor]]",
+            );
+        }
+        let mut parameters = actuator.rumble_motor().map_err(|lack| lack.of(actuator))?;
+        let Some(amplifier) = output.amplifier.as_ref().and_then(|name| self.amplifier(name)) else {
+            let help = "name what stands between card and motor, with its gain: a motor takes more current than a card gives";
+            return lacks(format!("output `{name}` is a drive without an amplifier"), help);
+        };
+        let Some(full_scale) = self.device.full_scale_volts else {
+            let help =
+                "play a full sine, hold a meter to the output, and write the peak: full_scale_volts = 1.4";
+            return lacks(
+                format!(
+                    "output `{name}` is a drive, so `full_scale_volts` of the device must be known: a motor's model needs volts"
+                ),
+                help,
+            );
+        };
+        if amplifier.gain == 0.0 {
+            return lacks(
+                format!("amplifier `{}` has a gain of 0: nothing reaches `{name}`", amplifier.name),
+                "give its gain",
+            );
+        }
+        self.passes_steady(output, amplifier)?;
+        parameters.gravity = turning.tilt.map_or(0.0, |tilt| (GRAVITY * tilt.cos()).abs());
+        let is_current = amplifier.drive == Drive::Current;
+        let per_sample = full_scale * amplifier.gain;
+        let volts =
+            [actuator.most_volts(), amplifier.max_volts].into_iter().flatten().fold(f64::INFINITY, f64::min);
+        let share = self.max_level(output);
+        let own = if is_current {
+            let amperes = [actuator.value("max_amperes"), amplifier.max_amperes].into_iter().flatten();
+            // What flows at a standstill with the most it bears.
+            amperes.fold(volts / parameters.resistance, f64::min)
+        } else {
+            volts
+        };
+        let limit = own.min(per_sample.abs() * share);
+        let compliance = amplifier.max_volts.unwrap_or(volts);
+        let starts =
+            parameters.coulomb * if is_current { 1.0 } else { parameters.resistance } / parameters.gain;
+        if limit <= starts {
+            let (unit, share) = (if is_current { "A" } else { "V" }, 100.0 * limit / starts);
+            let what = format!(
+                "at most {limit:.3} {unit} reach the motor of `{name}`, {share:.0} % of what turns it at all"
+            );
+            return lacks(
+                what,
+                "raise the amplifier's `gain`, `max_volts` or `max_level`, or the motor's `max_volts`",
+            );
+        }
+        Ok(Wiring { turning, parameters, is_current, per_sample, limit, compliance })
+    }
+
+    /// That nothing on the way keeps steady voltages off, which a motor needs.
+    fn passes_steady(&self, output: &Output, amplifier: &Amplifier) -> Result<(), Problem> {
+        let name = &output.name;
+        let help = "a motor turns by a steady voltage: take a DC-coupled card and a DC amplifier or a bridge, and say coupling = \"dc\" of both";
+        let what = match (self.device.coupling, amplifier.coupling) {
+            (Some(Coupling::Dc), Some(Coupling::Dc)) => return Ok(()),
+            (Some(Coupling::HighPass(hertz)), _) => {
+                let lasts = 1e3 / (std::f64::consts::TAU * hertz);
+                format!(
+                    "the device lets nothing steady through to the motor of `{name}`: behind its high-pass at {hertz} Hz a voltage is at 37 % after {lasts:.0} ms"
+                )
+            }
+            (None, _) => format!(
+                "the device is not known to let a steady voltage through to the motor of `{name}`: most cards do not"
+            ),
+            (_, Some(Coupling::HighPass(hertz))) => {
+                format!(
+                    "amplifier `{}` is an AC amplifier: its high-pass at {hertz} Hz keeps steady voltages off the motor of `{name}`",
+                    amplifier.name
+                )
+            }
+            (_, None) => format!(
+                "amplifier `{}` is not known to let a steady voltage through to the motor of `{name}`: audio amplifiers do not",
+                amplifier.name
+            ),
+        };
+        Err(Problem::error(&output.span, what).help(help.to_string()))
+    }
+}
+
+impl Lack {
+    fn of(self, actuator: &Actuator) -> Problem {
+        let name = &actuator.name;
+        match self {
+            Self::Figure(key) => {
+                let what = format!("actuator `{name}` lacks `{key}`: how the motor moves is not known");
+                let help = match actuator.part {
+                    None => "give it, or name a part that ships: part = \"...\"; `pacinian parts` lists them",
+                    Some(_) => "its part does not say it; give it here",
+                };
+                Problem::error(&actuator.span, what).help(help.to_string())
+            }
+            Self::Fault(fault) => {
+                let key = key_of(fault.field);
+                let what = format!(
+                    "actuator `{name}` cannot be: {}",
+                    fault.to_string().replacen(fault.field, key, 1)
+                );
+                Problem::error(&actuator.span, what)
+            }
+        }
+    }
+}
+
+/// The rig's key for a field of the model.
+fn key_of(field: &'static str) -> &'static str {
+    match field {
+        "gain" => "torque_constant",
+        "viscous" => "viscous_friction",
+        "coulomb" => "coulomb_friction",
+        "stiction" => "static_friction",
+        "eccentric" => "eccentric_moment",
+        "casing mass" => "mass",
+        "casing stiffness across" | "casing stiffness upright" => "mount_stiffness",
+        "casing damping across" | "casing damping upright" => "mount_damping",
+        other => other,
+    }
+}

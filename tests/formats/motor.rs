@@ -1,0 +1,154 @@
+//! Rumble motors in rigs: what they are made of, what reaches them, and what is refused.
+
+use pacinian::Rig;
+use pacinian::actuator::motor::{Casing, GRAVITY};
+use pacinian::rig::{Shaping, Wiring};
+
+const DEVICE: &str = "channels = 2\nfull_scale_volts = 1.5\ncoupling = \"dc\"";
+const BRIDGE: &str = "gain = 4\nmax_volts = 5\ncoupling = \"dc\"";
+const COIN: &str = "part = \"coin-10mm\"";
+
+fn source([device, amplifier, actuator, output]: [&str; 4]) -> String {
+    format!(
+        "format = \"pacinian-rig/1\"\ntitle = \"A motor\"\n[device]\n{device}\n[amplifier.bridge]\n{amplifier}\n\
+         [actuator.motor]\n{actuator}\n[[output]]\nkind = \"drive\"\nname = \"wrist\"\nchannel = 1\n{output}\n"
+    )
+}
+
+const WIRED: &str = "actuator = \"motor\"\namplifier = \"bridge\"";
+
+fn wiring(parts: [&str; 4]) -> Wiring {
+    let rig = Rig::parse("r.toml", source(parts).as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    rig.wiring(&rig.outputs[0]).unwrap().unwrap()
+}
+
+fn refused(parts: [&str; 4]) -> String {
+    Rig::parse("r.toml", source(parts).as_bytes()).unwrap_err().to_string()
+}
+
+#[test]
+fn a_part_fills_in_what_the_rig_does_not_say() {
+    let wiring = wiring([DEVICE, BRIDGE, "part = \"coin-10mm\"\nresistance = 40\nmass = 0.05", WIRED]);
+    let p = wiring.parameters;
+    assert_eq!((p.resistance, p.gain, p.casing), (40.0, 0.955e-3, Casing::Free { mass: 0.05 }));
+    assert_eq!((p.gravity, wiring.turning.shaping, wiring.turning.look_ahead), (0.0, Shaping::Inverse, None));
+    // 1.5 V times 4, of which the part takes 3 V.
+    assert_eq!((wiring.per_sample, wiring.limit, wiring.compliance), (6.0, 3.0, 5.0));
+}
+
+#[test]
+fn limits_are_the_lowest_of_all_that_are_named() {
+    let limit = |device: &str, amplifier: &str, actuator: &str, output: &str| {
+        let device = format!("{DEVICE}\n{device}");
+        let output = format!("{WIRED}\n{output}");
+        wiring([&device, &format!("coupling = \"dc\"\n{amplifier}"), &format!("{COIN}\n{actuator}"), &output])
+            .limit
+    };
+    assert_eq!(limit("", "gain = 4", "", ""), 3.0);
+    assert_eq!(limit("", "gain = 4", "max_volts = 5", ""), 5.0);
+    assert_eq!(limit("", "gain = -4\nmax_volts = 4.5", "max_volts = 5", ""), 4.5);
+    assert_eq!(limit("", "gain = 4", "max_volts = 5", "max_level = 0.5"), 3.0);
+    assert_eq!(limit("max_level = 0.25", "gain = 4", "max_volts = 5", "max_level = 0.5"), 1.5);
+    // By current: what flows at a standstill with the most it bears, unless something says less.
+    assert_eq!(limit("", "gain = 1\ndrive = \"current\"", "", ""), 0.1);
+    assert_eq!(limit("", "gain = 1\ndrive = \"current\"\nmax_amperes = 0.08", "", ""), 0.08);
+    let by = |amplifier| wiring([DEVICE, amplifier, COIN, WIRED]);
+    assert_eq!(by("gain = -4\ncoupling = \"dc\"").per_sample, -6.0);
+    assert!(by("gain = 1\ndrive = \"current\"\ncoupling = \"dc\"").is_current);
+}
+
+#[test]
+fn tilt_is_the_share_of_gravity_in_the_plane_of_rotation() {
+    let gravity =
+        |tilt: &str| wiring([DEVICE, BRIDGE, COIN, &format!("{WIRED}\ntilt = {tilt}")]).parameters.gravity;
+    assert_eq!(gravity("0"), GRAVITY);
+    assert!((gravity("1.0471975511965976") - 0.5 * GRAVITY).abs() < 1e-12);
+    assert!(gravity("1.5707963267948966") < 1e-12);
+}
+
+/// A motor known from outside moves as one of any other resistance would: same time constant, speed and acceleration.
+#[test]
+fn a_motor_known_from_outside_moves_as_it_was_seen_to() {
+    let seen = "model = \"rumble-motor\"\nrated_volts = 3\ntime_constant = 0.035\nspeed_per_volt = 600\nrunning_volts = 0.4\n\
+                start_volts = 0.6\neccentric_per_mass = 7e-6";
+    let p = wiring([DEVICE, BRIDGE, seen, WIRED]).parameters;
+    let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+    near(p.mechanical_time(), 0.035);
+    near(p.steady_speed(3.0), 600.0 * 2.6);
+    near(p.start_volts(), 0.6);
+    near(p.rated_acceleration().unwrap(), 7e-6 * (600.0_f64 * 2.6).powi(2));
+}
+
+/// What every beginner gets wrong, and everything else that keeps a motor from being turned: said before anything plays, with what helps.
+#[test]
+fn what_cannot_turn_is_refused_with_the_reason() {
+    let dc = |text: &str| text.replace("coupling = \"dc\"", "");
+    let ac = |text: &str| text.replace("\"dc\"", "{ high_pass = 8 }");
+    for (parts, fragments) in [
+        (
+            [&*ac(DEVICE), BRIDGE, COIN, WIRED],
+            ["high-pass at 8 Hz a voltage is at 37 % after 20 ms", "DC-coupled card"],
+        ),
+        (
+            [&*dc(DEVICE), BRIDGE, COIN, WIRED],
+            ["not known to let a steady voltage through", "most cards do not"],
+        ),
+        ([DEVICE, &*ac(BRIDGE), COIN, WIRED], ["`bridge` is an AC amplifier", "turns by a steady voltage"]),
+        ([DEVICE, &*dc(BRIDGE), COIN, WIRED], ["`bridge` is not known to let", "audio amplifiers do not"]),
+        (
+            [DEVICE, BRIDGE, COIN, "amplifier = \"bridge\""],
+            ["a drive without an actuator", "[actuator.NAME]"],
+        ),
+        (
+            [DEVICE, BRIDGE, COIN, "actuator = \"motor\""],
+            ["a drive without an amplifier", "more current than a card gives"],
+        ),
+        ([DEVICE, BRIDGE, "model = \"lra\"", WIRED], ["is of model lra", "[[tactor]]"]),
+        (
+            ["channels = 1\ncoupling = \"dc\"", BRIDGE, COIN, WIRED],
+            ["`full_scale_volts` of the device", "hold a meter"],
+        ),
+        (
+            [DEVICE, BRIDGE, "model = \"rumble-motor\"\nrated_volts = 3", WIRED],
+            ["lacks `resistance`", "name a part"],
+        ),
+        (
+            [DEVICE, BRIDGE, "part = \"coin-10m\"", WIRED],
+            ["which is not among those that ship", "`coin-10mm`"],
+        ),
+        (
+            [DEVICE, BRIDGE, "part = \"coin-10mm\"\nmodel = \"lra\"", WIRED],
+            ["but the part `coin-10mm` is of model rumble-motor", "leave `model` out"],
+        ),
+        (
+            [DEVICE, BRIDGE, "part = \"coin-10mm\"\nforce_factor = 1", WIRED],
+            ["which has no `force_factor`", "voice-coil, inertial-motor"],
+        ),
+        (
+            [DEVICE, BRIDGE, "part = \"coin-10mm\"\ninertia = 0", WIRED],
+            ["`inertia` of actuator `motor` is 0", "from 0.000000000000000001"],
+        ),
+        (
+            [DEVICE, BRIDGE, "part = \"coin-10mm\"\nmass = 2e-4", WIRED],
+            ["actuator `motor` cannot be: `mass` is 0.0002", "must be above 0.000296"],
+        ),
+        (
+            [DEVICE, BRIDGE, "part = \"coin-10mm\"\nstatic_friction = 1e-6", WIRED],
+            ["`static_friction` is 0.000001", "no less than holds it while it turns"],
+        ),
+        ([DEVICE, "gain = 0\ncoupling = \"dc\"", COIN, WIRED], ["has a gain of 0", "nothing reaches"]),
+        ([DEVICE, "gain = 0.2\ncoupling = \"dc\"", COIN, WIRED], ["of what turns it at all", "raise"]),
+        (
+            [DEVICE, BRIDGE, COIN, "actuator = \"motor\"\namplifier = \"bridge\"\nmarker = \"x\""],
+            ["only a trigger has `marker`", "of kind drive"],
+        ),
+    ] {
+        let told = refused(parts);
+        for fragment in fragments {
+            assert!(told.contains(fragment), "{parts:?}: {told}");
+        }
+    }
+    let tactor = "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\n[[output]]\nkind = \"raw\"\nname = \"a\"\nchannel = 1\ntilt = 0\n";
+    let told = Rig::parse("r.toml", tactor.as_bytes()).unwrap_err().to_string();
+    assert!(told.contains("of kind raw; only a drive has `tilt`"), "{told}");
+}
