@@ -63,6 +63,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             keeps_dc_off: false,
             max_level: 1.0,
         }],
+        drives: Vec::new(),
+        clicks: Vec::new(),
         markers: Vec::new(),
         left_out: Vec::new(),
     };

@@ -260,3 +260,39 @@ fn what_a_device_hears_comes_to_another_without_memory() {
         board.input
     );
 }
+
+/// Motors: levels and orders of all kinds, on all of them, more than there is room for.
+#[test]
+fn motors_that_are_ordered_about() {
+    use common::scenes::{MOTORS, MOVES};
+    use pacinian::engine::event::Play;
+    use pacinian::graph::scene::{Options, scene};
+    use pacinian::graph::start::FIELDS;
+    use pacinian::rig::Rig;
+
+    let rig = Rig::parse("rig.toml", MOTORS.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+    let none = pacinian::node::asset::NoAssets;
+    let plan = scene(&common::patch(MOVES), &rig, &options, &none).unwrap_or_else(|p| panic!("{p}")).plan;
+    let mut engine = Engine::new(&plan).unwrap();
+    let mut frames = vec![0.0; 480 * 3];
+    let (mut total, mut moved) = (0, 0.0_f32);
+    for n in 0..400_u32 {
+        total += counted(|| {
+            for i in 0..n % 90 {
+                let (instrument, place) = ((n + i) % 6, i % 3);
+                let at = Instant { sample: engine.clock() + u64::from(i % 80), fraction: 1 << 30 };
+                let (level, duration) = (f64::from(i % 7) / 3.0 - 1.0, 0.001 * f64::from(i));
+                let play = Play { instrument, place, level, duration, own: [0.0; FIELDS], id: u64::from(i) };
+                engine.schedule(at, Source::Program, Event::Play(play));
+            }
+            if n % 50 == 49 {
+                engine.schedule(Instant::default(), Source::Program, Event::Silence(0, 64));
+            }
+            engine.process(&mut frames);
+        });
+        moved = frames.iter().fold(moved, |most, x| most.max(x.abs()));
+    }
+    assert_eq!(total, 0, "allocations and frees");
+    assert!(moved > 0.5 && engine.stage().drives().counts_of(0).unwrap().orders > 1000);
+}

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`motor`] | the rumble motor: an eccentric mass on the shaft of a DC motor, step by step |
 //! | [`shape`] | what to do to its terminals: clicks, spins, envelopes, parking |
+//! | [`driver`] | the same while it is played, sample by sample |
 //! | [`coil`] | voice-coil tactors on skin, inertial motors, linear resonant actuators: responses, steps, equalisers, bursts |
 //! | [`link`] | the way from a sample to a coil: coupling, amplifiers, carriers, pulse widths |
 //! | [`thermal`], [`piezo`] | heat in two nodes; elements that are a capacitance |
@@ -38,6 +39,7 @@
 
 pub mod coil;
 pub mod drive;
+pub mod driver;
 pub(crate) mod elementary;
 pub(crate) mod exponential;
 pub mod fault;

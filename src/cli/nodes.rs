@@ -127,7 +127,7 @@ fn kind(kind: &Kind) -> &'static str {
     }
 }
 
-const FAMILIES: [(Family, &str); 7] = [
+const FAMILIES: [(Family, &str); 8] = [
     (Family::Oscillator, "oscillators"),
     (Family::Noise, "noise"),
     (Family::Envelope, "envelopes"),
@@ -135,6 +135,7 @@ const FAMILIES: [(Family, &str); 7] = [
     (Family::Arithmetic, "arithmetic"),
     (Family::Filter, "filters"),
     (Family::Input, "input"),
+    (Family::Motor, "motors"),
 ];
 
 fn family(family: Family) -> &'static str {

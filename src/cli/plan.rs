@@ -307,6 +307,7 @@ fn kind(kind: OutputKind) -> &'static str {
     match kind {
         OutputKind::Vibration => "vibration",
         OutputKind::Raw => "raw: no limiter, no band limit",
+        OutputKind::Drive => "turns a motor",
         OutputKind::Silent => "not rendered, stays at zero",
         OutputKind::Trigger { .. } => "trigger",
     }

@@ -87,6 +87,11 @@ impl<R: Real> Bank<R> {
         self.lanes.len()
     }
 
+    /// The serial number of the voice that is or was last on a lane.
+    pub fn serial(&self, lane: usize) -> u64 {
+        self.lanes.get(lane).map_or(0, |voice| voice.serial)
+    }
+
     /// Voices that sound, those that fade aside.
     pub fn sounding(&self) -> usize {
         self.sounding
@@ -211,8 +216,14 @@ impl<R: Real> Bank<R> {
         }
     }
 
-    /// Lets all voices that `falls` says yes to fall silent within [`HUSH`] from `at` on, released or not; `silenced` hears of their lanes.
-    pub fn silence(&mut self, falls: impl Fn(&Play) -> bool, at: Instant, mut silenced: impl FnMut(usize)) {
+    /// Lets all voices that `falls` says yes to fall silent within [`HUSH`] from `at` on, released or not; `silenced` hears of their lanes and
+    /// serial numbers.
+    pub fn silence(
+        &mut self,
+        falls: impl Fn(&Play) -> bool,
+        at: Instant,
+        mut silenced: impl FnMut(usize, u64),
+    ) {
         for lane in 0..self.lanes.len() {
             let (status, pace) = (self.lanes[lane].status, FADE / HUSH);
             match status {
@@ -220,7 +231,7 @@ impl<R: Real> Bank<R> {
                 _ if !falls(&self.lanes[lane].play) => {}
                 Status::Held | Status::Released => {
                     self.let_fade(lane, at, pace);
-                    silenced(lane);
+                    silenced(lane, self.lanes[lane].serial);
                 }
                 // One that makes room goes on faster from where it is.
                 Status::Fading(since, slow) => {
@@ -250,13 +261,13 @@ impl<R: Real> Bank<R> {
         }
     }
 
-    /// Releases all voices of that id, or all there are; `released` hears of their lanes.
-    pub fn release_all(&mut self, id: Option<u64>, at: Instant, mut released: impl FnMut(usize)) {
+    /// Releases all voices of that id, or all there are; `released` hears of their lanes and serial numbers.
+    pub fn release_all(&mut self, id: Option<u64>, at: Instant, mut released: impl FnMut(usize, u64)) {
         for lane in 0..self.lanes.len() {
             let voice = self.lanes[lane];
             if voice.status == Status::Held && id.is_none_or(|id| id == voice.play.id) {
                 self.end(lane, voice.serial, at);
-                released(lane);
+                released(lane, voice.serial);
             }
         }
     }

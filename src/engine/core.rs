@@ -1,6 +1,7 @@
 //! The engine for one number type: clock, events, voices, mix and output stage.
 
 use super::bank::Bank;
+use super::commander::Commander;
 use super::control::Ramp;
 use super::declick::Declick;
 use super::event::{Event, Play, Source};
@@ -53,6 +54,7 @@ pub struct Core<R: Real> {
     /// The latest end of the voices that died away before theirs and whose lanes were taken since.
     outlasted: Option<Instant>,
     places: Vec<Vec<(u32, f64)>>,
+    commander: Commander,
     banks: Vec<Bank<R>>,
     shared: Option<Ops<R>>,
     sources: Vec<Shared>,
@@ -98,6 +100,7 @@ impl<R: Real> Core<R> {
             first,
             outlasted: None,
             places: plan.places.clone(),
+            commander: Commander::new(plan),
             banks,
             shared,
             sources: plan.shared.clone(),
@@ -392,9 +395,10 @@ impl<R: Real> Core<R> {
     /// Releases the voice that has sounded its time next, if it is still there.
     fn end_next(&mut self) {
         let Some((slot, at, serial)) = self.ends.pop() else { return };
-        let bank = self.first.partition_point(|first| *first <= slot).saturating_sub(1);
-        if let (Some(bank), Some(first)) = (self.banks.get_mut(bank), self.first.get(bank)) {
+        let number = self.first.partition_point(|first| *first <= slot).saturating_sub(1);
+        if let (Some(bank), Some(first)) = (self.banks.get_mut(number), self.first.get(number)) {
             bank.end(slot - first, serial, at);
+            self.commander.release(number, serial, at, &mut self.stage);
         }
     }
 
@@ -430,6 +434,10 @@ impl<R: Real> Core<R> {
         let Some(first) = self.first.get(play.instrument as usize) else { return };
         if let Some(stolen) = stolen {
             self.ends.clear(first + stolen);
+            self.commander.release(play.instrument as usize, bank.serial(stolen), at, &mut self.stage);
+        }
+        if self.commander.gives(play.instrument) {
+            self.commander.begin(play, serial, place, at, &mut self.stage);
         }
         // Who was here before has died away, but its time is not over.
         if let Some((end, _)) = self.ends.clear(first + lane) {
@@ -441,22 +449,24 @@ impl<R: Real> Core<R> {
     }
 
     fn release_all(&mut self, id: Option<u64>, at: Instant) {
-        for (bank, first) in self.banks.iter_mut().zip(&self.first) {
-            let ends = &mut self.ends;
-            bank.release_all(id, at, |lane| {
-                ends.clear(first + lane);
+        let Self { banks, first, ends, commander, stage, .. } = self;
+        for (number, (bank, first)) in banks.iter_mut().zip(first).enumerate() {
+            bank.release_all(id, at, |lane, serial| {
+                ends.clear(*first + lane);
+                commander.release(number, serial, at, stage);
             });
         }
     }
 
     fn silence(&mut self, id: u64, bits: u8, at: Instant) {
-        for (bank, first) in self.banks.iter_mut().zip(&self.first) {
-            let ends = &mut self.ends;
+        let Self { banks, first, ends, commander, stage, .. } = self;
+        for (number, (bank, first)) in banks.iter_mut().zip(first).enumerate() {
             bank.silence(
                 |play| play.is_of(id, bits),
                 at,
-                |lane| {
-                    ends.clear(first + lane);
+                |lane, serial| {
+                    ends.clear(*first + lane);
+                    commander.release(number, serial, at, stage);
                 },
             );
         }

@@ -47,7 +47,7 @@ pub(crate) struct Handover {
 pub enum Mismatch {
     /// The device differs: rate, channels, or the output stage's filters.
     Device,
-    /// What hangs on the channels differs: kinds of outputs, equalisers, markers, whether steady voltages are kept off.
+    /// What hangs on the channels differs: kinds of outputs, equalisers, motors, markers, whether steady voltages are kept off.
     Outputs,
     /// The new plan listens to more channels than the old one.
     Inputs,
@@ -62,7 +62,7 @@ impl fmt::Display for Mismatch {
         match self {
             Self::Device => f.write_str("the new rig has another rate, other channels or another filter"),
             Self::Outputs => f.write_str(
-                "the new rig has other outputs, other equalisers, or another word on steady voltages (dc)",
+                "the new rig has other outputs, other motors, other equalisers, or another word on steady voltages (dc)",
             ),
             Self::Inputs => f.write_str("the new patch listens to further input channels"),
             Self::Precision => f.write_str("the new plan computes with other numbers"),
@@ -87,7 +87,7 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     let hanging = |plan: &Plan| -> Vec<_> {
         plan.outputs.iter().map(|o| (o.channel, o.kind, o.equaliser.clone(), o.keeps_dc_off)).collect()
     };
-    if hanging(old) != hanging(new) || old.markers != new.markers {
+    if hanging(old) != hanging(new) || old.markers != new.markers || old.drives != new.drives {
         return Err(Mismatch::Outputs);
     }
     if old.precision != new.precision {

@@ -2,9 +2,11 @@
 
 #[doc(hidden)] // for benches/engine.rs
 pub mod bank;
+mod commander;
 mod control;
 mod core;
 mod declick;
+mod drives;
 pub mod event;
 pub mod exchange;
 pub mod guard;

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::vibration;
+use crate::actuator::fault::Fault;
 use crate::graph::budget::Need;
 use crate::graph::plan::{Plan, Shared};
 
@@ -28,6 +29,13 @@ pub enum Refusal {
         channel: u32,
         /// How many the plan has.
         channels: usize,
+    },
+    /// The motor on a channel (from 0) cannot be.
+    Motor {
+        /// The channel.
+        channel: u32,
+        /// What of it.
+        fault: Fault,
     },
     /// An instrument (by its number) of which no voice may sound.
     Voices(usize),
@@ -89,6 +97,13 @@ impl fmt::Display for Refusal {
             Self::Stage(why) => return why.fmt(f),
             Self::Place { place, channel, channels } => ("place", place, channel, channels),
             Self::Output { output, channel, channels } => ("output", output, channel, channels),
+            Self::Motor { channel, fault } => {
+                return write!(
+                    f,
+                    "the motor on channel {} of the plan cannot be: {fault}",
+                    u64::from(*channel) + 1
+                );
+            }
             Self::Voices(i) => {
                 return write!(f, "instrument {} of the plan has no voices; give it at least 1", i + 1);
             }

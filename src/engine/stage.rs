@@ -1,9 +1,12 @@
 //! From the mix to the device: the output stage of each kind of output.
 
+use super::drives::Drives;
 use super::hush::Hush;
 use super::raw::Raw;
+use super::refusal::Refusal;
 use super::triggers::Triggers;
-use super::vibration::{Counts, Options, Refusal, Row, Vibration};
+use super::vibration::{Counts, Options, Row, Vibration};
+use crate::actuator::driver::order::Order;
 use crate::dsp::biquad::Complex;
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
@@ -17,6 +20,7 @@ pub struct Stage {
     rows: Vec<Row>,
     triggers: Triggers,
     raw: Raw,
+    drives: Drives,
     hush: Hush,
 }
 
@@ -24,7 +28,7 @@ impl Stage {
     /// The stage of a plan.
     ///
     /// # Errors
-    /// A rate or a number of taps that the stage cannot be built for.
+    /// A rate or a number of taps that the stage cannot be built for; a motor that cannot be.
     pub(crate) fn new(plan: &Plan, isa: Isa) -> Result<Self, Refusal> {
         let options = Options {
             taps: plan.taps,
@@ -39,7 +43,9 @@ impl Stage {
         let rows = vec![Row::default(); vibration.groups() * super::workspace::BLOCK];
         let triggers = Triggers::new(plan, &vibration);
         let hush = Hush::new(plan.device_rate, plan.ratio);
-        Ok(Self { vibration, rows, triggers, raw: Raw::new(plan), hush })
+        let drives =
+            Drives::new(plan, &vibration).map_err(|(channel, fault)| Refusal::Motor { channel, fault })?;
+        Ok(Self { vibration, rows, triggers, raw: Raw::new(plan), drives, hush })
     }
 
     /// What the stage does to vibration outputs.
@@ -49,9 +55,11 @@ impl Stage {
 
     /// What the stage has met so far.
     pub fn counts(&self) -> Counts {
-        let (mut counts, raw) = (self.vibration.counts(), self.raw.counts());
-        counts.masked += raw.masked;
-        counts.clamped += raw.clamped;
+        let mut counts = self.vibration.counts();
+        for other in [self.raw.counts(), self.drives.counts()] {
+            counts.masked += other.masked;
+            counts.clamped += other.clamped;
+        }
         counts
     }
 
@@ -63,11 +71,22 @@ impl Stage {
         }
     }
 
+    /// The motors.
+    pub fn drives(&self) -> &Drives {
+        &self.drives
+    }
+
+    /// An order for the motor of a channel (from 0) at an instant, in engine samples.
+    pub(crate) fn order(&mut self, channel: u32, at: f64, voice: u64, order: Order) {
+        self.drives.order(channel, at, voice, order);
+    }
+
     /// Lets no more leave the channels than these levels: raw outputs and pulses from the next frame on, vibration as
     /// [`Vibration::limit_to`] says.
     pub(crate) fn limit_to(&mut self, levels: &[f32]) {
         self.vibration.limit_to(levels);
         self.raw.limit_to(levels);
+        self.drives.limit_to(levels);
         self.triggers.limit_to(levels);
     }
 
@@ -75,6 +94,7 @@ impl Stage {
     pub(crate) fn is_asleep(&self) -> bool {
         self.triggers.is_idle()
             && self.raw.is_idle()
+            && self.drives.is_idle()
             && (0..self.vibration.groups()).all(|g| self.vibration.sleeps(g))
     }
 
@@ -83,8 +103,10 @@ impl Stage {
         self.triggers.mark(marker, at);
     }
 
-    /// All that sounded falls silent: everything but pulses of markers is exact zero 2 ms after the engine sample `clock`.
+    /// All that sounded falls silent: everything but pulses of markers is exact zero 2 ms after the engine sample `clock`, motors as soon
+    /// as they have been braked.
     pub(crate) fn shut(&mut self, clock: u64) {
+        self.drives.brake();
         self.hush.shut(clock);
     }
 
@@ -106,9 +128,11 @@ impl Stage {
     ) {
         let rows = R::singles(mix, &mut self.rows);
         self.raw.take(rows, fed, samples);
+        self.drives.take(rows, fed, samples);
         self.vibration.process_with_rest(samples, rows, fed, clock, output, rest);
         self.raw.write(samples, output, rest);
         self.hush.apply(clock, samples, self.vibration.channels(), output, rest);
+        self.drives.write(samples, output, rest);
         self.triggers.write(clock, samples, output, rest);
     }
 }

@@ -3,8 +3,10 @@
 
 pub mod budget;
 mod build;
+pub mod command;
 mod fold;
 mod late;
+mod motors;
 mod not_yet;
 mod onset;
 mod order;

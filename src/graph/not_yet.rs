@@ -79,7 +79,9 @@ pub fn never_fed(patch: &Patch, rig: &Rig, voices: &BTreeSet<usize>) -> Vec<Left
             }
         }
     }
-    let feeds = |o: &rig::Output| matches!(o.kind, rig::OutputKind::Vibration | rig::OutputKind::Raw);
+    let feeds = |o: &rig::Output| {
+        matches!(o.kind, rig::OutputKind::Vibration | rig::OutputKind::Raw | rig::OutputKind::Drive(_))
+    };
     let idle = rig.outputs.iter().enumerate().filter(|(i, o)| feeds(o) && !fed.contains(i));
     let names: Vec<&str> = idle.map(|(_, o)| o.name.as_str()).collect();
     let (shown, more) = names.split_at(names.len().min(SHOWN));

@@ -7,6 +7,10 @@ use crate::dsp::biquad::Biquad;
 use crate::node::NodeKind;
 use crate::node::motion::Motion;
 
+use crate::actuator::driver::book::Book;
+use crate::actuator::driver::setup::Setup;
+
+use super::command::Command;
 use super::order::depth_first;
 use super::program::{Program, program};
 use super::watch::Watch;
@@ -57,6 +61,10 @@ pub struct Plan {
     pub places: Vec<Vec<(u32, f64)>>,
     /// What hangs on channels: every output of the rig, those included that stay silent.
     pub outputs: Vec<Output>,
+    /// The motors, in the order of their outputs.
+    pub drives: Vec<Drive>,
+    /// Clicks of motors that voices may order, worked out.
+    pub clicks: Vec<Clicks>,
     /// Names of the markers that some output listens to.
     pub markers: Vec<Arc<str>>,
     /// What was left out, and why.
@@ -147,6 +155,11 @@ pub struct Instrument {
 }
 
 impl Instrument {
+    /// What it orders of the motors at its place when it begins.
+    pub fn commands(&self) -> Vec<Command> {
+        self.program.ops.iter().filter_map(|op| Command::of(op.node.kind, &op.node.settings)).collect()
+    }
+
     /// Which motions of the hand that holds a voice some node of it hears, by [`Motion::number`].
     pub fn hears(&self) -> [bool; Motion::ALL.len()] {
         let mut hears = [false; Motion::ALL.len()];
@@ -184,6 +197,28 @@ pub struct Output {
     pub max_level: f64,
 }
 
+/// A motor on a channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// The channel, from 0.
+    pub channel: u32,
+    /// How it is turned, at the engine's rate.
+    pub setup: Setup,
+    /// Volts or amperes at the motor for a sample of 1.0; negative where it is wired the other way round.
+    pub per_sample: f64,
+}
+
+/// Clicks of a motor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clicks {
+    /// The motor, by its place in [`Plan::drives`].
+    pub drive: usize,
+    /// How far they turn its mass, turns.
+    pub turns: f64,
+    /// By level; motors that are alike share one.
+    pub book: Arc<Book>,
+}
+
 /// What is done to a channel on its way out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OutputKind {
@@ -198,6 +233,8 @@ pub enum OutputKind {
     },
     /// The mix as it is.
     Raw,
+    /// A motor is turned by it: [`Plan::drives`] says how.
+    Drive,
     /// Zero.
     Silent,
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::budget::Need;
 use super::build::{self, Want, Wanted};
+use super::motors;
 use super::not_yet::{never_fed, not_yet};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
@@ -151,6 +152,8 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         .iter()
         .map(|o| output(o, rig, device_rate / ratio as f64, &mut markers, &mut problems))
         .collect();
+    let drives = motors::drives(rig, device_rate / ratio as f64, &mut problems);
+    let clicks = motors::clicks(rig, &drives, &instruments, &mut problems);
     if !problems.is_empty() {
         return Err(patch.origin.problems(problems));
     }
@@ -174,6 +177,8 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         instruments,
         places: rig.outputs.iter().map(place).collect(),
         outputs,
+        drives,
+        clicks,
         markers,
         left_out,
     };
@@ -200,7 +205,7 @@ fn place(output: &rig::Output) -> Vec<(u32, f64)> {
 }
 
 fn is_not_rendered(output: &rig::Output) -> bool {
-    matches!(output.kind, rig::OutputKind::Drive(_) | rig::OutputKind::Torque)
+    output.kind == rig::OutputKind::Torque
 }
 
 fn output(
@@ -223,7 +228,8 @@ fn output(
         }
         rig::OutputKind::Vibration => OutputKind::Vibration,
         rig::OutputKind::Raw => OutputKind::Raw,
-        rig::OutputKind::Drive(_) | rig::OutputKind::Torque => OutputKind::Silent,
+        rig::OutputKind::Drive(_) => OutputKind::Drive,
+        rig::OutputKind::Torque => OutputKind::Silent,
     };
     let actuator = output.actuator.as_ref().and_then(|name| rig.actuator(name));
     let equaliser = match (kind, actuator) {

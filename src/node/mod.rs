@@ -11,6 +11,7 @@ pub mod kernel;
 mod leaf;
 mod legs;
 pub mod motion;
+mod order;
 mod second_order;
 mod segment;
 pub mod spec;
@@ -41,6 +42,10 @@ impl NodeKind {
     pub(crate) const LFO: Self = Self(Index::Lfo as usize);
     pub(crate) const ONSET: Self = Self(Index::Onset as usize);
     pub(crate) const TOUCH: Self = Self(Index::Touch as usize);
+    pub(crate) const DRIVE_CLICK: Self = Self(Index::DriveClick as usize);
+    pub(crate) const DRIVE_SPIN: Self = Self(Index::DriveSpin as usize);
+    pub(crate) const DRIVE_ON: Self = Self(Index::DriveOn as usize);
+    pub(crate) const DRIVE_BRAKE: Self = Self(Index::DriveBrake as usize);
     #[cfg(feature = "fundsp-nodes")]
     pub(crate) const PLUCK: Self = Self(Index::Pluck as usize);
 }
@@ -209,6 +214,10 @@ registry! {
     Scan = scan,
     Input = input,
     Touch = touch,
+    DriveClick = drive_click,
+    DriveSpin = drive_spin,
+    DriveOn = drive_on,
+    DriveBrake = drive_brake,
     #[cfg(feature = "fundsp-nodes")]
     Pluck = pluck,
     #[cfg(feature = "fundsp-nodes")]

@@ -34,6 +34,8 @@ pub enum Family {
     Filter,
     /// What comes from outside.
     Input,
+    /// Orders to motors.
+    Motor,
 }
 
 /// A parameter of a node.

@@ -12,12 +12,13 @@ pub mod reference;
 mod resolve;
 mod schema;
 
+pub use crate::actuator::driver::setup::Shaping;
 pub use actuator::{Actuator, Model, Peak};
 pub use amplifier::{Amplifier, Drive, Rectifier};
 pub use device::{Coupling, Device, RATES, usual_ratio};
 pub use finder::Finder;
 pub use motor::Wiring;
-pub use output::{Output, OutputKind, Shaping, Turning};
+pub use output::{Output, OutputKind, Turning};
 pub use schema::schema;
 
 /// The most channels a device may have.

@@ -3,6 +3,8 @@
 use super::device::Coupling;
 use super::output::Turning;
 use super::{Actuator, Amplifier, Drive, Model, Output, OutputKind, Rig};
+use crate::actuator::drive::Drive as Imposed;
+use crate::actuator::driver::setup::Setup;
 use crate::actuator::fault::Fault;
 use crate::actuator::motor::{Casing, GRAVITY, Parameters, Suspension};
 use crate::text::Problem;
@@ -22,6 +24,23 @@ pub struct Wiring {
     pub limit: f64,
     /// The most voltage that the amplifier gives, V; that of the motor's limit where it is not known.
     pub compliance: f64,
+}
+
+impl Wiring {
+    /// What turns it, at so many samples a second.
+    pub fn setup(&self, rate: f64) -> Setup {
+        Setup {
+            parameters: self.parameters,
+            imposes: if self.is_current { Imposed::Current } else { Imposed::Voltage },
+            limit: self.limit,
+            compliance: self.compliance,
+            shaping: self.turning.shaping,
+            look_ahead: self.turning.look_ahead,
+            // An order may come with any patch that takes over.
+            ordered: true,
+            rate,
+        }
+    }
 }
 
 /// What is missing for a motor, or contradicts itself.

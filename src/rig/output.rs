@@ -2,6 +2,7 @@
 
 use super::MAX_CHANNELS;
 use super::device::MAX_LEVEL;
+use crate::actuator::driver::setup::Shaping;
 use crate::patch::place;
 use crate::text::field::{Field, Form, Table};
 use crate::text::reader::Reader;
@@ -67,31 +68,15 @@ pub struct Turning {
     pub tilt: Option<f64>,
 }
 
-/// From the level that is played on a motor's output to what reaches its terminals. A level is the share of the rated vibration, and
-/// backward where it is negative.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shaping {
-    /// Inverse dynamics: the motor does what is played, as far as it can, and is braked in time.
-    Inverse,
-    /// The full voltage until the motor is as fast as what is played, and the full voltage backward until it is as slow.
-    Overdrive,
-    /// The full voltage one way or the other, at every sample whichever brings the motor nearer.
-    Switching,
-    /// The voltage that holds the speed, and a short circuit behind it: what there is without any of this.
-    Plain,
-}
+/// The words of [`Shaping::ALL`].
+const SHAPINGS: &[&str] = &["inverse", "overdrive", "switching", "plain"];
 
-impl Shaping {
-    /// All, in the order of the words in a file.
-    pub const ALL: [Self; 4] = [Self::Inverse, Self::Overdrive, Self::Switching, Self::Plain];
-
-    /// The word for it in a file.
-    pub fn word(self) -> &'static str {
-        SHAPINGS[self as usize]
+impl Turning {
+    /// The word for its shaping in a file.
+    pub fn word(&self) -> &'static str {
+        SHAPINGS[self.shaping as usize]
     }
 }
-
-const SHAPINGS: &[&str] = &["inverse", "overdrive", "switching", "plain"];
 
 impl OutputKind {
     /// The word for it in a file.

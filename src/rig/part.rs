@@ -117,7 +117,22 @@ macro_rules! parts {
 }
 
 parts! {
+    "actronika-hfba121238",
     "coin-10mm",
+    "constar-vc2039",
+    "dayton-bct-3",
+    "eai-c-mf",
+    "jinlong-c1030b028f",
+    "precision-microdrives-304-002",
+    "precision-microdrives-305-000",
+    "precision-microdrives-310-103",
+    "tdk-powerhap-1313h018v120",
+    "tectonic-teax09c005-8",
+    "tectonic-teax14c02-8",
+    "vybronics-vg0832013d",
+    "vybronics-vg0840001d",
+    "vybronics-vg1040003d",
+    "vybronics-vz7al2b169208t",
 }
 
 #[cfg(test)]

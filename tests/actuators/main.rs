@@ -14,3 +14,4 @@ mod motor_quiet;
 mod motor_reference;
 mod shape;
 mod silent;
+mod turner;

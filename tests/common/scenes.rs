@@ -63,3 +63,78 @@ string = {{ type = "pluck", frequency = "event.frequency" }}
 "#
     )
 }
+
+/// Two motors and a tactor, on three channels: a coin motor, one of a game pad that is wired the other way round, and what vibrates.
+pub const MOTORS: &str = r#"
+format = "pacinian-rig/1"
+title = "Two motors and a tactor"
+[device]
+channels = 3
+full_scale_volts = 5.0
+coupling = "dc"
+[amplifier.bridge]
+gain = 3.0
+max_volts = 12.0
+coupling = "dc"
+[amplifier.turned]
+gain = -3.0
+coupling = "dc"
+[actuator.coin]
+part = "coin-10mm"
+[actuator.pad]
+model = "rumble-motor"
+rated_volts = 12.5
+resistance = 10.42
+inductance = 4.2e-3
+torque_constant = 0.011
+inertia = 1.15e-7
+viscous_friction = 1e-6
+coulomb_friction = 6e-4
+static_friction = 8e-4
+eccentric_moment = 1.38e-5
+mass = 0.25
+[[output]]
+kind = "drive"
+name = "coin"
+channel = 1
+actuator = "coin"
+amplifier = "bridge"
+[[output]]
+kind = "drive"
+name = "pad"
+channel = 3
+actuator = "pad"
+amplifier = "turned"
+shaping = "overdrive"
+[[tactor]]
+name = "skin"
+channel = 2
+"#;
+
+/// What may be done to motors: a click, a thump backward, a spin, a switch, a brake, and an envelope.
+pub const MOVES: &str = r#"
+[voice.click]
+output = "tap"
+[voice.click.nodes]
+tap = { type = "drive-click" }
+[voice.thump]
+output = "tap"
+[voice.thump.nodes]
+tap = { type = "drive-click", turns = -1.5 }
+[voice.spin]
+output = "buzz"
+[voice.spin.nodes]
+buzz = { type = "drive-spin" }
+[voice.switch]
+output = "on"
+[voice.switch.nodes]
+on = { type = "drive-on" }
+[voice.stop]
+output = "stop"
+[voice.stop.nodes]
+stop = { type = "drive-brake" }
+[voice.swell]
+output = "hit"
+[voice.swell.nodes]
+hit = { type = "envelope", attack = 0.2, decay = 0.1, sustain = 0.6, release = 0.1 }
+"#;

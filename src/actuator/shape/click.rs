@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::course::Course;
+use super::root::root;
 use super::trial::{PATIENCE, RATE, Trial, angle};
 use super::unreachable::Unreachable;
 use crate::actuator::fault::within;
@@ -50,9 +51,6 @@ pub struct Clicked {
     pub angle: f64,
 }
 
-/// Parts to which the time of the forward drive is halved.
-const HALVINGS: u32 = 40;
-
 impl Click {
     /// Works it out.
     ///
@@ -75,15 +73,19 @@ impl Click {
                 false => Unreachable::Slow(self.volts, PATIENCE),
             });
         };
-        let (mut from, mut to) = (0.0, most);
-        let mut best = self.try_for(&at_rest, most, volts)?;
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (from + to);
-            best = self.try_for(&at_rest, middle, volts)?;
-            let far_enough = (best.angle - begin) * self.turns.signum() >= far;
-            *if far_enough { &mut to } else { &mut from } = middle;
-        }
-        Ok(best)
+        let beyond = |click: &Clicked| (click.angle - begin) * self.turns.signum() - far;
+        let farthest = self.try_for(&at_rest, most, volts)?;
+        let mut failed = None;
+        let forward = root((0.0, -far), (most, beyond(&farthest)), |forward| {
+            self.try_for(&at_rest, forward, volts).map_or_else(
+                |why| {
+                    failed = Some(why);
+                    0.0
+                },
+                |click| beyond(&click),
+            )
+        });
+        failed.map_or_else(|| self.try_for(&at_rest, forward, volts), Err)
     }
 
     fn check(&self) -> Result<(), Unreachable> {
@@ -109,16 +111,16 @@ impl Click {
         peak.until(Drive::Voltage(-volts), stop, rising);
         if self.ending == Ending::Settled && trial.motor.current() * sign < 0.0 {
             // With a shorter way back, the pulse that empties the coil ends with the rotor still running: longer, and it runs backward.
-            let (mut from, mut to) = (0.0, stop);
-            for _ in 0..HALVINGS {
-                backward = 0.5 * (from + to);
-                trial = fast.clone();
+            let runs_on = |trial: &Trial| trial.motor.speed() * sign;
+            let emptied = |backward: f64| {
+                let mut trial = fast.clone();
                 trial.run(backward, Drive::Voltage(-volts));
                 let empties = |motor: &Motor| -motor.current() * sign;
-                again = trial.until(Drive::Voltage(volts), PATIENCE, empties).ok_or_else(late)?;
-                let runs = trial.motor.speed() * sign > 0.0;
-                *if runs { &mut from } else { &mut to } = backward;
-            }
+                trial.until(Drive::Voltage(volts), PATIENCE, empties).map(|again| (again, trial))
+            };
+            let ends = |backward: f64| emptied(backward).map_or(f64::NAN, |(_, trial)| runs_on(&trial));
+            backward = root((0.0, runs_on(&fast)), (stop, ends(stop)), ends);
+            (again, trial) = emptied(backward).ok_or_else(late)?;
         }
         let course = Course::ending_in(Drive::SHORT)
             .then(forward, Drive::Voltage(volts))

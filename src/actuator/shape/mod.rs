@@ -6,6 +6,7 @@ mod course;
 mod home;
 mod inverse;
 mod park;
+mod root;
 mod spin;
 mod switching;
 mod trial;

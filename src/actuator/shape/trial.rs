@@ -2,6 +2,7 @@
 
 use crate::actuator::motor::{Drive, Level, Motor, Parameters, Plan};
 
+use super::root::root;
 use super::unreachable::Unreachable;
 
 /// Steps a second of a trial, where nothing speaks for others.
@@ -9,9 +10,6 @@ pub const RATE: f64 = 48_000.0;
 
 /// Seconds after which a motor is taken not to get anywhere.
 pub const PATIENCE: f64 = 10.0;
-
-/// Parts of a step to which instants are found: 2^−44.
-const HALVINGS: u32 = 44;
 
 /// Where the mass of a motor hangs, rad from straight down, whole turns included.
 pub fn angle(motor: &Motor) -> f64 {
@@ -69,13 +67,12 @@ impl Trial {
                 self.time += 1.0 / self.rate;
                 continue;
             }
-            let (mut from, mut to) = (0.0, 1.0);
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (from + to);
+            let at = |share: f64| {
                 let mut tried = before.clone();
-                tried.part(middle);
-                *if left(&tried) > 0.0 { &mut from } else { &mut to } = middle;
-            }
+                tried.part(share);
+                left(&tried)
+            };
+            let to = root((0.0, left(&before)), (1.0, left(&self.motor)), at);
             self.motor = before;
             self.motor.part(to);
             self.time += to / self.rate;

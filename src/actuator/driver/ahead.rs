@@ -1,0 +1,149 @@
+//! Speeds that a motor can follow, planned on what is known ahead.
+//!
+//! Forward, no speed rises faster than the motor can; backward, none falls faster than it can be braked. The backward pass needs what
+//! comes after, as far as braking from the full speed takes. It is made every few samples for the next few, counted from the
+//! beginning of time, so that what comes out does not depend on how a run is cut.
+
+use super::setup::{Setup, Shaping};
+
+/// Samples between two backward passes.
+const GRID: usize = 16;
+
+/// Share of the drive that plans keep to: the rest is for what they do not know of, inductance and gravity.
+const KEPT: f64 = 0.98;
+
+/// The most samples that are looked ahead.
+const MOST: usize = 1 << 16;
+
+/// Plans speeds, a sample at a time.
+#[derive(Debug, Clone)]
+pub struct Ahead {
+    rates: Rates,
+    /// Whether speeds are left in time and not taken beyond reach; if not, they are only late.
+    plans: bool,
+    /// Speeds that can be reached, by their sample modulo the length.
+    reached: Vec<f64>,
+    /// The same, left in time; the next few.
+    planned: [f64; GRID + 2],
+    /// The sample that comes in next.
+    next: usize,
+    /// By how many samples what is planned is late.
+    late: usize,
+    /// Samples for which all that came in was 0.
+    still: usize,
+}
+
+/// What the motor can do to its speed in a sample.
+#[derive(Debug, Clone, Copy)]
+struct Rates {
+    /// In a sample: at the full drive, for each rad/s, by friction.
+    full: f64,
+    drag: f64,
+    friction: f64,
+}
+
+impl Rates {
+    fn new(setup: &Setup) -> Self {
+        let p = &setup.parameters;
+        let share = 1.0 / (setup.rate * p.effective_inertia());
+        Self {
+            full: KEPT * setup.full_torque() * share,
+            drag: setup.damping() * share,
+            friction: p.coulomb * share,
+        }
+    }
+
+    fn rise(&self, speed: f64) -> f64 {
+        (self.full - self.drag * speed - self.friction).max(0.0)
+    }
+
+    fn fall(&self, speed: f64) -> f64 {
+        self.full + self.drag * speed + self.friction
+    }
+
+    /// A speed, or the most that can be had a sample away from another. From the one to the next the motor may pass through rest, and then
+    /// it begins there.
+    fn reach(speed: f64, from: f64, by: impl Fn(f64) -> f64) -> f64 {
+        let from = if from * speed > 0.0 { from.abs() } else { 0.0 };
+        speed.abs().min(from + by(from)).copysign(speed)
+    }
+}
+
+impl Ahead {
+    /// At rest, with plans at least `late` samples after what is wished.
+    pub fn new(setup: &Setup, late: usize) -> Self {
+        let rates = Rates::new(setup);
+        let wanted = match setup.look_ahead {
+            Some(seconds) => (seconds * setup.rate).round() as usize,
+            None => braking(&rates, setup.full_speed()),
+        };
+        let plans = setup.shaping == Shaping::Inverse;
+        let late = if plans { late.max(wanted.min(MOST) + GRID + 2) } else { late.max(2) };
+        Self {
+            rates,
+            plans,
+            reached: vec![0.0; (late + 3).next_power_of_two()],
+            planned: [0.0; GRID + 2],
+            next: 0,
+            late,
+            still: MOST,
+        }
+    }
+
+    /// By how many samples a plan is later than the wish.
+    pub fn late(&self) -> usize {
+        self.late
+    }
+
+    /// Whether all that is known is rest.
+    pub fn is_still(&self) -> bool {
+        self.still > self.late + GRID
+    }
+
+    /// Takes the speed that is wished at this sample (rad/s, a finite number), and gives those planned for the sample that is `late` before: at it,
+    /// after it, and after that.
+    pub fn step(&mut self, wished: f64) -> [f64; 3] {
+        if wished == 0.0 && self.is_still() {
+            self.next += 1;
+            return [0.0; 3];
+        }
+        self.still = if wished == 0.0 { self.still + 1 } else { 0 };
+        let mask = self.reached.len() - 1;
+        let now = self.next.wrapping_sub(self.late);
+        if !self.plans {
+            self.reached[self.next & mask] = wished;
+            self.next = self.next.wrapping_add(1);
+            return [0, 1, 2].map(|ahead| self.reached[now.wrapping_add(ahead) & mask]);
+        }
+        let before = self.reached[self.next.wrapping_sub(1) & mask];
+        self.reached[self.next & mask] = Rates::reach(wished, before, |speed| self.rates.rise(speed));
+        if now.is_multiple_of(GRID) {
+            self.look_back(now, mask);
+        }
+        self.next = self.next.wrapping_add(1);
+        let at = now % GRID;
+        [self.planned[at], self.planned[at + 1], self.planned[at + 2]]
+    }
+
+    /// Plans the next few samples from `now` on.
+    fn look_back(&mut self, now: usize, mask: usize) {
+        let mut speed = self.reached[self.next & mask];
+        for back in (0..self.late).rev() {
+            let here = self.reached[now.wrapping_add(back) & mask];
+            speed = Rates::reach(here, speed, |speed| self.rates.fall(speed));
+            if let Some(planned) = self.planned.get_mut(back) {
+                *planned = speed;
+            }
+        }
+    }
+}
+
+/// Samples in which a motor is braked from a speed.
+fn braking(rates: &Rates, speed: f64) -> usize {
+    let (mut reached, mut count) = (0.0, 0);
+    while reached < speed && count < MOST {
+        reached += rates.fall(reached);
+        count += 1;
+    }
+    count
+}

@@ -1,0 +1,108 @@
+//! Clicks worked out ahead, for every level.
+//!
+//! A click is solved on the motor's own model, which takes milliseconds; when it is played there is no time for that. So it is solved for
+//! some voltages beforehand, and what lies between is interpolated.
+
+use super::order::Pieces;
+use super::setup::Setup;
+use crate::actuator::drive::Drive;
+use crate::actuator::fault::{Fault, Limit};
+use crate::actuator::motor::{Level, Motor, Parameters, Plan};
+use crate::actuator::shape::{Click, Ending, Unreachable};
+
+/// Voltages for which clicks are worked out.
+const ROWS: usize = 24;
+
+/// Steps a second at which it is seen how strong a click is.
+const RATE: f64 = 48_000.0;
+
+/// Clicks by level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Book {
+    /// The largest casing acceleration of each, as a share of that at the limit, ascending; and what it is made of.
+    rows: Vec<(f64, Pieces)>,
+}
+
+impl Book {
+    /// Clicks that turn the mass so far (turns, negative backward), from the weakest that turns it to that at the limit.
+    ///
+    /// # Errors
+    /// A number beyond its limits; a limit at which the motor does not turn that far; an amplifier that imposes a current.
+    pub fn new(setup: &Setup, turns: f64) -> Result<Self, Unreachable> {
+        setup.check()?;
+        if setup.imposes == Drive::Current {
+            let because = "a click is a matter of voltages, and the amplifier imposes a current";
+            return Err(Fault::because("turns", turns, Limit::Absent, because).into());
+        }
+        // Where the mass hangs is not known: clicks are those of a motor that lies flat.
+        let motor = Parameters { gravity: 0.0, ..setup.parameters };
+        let solve = |volts: f64| Click { turns, volts, angle: 0.0, ending: Ending::Settled }.solve(&motor);
+        let strongest = solve(setup.limit)?;
+        let most = strength(&motor, &strongest.course.voltages(RATE).unwrap_or_default())?;
+        let least = (1.2 * motor.start_volts()).min(setup.limit);
+        let mut rows = Vec::with_capacity(ROWS);
+        for n in 0..ROWS - 1 {
+            // Closer to one another where it is weak: there the times change fastest.
+            let share = n as f64 / (ROWS - 1) as f64;
+            let volts = least + (setup.limit - least) * share * share;
+            let Ok(click) = solve(volts) else { continue };
+            let strength = strength(&motor, &click.course.voltages(RATE).unwrap_or_default())?;
+            rows.push((strength / most, pieces(click.seconds, volts.copysign(turns))));
+        }
+        rows.push((1.0, pieces(strongest.seconds, setup.limit.copysign(turns))));
+        rows.dedup_by(|next, row| next.0 <= row.0);
+        Ok(Self { rows })
+    }
+
+    /// The click of a level: its largest acceleration as a share of that at the limit, backward where it is negative; the weakest there is
+    /// where it is weaker than that. `None` for 0 and for what is no number.
+    pub fn at(&self, level: f64) -> Option<Pieces> {
+        let size = level.abs().min(1.0);
+        if size == 0.0 || size.is_nan() {
+            return None;
+        }
+        let above = self.rows.partition_point(|(strength, _)| *strength < size);
+        let (_, high) = self.rows.get(above).or(self.rows.last())?;
+        let mut click = *high;
+        if let (Some((from, low)), Some((to, _))) =
+            (above.checked_sub(1).and_then(|n| self.rows.get(n)), self.rows.get(above))
+        {
+            let share = (size - from) / (to - from);
+            for (piece, low) in click.list.iter_mut().zip(&low.list) {
+                *piece = (low.0 + share * (piece.0 - low.0), low.1 + share * (piece.1 - low.1));
+            }
+        }
+        for piece in &mut click.list {
+            piece.1 *= level.signum();
+        }
+        Some(click)
+    }
+
+    /// The level of the weakest there is.
+    pub fn weakest(&self) -> f64 {
+        self.rows.first().map_or(1.0, |(strength, _)| *strength)
+    }
+
+    /// The longest of them, s.
+    pub fn longest(&self) -> f64 {
+        let length = |pieces: &Pieces| pieces.list.iter().map(|piece| piece.0).sum::<f64>();
+        self.rows.iter().map(|(_, pieces)| length(pieces)).fold(0.0, f64::max)
+    }
+}
+
+fn pieces(seconds: [f64; 3], volts: f64) -> Pieces {
+    Pieces { list: [(seconds[0], volts), (seconds[1], -volts), (seconds[2], volts)] }
+}
+
+/// What the casing's largest acceleration goes with: √(ω⁴ + α²).
+fn strength(motor: &Parameters, volts: &[f64]) -> Result<f64, Unreachable> {
+    let mut motor: Motor = Motor::new(motor, &Plan { casing: false, ..Plan::whole(Level::Default) }, RATE)?;
+    let mut most = 0.0_f64;
+    for volts in volts {
+        motor.drive(crate::actuator::motor::Drive::Voltage(*volts));
+        let before = motor.angular_acceleration();
+        most = most.max((motor.speed() * motor.speed()).hypot(before));
+        motor.step();
+    }
+    Ok(most)
+}

@@ -1,0 +1,18 @@
+//! Turning a rumble motor while it is played: from levels and orders to what reaches its terminals, sample by sample, in bounded time.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`setup`] | the motor, its limits, how levels are shaped |
+//! | [`ahead`] | speeds that the motor can follow, planned on what is known ahead |
+//! | [`law`] | the drive that brings a speed about: the inverse, and the way to another speed |
+//! | [`order`], [`book`] | clicks, spins and brakes; clicks worked out for every level |
+//! | [`turner`] | all of it, one engine sample at a time |
+//!
+//! What is sent is worked out on the motor's own model, which runs beside it where that is needed: nothing is measured on the motor.
+
+pub mod ahead;
+pub mod book;
+pub mod law;
+pub mod order;
+pub mod setup;
+pub mod turner;

@@ -1,0 +1,115 @@
+//! What may be ordered of a motor, and when.
+
+/// The most drives of which a click is made.
+pub const PIECES: usize = 3;
+
+/// A click: drives one after the other, from rest to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Pieces {
+    /// Seconds of each, and volts or amperes.
+    pub list: [(f64, f64); PIECES],
+}
+
+/// What is ordered. The newest holds; what is under way is braked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Order {
+    /// A click, from rest.
+    Click(Pieces),
+    /// To a speed (rad/s), as fast as may be, until the voice is released.
+    Spin(f64),
+    /// A drive (volts or amperes) until the voice is released; then nothing: a short circuit, or open terminals where the drive is a current.
+    On(f64),
+    /// The voice is released.
+    Release,
+    /// To rest, as fast as may be, whatever was ordered.
+    Brake,
+}
+
+impl Order {
+    /// The same within a speed and a drive, and with times of 0 s to 10 s; what is no number is 0.
+    pub fn sane(self, speed: f64, drive: f64) -> Self {
+        let within = |x: f64, most: f64| if x.is_nan() { 0.0 } else { x.clamp(-most, most) };
+        match self {
+            Self::Click(pieces) => Self::Click(Pieces {
+                list: pieces.list.map(|(s, x)| (within(s, 10.0).max(0.0), within(x, drive))),
+            }),
+            Self::Spin(to) => Self::Spin(within(to, speed)),
+            Self::On(x) => Self::On(within(x, drive)),
+            Self::Release | Self::Brake => self,
+        }
+    }
+}
+
+/// An order at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entry {
+    /// In samples.
+    pub at: f64,
+    /// Whose it is.
+    pub voice: u64,
+    /// What is ordered.
+    pub order: Order,
+}
+
+/// Orders that may wait.
+pub const WAITING: usize = 64;
+
+/// Orders to come, in order of time; among equals the first that came.
+#[derive(Debug, Clone)]
+pub struct Agenda {
+    list: [Entry; WAITING],
+    count: usize,
+    dropped: u64,
+}
+
+impl Default for Agenda {
+    fn default() -> Self {
+        let none = Entry { at: f64::INFINITY, voice: 0, order: Order::Release };
+        Self { list: [none; WAITING], count: 0, dropped: 0 }
+    }
+}
+
+impl Agenda {
+    /// Takes an order. Where there is no room for it, it is counted and left out; a brake takes the place of the last.
+    pub fn push(&mut self, entry: Entry) {
+        if self.count == WAITING {
+            self.dropped += 1;
+            if entry.order != Order::Brake {
+                return;
+            }
+            self.count -= 1;
+        }
+        let at = self.list[..self.count].partition_point(|other| other.at <= entry.at);
+        self.list.copy_within(at..self.count, at + 1);
+        self.list[at] = entry;
+        self.count += 1;
+    }
+
+    /// The next order before `end` (in samples), if there is one.
+    pub fn pop_before(&mut self, end: f64) -> Option<Entry> {
+        let first = self.list[..self.count].first().copied().filter(|first| first.at < end)?;
+        self.list.copy_within(1..self.count, 0);
+        self.count -= 1;
+        Some(first)
+    }
+
+    /// When the next order is due, in samples.
+    pub fn next(&self) -> Option<f64> {
+        self.list[..self.count].first().map(|first| first.at)
+    }
+
+    /// Whether nothing waits.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Orders that found no room.
+    pub fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
+    /// Forgets all that waits.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+}

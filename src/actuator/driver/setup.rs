@@ -1,0 +1,101 @@
+//! A motor that is to be turned, and how.
+
+use crate::actuator::drive::Drive;
+use crate::actuator::fault::{Fault, within};
+use crate::actuator::motor::Parameters;
+
+/// From the level that is played to what reaches the terminals. A level is the share of the rated vibration, and backward where it is
+/// negative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shaping {
+    /// Inverse dynamics: the motor does what is played, as far as it can, and is braked in time.
+    #[default]
+    Inverse,
+    /// As much as there may be until the motor is as fast as what is played, and as much backward until it is as slow.
+    Overdrive,
+    /// As much as there may be one way or the other, at every sample whichever brings the motor nearer.
+    Switching,
+    /// What holds the speed, and nothing behind it: a short circuit, or open terminals where the drive is a current.
+    Plain,
+}
+
+impl Shaping {
+    /// All.
+    pub const ALL: [Self; 4] = [Self::Inverse, Self::Overdrive, Self::Switching, Self::Plain];
+}
+
+/// A motor and how it is turned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setup {
+    /// The motor.
+    pub parameters: Parameters,
+    /// What the amplifier imposes.
+    pub imposes: Drive,
+    /// The most it gives, volts or amperes: 1e-6 to 1e6.
+    pub limit: f64,
+    /// The most voltage with which it holds a current, 1e-6 to 1e6 V; of no account where it imposes a voltage.
+    pub compliance: f64,
+    /// What is done with levels.
+    pub shaping: Shaping,
+    /// Seconds by which what is played is known ahead, 0 to 1; `None`: as long as braking from the full speed takes. For
+    /// [`Shaping::Inverse`] alone.
+    pub look_ahead: Option<f64>,
+    /// Whether orders may come: if not, what only they need is left out.
+    pub ordered: bool,
+    /// Samples a second, 100 to 1e6.
+    pub rate: f64,
+}
+
+impl Setup {
+    /// Whether it can be.
+    ///
+    /// # Errors
+    /// The first number beyond its limits.
+    pub fn check(&self) -> Result<(), Fault> {
+        self.parameters.check()?;
+        within("limit", self.limit, (1e-6, 1e6), "V or A")?;
+        within("compliance", self.compliance, (1e-6, 1e6), "V")?;
+        within("rate", self.rate, (100.0, 1e6), "samples a second")?;
+        within("look_ahead", self.look_ahead.unwrap_or(0.0), (0.0, 1.0), "s")
+    }
+
+    /// The speed of a level of 1, rad/s: the rated one.
+    pub fn full_speed(&self) -> f64 {
+        self.parameters.rated_speed()
+    }
+
+    /// The speed of a level: casing acceleration goes with its square. What is no number is at rest; a level beyond 1 counts as 1.
+    pub fn speed_of(&self, level: f64) -> f64 {
+        if level.is_nan() {
+            return 0.0;
+        }
+        self.full_speed() * level.abs().min(1.0).sqrt().copysign(level)
+    }
+
+    /// The torque at the limit with the rotor held, N m.
+    pub fn full_torque(&self) -> f64 {
+        match self.imposes {
+            Drive::Voltage => self.parameters.stall_torque(self.limit),
+            Drive::Current => self.parameters.gain * self.limit,
+        }
+    }
+
+    /// What takes speed away as speed does, N m s: back-EMF has no part in it under a current.
+    pub fn damping(&self) -> f64 {
+        match self.imposes {
+            Drive::Voltage => self.parameters.damping(),
+            Drive::Current => self.parameters.viscous,
+        }
+    }
+
+    /// Volts or amperes that hold a speed (rad/s), gravity aside.
+    pub fn held_by(&self, speed: f64) -> f64 {
+        let p = &self.parameters;
+        let friction = if speed == 0.0 { 0.0 } else { p.coulomb.copysign(speed) };
+        let torque = self.damping() * speed + friction;
+        match self.imposes {
+            Drive::Voltage => torque * p.resistance / p.gain,
+            Drive::Current => torque / p.gain,
+        }
+    }
+}

@@ -1,0 +1,311 @@
+//! A motor that is turned, one sample at a time.
+
+use super::ahead::Ahead;
+use super::law::{Follow, Seek};
+use super::order::{Agenda, Entry, Order, PIECES, Pieces};
+use super::setup::{Setup, Shaping};
+use crate::actuator::drive::Drive;
+use crate::actuator::fault::Fault;
+use crate::actuator::motor::{self, Level, Motor, Plan};
+
+/// Share of the full speed below which a motor counts as standing.
+const STANDS: f64 = 1e-4;
+
+/// Seconds after which what is to begin at rest begins without it: a mass that nothing holds swings for long.
+const PATIENCE: f64 = 0.25;
+
+/// Turns a motor: levels and orders in, volts or amperes out.
+///
+/// It neither allocates nor locks, and what it does for a sample is bounded. What comes out is no more than the limit, whatever comes in. It
+/// is as late as [`Turner::late`] says, levels and orders alike.
+#[derive(Debug, Clone)]
+pub struct Turner {
+    setup: Setup,
+    ahead: Ahead,
+    follow: Follow,
+    seek: Seek,
+    /// The model; none where nothing needs it.
+    motor: Option<Box<Motor>>,
+    agenda: Agenda,
+    mode: Mode,
+    /// Whose order is under way.
+    voice: Option<u64>,
+    /// Whether the motor is elsewhere than where levels have it.
+    away: bool,
+    /// Which way a switching drive goes.
+    forward: bool,
+    clock: u64,
+    counts: Counts,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Mode {
+    /// As levels say.
+    Level,
+    /// To a speed; and at rest, a click. Since when.
+    Speed(f64, Option<Pieces>, u64),
+    /// A click: the piece that is under way, and when it ends, in samples.
+    Click(Pieces, usize, f64),
+    /// A drive.
+    On(f64),
+    /// Nothing, until it stands or levels call.
+    Roll,
+}
+
+/// What happened so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Samples in which the limit kept the motor from what was played.
+    pub limited: u64,
+    /// Levels that were no numbers, and counted as 0.
+    pub masked: u64,
+    /// Orders that found no room.
+    pub dropped: u64,
+    /// Orders that were carried out.
+    pub orders: u64,
+}
+
+impl Turner {
+    /// At rest, at least so many samples late.
+    ///
+    /// # Errors
+    /// A number beyond its limits.
+    pub fn new(setup: &Setup, late: usize) -> Result<Self, Fault> {
+        setup.check()?;
+        let tracks = setup.ordered || matches!(setup.shaping, Shaping::Overdrive | Shaping::Switching);
+        let plan =
+            Plan { casing: false, gravity: setup.parameters.gravity > 0.0, ..Plan::whole(Level::Default) };
+        let model = || Motor::new(&setup.parameters, &plan, setup.rate).map(Box::new);
+        Ok(Self {
+            setup: *setup,
+            ahead: Ahead::new(setup, late),
+            follow: Follow::new(setup),
+            seek: Seek::new(setup),
+            motor: if tracks { Some(model()?) } else { None },
+            agenda: Agenda::default(),
+            mode: Mode::Level,
+            voice: None,
+            away: false,
+            forward: true,
+            clock: 0,
+            counts: Counts::default(),
+        })
+    }
+
+    /// By how many samples what comes out is later than what is played.
+    pub fn late(&self) -> usize {
+        self.ahead.late()
+    }
+
+    /// How it is turned.
+    pub fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// What happened so far.
+    pub fn counts(&self) -> Counts {
+        Counts { dropped: self.agenda.dropped(), ..self.counts }
+    }
+
+    /// The motor's model, where there is one.
+    pub fn motor(&self) -> Option<&Motor> {
+        self.motor.as_deref()
+    }
+
+    /// Whether nothing is sent, nothing waits and the motor stands.
+    pub fn is_idle(&self) -> bool {
+        self.agenda.is_empty() && self.rests()
+    }
+
+    fn rests(&self) -> bool {
+        self.mode == Mode::Level && self.ahead.is_still() && self.stands()
+    }
+
+    /// An order of a voice at an instant: samples since the beginning, the same in which levels are counted.
+    pub fn order(&mut self, at: f64, voice: u64, order: Order) {
+        let at = if at.is_finite() { at.max(0.0) } else { self.clock as f64 } + self.late() as f64;
+        self.agenda.push(Entry { at, voice, order });
+    }
+
+    /// Forgets what waits, and brakes.
+    pub fn brake(&mut self) {
+        self.agenda.clear();
+        self.carry_out(Entry { at: self.clock as f64, voice: u64::MAX, order: Order::Brake });
+    }
+
+    /// Takes the level of this sample, and gives what is sent: its mean over each of so many equal parts of the sample.
+    pub fn step(&mut self, level: f64, parts: &mut [f64]) {
+        self.counts.masked += u64::from(!level.is_finite());
+        let level = if level.is_finite() { level } else { 0.0 };
+        let speeds = self.ahead.step(self.setup.speed_of(level));
+        // Orders that are not due yet change nothing: they may come early or late, with the blocks of the caller.
+        let waits = self.agenda.next().is_none_or(|at| at >= (self.clock + 1) as f64);
+        if speeds == [0.0; 3] && waits && self.rests() {
+            parts.fill(0.0);
+            self.clock += 1;
+            return;
+        }
+        parts.fill(0.0);
+        let (begin, mut done) = (self.clock as f64, 0.0);
+        // Each turn ends the sample, an order or a piece of a click.
+        while done < 1.0 {
+            while let Some(entry) = self.agenda.pop_before(begin + done + f64::EPSILON * begin.max(1.0)) {
+                self.carry_out(entry);
+            }
+            self.arrive(begin + done, &speeds);
+            let given = self.given(&speeds, done == 0.0);
+            let mut until = 1.0;
+            if let Mode::Click(_, _, ends) = self.mode {
+                until = (ends - begin).min(until);
+            }
+            if let Some(next) = self.agenda.next() {
+                until = (next - begin).min(until);
+            }
+            // Never so short that it would stand still.
+            let until = until.clamp((done + 1e-9).min(1.0), 1.0);
+            spread(parts, done, until, given);
+            self.move_model(given, until - done);
+            done = until;
+        }
+        self.clock += 1;
+    }
+
+    fn carry_out(&mut self, Entry { at: _, voice, order }: Entry) {
+        self.counts.orders += 1;
+        match order.sane(self.setup.full_speed(), self.setup.limit) {
+            Order::Click(pieces) => {
+                // At rest it begins at once.
+                self.mode = Mode::Speed(0.0, Some(pieces), self.clock);
+                self.voice = None;
+            }
+            Order::Spin(speed) => {
+                self.mode = Mode::Speed(speed, None, self.clock);
+                self.voice = Some(voice);
+            }
+            Order::On(drive) => {
+                self.mode = Mode::On(drive);
+                self.voice = Some(voice);
+            }
+            Order::Release if self.voice != Some(voice) => {}
+            Order::Release => {
+                self.voice = None;
+                self.mode = match self.mode {
+                    Mode::On(_) => Mode::Roll,
+                    _ => Mode::Speed(0.0, None, self.clock),
+                };
+            }
+            Order::Brake => {
+                self.voice = None;
+                self.mode = Mode::Speed(0.0, None, self.clock);
+            }
+        }
+        self.away = true;
+    }
+
+    /// Goes on to what comes behind what has been reached, at this instant (samples).
+    fn arrive(&mut self, now: f64, speeds: &[f64; 3]) {
+        if self.mode == Mode::Roll && (*speeds != [0.0; 3] || self.stands()) {
+            self.mode = Mode::Level;
+        }
+        if let Mode::Speed(0.0, click, since) = self.mode {
+            let waited = (self.clock - since) as f64 > PATIENCE * self.setup.rate;
+            if self.voice.is_none() && (self.stands() || waited) {
+                self.mode = match click {
+                    Some(pieces) => Mode::Click(pieces, 0, now + pieces.list[0].0 * self.setup.rate),
+                    None => Mode::Level,
+                };
+            }
+        }
+        while let Mode::Click(pieces, piece, ends) = self.mode {
+            if ends > now {
+                break;
+            }
+            self.mode = match pieces.list.get(piece + 1) {
+                Some((seconds, _)) if piece + 1 < PIECES => {
+                    Mode::Click(pieces, piece + 1, ends + seconds * self.setup.rate)
+                }
+                _ => Mode::Level,
+            };
+        }
+    }
+
+    /// What is sent from now on; `whole`: at the beginning of a sample.
+    fn given(&mut self, speeds: &[f64; 3], whole: bool) -> f64 {
+        let (speed, current) =
+            self.motor.as_ref().map_or((0.0, 0.0), |motor| (motor.speed(), motor.current()));
+        let limit = self.setup.limit;
+        match self.mode {
+            Mode::Speed(wished, ..) => self.seek.step(speed, current, wished),
+            Mode::Click(pieces, piece, _) => pieces.list.get(piece).map_or(0.0, |piece| piece.1),
+            Mode::On(drive) => drive,
+            Mode::Roll => 0.0,
+            Mode::Level => match self.setup.shaping {
+                Shaping::Plain => self.setup.held_by(speeds[0]).clamp(-limit, limit),
+                Shaping::Overdrive => self.seek.step(speed, current, speeds[1]),
+                Shaping::Switching => self.switched(speed, current, speeds[1]),
+                _ if self.away && *speeds == [0.0; 3] && self.stands() => 0.0,
+                Shaping::Inverse if self.away => {
+                    let off = self.seek.off(speed, current, speeds[0]).abs();
+                    if off < STANDS * self.setup.full_speed() && whole {
+                        self.away = false;
+                        self.follow.restart(current);
+                        return self.followed(speeds);
+                    }
+                    self.seek.step(speed, current, speeds[1])
+                }
+                Shaping::Inverse => self.followed(speeds),
+            },
+        }
+    }
+
+    fn followed(&mut self, speeds: &[f64; 3]) -> f64 {
+        let (given, limited) = self.follow.step(*speeds);
+        self.counts.limited += u64::from(limited);
+        given
+    }
+
+    fn switched(&mut self, speed: f64, current: f64, wished: f64) -> f64 {
+        let off = wished - speed;
+        // What is to stand is not kept swinging about rest.
+        if wished == 0.0 && off.abs() <= self.seek.most() {
+            return self.seek.step(speed, current, wished);
+        }
+        if off != 0.0 {
+            self.forward = off > 0.0;
+        }
+        if self.forward { self.setup.limit } else { -self.setup.limit }
+    }
+
+    fn stands(&self) -> bool {
+        let Some(motor) = &self.motor else { return true };
+        motor.is_stuck()
+            && motor.current().abs() * self.setup.parameters.gain <= self.setup.parameters.stiction
+            || self.seek.off(motor.speed(), motor.current(), 0.0).abs() < STANDS * self.setup.full_speed()
+                && motor.speed().abs() < STANDS * self.setup.full_speed()
+    }
+
+    fn move_model(&mut self, given: f64, share: f64) {
+        let Some(motor) = &mut self.motor else { return };
+        motor.drive(match self.setup.imposes {
+            Drive::Voltage => motor::Drive::Voltage(given),
+            Drive::Current => motor::Drive::Current { amperes: given, limit: self.setup.compliance },
+        });
+        if share == 1.0 { motor.step() } else { motor.part(share) }
+    }
+}
+
+/// Adds what holds between two shares of a sample to the means over its parts.
+fn spread(parts: &mut [f64], from: f64, to: f64, value: f64) {
+    if from == 0.0 && to == 1.0 {
+        return parts.fill(value);
+    }
+    let count = parts.len() as f64;
+    let (from, to) = (from * count, to * count);
+    for (n, part) in parts.iter_mut().enumerate() {
+        let begin = n as f64;
+        let overlap = to.min(begin + 1.0) - from.max(begin);
+        if overlap > 0.0 {
+            *part += overlap * value;
+        }
+    }
+}

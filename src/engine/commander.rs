@@ -1,0 +1,97 @@
+//! From what a voice orders to what the motors at its place are to do.
+
+use std::sync::Arc;
+
+use super::event::Play;
+use super::stage::Stage;
+use crate::actuator::driver::book::Book;
+use crate::actuator::driver::order::Order;
+use crate::graph::command::Command;
+use crate::graph::plan::Plan;
+use crate::node::kernel::LEAD;
+use crate::schedule::Instant;
+
+/// The orders of a plan's voices, resolved against its motors.
+#[derive(Debug, Default)]
+pub struct Commander {
+    /// By instrument.
+    commands: Vec<Vec<Command>>,
+    motors: Vec<Motor>,
+}
+
+#[derive(Debug)]
+struct Motor {
+    channel: u32,
+    full_speed: f64,
+    limit: f64,
+    /// By turns.
+    clicks: Vec<(f64, Arc<Book>)>,
+}
+
+impl Commander {
+    /// That of a plan.
+    pub fn new(plan: &Plan) -> Self {
+        let commands = plan.instruments.iter().map(|instrument| instrument.commands()).collect();
+        let of = |drive: usize| {
+            let own = plan.clicks.iter().filter(move |clicks| clicks.drive == drive);
+            own.map(|clicks| (clicks.turns, Arc::clone(&clicks.book))).collect()
+        };
+        let motors = plan.drives.iter().enumerate().map(|(n, drive)| Motor {
+            channel: drive.channel,
+            full_speed: drive.setup.full_speed(),
+            limit: drive.setup.limit,
+            clicks: of(n),
+        });
+        Self { commands, motors: motors.collect() }
+    }
+
+    /// Whether an instrument's voices order something.
+    pub fn gives(&self, instrument: u32) -> bool {
+        self.commands.get(instrument as usize).is_some_and(|commands| !commands.is_empty())
+    }
+
+    /// A voice begins: what it orders goes to the motors of its place.
+    pub fn begin(&self, play: &Play, serial: u64, place: &[(u32, f64)], at: Instant, stage: &mut Stage) {
+        let Some(commands) = self.commands.get(play.instrument as usize) else { return };
+        for (channel, gain) in place {
+            let Some(motor) = self.motors.iter().find(|motor| motor.channel == *channel) else { continue };
+            for command in commands {
+                if let Some(order) = motor.order(*command, play.level * gain) {
+                    stage.order(*channel, instant(at), serial, order);
+                }
+            }
+        }
+    }
+
+    /// A voice is released: what it ordered and still holds ends.
+    pub fn release(&self, instrument: usize, serial: u64, at: Instant, stage: &mut Stage) {
+        if self.commands.get(instrument).is_some_and(|commands| !commands.is_empty()) {
+            for motor in &self.motors {
+                stage.order(motor.channel, instant(at), serial, Order::Release);
+            }
+        }
+    }
+}
+
+impl Motor {
+    /// What an order means for it; `None` where that is nothing.
+    fn order(&self, command: Command, level: f64) -> Option<Order> {
+        match command {
+            Command::Click(turns) => {
+                let (_, book) = self.clicks.iter().find(|(of, _)| *of == turns)?;
+                book.at(level).map(Order::Click)
+            }
+            Command::Spin(share) => {
+                let level = (share * level).clamp(-1.0, 1.0);
+                Some(Order::Spin(self.full_speed * level.abs().sqrt().copysign(level)))
+            }
+            Command::On(share) => Some(Order::On((share * level).clamp(-1.0, 1.0) * self.limit)),
+            Command::Brake => Some(Order::Brake),
+        }
+    }
+}
+
+/// In samples, as late as voices are behind their events.
+fn instant(at: Instant) -> f64 {
+    at.sample as f64 + f64::from(at.fraction) / 4_294_967_296.0 + LEAD
+}

@@ -1,0 +1,70 @@
+//! The motors of a rig, and the clicks of them that the voices of a patch may order.
+
+use std::sync::Arc;
+
+use super::command::Command;
+use super::plan::{Clicks, Drive, Instrument};
+use crate::actuator::driver::book::Book;
+use crate::rig::Rig;
+use crate::text::Problem;
+
+/// The motors of a rig, at an engine's rate.
+pub fn drives(rig: &Rig, rate: f64, problems: &mut Vec<Problem>) -> Vec<Drive> {
+    let mut drives = Vec::new();
+    for output in &rig.outputs {
+        match rig.wiring(output) {
+            Some(Ok(wiring)) => drives.push(Drive {
+                channel: output.channel.saturating_sub(1),
+                setup: wiring.setup(rate),
+                per_sample: wiring.per_sample,
+            }),
+            Some(Err(problem)) => problems.push(Problem { span: None, ..problem }),
+            None => {}
+        }
+    }
+    drives
+}
+
+/// The clicks that instruments may order, of every motor; of motors that are alike they are worked out once.
+pub fn clicks(
+    rig: &Rig,
+    drives: &[Drive],
+    instruments: &[Instrument],
+    problems: &mut Vec<Problem>,
+) -> Vec<Clicks> {
+    let mut clicks: Vec<Clicks> = Vec::new();
+    for instrument in instruments {
+        for command in instrument.commands() {
+            let Command::Click(turns) = command else { continue };
+            for (number, drive) in drives.iter().enumerate() {
+                if clicks.iter().any(|known| known.drive == number && known.turns == turns) {
+                    continue;
+                }
+                let alike = |known: &&Clicks| {
+                    known.turns == turns && drives.get(known.drive).is_some_and(|d| d.setup == drive.setup)
+                };
+                let book = match clicks.iter().find(alike) {
+                    Some(known) => Ok(Arc::clone(&known.book)),
+                    None => Book::new(&drive.setup, turns).map(Arc::new),
+                };
+                match book {
+                    Ok(book) => clicks.push(Clicks { drive: number, turns, book }),
+                    Err(why) => {
+                        let channel = drive.channel + 1;
+                        let output = rig.outputs.iter().find(|output| output.channel == channel);
+                        let name = output.map_or("", |output| output.name.as_str());
+                        let voice = &instrument.name;
+                        let what = format!(
+                            "voice `{voice}` orders a click of {turns} turns, which the motor of `{name}` cannot make: {why}"
+                        );
+                        let help = "give the motor more volts, or order another click".to_string();
+                        problems.push(Problem::of_file(what).help(help));
+                        // Told of once for each motor.
+                        return clicks;
+                    }
+                }
+            }
+        }
+    }
+    clicks
+}

@@ -1,0 +1,32 @@
+//! A motor is brought to rest.
+
+use super::kernel::{Onset, Setup};
+use super::order;
+use super::spec::{Family, NodeSpec};
+
+/// What the node says about itself.
+pub static SPEC: NodeSpec = NodeSpec {
+    name: "drive-brake",
+    family: Family::Motor,
+    summary: "A motor is brought to rest.",
+    detail: "As fast as the voltage allows, whatever it was ordered; what levels say then goes on. It is an order to the rumble \
+             motors at the voice's place (outputs of kind drive), worked out for each of them; elsewhere, and as a signal, it is \
+             silence. The newest order of a motor holds, and what was under way is braked first.",
+    params: &[],
+    example: r#"stop = { type = "drive-brake" }"#,
+};
+
+/// Eight lanes of silence.
+pub type Lanes<R> = order::Lanes<R, false>;
+
+/// The definition.
+#[derive(Debug)]
+pub struct Exact;
+
+impl Exact {
+    /// For one voice.
+    #[allow(clippy::new_ret_no_self)]
+    pub fn new(_setup: &Setup, _onset: &Onset) -> order::Exact {
+        order::Exact::new(false)
+    }
+}

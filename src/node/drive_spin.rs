@@ -1,0 +1,40 @@
+//! A buzz of a motor: overdriven to its speed, braked at the end.
+
+use super::kernel::{Onset, Setup};
+use super::order;
+use super::spec::{Family, Kind, NodeSpec, Numeric, Param};
+
+/// What the node says about itself.
+pub static SPEC: NodeSpec = NodeSpec {
+    name: "drive-spin",
+    family: Family::Motor,
+    summary: "A buzz of a motor: overdriven to its speed, braked at the end.",
+    detail: "The full voltage until the motor is as fast as it is to be, then what holds it; from the end of the event the full \
+             voltage backward until it stands. The event's level times `level` is the share of the rated vibration. It is an order \
+             to the rumble motors at the voice's place (outputs of kind drive), worked out for each of them; elsewhere, and as a \
+             signal, it is silence. The newest order of a motor holds, and what was under way is braked first.",
+    params: &[
+        Param {
+            name: "level",
+            kind: Kind::Constant(Numeric::or(1.0, -1.0, 1.0)),
+            unit: "",
+            doc: "The share of the rated vibration; backward where it is negative.",
+        },
+    ],
+    example: r#"buzz = { type = "drive-spin" }"#,
+};
+
+/// Eight lanes of silence.
+pub type Lanes<R> = order::Lanes<R, true>;
+
+/// The definition.
+#[derive(Debug)]
+pub struct Exact;
+
+impl Exact {
+    /// For one voice.
+    #[allow(clippy::new_ret_no_self)]
+    pub fn new(_setup: &Setup, _onset: &Onset) -> order::Exact {
+        order::Exact::new(true)
+    }
+}
