@@ -7,11 +7,12 @@
 //! | [`driver`] | the same while it is played, sample by sample |
 //! | [`coil`] | voice-coil tactors on skin, inertial motors, linear resonant actuators: responses, steps, equalisers, bursts |
 //! | [`link`] | the way from a sample to a coil: coupling, amplifiers, carriers, pulse widths |
+//! | [`protect`] | what stands last before the converter, so that nothing breaks |
 //! | [`thermal`], [`piezo`] | heat in two nodes; elements that are a capacitance |
 //! | [`fault`], [`drive`] | a parameter that cannot be; what is imposed on a coil |
 //!
 //! Models are exact between events, whatever the step, and stable for every parameter that their checks let pass; steps neither
-//! allocate nor panic. A scene has no part in them yet: rigs describe actuators, and what they move is left to the amplifier.
+//! allocate nor panic.
 //!
 //! ```
 //! use pacinian::actuator::motor::{Casing, Parameters};
@@ -46,5 +47,6 @@ pub mod fault;
 pub mod link;
 pub mod motor;
 pub mod piezo;
+pub mod protect;
 pub mod shape;
 pub mod thermal;

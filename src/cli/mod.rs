@@ -14,6 +14,7 @@ mod form;
 mod format;
 mod guard;
 mod hearers;
+mod held_back;
 mod input;
 mod keep;
 mod latency;

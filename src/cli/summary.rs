@@ -1,5 +1,6 @@
 //! What a rendering turned out to be.
 
+use super::held_back::{self, HeldBack};
 use super::input::InputReport;
 use super::left_out::{Left, left_out, left_out_text};
 use super::load::Loaded;
@@ -43,6 +44,8 @@ pub struct Summary {
     masked: u64,
     /// Samples beyond 120 dB over full scale that were held there.
     held: u64,
+    /// What was held back for the sake of actuators, by output.
+    held_back: Vec<HeldBack>,
     /// Whether patterns were cut at the end of the time that a score covers.
     cut: bool,
     events_dropped: u64,
@@ -105,6 +108,7 @@ impl Summary {
             clamped: counts.clamped + written.clipped,
             masked: counters.masked + counts.masked + written.non_finite,
             held: counts.held,
+            held_back: held_back::held_back(plan, player.engine().stage()),
             cut: player.is_cut(),
             events_dropped: counters.dropped,
             events_late: counters.late,
@@ -160,6 +164,10 @@ impl Summary {
         let mut text =
             format!("{}\n{}", paint.bold(&pacinian::text::problem::escaped(&self.file)), table.text());
         text += &format!("\n{}\n{}", paint.bold("peaks"), self.peak_lines());
+        let held_back = held_back::text(&self.held_back);
+        if !held_back.is_empty() {
+            text += &format!("\n{}\n{held_back}", paint.bold("held back, so that actuators bear it"));
+        }
         if !self.left_out_text.is_empty() {
             text += &format!("\n{}\n{}", paint.bold("left out, and why"), self.left_out_text);
         }

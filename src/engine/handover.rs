@@ -87,7 +87,10 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     let hanging = |plan: &Plan| -> Vec<_> {
         plan.outputs.iter().map(|o| (o.channel, o.kind, o.equaliser.clone(), o.keeps_dc_off)).collect()
     };
-    if hanging(old) != hanging(new) || old.markers != new.markers || old.drives != new.drives {
+    if hanging(old) != hanging(new)
+        || old.markers != new.markers
+        || (&old.drives, &old.protections) != (&new.drives, &new.protections)
+    {
         return Err(Mismatch::Outputs);
     }
     if old.precision != new.precision {

@@ -18,6 +18,7 @@ mod lookup;
 pub mod meter;
 mod mixer;
 mod ops;
+mod protection;
 mod raw;
 pub mod refusal;
 mod roster;

@@ -30,7 +30,7 @@ pub enum Refusal {
         /// How many the plan has.
         channels: usize,
     },
-    /// The motor on a channel (from 0) cannot be.
+    /// The actuator on a channel (from 0) cannot be.
     Motor {
         /// The channel.
         channel: u32,
@@ -100,7 +100,7 @@ impl fmt::Display for Refusal {
             Self::Motor { channel, fault } => {
                 return write!(
                     f,
-                    "the motor on channel {} of the plan cannot be: {fault}",
+                    "the actuator on channel {} of the plan cannot be: {fault}",
                     u64::from(*channel) + 1
                 );
             }

@@ -2,6 +2,7 @@
 
 use super::drives::Drives;
 use super::hush::Hush;
+use super::protection::Protections;
 use super::raw::Raw;
 use super::refusal::Refusal;
 use super::triggers::Triggers;
@@ -22,6 +23,8 @@ pub struct Stage {
     raw: Raw,
     drives: Drives,
     hush: Hush,
+    protections: Protections,
+    ratio: usize,
 }
 
 impl Stage {
@@ -43,9 +46,11 @@ impl Stage {
         let rows = vec![Row::default(); vibration.groups() * super::workspace::BLOCK];
         let triggers = Triggers::new(plan, &vibration);
         let hush = Hush::new(plan.device_rate, plan.ratio);
-        let drives =
-            Drives::new(plan, &vibration).map_err(|(channel, fault)| Refusal::Motor { channel, fault })?;
-        Ok(Self { vibration, rows, triggers, raw: Raw::new(plan), drives, hush })
+        let cannot = |(channel, fault)| Refusal::Motor { channel, fault };
+        let drives = Drives::new(plan, &vibration).map_err(cannot)?;
+        let protections = Protections::new(plan).map_err(cannot)?;
+        let ratio = plan.ratio;
+        Ok(Self { vibration, rows, triggers, raw: Raw::new(plan), drives, hush, protections, ratio })
     }
 
     /// What the stage does to vibration outputs.
@@ -74,6 +79,11 @@ impl Stage {
     /// The motors.
     pub fn drives(&self) -> &Drives {
         &self.drives
+    }
+
+    /// What is held back for the sake of actuators.
+    pub fn protections(&self) -> &Protections {
+        &self.protections
     }
 
     /// An order for the motor of a channel (from 0) at an instant, in engine samples.
@@ -134,5 +144,6 @@ impl Stage {
         self.hush.apply(clock, samples, self.vibration.channels(), output, rest);
         self.drives.write(samples, output, rest);
         self.triggers.write(clock, samples, output, rest);
+        self.protections.hold(self.ratio, samples, output, rest);
     }
 }

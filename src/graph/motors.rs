@@ -5,6 +5,8 @@ use std::sync::Arc;
 use super::command::Command;
 use super::plan::{Clicks, Drive, Instrument};
 use crate::actuator::driver::book::Book;
+use crate::actuator::protect::bounds::Bounds;
+use crate::actuator::protect::kernel::Protection;
 use crate::rig::Rig;
 use crate::text::Problem;
 
@@ -23,6 +25,23 @@ pub fn drives(rig: &Rig, rate: f64, problems: &mut Vec<Problem>) -> Vec<Drive> {
         }
     }
     drives
+}
+
+/// What the actuators of a rig bear, at a device's rate.
+pub fn protections(rig: &Rig, rate: f64, problems: &mut Vec<Problem>) -> Vec<(u32, Bounds)> {
+    let mut all = Vec::new();
+    for output in &rig.outputs {
+        let Some(bounds) = rig.bounds(output) else { continue };
+        match Protection::new(&bounds, rate) {
+            Ok(_) => all.push((output.channel.saturating_sub(1), bounds)),
+            Err(fault) => {
+                let what =
+                    format!("what the actuator of output `{}` bears cannot be kept to: {fault}", output.name);
+                problems.push(Problem::of_file(what));
+            }
+        }
+    }
+    all
 }
 
 /// The clicks that instruments may order, of every motor; of motors that are alike they are worked out once.

@@ -9,6 +9,7 @@ use crate::node::motion::Motion;
 
 use crate::actuator::driver::book::Book;
 use crate::actuator::driver::setup::Setup;
+use crate::actuator::protect::bounds::Bounds;
 
 use super::command::Command;
 use super::order::depth_first;
@@ -63,6 +64,8 @@ pub struct Plan {
     pub outputs: Vec<Output>,
     /// The motors, in the order of their outputs.
     pub drives: Vec<Drive>,
+    /// What the actuators on channels (from 0) bear.
+    pub protections: Vec<(u32, Bounds)>,
     /// Clicks of motors that voices may order, worked out.
     pub clicks: Vec<Clicks>,
     /// Names of the markers that some output listens to.

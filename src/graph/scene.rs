@@ -153,6 +153,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         .map(|o| output(o, rig, device_rate / ratio as f64, &mut markers, &mut problems))
         .collect();
     let drives = motors::drives(rig, device_rate / ratio as f64, &mut problems);
+    let protections = motors::protections(rig, device_rate, &mut problems);
     let clicks = motors::clicks(rig, &drives, &instruments, &mut problems);
     if !problems.is_empty() {
         return Err(patch.origin.problems(problems));
@@ -178,6 +179,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         places: rig.outputs.iter().map(place).collect(),
         outputs,
         drives,
+        protections,
         clicks,
         markers,
         left_out,

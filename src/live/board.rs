@@ -78,6 +78,8 @@ pub struct Board {
     pub clamped: Figure,
     /// Samples that the limiter turned down.
     pub limited: Figure,
+    /// Samples that were held back for the sake of actuators.
+    pub held_back: Figure,
     /// Signals and patterns that found no room.
     pub refused: Figure,
     /// Frames that the recording missed.

@@ -291,6 +291,7 @@ impl Callback {
         self.board.masked.set(counters.masked + counts.masked);
         self.board.clamped.set(counts.clamped);
         self.board.limited.set(counts.limited);
+        self.board.held_back.set(engine.stage().protections().changed());
         self.board.frames.set(self.frames);
         self.board.block.set((output.len() / self.channels.max(1)) as u64);
         self.board.shut.set(u64::from(self.gate.is_shut()));

@@ -2,6 +2,8 @@
 
 pub(crate) mod actuator;
 mod amplifier;
+mod bounds;
+mod coil;
 pub(crate) mod device;
 mod finder;
 mod motor;
@@ -17,7 +19,7 @@ pub use actuator::{Actuator, Model, Peak};
 pub use amplifier::{Amplifier, Drive, Rectifier};
 pub use device::{Coupling, Device, RATES, usual_ratio};
 pub use finder::Finder;
-pub use motor::Wiring;
+pub use motor::{Lack, Wiring};
 pub use output::{Output, OutputKind, Turning};
 pub use schema::schema;
 

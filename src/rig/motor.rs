@@ -1,5 +1,7 @@
 //! A rumble motor as a rig describes it: what it is made of, and what of a card's samples reaches it.
 
+use std::fmt;
+
 use super::device::Coupling;
 use super::output::Turning;
 use super::{Actuator, Amplifier, Drive, Model, Output, OutputKind, Rig};
@@ -234,6 +236,19 @@ impl Rig {
     }
 }
 
+impl fmt::Display for Lack {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Figure(key) => write!(f, "`{key}` is not known"),
+            Self::Fault(fault) => {
+                f.write_str(&fault.to_string().replacen(fault.field, key_of(fault.field), 1))
+            }
+        }
+    }
+}
+
+impl std::error::Error for Lack {}
+
 impl Lack {
     fn of(self, actuator: &Actuator) -> Problem {
         let name = &actuator.name;
@@ -247,11 +262,7 @@ impl Lack {
                 Problem::error(&actuator.span, what).help(help.to_string())
             }
             Self::Fault(fault) => {
-                let key = key_of(fault.field);
-                let what = format!(
-                    "actuator `{name}` cannot be: {}",
-                    fault.to_string().replacen(fault.field, key, 1)
-                );
+                let what = format!("actuator `{name}` cannot be: {}", Self::Fault(fault));
                 Problem::error(&actuator.span, what)
             }
         }

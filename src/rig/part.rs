@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use super::actuator::Model;
 use super::quantity;
+use crate::text::field::Field;
 
 /// A part.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,6 +83,12 @@ pub fn all() -> &'static [Part] {
 /// The part of a name.
 pub fn find(name: &str) -> Option<&'static Part> {
     all().iter().find(|part| part.name == name)
+}
+
+/// All figures that parts and actuators have, in the order in which one fills them in.
+pub fn fields() -> impl Iterator<Item = &'static Field> {
+    static FIELDS: [Field; quantity::COUNT] = quantity::FIELDS;
+    FIELDS.iter()
 }
 
 #[derive(Deserialize)]

@@ -65,7 +65,7 @@ const SPRUNG: &[Model] = &[Model::VoiceCoil, Model::InertialMotor];
 const SHAKEN: &[Model] = &[Model::InertialMotor, Model::Lra];
 const PIEZO: &[Model] = &[Model::Piezo];
 
-const FIGURES: [Figure; 40] = [
+const FIGURES: [Figure; 46] = [
     figure("resonance", [1.0, 10_000.0], "Hz", ANY, "Its resonance."),
     figure("q", [0.05, 1000.0], "", ANY, "Quality of the resonance."),
     figure("rated_volts", [1e-3, 1e4], "V", ANY, "What it is made for (peak)."),
@@ -90,6 +90,30 @@ const FIGURES: [Figure; 40] = [
         "A",
         ANY,
         "The current it bears for as long as one likes (root mean square).",
+    ),
+    figure("max_slew", [1e-3, 1e12], "V/s", ANY, "The fastest change of voltage it bears."),
+    figure(
+        "max_heating",
+        [1.0, 1000.0],
+        "K",
+        WOUND,
+        "By how much its winding may be warmer than the air; with the four figures below it limits what it gets for long.",
+    ),
+    figure("winding_to_housing", [1e-3, 1e5], "K/W", WOUND, "Thermal resistance from winding to housing."),
+    figure("housing_to_air", [1e-3, 1e5], "K/W", WOUND, "Thermal resistance from housing to air."),
+    figure(
+        "winding_time",
+        [1e-3, 1e6],
+        "s",
+        WOUND,
+        "In which the winding follows the housing: its heat capacity times `winding_to_housing`.",
+    ),
+    figure(
+        "housing_time",
+        [1e-3, 1e7],
+        "s",
+        WOUND,
+        "In which the housing follows the air: its heat capacity times `housing_to_air`.",
     ),
     figure("resistance", [1e-3, 1e9], "ohm", WOUND, "Resistance of the winding."),
     figure("inductance", [0.0, 1e3], "H", WOUND, "Inductance of the winding; 0: none to speak of."),

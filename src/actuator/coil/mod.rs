@@ -24,4 +24,5 @@ pub mod plant;
 pub mod readout;
 pub mod resonance;
 pub mod response;
+pub(in crate::actuator) mod sampled;
 pub mod supply;

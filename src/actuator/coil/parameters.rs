@@ -160,7 +160,7 @@ impl Inertial {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(in crate::actuator) mod tests {
     use super::{Coil, Inertial, Layer, Skin, Spring, Tissue, VoiceCoil};
     use crate::actuator::coil::plant::Plant;
 

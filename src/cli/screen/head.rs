@@ -88,8 +88,12 @@ pub fn figures(snapshot: &Snapshot, width: usize) -> Vec<Line> {
         all.push(figure("input", &format!("{} ms", milli(input)), Ink::Plain));
     }
     // What hardly ever happens takes no room until it does.
-    let rare =
-        [("over time", figures.over), ("no numbers", figures.masked), ("voices cut short", figures.stolen)];
+    let rare = [
+        ("over time", figures.over),
+        ("no numbers", figures.masked),
+        ("voices cut short", figures.stolen),
+        ("held back", figures.held_back),
+    ];
     all.extend(rare.into_iter().filter(|(_, count)| *count > 0).map(|(name, count)| fault(name, count)));
     all
 }

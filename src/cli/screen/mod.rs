@@ -321,6 +321,7 @@ impl Show {
             limited: board.limited.get(),
             clamped: board.clamped.get(),
             masked: board.masked.get(),
+            held_back: board.held_back.get(),
             voices: board.voices.get(),
             started: board.started.get(),
             stolen: board.stolen.get(),

@@ -85,6 +85,8 @@ pub struct Figures {
     pub clamped: u64,
     /// See `limited`.
     pub masked: u64,
+    /// Samples that were held back for the sake of actuators.
+    pub held_back: u64,
     /// Voices that sound, that were started, and that had to make room.
     pub voices: u64,
     /// See `voices`.
