@@ -265,6 +265,7 @@ fn text(answer: &Answer, loaded: &Loaded, terminal: &Terminal) -> String {
 impl Answer {
     /// What keeps the figures from saying much.
     fn reservations(&self, loaded: &Loaded) -> Vec<&'static str> {
+        let motors = loaded.rig.outputs.iter().any(|o| matches!(o.kind, OutputKind::Drive(_)));
         let raw = loaded.rig.outputs.iter().any(|o| o.kind == OutputKind::Raw);
         [
             (
@@ -275,6 +276,7 @@ impl Answer {
                 self.rings_on,
                 "something rings for 8 s and more after the end: where it is cut counts as error",
             ),
+            (motors, "motors stand still in these figures, which are of what vibrates; `pacinian motor` has theirs"),
             (raw, "raw outputs are not band-limited: what they have above 1 kHz counts, too"),
             (
                 self.limited > 0,

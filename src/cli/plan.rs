@@ -8,7 +8,7 @@ use super::patterns::{PatternReport, lines, patterns};
 use super::table::{Table, hertz, many};
 use pacinian::graph::plan::{OutputKind, Plan, Precision};
 use pacinian::player::Player;
-use pacinian::rig::Peak;
+use pacinian::rig::{self, Peak};
 use serde::Serialize;
 
 pub use super::patterns::{is_endless, playing};
@@ -99,6 +99,10 @@ struct OutputReport {
     max_volts: Option<f64>,
     /// Whether a steady voltage may leave it; null where the device is not known to let any through.
     dc: Option<bool>,
+    /// How its motor is turned; null for what is none.
+    motor: Option<MotorReport>,
+    /// What its actuator is protected from.
+    protected: Vec<&'static str>,
     equaliser: Vec<PeakReport>,
 }
 
@@ -109,11 +113,34 @@ struct PeakReport {
     q: f64,
 }
 
+#[derive(Debug, Serialize)]
+struct MotorReport {
+    shaping: &'static str,
+    /// Whether its amplifier imposes a current, so that its limit is in amperes.
+    is_current: bool,
+    /// The most that reaches it, volts or amperes.
+    limit: f64,
+    /// From an event to what is sent.
+    late_ms: f64,
+}
+
 impl OutputReport {
     /// The most that leaves it, where that is less than full scale.
     fn most(&self) -> Option<String> {
         let volts = self.max_volts.map_or(String::new(), |volts| format!(" = {volts:.3} V"));
         (self.max_level < 1.0).then(|| format!("at most {}{volts}", self.max_level))
+    }
+
+    /// How its motor is turned, and how late.
+    fn turned(&self) -> Option<String> {
+        let motor = self.motor.as_ref()?;
+        let unit = if motor.is_current { "A" } else { "V" };
+        Some(format!("{} within {:.3} {unit}, {:.1} ms late", motor.shaping, motor.limit, motor.late_ms))
+    }
+
+    /// What its actuator is protected from.
+    fn watched(&self) -> Option<String> {
+        (!self.protected.is_empty()).then(|| format!("protected from too much {}", self.protected.join(", ")))
     }
 
     /// What becomes of a steady voltage, where that is known.
@@ -175,6 +202,8 @@ impl PlanReport {
                     max_level: o.max_level,
                     max_volts: loaded.rig.device.full_scale_volts.map(|volts| o.max_level * volts),
                     dc: dc(loaded, o),
+                    motor: motor(loaded, player, o),
+                    protected: protected(plan, o),
                     equaliser: if o.equaliser.is_empty() { Vec::new() } else { peaks(loaded, &o.name) },
                 })
                 .collect(),
@@ -279,7 +308,10 @@ impl PlanReport {
             let peaks: Vec<String> = output.equaliser.iter().map(peak).collect();
             let equaliser = (!peaks.is_empty()).then(|| format!("equaliser {}", peaks.join(", ")));
             let notes: Vec<String> =
-                [output.most(), output.steady(), equaliser].into_iter().flatten().collect();
+                [output.most(), output.turned(), output.steady(), output.watched(), equaliser]
+                    .into_iter()
+                    .flatten()
+                    .collect();
             table.row([
                 output.channel.to_string(),
                 output.name.clone(),
@@ -317,6 +349,38 @@ fn kind(kind: OutputKind) -> &'static str {
 fn dc(loaded: &Loaded, output: &pacinian::graph::plan::Output) -> Option<bool> {
     let described = loaded.rig.outputs.iter().find(|o| *o.name == *output.name)?;
     loaded.rig.lets_dc(described).filter(|_| output.kind != OutputKind::Silent)
+}
+
+/// How a motor is turned; `None` for what is none.
+fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Output) -> Option<MotorReport> {
+    let plan = player.plan();
+    let drive = plan.drives.iter().find(|drive| drive.channel == output.channel)?;
+    let late = player.engine().stage().drives().late(output.channel as usize)?;
+    let described = loaded.rig.outputs.iter().find(|o| *o.name == *output.name)?;
+    let rig::OutputKind::Drive(turning) = &described.kind else { return None };
+    Some(MotorReport {
+        shaping: turning.word(),
+        is_current: drive.setup.imposes == pacinian::actuator::drive::Drive::Current,
+        limit: drive.setup.limit,
+        late_ms: 1e3 * (late as f64 / plan.engine_rate() + player.engine().delay().lead),
+    })
+}
+
+/// What an output's actuator is protected from.
+fn protected(plan: &Plan, output: &pacinian::graph::plan::Output) -> Vec<&'static str> {
+    let Some((_, bounds)) = plan.protections.iter().find(|(channel, _)| *channel == output.channel) else {
+        return Vec::new();
+    };
+    let all = [
+        (bounds.peak.is_some(), "voltage"),
+        (bounds.slew.is_some(), "slew"),
+        (bounds.rms.is_some(), "power"),
+        (bounds.heat.is_some(), "heat"),
+        (bounds.stroke.is_some(), "stroke"),
+        (bounds.steady.is_some(), "that is steady"),
+        (bounds.alternating.is_some(), "that alternates"),
+    ];
+    all.into_iter().filter_map(|(is, what)| is.then_some(what)).collect()
 }
 
 /// The equaliser of an output.

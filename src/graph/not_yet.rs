@@ -27,12 +27,16 @@ pub fn not_yet(patch: &Patch, rig: &Rig) -> Vec<LeftOut> {
         };
         say(true, format!("trigger `{on}` of `{}`", trigger.play));
     }
-    for amplifier in &rig.amplifiers {
+    // Volts are known, or nothing that is said in volts is of use.
+    for amplifier in rig.amplifiers.iter().filter(|_| rig.device.full_scale_volts.is_none()) {
         say(true, format!("amplifier `{}`", amplifier.name));
     }
     for actuator in &rig.actuators {
-        for key in ["resonance", "q", "rated_volts"] {
-            say(actuator.value(key).is_some(), format!("`{key}` of actuator `{}`", actuator.name));
+        let hangs = |output: &&rig::Output| output.actuator.as_deref() == Some(actuator.name.as_str());
+        let acts = rig.outputs.iter().filter(hangs).any(|output| rig.bounds(output).is_some());
+        let moves = acts && actuator.coil().is_ok();
+        for (known, key) in [(moves, "resonance"), (moves, "q"), (acts, "rated_volts")] {
+            say(actuator.value(key).is_some() && !known, format!("`{key}` of actuator `{}`", actuator.name));
         }
     }
     for output in rig.outputs.iter().filter(|o| o.kind == rig::OutputKind::Raw) {
@@ -93,7 +97,7 @@ pub fn never_fed(patch: &Patch, rig: &Rig, voices: &BTreeSet<usize>) -> Vec<Left
 
 #[cfg(test)]
 mod tests {
-    use super::Why;
+    use super::{Why, not_yet};
     use crate::graph::scene::{Options, scene};
     use crate::node::asset::NoAssets;
     use crate::patch::Patch;
@@ -104,7 +108,6 @@ format = "pacinian-rig/1"
 title = "All that nothing acts on"
 [device]
 channels = 3
-full_scale_volts = 1.4
 coupling = { high_pass = 8.0 }
 [amplifier.class-d]
 gain = 6.0
@@ -159,6 +162,21 @@ play = "tap"
     fn outputs_that_no_place_reaches_are_told() {
         assert_eq!(left(Why::NeverFed, false), ["output `b`"]);
         assert!(left(Why::NeverFed, true).is_empty());
+    }
+
+    /// Where volts are known, what is said in volts protects.
+    #[test]
+    fn what_protects_is_not_told() {
+        let rig = RIG.replace("coupling =", "full_scale_volts = 1.4\ncoupling =");
+        let rig = Rig::parse("r.toml", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let patch = Patch::parse("p.toml", PATCH.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let told: Vec<String> = not_yet(&patch, &rig).into_iter().map(|left| left.what).collect();
+        let wanted = [
+            "`resonance` of actuator `exciter`",
+            "`q` of actuator `exciter`",
+            "`equaliser` of raw output `c`",
+        ];
+        assert_eq!(told[1..], wanted);
     }
 
     #[test]

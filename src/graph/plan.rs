@@ -89,6 +89,19 @@ impl Plan {
         inputs
     }
 
+    /// The same of what vibrates alone: motors stand still, and nothing is held back for the sake of actuators.
+    #[cfg(feature = "report")]
+    pub(crate) fn of_vibration(&self) -> Self {
+        let mut plan = self.clone();
+        let turns = |channel: u32| self.drives.iter().any(|drive| drive.channel == channel);
+        plan.places.iter_mut().for_each(|place| place.retain(|(channel, _)| !turns(*channel)));
+        for output in plan.outputs.iter_mut().filter(|output| output.kind == OutputKind::Drive) {
+            output.kind = OutputKind::Silent;
+        }
+        (plan.drives, plan.clicks, plan.protections) = Default::default();
+        plan
+    }
+
     /// Of each channel, what its output says, or `otherwise` where it has none.
     pub(crate) fn by_channel<T: Clone>(&self, otherwise: T, of: impl Fn(&Output) -> T) -> Vec<T> {
         let mut all = vec![otherwise; self.channels];

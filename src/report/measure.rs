@@ -78,11 +78,12 @@ impl Take<'_> {
         let seconds = samples / plan.engine_rate();
         let (events, moves) = (before(self.seconds, self.events), before(self.seconds, self.moves));
         let played = Played { events, moves, input: self.input, released: self.seconds };
-        reference_watched(plan, &played, seconds, OVER, watch)
+        reference_watched(&plan.of_vibration(), &played, seconds, OVER, watch)
     }
 
     /// Seconds that it rings after its end, up to [`RING`]. A plan that no engine can be built for does not ring.
     pub fn rings(&self, plan: &Plan) -> f64 {
+        let plan = &plan.of_vibration();
         let Ok(engine) = Engine::new(plan) else { return 0.0 };
         let mut playing = Playing::new(engine, plan, self);
         let mut frames = vec![0.0; STEP * plan.ratio * plan.channels];
@@ -149,6 +150,7 @@ impl Take<'_> {
         samples: usize,
         watch: &mut dyn FnMut(f64) -> Result<(), S>,
     ) -> Result<(Engine, Vec<f32>, Duration), S> {
+        let plan = &plan.of_vibration();
         let mut playing = Playing::new(Engine::new(plan)?, plan, self);
         let mut frames = vec![0.0; samples * plan.ratio * plan.channels];
         let ears = playing.engine.input_channels();

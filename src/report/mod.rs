@@ -1,5 +1,6 @@
 //! Error against run time: what a scene should have been, and how far off it is.
 
+pub mod actuators;
 mod compare;
 mod decimate;
 mod hearing;

@@ -12,6 +12,8 @@ mod motor_laws;
 mod motor_plan;
 mod motor_quiet;
 mod motor_reference;
+#[cfg(feature = "report")]
+mod race;
 mod shape;
 mod silent;
 mod turner;

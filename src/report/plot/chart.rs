@@ -146,7 +146,7 @@ impl Chart {
 }
 
 /// A scale that holds all values and ends at ticks.
-fn scale(axis: &Axis, values: impl Iterator<Item = f64>, [low, high]: [f64; 2]) -> Scale {
+pub(super) fn scale(axis: &Axis, values: impl Iterator<Item = f64>, [low, high]: [f64; 2]) -> Scale {
     let [least, most] =
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |all, v| [all[0].min(v), all[1].max(v)]);
     if axis.log {
@@ -165,7 +165,7 @@ fn scale(axis: &Axis, values: impl Iterator<Item = f64>, [low, high]: [f64; 2]) 
 }
 
 /// A mark whose shape tells the series where colour cannot.
-fn mark(svg: &mut Svg, index: usize, ink: Ink, x: f64, y: f64) {
+pub(super) fn mark(svg: &mut Svg, index: usize, ink: Ink, x: f64, y: f64) {
     let around: &[(f64, f64)] = match index % 4 {
         0 => &[
             (-1.7, -4.1),
@@ -187,7 +187,7 @@ fn mark(svg: &mut Svg, index: usize, ink: Ink, x: f64, y: f64) {
 }
 
 /// Small boxes along a line, for labels to keep clear of.
-fn along(a: (f64, f64), b: (f64, f64)) -> impl Iterator<Item = [f64; 4]> {
+pub(super) fn along(a: (f64, f64), b: (f64, f64)) -> impl Iterator<Item = [f64; 4]> {
     let pieces = ((b.0 - a.0).abs().max((b.1 - a.1).abs()) / 4.0).ceil().clamp(1.0, 400.0);
     (0..=pieces as usize).map(move |i| {
         let share = i as f64 / pieces;
