@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::command::Command;
-use super::plan::{Clicks, Drive, Instrument};
+use super::plan::{Clicks, Drive, Instrument, LeftOut, Why};
+use super::program::Op;
 use crate::actuator::driver::book::Book;
 use crate::actuator::protect::bounds::Bounds;
 use crate::actuator::protect::kernel::Protection;
@@ -42,6 +43,17 @@ pub fn protections(rig: &Rig, rate: f64, problems: &mut Vec<Problem>) -> Vec<(u3
         }
     }
     all
+}
+
+/// What instruments order where there is no motor.
+pub fn for_nobody(instruments: &[Instrument]) -> impl Iterator<Item = LeftOut> {
+    instruments.iter().flat_map(|instrument| {
+        let orders = |op: &&Op| Command::of(op.node.kind, &op.node.settings).is_some();
+        instrument.program.ops.iter().filter(orders).map(|op| LeftOut {
+            what: format!("order `{}` of `{}`", op.node.name, instrument.name),
+            why: Why::NoMotor,
+        })
+    })
 }
 
 /// The clicks that instruments may order, of every motor; of motors that are alike they are worked out once.

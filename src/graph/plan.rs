@@ -279,6 +279,8 @@ pub enum Why {
     NeverRead,
     /// It never moves, so it never passes a threshold.
     NeverCrosses,
+    /// It orders something of motors, and the rig has none.
+    NoMotor,
     /// It is read and checked, and nothing acts on it yet.
     NotYet,
     /// Outputs of this kind are not rendered yet.
@@ -294,6 +296,7 @@ impl fmt::Display for Why {
             Self::NeverTriggered => "nothing starts it",
             Self::NeverRead => "nothing reads it",
             Self::NeverCrosses => "its node never moves, so it never crosses",
+            Self::NoMotor => "the rig has no motor: no output of kind drive",
             Self::NotYet => "nothing acts on it yet",
             Self::NotRendered => "outputs of its kind are not rendered yet; it stays at zero",
         })

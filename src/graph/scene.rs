@@ -163,6 +163,9 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     if !options.live {
         left_out.extend(never_fed(patch, rig, &voices));
     }
+    if drives.is_empty() {
+        left_out.extend(motors::for_nobody(&instruments));
+    }
     left_out.extend(not_yet(patch, rig));
     let plan = Plan {
         device_rate,

@@ -22,7 +22,7 @@ pub static SPEC: NodeSpec = NodeSpec {
             doc: "The share of the most that there may be; backward where it is negative.",
         },
     ],
-    example: r#"on = { type = "drive-on", level = 0.8 }"#,
+    example: r#"run = { type = "drive-on", level = 0.8 }"#,
 };
 
 /// Eight lanes of silence.

@@ -16,7 +16,7 @@ mod schema;
 
 pub use crate::actuator::driver::setup::Shaping;
 pub use actuator::{Actuator, Model, Peak};
-pub use amplifier::{Amplifier, Drive, Rectifier};
+pub use amplifier::{Amplifier, Drive};
 pub use device::{Coupling, Device, RATES, usual_ratio};
 pub use finder::Finder;
 pub use motor::{Lack, Wiring};

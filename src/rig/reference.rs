@@ -85,12 +85,21 @@ pub const TOPICS: &[Topic] = &[
                amplifiers, cameras, loggers\n\
                - `raw`: what is played there as it comes, without equaliser, limiter and band limit, cut at `max_level`; for measuring, \
                not for skin\n\
-               - `drive`: a motor's voltage; not rendered yet, its channel stays at zero\n\
+               - `drive`: a rumble motor is turned by what is played: see below\n\
                - `torque`: a knob's torque; not rendered yet, its channel stays at zero\n\n\
                What is played on an output for vibration goes, in this order, through its `gain` and `polarity`, the high-pass that keeps \
                steady voltages off (if the device's coupling is \"dc\" and the output does not say dc = true), the actuator's equaliser, the \
                limiter, which acts at `max_level` and lets what stays below pass as it is, and the band limit. When it is played live, \
                a gate comes last, which opens and closes in a ramp: what is behind it is zero when it is closed, whatever the filters hold.\n\n\
+               On a drive, a level is the share of the rated vibration of its motor (negative: backward), and `shaping` makes volts of it: \
+               `inverse` does what is played as far as the motor can, and brakes it in time, for which it must know a little ahead; \
+               `overdrive` gives as much as there may be until the motor is as fast as it is to be, and as much backward until it is as \
+               slow; `switching` gives the most either way at every sample; `plain` gives what holds the speed. Voices order clicks, spins and brakes \
+               with the nodes `drive-click`, `drive-spin`, `drive-on` and `drive-brake`. A drive needs a rumble motor whose figures are \
+               known, an amplifier, `full_scale_volts`, and coupling = \"dc\" of device and amplifier: anything else is refused, with the \
+               reason. How late it is stands in `pacinian check`.\n\n\
+               Where `full_scale_volts` and figures of the actuator are known, protection comes last: no more voltage, slew, power, heat or \
+               travel than the actuator bears leaves the device, and what was held back is told. What it bears leaves as it is, to the bit.\n\n\
                Of the device's `max_level` and the output's own, the lower one holds. No sample is ever beyond it, whatever a patch, a control \
                or what comes in may do (in a file of 16 or 24 bits the dither adds up to a step and a half). A rig that is saved with another \
                `max_level` while it plays takes over like anything else: raw outputs and pulses keep to it at once, and vibration glides \
@@ -114,13 +123,15 @@ pub const TOPICS: &[Topic] = &[
         name: "actuator",
         written: "[actuator.NAME]",
         doc: "What moves.",
-        text: "A tactor names it with actuator = \"NAME\". Its equaliser, up to 16 peaking filters, is rendered; the rest is checked, and \
-               changes nothing yet. The models:\n\n\
+        text: "A tactor names it with actuator = \"NAME\". Its equaliser, up to 16 peaking filters, is rendered. Its figures say how it moves \
+               (what a drive needs, and `pacinian motor` shows) and what it bears (see [[output]]); `part` names one that ships, and figures that are \
+               given go before its own. The models:\n\n\
                - `generic`: nothing is known of it\n\
                - `voice-coil`: a coil that pushes the skin itself\n\
                - `inertial-motor`: a mass on a spring, moved by a coil; an exciter\n\
                - `rumble-motor`: a motor with an eccentric mass\n\
-               - `lra`: a linear resonant actuator",
+               - `lra`: a linear resonant actuator\n\
+               - `piezo`: a piezo-electric element",
         tables: &[&actuator::TABLE, &actuator::PEAK],
         example: "[device]\n\
                   channels = 1\n\
@@ -141,7 +152,8 @@ pub const TOPICS: &[Topic] = &[
         name: "amplifier",
         written: "[amplifier.NAME]",
         doc: "What stands between sound card and actuator.",
-        text: "A tactor names it with amplifier = \"NAME\". It is checked, and changes nothing yet.",
+        text: "An output names it with amplifier = \"NAME\". What its gain makes of `full_scale_volts` is what an actuator gets; a motor \
+               also needs its coupling to be \"dc\".",
         tables: &[&amplifier::TABLE],
         example: "[device]\n\
                   channels = 1\n\
