@@ -245,10 +245,20 @@ fn orders_are_for_motors_alone() {
 #[test]
 fn orders_that_nobody_hears_are_told() {
     let options = Options { rate: Some(RATE), live: true, ..Options::default() };
-    let plan = scene(&patch(MOVES), &Rig::default_for(2), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan;
+    let plan = scene(&patch(MOVES), &Rig::default_for(2), &options, &NoAssets)
+        .unwrap_or_else(|p| panic!("{p}"))
+        .plan;
     let told: Vec<String> = plan.left_out.iter().map(|left| format!("{}: {}", left.what, left.why)).collect();
-    for order in ["order `tap` of `click`", "order `buzz` of `spin`", "order `on` of `switch`", "order `stop` of `stop`"] {
-        assert!(told.contains(&format!("{order}: the rig has no motor: no output of kind drive")), "{told:?}");
+    for order in [
+        "order `tap` of `click`",
+        "order `buzz` of `spin`",
+        "order `on` of `switch`",
+        "order `stop` of `stop`",
+    ] {
+        assert!(
+            told.contains(&format!("{order}: the rig has no motor: no output of kind drive")),
+            "{told:?}"
+        );
     }
     assert!(!compiled(MOTORS).left_out.iter().any(|left| left.what.starts_with("order")));
 }

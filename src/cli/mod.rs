@@ -23,10 +23,12 @@ mod left_out;
 mod load;
 mod memory;
 mod missing;
+mod motor;
 mod named;
 mod nodes;
 mod osc;
 mod paint;
+mod parts;
 mod patterns;
 mod perform;
 mod place;
@@ -67,7 +69,8 @@ use terminal::{Terminal, When};
         pacinian devices                the sound cards and MIDI ports of this machine\n  \
         pacinian play PATCH             play it: at -20 dB on a card that nobody has named, on a virtual one where there is none\n  \
         pacinian format                 what a patch and a rig may say\n  \
-        pacinian nodes                  the nodes that voices are made of\n\n\
+        pacinian nodes                  the nodes that voices are made of\n  \
+        pacinian motor PART             what a motor does; pacinian parts lists those that are known\n\n\
         Exit codes: 0 all is well, 1 a replay that differs from its recording, 2 the command line, 65 the patch,\n\
         66 a file that is not there, 69 a device, port or address that is not there or does not fit, 70 a bug in pacinian,\n\
         71 what the system does not give (a thread, signals), 73 and 74 a file that cannot be written, a device that fails,\n\
@@ -100,6 +103,8 @@ enum Command {
     Latency(latency::Latency),
     Plot(plot::Plot),
     Error(error::Error),
+    Motor(motor::Motor),
+    Parts(parts::Parts),
     Nodes(nodes::Nodes),
     Format(format::Format),
     Schema(schema::Schema),
@@ -122,6 +127,8 @@ fn run() -> u8 {
         Command::Demo(demo) => demo.run(&terminal),
         Command::Plot(plot) => plot.run(&terminal),
         Command::Error(error) => error.run(&terminal),
+        Command::Motor(motor) => motor.run(&terminal),
+        Command::Parts(parts) => parts.run(&terminal),
         Command::Check(check) => check.run(&terminal),
         Command::Render(render) => render.run(&terminal),
         Command::Play(play) => play.run(&terminal),

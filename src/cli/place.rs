@@ -103,6 +103,29 @@ pub fn check_new(output: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Refuses a picture or a table that is made of something else than a rendering where nothing good would come of it; `own` is what it
+/// is made of.
+///
+/// # Errors
+/// As [`check_wav`].
+pub fn check_made(output: &Path, option: &str, extension: &str, own: &[PathBuf]) -> Result<(), Failure> {
+    if output.as_os_str() == "-" {
+        let what = "it goes to a file, since standard output has the figures";
+        return Err(Failure::usage(what, format!("name a file: {option} out.{extension}")));
+    }
+    if own.iter().any(|file| is_same(file, output)) {
+        let what = format!("`{}` is read for this, so it is not written over", output.display());
+        return Err(Failure::usage(what, format!("choose another file for {option}")));
+    }
+    refuse_messages(output, option)?;
+    let (what, help) = match extension {
+        "svg" => ("pictures are SVG", "browsers, Inkscape and LaTeX read SVG"),
+        _ => ("tables are comma-separated values", "spreadsheets and statistics programs read them"),
+    };
+    check_extension(output, extension, what, help)?;
+    Ok(out::check(output)?)
+}
+
 fn check_extension(output: &Path, right: &str, what: &str, help: &str) -> Result<(), Failure> {
     match output.extension() {
         Some(other) if !other.eq_ignore_ascii_case(right) => Err(Failure::usage(
@@ -114,11 +137,15 @@ fn check_extension(output: &Path, right: &str, what: &str, help: &str) -> Result
 }
 
 fn refuse_to_replace(output: &Path, loaded: &Loaded, option: &str) -> Result<(), Failure> {
-    let choose = || format!("choose another file for {option}");
     if loaded.files.iter().any(|file| is_same(file, output)) {
         let what = format!("`{}` is read for this rendering, so it is not written over", output.display());
-        return Err(Failure::usage(what, choose()));
+        return Err(Failure::usage(what, format!("choose another file for {option}")));
     }
+    refuse_messages(output, option)
+}
+
+fn refuse_messages(output: &Path, option: &str) -> Result<(), Failure> {
+    let choose = || format!("choose another file for {option}");
     if takes_messages(output) {
         let what =
             format!("`{}` has what this program says, so nothing else is written there", output.display());

@@ -1,10 +1,11 @@
-//! Error against run time: what a scene should have been, and how far off it is.
+//! Error against run time: what a scene should have been, and how far off it is; what actuators do under drives; pictures.
 
 pub mod actuators;
 mod compare;
 mod decimate;
 mod hearing;
 pub mod measure;
+pub mod motion;
 pub mod plot;
 mod reference;
 

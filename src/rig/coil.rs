@@ -146,7 +146,7 @@ impl Actuator {
 mod tests {
     use std::collections::BTreeMap;
 
-    use super::{Actuator, Lack, Model};
+    use super::{Actuator, Lack, Model, Plant, Sheet};
     use crate::actuator::drive::Drive;
 
     fn of(model: Model, values: &[(&'static str, f64)]) -> Actuator {
@@ -205,6 +205,19 @@ mod tests {
         assert!((plant.per_volt(175.0).casing.abs() * 2.0 / 12.0 - 1.0).abs() < 1e-9);
         let short = plant.resonance(Drive::Voltage).unwrap();
         assert!((short.q / 15.0 - 1.0).abs() < 1e-9, "{short:?}");
+        // The heavier what it was measured on, the stronger it is.
+        let sheet = Sheet {
+            resonance: 175.0,
+            q: 15.0,
+            rated_volts: 2.0,
+            rated_acceleration: 12.0,
+            on_mass: 0.1,
+            device_mass: 2.5e-3,
+            slug_mass: 1.5e-3,
+            resistance: 25.0,
+            inductance: 0.0,
+        };
+        assert_eq!(Ok(plant), sheet.actuator().and_then(|inertial| Plant::inertial(&inertial)));
     }
 
     /// All that is missing is named, the first of it by the error; with it, nothing is.

@@ -2,7 +2,7 @@
 
 use super::row::{Outcome, Row};
 use super::table::{by_method, by_problem, kilohertz};
-use crate::report::plot::{Curve, Panel, Sheet};
+use crate::report::plot::sheet::{Curve, Panel, Sheet};
 
 /// What runs across.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

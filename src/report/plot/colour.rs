@@ -26,7 +26,16 @@ pub(super) enum Ink {
         /// How many there are.
         of: usize,
     },
+    /// A thing that is no more and no less than the others: hues all around, those next to each other far apart.
+    Kind {
+        /// Counted from 0; after six they come again.
+        index: usize,
+    },
 }
+
+/// Lightness on white, and hue (degrees), of things of a kind.
+const KINDS: [(f64, f64); 6] =
+    [(0.36, 295.0), (0.60, 50.0), (0.50, 250.0), (0.48, 20.0), (0.60, 150.0), (0.58, 200.0)];
 
 impl Ink {
     /// A short name, unlike that of every other ink of the picture.
@@ -41,6 +50,7 @@ impl Ink {
             Self::Limit => "l".into(),
             Self::Curve => "c".into(),
             Self::Row { index, .. } => index.to_string(),
+            Self::Kind { index } => format!("k{index}"),
         }
     }
 
@@ -59,6 +69,10 @@ impl Ink {
                 let t = share(index, of);
                 hex(0.40 + 0.25 * t, 0.125, hue(t))
             }
+            Self::Kind { index } => {
+                let (lightness, hue) = KINDS[index % KINDS.len()];
+                hex(lightness, 0.15, hue)
+            }
         }
     }
 
@@ -76,6 +90,10 @@ impl Ink {
             Self::Row { index, of } => {
                 let t = share(index, of);
                 hex(0.62 + 0.20 * t, 0.12, hue(t))
+            }
+            Self::Kind { index } => {
+                let (lightness, hue) = KINDS[index % KINDS.len()];
+                hex(lightness + 0.24, 0.13, hue)
             }
         }
     }
@@ -159,6 +177,10 @@ mod tests {
             for pair in rows.windows(2) {
                 assert!(luminance(&pair[0].light()) < luminance(&pair[1].light()), "{pair:?}");
             }
+        }
+        for kind in (0..6).map(|index| Ink::Kind { index }) {
+            assert!(contrast(&kind.light(), &Ink::Page.light()) > 3.0, "{kind:?}");
+            assert!(contrast(&kind.dark(), &Ink::Page.dark()) > 3.0, "{kind:?}");
         }
         assert!(contrast(&Ink::Dim.light(), &Ink::Page.light()) > 4.5, "small text");
         assert!(contrast(&Ink::Dim.dark(), &Ink::Page.dark()) > 4.5, "small text");

@@ -1,4 +1,4 @@
-//! Pictures as SVG: what every tactor did, the spectrum, and small charts.
+//! Pictures as SVG: what every tactor did, the spectrum, small charts, and curves over time.
 //!
 //! A picture is text of a few hundred kilobytes, the same for the same input, with real text in it and, where the reader prefers
 //! it, light on dark.
@@ -11,12 +11,13 @@ mod extremes;
 mod panel;
 mod path;
 mod picture;
-mod sheet;
+pub mod sheet;
 mod spectrum;
+mod strips;
 mod svg;
 mod wave;
 
 pub use chart::{Axis, Chart, Point, Series};
 pub use collector::{Collector, ROWS};
 pub use picture::Style;
-pub use sheet::{Curve, Panel, Sheet};
+pub use strips::{Column, Curve, Panel, Strips};

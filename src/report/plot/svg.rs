@@ -106,13 +106,20 @@ impl Svg {
 
     /// An open line along a path.
     pub fn stroke(&mut self, path: &Path, ink: Ink, width: f64) {
+        self.dashed(path, ink, width, "");
+    }
+
+    /// An open line along a path, with dashes and gaps of these lengths; "": unbroken.
+    pub fn dashed(&mut self, path: &Path, ink: Ink, width: f64, dashes: &str) {
         if path.is_empty() {
             return;
         }
         let paint = self.paint(ink, "stroke", "");
+        let dashes =
+            if dashes.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dashes}\"") };
         let _ = writeln!(
             self.body,
-            "<path d=\"{}\" fill=\"none\"{paint} stroke-width=\"{width}\" stroke-linejoin=\"round\"/>",
+            "<path d=\"{}\" fill=\"none\"{paint} stroke-width=\"{width}\" stroke-linejoin=\"round\"{dashes}/>",
             path.data()
         );
     }

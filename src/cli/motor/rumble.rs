@@ -1,0 +1,164 @@
+//! `pacinian motor` of a rumble motor.
+
+use super::super::check::json;
+use super::super::failure::Failure;
+use super::super::problems;
+use super::super::terminal::Terminal;
+use super::report::{About, Answer, Computed, CouplingReport, Figures, WayReport, Wished, joules};
+use super::subject::Subject;
+use super::{Form, Motor, picture, usage, written};
+use pacinian::actuator::motor::{self, GRAVITY, Level, Parameters, Plan};
+use pacinian::actuator::shape::{Clicked, Unreachable};
+use pacinian::io::out;
+use pacinian::report::motion::{Behind, Bench, Envelope, Wish, behind, bursts, clicks, own};
+use pacinian::text::Problem;
+
+/// Computes and says it.
+pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), Failure> {
+    let tilt = asked.tilt.or(subject.tilt);
+    if let Some(tilt) = tilt.filter(|tilt| !tilt.is_finite()) {
+        return Err(Failure::usage(format!("a tilt of {tilt} rad is none"), "give another --tilt"));
+    }
+    let parameters = subject.motor(tilt)?;
+    let (limit, rate) = (asked.limit(subject)?, asked.rate(subject));
+    let error = asked.error.unwrap_or(1e-4);
+    if !(error > 0.0 && error < 1.0) {
+        let what = format!("an error of {error} is none that one could wish for");
+        return Err(Failure::usage(
+            what,
+            "it is a share of the rated speed, above 0 and below 1: --error 0.001",
+        ));
+    }
+    let wanted = motor::Wish { error, posture: tilt.is_some(), casing: true };
+    // Where nobody says how it is held there is gravity all the same, and it is left out for that.
+    let held = Parameters { gravity: tilt.map_or(GRAVITY, |_| parameters.gravity), ..parameters };
+    let plan = Plan::choose(&held, rate, &wanted);
+    let bench = Bench::new(&parameters, plan, rate, asked.angle.unwrap_or(0.0)).map_err(|f| usage(&f))?;
+    let wish = Wish {
+        level: asked.level.unwrap_or(1.0),
+        seconds: asked.seconds,
+        envelope: asked.envelope.map_or(Envelope::Rectangle, Form::envelope),
+    };
+    let turns = asked.turns.unwrap_or(0.25);
+    let mut warnings: Vec<String> = asked.beyond(subject).into_iter().collect();
+    let rows = match &asked.drive {
+        Some(written) => {
+            let (most, unit) = subject.current.map_or((limit, "V"), |[amperes, _]| (amperes, "A"));
+            if written.most() > most {
+                warnings.push(format!(
+                    "the course has {} {unit}, which is more than the {most} {unit} that reach or bear it",
+                    written.most()
+                ));
+            }
+            let clashing = [
+                (asked.turns.is_some(), "--turns"),
+                (asked.level.is_some(), "--level"),
+                (asked.envelope.is_some(), "--envelope"),
+            ];
+            if let Some((_, option)) = clashing.into_iter().find(|(given, _)| *given) {
+                let what = format!("{option} is of the comparison, which --drive takes the place of");
+                return Err(Failure::usage(what, format!("leave {option} or --drive out")));
+            }
+            vec![own(&bench, &written.course(subject.current.map(|[_, volts]| volts)))]
+        }
+        None => {
+            if subject.current.is_some() {
+                warnings.push(
+                    "the amplifier imposes a current; what is compared here is driven by voltage".to_string(),
+                );
+            }
+            let mut rows = bursts(&bench, &wish, limit).map_err(|f| usage(&f))?;
+            let clicks = clicks(&bench, turns, limit).map_err(|f| usage(&f))?;
+            let refused = clicks.iter().find_map(|row| row.done.as_ref().err());
+            if let Some(Unreachable::Fault(fault)) = refused {
+                return Err(usage(fault));
+            }
+            rows.extend(clicks);
+            rows
+        }
+    };
+    let behind = coupled(asked, subject, &bench, turns, limit)?;
+    for what in warnings {
+        terminal.note(&problems::sentence(&Problem::warning(&(0..0), what), terminal));
+    }
+    if let Some(path) = &asked.plot {
+        let title = format!("{}: {}", subject.name, subject.title);
+        let wish = asked.drive.is_none().then_some(&wish);
+        out::write(path, picture::strips(&title, &bench, wish, &rows, turns).svg().as_bytes())?;
+    }
+    if let Some(path) = &asked.csv {
+        let wish = asked.drive.is_none().then_some(&wish);
+        out::write(path, picture::csv(&bench, wish, &rows).as_bytes())?;
+    }
+    let joules = joules(subject);
+    let answer = Answer {
+        name: subject.name.clone(),
+        title: subject.title.clone(),
+        model: subject.actuator.model.word(),
+        motor: About::new(subject, &bench, limit, tilt.is_some()),
+        figures: Figures {
+            origins: subject.known.origins.clone(),
+            from_the_rig: subject.known.by_rig,
+            assumed: subject.known.assumed.clone(),
+        },
+        computed: Computed {
+            level: level(plan.level),
+            rate,
+            wished_error: error,
+            error: plan.error(&parameters, rate),
+            left_out: plan.left_out.iter().flatten().map(ToString::to_string).collect(),
+        },
+        wish: Wished {
+            level: wish.level,
+            seconds: wish.seconds,
+            envelope: wish.envelope.word(),
+            turns,
+            angle: bench.angle,
+            drive: asked.drive.is_some(),
+        },
+        ways: rows.iter().map(|row| WayReport::new(row, joules)).collect(),
+        coupling: behind.iter().map(CouplingReport::new).collect(),
+    };
+    let text = if asked.json { json(&answer) } else { answer.text(subject, &behind, terminal.out) };
+    terminal.print(&text)
+}
+
+/// What of a click arrives behind each of the corners.
+fn coupled(
+    asked: &Motor,
+    subject: &Subject,
+    bench: &Bench,
+    turns: f64,
+    limit: f64,
+) -> Result<Vec<Behind>, Failure> {
+    if asked.coupling.is_empty() {
+        return Ok(Vec::new());
+    }
+    if asked.drive.is_some() {
+        return Err(Failure::usage(
+            "--coupling is for the click, which --drive takes the place of",
+            "leave one of them out",
+        ));
+    }
+    let Some(mut chain) = subject.chain else {
+        let what = "what a card's coupling does to a click is only told of amplifiers that impose a voltage";
+        return Err(Failure::usage(what, "leave --coupling out"));
+    };
+    if asked.volts.is_some() && subject.files.is_empty() {
+        (chain.amplifier.gain, chain.amplifier.volts) = (limit, Some(limit));
+    }
+    let rows = clicks(bench, turns, limit).map_err(|f| usage(&f))?;
+    let clicked: Option<&Clicked> = rows.iter().find_map(|row| row.done.as_ref().ok()?.click.as_ref());
+    // Why there is none stands in its row.
+    let Some(clicked) = clicked else { return Ok(Vec::new()) };
+    let one = |through: &written::Through| behind(bench, clicked, &chain, through.0).map_err(|f| usage(&f));
+    asked.coupling.iter().map(one).collect()
+}
+
+fn level(level: Level) -> &'static str {
+    match level {
+        Level::Economy => "economy",
+        Level::Default => "default",
+        Level::Fine => "fine",
+    }
+}

@@ -1,0 +1,400 @@
+//! `pacinian parts` and `pacinian motor`, against the library, and with everything that is no good.
+#![cfg(feature = "cli")]
+
+mod program;
+
+use pacinian::actuator::drive::Drive as Imposes;
+use pacinian::actuator::link::Chain;
+use pacinian::actuator::link::amplifier::Amplifier;
+use pacinian::actuator::link::coupling::Corners;
+use pacinian::actuator::motor::{self, Casing, Drive, GRAVITY, Parameters, Plan};
+use pacinian::actuator::shape::Course;
+use pacinian::report::motion::coil::shakes;
+use pacinian::report::motion::{Bench, Envelope, Row, Wish, behind, bursts, clicks, own};
+use pacinian::rig::{Actuator, part};
+use program::Scratch;
+use serde_json::Value;
+
+const RIG: &str = "format = \"pacinian-rig/1\"\ntitle = \"Motors\"\n[device]\nchannels = 4\nfull_scale_volts = 1.5\ncoupling = \"dc\"\n\
+    [amplifier.bridge]\ngain = 4\nmax_volts = 5\ncoupling = \"dc\"\n[actuator.coin]\npart = \"coin-10mm\"\nmax_volts = 4\nmass = 0.05\n\
+    [actuator.big]\nmodel = \"rumble-motor\"\nrated_volts = 5\nresistance = 10.42\ninductance = 4.2e-3\ntorque_constant = 0.011\n\
+    inertia = 1.15e-7\nviscous_friction = 1e-6\ncoulomb_friction = 6e-4\nstatic_friction = 8e-4\neccentric_moment = 1.38e-5\n";
+const WRIST: &str = "[[output]]\nkind = \"drive\"\nname = \"wrist\"\nchannel = 1\nactuator = \"coin\"\namplifier = \"bridge\"\ntilt = 1.0\n";
+const PALM: &str = "[[output]]\nkind = \"drive\"\nname = \"palm\"\nchannel = 2\nactuator = \"big\"\namplifier = \"bridge\"\n";
+
+fn coin() -> Parameters {
+    Actuator::of_part(part::find("coin-10mm").unwrap()).rumble_motor().unwrap()
+}
+
+/// As the command has it where nothing is said.
+fn bench(p: &Parameters, error: f64, posture: bool) -> Bench {
+    let plan = Plan::choose(p, 48_000.0, &motor::Wish { error, posture, casing: true });
+    Bench::new(p, plan, 48_000.0, 0.0).unwrap()
+}
+
+/// A number, to the bit; null stands for none.
+#[track_caller]
+fn same(said: &Value, due: Option<f64>, what: &str) {
+    assert_eq!(said.as_f64(), due, "{what}: {said}");
+}
+
+#[track_caller]
+fn same_way(said: &Value, row: &Row) {
+    let done = row.done.as_ref().unwrap();
+    let (f, name) = (done.figures, row.way.word());
+    assert_eq!(said["way"], name);
+    for (key, due) in [
+        ("rise_50", f.rise[0]),
+        ("rise_90", f.rise[1]),
+        ("peak", Some(f.peak)),
+        ("peak_at", Some(f.peak_at)),
+        ("stop", f.stop),
+        ("stands_at", done.run.stands),
+        ("error", f.error),
+        ("turns", Some(done.run.turns)),
+        ("look_ahead", Some(done.look_ahead)),
+    ] {
+        same(&said[key], due, &format!("{name}: {key}"));
+    }
+    let energy = &done.run.energy;
+    same(&said["energy"]["supplied"], Some(energy.supplied), name);
+    same(&said["energy"]["coil_heat"], Some(energy.heat), name);
+    same(&said["energy"]["friction"], Some(energy.viscous + energy.dry), name);
+}
+
+#[test]
+fn every_part_is_listed_and_shown_with_where_its_figures_are_from() {
+    let scratch = Scratch::new("parts");
+    let list = scratch.run(&["parts"]).succeeds().out.clone();
+    let all = scratch.run(&["parts", "--json"]).succeeds().json();
+    assert_eq!(all.as_array().unwrap().len(), part::all().len());
+    for part in part::all() {
+        assert!(list.contains(part.name) && list.contains(&part.title), "{}: {list}", part.name);
+        let shown = scratch.run(&["parts", part.name]).succeeds().out.clone();
+        let said = scratch.run(&["parts", part.name, "--json"]).succeeds().json();
+        assert_eq!(said["model"], part.model.word());
+        let figures = said["figures"].as_array().unwrap();
+        assert_eq!(figures.len(), part.values.len());
+        let mut counted = 0;
+        for figure in figures {
+            let key = figure["key"].as_str().unwrap();
+            let value = &part.values[key];
+            same(&figure["value"], Some(value.value), key);
+            assert_eq!(
+                (&figure["origin"], &figure["from"]),
+                (&value.origin.word().into(), &Value::from(&*value.from))
+            );
+            assert!(!figure["doc"].as_str().unwrap().is_empty());
+            let line = shown.lines().find(|line| line.trim_start().starts_with(key)).unwrap();
+            assert!(line.contains(value.origin.word()), "{line}");
+            counted += 1;
+        }
+        let origins = said["origins"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum::<u64>();
+        assert_eq!(origins, counted);
+        for source in &part.sources {
+            assert!(source.url.as_ref().is_none_or(|url| shown.contains(url)), "{shown}");
+        }
+    }
+    scratch.run(&["parts", "coin-11mm"]).fails(2, &["no part `coin-11mm`", "did you mean `coin-10mm`?"]);
+}
+
+#[test]
+fn the_comparison_is_that_of_the_library() {
+    let scratch = Scratch::new("motor-ways");
+    let bench = bench(&coin(), 1e-4, false);
+    for (words, level, seconds, envelope, turns, volts) in [
+        (&["--seconds", "0.1"][..], 1.0, 0.1, Envelope::Rectangle, 0.25, 3.0),
+        (
+            &["--level", "0.5", "--seconds", "0.05", "--turns", "-1"],
+            0.5,
+            0.05,
+            Envelope::Rectangle,
+            -1.0,
+            3.0,
+        ),
+        (
+            &["--envelope", "raised-cosine", "--level", "0.3", "--volts", "2.5"],
+            0.3,
+            0.1,
+            Envelope::RaisedCosine,
+            0.25,
+            2.5,
+        ),
+    ] {
+        let said = scratch.run(&[&["motor", "coin-10mm", "--json"], words].concat()).succeeds().json();
+        let wish = Wish { level, seconds, envelope };
+        let mut rows = bursts(&bench, &wish, volts).unwrap();
+        rows.extend(clicks(&bench, turns, volts).unwrap());
+        let ways = said["ways"].as_array().unwrap();
+        assert_eq!(ways.len(), rows.len());
+        ways.iter().zip(&rows).for_each(|(said, row)| same_way(said, row));
+    }
+    let said = scratch.run(&["motor", "coin-10mm", "--json"]).succeeds().json();
+    let (p, m) = (coin(), &said["motor"]);
+    same(&m["rated_speed"], Some(p.rated_speed()), "speed");
+    same(&m["mechanical_time"], Some(p.mechanical_time()), "time");
+    same(&m["start_volts"], Some(p.start_volts()), "start");
+    same(&m["rated_vibration"], p.rated_acceleration(), "acceleration");
+    same(&m["standstill_amperes"], Some(0.1), "3 V on 30 ohm");
+    same(&m["gravity"], None, "nobody said");
+    assert_eq!(said["figures"]["assumed"].as_array().unwrap().len(), 10);
+    let text = scratch.run(&["motor", "coin-10mm"]).succeeds().out.clone();
+    for word in [
+        "nobody measured",
+        "torque_constant",
+        "overdrive",
+        "inverse",
+        "switching",
+        "a click of 0.25 turns",
+        "left out",
+    ] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+}
+
+#[test]
+fn a_course_of_ones_own_is_played_as_written() {
+    let scratch = Scratch::new("motor-drive");
+    let bench = bench(&coin(), 1e-4, false);
+    let said =
+        scratch.run(&["motor", "coin-10mm", "--json", "--drive", "0.02:3, 0.01:-3, open"]).succeeds().json();
+    let course =
+        Course::ending_in(Drive::Open).then(0.02, Drive::Voltage(3.0)).then(0.01, Drive::Voltage(-3.0));
+    same_way(&said["ways"][0], &own(&bench, &course));
+    // A brake that is a brake.
+    let short = scratch.run(&["motor", "coin-10mm", "--json", "--drive", "0.02:3, 0.01:1"]).succeeds().json();
+    assert!(said["ways"][0]["stop"].as_f64() < short["ways"][0]["stop"].as_f64(), "it was braked");
+    let warned = scratch.run(&["motor", "coin-10mm", "--drive", "0.02:7"]);
+    assert!(warned.succeeds().err.contains("7 V, which is more than the 3 V"), "{}", warned.err);
+    let on = scratch.run(&["motor", "coin-10mm", "--drive", "1.5"]).succeeds().out.clone();
+    assert!(on.contains("goes on"), "{on}");
+}
+
+#[test]
+fn the_level_goes_with_the_wish_and_says_what_was_left_out() {
+    let scratch = Scratch::new("motor-level");
+    let said = |words: &[&str]| {
+        scratch.run(&[&["motor", "coin-10mm", "--json"], words].concat()).succeeds().json()["computed"]
+            .clone()
+    };
+    let flat = said(&[]);
+    assert!(flat["left_out"][0].as_str().unwrap().contains("nobody said how the device is held"), "{flat}");
+    let upright = |error: &str| said(&["--tilt", "0", "--error", error]);
+    assert_eq!((&upright("0.01")["level"], &upright("1e-9")["level"]), (&"economy".into(), &"fine".into()));
+    assert!(upright("0.01")["left_out"][0].as_str().unwrap().starts_with("inductance: it changes"));
+    let p = Parameters { gravity: GRAVITY, ..coin() };
+    let plan = Plan::choose(&p, 48_000.0, &motor::Wish { error: 1e-9, posture: true, casing: true });
+    same(&upright("1e-9")["error"], Some(plan.error(&p, 48_000.0)), "error");
+}
+
+#[test]
+fn clicks_behind_coupling_are_those_of_the_library() {
+    let scratch = Scratch::new("motor-coupling");
+    let words = ["motor", "coin-10mm", "--turns", "1", "--coupling", "2,20,20+10"];
+    let said = scratch.run(&[&words[..], &["--json"]].concat()).succeeds().json();
+    let bench = bench(&coin(), 1e-4, false);
+    let rows = clicks(&bench, 1.0, 3.0).unwrap();
+    let click = rows[0].done.as_ref().unwrap().click.as_ref().unwrap();
+    let amplifier =
+        Amplifier { gain: 3.0, inverted: false, drive: Imposes::Voltage, volts: Some(3.0), amperes: None };
+    let chain = Chain { full_scale: 1.0, corners: Corners::none(), amplifier };
+    let all = [Corners::one(2.0), Corners::one(20.0), Corners::two(20.0, 10.0)];
+    for (said, corners) in said["coupling"].as_array().unwrap().iter().zip(all) {
+        let due = behind(&bench, click, &chain, corners).unwrap();
+        same(&said["compensated"]["missing"], Some(due.compensated.shortfall.share), "missing");
+        same(&said["compensated"]["turns"], Some(due.compensated.turns), "turns");
+        same(&said["plain"]["worst_volts"], Some(due.plain.shortfall.worst), "worst");
+        same(&said["lead"], Some(due.lead), "lead");
+    }
+    let text = scratch.run(&words).succeeds().out.clone();
+    assert!(text.contains("20 and 10 Hz in series") && text.contains("compensated"), "{text}");
+}
+
+#[test]
+fn a_rig_says_what_reaches_its_motor_and_how_it_is_held() {
+    let scratch = Scratch::new("motor-rig");
+    scratch.write("one.toml", format!("{RIG}{WRIST}"));
+    scratch.write("two.toml", format!("{RIG}{WRIST}{PALM}"));
+    let said = scratch.run(&["motor", "one.toml", "--json"]).succeeds().json();
+    let p = Parameters { casing: Casing::Free { mass: 0.05 }, gravity: GRAVITY * 1.0_f64.cos(), ..coin() };
+    same(&said["motor"]["limit_volts"], Some(4.0), "of what the rig lets it bear");
+    same(&said["motor"]["gravity"], Some(p.gravity), "gravity");
+    assert_eq!(
+        (&said["figures"]["from_the_rig"], &said["figures"]["origins"]["assumed"]),
+        (&2.into(), &9.into())
+    );
+    let rows = bursts(
+        &bench(&p, 1e-4, true),
+        &Wish { level: 1.0, seconds: 0.1, envelope: Envelope::Rectangle },
+        4.0,
+    );
+    same_way(&said["ways"][1], &rows.unwrap()[1]);
+    let palm = scratch.run(&["motor", "two.toml", "--output", "palm", "--json"]).succeeds().json();
+    assert_eq!(palm["motor"]["unit"], "N", "nothing says how much moves with it");
+    scratch.run(&["motor", "two.toml"]).fails(2, &["several outputs", "wrist, palm", "--output wrist"]);
+    scratch
+        .run(&["motor", "two.toml", "--output", "plam"])
+        .fails(2, &["no output `plam`", "did you mean `palm`?"]);
+    scratch.write("ac.toml", format!("{RIG}{WRIST}").replacen("\"dc\"", "{ high_pass = 10 }", 1));
+    scratch.run(&["motor", "ac.toml"]).fails(78, &["ac.toml:", "high-pass at 10 Hz"]);
+    scratch.write("lacks.toml", format!("{RIG}{PALM}").replace("inertia = 1.15e-7\n", ""));
+    scratch.run(&["motor", "lacks.toml"]).fails(78, &["lacks `inertia`"]);
+    scratch.write("none.toml", "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\n");
+    scratch.run(&["motor", "none.toml"]).fails(78, &["no output of kind drive", "actuator = "]);
+    scratch.run(&["motor", "one.toml", "--csv", "one.toml"]).fails(2, &["`one.toml` is read for this"]);
+    let current = format!("{RIG}{WRIST}").replace("gain = 4\n", "gain = 0.1\ndrive = \"current\"\n");
+    scratch.write("amperes.toml", current);
+    let run = scratch.run(&["motor", "amperes.toml", "--drive", "0.05:0.1"]);
+    assert!(run.succeeds().err.is_empty(), "{}", run.err);
+    scratch.run(&["motor", "amperes.toml", "--coupling", "10"]).fails(2, &["impose a voltage"]);
+}
+
+/// A motor that is known from outside has no amperes and no joules, unless its resistance is known.
+#[test]
+fn what_is_not_known_is_not_told() {
+    let scratch = Scratch::new("motor-outside");
+    let outside = "model = \"rumble-motor\"\nrated_volts = 3\ntime_constant = 0.0347\nspeed_per_volt = 600\nrunning_volts = 0.4\n\
+                   eccentric_per_mass = 7.3e-6\n";
+    let rig = |more: &str| {
+        RIG.replace("part = \"coin-10mm\"\nmax_volts = 4\nmass = 0.05\n", &format!("{outside}{more}")) + WRIST
+    };
+    scratch.write("a.toml", rig(""));
+    let said = scratch.run(&["motor", "a.toml", "--json"]).succeeds().json();
+    assert!(said["motor"]["running_amperes"].is_null() && said["ways"][0]["energy"].is_null());
+    let text = scratch.run(&["motor", "a.toml"]).succeeds().out.clone();
+    assert!(text.contains("no amperes and no joules"), "{text}");
+    scratch.write("b.toml", rig("resistance = 30\n"));
+    let with = scratch.run(&["motor", "b.toml", "--json"]).succeeds().json();
+    // At a standstill V/R, and V² t/R comes in at most.
+    same(&with["motor"]["standstill_amperes"], Some(3.0 * (1.0 / 30.0)), "amperes");
+    let supplied = with["ways"][0]["energy"]["supplied"].as_f64().unwrap();
+    assert!(supplied > 0.0 && supplied < 9.0 / 30.0 * 0.1, "{supplied}");
+}
+
+#[test]
+fn what_is_no_good_is_named() {
+    let scratch = Scratch::new("motor-bad");
+    for (words, code, said) in [
+        (&["motor", "coin-11mm"][..], 66, &["`coin-11mm` is no part", "did you mean `coin-10mm`?"][..]),
+        (&["motor", "none.toml"], 66, &["`none.toml` is not there"]),
+        (&["motor", "coin-10mm", "--output", "x"], 2, &["is a part, which has no output `x`"]),
+        (&["motor", "coin-10mm", "--level", "1.5"], 2, &["`level` is 1.5", "within 0.0001 and 1", "--level"]),
+        (&["motor", "coin-10mm", "--seconds", "-1"], 2, &["`seconds` is -1", "--seconds"]),
+        (&["motor", "coin-10mm", "--turns", "0"], 2, &["`turns` is 0", "--turns"]),
+        (&["motor", "coin-10mm", "--turns", "nan"], 2, &["`turns` is NaN"]),
+        (&["motor", "coin-10mm", "--volts", "-3"], 2, &["`volts` is -3", "--volts"]),
+        (&["motor", "coin-10mm", "--angle", "inf"], 2, &["`angle` is inf", "--angle"]),
+        (&["motor", "coin-10mm", "--tilt", "nan"], 2, &["a tilt of NaN rad"]),
+        (&["motor", "coin-10mm", "--error", "0"], 2, &["an error of 0", "--error"]),
+        (&["motor", "coin-10mm", "--rate", "100"], 2, &["--rate"]),
+        (&["motor", "coin-10mm", "--drive", "3"], 0, &[]),
+        (&["motor", "coin-10mm", "--drive", "3, 0.1:2"], 2, &["`3` does not say for how long"]),
+        (&["motor", "coin-10mm", "--drive", "0.1:x"], 2, &["`x` is neither volts"]),
+        (&["motor", "coin-10mm", "--drive", "0.1:3", "--level", "0.5"], 2, &["--level is of the comparison"]),
+        (
+            &["motor", "coin-10mm", "--drive", "0.1:3", "--coupling", "10"],
+            2,
+            &["--coupling is for the click"],
+        ),
+        (&["motor", "coin-10mm", "--coupling", "10,0"], 2, &["`0` is no corner"]),
+        (&["motor", "coin-10mm", "--plot", "x.png"], 2, &["pictures are SVG, not png"]),
+        (&["motor", "coin-10mm", "--csv", "-"], 2, &["--csv out.csv"]),
+        (&["motor", "coin-10mm", "--plot", "no/x.svg"], 73, &["no/x.svg"]),
+        (&["motor", "coin-10mm", "--plot", "x", "--csv", "x"], 2, &["cannot be one file"]),
+    ] {
+        let run = scratch.run(words);
+        assert_eq!(run.code, Some(code), "{words:?}: {}{}", run.out, run.err);
+        said.iter().for_each(|word| assert!(run.err.contains(word), "{words:?}: {word}: {}", run.err));
+    }
+    // What cannot be done stands in its row, and the others are there.
+    let weak = scratch.run(&["motor", "coin-10mm", "--volts", "0.3", "--level", "0.5"]);
+    assert!(weak.succeeds().out.contains("0.3 V do not start the motor"), "{}", weak.out);
+}
+
+#[test]
+fn picture_and_table_hold_what_was_computed() {
+    let scratch = Scratch::new("motor-plot");
+    scratch.run(&["motor", "coin-10mm", "--level", "0.5", "--plot", "a.svg", "--csv", "a.csv"]).succeeds();
+    let svg = std::fs::read_to_string(scratch.0.join("a.svg")).unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let texts: Vec<&str> = document.descendants().filter_map(|n| n.text()).collect();
+    for word in [
+        "wanted",
+        "plain",
+        "overdrive",
+        "inverse",
+        "switching",
+        "click",
+        "pulse",
+        "drive (V)",
+        "speed (rad/s)",
+        "acceleration (m/s2)",
+    ] {
+        assert!(texts.contains(&word), "{word}: {texts:?}");
+    }
+    let csv = std::fs::read_to_string(scratch.0.join("a.csv")).unwrap();
+    let lines: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    let bench = bench(&coin(), 1e-4, false);
+    let rows =
+        bursts(&bench, &Wish { level: 0.5, seconds: 0.1, envelope: Envelope::Rectangle }, 3.0).unwrap();
+    let inverse = &rows[2].done.as_ref().unwrap().run.traces;
+    let column = lines[0].iter().position(|name| *name == "inverse_rad_per_s").unwrap();
+    assert!(lines.iter().all(|line| line.len() == lines[0].len()));
+    for n in [0, 999, 4799, inverse.speeds.len() - 1] {
+        let value: f64 = lines[n + 1][column].parse().unwrap();
+        assert!((value - inverse.speeds[n]).abs() < 1e-8, "{n}: {value}");
+        let time: f64 = lines[n + 1][0].parse().unwrap();
+        assert!((time - (n + 1) as f64 / 48_000.0).abs() < 1e-9);
+    }
+    // What has ended is empty, not 0.
+    assert_eq!(lines[inverse.speeds.len() + 1][column], "");
+}
+
+#[test]
+fn coils_have_resonance_bursts_and_an_equaliser() {
+    let scratch = Scratch::new("motor-coil");
+    let rig = |actuator: &str| {
+        format!(
+            "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\n[actuator.a]\n{actuator}\n\
+             [[tactor]]\nname = \"l\"\nchannel = 1\nactuator = \"a\"\n[[tactor]]\nname = \"r\"\nchannel = 2\nactuator = \"a\"\n"
+        )
+    };
+    let lra = "model = \"lra\"\nresonance = 175\nq = 15\nrated_volts = 2\nmax_volts = 3\nrated_acceleration = 12\ntest_mass = 0.1\n\
+               device_mass = 2.5e-3\nslug_mass = 1.5e-3\nresistance = 25";
+    scratch.write("lra.toml", rig(lra));
+    let said =
+        scratch.run(&["motor", "lra.toml", "--json", "--plot", "a.svg", "--csv", "a.csv"]).succeeds().json();
+    let read = pacinian::Rig::parse("r", rig(lra).as_bytes()).unwrap().value;
+    let plant = read.actuators[0].coil().unwrap();
+    let due = shakes(&plant, [2.0, 3.0], 0.1, 48_000.0).unwrap();
+    for (said, due) in said["bursts"].as_array().unwrap().iter().zip(&due) {
+        assert_eq!(said["way"], due.name);
+        same(&said["rise_90"], due.rise, due.name);
+        same(&said["stop"], Some(due.stop), due.name);
+        same(&said["left"], Some(due.left), due.name);
+    }
+    let pole = plant.resonance(Imposes::Voltage).unwrap();
+    same(&said["shorted"]["q"], Some(pole.q), "q");
+    assert!((said["rated_acceleration"].as_f64().unwrap() - 12.0).abs() < 1e-6, "{said}");
+    assert!(said["equaliser"]["boost_db"].is_f64());
+    let csv = std::fs::read_to_string(scratch.0.join("a.csv")).unwrap();
+    assert!(csv.starts_with("seconds,plain_volts,plain_m_per_s2,overdrive_volts,"), "{}", &csv[..80]);
+    roxmltree::Document::parse(&std::fs::read_to_string(scratch.0.join("a.svg")).unwrap()).unwrap();
+    let text = scratch.run(&["motor", "lra.toml"]).succeeds().out.clone();
+    for word in ["175.0 Hz", "Q 15.00", "settled", "the equaliser moves"] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    scratch.run(&["motor", "lra.toml", "--tilt", "0"]).fails(2, &["--tilt is of rumble motors"]);
+    scratch.write("bare.toml", rig("model = \"lra\"\nresonance = 175\nrated_volts = 2"));
+    scratch.run(&["motor", "bare.toml"]).fails(
+        78,
+        &["`q`", "`rated_acceleration`", "`slug_mass`", "`resistance`", "[actuator.a]", "q = ..."],
+    );
+    scratch.write("piezo.toml", rig("model = \"piezo\""));
+    scratch.run(&["motor", "piezo.toml", "--output", "l"]).fails(78, &["of model piezo", "are simulated"]);
+    // A stiff skin leaves nothing to swing: said, and the rest is there.
+    let dull = "model = \"voice-coil\"\nresonance = 230\nq = 0.1\nresistance = 7\nforce_factor = 1.2\nmoving_mass = 1.5e-3\nrated_volts = 1";
+    scratch.write("dull.toml", rig(dull));
+    let dull = scratch.run(&["motor", "dull.toml"]);
+    assert!(dull.succeeds().out.contains("no bursts: `q`"), "{}", dull.out);
+}
