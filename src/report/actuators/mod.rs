@@ -6,8 +6,8 @@
 //! | [`truth`] | what it comes to: Taylor series with events, no line in common with the models |
 //! | [`method`], [`ours`] | what a method is and which there are; the models of [`crate::actuator`] as such |
 //! | [`euler`], [`semi_implicit`], [`rk4`], [`trapezoidal`] | the plain methods |
-//! | [`race`], [`row`] | all of them on all problems at all rates, and what comes of each |
-//! | [`table`], [`picture`] | that as text, comma-separated values, and SVG |
+//! | [`mod@race`], [`row`] | all of them on all problems at all rates, and what comes of each |
+//! | [`table`], [`mod@picture`] | that as text, comma-separated values, and SVG |
 //!
 //! A method is given one drive a sample, held over it, and is asked for current, speed and place at the end of each. So the error is the
 //! method's alone: the truth has the same held drive.
