@@ -6,6 +6,7 @@
 //! | [`shape`] | what to do to its terminals: clicks, spins, envelopes, parking |
 //! | [`driver`] | the same while it is played, sample by sample |
 //! | [`coil`] | voice-coil tactors on skin, inertial motors, linear resonant actuators: responses, steps, equalisers, bursts |
+//! | [`identify`] | what a recording of its response tells of an actuator, with intervals |
 //! | [`link`] | the way from a sample to a coil: coupling, amplifiers, carriers, pulse widths |
 //! | [`protect`] | what stands last before the converter, so that nothing breaks |
 //! | [`thermal`], [`piezo`] | heat in two nodes; elements that are a capacitance |
@@ -44,6 +45,7 @@ pub mod driver;
 pub(crate) mod elementary;
 pub(crate) mod exponential;
 pub mod fault;
+pub mod identify;
 pub mod link;
 pub mod motor;
 pub mod piezo;
