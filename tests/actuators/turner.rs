@@ -105,6 +105,35 @@ fn levels_become_what_the_inverse_of_the_whole_envelope_gives() {
     }
 }
 
+/// What was played long ago is forgotten, however long the silence was: each of two envelopes is sent as if it were alone.
+#[test]
+fn nothing_comes_back_after_a_silence() {
+    for shaping in [Shaping::Inverse, Shaping::Plain] {
+        let setup = Setup { ordered: false, ..setup(PAD, shaping) };
+        let envelope = raised_cosine(1.0, 0.03);
+        let mut alone = Turner::new(&setup, 0).unwrap();
+        let sent = |turner: &mut Turner, level: f64| {
+            let mut part = [0.0];
+            turner.step(level, &mut part);
+            part[0]
+        };
+        let tail = alone.late() + 40;
+        let wanted: Vec<f64> =
+            envelope.iter().copied().chain(vec![0.0; tail]).map(|level| sent(&mut alone, level)).collect();
+        for silence in (60..400).step_by(16).map(|n| n + tail - tail % 16) {
+            let mut turner = Turner::new(&setup, 0).unwrap();
+            for level in envelope.iter().copied().chain(vec![0.0; silence + 16 - envelope.len() % 16]) {
+                sent(&mut turner, level);
+            }
+            let again = envelope.iter().copied().chain(vec![0.0; tail]);
+            for (n, (level, wanted)) in again.zip(&wanted).enumerate() {
+                let got = sent(&mut turner, level);
+                assert!((got - wanted).abs() < 1e-9, "{shaping:?} after {silence}: sample {n}: {got} {wanted}");
+            }
+        }
+    }
+}
+
 /// 8 m/s² as a raised cosine of 150 ms on a coin motor with inductance and gravity, turned at 8 kHz: the acceleration amplitude follows within
 /// 1 % of its peak (root mean square), where the voltage that holds the speed misses it by a quarter and more.
 #[test]

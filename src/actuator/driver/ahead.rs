@@ -86,7 +86,7 @@ impl Ahead {
             planned: [0.0; GRID + 2],
             next: 0,
             late,
-            still: MOST,
+            still: usize::MAX,
         }
     }
 
@@ -95,19 +95,19 @@ impl Ahead {
         self.late
     }
 
-    /// Whether all that is known is rest.
+    /// Whether all that is known is rest: nothing else is left in the ring, nor in what was planned.
     pub fn is_still(&self) -> bool {
-        self.still > self.late + GRID
+        self.still > self.reached.len() + GRID
     }
 
     /// Takes the speed that is wished at this sample (rad/s, a finite number), and gives those planned for the sample that is `late` before: at it,
     /// after it, and after that.
     pub fn step(&mut self, wished: f64) -> [f64; 3] {
         if wished == 0.0 && self.is_still() {
-            self.next += 1;
+            self.next = self.next.wrapping_add(1);
             return [0.0; 3];
         }
-        self.still = if wished == 0.0 { self.still + 1 } else { 0 };
+        self.still = if wished == 0.0 { self.still.saturating_add(1) } else { 0 };
         let mask = self.reached.len() - 1;
         let now = self.next.wrapping_sub(self.late);
         if !self.plans {
