@@ -128,7 +128,10 @@ fn nothing_comes_back_after_a_silence() {
             let again = envelope.iter().copied().chain(vec![0.0; tail]);
             for (n, (level, wanted)) in again.zip(&wanted).enumerate() {
                 let got = sent(&mut turner, level);
-                assert!((got - wanted).abs() < 1e-9, "{shaping:?} after {silence}: sample {n}: {got} {wanted}");
+                assert!(
+                    (got - wanted).abs() < 1e-9,
+                    "{shaping:?} after {silence}: sample {n}: {got} {wanted}"
+                );
             }
         }
     }
