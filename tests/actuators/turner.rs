@@ -421,3 +421,37 @@ fn what_cannot_be_is_refused() {
     assert!(matches!(Book::new(&Setup { limit: 0.1, ..fine }, 0.25), Err(Unreachable::Start(..))));
     assert!(matches!(Book::new(&fine, f64::NAN), Err(Unreachable::Fault(_))));
 }
+
+/// However many orders wait, a voice that is let go of is let go of: the motor stands in the end.
+#[test]
+fn a_release_always_finds_room() {
+    for ends in [0, WAITING / 2, WAITING] {
+        let setup = setup(COIN, Shaping::Inverse);
+        let mut turner = Turner::new(&setup, 0).unwrap();
+        turner.order(0.0, 1, Order::Spin(setup.full_speed()));
+        for n in 1..=WAITING as u64 {
+            let order = if (n as usize) <= ends { Order::Release } else { Order::On(0.1) };
+            turner.order(300.0 + n as f64, 1000 + n, order);
+        }
+        turner.order(500.0, 1, Order::Release);
+        (1..=WAITING as u64).for_each(|n| turner.order(600.0, 1000 + n, Order::Release));
+        let mut plant = plant(&COIN, 0.0);
+        play(&mut turner, &mut plant, &vec![0.0; 8000]);
+        assert!(turner.is_idle() && turner.counts().dropped > 0, "{ends}: {:?}", turner.counts());
+    }
+}
+
+/// A release of whoever has no order under way is nothing: levels go on to the bit.
+#[test]
+fn a_release_of_another_voice_changes_nothing() {
+    let setup = setup(PAD, Shaping::Inverse);
+    let levels: Vec<f64> = raised_cosine(0.8, 0.2);
+    let sent = |releases: bool| {
+        let mut turner = Turner::new(&setup, 0).unwrap();
+        if releases {
+            (0..20).for_each(|n| turner.order(50.0 * f64::from(n) + 0.3, 7, Order::Release));
+        }
+        play(&mut turner, &mut plant(&PAD, 0.0), &levels).0
+    };
+    assert!(sent(true) == sent(false));
+}

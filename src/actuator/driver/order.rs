@@ -70,13 +70,20 @@ impl Default for Agenda {
 }
 
 impl Agenda {
-    /// Takes an order. Where there is no room for it, it is counted and left out; a brake takes the place of the last.
+    /// Takes an order. Where there is no room for it, it is counted and left out. A brake and a release always find room, or a motor might
+    /// run on for ever: in place of the last order that begins something, or, with none, the last of all becomes a brake.
     pub fn push(&mut self, entry: Entry) {
         if self.count == WAITING {
             self.dropped += 1;
-            if entry.order != Order::Brake {
+            let ends = |entry: &Entry| matches!(entry.order, Order::Brake | Order::Release);
+            if !ends(&entry) {
                 return;
             }
+            let Some(last) = self.list[..self.count].iter().rposition(|entry| !ends(entry)) else {
+                self.list[self.count - 1].order = Order::Brake;
+                return;
+            };
+            self.list.copy_within(last + 1..self.count, last);
             self.count -= 1;
         }
         let at = self.list[..self.count].partition_point(|other| other.at <= entry.at);
@@ -87,15 +94,15 @@ impl Agenda {
 
     /// The next order before `end` (in samples), if there is one.
     pub fn pop_before(&mut self, end: f64) -> Option<Entry> {
-        let first = self.list[..self.count].first().copied().filter(|first| first.at < end)?;
+        let first = self.first().copied().filter(|first| first.at < end)?;
         self.list.copy_within(1..self.count, 0);
         self.count -= 1;
         Some(first)
     }
 
-    /// When the next order is due, in samples.
-    pub fn next(&self) -> Option<f64> {
-        self.list[..self.count].first().map(|first| first.at)
+    /// The next order.
+    pub fn first(&self) -> Option<&Entry> {
+        self.list[..self.count].first()
     }
 
     /// Whether nothing waits.

@@ -61,8 +61,6 @@ pub struct Counts {
     pub masked: u64,
     /// Orders that found no room.
     pub dropped: u64,
-    /// Orders that were carried out.
-    pub orders: u64,
 }
 
 impl Turner {
@@ -95,11 +93,6 @@ impl Turner {
     /// By how many samples what comes out is later than what is played.
     pub fn late(&self) -> usize {
         self.ahead.late()
-    }
-
-    /// How it is turned.
-    pub fn setup(&self) -> &Setup {
-        &self.setup
     }
 
     /// What happened so far.
@@ -139,8 +132,7 @@ impl Turner {
         let level = if level.is_finite() { level } else { 0.0 };
         let speeds = self.ahead.step(self.setup.speed_of(level));
         // Orders that are not due yet change nothing: they may come early or late, with the blocks of the caller.
-        let waits = self.agenda.next().is_none_or(|at| at >= (self.clock + 1) as f64);
-        if speeds == [0.0; 3] && waits && self.rests() {
+        if speeds == [0.0; 3] && self.due().is_none() && self.rests() {
             parts.fill(0.0);
             self.clock += 1;
             return;
@@ -158,8 +150,8 @@ impl Turner {
             if let Mode::Click(_, _, ends) = self.mode {
                 until = (ends - begin).min(until);
             }
-            if let Some(next) = self.agenda.next() {
-                until = (next - begin).min(until);
+            if let Some(due) = self.due() {
+                until = (due - begin).min(until);
             }
             // Never so short that it would stand still.
             let until = until.clamp((done + 1e-9).min(1.0), 1.0);
@@ -170,8 +162,28 @@ impl Turner {
         self.clock += 1;
     }
 
-    fn carry_out(&mut self, Entry { at: _, voice, order }: Entry) {
-        self.counts.orders += 1;
+    /// When the next order is due, in samples, if it is in this one. Releases of voices whose orders hold no longer are nothing, and are
+    /// forgotten: they must not part a sample either.
+    fn due(&mut self) -> Option<f64> {
+        let end = (self.clock + 1) as f64;
+        while let Some(first) = self.agenda.first().filter(|first| first.at < end) {
+            if self.heeds(first) {
+                return Some(first.at);
+            }
+            self.agenda.pop_before(end);
+        }
+        None
+    }
+
+    fn heeds(&self, entry: &Entry) -> bool {
+        entry.order != Order::Release || self.voice == Some(entry.voice)
+    }
+
+    fn carry_out(&mut self, entry: Entry) {
+        if !self.heeds(&entry) {
+            return;
+        }
+        let Entry { voice, order, .. } = entry;
         match order.sane(self.setup.full_speed(), self.setup.limit) {
             Order::Click(pieces) => {
                 // At rest it begins at once.
@@ -186,7 +198,6 @@ impl Turner {
                 self.mode = Mode::On(drive);
                 self.voice = Some(voice);
             }
-            Order::Release if self.voice != Some(voice) => {}
             Order::Release => {
                 self.voice = None;
                 self.mode = match self.mode {
