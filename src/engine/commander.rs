@@ -6,6 +6,7 @@ use super::event::Play;
 use super::stage::Stage;
 use crate::actuator::driver::book::Book;
 use crate::actuator::driver::order::Order;
+use crate::actuator::driver::setup::Setup;
 use crate::graph::command::Command;
 use crate::graph::plan::Plan;
 use crate::node::kernel::LEAD;
@@ -22,8 +23,7 @@ pub struct Commander {
 #[derive(Debug)]
 struct Motor {
     channel: u32,
-    full_speed: f64,
-    limit: f64,
+    setup: Setup,
     /// By turns.
     clicks: Vec<(f64, Arc<Book>)>,
 }
@@ -38,8 +38,7 @@ impl Commander {
         };
         let motors = plan.drives.iter().enumerate().map(|(n, drive)| Motor {
             channel: drive.channel,
-            full_speed: drive.setup.full_speed(),
-            limit: drive.setup.limit,
+            setup: drive.setup,
             clicks: of(n),
         });
         Self { commands, motors: motors.collect() }
@@ -81,11 +80,8 @@ impl Motor {
                 let (_, book) = self.clicks.iter().find(|(of, _)| *of == turns)?;
                 book.at(level).map(Order::Click)
             }
-            Command::Spin(share) => {
-                let level = (share * level).clamp(-1.0, 1.0);
-                Some(Order::Spin(self.full_speed * level.abs().sqrt().copysign(level)))
-            }
-            Command::On(share) => Some(Order::On((share * level).clamp(-1.0, 1.0) * self.limit)),
+            Command::Spin(share) => Some(Order::Spin(self.setup.speed_of(share * level))),
+            Command::On(share) => Some(Order::On((share * level).clamp(-1.0, 1.0) * self.setup.limit)),
             Command::Brake => Some(Order::Brake),
         }
     }

@@ -39,11 +39,8 @@ impl Drives {
     /// # Errors
     /// A figure of a motor that cannot be, with its channel (from 0).
     pub fn new(plan: &Plan, vibration: &Vibration) -> Result<Self, (u32, Fault)> {
-        let delay = vibration.delay();
-        let frames =
-            delay.fir_frames + (delay.band_limit_group_250 + delay.high_pass_group_250) * plan.device_rate;
         // As late as what vibrates, so that all that is felt begins at once.
-        let late = (frames / plan.ratio as f64).round() as usize;
+        let late = (vibration.delay().frames(plan.device_rate) / plan.ratio as f64).round() as usize;
         let line = |drive: &crate::graph::plan::Drive| {
             Ok(Line {
                 channel: drive.channel as usize,
@@ -57,11 +54,6 @@ impl Drives {
         let there = plan.drives.iter().filter(|drive| (drive.channel as usize) < plan.channels);
         let lines = there.map(line).collect::<Result<_, _>>()?;
         Ok(Self { lines, channels: plan.channels, ratio: plan.ratio, counts: Counts::default() })
-    }
-
-    /// Whether a channel (from 0) is one of them.
-    pub fn has(&self, channel: usize) -> bool {
-        self.lines.iter().any(|line| line.channel == channel)
     }
 
     /// By how many engine samples what a channel (from 0) sends is later than what is played there.

@@ -12,6 +12,7 @@ use super::workspace::BLOCK;
 pub struct Protections {
     lines: Vec<Line>,
     channels: usize,
+    ratio: usize,
 }
 
 #[derive(Debug)]
@@ -33,7 +34,8 @@ impl Protections {
             Ok(Line { channel: *channel as usize, kernel, frames: vec![0.0; BLOCK * plan.ratio] })
         };
         let there = plan.protections.iter().filter(|(channel, _)| (*channel as usize) < plan.channels);
-        Ok(Self { lines: there.map(line).collect::<Result<_, _>>()?, channels: plan.channels })
+        let lines = there.map(line).collect::<Result<_, _>>()?;
+        Ok(Self { lines, channels: plan.channels, ratio: plan.ratio })
     }
 
     /// What was held back on a channel (from 0); `None` where nothing is known that would be.
@@ -47,10 +49,11 @@ impl Protections {
     }
 
     /// Holds back what is not borne in the frames of a block; those of its last engine sample lie in `rest` where `frames` has no room.
-    pub fn hold(&mut self, ratio: usize, samples: usize, frames: &mut [f32], rest: &mut [f32]) {
+    pub fn hold(&mut self, samples: usize, frames: &mut [f32], rest: &mut [f32]) {
         if self.lines.is_empty() {
             return;
         }
+        let ratio = self.ratio;
         let whole = frames.len() / (ratio * self.channels).max(1) * ratio;
         for line in &mut self.lines {
             let block = &mut line.frames[..samples * ratio];

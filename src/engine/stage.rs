@@ -24,7 +24,6 @@ pub struct Stage {
     drives: Drives,
     hush: Hush,
     protections: Protections,
-    ratio: usize,
 }
 
 impl Stage {
@@ -49,8 +48,7 @@ impl Stage {
         let cannot = |(channel, fault)| Refusal::Motor { channel, fault };
         let drives = Drives::new(plan, &vibration).map_err(cannot)?;
         let protections = Protections::new(plan).map_err(cannot)?;
-        let ratio = plan.ratio;
-        Ok(Self { vibration, rows, triggers, raw: Raw::new(plan), drives, hush, protections, ratio })
+        Ok(Self { vibration, rows, triggers, raw: Raw::new(plan), drives, hush, protections })
     }
 
     /// What the stage does to vibration outputs.
@@ -144,6 +142,6 @@ impl Stage {
         self.hush.apply(clock, samples, self.vibration.channels(), output, rest);
         self.drives.write(samples, output, rest);
         self.triggers.write(clock, samples, output, rest);
-        self.protections.hold(self.ratio, samples, output, rest);
+        self.protections.hold(samples, output, rest);
     }
 }

@@ -35,10 +35,7 @@ const WAITING: usize = 64;
 impl Triggers {
     /// Those of a plan.
     pub fn new(plan: &Plan, vibration: &Vibration) -> Self {
-        let delay = vibration.delay();
-        let late = LEAD * plan.ratio as f64
-            + delay.fir_frames
-            + (delay.band_limit_group_250 + delay.high_pass_group_250) * plan.device_rate;
+        let late = LEAD * plan.ratio as f64 + vibration.delay().frames(plan.device_rate);
         let outputs = plan
             .outputs
             .iter()

@@ -1,6 +1,5 @@
 //! A motor is brought to rest.
 
-use super::kernel::{Onset, Setup};
 use super::order;
 use super::spec::{Family, NodeSpec};
 
@@ -20,13 +19,4 @@ pub static SPEC: NodeSpec = NodeSpec {
 pub type Lanes<R> = order::Lanes<R, false>;
 
 /// The definition.
-#[derive(Debug)]
-pub struct Exact;
-
-impl Exact {
-    /// For one voice.
-    #[allow(clippy::new_ret_no_self)]
-    pub fn new(_setup: &Setup, _onset: &Onset) -> order::Exact {
-        order::Exact::new(false)
-    }
-}
+pub type Exact = order::Exact<false>;

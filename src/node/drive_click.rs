@@ -1,6 +1,5 @@
 //! A click or a thump of a motor: thrown forward and stopped.
 
-use super::kernel::{Onset, Setup};
 use super::order;
 use super::spec::{Family, Kind, NodeSpec, Numeric, Param};
 
@@ -31,13 +30,4 @@ pub static SPEC: NodeSpec = NodeSpec {
 pub type Lanes<R> = order::Lanes<R, false>;
 
 /// The definition.
-#[derive(Debug)]
-pub struct Exact;
-
-impl Exact {
-    /// For one voice.
-    #[allow(clippy::new_ret_no_self)]
-    pub fn new(_setup: &Setup, _onset: &Onset) -> order::Exact {
-        order::Exact::new(false)
-    }
-}
+pub type Exact = order::Exact<false>;

@@ -1,6 +1,5 @@
 //! A motor that is switched on and off.
 
-use super::kernel::{Onset, Setup};
 use super::order;
 use super::spec::{Family, Kind, NodeSpec, Numeric, Param};
 
@@ -29,13 +28,4 @@ pub static SPEC: NodeSpec = NodeSpec {
 pub type Lanes<R> = order::Lanes<R, true>;
 
 /// The definition.
-#[derive(Debug)]
-pub struct Exact;
-
-impl Exact {
-    /// For one voice.
-    #[allow(clippy::new_ret_no_self)]
-    pub fn new(_setup: &Setup, _onset: &Onset) -> order::Exact {
-        order::Exact::new(true)
-    }
-}
+pub type Exact = order::Exact<true>;

@@ -35,18 +35,18 @@ impl<R: Real, const HOLDS: bool> Kernel<R> for Lanes<R, HOLDS> {
 
 /// The definition: nothing, for as long as the order lasts.
 #[derive(Debug)]
-pub struct Exact {
+pub struct Exact<const HOLDS: bool> {
     held: bool,
 }
 
-impl Exact {
-    /// For one voice: whether it lasts until its release.
-    pub fn new(holds: bool) -> Self {
-        Self { held: holds }
+impl<const HOLDS: bool> Exact<HOLDS> {
+    /// For one voice.
+    pub fn new(_setup: &Setup, _onset: &Onset) -> Self {
+        Self { held: HOLDS }
     }
 }
 
-impl Twin for Exact {
+impl<const HOLDS: bool> Twin for Exact<HOLDS> {
     fn step(&mut self, _t: f64, _inputs: &[f64]) -> f64 {
         0.0
     }
@@ -57,5 +57,24 @@ impl Twin for Exact {
 
     fn sounding(&self) -> Option<bool> {
         Some(self.held)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::node::harness::Bench;
+
+    #[test]
+    fn orders_are_silent_and_last_as_long_as_they_hold() {
+        for (node, holds) in
+            [("drive-click", false), ("drive-spin", true), ("drive-on", true), ("drive-brake", false)]
+        {
+            let bench = Bench::new(node, 8000.0).released(0.05);
+            bench.check_contract();
+            assert!(bench.kernel::<f32>(1000, &[64]).iter().all(|x| *x == 0.0), "{node}");
+            assert!(bench.twin(1000, 1).iter().all(|x| *x == 0.0), "{node}");
+            let ends = if holds { 401..=403 } else { 1..=1 };
+            assert!(bench.ends::<f32>(1000).is_some_and(|at| ends.contains(&at)), "{node}");
+        }
     }
 }

@@ -82,12 +82,6 @@ impl Book {
     pub fn weakest(&self) -> f64 {
         self.rows.first().map_or(1.0, |(strength, _)| *strength)
     }
-
-    /// The longest of them, s.
-    pub fn longest(&self) -> f64 {
-        let length = |pieces: &Pieces| pieces.list.iter().map(|piece| piece.0).sum::<f64>();
-        self.rows.iter().map(|(_, pieces)| length(pieces)).fold(0.0, f64::max)
-    }
 }
 
 fn pieces(seconds: [f64; 3], volts: f64) -> Pieces {

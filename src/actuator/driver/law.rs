@@ -1,7 +1,8 @@
 //! The drive that brings speeds about.
 //!
 //! [`Follow`] is the inverse of the motor for speeds that it can follow: their torque, and the volts that it takes on average over each
-//! sample (as [`Inverse`](crate::actuator::shape::Inverse) does for an envelope that is known as a whole).
+//! sample. It is the twin of [`Inverse`](crate::actuator::shape::Inverse), which knows an envelope as a whole: what is written twice here is
+//! so on purpose, and the two are held against one another.
 //!
 //! [`Seek`] takes it to another speed as fast as the drive allows. Of the two ways in which speed and current decay, the slow one is
 //! s = (ω − ω*) + w (i − i*), with w = (k/J)/(R/L + λ), λ its rate; what is imposed enters it alone as in a first-order system:

@@ -105,6 +105,11 @@ impl Agenda {
         self.list[..self.count].first()
     }
 
+    /// Whether something of a voice waits.
+    pub fn has(&self, voice: u64) -> bool {
+        self.list[..self.count].iter().any(|entry| entry.voice == voice)
+    }
+
     /// Whether nothing waits.
     pub fn is_empty(&self) -> bool {
         self.count == 0

@@ -114,8 +114,12 @@ impl Turner {
         self.mode == Mode::Level && self.ahead.is_still() && self.stands()
     }
 
-    /// An order of a voice at an instant: samples since the beginning, the same in which levels are counted.
+    /// An order of a voice at an instant: samples since the beginning, the same in which levels are counted. The release of a voice that has
+    /// no order here is nothing.
     pub fn order(&mut self, at: f64, voice: u64, order: Order) {
+        if order == Order::Release && self.voice != Some(voice) && !self.agenda.has(voice) {
+            return;
+        }
         let at = if at.is_finite() { at.max(0.0) } else { self.clock as f64 } + self.late() as f64;
         self.agenda.push(Entry { at, voice, order });
     }

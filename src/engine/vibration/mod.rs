@@ -122,6 +122,13 @@ pub struct Delay {
     pub high_pass_group_250: f64,
 }
 
+impl Delay {
+    /// Frames of a device from what comes in to what leaves, for the envelope of a tone of 250 Hz.
+    pub(super) fn frames(&self, device_rate: f64) -> f64 {
+        self.fir_frames + (self.band_limit_group_250 + self.high_pass_group_250) * device_rate
+    }
+}
+
 /// What the stage has met since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
