@@ -9,6 +9,7 @@ mod demo;
 mod devices;
 mod ear;
 mod error;
+mod even;
 mod failure;
 mod form;
 mod format;

@@ -1,5 +1,6 @@
 //! What a patch on a rig will run, and what was left out: for people and for programs.
 
+use super::even::EvenReport;
 use super::input::InputReport;
 use super::left_out::{Left, left_out, left_out_text};
 use super::load::Loaded;
@@ -103,6 +104,8 @@ struct OutputReport {
     motor: Option<MotorReport>,
     /// What its actuator is protected from.
     protected: Vec<&'static str>,
+    /// What its actuator's own model asks of the equaliser, and the filters of the rig.
+    even_out: Option<EvenReport>,
     equaliser: Vec<PeakReport>,
 }
 
@@ -204,6 +207,7 @@ impl PlanReport {
                     dc: dc(loaded, o),
                     motor: motor(loaded, player, o),
                     protected: protected(plan, o),
+                    even_out: even_out(loaded, o),
                     equaliser: if o.equaliser.is_empty() { Vec::new() } else { peaks(loaded, &o.name) },
                 })
                 .collect(),
@@ -307,8 +311,9 @@ impl PlanReport {
             let peak = |p: &PeakReport| format!("{:+} dB at {} (q {})", p.gain_db, hertz(p.frequency), p.q);
             let peaks: Vec<String> = output.equaliser.iter().map(peak).collect();
             let equaliser = (!peaks.is_empty()).then(|| format!("equaliser {}", peaks.join(", ")));
+            let even = output.even_out.as_ref().map(EvenReport::text);
             let notes: Vec<String> =
-                [output.most(), output.turned(), output.steady(), output.watched(), equaliser]
+                [output.most(), output.turned(), output.steady(), output.watched(), even, equaliser]
                     .into_iter()
                     .flatten()
                     .collect();
@@ -381,6 +386,12 @@ fn protected(plan: &Plan, output: &pacinian::graph::plan::Output) -> Vec<&'stati
         (bounds.alternating.is_some(), "that alternates"),
     ];
     all.into_iter().filter_map(|(is, what)| is.then_some(what)).collect()
+}
+
+/// What becomes of the resonance of an output's actuator, where the rig wants it evened out.
+fn even_out(loaded: &Loaded, output: &pacinian::graph::plan::Output) -> Option<EvenReport> {
+    let described = loaded.rig.outputs.iter().find(|o| *o.name == *output.name)?;
+    loaded.rig.evened(described)?.ok().map(|even| EvenReport::new(&even))
 }
 
 /// The equaliser of an output.

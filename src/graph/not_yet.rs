@@ -34,17 +34,20 @@ pub fn not_yet(patch: &Patch, rig: &Rig) -> Vec<LeftOut> {
     for actuator in &rig.actuators {
         let hangs = |output: &&rig::Output| output.actuator.as_deref() == Some(actuator.name.as_str());
         let acts = rig.outputs.iter().filter(hangs).any(|output| rig.bounds(output).is_some());
-        let moves = acts && actuator.coil().is_ok();
+        let evened = rig.outputs.iter().filter(hangs).any(|output| matches!(rig.evened(output), Some(Ok(_))));
+        let moves = evened || acts && actuator.coil().is_ok();
         for (known, key) in [(moves, "resonance"), (moves, "q"), (acts, "rated_volts")] {
             say(actuator.value(key).is_some() && !known, format!("`{key}` of actuator `{}`", actuator.name));
         }
     }
     for output in rig.outputs.iter().filter(|o| o.kind == rig::OutputKind::Raw) {
         let actuator = output.actuator.as_deref().and_then(|name| rig.actuator(name));
-        say(
-            actuator.is_some_and(|a| !a.equaliser.is_empty()),
-            format!("`equaliser` of raw output `{}`", output.name),
-        );
+        for (is, key) in [
+            (actuator.is_some_and(|a| !a.equaliser.is_empty()), "equaliser"),
+            (actuator.is_some_and(|a| a.even_out.is_some()), "even_out"),
+        ] {
+            say(is, format!("`{key}` of raw output `{}`", output.name));
+        }
     }
     list
 }

@@ -238,7 +238,7 @@ fn output(
     };
     let actuator = output.actuator.as_ref().and_then(|name| rig.actuator(name));
     let equaliser = match (kind, actuator) {
-        (OutputKind::Vibration, Some(actuator)) => equaliser(actuator, rate, problems),
+        (OutputKind::Vibration, Some(actuator)) => equaliser(rig, output, actuator, rate, problems),
         _ => Vec::new(),
     };
     Output {
@@ -251,8 +251,28 @@ fn output(
     }
 }
 
-/// The sections of an actuator's equaliser at the engine's rate.
-fn equaliser(actuator: &rig::Actuator, rate: f64, problems: &mut Vec<Problem>) -> Vec<Biquad> {
+/// The sections of an actuator's equaliser at the engine's rate: what its model asks for, and then its own filters.
+fn equaliser(
+    rig: &Rig,
+    output: &rig::Output,
+    actuator: &rig::Actuator,
+    rate: f64,
+    problems: &mut Vec<Problem>,
+) -> Vec<Biquad> {
+    let even = match rig.evened(output) {
+        Some(Ok(even)) => {
+            let (b, a) = even.section(rate, actuator.even_out.map_or(0.0, |even| even.band[1]));
+            Some(Biquad { b, a })
+        }
+        Some(Err(problem)) => {
+            let problem = Problem { span: None, ..problem };
+            if !problems.contains(&problem) {
+                problems.push(problem);
+            }
+            None
+        }
+        None => None,
+    };
     let section = |peak: &rig::Peak| {
         if peak.frequency >= 0.5 * rate {
             let what = format!(
@@ -268,7 +288,7 @@ fn equaliser(actuator: &rig::Actuator, rate: f64, problems: &mut Vec<Problem>) -
         }
         Biquad::peaking(peak.frequency, peak.q, peak.gain_db, rate)
     };
-    actuator.equaliser.iter().map(section).collect()
+    even.into_iter().chain(actuator.equaliser.iter().map(section)).collect()
 }
 
 /// Where each name stands first.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::even::{self, Even};
 use super::part::{self, Part};
 use super::quantity::{self, MODELS};
 use crate::dsp::biquad::MOST_SECTIONS;
@@ -23,6 +24,8 @@ pub struct Actuator {
     pub values: BTreeMap<&'static str, f64>,
     /// Peaking filters that even it out, in order.
     pub equaliser: Vec<Peak>,
+    /// What is to be left of its resonance; `None`: all of it.
+    pub even_out: Option<Even>,
     /// Where it stands.
     pub span: Span,
 }
@@ -71,6 +74,7 @@ impl Actuator {
             part: None,
             values: BTreeMap::new(),
             equaliser: Vec::new(),
+            even_out: None,
             span: 0..0,
         }
     }
@@ -102,7 +106,7 @@ pub struct Peak {
 /// Its keys.
 pub static TABLE: Table = Table { name: "actuator", doc: "What moves.", fields: &FIELDS, others: None };
 
-const OWN: [Field; 3] = [
+const OWN: [Field; 4] = [
     Field::new("model", Form::Word(WORDS), "", "What it is; that of the part where one is named."),
     Field::new(
         "part",
@@ -111,11 +115,17 @@ const OWN: [Field; 3] = [
         "A part that ships with pacinian: what is not said here is taken from it. `pacinian parts` lists them.",
     ),
     Field::new("equaliser", Form::Many(&PEAK), "", "Peaking filters that even it out, in order."),
+    Field::new(
+        "even_out",
+        Form::One(&even::TABLE),
+        "",
+        "Takes its resonance out of what is felt, by its own model, as far as it and the amplifier bear that: even_out = {} for all that there is.",
+    ),
 ];
 
 const FIELDS: [Field; OWN.len() + quantity::COUNT] = {
     let mut fields = [const { Field::new("", Form::Text, "", "") }; OWN.len() + quantity::COUNT];
-    let [model, part, equaliser] = OWN;
+    let [model, part, equaliser, even_out] = OWN;
     fields[0] = model;
     fields[1] = part;
     let mut n = 0;
@@ -124,6 +134,7 @@ const FIELDS: [Field; OWN.len() + quantity::COUNT] = {
         n += 1;
     }
     fields[quantity::COUNT + 2] = equaliser;
+    fields[quantity::COUNT + 3] = even_out;
     fields
 };
 
@@ -141,8 +152,9 @@ pub static PEAK: Table = Table {
 
 pub(crate) fn read(name: &str, reader: &Reader) -> Actuator {
     let peaks = reader.many("equaliser", |n| format!("filter {n} of {}", reader.who));
-    if peaks.len() > MOST_SECTIONS {
-        let what = format!("{} has {} filters, the most is {MOST_SECTIONS}", reader.who, peaks.len());
+    let most = MOST_SECTIONS - usize::from(reader.has("even_out"));
+    if peaks.len() > most {
+        let what = format!("{} has {} filters, the most is {most}", reader.who, peaks.len());
         reader.sink.error(&reader.span_of("equaliser"), what);
     }
     let part = reader.text("part").and_then(|name| found(name, reader));
@@ -189,6 +201,7 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Actuator {
                 })
             })
             .collect(),
+        even_out: even::read(reader, model),
         span: reader.span.clone(),
     };
     if let Some(part) = part {

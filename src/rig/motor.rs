@@ -250,11 +250,11 @@ impl fmt::Display for Lack {
 impl std::error::Error for Lack {}
 
 impl Lack {
-    fn of(self, actuator: &Actuator) -> Problem {
+    pub(super) fn of(self, actuator: &Actuator) -> Problem {
         let name = &actuator.name;
         match self {
             Self::Figure(key) => {
-                let what = format!("actuator `{name}` lacks `{key}`: how the motor moves is not known");
+                let what = format!("actuator `{name}` lacks `{key}`: how it moves is not known");
                 let help = match actuator.part {
                     None => "give it, or name a part that ships: part = \"...\"; `pacinian parts` lists them",
                     Some(_) => "its part does not say it; give it here",

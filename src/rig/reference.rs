@@ -1,6 +1,6 @@
 //! The rig format for people: its topics in the order in which one learns them.
 
-use super::{actuator, amplifier, device, output};
+use super::{actuator, amplifier, device, even, output};
 use crate::text::reference::{Defined, Topic};
 
 /// What stands where a key refers to something with a topic of its own.
@@ -123,7 +123,10 @@ pub const TOPICS: &[Topic] = &[
         name: "actuator",
         written: "[actuator.NAME]",
         doc: "What moves.",
-        text: "A tactor names it with actuator = \"NAME\". Its equaliser, up to 16 peaking filters, is rendered. Its figures say how it moves \
+        text: "A tactor names it with actuator = \"NAME\". Its equaliser, up to 16 peaking filters, is rendered; and with \
+               `even_out`, what its own model asks for: the resonance is taken out of what is felt (of a voice coil its displacement, of what shakes the \
+               acceleration of its casing), as far as amplifier and actuator bear it. A resonance that is moved to a low quality also begins and \
+               ends faster: what starts is overdriven and what stops is braked, within the limits. `pacinian check` says what became of it. Its figures say how it moves \
                (what a drive needs, and `pacinian motor` shows) and what it bears (see [[output]]); `part` names one that ships, and figures that are \
                given go before its own. The models:\n\n\
                - `generic`: nothing is known of it\n\
@@ -132,7 +135,7 @@ pub const TOPICS: &[Topic] = &[
                - `rumble-motor`: a motor with an eccentric mass\n\
                - `lra`: a linear resonant actuator\n\
                - `piezo`: a piezo-electric element",
-        tables: &[&actuator::TABLE, &actuator::PEAK],
+        tables: &[&actuator::TABLE, &even::TABLE, &actuator::PEAK],
         example: "[device]\n\
                   channels = 1\n\
                   \n\

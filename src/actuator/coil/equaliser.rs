@@ -62,7 +62,9 @@ pub enum Limited {
 pub struct Equaliser {
     /// What is to be even.
     pub motion: Motion,
-    /// The pole pair that it takes away.
+    /// The actuator's own pole pair.
+    pub own: Resonance,
+    /// The pole pair that it takes away: the actuator's own, or a flatter one where that would be too much of a cut.
     pub zeros: Resonance,
     /// The one that it puts there.
     pub poles: Resonance,
@@ -108,8 +110,16 @@ impl Equaliser {
             // The quality first of all: it costs least.
             let poles = Resonance { hertz: move_to(own.hertz, wish.target.hertz), q: wish.target.q };
             let (zeros, cut_held) = wish.hold_back(own, poles, &points);
-            let new =
-                Self { motion: wish.motion, zeros, poles, gain: 1.0, limited: None, cut_held, boost: 0.0 };
+            let new = Self {
+                motion: wish.motion,
+                own,
+                zeros,
+                poles,
+                gain: 1.0,
+                limited: None,
+                cut_held,
+                boost: 0.0,
+            };
             let (demand, of) = wish.demand(&new, &points);
             (new, demand, of)
         };
@@ -210,6 +220,7 @@ impl Wish {
         for _ in 0..HOLDS {
             let new = Equaliser {
                 motion: self.motion,
+                own,
                 zeros,
                 poles,
                 gain: 1.0,

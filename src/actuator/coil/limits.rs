@@ -16,6 +16,12 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// The same behind what gives no more than these volts and amperes, peak.
+    pub fn within(self, volts: Option<f64>, amperes: Option<f64>) -> Self {
+        let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
+        Self { volts: least(self.volts, volts), amperes: least(self.amperes, amperes), ..self }
+    }
+
     /// Refuses limits that cannot be.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! What `pacinian motor` says of an actuator with a coil.
 
 use super::super::check::json;
+use super::super::even::EvenReport;
 use super::super::failure::Failure;
 use super::super::paint::Paint;
 use super::super::problems;
@@ -10,7 +11,6 @@ use super::shown::ms;
 use super::subject::Subject;
 use super::{Motor, usage};
 use pacinian::actuator::coil::equaliser::Equaliser;
-use pacinian::actuator::coil::plant::Plant;
 use pacinian::actuator::coil::resonance::Resonance;
 use pacinian::actuator::drive::Drive;
 use pacinian::io::out;
@@ -64,16 +64,6 @@ struct ToneReport {
     amperes: f64,
     /// Gain of the equaliser there, dB.
     equaliser_db: Option<f64>,
-}
-
-#[derive(Debug, Serialize)]
-struct EvenReport {
-    from: [f64; 2],
-    to: [f64; 2],
-    gain: f64,
-    boost_db: f64,
-    /// What kept it from going farther.
-    limited: Option<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -155,7 +145,7 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
         from_the_rig: subject.known.by_rig,
         assumed: subject.known.assumed.clone(),
         response: told.iter().map(|tone| ToneReport::new(tone, even.as_ref())).collect(),
-        equaliser: even.as_ref().map(|even| EvenReport::new(even, &plant)),
+        equaliser: even.as_ref().map(|even| EvenReport::new(even)),
         length: asked.seconds,
         bursts: bursts.iter().map(BurstReport::new).collect(),
         why,
@@ -178,19 +168,6 @@ impl ToneReport {
             displacement: tone.displacement,
             amperes: tone.current,
             equaliser_db: even.map(|even| 20.0 * even.response(tone.hertz).abs().log10()),
-        }
-    }
-}
-
-impl EvenReport {
-    fn new(even: &Equaliser, plant: &Plant) -> Self {
-        let own = plant.resonance(Drive::Voltage).unwrap_or(even.zeros);
-        Self {
-            from: [own.hertz, own.q],
-            to: [even.poles.hertz, even.poles.q],
-            gain: even.gain,
-            boost_db: even.boost,
-            limited: even.limited.map(|limited| format!("{limited:?}").to_lowercase()),
         }
     }
 }
@@ -245,13 +222,7 @@ impl Answer {
         }
         text += &table.text();
         if let Some(even) = &self.equaliser {
-            let limited = even.limited.as_ref().map_or(String::new(), |by| format!("; kept back by {by}"));
-            let [[hertz, q], [to, even_q]] = [even.from, even.to];
-            let gain = 20.0 * even.gain.log10();
-            text += &format!(
-                "  the equaliser moves {hertz:.1} Hz, Q {q:.2} to {to:.1} Hz, Q {even_q:.2}, with {:.1} dB at most and a gain of {gain:.1} dB{limited}\n",
-                even.boost_db
-            );
+            text += &format!("  with the equaliser: {}\n", even.text());
         }
         if !self.bursts.is_empty() {
             text += &format!("\n{} of {} at the resonance\n", paint.bold("a burst"), ms(self.length));
