@@ -294,5 +294,5 @@ fn motors_that_are_ordered_about() {
         moved = frames.iter().fold(moved, |most, x| most.max(x.abs()));
     }
     assert_eq!(total, 0, "allocations and frees");
-    assert!(moved > 0.5 && engine.stage().drives().counts_of(0).unwrap().orders > 1000);
+    assert!(moved > 0.5 && engine.stage().drives().counts_of(0).unwrap().dropped > 1000);
 }

@@ -272,3 +272,91 @@ fn clicks_beyond_a_motor_are_refused() {
     let told = scene(&patch(MOVES), &rig, &options, &NoAssets).unwrap_err().to_string();
     assert!(told.contains("click of 0.25 turns, which the motor of `pad` cannot make"), "{told}");
 }
+
+/// The same rig with the coin motor behind a full bridge that is switched by two lines.
+fn bridged(period: u32) -> String {
+    MOTORS
+        .replace("channels = 3", "channels = 4")
+        .replace(
+            "[amplifier.bridge]\ngain = 3.0\nmax_volts = 12.0\ncoupling = \"dc\"\n",
+            &format!("[amplifier.bridge]\ndrive = \"bridge\"\nmax_volts = 6.0\nperiod = {period}\n"),
+        )
+        .replace("amplifier = \"bridge\"\n", "amplifier = \"bridge\"\ndirection = 4\nmax_level = 0.7\n")
+}
+
+/// Volts that a bridge makes of its two lines, and both lines.
+fn switched(rig: &str, events: &[(f64, Event)], seconds: f64, calls: &[usize]) -> (Vec<f64>, [Vec<f64>; 2]) {
+    let plan = compiled(rig);
+    let mut engine = Engine::new(&plan).unwrap();
+    for (at, event) in events {
+        assert!(engine.schedule(Instant::of_samples(at * plan.engine_rate()), Source::Program, *event));
+    }
+    let frames = run(&mut engine, (seconds * RATE) as usize, calls);
+    let lines = [0, 3].map(|c| channel(&frames, 4, c));
+    let volts = lines[0].iter().zip(&lines[1]).map(|(on, back)| match (*on > 0.0, *back > 0.0) {
+        (false, _) => 0.0,
+        (true, back) => {
+            if back {
+                -6.0
+            } else {
+                6.0
+            }
+        }
+    });
+    (volts.collect(), lines)
+}
+
+#[test]
+fn a_bridge_gets_pulses_that_do_to_the_motor_what_a_steady_voltage_does() {
+    for (period, instrument, level, within) in
+        [(16_u32, SWELL, 0.8, 0.01), (8, SWELL, -0.6, 0.02), (16, CLICK, 1.0, 0.03), (32, SPIN, 0.7, 0.02)]
+    {
+        let events = [(0.02, Event::Play(play(instrument, COIN, level, 0.25)))];
+        let plan = compiled(MOTORS);
+        let [wanted, _] = sent(&plan, &events, 0.6, &[480]);
+        let (volts, lines) = switched(&bridged(period), &events, 0.6, &[480]);
+        let (_, again) = switched(&bridged(period), &events, 0.6, &[1, 7, 64, 333]);
+        assert!(lines == again, "cut otherwise, other pulses");
+        // Nothing but on and off, at the level that may leave, and the way changes only while it is off.
+        assert!(lines.iter().flatten().all(|x| *x == 0.0 || *x == f64::from(0.7_f32)));
+        for n in 1..volts.len() {
+            assert!(lines[1][n] == lines[1][n - 1] || lines[0][n - 1] == 0.0 || n % period as usize == 0);
+        }
+        // All volt-seconds arrive, to half a step.
+        let sum = |volts: &[f64]| volts.iter().sum::<f64>();
+        assert!((sum(&volts) - sum(&wanted)).abs() <= 3.0 + 1e-6, "{} {}", sum(&volts), sum(&wanted));
+        // And the motor does the same, about a period and a half later.
+        let parameters = &plan.drives[0].setup.parameters;
+        let (here, there) = (speeds(parameters, &wanted), speeds(parameters, &volts));
+        let peak = largest(&here);
+        let error = |later: usize| {
+            let off = there[later..].iter().zip(&here).map(|(a, b)| (a - b) * (a - b));
+            (off.sum::<f64>() / here.len() as f64).sqrt() / peak
+        };
+        let best = (0..=2 * period as usize).map(error).fold(f64::INFINITY, f64::min);
+        assert!(best < within, "{period} {instrument}: {best}");
+        assert!(largest(&there[there.len() - 480..]) < 0.01 * peak);
+    }
+}
+
+#[test]
+fn what_a_bridge_lacks_is_said() {
+    let of = |rig: String| Rig::parse("rig.toml", rig.as_bytes()).map(|_| ()).unwrap_err().to_string();
+    for (from, to, words) in [
+        ("direction = 4\n", "", ["direction = 2", "`bridge`"]),
+        ("direction = 4", "direction = 2", ["channel 2", "`skin`"]),
+        ("direction = 4", "direction = 5", ["channel 5", "device has 4"]),
+        ("max_volts = 6.0\n", "", ["`max_volts`", "supply"]),
+        ("max_volts = 6.0", "max_volts = 6.0\ngain = 2.0", ["`gain`", "no bridge"]),
+        ("period = 16", "period = 1", ["`period`", "2"]),
+        ("coupling = \"dc\"\n[amp", "coupling = { high_pass = 8.0 }\n[amp", ["device", "steady"]),
+        ("max_volts = 6.0", "max_volts = 0.1", ["0.100 V", "turns it at all"]),
+        ("gain = -3.0\n", "", ["`turned`", "`gain`"]),
+        ("gain = -3.0\n", "gain = -3.0\nperiod = 8\n", ["`period`", "a bridge"]),
+    ] {
+        let rig = bridged(16);
+        assert!(rig.contains(from), "{from}");
+        let said = of(rig.replace(from, to));
+        assert!(words.iter().all(|word| said.contains(word)), "{words:?}: {said}");
+    }
+}

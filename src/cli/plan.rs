@@ -125,6 +125,8 @@ struct MotorReport {
     limit: f64,
     /// From an event to what is sent.
     late_ms: f64,
+    /// Behind a bridge: pulses a second, and the smallest difference of volts.
+    pulses: Option<[f64; 2]>,
 }
 
 impl OutputReport {
@@ -138,7 +140,13 @@ impl OutputReport {
     fn turned(&self) -> Option<String> {
         let motor = self.motor.as_ref()?;
         let unit = if motor.is_current { "A" } else { "V" };
-        Some(format!("{} within {:.3} {unit}, {:.1} ms late", motor.shaping, motor.limit, motor.late_ms))
+        let pulses = motor.pulses.map_or(String::new(), |[rate, step]| {
+            format!(", by {} pulses in steps of {step:.3} V", hertz(rate))
+        });
+        Some(format!(
+            "{} within {:.3} {unit}, {:.1} ms late{pulses}",
+            motor.shaping, motor.limit, motor.late_ms
+        ))
     }
 
     /// What its actuator is protected from.
@@ -363,11 +371,16 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
     let late = player.engine().stage().drives().late(output.channel as usize)?;
     let described = loaded.rig.outputs.iter().find(|o| *o.name == *output.name)?;
     let rig::OutputKind::Drive(turning) = &described.kind else { return None };
+    let switching = drive.bridge.map(|bridge| bridge.switching);
+    // What is wanted in one period is given in the next.
+    let switched = switching.map_or(0.0, |switching| 1.0 / switching.hertz(plan.device_rate));
+    let pulses = switching.map(|switching| [switching.hertz(plan.device_rate), switching.resolution()]);
     Some(MotorReport {
         shaping: turning.word(),
         is_current: drive.setup.imposes == pacinian::actuator::drive::Drive::Current,
         limit: drive.setup.limit,
-        late_ms: 1e3 * (late as f64 / plan.engine_rate() + player.engine().delay().lead),
+        late_ms: 1e3 * (late as f64 / plan.engine_rate() + player.engine().delay().lead + switched),
+        pulses,
     })
 }
 

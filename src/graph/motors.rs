@@ -20,6 +20,7 @@ pub fn drives(rig: &Rig, rate: f64, problems: &mut Vec<Problem>) -> Vec<Drive> {
                 channel: output.channel.saturating_sub(1),
                 setup: wiring.setup(rate),
                 per_sample: wiring.per_sample,
+                bridge: wiring.bridge,
             }),
             Some(Err(problem)) => problems.push(Problem { span: None, ..problem }),
             None => {}

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::dsp::biquad::Biquad;
 use crate::node::NodeKind;
 use crate::node::motion::Motion;
+use crate::rig::Bridge;
 
 use crate::actuator::driver::book::Book;
 use crate::actuator::driver::setup::Setup;
@@ -222,6 +223,8 @@ pub struct Drive {
     pub setup: Setup,
     /// Volts or amperes at the motor for a sample of 1.0; negative where it is wired the other way round.
     pub per_sample: f64,
+    /// How it is switched, where it is behind a bridge.
+    pub bridge: Option<Bridge>,
 }
 
 /// Clicks of a motor.

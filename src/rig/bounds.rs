@@ -8,7 +8,8 @@ use crate::actuator::thermal::{COPPER, Cooling};
 const LONG: f64 = 1.0;
 
 impl Rig {
-    /// Volts at the actuator of an output for a sample of 1.0, without its sign; `None` where that is not known, or a current is imposed.
+    /// Volts at the actuator of an output for a sample of 1.0, without its sign; `None` where that is not known, or something else than a
+    /// voltage is imposed.
     pub fn volts_per_sample(&self, output: &Output) -> Option<f64> {
         let gain = match &output.amplifier {
             None => 1.0,

@@ -21,7 +21,7 @@ pub use amplifier::{Amplifier, Drive};
 pub use device::{Coupling, Device, RATES, usual_ratio};
 pub use even::Even;
 pub use finder::Finder;
-pub use motor::{Lack, Wiring};
+pub use motor::{Bridge, Lack, Wiring};
 pub use output::{Output, OutputKind, Turning};
 pub use schema::schema;
 
@@ -196,6 +196,14 @@ impl Rig {
                 let help =
                     "channels count from 1; `channels` of the device says how many there are".to_string();
                 problems.push(Problem::error(&output.channel_span, what).help(help));
+            } else if let OutputKind::Drive(Turning { direction: Some(line), .. }) = output.kind
+                && line > self.device.channels
+            {
+                let what = format!(
+                    "output `{name}` has its direction on channel {line}, the device has {}",
+                    self.device.channels
+                );
+                problems.push(Problem::error(&output.span, what));
             } else if output.channel > 0
                 && let Some(other) = channels.insert(output.channel, name)
             {
@@ -206,6 +214,14 @@ impl Rig {
                     &output.span,
                     format!("output `{name}` is on channel 0; channels count from 1"),
                 ));
+            }
+            if let OutputKind::Drive(Turning { direction: Some(line), .. }) = output.kind
+                && line <= self.device.channels
+                && let Some(other) = channels.insert(line, name)
+            {
+                let what =
+                    format!("output `{name}` has its direction on channel {line}, on which is `{other}`");
+                problems.push(Problem::error(&output.span, what));
             }
             if let Some(wanted) = output.actuator.as_deref().filter(|n| !actuators.contains(n)) {
                 let what = format!("output `{name}` has an actuator `{wanted}`, which is not there");

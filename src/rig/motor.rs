@@ -8,6 +8,7 @@ use super::{Actuator, Amplifier, Drive, Model, Output, OutputKind, Rig};
 use crate::actuator::drive::Drive as Imposed;
 use crate::actuator::driver::setup::Setup;
 use crate::actuator::fault::Fault;
+use crate::actuator::link::pwm::Switching;
 use crate::actuator::motor::{Casing, GRAVITY, Parameters, Suspension};
 use crate::text::Problem;
 
@@ -20,8 +21,11 @@ pub struct Wiring {
     pub parameters: Parameters,
     /// Whether the amplifier imposes a current: then figures of the drive are amperes.
     pub is_current: bool,
-    /// Volts or amperes at the motor for a sample of 1.0, negative where the amplifier turns it upside down.
+    /// Volts or amperes at the motor for a sample of 1.0, negative where the amplifier turns it upside down; behind a bridge, for a pulse that
+    /// never ends.
     pub per_sample: f64,
+    /// How it is switched, behind a bridge.
+    pub bridge: Option<Bridge>,
     /// The most that reaches the motor, volts or amperes.
     pub limit: f64,
     /// The most voltage that the amplifier gives, V; that of the motor's limit where it is not known.
@@ -43,6 +47,38 @@ impl Wiring {
             rate,
         }
     }
+
+    /// The same, if there is enough to turn the motor at all.
+    fn turns(self, output: &Output) -> Result<Self, Problem> {
+        let p = &self.parameters;
+        let starts = p.coulomb * if self.is_current { 1.0 } else { p.resistance } / p.gain;
+        if self.limit > starts {
+            return Ok(self);
+        }
+        let (unit, share) = (if self.is_current { "A" } else { "V" }, 100.0 * self.limit / starts);
+        let what = format!(
+            "at most {:.3} {unit} reach the motor of `{}`, {share:.0} % of what turns it at all",
+            self.limit, output.name
+        );
+        let help = "raise the amplifier's `gain`, `max_volts` or `max_level`, or the motor's `max_volts`";
+        Err(Problem::error(&output.span, what).help(help.to_string()))
+    }
+}
+
+impl Turning {
+    /// What of gravity acts in the plane of the mass, m/s².
+    fn gravity(&self) -> f64 {
+        self.tilt.map_or(0.0, |tilt| (GRAVITY * tilt.cos()).abs())
+    }
+}
+
+/// A bridge and its lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bridge {
+    /// How it is switched.
+    pub switching: Switching,
+    /// The channel, from 0, that says which way.
+    pub direction: u32,
 }
 
 /// What is missing for a motor, or contradicts itself.
@@ -159,6 +195,9 @@ impl Rig {
             let help = "name what stands between card and motor, with its gain: a motor takes more current than a card gives";
             return lacks(format!("output `{name}` is a drive without an amplifier"), help);
         };
+        if let Drive::Bridge { period } = amplifier.drive {
+            return self.bridged(output, turning, actuator, amplifier, parameters, period);
+        }
         let Some(full_scale) = self.device.full_scale_volts else {
             let help =
                 "play a full sine, hold a meter to the output, and write the peak: full_scale_volts = 1.4";
@@ -176,7 +215,7 @@ impl Rig {
             );
         }
         self.passes_steady(output, amplifier)?;
-        parameters.gravity = turning.tilt.map_or(0.0, |tilt| (GRAVITY * tilt.cos()).abs());
+        parameters.gravity = turning.gravity();
         let is_current = amplifier.drive == Drive::Current;
         let per_sample = full_scale * amplifier.gain;
         let volts =
@@ -191,19 +230,44 @@ impl Rig {
         };
         let limit = own.min(per_sample.abs() * share);
         let compliance = amplifier.max_volts.unwrap_or(volts);
-        let starts =
-            parameters.coulomb * if is_current { 1.0 } else { parameters.resistance } / parameters.gain;
-        if limit <= starts {
-            let (unit, share) = (if is_current { "A" } else { "V" }, 100.0 * limit / starts);
+        let wiring = Wiring { turning, parameters, is_current, per_sample, limit, compliance, bridge: None };
+        wiring.turns(output)
+    }
+
+    /// A motor behind a bridge: pulses of its supply, as wide as what is wanted.
+    fn bridged(
+        &self,
+        output: &Output,
+        turning: Turning,
+        actuator: &Actuator,
+        amplifier: &Amplifier,
+        mut parameters: Parameters,
+        period: u32,
+    ) -> Result<Wiring, Problem> {
+        let (name, supply) = (&output.name, amplifier.max_volts.unwrap_or(1.0));
+        let Some(direction) = turning.direction else {
             let what = format!(
-                "at most {limit:.3} {unit} reach the motor of `{name}`, {share:.0} % of what turns it at all"
+                "output `{name}` is behind the bridge `{}`, and which of its lines says which way is not known",
+                amplifier.name
             );
-            return lacks(
-                what,
-                "raise the amplifier's `gain`, `max_volts` or `max_level`, or the motor's `max_volts`",
-            );
-        }
-        Ok(Wiring { turning, parameters, is_current, per_sample, limit, compliance })
+            let help = "say on which channel that is: direction = 2".to_string();
+            return Err(Problem::error(&output.span, what).help(help));
+        };
+        self.passes_steady(output, &Amplifier { coupling: Some(Coupling::Dc), ..amplifier.clone() })?;
+        parameters.gravity = turning.gravity();
+        let limit = actuator.most_volts().map_or(supply, |most| most.min(supply));
+        let bridge =
+            Bridge { switching: Switching { period, supply }, direction: direction.saturating_sub(1) };
+        let wiring = Wiring {
+            turning,
+            parameters,
+            is_current: false,
+            per_sample: supply,
+            limit,
+            compliance: supply,
+            bridge: Some(bridge),
+        };
+        wiring.turns(output)
     }
 
     /// That nothing on the way keeps steady voltages off, which a motor needs.

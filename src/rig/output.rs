@@ -64,6 +64,8 @@ pub struct Turning {
     pub shaping: Shaping,
     /// Seconds by which it knows ahead what is played; `None`: as long as the motor needs to be braked from its full speed.
     pub look_ahead: Option<f64>,
+    /// The channel, from 1, of the line that says which way a bridge turns it; `None`: none.
+    pub direction: Option<u32>,
     /// By how much the plane in which its mass spins is tilted off upright, rad; `None`: unknown, and gravity has no part in what is worked out.
     pub tilt: Option<f64>,
 }
@@ -187,6 +189,12 @@ pub static TABLE: Table = Table {
             "For a drive: by how much what is played there is late, so that the motor can be braked in time; as long as braking from its full speed takes where nothing is said.",
         ),
         Field::new(
+            "direction",
+            Form::any_count(1, MAX_CHANNELS as u64),
+            "",
+            "For a drive behind a bridge: the channel of the line that says which way, full scale for backward.",
+        ),
+        Field::new(
             "tilt",
             Form::any_number(-4.0, 4.0),
             "rad",
@@ -201,6 +209,7 @@ pub(crate) fn read(reader: &Reader, is_tactor: bool) -> Output {
         1 => OutputKind::Drive(Turning {
             shaping: Shaping::ALL.get(reader.word("shaping")).copied().unwrap_or(Shaping::Inverse),
             look_ahead: reader.number("look_ahead"),
+            direction: reader.count("direction").and_then(|n| u32::try_from(n).ok()),
             tilt: reader.number("tilt"),
         }),
         2 => OutputKind::Torque,
@@ -216,7 +225,7 @@ pub(crate) fn read(reader: &Reader, is_tactor: bool) -> Output {
             (matches!(kind, OutputKind::Trigger { .. }), matches!(kind, OutputKind::Drive(_)));
         for (is, keys, of) in [
             (triggers, &["marker", "pulse"][..], "a trigger"),
-            (turns, &["shaping", "look_ahead", "tilt"], "a drive"),
+            (turns, &["shaping", "look_ahead", "direction", "tilt"], "a drive"),
         ] {
             for key in keys.iter().filter(|key| !is && reader.has(key)) {
                 let what = format!("{} is of kind {}; only {of} has `{key}`", reader.who, kind.word());

@@ -100,6 +100,11 @@ impl Modulator {
         self.switching.period
     }
 
+    /// Whether nothing is on and nothing was wanted that is not given yet, but for what is less than half a step.
+    pub fn is_idle(&self) -> bool {
+        self.width == 0 && self.sum == 0.0
+    }
+
     /// Periods of which more was wanted than the supply gives.
     pub fn saturated(&self) -> u64 {
         self.saturated
