@@ -65,6 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }],
         drives: Vec::new(),
         clicks: Vec::new(),
+        homes: Vec::new(),
         protections: Vec::new(),
         markers: Vec::new(),
         left_out: Vec::new(),

@@ -360,3 +360,42 @@ fn what_a_bridge_lacks_is_said() {
         assert!(words.iter().all(|word| said.contains(word)), "{words:?}: {said}");
     }
 }
+
+#[test]
+fn a_mass_is_brought_home_from_wherever_it_hangs() {
+    use std::f64::consts::{PI, TAU};
+    let rig = MOTORS.replace("amplifier = \"bridge\"\n", "amplifier = \"bridge\"\ntilt = 0.0\n");
+    let moves = "[voice.home]\noutput = \"go\"\n[voice.home.nodes]\ngo = { type = \"drive-home\" }\n[voice.click]\noutput = \"tap\"\n\
+         [voice.click.nodes]\ntap = { type = \"drive-click\" }\n";
+    let planned = |rig: &str| {
+        let rig = Rig::parse("rig.toml", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let options = Options { rate: Some(RATE), live: true, ..Options::default() };
+        scene(&patch(moves), &rig, &options, &NoAssets)
+    };
+    // One of the motors has no tilt: it cannot be sent home, and that is said.
+    let said = planned(&rig).unwrap_err().to_string();
+    assert!(["`home`", "`pad`", "`gravity`", "tilt"].iter().all(|word| said.contains(word)), "{said}");
+    let pad = rig.find("[[output]]\nkind = \"drive\"\nname = \"pad\"").unwrap();
+    let alone = format!("{}{}", &rig[..pad], &rig[rig.find("[[tactor]]").unwrap()..]);
+    let plan = planned(&alone).unwrap_or_else(|p| panic!("{p}")).plan;
+    let (_, home) = plan.homes[0];
+    assert!(home.spread < 0.2 && home.seconds() < 1.0, "{home:?}");
+    // A click first, so that the mass hangs anywhere; then home.
+    let mut engine = Engine::new(&plan).unwrap();
+    for (at, instrument) in [(0.01, 1), (0.3, 0)] {
+        let at = Instant::of_samples(at * plan.engine_rate());
+        assert!(engine.schedule(at, Source::Program, Event::Play(play(instrument, COIN, 1.0, 0.01))));
+    }
+    let frames = run(&mut engine, (1.6 * RATE) as usize, &[480]);
+    let parameters = &plan.drives[0].setup.parameters;
+    for first in 0..12 {
+        let mut motor = Motor::<false>::new(parameters, &Plan::whole(Level::Fine), RATE).unwrap();
+        motor.place(TAU * (f64::from(first) + 0.21) / 12.0, 0.0);
+        for sample in channel(&frames, 3, 0) {
+            motor.drive(Drive::Voltage(sample * plan.drives[0].per_sample));
+            motor.step();
+        }
+        let off = (motor.reading().angle - home.angle + PI).rem_euclid(TAU) - PI;
+        assert!(motor.is_stuck() && off.abs() < home.spread + 0.05, "{first}: {off} {home:?}");
+    }
+}

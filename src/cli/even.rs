@@ -43,9 +43,13 @@ impl EvenReport {
             format!(" at a gain of {:.1} dB", self.gain_db)
         };
         let limited = self.limited.map_or(String::new(), |by| format!(", kept back by {by}"));
+        let boost = if self.boost_db < 0.05 {
+            String::new()
+        } else {
+            format!(", raised by {:.1} dB at most", self.boost_db)
+        };
         format!(
-            "resonance moved from {hertz:.1} Hz, Q {q:.2} to {to:.1} Hz, Q {even_q:.2}{gain}, raised by {:.1} dB at most{limited}",
-            self.boost_db
+            "resonance moved from {hertz:.1} Hz, Q {q:.2} to {to:.1} Hz, Q {even_q:.2}{gain}{boost}{limited}"
         )
     }
 }

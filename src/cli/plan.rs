@@ -127,6 +127,8 @@ struct MotorReport {
     late_ms: f64,
     /// Behind a bridge: pulses a second, and the smallest difference of volts.
     pulses: Option<[f64; 2]>,
+    /// The way home, where a voice sends it there: s, where the mass hangs then, rad from straight down, and by how much it may be elsewhere.
+    home: Option<[f64; 3]>,
 }
 
 impl OutputReport {
@@ -143,8 +145,12 @@ impl OutputReport {
         let pulses = motor.pulses.map_or(String::new(), |[rate, step]| {
             format!(", by {} pulses in steps of {step:.3} V", hertz(rate))
         });
+        let home = motor.home.map_or(String::new(), |[seconds, angle, spread]| {
+            let (angle, spread) = (angle.to_degrees(), spread.to_degrees());
+            format!(", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°")
+        });
         Some(format!(
-            "{} within {:.3} {unit}, {:.1} ms late{pulses}",
+            "{} within {:.3} {unit}, {:.1} ms late{pulses}{home}",
             motor.shaping, motor.limit, motor.late_ms
         ))
     }
@@ -371,6 +377,7 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
     let late = player.engine().stage().drives().late(output.channel as usize)?;
     let described = loaded.rig.outputs.iter().find(|o| *o.name == *output.name)?;
     let rig::OutputKind::Drive(turning) = &described.kind else { return None };
+    let home = plan.homes.iter().find(|(of, _)| plan.drives.get(*of) == Some(drive));
     let switching = drive.bridge.map(|bridge| bridge.switching);
     // What is wanted in one period is given in the next.
     let switched = switching.map_or(0.0, |switching| 1.0 / switching.hertz(plan.device_rate));
@@ -381,6 +388,7 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
         limit: drive.setup.limit,
         late_ms: 1e3 * (late as f64 / plan.engine_rate() + player.engine().delay().lead + switched),
         pulses,
+        home: home.map(|(_, home)| [home.seconds(), home.angle, home.spread]),
     })
 }
 

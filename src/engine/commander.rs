@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::event::Play;
 use super::stage::Stage;
 use crate::actuator::driver::book::Book;
-use crate::actuator::driver::order::Order;
+use crate::actuator::driver::order::{Order, Pieces};
 use crate::actuator::driver::setup::Setup;
 use crate::graph::command::Command;
 use crate::graph::plan::Plan;
@@ -26,6 +26,7 @@ struct Motor {
     setup: Setup,
     /// By turns.
     clicks: Vec<(f64, Arc<Book>)>,
+    home: Option<Pieces>,
 }
 
 impl Commander {
@@ -40,6 +41,7 @@ impl Commander {
             channel: drive.channel,
             setup: drive.setup,
             clicks: of(n),
+            home: plan.homes.iter().find(|(drive, _)| *drive == n).map(|(_, home)| home.pieces),
         });
         Self { commands, motors: motors.collect() }
     }
@@ -82,6 +84,7 @@ impl Motor {
             }
             Command::Spin(share) => Some(Order::Spin(self.setup.speed_of(share * level))),
             Command::On(share) => Some(Order::On((share * level).clamp(-1.0, 1.0) * self.setup.limit)),
+            Command::Home => self.home.map(Order::Click),
             Command::Brake => Some(Order::Brake),
         }
     }

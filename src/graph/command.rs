@@ -12,6 +12,8 @@ pub enum Command {
     Spin(f64),
     /// This share of the most that there may be, times the event's level, while the event lasts.
     On(f64),
+    /// To where gravity catches the mass.
+    Home,
     /// To rest.
     Brake,
 }
@@ -24,6 +26,7 @@ impl Command {
             NodeKind::DRIVE_CLICK => first.map(Self::Click),
             NodeKind::DRIVE_SPIN => first.map(Self::Spin),
             NodeKind::DRIVE_ON => first.map(Self::On),
+            NodeKind::DRIVE_HOME => Some(Self::Home),
             NodeKind::DRIVE_BRAKE => Some(Self::Brake),
             _ => None,
         }

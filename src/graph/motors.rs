@@ -6,6 +6,7 @@ use super::command::Command;
 use super::plan::{Clicks, Drive, Instrument, LeftOut, Why};
 use super::program::Op;
 use crate::actuator::driver::book::Book;
+use crate::actuator::driver::homing::Homing;
 use crate::actuator::protect::bounds::Bounds;
 use crate::actuator::protect::kernel::Protection;
 use crate::rig::Rig;
@@ -57,6 +58,42 @@ pub fn for_nobody(instruments: &[Instrument]) -> impl Iterator<Item = LeftOut> {
     })
 }
 
+/// The name of a motor's output.
+fn name_of<'a>(rig: &'a Rig, drive: &Drive) -> &'a str {
+    let output = rig.outputs.iter().find(|output| output.channel == drive.channel + 1);
+    output.map_or("", |output| output.name.as_str())
+}
+
+/// The way home of every motor, where an instrument may order it; of motors that are alike it is worked out once.
+pub fn homes(
+    rig: &Rig,
+    drives: &[Drive],
+    instruments: &[Instrument],
+    problems: &mut Vec<Problem>,
+) -> Vec<(usize, Homing)> {
+    let mut homes: Vec<(usize, Homing)> = Vec::new();
+    let sends = |instrument: &&Instrument| instrument.commands().contains(&Command::Home);
+    let Some(instrument) = instruments.iter().find(sends) else { return homes };
+    for (number, drive) in drives.iter().enumerate() {
+        let alike =
+            homes.iter().find(|(known, _)| drives.get(*known).is_some_and(|d| d.setup == drive.setup));
+        match alike.map_or_else(|| Homing::new(&drive.setup), |(_, home)| Ok(*home)) {
+            Ok(home) => homes.push((number, home)),
+            Err(why) => {
+                let what = format!(
+                    "voice `{}` sends motors home, where the mass of that of `{}` cannot be brought: {why}",
+                    instrument.name,
+                    name_of(rig, drive)
+                );
+                let help = "say how its plane stands (tilt = 0.0 is upright), or leave `drive-home` out";
+                problems.push(Problem::of_file(what).help(help.to_string()));
+                return homes;
+            }
+        }
+    }
+    homes
+}
+
 /// The clicks that instruments may order, of every motor; of motors that are alike they are worked out once.
 pub fn clicks(
     rig: &Rig,
@@ -82,9 +119,7 @@ pub fn clicks(
                 match book {
                     Ok(book) => clicks.push(Clicks { drive: number, turns, book }),
                     Err(why) => {
-                        let channel = drive.channel + 1;
-                        let output = rig.outputs.iter().find(|output| output.channel == channel);
-                        let name = output.map_or("", |output| output.name.as_str());
+                        let name = name_of(rig, drive);
                         let voice = &instrument.name;
                         let what = format!(
                             "voice `{voice}` orders a click of {turns} turns, which the motor of `{name}` cannot make: {why}"

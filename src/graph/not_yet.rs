@@ -33,7 +33,9 @@ pub fn not_yet(patch: &Patch, rig: &Rig) -> Vec<LeftOut> {
     }
     for actuator in &rig.actuators {
         let hangs = |output: &&rig::Output| output.actuator.as_deref() == Some(actuator.name.as_str());
-        let acts = rig.outputs.iter().filter(hangs).any(|output| rig.bounds(output).is_some());
+        let turns = |output: &rig::Output| matches!(rig.wiring(output), Some(Ok(_)));
+        let acts = |output: &rig::Output| turns(output) || rig.bounds(output).is_some();
+        let acts = rig.outputs.iter().filter(hangs).any(acts);
         let evened = rig.outputs.iter().filter(hangs).any(|output| matches!(rig.evened(output), Some(Ok(_))));
         let moves = evened || acts && actuator.coil().is_ok();
         for (known, key) in [(moves, "resonance"), (moves, "q"), (acts, "rated_volts")] {

@@ -9,6 +9,7 @@ use crate::node::motion::Motion;
 use crate::rig::Bridge;
 
 use crate::actuator::driver::book::Book;
+use crate::actuator::driver::homing::Homing;
 use crate::actuator::driver::setup::Setup;
 use crate::actuator::protect::bounds::Bounds;
 
@@ -69,6 +70,8 @@ pub struct Plan {
     pub protections: Vec<(u32, Bounds)>,
     /// Clicks of motors that voices may order, worked out.
     pub clicks: Vec<Clicks>,
+    /// The way home of motors that voices may send there, by their places in [`Plan::drives`].
+    pub homes: Vec<(usize, Homing)>,
     /// Names of the markers that some output listens to.
     pub markers: Vec<Arc<str>>,
     /// What was left out, and why.
@@ -99,7 +102,7 @@ impl Plan {
         for output in plan.outputs.iter_mut().filter(|output| output.kind == OutputKind::Drive) {
             output.kind = OutputKind::Silent;
         }
-        (plan.drives, plan.clicks, plan.protections) = Default::default();
+        (plan.drives, plan.clicks, plan.homes, plan.protections) = Default::default();
         plan
     }
 

@@ -155,6 +155,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     let drives = motors::drives(rig, device_rate / ratio as f64, &mut problems);
     let protections = motors::protections(rig, device_rate, &mut problems);
     let clicks = motors::clicks(rig, &drives, &instruments, &mut problems);
+    let homes = motors::homes(rig, &drives, &instruments, &mut problems);
     if !problems.is_empty() {
         return Err(patch.origin.problems(problems));
     }
@@ -184,6 +185,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         drives,
         protections,
         clicks,
+        homes,
         markers,
         left_out,
     };

@@ -46,6 +46,7 @@ impl NodeKind {
     pub(crate) const DRIVE_SPIN: Self = Self(Index::DriveSpin as usize);
     pub(crate) const DRIVE_ON: Self = Self(Index::DriveOn as usize);
     pub(crate) const DRIVE_BRAKE: Self = Self(Index::DriveBrake as usize);
+    pub(crate) const DRIVE_HOME: Self = Self(Index::DriveHome as usize);
     #[cfg(feature = "fundsp-nodes")]
     pub(crate) const PLUCK: Self = Self(Index::Pluck as usize);
 }
@@ -218,6 +219,7 @@ registry! {
     DriveSpin = drive_spin,
     DriveOn = drive_on,
     DriveBrake = drive_brake,
+    DriveHome = drive_home,
     #[cfg(feature = "fundsp-nodes")]
     Pluck = pluck,
     #[cfg(feature = "fundsp-nodes")]

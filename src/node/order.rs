@@ -66,9 +66,13 @@ mod tests {
 
     #[test]
     fn orders_are_silent_and_last_as_long_as_they_hold() {
-        for (node, holds) in
-            [("drive-click", false), ("drive-spin", true), ("drive-on", true), ("drive-brake", false)]
-        {
+        for (node, holds) in [
+            ("drive-click", false),
+            ("drive-spin", true),
+            ("drive-on", true),
+            ("drive-brake", false),
+            ("drive-home", false),
+        ] {
             let bench = Bench::new(node, 8000.0).released(0.05);
             bench.check_contract();
             assert!(bench.kernel::<f32>(1000, &[64]).iter().all(|x| *x == 0.0), "{node}");

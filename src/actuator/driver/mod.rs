@@ -6,12 +6,14 @@
 //! | [`ahead`] | speeds that the motor can follow, planned on what is known ahead |
 //! | [`law`] | the drive that brings a speed about: the inverse, and the way to another speed |
 //! | [`order`], [`book`] | clicks, spins and brakes; clicks worked out for every level |
+//! | [`homing`] | the way to where gravity catches the mass |
 //! | [`turner`] | all of it, one engine sample at a time |
 //!
 //! What is sent is worked out on the motor's own model, which runs beside it where that is needed: nothing is measured on the motor.
 
 pub mod ahead;
 pub mod book;
+pub mod homing;
 pub mod law;
 pub mod order;
 pub mod setup;

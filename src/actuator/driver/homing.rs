@@ -1,0 +1,53 @@
+//! The way home: where the mass hangs made known, whatever was before.
+
+use std::f64::consts::{PI, TAU};
+
+use super::order::Pieces;
+use super::setup::Setup;
+use crate::actuator::drive;
+use crate::actuator::fault::{Fault, Limit};
+use crate::actuator::motor::Drive;
+use crate::actuator::shape::{Home, Unreachable};
+
+/// Of what starts a motor from anywhere, what is given so that it starts for certain.
+const STARTS: f64 = 1.5;
+
+/// A spin and a creep after which gravity has caught the mass, worked out ahead.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Homing {
+    /// The drives.
+    pub pieces: Pieces,
+    /// Where the mass hangs then, rad from straight down: -π to π.
+    pub angle: f64,
+    /// The most by which it may hang elsewhere, rad.
+    pub spread: f64,
+}
+
+impl Homing {
+    /// That of a motor: as [`Home`] solves it, with no more voltage than starts it for certain.
+    ///
+    /// # Errors
+    /// A number beyond its limits; no gravity, an amplifier that imposes a current; a limit that does not start the motor from everywhere; a motor
+    /// that nothing catches.
+    pub fn new(setup: &Setup) -> Result<Self, Unreachable> {
+        setup.check()?;
+        if setup.imposes == drive::Drive::Current {
+            let because = "the way home is a matter of voltages, and the amplifier imposes a current";
+            return Err(Fault::because("home", 1.0, Limit::Absent, because).into());
+        }
+        let volts = (STARTS * setup.parameters.start_volts()).min(setup.limit);
+        let homed = Home { volts }.solve(&setup.parameters)?;
+        let mut pieces = Pieces::default();
+        for (piece, (seconds, drive)) in pieces.list.iter_mut().zip(homed.course.pieces()) {
+            let Drive::Voltage(volts) = drive else { continue };
+            *piece = (*seconds, *volts);
+        }
+        let angle = (homed.angle + PI).rem_euclid(TAU) - PI;
+        Ok(Self { pieces, angle, spread: homed.spread })
+    }
+
+    /// How long it takes, s.
+    pub fn seconds(&self) -> f64 {
+        self.pieces.list.iter().map(|piece| piece.0).sum()
+    }
+}
