@@ -425,19 +425,25 @@ fn what_cannot_be_is_refused() {
 /// However many orders wait, a voice that is let go of is let go of: the motor stands in the end.
 #[test]
 fn a_release_always_finds_room() {
-    for ends in [0, WAITING / 2, WAITING] {
+    // All that wait begin something; half of them end it; all of them are brakes.
+    for kind in 0..3 {
         let setup = setup(COIN, Shaping::Inverse);
         let mut turner = Turner::new(&setup, 0).unwrap();
+        let mut plant = plant(&COIN, 0.0);
         turner.order(0.0, 1, Order::Spin(setup.full_speed()));
-        for n in 1..=WAITING as u64 {
-            let order = if (n as usize) <= ends { Order::Release } else { Order::On(0.1) };
-            turner.order(300.0 + n as f64, 1000 + n, order);
+        play(&mut turner, &mut plant, &vec![0.0; 250]);
+        for n in 0..WAITING as u64 {
+            let at = 400.0 + n as f64;
+            match (kind, n % 2) {
+                (0, _) | (1, 0) => turner.order(at, 1000 + n, Order::On(0.1)),
+                (1, _) => turner.order(at, 1000 + n - 1, Order::Release),
+                _ => turner.order(at, 1000 + n, Order::Brake),
+            }
         }
         turner.order(500.0, 1, Order::Release);
-        (1..=WAITING as u64).for_each(|n| turner.order(600.0, 1000 + n, Order::Release));
-        let mut plant = plant(&COIN, 0.0);
+        (0..WAITING as u64).for_each(|n| turner.order(600.0, 1000 + n, Order::Release));
         play(&mut turner, &mut plant, &vec![0.0; 8000]);
-        assert!(turner.is_idle() && turner.counts().dropped > 0, "{ends}: {:?}", turner.counts());
+        assert!(turner.is_idle() && turner.counts().dropped > 0, "{kind}: {:?}", turner.counts());
     }
 }
 
