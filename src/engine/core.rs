@@ -4,8 +4,7 @@ use super::bank::Bank;
 use super::commander::Commander;
 use super::control::Ramp;
 use super::declick::Declick;
-use super::event::{Event, Play, Source};
-use super::handover::Inheritance;
+use super::event::{Event, Source};
 use super::ops::Ops;
 use super::refusal::Refusal;
 use super::roster::Roster;
@@ -20,6 +19,9 @@ use crate::graph::program::Feed;
 use crate::graph::start::{FIELDS, Fields};
 use crate::node::kernel::LEAD;
 use crate::schedule::{Deadlines, Instant, Queue};
+
+mod adopt;
+mod events;
 
 /// Engine samples between two looks at what has become silent.
 pub const GRID: u64 = 64;
@@ -269,76 +271,6 @@ impl<R: Real> Core<R> {
         self.banks.iter_mut().for_each(Bank::expect_voices);
     }
 
-    /// Takes the place of `old`: what `inheritance` names goes on here, and the rest fades out there.
-    pub fn adopt(&mut self, old: &mut Self, inheritance: &Inheritance) {
-        self.clock = old.clock;
-        self.counters = old.counters;
-        std::mem::swap(&mut self.stage, &mut old.stage);
-        if let Some(levels) = &inheritance.levels {
-            self.stage.limit_to(levels);
-        }
-        std::mem::swap(&mut self.tasks, &mut old.tasks);
-        std::mem::swap(&mut self.declick, &mut old.declick);
-        if !inheritance.unchanged {
-            self.declick.arm();
-        }
-        for (ramp, from) in self.controls.iter_mut().zip(&inheritance.controls) {
-            if let Some(from) = from.and_then(|i| old.controls.get(i)) {
-                ramp.follow(from);
-            }
-        }
-        if let (Some(new), Some(old)) = (&mut self.shared, &mut old.shared) {
-            new.take_states(old, &inheritance.shared);
-        }
-        let now = Instant { sample: self.clock, fraction: 0 };
-        for ((bank, first), from) in self.banks.iter_mut().zip(&self.first).zip(&inheritance.instruments) {
-            let from = from
-                .as_ref()
-                .and_then(|(from, ops)| Some((old.banks.get_mut(*from)?, ops, old.first.get(*from)?)));
-            match from {
-                Some((bank_of_old, ops, first_of_old)) => {
-                    bank.adopt(bank_of_old, ops, &self.places, self.clock);
-                    for lane in 0..bank.lanes() {
-                        if let Some((at, serial)) = old.ends.get(first_of_old + lane) {
-                            self.ends.set(first + lane, at, serial);
-                        }
-                    }
-                }
-                None => bank.begin_at(now),
-            }
-        }
-        (self.outlasted, self.settled) = (old.outlasted, old.settled);
-        let (from, same) = (&inheritance.watches, inheritance.same_signals);
-        self.counters.dropped += self.watcher.adopt(&mut old.watcher, from, same, self.clock);
-        std::mem::swap(&mut self.queue, &mut old.queue);
-        let instrument = |old: u32| {
-            let of_old = |i: &Option<(usize, _)>| i.as_ref().is_some_and(|(from, _)| *from == old as usize);
-            inheritance.instruments.iter().position(of_old).map(|new| new as u32)
-        };
-        let control =
-            |old: u32| inheritance.controls.iter().position(|c| *c == Some(old as usize)).map(|c| c as u32);
-        let counters = &mut self.counters;
-        self.queue.edit(|event| {
-            let kept = match event {
-                Event::Play(play) => instrument(play.instrument).map(|i| play.instrument = i),
-                Event::Control(of, _) | Event::Glide(of, ..) => control(*of).map(|c| *of = c),
-                Event::Release(_)
-                | Event::ReleaseAll
-                | Event::Silence(..)
-                | Event::Touch(..)
-                | Event::Marker(_)
-                | Event::Shed(_) => Some(()),
-            };
-            counters.dropped += u64::from(kept.is_none() && matches!(event, Event::Play(_)));
-            kept.is_some()
-        });
-        // What stays behind hears the signals as they were.
-        for (signal, latest) in old.work.shared.iter_mut().zip(&old.latest) {
-            signal.hold(*latest);
-        }
-        old.banks.iter_mut().for_each(|bank| bank.fade_all(now));
-    }
-
     /// Whether no voice sounds or fades.
     pub fn is_idle(&self) -> bool {
         self.banks.iter().all(Bank::is_idle)
@@ -357,123 +289,6 @@ impl<R: Real> Core<R> {
         self.run_events();
         let clock = self.clock;
         self.tasks.run(clock, &mut Board { controls: &mut self.controls, latest: &self.latest, clock });
-    }
-
-    /// Events, ends of voices and what signals set off that are due before the next sample, in order of time; where they fall together,
-    /// ends come first and what signals set off last.
-    fn run_events(&mut self) {
-        loop {
-            let (event, start) = (self.queue.first(), self.watcher.next());
-            let end = self.ends.next().filter(|end| end.ceiling() <= self.clock);
-            if let Some(end) = end
-                && event.is_none_or(|event| end <= event)
-                && start.is_none_or(|start| end <= start)
-            {
-                self.end_next();
-            } else if let Some(start) = start
-                && start.ceiling() <= self.clock
-                && event.is_none_or(|event| start < event)
-            {
-                self.cross();
-            } else if let Some(entry) = self.queue.pop_due(self.clock) {
-                self.handle(entry.at, entry.what);
-            } else {
-                return;
-            }
-        }
-    }
-
-    /// Starts what a signal has set off next.
-    fn cross(&mut self) {
-        match self.watcher.begin(self.clock) {
-            Some((at, Some(play))) => self.play(&play, at),
-            Some((_, None)) => self.counters.dropped += 1,
-            None => {}
-        }
-    }
-
-    /// Releases the voice that has sounded its time next, if it is still there.
-    fn end_next(&mut self) {
-        let Some((slot, at, serial)) = self.ends.pop() else { return };
-        let number = self.first.partition_point(|first| *first <= slot).saturating_sub(1);
-        if let (Some(bank), Some(first)) = (self.banks.get_mut(number), self.first.get(number)) {
-            bank.end(slot - first, serial, at);
-            self.commander.release(number, serial, at, &mut self.stage);
-        }
-    }
-
-    fn handle(&mut self, at: Instant, event: Event) {
-        match event {
-            Event::Play(play) => self.play(&play, at),
-            Event::Release(id) => self.release_all(Some(id), at),
-            Event::ReleaseAll => self.release_all(None, at),
-            Event::Silence(id, bits) => self.silence(id, bits, at),
-            Event::Touch(to) => self.banks.iter_mut().for_each(|bank| bank.touch(to, at)),
-            Event::Glide(index, value, seconds) => {
-                if let Some(ramp) = self.controls.get_mut(index as usize) {
-                    ramp.glide(value, seconds * self.rate, at);
-                }
-            }
-            Event::Control(index, value) => {
-                if let Some(ramp) = self.controls.get_mut(index as usize) {
-                    ramp.send(value, at);
-                }
-            }
-            Event::Marker(name) => self.stage.mark(name, at),
-            Event::Shed(above) => self.tasks.shed(above),
-        }
-    }
-
-    fn play(&mut self, play: &Play, at: Instant) {
-        let place = self.places.get(play.place as usize).map_or(&[][..], |p| p);
-        let Some(bank) = self.banks.get_mut(play.instrument as usize) else { return };
-        self.stage.open(self.clock);
-        self.counters.started += 1;
-        let serial = self.counters.started;
-        let (lane, stolen) = bank.start(play, at, self.clock, place, serial);
-        let Some(first) = self.first.get(play.instrument as usize) else { return };
-        if let Some(stolen) = stolen {
-            self.ends.clear(first + stolen);
-            self.commander.release(play.instrument as usize, bank.serial(stolen), at, &mut self.stage);
-        }
-        if self.commander.gives(play.instrument) {
-            self.commander.begin(play, serial, place, at, &mut self.stage);
-        }
-        // Who was here before has died away, but its time is not over.
-        if let Some((end, _)) = self.ends.clear(first + lane) {
-            self.outlasted = self.outlasted.max(Some(end));
-        }
-        if play.duration.is_finite() {
-            self.ends.set(first + lane, at + play.duration.max(0.0) * self.rate, serial);
-        }
-    }
-
-    fn release_all(&mut self, id: Option<u64>, at: Instant) {
-        let Self { banks, first, ends, commander, stage, .. } = self;
-        for (number, (bank, first)) in banks.iter_mut().zip(first).enumerate() {
-            bank.release_all(id, at, |lane, serial| {
-                ends.clear(*first + lane);
-                commander.release(number, serial, at, stage);
-            });
-        }
-    }
-
-    fn silence(&mut self, id: u64, bits: u8, at: Instant) {
-        let Self { banks, first, ends, commander, stage, .. } = self;
-        for (number, (bank, first)) in banks.iter_mut().zip(first).enumerate() {
-            bank.silence(
-                |play| play.is_of(id, bits),
-                at,
-                |lane, serial| {
-                    ends.clear(*first + lane);
-                    commander.release(number, serial, at, stage);
-                },
-            );
-        }
-        self.queue.edit(|event| !matches!(event, Event::Play(play) if play.is_of(id, bits)));
-        if self.banks.iter().all(|bank| bank.only_sounds(|play| play.is_of(id, bits))) {
-            self.stage.shut(self.clock);
-        }
     }
 
     fn render(&mut self, frames: usize, offset: usize, input: &[Vec<f32>]) {

@@ -1,0 +1,79 @@
+//! Taking over from the engine of another plan.
+
+use super::Core;
+use crate::dsp::lanes::Real;
+use crate::engine::event::Event;
+use crate::engine::handover::Inheritance;
+use crate::schedule::Instant;
+
+impl<R: Real> Core<R> {
+    /// Takes the place of `old`: what `inheritance` names goes on here, and the rest fades out there.
+    pub fn adopt(&mut self, old: &mut Self, inheritance: &Inheritance) {
+        self.clock = old.clock;
+        self.counters = old.counters;
+        std::mem::swap(&mut self.stage, &mut old.stage);
+        if let Some(levels) = &inheritance.levels {
+            self.stage.limit_to(levels);
+        }
+        std::mem::swap(&mut self.tasks, &mut old.tasks);
+        std::mem::swap(&mut self.declick, &mut old.declick);
+        if !inheritance.unchanged {
+            self.declick.arm();
+        }
+        for (ramp, from) in self.controls.iter_mut().zip(&inheritance.controls) {
+            if let Some(from) = from.and_then(|i| old.controls.get(i)) {
+                ramp.follow(from);
+            }
+        }
+        if let (Some(new), Some(old)) = (&mut self.shared, &mut old.shared) {
+            new.take_states(old, &inheritance.shared);
+        }
+        let now = Instant { sample: self.clock, fraction: 0 };
+        for ((bank, first), from) in self.banks.iter_mut().zip(&self.first).zip(&inheritance.instruments) {
+            let from = from
+                .as_ref()
+                .and_then(|(from, ops)| Some((old.banks.get_mut(*from)?, ops, old.first.get(*from)?)));
+            match from {
+                Some((bank_of_old, ops, first_of_old)) => {
+                    bank.adopt(bank_of_old, ops, &self.places, self.clock);
+                    for lane in 0..bank.lanes() {
+                        if let Some((at, serial)) = old.ends.get(first_of_old + lane) {
+                            self.ends.set(first + lane, at, serial);
+                        }
+                    }
+                }
+                None => bank.begin_at(now),
+            }
+        }
+        (self.outlasted, self.settled) = (old.outlasted, old.settled);
+        let (from, same) = (&inheritance.watches, inheritance.same_signals);
+        self.counters.dropped += self.watcher.adopt(&mut old.watcher, from, same, self.clock);
+        std::mem::swap(&mut self.queue, &mut old.queue);
+        let instrument = |old: u32| {
+            let of_old = |i: &Option<(usize, _)>| i.as_ref().is_some_and(|(from, _)| *from == old as usize);
+            inheritance.instruments.iter().position(of_old).map(|new| new as u32)
+        };
+        let control =
+            |old: u32| inheritance.controls.iter().position(|c| *c == Some(old as usize)).map(|c| c as u32);
+        let counters = &mut self.counters;
+        self.queue.edit(|event| {
+            let kept = match event {
+                Event::Play(play) => instrument(play.instrument).map(|i| play.instrument = i),
+                Event::Control(of, _) | Event::Glide(of, ..) => control(*of).map(|c| *of = c),
+                Event::Release(_)
+                | Event::ReleaseAll
+                | Event::Silence(..)
+                | Event::Touch(..)
+                | Event::Marker(_)
+                | Event::Shed(_) => Some(()),
+            };
+            counters.dropped += u64::from(kept.is_none() && matches!(event, Event::Play(_)));
+            kept.is_some()
+        });
+        // What stays behind hears the signals as they were.
+        for (signal, latest) in old.work.shared.iter_mut().zip(&old.latest) {
+            signal.hold(*latest);
+        }
+        old.banks.iter_mut().for_each(|bank| bank.fade_all(now));
+    }
+}

@@ -1,0 +1,125 @@
+//! Events, ends of voices and what signals set off, in order of time.
+
+use super::Core;
+use crate::dsp::lanes::Real;
+use crate::engine::event::{Event, Play};
+use crate::schedule::Instant;
+
+impl<R: Real> Core<R> {
+    /// Events, ends of voices and what signals set off that are due before the next sample, in order of time; where they fall together,
+    /// ends come first and what signals set off last.
+    pub(super) fn run_events(&mut self) {
+        loop {
+            let (event, start) = (self.queue.first(), self.watcher.next());
+            let end = self.ends.next().filter(|end| end.ceiling() <= self.clock);
+            if let Some(end) = end
+                && event.is_none_or(|event| end <= event)
+                && start.is_none_or(|start| end <= start)
+            {
+                self.end_next();
+            } else if let Some(start) = start
+                && start.ceiling() <= self.clock
+                && event.is_none_or(|event| start < event)
+            {
+                self.cross();
+            } else if let Some(entry) = self.queue.pop_due(self.clock) {
+                self.handle(entry.at, entry.what);
+            } else {
+                return;
+            }
+        }
+    }
+
+    /// Starts what a signal has set off next.
+    fn cross(&mut self) {
+        match self.watcher.begin(self.clock) {
+            Some((at, Some(play))) => self.play(&play, at),
+            Some((_, None)) => self.counters.dropped += 1,
+            None => {}
+        }
+    }
+
+    /// Releases the voice that has sounded its time next, if it is still there.
+    fn end_next(&mut self) {
+        let Some((slot, at, serial)) = self.ends.pop() else { return };
+        let number = self.first.partition_point(|first| *first <= slot).saturating_sub(1);
+        if let (Some(bank), Some(first)) = (self.banks.get_mut(number), self.first.get(number)) {
+            bank.end(slot - first, serial, at);
+            self.commander.release(number, serial, at, &mut self.stage);
+        }
+    }
+
+    fn handle(&mut self, at: Instant, event: Event) {
+        match event {
+            Event::Play(play) => self.play(&play, at),
+            Event::Release(id) => self.release_all(Some(id), at),
+            Event::ReleaseAll => self.release_all(None, at),
+            Event::Silence(id, bits) => self.silence(id, bits, at),
+            Event::Touch(to) => self.banks.iter_mut().for_each(|bank| bank.touch(to, at)),
+            Event::Glide(index, value, seconds) => {
+                if let Some(ramp) = self.controls.get_mut(index as usize) {
+                    ramp.glide(value, seconds * self.rate, at);
+                }
+            }
+            Event::Control(index, value) => {
+                if let Some(ramp) = self.controls.get_mut(index as usize) {
+                    ramp.send(value, at);
+                }
+            }
+            Event::Marker(name) => self.stage.mark(name, at),
+            Event::Shed(above) => self.tasks.shed(above),
+        }
+    }
+
+    pub(super) fn play(&mut self, play: &Play, at: Instant) {
+        let place = self.places.get(play.place as usize).map_or(&[][..], |p| p);
+        let Some(bank) = self.banks.get_mut(play.instrument as usize) else { return };
+        self.stage.open(self.clock);
+        self.counters.started += 1;
+        let serial = self.counters.started;
+        let (lane, stolen) = bank.start(play, at, self.clock, place, serial);
+        let Some(first) = self.first.get(play.instrument as usize) else { return };
+        if let Some(stolen) = stolen {
+            self.ends.clear(first + stolen);
+            self.commander.release(play.instrument as usize, bank.serial(stolen), at, &mut self.stage);
+        }
+        if self.commander.gives(play.instrument) {
+            self.commander.begin(play, serial, place, at, &mut self.stage);
+        }
+        // Who was here before has died away, but its time is not over.
+        if let Some((end, _)) = self.ends.clear(first + lane) {
+            self.outlasted = self.outlasted.max(Some(end));
+        }
+        if play.duration.is_finite() {
+            self.ends.set(first + lane, at + play.duration.max(0.0) * self.rate, serial);
+        }
+    }
+
+    fn release_all(&mut self, id: Option<u64>, at: Instant) {
+        let Self { banks, first, ends, commander, stage, .. } = self;
+        for (number, (bank, first)) in banks.iter_mut().zip(first).enumerate() {
+            bank.release_all(id, at, |lane, serial| {
+                ends.clear(*first + lane);
+                commander.release(number, serial, at, stage);
+            });
+        }
+    }
+
+    fn silence(&mut self, id: u64, bits: u8, at: Instant) {
+        let Self { banks, first, ends, commander, stage, .. } = self;
+        for (number, (bank, first)) in banks.iter_mut().zip(first).enumerate() {
+            bank.silence(
+                |play| play.is_of(id, bits),
+                at,
+                |lane, serial| {
+                    ends.clear(*first + lane);
+                    commander.release(number, serial, at, stage);
+                },
+            );
+        }
+        self.queue.edit(|event| !matches!(event, Event::Play(play) if play.is_of(id, bits)));
+        if self.banks.iter().all(|bank| bank.only_sounds(|play| play.is_of(id, bits))) {
+            self.stage.shut(self.clock);
+        }
+    }
+}
