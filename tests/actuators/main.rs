@@ -17,3 +17,4 @@ mod race;
 mod shape;
 mod silent;
 mod turner;
+mod turner_orders;

@@ -13,10 +13,10 @@ use pacinian::actuator::shape::{Inverse, Spin, Unreachable};
 use crate::common::{COIN, PAD};
 
 /// Samples a second of the turner, and parts of a sample that are sent.
-const RATE: f64 = 8000.0;
-const PARTS: usize = 6;
+pub const RATE: f64 = 8000.0;
+pub const PARTS: usize = 6;
 
-fn setup(parameters: Parameters, shaping: Shaping) -> Setup {
+pub fn setup(parameters: Parameters, shaping: Shaping) -> Setup {
     let limit = parameters.rated_volts;
     let gravity = 0.0;
     Setup {
@@ -49,14 +49,14 @@ fn cylinder() -> Parameters {
 }
 
 /// A real motor: as fine as can be, with inductance, and gravity where it has any.
-fn plant(parameters: &Parameters, angle: f64) -> Motor {
+pub fn plant(parameters: &Parameters, angle: f64) -> Motor {
     let mut motor = Motor::new(parameters, &Plan::whole(Level::Fine), RATE * PARTS as f64).unwrap();
     motor.place(angle, 0.0);
     motor
 }
 
 /// What is sent for levels, and the speeds of a real motor under it, at the end of each part of a sample.
-fn play(turner: &mut Turner, plant: &mut Motor, levels: &[f64]) -> (Vec<f64>, Vec<f64>) {
+pub fn play(turner: &mut Turner, plant: &mut Motor, levels: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let (mut sent, mut speeds) = (Vec::new(), Vec::new());
     for level in levels {
         let mut parts = [0.0; PARTS];
@@ -71,7 +71,7 @@ fn play(turner: &mut Turner, plant: &mut Motor, levels: &[f64]) -> (Vec<f64>, Ve
     (sent, speeds)
 }
 
-fn raised_cosine(height: f64, seconds: f64) -> Vec<f64> {
+pub fn raised_cosine(height: f64, seconds: f64) -> Vec<f64> {
     let count = (seconds * RATE) as usize;
     (0..=count).map(|n| 0.5 * height * (1.0 - (2.0 * PI * n as f64 / count as f64).cos())).collect()
 }
@@ -417,6 +417,7 @@ fn what_cannot_be_is_refused() {
     assert_eq!(field(Setup { limit: 0.0, ..fine }), "limit");
     assert_eq!(field(Setup { rate: f64::NAN, ..fine }), "rate");
     assert_eq!(field(Setup { look_ahead: Some(2.0), ..fine }), "look_ahead");
+    assert_eq!(field(Setup { compliance: 0.0, ..fine }), "compliance");
     assert_eq!(field(Setup { parameters: Parameters { inertia: 0.0, ..COIN }, ..fine }), "inertia");
     assert!(matches!(Book::new(&Setup { limit: 0.1, ..fine }, 0.25), Err(Unreachable::Start(..))));
     assert!(matches!(Book::new(&fine, f64::NAN), Err(Unreachable::Fault(_))));

@@ -260,8 +260,10 @@ impl Turner {
                 Shaping::Switching => self.switched(speed, current, speeds[1]),
                 _ if self.away && *speeds == [0.0; 3] && self.stands() => 0.0,
                 Shaping::Inverse if self.away => {
+                    // Also the current must have died away: the inverse would take it, and what it is still to do, at once.
                     let off = self.seek.off(speed, current, speeds[0]).abs();
-                    if off < STANDS * self.setup.full_speed() && whole {
+                    let left = (speed - speeds[0]).abs();
+                    if off.max(left) < STANDS * self.setup.full_speed() && whole {
                         self.away = false;
                         self.follow.restart(current);
                         return self.followed(speeds);
