@@ -98,9 +98,11 @@ fn levels_are_caught_up_with_and_then_followed() {
     for parameters in [COIN, PAD] {
         let setup = setup(Parameters { gravity: 0.0, ..parameters }, Shaping::Inverse);
         let mut turner = Turner::new(&setup, 0).unwrap();
+        // Nothing flowed when the order came.
+        let levels = [vec![0.0; 2400], vec![0.25; 5600]].concat();
         turner.order(1600.0, 1, Order::Spin(setup.full_speed()));
         turner.order(4800.0, 1, Order::Release);
-        let (volts, speeds) = play(&mut turner, &mut plant(&setup.parameters, 0.0), &vec![0.25; 8000]);
+        let (volts, speeds) = play(&mut turner, &mut plant(&setup.parameters, 0.0), &levels);
         let (wished, holds) = (0.5 * setup.full_speed(), setup.held_by(0.5 * setup.full_speed()));
         let released = (4800 + turner.late()) * PARTS;
         assert!(speeds[released] > 0.9 * setup.full_speed());
