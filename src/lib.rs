@@ -48,11 +48,12 @@
 //! | [`engine`] | voices, events, mix, output stage, hand-over of plans |
 //! | [`graph`] | a node graph and the passes that turn it into a plan |
 //! | [`score`] | patterns unrolled in time |
+//! | [`feel`] | what the actuators of a rig do, by their models, with what leaves the device |
 //! | [`patch`], [`rig`] | what people write, and its checks |
 //! | [`midi`] | bytes of MIDI into messages, messages into gestures; with the feature `midi` files too |
 //! | [`text`] | problems that point at their line, schemas |
 //! | [`node`] | the node library, one file a node; with the feature `fundsp-nodes` a few units of `fundsp` too |
-//! | [`actuator`] | models of what moves, and which drive makes it do what is wanted; no part of a scene yet |
+//! | [`actuator`] | models of what moves, and which drive makes it do what is wanted, and what it bears |
 //! | [`schedule`] | the sample clock |
 //! | [`dsp`] | blocks that several rooms share |
 
@@ -61,6 +62,7 @@
 pub mod actuator;
 pub mod dsp;
 pub mod engine;
+pub mod feel;
 pub mod graph;
 #[cfg(feature = "io")]
 pub mod io;

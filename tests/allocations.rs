@@ -296,3 +296,27 @@ fn motors_that_are_ordered_about() {
     assert_eq!(total, 0, "allocations and frees");
     assert!(moved > 0.5 && engine.stage().drives().counts_of(0).unwrap().dropped > 1000);
 }
+
+/// What is felt: motors and a coil, however it is cut, once there is room for what comes out.
+#[test]
+fn what_is_felt_takes_no_memory() {
+    use common::scenes::MOTORS;
+    use pacinian::feel::{Feel, Wish};
+    use pacinian::rig::Rig;
+
+    let mut rig = Rig::parse("rig.toml", MOTORS.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let part = pacinian::rig::part::find("eai-c-mf").unwrap();
+    rig.actuators.push(pacinian::rig::Actuator::of_part(part));
+    rig.outputs[0].actuator = Some("eai-c-mf".into());
+    let mut feel = Feel::new(&rig, 3, 48_000.0, &Wish::default()).unwrap();
+    assert_eq!(feel.felt().len(), 3);
+    let frames: Vec<f32> = (0..30_000_u32).map(|n| (n as f32 * 0.013).sin()).collect();
+    let mut felt = Vec::with_capacity(frames.len() * 2);
+    let total = counted(|| {
+        for length in [1, 2, 3, 100, 3000, 7] {
+            frames.chunks(length).for_each(|part| feel.process(part, &mut felt));
+        }
+    });
+    assert_eq!(total, 0, "allocations and frees");
+    assert!(feel.felt().iter().all(|felt| felt.figures().peak > 1.0));
+}

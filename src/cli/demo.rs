@@ -63,7 +63,14 @@ impl Demo {
             (self.output.join("pacinian-demo.wav"), self.output.join("pacinian-demo.svg"));
         check_picture(&svg_path, &loaded)?;
         let mut picture = collector(&loaded, None);
-        let wav = Wav { output: &wav_path, format: Encoding::F32, duration: None, record: true, log: None };
+        let wav = Wav {
+            output: &wav_path,
+            format: Encoding::F32,
+            duration: None,
+            record: true,
+            log: None,
+            felt: None,
+        };
         let rendered = wav.write(&loaded, terminal, |block| picture.push(block))?;
         out::write(&svg_path, picture.svg(&style(&loaded)).as_bytes())?;
         let paint = terminal.out;

@@ -39,7 +39,7 @@ fn unfed(left: &LeftOut) -> Option<&str> {
 }
 
 /// "`t3` to `t8`, `top`": three names or more that count up are told by their ends.
-fn ranges(names: &[&str]) -> String {
+pub(super) fn ranges(names: &[&str]) -> String {
     let split = |name: &str| {
         let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
         Some((stem.to_string(), name[stem.len()..].parse::<u64>().ok()?))

@@ -11,6 +11,7 @@ mod ear;
 mod error;
 mod even;
 mod failure;
+mod feel;
 mod form;
 mod format;
 mod guard;

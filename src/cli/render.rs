@@ -2,16 +2,18 @@
 
 use super::check::json;
 use super::failure::Failure;
+use super::feel::Felt;
 use super::form;
 use super::load::{Loaded, Scene};
 use super::named::Codes;
 use super::perform::{Until, perform};
-use super::place::{check_log, check_wav};
+use super::place::{check_kept, check_log, check_wav};
 use super::problems;
 use super::stop::Stop;
 use super::summary::Summary;
 use super::terminal::Terminal;
 use clap::Args;
+use pacinian::feel::Wish;
 use pacinian::io::error::FileError;
 use pacinian::io::log::{EventLog, Head};
 use pacinian::io::wav::{Encoding, REFRESH, WavSpec, WavWriter};
@@ -24,7 +26,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  pacinian render patches/04-heartbeat.toml --rig rigs/belt.toml -o heartbeat.wav\n  \
-    pacinian render patches/19-countdown.toml -o countdown.wav --log countdown.csv\n\n\
+    pacinian render patches/19-countdown.toml -o countdown.wav --log countdown.csv\n  \
+    pacinian render patches/30-motor.toml --rig rigs/motors.toml -o motor.wav --feel felt.wav\n\n\
     The file plays at any time, also while it is written and when the program is stopped: Ctrl-C completes it as far as it is.\n\
     It ends when the patterns are over and nothing rings any more; patterns without end need --duration or --input.\n\n\
     The log of --log has a first line with patch, seed and rates, and set=\"CONTROL=VALUE;...\" after --set, a second with the names of the columns, and a line for each \
@@ -49,6 +52,13 @@ pub struct Render {
     /// Writes every event that is played to a table too: when, which of which pattern, what was drawn
     #[arg(long, value_name = "FILE.csv")]
     log: Option<PathBuf>,
+    /// Writes what is felt too: what each casing, or contactor on the skin, does by the model of its actuator, in m/s2 (floats that are figures,
+    /// not sound)
+    #[arg(long, value_name = "FILE.wav")]
+    feel: Option<PathBuf>,
+    /// The largest error of what is felt, as a share of what the rated drive makes: models leave out what that allows
+    #[arg(long, value_name = "X", default_value_t = 1e-3, value_parser = share, requires = "feel", allow_negative_numbers = true)]
+    feel_error: f64,
     /// The summary as one JSON object
     #[arg(long)]
     json: bool,
@@ -60,6 +70,13 @@ pub fn seconds(word: &str) -> Result<f64, String> {
         Ok(seconds) if seconds > 0.0 && seconds <= 1e9 => Ok(seconds),
         _ => Err("it must be a number of seconds above 0, at most 1e9".into()),
     }
+}
+
+/// A share of what is felt.
+fn share(word: &str) -> Result<f64, String> {
+    let error = word.parse().map_err(|_| "it must be a number, such as 0.001".to_string())?;
+    let kept = Wish { error }.check().map(|()| error);
+    kept.map_err(|_| "it must be within 1e-9 and 0.5 of what is felt".into())
 }
 
 /// A log that the player and whoever renders both know.
@@ -101,6 +118,7 @@ impl Render {
             duration: self.duration,
             record: false,
             log: self.log.as_deref(),
+            felt: self.feel.as_deref().map(|path| Felt { path, error: self.feel_error }),
         };
         let rendered = wav.write(&loaded, terminal, |_| {})?;
         let summary = &rendered.summary;
@@ -122,6 +140,8 @@ pub struct Wav<'a> {
     pub record: bool,
     /// Where every event goes, if anywhere.
     pub log: Option<&'a Path>,
+    /// Where what is felt goes, if anywhere.
+    pub felt: Option<Felt<'a>>,
 }
 
 /// A WAV file that was written.
@@ -147,9 +167,13 @@ impl Wav<'_> {
         terminal: &Terminal,
         mut also: impl FnMut(&[f32]),
     ) -> Result<Rendered, Failure> {
-        let Self { output, format, duration, record, log } = self;
+        let Self { output, format, duration, record, log, felt } = self;
         check_wav(output, loaded)?;
         log.map_or(Ok(()), |log| check_log(log, output, loaded))?;
+        if let Some(felt) = felt {
+            let others: Vec<&Path> = log.into_iter().chain([output]).collect();
+            check_kept(felt.path, "--feel", &others, Some(loaded))?;
+        }
         let mut player = loaded.player()?;
         if record {
             player.record();
@@ -161,15 +185,20 @@ impl Wav<'_> {
         spec.seed = player.plan().seed;
         spec.title.clone_from(&loaded.patch.title);
         spec.tactors = loaded.tactors();
+        let felt = felt.map(|felt| felt.prepare(loaded, player.plan())).transpose()?;
         let stop = Stop::listen()?;
         // Last, as it empties the file that may be there.
         let log = log.map(|path| Log::create(path, loaded, &mut player)).transpose()?;
         let mut writer = WavWriter::create(output, spec)?;
+        let mut felt = felt.map(|felt| felt.create()).transpose()?;
         let shown = output.display().to_string();
         let mut refreshed = 0;
         let performed = perform(&mut player, loaded, until, &stop, terminal, |_, block| {
             also(block);
             writer.write(block)?;
+            if let Some(felt) = &mut felt {
+                felt.write(block)?;
+            }
             let Some(log) = &log else { return Ok(()) };
             // As often as the WAV file, so that the log of one that is killed goes as far.
             let now = writer.frames() / (REFRESH * u64::from(rate));
@@ -185,11 +214,18 @@ impl Wav<'_> {
         })?;
         let written = writer.finish()?;
         log.map_or(Ok(()), |log| log.get().flush())?;
+        let also_shown = felt.as_ref().map(|felt| felt.shown());
+        let feel = felt.map(|felt| felt.finish(loaded)).transpose()?;
         let seconds = written.frames as f64 / f64::from(rate);
         let ending = if let Some(code) = performed.stopped {
             let problem = Problem {
                 severity: Severity::Warning,
-                ..Problem::of_file(format!("stopped; `{shown}` is complete up to {seconds:.3} s"))
+                ..Problem::of_file(match also_shown {
+                    None => format!("stopped; `{shown}` is complete up to {seconds:.3} s"),
+                    Some(also) => {
+                        format!("stopped; `{shown}` and `{also}` are complete up to {seconds:.3} s")
+                    }
+                })
             };
             terminal.note(&problems::sentence(&problem, terminal));
             Err(Failure::told(code))
@@ -200,7 +236,8 @@ impl Wav<'_> {
         } else {
             Ok(())
         };
-        let summary = Summary::new(loaded, shown, format, &player, &performed, &written);
+        let mut summary = Summary::new(loaded, shown, format, &player, &performed, &written);
+        summary.feel = feel;
         Ok(Rendered { summary, ending, player, stop })
     }
 }

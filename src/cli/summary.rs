@@ -1,5 +1,6 @@
 //! What a rendering turned out to be.
 
+use super::feel::FeelReport;
 use super::held_back::{self, HeldBack};
 use super::input::InputReport;
 use super::left_out::{Left, left_out, left_out_text};
@@ -51,6 +52,8 @@ pub struct Summary {
     events_dropped: u64,
     events_late: u64,
     left_out: Vec<Left>,
+    /// What was felt; null where nobody asked.
+    pub feel: Option<FeelReport>,
     #[serde(skip)]
     left_out_text: String,
 }
@@ -113,6 +116,7 @@ impl Summary {
             events_dropped: counters.dropped,
             events_late: counters.late,
             left_out: left_out(&plan.left_out),
+            feel: None,
             left_out_text: left_out_text(&plan.left_out),
         }
     }
@@ -171,7 +175,7 @@ impl Summary {
         if !self.left_out_text.is_empty() {
             text += &format!("\n{}\n{}", paint.bold("left out, and why"), self.left_out_text);
         }
-        text
+        text + &self.feel.as_ref().map_or(String::new(), |feel| feel.text(paint))
     }
 
     fn peak_lines(&self) -> String {

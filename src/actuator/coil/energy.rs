@@ -1,13 +1,49 @@
 //! Where the energy goes.
 
 use super::model::Model;
+use super::parameters::Coil;
 use super::readout::Outputs;
 use crate::actuator::drive::Drive;
 
+/// What passes the terminals in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Passed {
+    /// Coulombs.
+    pub charge: f64,
+    /// Joules.
+    pub energy: f64,
+}
+
+impl Passed {
+    /// Of a step of `period` seconds with its drive held, from displacement (m) and current (A; any, where the coil stores nothing) before it
+    /// and what is seen at its end. Exact: the voltage is held, and the charge follows from R ∫i dt = V T − L Δi − Bl Δy. Under a current
+    /// drive the coil's own energy, which leaps with the current, is left out.
+    #[inline]
+    pub fn of(
+        coil: &Coil,
+        drive: Drive,
+        period: f64,
+        [displacement, current]: [f64; 2],
+        end: &Outputs,
+    ) -> Self {
+        let moved = coil.force_factor * (end.displacement - displacement);
+        match drive {
+            Drive::Voltage => {
+                let stored = coil.inductance * (end.current - current);
+                let charge = (end.voltage * period - stored - moved) / coil.resistance;
+                Self { charge, energy: end.voltage * charge }
+            }
+            Drive::Current => Self {
+                charge: end.current * period,
+                energy: end.current * (coil.resistance * end.current * period + moved),
+            },
+        }
+    }
+}
+
 /// An account of the energy of a [`Model`]: what its drive supplied, what it holds, what became heat.
 ///
-/// What is supplied over a step is exact: the voltage is held, and the charge follows from R ∫i dt = V T − L Δi − Bl Δy. Under a
-/// current drive the coil's own energy, which leaps with the current, is left out on both sides.
+/// What is supplied over a step is exact, see [`Passed`]. Under a current drive the coil's own energy is left out on both sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ledger {
     /// Joules at the beginning.
@@ -28,15 +64,8 @@ impl Ledger {
     pub fn step(&mut self, model: &mut Model, drive: f64) -> Outputs {
         let (coil, before) = (model.plant().coil(), model.state());
         let outputs = model.step(drive);
-        let (after, period) = (model.state(), model.period());
-        let moved = coil.force_factor * (after.displacement - before.displacement);
-        self.supplied += match model.drive() {
-            Drive::Voltage => {
-                let (volts, stored) = (outputs.voltage, coil.inductance * (after.current - before.current));
-                volts * (volts * period - stored - moved) / coil.resistance
-            }
-            Drive::Current => outputs.current * (coil.resistance * outputs.current * period + moved),
-        };
+        let before = [before.displacement, before.current];
+        self.supplied += Passed::of(&coil, model.drive(), model.period(), before, &outputs).energy;
         self.stored = model.energy();
         outputs
     }

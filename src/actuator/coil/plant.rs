@@ -111,6 +111,23 @@ impl Plant {
         })
     }
 
+    /// Whether its coil shakes a casing; else it moves a contactor in a housing that is held.
+    pub fn shakes(&self) -> bool {
+        matches!(self.kind, Kind::Inertial(_))
+    }
+
+    /// The same without inductance: the current follows the voltage at once.
+    #[must_use]
+    pub fn without_inductance(&self) -> Self {
+        let mut plant = *self;
+        plant.coil.inductance = 0.0;
+        match &mut plant.kind {
+            Kind::Tactor(tactor) => tactor.coil.inductance = 0.0,
+            Kind::Inertial(inertial) => inertial.coil.inductance = 0.0,
+        }
+        plant
+    }
+
     /// Its coil.
     pub fn coil(&self) -> Coil {
         self.coil

@@ -17,6 +17,8 @@ pub struct Outputs {
     pub force: f64,
     /// Acceleration of the casing, metres a second squared; 0 for a tactor, whose housing is held.
     pub casing: f64,
+    /// Velocity of the casing, metres a second; 0 for a tactor.
+    pub casing_velocity: f64,
     /// Amperes.
     pub current: f64,
     /// At the terminals, volts. A current drive's leap through the inductance is not in it.
@@ -37,6 +39,7 @@ pub(super) struct Readout<const N: usize> {
     acceleration: Row<N>,
     force: Row<N>,
     casing: Row<N>,
+    casing_velocity: Row<N>,
     current: Row<N>,
     voltage: Row<N>,
 }
@@ -75,7 +78,7 @@ impl<const N: usize> Readout<N> {
         let coil = plant.coil;
         let acceleration = Row::of_system(system, 1);
         let two = plant.bodies == 2;
-        let (mut force, mut casing) = (Row::NONE, Row::NONE);
+        let (mut force, mut casing, mut casing_velocity) = (Row::NONE, Row::NONE, Row::NONE);
         match &plant.kind {
             Kind::Tactor(_) if !touched => force.steady = -preload,
             Kind::Tactor(v) => {
@@ -91,10 +94,11 @@ impl<const N: usize> Readout<N> {
             }
             Kind::Inertial(m) => {
                 let total = m.casing_mass + m.hand.mass;
-                casing = if two {
-                    Row::of_system(system, 3)
+                (casing, casing_velocity) = if two {
+                    (Row::of_system(system, 3), Row::NONE.plus(3, 1.0))
                 } else {
-                    acceleration.times(-m.slug_mass / (m.slug_mass + total))
+                    let share = -m.slug_mass / (m.slug_mass + total);
+                    (acceleration.times(share), Row::NONE.plus(1, share))
                 };
                 force = casing.times(m.hand.mass);
                 if two {
@@ -118,7 +122,7 @@ impl<const N: usize> Readout<N> {
                 };
             }
         }
-        Self { acceleration, force, casing, current, voltage }
+        Self { acceleration, force, casing, casing_velocity, current, voltage }
     }
 
     #[inline(always)]
@@ -129,6 +133,7 @@ impl<const N: usize> Readout<N> {
             acceleration: self.acceleration.read(x, drive),
             force: self.force.read(x, drive),
             casing: self.casing.read(x, drive),
+            casing_velocity: self.casing_velocity.read(x, drive),
             current: self.current.read(x, drive),
             voltage: self.voltage.read(x, drive),
         }

@@ -80,6 +80,11 @@ impl Mount {
         std::array::from_fn(|n| self.axes[n].y[0] - self.share * self.shape[n][0])
     }
 
+    /// Their derivatives, m/s.
+    pub fn velocity(&self) -> [f64; 2] {
+        std::array::from_fn(|n| self.axes[n].y[1] - self.share * self.shape[n][1])
+    }
+
     /// Their second derivatives, m/s², given the acceleration that the mass alone would make.
     pub fn acceleration(&self, alone: [f64; 2]) -> [f64; 2] {
         std::array::from_fn(|n| {

@@ -74,6 +74,36 @@ impl<const BOOKED: bool> Motor<BOOKED> {
         }
     }
 
+    /// What the mass has given the casing so far, sideways and upward, N s, without its weight: the integral of [`Reading::force`] from rest
+    /// on, −m_e r (ω cos θ, ω sin θ). Whatever the plan leaves out.
+    #[inline]
+    pub fn impulse(&self) -> [f64; 2] {
+        let (phase, lever) = (self.state.phase, self.parameters.eccentric * self.state.speed);
+        [-lever * cosine(phase), -lever * sine(phase)]
+    }
+
+    /// Velocity of the casing, m/s: the integral of [`Reading::acceleration`]. 0 where the plan leaves the casing out.
+    #[inline]
+    pub fn casing_velocity(&self) -> [f64; 2] {
+        match (self.parameters.casing, &self.mount) {
+            (Casing::Free { mass }, _) if self.plan.casing => self.impulse().map(|given| given / mass),
+            (Casing::Suspended { .. }, Some(mount)) => mount.velocity(),
+            _ => [0.0; 2],
+        }
+    }
+
+    /// By how much the mass has turned since it hung straight down, whole turns included, rad.
+    #[inline]
+    pub fn turned(&self) -> f64 {
+        std::f64::consts::TAU * (self.state.turns + self.state.phase)
+    }
+
+    /// At the terminals, V.
+    #[inline]
+    pub fn voltage(&self) -> f64 {
+        self.terminal()
+    }
+
     /// rad/s².
     pub fn angular_acceleration(&self) -> f64 {
         if self.grip == Grip::Sticks { 0.0 } else { self.turns_by(self.gravity(self.state.phase)) }

@@ -1,5 +1,6 @@
 //! Samples to bytes: clamping, dither, packing.
 
+use super::WavSpec;
 use crate::dsp::random;
 use std::fmt;
 use std::str::FromStr;
@@ -67,21 +68,21 @@ pub(super) struct Tally {
     pub non_finite: u64,
 }
 
-/// Appends whole frames to `out`. `first` is the number of the first frame; the bytes depend on it, on `seed` and on the
+/// Appends whole frames to `out`. `first` is the number of the first frame; the bytes depend on it, on `spec` and on the
 /// samples alone, so it does not matter how a run is cut.
-pub(super) fn encode(
-    encoding: Encoding,
-    channels: usize,
-    seed: u64,
-    first: u64,
-    samples: &[f32],
-    out: &mut Vec<u8>,
-) -> Tally {
+pub(super) fn encode(spec: &WavSpec, first: u64, samples: &[f32], out: &mut Vec<u8>) -> Tally {
+    let WavSpec { channels, encoding, seed, unbounded, .. } = *spec;
     let mut tally = Tally::default();
     let start = out.len();
     out.resize(start + samples.len() * encoding.bytes(), 0);
     let bytes = &mut out[start..];
     match encoding {
+        Encoding::F32 if unbounded => {
+            for (&x, word) in samples.iter().zip(bytes.chunks_exact_mut(4)) {
+                tally.non_finite += u64::from(!x.is_finite());
+                word.copy_from_slice(&if x.is_finite() { x } else { 0.0 }.to_le_bytes());
+            }
+        }
         Encoding::F32 => {
             // Counters of a sample's width let the compiler take several samples at a time.
             for (samples, bytes) in samples.chunks(1 << 16).zip(bytes.chunks_mut(4 << 16)) {
@@ -157,12 +158,13 @@ fn dithered(x: f32, full_scale: f64, noise: u32) -> i32 {
 
 #[cfg(test)]
 mod tests {
-    use super::{DITHER, Encoding, encode};
+    use super::{DITHER, Encoding, WavSpec, encode};
     use crate::dsp::random;
 
     fn i16s(channels: usize, seed: u64, first: u64, samples: &[f32]) -> Vec<i16> {
         let mut out = Vec::new();
-        encode(Encoding::I16, channels, seed, first, samples, &mut out);
+        let spec = WavSpec { seed, ..WavSpec::new(channels, 8000, Encoding::I16) };
+        encode(&spec, first, samples, &mut out);
         out.chunks_exact(2).map(|b| i16::from_le_bytes([b[0], b[1]])).collect()
     }
 
@@ -215,22 +217,27 @@ mod tests {
         let x = [0.5, 1.5, f32::NAN, -2.0, f32::INFINITY, -1.0, f32::NEG_INFINITY, f32::MIN];
         for encoding in [Encoding::F32, Encoding::I24, Encoding::I16] {
             let mut out = Vec::new();
-            let tally = encode(encoding, 2, 0, 0, &x, &mut out);
+            let tally = encode(&WavSpec::new(2, 8000, encoding), 0, &x, &mut out);
             assert_eq!((tally.clipped, tally.non_finite), (3, 3), "{encoding}");
             assert_eq!(out.len(), 8 * encoding.bytes());
         }
-        let mut out = Vec::new();
-        encode(Encoding::F32, 1, 0, 0, &x, &mut out);
-        let kept: Vec<f32> =
-            out.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-        assert_eq!(kept, [0.5, 1.0, 0.0, -1.0, 0.0, -1.0, 0.0, -1.0]);
+        let kept = |unbounded: bool| {
+            let mut out = Vec::new();
+            let spec = WavSpec { unbounded, ..WavSpec::new(1, 8000, Encoding::F32) };
+            let tally = encode(&spec, 0, &x, &mut out);
+            let read = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+            (out.chunks_exact(4).map(read).collect::<Vec<f32>>(), tally.clipped, tally.non_finite)
+        };
+        assert_eq!(kept(false), (vec![0.5, 1.0, 0.0, -1.0, 0.0, -1.0, 0.0, -1.0], 3, 3));
+        assert_eq!(kept(true), (vec![0.5, 1.5, 0.0, -2.0, 0.0, -1.0, 0.0, f32::MIN], 0, 3), "figures stay");
     }
 
     #[test]
     fn an_i24_is_within_a_step_and_a_half() {
         let x: Vec<f32> = (0..5000).map(|i| (i as f32 * 0.013).sin() * 0.9).collect();
         let mut out = Vec::new();
-        encode(Encoding::I24, 1, 5, 0, &x, &mut out);
+        let spec = WavSpec { seed: 5, ..WavSpec::new(1, 8000, Encoding::I24) };
+        encode(&spec, 0, &x, &mut out);
         for (x, b) in x.iter().zip(out.chunks_exact(3)) {
             let q = i32::from_le_bytes([0, b[0], b[1], b[2]]) >> 8;
             assert!((f64::from(q) - f64::from(*x) * 8_388_608.0).abs() <= 1.5);

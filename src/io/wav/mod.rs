@@ -28,12 +28,22 @@ pub struct WavSpec {
     /// Names of the tactors in the order of the channels, kept as the file's comment (`ICMT`): a line for each, such as
     /// `3: wrist`. None if empty. Of each, 128 bytes at most are kept.
     pub tactors: Vec<String>,
+    /// Whether floats beyond ±1 stay as they are: figures in a unit rather than sound. Integers are clamped all the same.
+    pub unbounded: bool,
 }
 
 impl WavSpec {
     /// A nameless file.
     pub fn new(channels: usize, rate: u32, encoding: Encoding) -> Self {
-        Self { channels, rate, encoding, seed: 0, title: String::new(), tactors: Vec::new() }
+        Self {
+            channels,
+            rate,
+            encoding,
+            seed: 0,
+            title: String::new(),
+            tactors: Vec::new(),
+            unbounded: false,
+        }
     }
 
     /// Whether a WAV file can be like this.

@@ -18,8 +18,9 @@ pub const REFRESH: u64 = 2;
 /// The sink is written from its start. Every two seconds of sound the sizes in the header are brought up to date, so whatever
 /// ends the program leaves a file that plays up to there. Past 4 GiB the file becomes RF64 in place.
 ///
-/// Samples beyond full scale (±1) are clamped and those that are not finite become 0; both are counted. Integers are
-/// dithered, see [`WavSpec::seed`]; an integer file's topmost step stands for +1.0, which is not counted as clipped.
+/// Samples beyond full scale (±1) are clamped, unless they are figures ([`WavSpec::unbounded`]), and those that are not finite become 0;
+/// both are counted. Integers are dithered, see [`WavSpec::seed`]; an integer file's topmost step stands for +1.0, which is not counted as
+/// clipped.
 ///
 /// [`finish`](Self::finish) tells of errors; a drop does the same work and cannot.
 #[derive(Debug)]
@@ -143,8 +144,7 @@ impl<W: Write + Seek> WavWriter<W> {
             let due = (self.refreshed + self.refresh).saturating_sub(self.frames).max(1);
             let frames = room.min(rest.len() / channels).min(usize::try_from(due).unwrap_or(usize::MAX));
             let (now, later) = rest.split_at(frames * channels);
-            let tally =
-                encode(self.spec.encoding, channels, self.spec.seed, self.frames, now, &mut self.buffer);
+            let tally = encode(&self.spec, self.frames, now, &mut self.buffer);
             self.tally.clipped += tally.clipped;
             self.tally.non_finite += tally.non_finite;
             self.frames += frames as u64;

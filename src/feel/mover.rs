@@ -1,0 +1,129 @@
+//! The model of an actuator, as much of it as is needed.
+
+use super::figures::Figures;
+use super::heat::Heat;
+use super::left::Left;
+use super::spinner::{Spinner, plan};
+use super::swinger::Swinger;
+use super::trace::{Axis, Unit};
+use crate::actuator::coil::plant::Plant;
+use crate::actuator::drive::Drive;
+use crate::actuator::fault::Fault;
+use crate::actuator::link::amplifier::Amplifier;
+use crate::actuator::motor::{Casing, GRAVITY, Level, Part};
+use crate::rig::{Actuator, Model, Output, OutputKind};
+
+/// A model that moves, and what of it was chosen.
+#[derive(Debug, Clone)]
+pub(super) struct Mover {
+    moves: Moves,
+    pub axes: &'static [Axis],
+    pub unit: Unit,
+    pub level: Option<Level>,
+    pub steps: u32,
+    pub left_out: Vec<Left>,
+}
+
+#[derive(Debug, Clone)]
+enum Moves {
+    Coil(Box<Swinger>),
+    /// And whether the resistance of its winding is known.
+    Motor(Box<Spinner>, bool),
+}
+
+/// What an output for the skin holds nothing beyond, Hz.
+const BAND: f64 = 1000.0;
+
+impl Mover {
+    /// The least that grants an error; `None` where a figure is missing.
+    ///
+    /// # Errors
+    /// A figure that cannot be.
+    pub fn new(
+        actuator: &Actuator,
+        output: &Output,
+        amplifier: &Amplifier,
+        rate: f64,
+        error: f64,
+    ) -> Result<Option<Self>, Fault> {
+        let heat = Heat::new(actuator.cooling().as_ref(), 1.0 / rate)?;
+        if actuator.model == Model::RumbleMotor {
+            let Ok(mut parameters) = actuator.rumble_motor() else { return Ok(None) };
+            let tilt = if let OutputKind::Drive(turning) = &output.kind { turning.tilt } else { None };
+            // Where the posture is unknown the plan says so, and leaves it out.
+            parameters.gravity = tilt.map_or(GRAVITY, |tilt| (GRAVITY * tilt.cos()).abs());
+            let chosen = plan(&parameters, rate, error, tilt.is_some());
+            // Where nothing moves, that is told as force.
+            let left = chosen.0.left_out.into_iter().flatten().filter(|left| left.part != Part::Casing);
+            let spinner = Spinner::new(&parameters, chosen, amplifier, rate, heat)?;
+            // Of a motor that is known from outside, the resistance stands for no real one.
+            let resistance = actuator.value("torque_constant").is_some();
+            return Ok(Some(Self {
+                moves: Moves::Motor(Box::new(spinner), resistance),
+                axes: &[Axis::Across, Axis::Upright],
+                unit: if parameters.casing == Casing::Held { Unit::Force } else { Unit::Acceleration },
+                level: Some(chosen.0.level),
+                steps: chosen.1,
+                left_out: left.map(Left::Motor).collect(),
+            }));
+        }
+        let Ok(mut plant) = actuator.coil() else { return Ok(None) };
+        let band = if output.kind == OutputKind::Vibration { BAND } else { 0.5 * rate };
+        let left = needless(&plant, amplifier, band, error);
+        if left.is_some() {
+            plant = plant.without_inductance();
+        }
+        let swinger = Swinger::new(&plant, amplifier, rate, heat)?;
+        Ok(Some(Self {
+            moves: Moves::Coil(Box::new(swinger)),
+            axes: if plant.shakes() { &[Axis::Casing] } else { &[Axis::Contactor] },
+            unit: Unit::Acceleration,
+            level: None,
+            steps: 1,
+            left_out: left.into_iter().collect(),
+        }))
+    }
+
+    /// Holds each drive (V or A) for a sample, and says what is felt on its axes over each.
+    pub fn run(&mut self, drives: &[f64], felt: &mut [[f64; 2]]) {
+        match &mut self.moves {
+            Moves::Coil(swinger) => swinger.run(drives, felt),
+            Moves::Motor(spinner, _) => spinner.run(drives, felt),
+        }
+    }
+
+    /// Enters what only the model knows.
+    pub fn fill_in(&self, figures: &mut Figures, stroke: Option<f64>) {
+        let [limited, masked] = match &self.moves {
+            Moves::Coil(swinger) => {
+                figures.farthest = Some(swinger.farthest());
+                figures.of_stroke = stroke.map(|stroke| swinger.farthest() / stroke);
+                figures.energy = Some(swinger.energy());
+                figures.warmest = swinger.warmest();
+                swinger.counts()
+            }
+            Moves::Motor(spinner, resistance) => {
+                figures.fastest = Some(spinner.fastest());
+                figures.energy = resistance.then(|| spinner.energy());
+                figures.warmest = spinner.warmest().filter(|_| *resistance);
+                spinner.counts()
+            }
+        };
+        figures.counts.limited += limited;
+        figures.counts.masked += masked;
+    }
+}
+
+/// Why the inductance of a coil is not needed. With it, what a volt does is divided by 1 + s L/Z, and |Z| is no less than the resistance, as
+/// what moves takes energy and gives none: so it changes that by no more than ω L/R.
+fn needless(plant: &Plant, amplifier: &Amplifier, band: f64, error: f64) -> Option<Left> {
+    let coil = plant.coil();
+    if coil.inductance == 0.0 {
+        return None;
+    }
+    if amplifier.drive == Drive::Current {
+        return amplifier.volts.is_none().then_some(Left::Imposed);
+    }
+    let share = std::f64::consts::TAU * band * coil.inductance / coil.resistance;
+    (share <= error).then_some(Left::Small(share))
+}

@@ -1,0 +1,144 @@
+//! A rumble motor on an output.
+
+use super::heat::Heat;
+use crate::actuator::drive::Drive as Imposed;
+use crate::actuator::fault::Fault;
+use crate::actuator::link::amplifier::Amplifier;
+use crate::actuator::motor::{Casing, Drive, Level, Motor, Parameters, Plan, Wish};
+
+/// A rumble motor, what drives it, and what is seen of it.
+#[derive(Debug, Clone)]
+pub(super) struct Spinner {
+    motor: Motor<false>,
+    /// Steps of the motor for each sample.
+    steps: u32,
+    rate: f64,
+    /// The most volts of a source that imposes a current; `None`: it imposes a voltage.
+    compliance: Option<f64>,
+    /// Whether nothing moves, so that force is told.
+    held: bool,
+    /// Velocity of the casing, or impulse on what holds it.
+    given: [f64; 2],
+    current: f64,
+    turned: f64,
+    fastest: f64,
+    energy: f64,
+    heat: Heat,
+    /// Samples at whose end a source that imposes a current was at its limit.
+    limited: u64,
+}
+
+/// Steps for each sample, at most.
+const MOST_STEPS: u32 = 16;
+/// The springs of a casing see the mass between the ends of a step as a cubic (Hermite): the fourth power of the angle of a step over this is
+/// what that misses of it.
+const CUBIC: f64 = 384.0;
+
+/// The plan that grants a wish at `rate` samples a second, and how many steps a sample takes.
+pub(super) fn plan(parameters: &Parameters, rate: f64, error: f64, posture: bool) -> (Plan, u32) {
+    // What is felt goes with the square of the speed.
+    let wish = Wish { error: 0.5 * error, posture, casing: true };
+    let suspended = matches!(parameters.casing, Casing::Suspended { across, upright, .. }
+        if across.stiffness + across.damping + upright.stiffness + upright.damping > 0.0);
+    let mut steps = 1;
+    loop {
+        let rate = rate * f64::from(steps);
+        let plan = Plan::choose(parameters, rate, &wish);
+        let turned = parameters.rated_speed() / rate;
+        let cubic = if suspended { turned * turned * turned * turned / CUBIC } else { 0.0 };
+        if steps >= MOST_STEPS || (plan.error(parameters, rate) <= wish.error && cubic <= error) {
+            return (plan, steps);
+        }
+        steps *= 2;
+    }
+}
+
+impl Spinner {
+    /// At rest, its mass hanging down, `rate` samples a second.
+    ///
+    /// # Errors
+    /// A parameter or a rate that cannot be.
+    pub fn new(
+        parameters: &Parameters,
+        (plan, steps): (Plan, u32),
+        amplifier: &Amplifier,
+        rate: f64,
+        heat: Heat,
+    ) -> Result<Self, Fault> {
+        let current = amplifier.drive == Imposed::Current;
+        Ok(Self {
+            motor: Motor::new(parameters, &plan, rate * f64::from(steps))?,
+            steps,
+            rate,
+            compliance: current.then_some(amplifier.volts.unwrap_or(f64::INFINITY)),
+            held: parameters.casing == Casing::Held,
+            given: [0.0; 2],
+            current: 0.0,
+            turned: 0.0,
+            fastest: 0.0,
+            energy: 0.0,
+            heat,
+            limited: 0,
+        })
+    }
+
+    /// Holds each drive (V or A) for a sample; the mean acceleration, or force, over each.
+    pub fn run(&mut self, drives: &[f64], felt: &mut [[f64; 2]]) {
+        for (drive, felt) in drives.iter().zip(felt) {
+            self.motor.drive(match self.compliance {
+                None => Drive::Voltage(*drive),
+                Some(limit) => Drive::Current { amperes: *drive, limit },
+            });
+            for _ in 0..self.steps {
+                self.motor.step();
+            }
+            let given = if self.held { self.motor.impulse() } else { self.motor.casing_velocity() };
+            let last = std::mem::replace(&mut self.given, given);
+            *felt = [(given[0] - last[0]) * self.rate, (given[1] - last[1]) * self.rate];
+            self.fastest = self.fastest.max(self.motor.speed().abs());
+            self.book(*drive);
+        }
+    }
+
+    /// What passed the terminals in a sample: at a voltage, R ∫i dt = V T − L Δi − k Δθ, whatever friction did meanwhile. Exact but for samples in
+    /// which a source of current meets its limit.
+    #[inline]
+    fn book(&mut self, drive: f64) {
+        let p = self.motor.parameters();
+        let (current, volts, turned) = (self.motor.current(), self.motor.voltage(), self.motor.turned());
+        let back = p.gain * (turned - self.turned);
+        let charge = if self.compliance.is_some() && current == drive {
+            self.energy += current * (p.resistance * current / self.rate + back);
+            current / self.rate
+        } else {
+            let stores = self.motor.plan().inductance && self.motor.plan().level != Level::Economy;
+            let stored = if stores { p.inductance * (current - self.current) } else { 0.0 };
+            let charge = (volts / self.rate - stored - back) / p.resistance;
+            self.limited += u64::from(self.compliance.is_some());
+            self.energy += volts * charge;
+            charge
+        };
+        self.heat.take(charge * self.rate);
+        (self.current, self.turned) = (current, turned);
+    }
+
+    /// The fastest so far, rad/s.
+    pub fn fastest(&self) -> f64 {
+        self.fastest
+    }
+
+    /// Drawn so far, J.
+    pub fn energy(&self) -> f64 {
+        self.energy
+    }
+
+    /// See [`Heat::warmest`].
+    pub fn warmest(&self) -> Option<f64> {
+        self.heat.warmest()
+    }
+
+    /// Samples at which the amplifier's other limit was met, and drives that the model did not take.
+    pub fn counts(&self) -> [u64; 2] {
+        [self.limited, self.motor.counts().masked]
+    }
+}

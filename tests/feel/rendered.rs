@@ -1,0 +1,161 @@
+//! Through the program.
+
+use crate::program::Scratch;
+use pacinian::feel::{Feel, Wish};
+use pacinian::rig::Rig;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+fn shipped(path: &str) -> String {
+    format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The file holds what the library makes of the rendering, to the bit; so does JSON.
+#[test]
+fn the_file_is_what_the_library_makes_of_the_rendering() {
+    let scratch = Scratch::new("feel");
+    let (patch, rig) = (shipped("patches/30-motor.toml"), shipped("rigs/motors.toml"));
+    let base = ["render", &patch, "--rig", &rig, "-o", "x.wav"];
+    let plain = scratch.run(&[&base[..], &["--json"]].concat()).succeeds().json();
+    assert!(plain["feel"].is_null());
+    let (_, alone) = scratch.wav("x.wav");
+    let words = ["--feel", "felt.wav", "--feel-error", "1e-4"];
+    let said = scratch.run(&[&base[..], &words, &["--json"]].concat()).succeeds().json();
+    let (spec, sent) = scratch.wav("x.wav");
+    // How soon it is noticed that nothing rings any more may differ.
+    let both = sent.len().min(alone.len());
+    assert!(sent[..both] == alone[..both] && both > 3 * 48_000 * 2, "nothing of the rendering is changed");
+    let rig = Rig::parse("r", &std::fs::read(&rig).unwrap()).unwrap().value;
+    let mut feel = Feel::new(&rig, 3, f64::from(spec.sample_rate), &Wish { error: 1e-4 }).unwrap();
+    let mut due = Vec::new();
+    feel.process(&sent, &mut due);
+    let (is, felt) = scratch.wav("felt.wav");
+    assert_eq!((is.channels, is.sample_rate, is.bits_per_sample), (5, spec.sample_rate, 32));
+    assert!(felt == due && felt.iter().any(|x| x.abs() > 10.0), "figures beyond 1 stay");
+    let bytes = std::fs::read(scratch.0.join("felt.wav")).unwrap();
+    let head = String::from_utf8_lossy(&bytes[..2000]).into_owned();
+    for words in ["what is felt, figures in m/s2", "1: fingertip, contactor, m/s2", "3: wrist, upright, m/s2"]
+    {
+        assert!(head.contains(words), "{words}");
+    }
+    let said = &said["feel"];
+    assert_eq!((&said["file"], &said["error"]), (&"felt.wav".into(), &1e-4.into()));
+    assert_eq!(said["frames"].as_u64(), Some(sent.len() as u64 / 3));
+    let (channels, outputs) = (said["channels"].as_array().unwrap(), said["outputs"].as_array().unwrap());
+    assert_eq!((channels.len(), outputs.len()), (5, 3));
+    assert_eq!(channels[4]["output"], "grip");
+    for (said, felt) in outputs.iter().zip(feel.felt()) {
+        let figures = felt.figures();
+        for (key, due) in [
+            ("peak", Some(figures.peak)),
+            ("peak_at", Some(figures.peak_at)),
+            ("rms", Some(figures.rms)),
+            ("farthest", figures.farthest),
+            ("fastest", figures.fastest),
+            ("energy", figures.energy),
+        ] {
+            assert_eq!(said[key].as_f64(), due, "{key} of {}", felt.output);
+        }
+        assert_eq!(said["output"], felt.output.as_str());
+        assert_eq!(said["channel"], felt.channel as u64 + 1);
+        assert_eq!(said["level"].is_null(), felt.level().is_none());
+    }
+    let text = scratch.run(&[&base[..], &words].concat()).succeeds().out.clone();
+    for words in [
+        "felt.wav, what is felt",
+        "2, 3  wrist: across, upright, m/s2",
+        "nobody said how the device is held (`grip`)",
+        "of the 10 figures of `coin` nobody measured any",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}
+
+/// A bracelet of known coils behind a jack; what is not known of the others is told beside.
+#[test]
+fn what_is_known_is_felt_and_the_rest_is_told() {
+    let scratch = Scratch::new("feel-some");
+    let bracelet = std::fs::read_to_string(shipped("rigs/bracelet.toml")).unwrap();
+    let measured = bracelet.replace("[device]\n", "[device]\nfull_scale_volts = 1.0\n");
+    let known = "[actuator.known]\npart = \"vybronics-vg0832013d\"\n[[tactor]]";
+    let known =
+        measured.replacen("[[tactor]]", known, 1).replacen("actuator = \"coil\"", "actuator = \"known\"", 1);
+    scratch.write("some.toml", known);
+    let run = scratch.run(&["render", "good.toml", "--rig", "some.toml", "-o", "x.wav", "--feel", "f.wav"]);
+    let place = &run.err;
+    assert!(run.code == Some(65) && place.contains("t2"), "the patch means t2: {place}");
+    let patch =
+        std::fs::read_to_string(scratch.0.join("good.toml")).unwrap().replace("\"t2\"", "\"outside\"");
+    scratch.write("wrist.toml", patch);
+    let base = ["render", "wrist.toml", "--rig", "some.toml", "-o", "x.wav", "--feel", "f.wav"];
+    let text = scratch.run(&base).succeeds().out.clone();
+    for words in [
+        "1  inside: casing, m/s2",
+        "`outside`: actuator `coil` (voice-coil) lacks `resistance`",
+        "lets steady voltages through",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    let said = scratch.run(&[&base[..], &["--json"]].concat()).succeeds().json();
+    assert_eq!(said["feel"]["not_felt"][0]["output"], "outside");
+    assert_eq!(scratch.wav("f.wav").0.channels, 1);
+    // Of the shipped bracelet nothing is: everything that is missing, once, at its line.
+    scratch.write("bracelet.toml", bracelet);
+    let run =
+        scratch.run(&["render", "wrist.toml", "--rig", "bracelet.toml", "-o", "y.wav", "--feel", "g.wav"]);
+    run.fails(
+        78,
+        &[
+            "nothing is felt: of no output of bracelet.toml",
+            "full_scale_volts",
+            "bracelet.toml:23:1",
+            "`pacinian parts`",
+        ],
+    );
+    assert_eq!(run.err.matches("lacks").count(), 1, "{}", run.err);
+    assert!(!scratch.0.join("y.wav").exists() && !scratch.0.join("g.wav").exists());
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_before_a_file_is_made() {
+    let scratch = Scratch::new("feel-no");
+    let (patch, rig) = (shipped("patches/30-motor.toml"), shipped("rigs/motors.toml"));
+    let run = |words: &[&str]| {
+        let run = scratch.run(&[&["render", &patch, "--rig", &rig, "-o", "x.wav"], words].concat());
+        assert!(!scratch.0.join("x.wav").exists() && !scratch.0.join("f.wav").exists());
+        run
+    };
+    run(&["--feel", "x.wav"]).fails(2, &["meant for something else", "--feel"]);
+    run(&["--feel", "./x.wav"]).fails(2, &["meant for something else"]);
+    run(&["--feel", "l.wav", "--log", "l.wav"]).fails(2, &["meant for something else"]);
+    run(&["--feel", &rig]).fails(2, &["--feel"]);
+    run(&["--feel", "-"]).fails(2, &["standard output"]);
+    run(&["--feel", "f.csv"]).fails(2, &["WAV", "f.wav"]);
+    run(&["--feel", "no/f.wav"]).fails(73, &["no"]);
+    run(&["--feel-error", "0.1"]).fails(2, &["--feel"]);
+    for error in ["0", "-1", "nan", "2"] {
+        run(&["--feel", "f.wav", "--feel-error", error]).fails(2, &["--feel-error", "0.5"]);
+    }
+    scratch
+        .run(&["render", "good.toml", "-o", "x.wav", "--feel", "f.wav"])
+        .fails(2, &["without a rig", "--rig"]);
+}
+
+/// Ctrl-C leaves both complete, and as long as each other.
+#[test]
+fn both_files_are_complete_when_it_is_stopped() {
+    let scratch = Scratch::new("feel-stop");
+    let (patch, rig) = (shipped("patches/30-motor.toml"), shipped("rigs/motors.toml"));
+    let words = ["render", &patch, "--rig", &rig, "-o", "x.wav", "--feel", "f.wav", "--duration", "1e6"];
+    let mut child = scratch.command(&words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let begin = Instant::now();
+    while !std::fs::metadata(scratch.0.join("f.wav")).is_ok_and(|f| f.len() > 100_000) {
+        assert!(child.try_wait().unwrap().is_none() && begin.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let run = crate::program::Run::of(child.wait_with_output().unwrap());
+    run.fails(130, &["`x.wav` and `f.wav` are complete up to"]);
+    let frames = |name: &str, channels: usize| scratch.wav(name).1.len() / channels;
+    assert!(frames("x.wav", 3) == frames("f.wav", 5) && frames("x.wav", 3) > 10_000);
+}
