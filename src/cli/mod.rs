@@ -17,6 +17,7 @@ mod format;
 mod guard;
 mod hearers;
 mod held_back;
+mod identify;
 mod input;
 mod keep;
 mod latency;
@@ -72,7 +73,8 @@ use terminal::{Terminal, When};
         pacinian play PATCH             play it: at -20 dB on a card that nobody has named, on a virtual one where there is none\n  \
         pacinian format                 what a patch and a rig may say\n  \
         pacinian nodes                  the nodes that voices are made of\n  \
-        pacinian motor PART             what a motor does; pacinian parts lists those that are known\n\n\
+        pacinian motor PART             what a motor does; pacinian parts lists those that are known\n  \
+        pacinian identify RECORDING     what a recording tells of an actuator\n\n\
         Exit codes: 0 all is well, 1 a replay that differs from its recording, 2 the command line, 65 the patch,\n\
         66 a file that is not there, 69 a device, port or address that is not there or does not fit, 70 a bug in pacinian,\n\
         71 what the system does not give (a thread, signals), 73 and 74 a file that cannot be written, a device that fails,\n\
@@ -106,6 +108,7 @@ enum Command {
     Plot(plot::Plot),
     Error(error::Error),
     Motor(motor::Motor),
+    Identify(identify::Identify),
     Parts(parts::Parts),
     Nodes(nodes::Nodes),
     Format(format::Format),
@@ -130,6 +133,7 @@ fn run() -> u8 {
         Command::Plot(plot) => plot.run(&terminal),
         Command::Error(error) => error.run(&terminal),
         Command::Motor(motor) => motor.run(&terminal),
+        Command::Identify(identify) => identify.run(&terminal),
         Command::Parts(parts) => parts.run(&terminal),
         Command::Check(check) => check.run(&terminal),
         Command::Render(render) => render.run(&terminal),

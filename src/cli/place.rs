@@ -126,6 +126,24 @@ pub fn check_made(output: &Path, option: &str, extension: &str, own: &[PathBuf])
     Ok(out::check(output)?)
 }
 
+/// Refuses a WAV file that is made of something else than a patch where nothing good would come of it; `own` is what it is made of.
+///
+/// # Errors
+/// As [`check_wav`].
+pub fn check_sound(output: &Path, option: &str, own: &[PathBuf]) -> Result<(), Failure> {
+    if output.as_os_str() == "-" {
+        let what = "a file whose length is written last cannot go to standard output";
+        return Err(Failure::usage(what, format!("name a file: {option} out.wav")));
+    }
+    if own.iter().any(|file| is_same(file, output)) {
+        let what = format!("`{}` is read for this, so it is not written over", output.display());
+        return Err(Failure::usage(what, format!("choose another file for {option}")));
+    }
+    refuse_messages(output, option)?;
+    check_extension(output, "wav", "sound is WAV", "sox and ffmpeg convert it afterwards")?;
+    Ok(out::check(output)?)
+}
+
 fn check_extension(output: &Path, right: &str, what: &str, help: &str) -> Result<(), Failure> {
     match output.extension() {
         Some(other) if !other.eq_ignore_ascii_case(right) => Err(Failure::usage(

@@ -1,8 +1,9 @@
 //! Error against run time: what a scene should have been, and how far off it is; what actuators do under drives; pictures.
 
 pub mod actuators;
+pub mod align;
 mod compare;
-mod decimate;
+pub mod decimate;
 mod hearing;
 pub mod measure;
 pub mod motion;

@@ -84,13 +84,36 @@ impl Actuator {
         self.values.get(key).copied()
     }
 
-    /// Takes over what a part says and the rig does not.
+    /// Takes over what a part says and the rig does not. Where the rig says of a motor how it moves and not what it is made of, it takes from
+    /// the part how that one moves, too.
     fn fill_in(&mut self, part: &Part) {
-        for (key, value) in &part.values {
+        let is_seen = self.model == Model::RumbleMotor
+            && self.values.contains_key("time_constant")
+            && !self.values.contains_key("torque_constant");
+        let like = |mass: Option<&f64>| {
+            let mut like = Self::of_part(part);
+            like.values.extend(mass.map(|mass| ("mass", *mass)));
+            like.outside().ok()
+        };
+        let seen = if is_seen { like(self.values.get("mass")) } else { None };
+        for (key, value) in part.values.iter().filter(|(key, _)| !(is_seen && INNER.contains(key))) {
             self.values.entry(key).or_insert(value.value);
+        }
+        for (key, value) in seen.into_iter().flatten() {
+            value.map(|value| self.values.entry(key).or_insert(value));
         }
     }
 }
+
+/// What a motor is made of, which what is seen of it from outside takes the place of.
+const INNER: [&str; 6] = [
+    "torque_constant",
+    "inertia",
+    "viscous_friction",
+    "coulomb_friction",
+    "static_friction",
+    "eccentric_moment",
+];
 
 /// A peaking filter.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -140,6 +140,21 @@ impl Actuator {
         Ok(parameters)
     }
 
+    /// What of a motor can be told from outside, by what it is made of: `time_constant` and what goes with it.
+    ///
+    /// # Errors
+    /// As [`Actuator::rumble_motor`].
+    pub fn outside(&self) -> Result<[(&'static str, Option<f64>); 5], Lack> {
+        let p = self.rumble_motor()?;
+        Ok([
+            ("time_constant", Some(p.mechanical_time())),
+            ("speed_per_volt", Some(p.gain / (p.resistance * p.damping()))),
+            ("running_volts", Some(p.coulomb * p.resistance / p.gain)),
+            ("start_volts", Some(p.stiction * p.resistance / p.gain)),
+            ("eccentric_per_mass", p.casing.mass().map(|mass| p.eccentric / mass)),
+        ])
+    }
+
     fn casing(&self) -> Casing {
         let Some(mass) = self.value("mass") else { return Casing::Held };
         match self.value("mount_stiffness") {
@@ -167,6 +182,14 @@ impl Rig {
     pub fn wiring(&self, output: &Output) -> Option<Result<Wiring, Problem>> {
         let OutputKind::Drive(turning) = output.kind else { return None };
         Some(self.wire(output, turning))
+    }
+
+    /// Whether figures of its motor are missing.
+    pub(super) fn is_unfinished(&self, output: &Output) -> bool {
+        let motor = output.actuator.as_ref().and_then(|name| self.actuator(name));
+        motor.is_some_and(|motor| {
+            motor.model == Model::RumbleMotor && matches!(motor.rumble_motor(), Err(Lack::Figure(_)))
+        })
     }
 
     fn wire(&self, output: &Output, turning: Turning) -> Result<Wiring, Problem> {

@@ -91,6 +91,12 @@ pub fn fields() -> impl Iterator<Item = &'static Field> {
     FIELDS.iter()
 }
 
+/// Whether actuators of a model have a figure.
+pub fn has(model: Model, key: &str) -> bool {
+    let place = quantity::FIELDS.iter().position(|field| field.key == key);
+    place.is_some_and(|place| quantity::MODELS[place].is_empty() || quantity::MODELS[place].contains(&model))
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {

@@ -128,7 +128,9 @@ pub const TOPICS: &[Topic] = &[
                acceleration of its casing), as far as amplifier and actuator bear it. A resonance that is moved to a low quality also begins and \
                ends faster: what starts is overdriven and what stops is braked, within the limits. `pacinian check` says what became of it. Its figures say how it moves \
                (what a drive needs, and `pacinian motor` shows) and what it bears (see [[output]]); `part` names one that ships, and figures that are \
-               given go before its own. The models:\n\n\
+               given go before its own; `pacinian identify` finds figures in a recording. Of a motor either what it is made of is given \
+               (`torque_constant` and what goes with it), or how it is seen to move (`time_constant` and what goes with it), which goes before \
+               what its part is made of. The models:\n\n\
                - `generic`: nothing is known of it\n\
                - `voice-coil`: a coil that pushes the skin itself\n\
                - `inertial-motor`: a mass on a spring, moved by a coil; an exciter\n\

@@ -79,6 +79,37 @@ fn a_motor_known_from_outside_moves_as_it_was_seen_to() {
     near(p.rated_acceleration().unwrap(), 7e-6 * (600.0_f64 * 2.6).powi(2));
 }
 
+/// How a motor is seen to move goes before what its part is made of; what is not seen is as that part's, on what the rig says that it moves.
+#[test]
+fn what_was_seen_of_a_motor_goes_before_its_part() {
+    let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    let of = |more: &str| wiring([DEVICE, BRIDGE, &format!("{COIN}\n{more}"), WIRED]).parameters;
+    let part = of("mass = 0.05");
+    let running = part.coulomb * part.resistance / part.gain;
+    let seen = of("mass = 0.05\ntime_constant = 0.02\nspeed_per_volt = 500");
+    near(seen.mechanical_time(), 0.02);
+    near(seen.steady_speed(3.0), 500.0 * (3.0 - running));
+    near(seen.start_volts(), part.start_volts());
+    near(seen.eccentric / seen.casing.mass().unwrap(), 7.3e-7 / 0.05);
+    // Who says what it is made of after all is believed.
+    let made = of("time_constant = 0.02\ntorque_constant = 1e-3");
+    assert_eq!((made.gain, made.inertia, made.resistance), (1e-3, 1.8e-9, 30.0));
+}
+
+/// Who is about to measure a motor has a rig without its figures; everything else must be right.
+#[test]
+fn a_draft_may_lack_what_a_motor_is_made_of() {
+    let bare = "model = \"rumble-motor\"\nrated_volts = 3";
+    let draft = |parts| Rig::draft("r.toml", source(parts).as_bytes());
+    assert!(refused([DEVICE, BRIDGE, bare, WIRED]).contains("lacks `resistance`"));
+    assert_eq!(draft([DEVICE, BRIDGE, bare, WIRED]).unwrap().value.outputs[0].name, "wrist");
+    assert!(draft([DEVICE, BRIDGE, "model = \"rumble-motor\"\nrated_volts = -3", WIRED]).is_err());
+    assert!(draft([DEVICE, "gain = 0\ncoupling = \"dc\"", COIN, WIRED]).is_err());
+    assert!(draft([DEVICE, BRIDGE, "model = \"lra\"", WIRED]).is_err());
+    let (known, checked) = (draft([DEVICE, BRIDGE, COIN, WIRED]), source([DEVICE, BRIDGE, COIN, WIRED]));
+    assert_eq!(known.unwrap().value, Rig::parse("r.toml", checked.as_bytes()).unwrap().value);
+}
+
 /// What every beginner gets wrong, and everything else that keeps a motor from being turned: said before anything plays, with what helps.
 #[test]
 fn what_cannot_turn_is_refused_with_the_reason() {

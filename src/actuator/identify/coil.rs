@@ -18,6 +18,8 @@ pub(super) struct Electric {
     rate: f64,
 }
 
+/// With less than this share of its mean square left a fit needs no other beside it.
+const GOOD: f64 = 1e-3;
 /// The coil's part of the damping, at first.
 const PARTS: [f64; 3] = [0.2, 0.5, 0.8];
 
@@ -45,9 +47,19 @@ impl Electric {
                 Some(out.iter().zip(current).map(|(y, i)| y + p[5] - i).collect())
             })
         };
-        let starts =
-            PARTS.map(|part| [resistance, resistance * omega * part / q, omega, q / (1.0 - part), 0.0, 0.0]);
-        let best = starts.iter().filter_map(|start| fit(start)).min_by(|a, b| a.left.total_cmp(&b.left))?;
+        // The current comes as late as the acceleration where both went the same way, or with the drive.
+        let starts = [motion.fit.values[3], 0.0].into_iter().flat_map(|late| {
+            PARTS.map(|part| [resistance, resistance * omega * part / q, omega, q / (1.0 - part), late, 0.0])
+        });
+        let mut best: Option<Fit> = None;
+        for start in starts {
+            best = best.into_iter().chain(fit(&start)).min_by(|a, b| a.left.total_cmp(&b.left));
+            let share = |fit: &Fit| fit.left * current.len() as f64 / square(current);
+            if best.as_ref().is_some_and(|best| share(best) < GOOD) {
+                break;
+            }
+        }
+        let best = best?;
         // Where within its sample a current is taken is not known: from both ends.
         let ends = [0.0, LAG / rate].map(|late| {
             let mut start = best.values.clone();
@@ -66,6 +78,10 @@ impl Electric {
         let told = |figure: &dyn Fn(&[f64]) -> f64| (figure(&fit.values), fit.off_of(figure));
         let (resistance, off) = told(&|p| p[0]);
         all.key("resistance", "ohm", resistance, [off; 2]);
+        let (hertz, off) = told(&|p| p[2] / std::f64::consts::TAU);
+        all.aside("open_resonance", "Hz", hertz, off);
+        let (q, off) = told(&|p| p[3]);
+        all.aside("open_q", "1", q, off);
         let (inductance, off) = told(&|p| p[0] * lag(p.get(6)) / self.rate);
         if (inductance - off) * self.rate > SHOWS * resistance {
             all.key("inductance", "H", inductance, [off; 2]);

@@ -69,6 +69,8 @@ impl Identified {
         let off = off[0].max(off[1]);
         if value > 0.0 && off <= WIDEST * value {
             self.told.push(Estimate { name, is_key: true, value, unit, interval });
+        } else if interval[1] <= 0.0 {
+            self.untold(name, "it comes out below 0: there is as good as none of it");
         } else if value.is_finite() && off.is_finite() {
             let [least, most] = interval;
             self.untold(
@@ -116,6 +118,7 @@ mod tests {
         all.key("q", "1", 10.0, [2.9, 1.0]);
         all.key("resistance", "ohm", 10.0, [1.0, 3.1]);
         all.key("inertia", "kg m2", -1e-9, [1e-12, 1e-12]);
+        all.key("viscous_friction", "N m s/rad", -1e-9, [1e-12, 2e-9]);
         all.key("inductance", "H", f64::NAN, [0.0, 0.0]);
         all.aside("delay", "s", -0.1, 3.0);
         assert_eq!(all.told.len(), 2);
@@ -123,6 +126,8 @@ mod tests {
         assert!(q.is_key && q.holds(7.1) && q.holds(11.0) && !q.holds(7.0) && !q.holds(11.1));
         assert!(!all.get("delay").unwrap().is_key);
         assert!(all.why_not("resistance").unwrap().contains("between 9.000e0 and 1.310e1 ohm"));
+        assert!(all.why_not("inertia").unwrap().contains("as good as none"));
+        assert!(all.why_not("viscous_friction").unwrap().contains("between 0.000e0 and 1.000e-9"));
         assert!(all.why_not("inertia").is_some() && all.why_not("q").is_none());
         assert!(all.why_not("inductance").unwrap().contains("nothing"));
         assert!(q.to_string().starts_with("q = 1.00000e1 1 (7.1"), "{q}");

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`motor`] | a rumble motor from the vibration of its casing, its current, its voltage when open |
 //! | [`resonant`] | a voice coil, an inertial or a linear resonant actuator from its acceleration and current |
+//! | [`stimulus`] | drives that tell much: what to play when such a recording is made |
 //! | `estimate` | figures with intervals, and reasons why there are none |
 //! | `recording` | channels, and what is wrong with them |
 //! | `track`, `spin`, `reading` | a motor: following its turns, the law of its speed, what a recording says by that |
@@ -27,6 +28,7 @@ pub mod resonant;
 mod rotor;
 mod spectrum;
 mod spin;
+pub mod stimulus;
 mod track;
 mod winding;
 

@@ -77,6 +77,14 @@ impl Channel<'_> {
         if self.samples.len() != drive.samples.len() {
             return Err(Mistake::Length(name, self.samples.len(), drive.samples.len()));
         }
+        self.usable(name)
+    }
+
+    /// Whether it can be used by itself: numbers, neither silent nor clipped; of a drive, that it changes.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn usable(&self, name: Name) -> Result<(), Mistake> {
         if let Some(at) = self.samples.iter().position(|x| x.abs() > 1e12 || x.is_nan()) {
             return Err(Mistake::NotANumber(name, at));
         }

@@ -62,7 +62,7 @@ const GOOD: f64 = 0.1;
 ///
 /// Rig keys: `resonance`, `q`, `sensitivity` (m/s² a volt at the resonance); with a current `resistance`, `inductance`, and `force_factor` where
 /// the share of the acceleration is known. Those that the recording does not tell are in `untold` of [`Identified`], each with its reason. Beside
-/// keys: `delay`, s, of the recording behind the drive.
+/// keys: `delay`, s, of the recording behind the drive; with a current `open_resonance`, Hz, and `open_q`, those of open terminals.
 ///
 /// # Errors
 /// What is wrong with the recording.

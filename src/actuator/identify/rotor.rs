@@ -249,7 +249,9 @@ fn fit(
         )
     };
     let top = push.samples.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-    let (force, rate) = (law.gain.abs() * top, law.rate.abs());
+    // Where nothing slows it but dry friction, its rate is as good as none.
+    let least = 1.0 / (push.period * push.samples.len() as f64);
+    let (force, rate) = (law.gain.abs() * top, law.rate.abs().max(least));
     let mut steps = vec![1e-6 * law.gain.abs(), 1e-6 * rate];
     let others = [(free.drag, 1e-6 * force), (free.late, 1e-3 * push.period), (free.coast, 1e-4 * rate)];
     steps.extend(others.iter().filter(|(free, _)| *free).map(|(_, step)| *step));

@@ -15,6 +15,7 @@ use clap::{Args, ValueEnum};
 use pacinian::actuator::fault::Fault;
 use pacinian::report::motion::Envelope;
 use pacinian::rig::Model;
+pub use shown::ms;
 use std::path::PathBuf;
 use subject::Subject;
 use written::{Through, Written};

@@ -173,6 +173,25 @@ fn a_current_tells_what_is_absolute() {
     near(&all, "resistance", p.resistance);
 }
 
+/// Nothing but dry friction: the fit ends where viscous friction does, and tells the rest.
+#[test]
+fn a_motor_without_viscous_friction_is_told_too() {
+    let p = Parameters { viscous: 0.0, ..PAD };
+    let run = simulate(&p, 12e3, 0.3, &STAIRS);
+    let noisy = Noise::new(1).add(&run.acceleration, 40.0);
+    let current = Noise::new(1001).add(&run.current, 40.0);
+    let current = Some(run.channel(&current));
+    let all = identify(&Recording { current, mass: p.casing.mass(), ..run.recording(&noisy) }).unwrap();
+    for (name, truth) in absolutes(&p) {
+        if name == "viscous_friction" {
+            let why = all.why_not(name).unwrap();
+            assert!(why.contains("between 0.000e0") || why.contains("as good as none"), "{why}");
+        } else {
+            near(&all, name, truth);
+        }
+    }
+}
+
 /// Any sense, any polarity of the sensor, any unit, and a recording chain that is late by 2.5 ms.
 #[test]
 fn sense_polarity_unit_and_delay_do_not_matter() {

@@ -180,6 +180,26 @@ fn coil_counted(seeds: u64, truth: &Truth) {
     assert!(found.why_not("force_factor").unwrap().contains("share"), "{found:?}");
 }
 
+/// A current that comes as late as the acceleration, as from one recorder; and what moves with open terminals, as the model has it.
+#[test]
+fn a_current_may_be_late_too_and_tells_open_terminals() {
+    let drive = sweep(20.0, 1200.0, 0.4);
+    let truth = &all()[0];
+    let [a, i] = simulate(&truth.plant, true, &drive, 0);
+    let open = truth.plant.resonance(Drive::Current).unwrap();
+    for late in [0, 163] {
+        let later = |x: &[f64]| [vec![0.0; late], x[..x.len() - late].to_vec()].concat();
+        let (a, i) = (Noise::new(1).add(&later(&a), 40.0), Noise::new(2).add(&later(&i), 40.0));
+        let found = identify(&Recording { current: Some(channel(&i)), ..recording(&drive, &a) }).unwrap();
+        near(&found, "resistance", 7.0);
+        assert!(
+            near(&found, "open_resonance", open.hertz) && near(&found, "open_q", open.q),
+            "{late}: {found:?}"
+        );
+        assert!(open.q > 1.1 * truth.what[1].1);
+    }
+}
+
 /// Any polarity, any unit, any delay; what is not calibrated is said.
 #[test]
 fn polarity_unit_and_delay_do_not_matter() {
