@@ -17,7 +17,7 @@ pub static SPEC: NodeSpec = NodeSpec {
              for each of them; elsewhere, and as a signal, it is silence. The newest order of a motor holds, and what was under way \
              is braked first.",
     params: &[],
-    example: r#"home = { type = "drive-home" }"#,
+    example: r#"go = { type = "drive-home" }"#,
 };
 
 /// Eight lanes of silence.

@@ -97,11 +97,13 @@ impl Target {
         let on = |output: &&Output| output.actuator.as_ref() == Some(&actuator.name);
         let output = output.or_else(|| rig.outputs.iter().find(on));
         let amplifier = output.and_then(|output| rig.amplifier(output.amplifier.as_ref()?));
-        if let Some(amplifier) = amplifier.filter(|amplifier| amplifier.drive == Drive::Current) {
-            let what = format!(
-                "amplifier `{}` imposes a current, and figures are found under voltages",
-                amplifier.name
-            );
+        let unfit = amplifier.and_then(|amplifier| match amplifier.drive {
+            Drive::Voltage => None,
+            Drive::Current => Some((amplifier, "imposes a current")),
+            Drive::Bridge { .. } => Some((amplifier, "is a bridge, which is given pulses")),
+        });
+        if let Some((amplifier, why)) = unfit {
+            let what = format!("amplifier `{}` {why}, and figures are found under voltages", amplifier.name);
             return Err(
                 Failure::usage(what, "record it behind an amplifier that imposes a voltage").with_code(78)
             );
