@@ -19,7 +19,7 @@ use pacinian::io::{
 use pacinian::midi::file::Song;
 use pacinian::patch::{self, Events, Patch};
 use pacinian::player::{OpenEvents, Player};
-use pacinian::rig::{RATES, Rig};
+use pacinian::rig::{OutputKind, RATES, Rig, Turning};
 use pacinian::score::EventStream;
 use pacinian::text::{Checked, Origin, Problem, Problems, Severity, Sink, nearest};
 use std::collections::HashSet;
@@ -490,12 +490,18 @@ impl Loaded {
         &self.source.file
     }
 
-    /// Names of the outputs in the order of the channels; "" where nothing hangs.
+    /// Names of the outputs in the order of the channels, and of lines that say which way a bridge turns one; "" where nothing hangs.
     pub fn tactors(&self) -> Vec<String> {
         let mut names = vec![String::new(); self.rig.device.channels as usize];
+        let mut say = |channel: u32, said: String| {
+            if let Some(name) = names.get_mut((channel as usize).wrapping_sub(1)) {
+                *name = said;
+            }
+        };
         for output in &self.rig.outputs {
-            if let Some(name) = names.get_mut((output.channel as usize).wrapping_sub(1)) {
-                name.clone_from(&output.name);
+            say(output.channel, output.name.clone());
+            if let OutputKind::Drive(Turning { direction: Some(line), .. }) = output.kind {
+                say(line, format!("{}, direction", output.name));
             }
         }
         names

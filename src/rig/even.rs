@@ -33,7 +33,12 @@ pub static TABLE: Table = Table {
             "Hz",
             "Where the resonance goes; it stays where it is where nothing is said.",
         ),
-        Field::new("q", Form::number(0.7, 0.3, 50.0), "", "Its quality then: at 0.7 nothing stands out."),
+        Field::new(
+            "q",
+            Form::number(0.7, 0.3, 50.0),
+            "",
+            "Its quality then: at 0.7 nothing stands out. What is felt at the resonance becomes weaker as the quality does: the volts for a quick beginning are what the volts for more would be.",
+        ),
         Field::new(
             "most_db",
             Form::number(12.0, 0.5, 40.0),

@@ -73,7 +73,8 @@ impl Modulator {
             let width = (asked.abs() - 0.5).ceil().max(0.0).min(most);
             let saturates = asked.abs() > most + 0.5;
             self.saturated += u64::from(saturates);
-            self.reverse = if width > 0.0 { asked < 0.0 } else { self.reverse };
+            // At rest both lines are off.
+            self.reverse = width > 0.0 && asked < 0.0;
             self.width = width as u32;
             // What the supply does not give is not made up for.
             self.owed = if saturates { 0.0 } else { asked - width.copysign(asked) };
@@ -168,6 +169,10 @@ mod tests {
         (0..16).for_each(|_| {
             modulator.step(f64::NAN);
         });
+        assert_eq!(modulator.step(0.0), Bridge { on: false, reverse: false });
+        (0..32).for_each(|_| drop(modulator.step(-5.0)));
+        assert_eq!(modulator.step(0.0), Bridge { on: true, reverse: true });
+        (0..48).for_each(|_| drop(modulator.step(0.0)));
         assert_eq!(modulator.step(0.0), Bridge { on: false, reverse: false });
         assert_eq!(Modulator::new(&Switching { period: 1, ..SWITCHING }).unwrap_err().field, "period");
         assert_eq!(Modulator::new(&Switching { supply: 0.0, ..SWITCHING }).unwrap_err().field, "supply");
