@@ -170,9 +170,13 @@ mod tests {
             modulator.step(f64::NAN);
         });
         assert_eq!(modulator.step(0.0), Bridge { on: false, reverse: false });
-        (0..32).for_each(|_| drop(modulator.step(-5.0)));
+        (0..32).for_each(|_| {
+            modulator.step(-5.0);
+        });
         assert_eq!(modulator.step(0.0), Bridge { on: true, reverse: true });
-        (0..48).for_each(|_| drop(modulator.step(0.0)));
+        (0..48).for_each(|_| {
+            modulator.step(0.0);
+        });
         assert_eq!(modulator.step(0.0), Bridge { on: false, reverse: false });
         assert_eq!(Modulator::new(&Switching { period: 1, ..SWITCHING }).unwrap_err().field, "period");
         assert_eq!(Modulator::new(&Switching { supply: 0.0, ..SWITCHING }).unwrap_err().field, "supply");
