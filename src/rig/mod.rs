@@ -5,7 +5,7 @@ mod amplifier;
 mod bounds;
 mod coil;
 pub(crate) mod device;
-pub mod even;
+mod even;
 mod finder;
 mod motor;
 pub(crate) mod output;

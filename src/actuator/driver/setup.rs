@@ -88,7 +88,7 @@ impl Setup {
         }
     }
 
-    /// Volts or amperes that hold a speed (rad/s), gravity aside: of a voltage the same as [`held_by`](crate::actuator::shape::held_by).
+    /// Volts or amperes that hold a speed (rad/s), gravity aside: of a voltage, what spins hold theirs with.
     pub fn held_by(&self, speed: f64) -> f64 {
         let p = &self.parameters;
         let friction = if speed == 0.0 { 0.0 } else { p.coulomb.copysign(speed) };
