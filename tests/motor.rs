@@ -381,7 +381,7 @@ fn coils_have_resonance_bursts_and_an_equaliser() {
     assert!(csv.starts_with("seconds,plain_volts,plain_m_per_s2,overdrive_volts,"), "{}", &csv[..80]);
     roxmltree::Document::parse(&std::fs::read_to_string(scratch.0.join("a.svg")).unwrap()).unwrap();
     let text = scratch.run(&["motor", "lra.toml"]).succeeds().out.clone();
-    for word in ["175.0 Hz", "Q 15.00", "settled", "the equaliser moves"] {
+    for word in ["175.0 Hz", "Q 15.00", "settled", "with the equaliser: resonance moved from 175.0 Hz"] {
         assert!(text.contains(word), "{word}: {text}");
     }
     scratch.run(&["motor", "lra.toml", "--tilt", "0"]).fails(2, &["--tilt is of rumble motors"]);

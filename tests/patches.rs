@@ -282,7 +282,11 @@ fn every_rig_reads_and_every_channel_is_there() {
         assert!(!rig.title.is_empty() && rig.description.len() > 20, "{}", name(&path));
         let mut tactors = rig.outputs.iter().filter(|o| o.kind == OutputKind::Vibration);
         assert!(tactors.all(|o| o.position.is_some()), "{}: a tactor is nowhere", name(&path));
-        let channels: BTreeSet<u32> = rig.outputs.iter().map(|o| o.channel).collect();
+        let lines = rig.outputs.iter().filter_map(|o| match o.kind {
+            OutputKind::Drive(turning) => turning.direction,
+            _ => None,
+        });
+        let channels: BTreeSet<u32> = rig.outputs.iter().map(|o| o.channel).chain(lines).collect();
         assert_eq!(channels, (1..=rig.device.channels).collect(), "{}", name(&path));
     }
 }
