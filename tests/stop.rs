@@ -76,8 +76,9 @@ fn a_terminal_that_is_closed_under_a_shell_does_not_cut_the_output_off() {
     let play = scratch.command(&[&KEPT[..], &["e.jsonl"]].concat());
     let words: Vec<_> =
         std::iter::once(play.get_program()).chain(play.get_args()).map(|w| w.to_str().unwrap()).collect();
+    // The player hears of it from the system too, and may be gone before the shell has come to its trap: so that goes on for a moment.
     let script = format!(
-        "trap 'kill -s HUP $p; sleep 0.02; kill -s HUP $p; wait $p; echo $? > code; exit' HUP; exec 3<&0; {} <&3 & p=$!; wait $p",
+        "trap 'kill -s HUP $p; sleep 0.02; kill -s HUP $p; wait $p; echo $? > code; exit' HUP; exec 3<&0; {} <&3 & p=$!; wait $p; sleep 1",
         words.join(" ")
     );
     let mut shell = Command::new("sh");
