@@ -375,6 +375,10 @@ fn a_mass_is_brought_home_from_wherever_it_hangs() {
     // One of the motors has no tilt: it cannot be sent home, and that is said.
     let said = planned(&rig).unwrap_err().to_string();
     assert!(["`home`", "`pad`", "`gravity`", "tilt"].iter().all(|word| said.contains(word)), "{said}");
+    // Nor can one that is turned by pulses.
+    let pulsed = planned(&bridged(16).replace("direction = 4\n", "direction = 4\ntilt = 0.0\n"));
+    let said = pulsed.unwrap_err().to_string();
+    assert!(["`home`", "`coin`", "pulses"].iter().all(|word| said.contains(word)), "{said}");
     let pad = rig.find("[[output]]\nkind = \"drive\"\nname = \"pad\"").unwrap();
     let alone = format!("{}{}", &rig[..pad], &rig[rig.find("[[tactor]]").unwrap()..]);
     let plan = planned(&alone).unwrap_or_else(|p| panic!("{p}")).plan;

@@ -13,6 +13,8 @@ pub struct EvenReport {
     boost_db: f64,
     /// What kept it from going farther.
     limited: Option<&'static str>,
+    /// Whether so much would have had to be cut that part of the resonance stays.
+    stays: bool,
 }
 
 impl EvenReport {
@@ -31,6 +33,7 @@ impl EvenReport {
                 Limited::Heat => "heat",
                 Limited::Stroke => "stroke",
             }),
+            stays: even.cut_held,
         }
     }
 
@@ -43,13 +46,18 @@ impl EvenReport {
             format!(" at a gain of {:.1} dB", self.gain_db)
         };
         let limited = self.limited.map_or(String::new(), |by| format!(", kept back by {by}"));
-        let boost = if self.boost_db < 0.05 {
-            String::new()
-        } else {
-            format!(", raised by {:.1} dB at most", self.boost_db)
+        let boost = match self.boost_db {
+            less if less < 0.05 => String::new(),
+            boost => {
+                let level = 10f64.powf(-boost / 20.0);
+                format!(
+                    ", raised by {boost:.1} dB at most: above a level of {level:.2} the limiter may take that back"
+                )
+            }
         };
+        let stays = if self.stays { ", part of the resonance stays" } else { "" };
         format!(
-            "resonance moved from {hertz:.1} Hz, Q {q:.2} to {to:.1} Hz, Q {even_q:.2}{gain}{boost}{limited}"
+            "resonance moved from {hertz:.1} Hz, Q {q:.2} to {to:.1} Hz, Q {even_q:.2}{gain}{boost}{limited}{stays}"
         )
     }
 }

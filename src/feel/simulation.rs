@@ -15,8 +15,9 @@ use crate::text::Problem;
 /// no impulse is lost.
 ///
 /// A drive is held for each frame, as models have it; the filter that a real converter has behind that is not simulated. Of a linear model
-/// the mean is what it does where its drive goes in straight lines from sample to sample, a frame late. Both together take (ω/rate)²/12 of
-/// what is felt at a frequency, 0.14 % of 1 kHz at 48 kHz, and below a resonance change it by as much as at that: [`Feel::loses`].
+/// the mean is what it does where its drive goes in straight lines from sample to sample, a frame late. Both together take at most (ω/rate)²/12
+/// of what is felt at a frequency, 0.14 % of 1 kHz at 48 kHz, and below a resonance change it by as much as at that: [`Feel::loses`]. Above a
+/// resonance the images of what is held give most of it back to an acceleration: there it is that of the resonance.
 ///
 /// It does not matter how a run is cut, be it in the middle of a frame. It allocates only where `felt` has no room.
 #[derive(Debug, Clone)]
@@ -92,7 +93,7 @@ impl Feel {
         &self.unfelt
     }
 
-    /// By what share a tone (Hz, at least 0) is weaker than what its actuator would do, as drives are held for a frame and means over it are told:
+    /// By what share, at most, a tone (Hz, at least 0) is weaker than what its actuator would do, as drives are held for a frame and means over it are told:
     /// 1 − (sin x / x)², x = π f/rate.
     pub fn loses(&self, hertz: f64) -> f64 {
         let x = std::f64::consts::PI * hertz / self.rate;

@@ -75,6 +75,17 @@ pub fn homes(
     let sends = |instrument: &&Instrument| instrument.commands().contains(&Command::Home);
     let Some(instrument) = instruments.iter().find(sends) else { return homes };
     for (number, drive) in drives.iter().enumerate() {
+        if drive.bridge.is_some() {
+            let what = format!(
+                "voice `{}` sends motors home, where pulses never bring that of `{}`: each of them shakes its mass loose from where gravity caught it",
+                instrument.name,
+                name_of(rig, drive)
+            );
+            let help =
+                "leave `drive-home` out, or turn the motor by an amplifier that gives a steady voltage";
+            problems.push(Problem::of_file(what).help(help.to_string()));
+            return homes;
+        }
         let alike =
             homes.iter().find(|(known, _)| drives.get(*known).is_some_and(|d| d.setup == drive.setup));
         match alike.map_or_else(|| Homing::new(&drive.setup), |(_, home)| Ok(*home)) {

@@ -85,7 +85,8 @@ impl Actuator {
     }
 
     /// Takes over what a part says and the rig does not. Where the rig says of a motor how it moves and not what it is made of, it takes from
-    /// the part how that one moves, too.
+    /// the part how that one moves, too; and where it says the resonance or the quality of a coil's suspension, the part's springs or damping
+    /// are of another.
     fn fill_in(&mut self, part: &Part) {
         let is_seen = self.model == Model::RumbleMotor
             && self.values.contains_key("time_constant")
@@ -96,7 +97,15 @@ impl Actuator {
             like.outside().ok()
         };
         let seen = if is_seen { like(self.values.get("mass")) } else { None };
-        for (key, value) in part.values.iter().filter(|(key, _)| !(is_seen && INNER.contains(key))) {
+        let hangs = matches!(self.model, Model::VoiceCoil | Model::InertialMotor);
+        let of_another = |key: &str| {
+            let instead = [("stiffness", "resonance"), ("damping", "q")];
+            let said = instead.iter().find(|(of, _)| *of == key).map(|(_, instead)| *instead);
+            hangs && said.is_some_and(|instead| self.values.contains_key(instead))
+        };
+        let others: Vec<&str> = ["stiffness", "damping"].into_iter().filter(|key| of_another(key)).collect();
+        let takes = |key: &str| !(is_seen && INNER.contains(&key)) && !others.contains(&key);
+        for (key, value) in part.values.iter().filter(|(key, _)| takes(key)) {
             self.values.entry(key).or_insert(value.value);
         }
         for (key, value) in seen.into_iter().flatten() {

@@ -43,7 +43,7 @@ pub static TABLE: Table = Table {
             "most_db",
             Form::number(12.0, 0.5, 40.0),
             "dB",
-            "The most by which anything in the band is raised or lowered. A resonance moves with the skin, and what was far raised or cut then errs by as much.",
+            "The most by which anything in the band is raised, or lowered within an octave of the resonance. A resonance moves with the skin, and what was far raised or cut then errs by as much.",
         ),
         Field::new("low", Form::number(20.0, 0.5, 900.0), "Hz", "The band that matters, from here."),
         Field::new("high", Form::number(1000.0, 2.0, 1000.0), "Hz", "To here."),

@@ -32,7 +32,7 @@ impl FeelReport {
         };
         lines("channels", self.channel_lines());
         let level = format!(
-            "in {:.3} s, for an error of {:e}; drives are held, which loses {:.2} % at 1 kHz",
+            "in {:.3} s, for an error of {:e}; drives are held, which loses {:.2} % of 1 kHz at most",
             self.run_time_seconds,
             self.error,
             100.0 * self.held_loses

@@ -2,6 +2,7 @@
 
 use super::Identify;
 use super::target::Target;
+use pacinian::actuator::drive::Drive;
 use pacinian::actuator::identify::{Estimate, Identified};
 use pacinian::rig::{Model, part};
 use pacinian::text::field::Form;
@@ -73,6 +74,18 @@ fn missing(all: &Identified) -> Vec<&'static str> {
     INSIDE.into_iter().filter(|key| all.get(key).is_none()).collect()
 }
 
+/// What is known of a figure so far: of a coil whose springs or damping are known, the resonance and the quality are those that they make.
+fn known(name: &str, target: &Target) -> Option<f64> {
+    let made_by = [("resonance", "stiffness"), ("q", "damping")];
+    let made = made_by.iter().any(|(key, by)| *key == name && target.value(by).is_some());
+    let of_coil = [Model::VoiceCoil, Model::InertialMotor].contains(&target.model);
+    if !(of_coil && made) {
+        return target.value(name);
+    }
+    let pair = target.actuator.as_ref()?.coil().ok()?.resonance(Drive::Current)?;
+    Some(if name == "q" { pair.q } else { pair.hertz })
+}
+
 impl Figure {
     fn new(estimate: &Estimate, name: &'static str, target: &Target) -> Self {
         let Estimate { value, interval, unit, .. } = *estimate;
@@ -82,7 +95,7 @@ impl Figure {
             value: rounded(value, interval),
             interval: interval.map(|end| rounded(end, interval)),
             unit: field.map_or(unit, |field| if field.unit.is_empty() { "" } else { unit }),
-            before: target.value(name),
+            before: known(name, target),
             is_key: field.is_some(),
             left_out: None,
         }
@@ -114,7 +127,7 @@ impl Figure {
             }
             return None;
         }
-        if is_shorted && self.name == "q" {
+        if is_shorted && ["resonance", "q"].contains(&self.name) {
             return Some(
                 "it is that of shorted terminals, a rig's of open ones: record the current as well".into(),
             );
@@ -169,7 +182,7 @@ pub fn contradictions(figures: &[Figure], target: &Target) -> Vec<String> {
         ));
     }
     for (key, before) in [("resonance", "stiffness"), ("q", "damping")] {
-        if kept(key).is_some() && target.value(before).is_some() {
+        if kept(key).is_some() && own.iter().any(|own| own == before) {
             said.push(format!(
                 "{before} of the rig goes before {key}: take it out, or {key} counts for nothing"
             ));

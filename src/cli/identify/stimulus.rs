@@ -11,6 +11,7 @@ use super::target::Target;
 use pacinian::actuator::fault::Fault;
 use pacinian::actuator::identify::stimulus::{LEAD, steps, sweep};
 use pacinian::io::wav::{Encoding, WavSpec, WavWriter};
+use pacinian::rig::Actuator;
 use serde::Serialize;
 use std::path::Path;
 
@@ -46,7 +47,7 @@ struct Made {
 pub fn make(asked: &Identify, path: &Path, target: &Target, terminal: &Terminal) -> Result<(), Failure> {
     let own: Vec<_> = asked.rig.iter().cloned().collect();
     check_sound(path, "--stimulus", &own)?;
-    if let Some(corner) = target.high_pass.filter(|_| target.is_motor()) {
+    if let Some(corner) = target.high_pass.first().filter(|_| target.is_motor()) {
         let what = format!("steps do not reach {}: a high-pass at {corner} Hz is on the way", target.name);
         return Err(Failure::usage(
             what,
@@ -105,7 +106,24 @@ fn usual(target: &Target) -> Result<f64, Failure> {
         let what = format!("nothing says how many volts {} bears", target.name);
         Failure::usage(what, "say it: --volts V, or rated_volts under its [actuator]")
     })?;
-    Ok(target.limit.map_or(wanted, |limit| wanted.min(limit)))
+    let most = target.limit.map_or(wanted, |limit| wanted.min(limit));
+    Ok(if target.is_motor() { most } else { target.actuator.as_ref().map_or(most, |of| most.min(borne(of))) })
+}
+
+/// Frequencies at which it is looked what a coil does, evenly on a logarithmic axis, Hz.
+const LOOKED: (usize, [f64; 2]) = (300, [1.0, 2000.0]);
+
+/// The most volts of a sweep with which a coil keeps to its stroke and its amperes, as far as both it and its motion are known.
+fn borne(actuator: &Actuator) -> f64 {
+    let (Ok(plant), limits) = (actuator.coil(), actuator.limits()) else { return f64::INFINITY };
+    let (count, [low, high]) = LOOKED;
+    let hertz = (0..count).map(|n| low * (high / low).powf(n as f64 / (count - 1) as f64));
+    hertz.map(|hertz| plant.per_volt(hertz)).fold(f64::INFINITY, |most, response| {
+        let [travels, flows] = [response.displacement.abs(), response.current.abs()];
+        let rms = limits.amperes_rms.map(|rms| rms * std::f64::consts::SQRT_2 / flows);
+        let each = [limits.stroke.map(|x| x / travels), limits.amperes.map(|i| i / flows), rms];
+        each.into_iter().flatten().fold(most, f64::min)
+    })
 }
 
 /// Volts sample by sample, and what they are in a line.

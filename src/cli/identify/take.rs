@@ -5,6 +5,7 @@ use super::super::table::{hertz, many};
 use super::stimulus::unknown_scale;
 use super::target::Target;
 use super::{Holds, Identify, Open};
+use pacinian::actuator::link::coupling::{Corners, HighPass};
 use pacinian::io::wav::{WavInfo, WavReader};
 use pacinian::report::align::{Lag, looped, rung, turned};
 use std::ops::Range;
@@ -62,6 +63,20 @@ const LEAST: usize = 64;
 /// Samples at which an answer is looked for.
 const COARSE: f64 = 8000.0;
 
+/// Volts behind what keeps steady ones off.
+fn coupled(volts: impl Iterator<Item = f64>, corners: &[f64], rate: f64) -> Vec<f64> {
+    let corners = match corners {
+        [] => return volts.collect(),
+        [one] => Corners::one(*one),
+        [one, other, ..] => Corners::two(*one, *other),
+    };
+    match HighPass::new(&corners, rate) {
+        Ok(mut through) => volts.map(|volts| through.step(volts)).collect(),
+        // A rate that cannot be is refused where the recording is read.
+        Err(_) => volts.collect(),
+    }
+}
+
 impl Take {
     /// Reads it.
     ///
@@ -111,7 +126,8 @@ impl Take {
                     let help = "check its channel, or leave it out: - in its place under --channels";
                     return Err(Failure::usage(what, help).with_code(65));
                 }
-                (Some(drive.iter().map(|x| scale * x).collect()), name, lag)
+                let volts = drive.iter().map(|x| scale * x);
+                (Some(coupled(volts, &target.high_pass, rate)), name, lag)
             }
             (None, Some(back)) => {
                 let scale = asked.drive_scale.ok_or_else(|| {

@@ -30,8 +30,8 @@ pub struct Target {
     pub channel: Option<[usize; 2]>,
     /// Samples a second of the device.
     pub rate: Option<f64>,
-    /// The corner of what keeps steady voltages off, Hz, where there is one.
-    pub high_pass: Option<f64>,
+    /// The corners of what keeps steady voltages off, Hz: of the device and of the amplifier.
+    pub high_pass: Vec<f64>,
     /// The largest share of full scale that may leave the output.
     pub most: f64,
 }
@@ -78,7 +78,7 @@ impl Target {
             per_sample: None,
             channel: None,
             rate: None,
-            high_pass: None,
+            high_pass: Vec::new(),
             most: 1.0,
         }
     }
@@ -119,7 +119,8 @@ impl Target {
             Some(Coupling::HighPass(hertz)) => Some(hertz),
             _ => None,
         };
-        let high_pass = corner(rig.device.coupling).or(corner(amplifier.and_then(|a| a.coupling)));
+        let corners = [corner(rig.device.coupling), corner(amplifier.and_then(|a| a.coupling))];
+        let high_pass = corners.into_iter().flatten().collect();
         Ok(Self {
             per_sample,
             limit: reaches.into_iter().flatten().reduce(f64::min),
