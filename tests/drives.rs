@@ -372,10 +372,14 @@ fn a_mass_is_brought_home_from_wherever_it_hangs() {
         let options = Options { rate: Some(RATE), live: true, ..Options::default() };
         scene(&patch(moves), &rig, &options, &NoAssets)
     };
-    // One of the motors has no tilt: it cannot be sent home, and that is said.
-    let said = planned(&rig).unwrap_err().to_string();
-    assert!(["`home`", "`pad`", "`gravity`", "tilt"].iter().all(|word| said.contains(word)), "{said}");
-    // Nor can one that is turned by pulses.
+    // None of the motors has a tilt: that is said; where one has, the other is left alone.
+    let said = planned(MOTORS).unwrap_err().to_string();
+    assert!(["`home`", "`coin`", "`gravity`", "tilt"].iter().all(|word| said.contains(word)), "{said}");
+    assert_eq!(planned(&rig).unwrap_or_else(|p| panic!("{p}")).plan.homes.len(), 1);
+    // Nor is it home where it may hang anywhere.
+    let level = planned(&rig.replace("tilt = 0.0", "tilt = 1.5707963")).unwrap_err().to_string();
+    assert!(level.contains("`gravity`"), "{level}");
+    // Nor can one be that is turned by pulses.
     let pulsed = planned(&bridged(16).replace("direction = 4\n", "direction = 4\ntilt = 0.0\n"));
     let said = pulsed.unwrap_err().to_string();
     assert!(["`home`", "`coin`", "pulses"].iter().all(|word| said.contains(word)), "{said}");
@@ -402,4 +406,20 @@ fn a_mass_is_brought_home_from_wherever_it_hangs() {
         let off = (motor.reading().angle - home.angle + PI).rem_euclid(TAU) - PI;
         assert!(motor.is_stuck() && off.abs() < home.spread + 0.05, "{first}: {off} {home:?}");
     }
+}
+
+#[test]
+fn of_a_rig_of_motors_alone_the_first_is_meant() {
+    let end = MOTORS.find("[[tactor]]").unwrap();
+    let rig = MOTORS[..end].to_string();
+    let text = "[voice.click]\noutput = \"tap\"\n[voice.click.nodes]\ntap = { type = \"drive-click\" }\n\
+                [pattern.p]\ntime = \"seconds\"\nevents = [{ at = 0.0, voice = \"click\" }]\n";
+    let rig = Rig::parse("rig.toml", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let options = Options { rate: Some(RATE), ..Options::default() };
+    let plan = scene(&patch(text), &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan;
+    assert!(plan.clicks.len() == 2 && plan.drives.len() == 2);
+    // Nor is a motor whose speed would follow at once one at all.
+    let quick = MOTORS.replace("torque_constant = 0.011", "torque_constant = 2.0");
+    let said = Rig::parse("rig.toml", quick.as_bytes()).map(|_| ()).unwrap_err().to_string();
+    assert!(said.contains("`pad`") && said.contains("`torque_constant`"), "{said}");
 }

@@ -189,8 +189,9 @@ impl Wav<'_> {
         let stop = Stop::listen()?;
         // Last, as it empties the file that may be there.
         let log = log.map(|path| Log::create(path, loaded, &mut player)).transpose()?;
-        let mut writer = WavWriter::create(output, spec)?;
+        // What may fail more easily goes first.
         let mut felt = felt.map(|felt| felt.create()).transpose()?;
+        let mut writer = WavWriter::create(output, spec)?;
         let shown = output.display().to_string();
         let mut refreshed = 0;
         let performed = perform(&mut player, loaded, until, &stop, terminal, |_, block| {

@@ -64,7 +64,8 @@ fn name_of<'a>(rig: &'a Rig, drive: &Drive) -> &'a str {
     output.map_or("", |output| output.name.as_str())
 }
 
-/// The way home of every motor, where an instrument may order it; of motors that are alike it is worked out once.
+/// The way home of every motor that has one, where an instrument may order it; of motors that are alike it is worked out once. That none has
+/// one is a problem; an order to one that has none is nothing.
 pub fn homes(
     rig: &Rig,
     drives: &[Drive],
@@ -74,33 +75,31 @@ pub fn homes(
     let mut homes: Vec<(usize, Homing)> = Vec::new();
     let sends = |instrument: &&Instrument| instrument.commands().contains(&Command::Home);
     let Some(instrument) = instruments.iter().find(sends) else { return homes };
+    let mut refused = None;
     for (number, drive) in drives.iter().enumerate() {
-        if drive.bridge.is_some() {
-            let what = format!(
-                "voice `{}` sends motors home, where pulses never bring that of `{}`: each of them shakes its mass loose from where gravity caught it",
-                instrument.name,
-                name_of(rig, drive)
-            );
-            let help =
-                "leave `drive-home` out, or turn the motor by an amplifier that gives a steady voltage";
-            problems.push(Problem::of_file(what).help(help.to_string()));
-            return homes;
-        }
         let alike =
             homes.iter().find(|(known, _)| drives.get(*known).is_some_and(|d| d.setup == drive.setup));
-        match alike.map_or_else(|| Homing::new(&drive.setup), |(_, home)| Ok(*home)) {
-            Ok(home) => homes.push((number, home)),
-            Err(why) => {
-                let what = format!(
-                    "voice `{}` sends motors home, where the mass of that of `{}` cannot be brought: {why}",
-                    instrument.name,
-                    name_of(rig, drive)
-                );
-                let help = "say how its plane stands (tilt = 0.0 is upright), or leave `drive-home` out";
-                problems.push(Problem::of_file(what).help(help.to_string()));
-                return homes;
+        let home = match alike {
+            _ if drive.bridge.is_some() => {
+                Err("the pulses of a bridge shake loose what gravity caught".into())
             }
+            Some((_, home)) => Ok(*home),
+            None => Homing::new(&drive.setup).map_err(|why| why.to_string()),
+        };
+        match home {
+            Ok(home) => homes.push((number, home)),
+            Err(why) => drop(refused.get_or_insert((drive, why))),
         }
+    }
+    if let (true, Some((drive, why))) = (homes.is_empty(), refused) {
+        let what = format!(
+            "voice `{}` sends motors home, where the mass of that of `{}` cannot be brought: {why}",
+            instrument.name,
+            name_of(rig, drive)
+        );
+        let help =
+            "an upright plane (tilt = 0.0) and a steady voltage are what it takes; or leave `drive-home` out";
+        problems.push(Problem::of_file(what).help(help.to_string()));
     }
     homes
 }

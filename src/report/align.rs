@@ -58,6 +58,7 @@ pub fn turned(drive: &[f64], vibration: &[f64], rate: f64) -> Option<Lag> {
     let most = volts.iter().fold(0.0_f64, |m, v| m.max(*v));
     let spread = spread(&speeds, volts.len());
     let reach = SLOW * drive.len() as f64 / rate;
+    let least = SILENT * spread.iter().fold(0.0, |most: f64, spread| most.max(*spread));
     let mut best: Option<(f64, Lag)> = None;
     for time in TIMES {
         for friction in FRICTIONS {
@@ -69,7 +70,11 @@ pub fn turned(drive: &[f64], vibration: &[f64], rate: f64) -> Option<Lag> {
             };
             let model = level(&volts.iter().map(follow).collect::<Vec<_>>());
             let power = model.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let share = |(sum, spread): (&f64, &f64)| (sum / (power * spread).max(1e-300)).max(0.0);
+            // Where next to nothing was recorded, digits agree with anything.
+            let share = |(sum, spread): (&f64, &f64)| match *spread > least {
+                true => (sum / (power * spread).max(1e-300)).max(0.0),
+                false => 0.0,
+            };
             let all: Vec<f64> = correlation(&model, &speeds)?.iter().zip(&spread).map(share).collect();
             let top = all.iter().fold(0.0, |top: f64, share| top.max(*share));
             if top > best.map_or(AGREES, |(agrees, _)| agrees) {
@@ -79,6 +84,9 @@ pub fn turned(drive: &[f64], vibration: &[f64], rate: f64) -> Option<Lag> {
     }
     best.map(|(_, lag)| lag)
 }
+
+/// A share of the largest spread below which there was silence.
+const SILENT: f64 = 1e-3;
 
 /// How far what lies under a window of so many samples is from its mean, the root of all squares, for every place of the window from the one
 /// where only its last sample is on `x`; zeros beyond `x`.
@@ -247,6 +255,13 @@ mod tests {
                 let lag = turned(&drive, &x, 8000.0).unwrap_or_else(|| panic!("{time}"));
                 let off = lag.seconds - samples as f64 / 8000.0;
                 assert!(off.abs() < 0.02, "{time} {samples}: {off}");
+                // Nothing at all before it and behind it, as an editor leaves it.
+                let there = samples as usize..samples as usize + drive.len();
+                let gated: Vec<f64> =
+                    x.iter().enumerate().map(|(n, x)| if there.contains(&n) { *x } else { 0.0 }).collect();
+                let again = turned(&drive, &gated, 8000.0).unwrap_or_else(|| panic!("{time}, gated"));
+                let off = again.seconds - samples as f64 / 8000.0;
+                assert!(off.abs() < 0.02, "{time} {samples}, gated: {off}");
             }
             assert_eq!(turned(&drive, &noise(100_000, 10), 8000.0), None);
         }

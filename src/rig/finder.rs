@@ -1,13 +1,13 @@
 //! Outputs of a rig in an order in which they are found at once, for many events on many tactors.
 
-use super::{OutputKind, Rig};
+use super::{Output, OutputKind, Rig};
 use crate::patch::Place;
 use std::collections::HashMap;
 
 /// Where the outputs of a rig are found. It is that of the rig as it was when this was made.
 #[derive(Debug, Clone, Default)]
 pub struct Finder {
-    /// The first tactor.
+    /// Where nothing is said.
     first: Option<usize>,
     /// The first of each name, and of each channel.
     names: HashMap<Box<str>, usize>,
@@ -23,17 +23,22 @@ struct Tactor {
     output: usize,
 }
 
+/// The output that is meant where nothing is said: the first tactor; of a rig of motors alone, the first motor.
+pub(super) fn first(outputs: &[Output]) -> Option<usize> {
+    let is = |kind: fn(&OutputKind) -> bool| outputs.iter().position(|output| kind(&output.kind));
+    is(|kind| *kind == OutputKind::Vibration).or_else(|| is(|kind| matches!(kind, OutputKind::Drive(_))))
+}
+
 impl Finder {
     /// That of a rig.
     pub fn new(rig: &Rig) -> Self {
-        let mut finder = Self::default();
+        let mut finder = Self { first: first(&rig.outputs), ..Self::default() };
         for (i, output) in rig.outputs.iter().enumerate() {
             finder.names.entry(output.name.as_str().into()).or_insert(i);
             finder.channels.entry(output.channel).or_insert(i);
             if output.kind != OutputKind::Vibration {
                 continue;
             }
-            finder.first = finder.first.or(Some(i));
             let at = output.position.filter(|at| at.iter().all(|x| x.is_finite()));
             finder.along.extend(at.map(|at| Tactor { at, output: i }));
         }
@@ -47,7 +52,7 @@ impl Finder {
         finder
     }
 
-    /// The output at a place, by its place in [`Rig::outputs`]; `None` is the first tactor.
+    /// The output at a place, by its place in [`Rig::outputs`]; where nothing is said, [`first`].
     pub(super) fn find(&self, place: Option<&Place>) -> Option<usize> {
         match place {
             None => self.first,

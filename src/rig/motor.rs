@@ -51,6 +51,15 @@ impl Wiring {
     /// The same, if there is enough to turn the motor at all.
     fn turns(self, output: &Output) -> Result<Self, Problem> {
         let p = &self.parameters;
+        if p.mechanical_time() < QUICKEST {
+            let what = format!(
+                "the motor of `{}` would be at its speed in {:.1e} s: that is no motor",
+                output.name,
+                p.mechanical_time()
+            );
+            let help = "look at its `inertia`, and at its `torque_constant`, which is in N m/A and no more than some thousandths for small ones";
+            return Err(Problem::error(&output.span, what).help(help.to_string()));
+        }
         let starts = p.coulomb * if self.is_current { 1.0 } else { p.resistance } / p.gain;
         if self.limit > starts {
             return Ok(self);
@@ -80,6 +89,9 @@ pub struct Bridge {
     /// The channel, from 0, that says which way.
     pub direction: u32,
 }
+
+/// Seconds in which no motor comes to its speed: the smallest take milliseconds.
+const QUICKEST: f64 = 1e-4;
 
 /// What is missing for a motor, or contradicts itself.
 #[derive(Debug, Clone, PartialEq)]

@@ -75,13 +75,16 @@ impl Rig {
                 let help = "give the tactors a `position`".to_string();
                 Err(Problem::error(span, "no tactor of the rig has a position").help(help))
             }
-            (None, None) => Err(Problem::error(span, "the rig has no tactor")),
+            (None, None) => {
+                let help = "describe one, [[tactor]], or say at which output it is played: place = \"NAME\"";
+                Err(Problem::error(span, "the rig has no tactor").help(help.to_string()))
+            }
         }
     }
 
     fn find(&self, place: Option<&Place>) -> Option<usize> {
         match place {
-            None => self.outputs.iter().position(|o| o.kind == OutputKind::Vibration),
+            None => super::finder::first(&self.outputs),
             Some(Place::Name(name)) => self.outputs.iter().position(|o| o.name == *name),
             Some(Place::Channel(channel)) => self.outputs.iter().position(|o| o.channel == *channel),
             Some(Place::Position(position)) => self.nearest(position),

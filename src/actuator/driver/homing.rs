@@ -12,6 +12,9 @@ use crate::actuator::shape::{Home, Unreachable};
 /// Of what starts a motor from anywhere, what is given so that it starts for certain.
 const STARTS: f64 = 1.5;
 
+/// What is farther apart is no home, rad.
+const NEAR: f64 = std::f64::consts::FRAC_PI_4;
+
 /// A spin and a creep after which gravity has caught the mass, worked out ahead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Homing {
@@ -37,6 +40,17 @@ impl Homing {
         }
         let volts = (STARTS * setup.parameters.start_volts()).min(setup.limit);
         let homed = Home { volts }.solve(&setup.parameters)?;
+        if homed.spread > NEAR {
+            let because =
+                "its mass is too light for gravity to catch it at one place; upright it is heaviest";
+            return Err(Fault::because(
+                "gravity",
+                setup.parameters.gravity,
+                Limit::Above(setup.parameters.gravity),
+                because,
+            )
+            .into());
+        }
         let mut pieces = Pieces::default();
         for (piece, (seconds, drive)) in pieces.list.iter_mut().zip(homed.course.pieces()) {
             let Drive::Voltage(volts) = drive else { continue };
