@@ -104,8 +104,8 @@ impl Actuator {
             hangs && said.is_some_and(|instead| self.values.contains_key(instead))
         };
         let others: Vec<&str> = ["stiffness", "damping"].into_iter().filter(|key| of_another(key)).collect();
-        let takes = |key: &str| !(is_seen && INNER.contains(&key)) && !others.contains(&key);
-        for (key, value) in part.values.iter().filter(|(key, _)| takes(key)) {
+        let left = |key: &str| is_seen && INNER.contains(&key) || others.contains(&key);
+        for (key, value) in part.values.iter().filter(|(key, _)| !left(key)) {
             self.values.entry(key).or_insert(value.value);
         }
         for (key, value) in seen.into_iter().flatten() {
