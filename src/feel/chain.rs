@@ -20,21 +20,15 @@ pub(super) fn chain(rig: &Rig, output: &Output, assumed: &mut Vec<String>) -> Op
         return Some(Chain { full_scale: 1.0, corners: Corners::none(), amplifier });
     }
     let full_scale = rig.device.full_scale_volts?;
-    let mut corner = |of: Option<Coupling>, whose: &str| match of {
-        Some(Coupling::HighPass(hertz)) => Some(hertz),
-        Some(Coupling::Dc) => None,
-        None => {
+    let mut known = |of: Option<Coupling>, whose: &str| {
+        if of.is_none() {
             assumed.push(format!("{whose} lets steady voltages through: its `coupling` is not known"));
-            None
         }
     };
-    let first = corner(rig.device.coupling, "the device");
-    let second = amplifier.and_then(|a| corner(a.coupling, &format!("amplifier `{}`", a.name)));
-    let corners = match (first, second) {
-        (Some(first), Some(second)) => Corners::two(first, second),
-        (Some(one), None) | (None, Some(one)) => Corners::one(one),
-        (None, None) => Corners::none(),
-    };
+    known(rig.device.coupling, "the device");
+    if let Some(amplifier) = amplifier {
+        known(amplifier.coupling, &format!("amplifier `{}`", amplifier.name));
+    }
     let amplifier = match amplifier {
         Some(a) => {
             let drive = match a.drive {
@@ -60,7 +54,7 @@ pub(super) fn chain(rig: &Rig, output: &Output, assumed: &mut Vec<String>) -> Op
             Amplifier { gain: 1.0, inverted: false, drive: Imposed::Voltage, volts: None, amperes: None }
         }
     };
-    Some(Chain { full_scale, corners, amplifier })
+    Some(Chain { full_scale, corners: rig.corners(output), amplifier })
 }
 
 /// The lines of a bridge.

@@ -1,6 +1,6 @@
 //! What the actuator on an output bears, in terms of what leaves the device there.
 
-use super::{Actuator, Drive, Model, Output, OutputKind, Rig};
+use super::{Actuator, Model, Output, OutputKind, Rig};
 use crate::actuator::protect::bounds::{Actuator as Moves, Bounds, Rms, Unit};
 use crate::actuator::thermal::{COPPER, Cooling};
 
@@ -8,20 +8,6 @@ use crate::actuator::thermal::{COPPER, Cooling};
 const LONG: f64 = 1.0;
 
 impl Rig {
-    /// Volts at the actuator of an output for a sample of 1.0, without its sign; `None` where that is not known, or something else than a
-    /// voltage is imposed.
-    pub fn volts_per_sample(&self, output: &Output) -> Option<f64> {
-        let gain = match &output.amplifier {
-            None => 1.0,
-            Some(name) => {
-                let amplifier = self.amplifier(name)?;
-                (amplifier.drive == Drive::Voltage).then_some(amplifier.gain)?
-            }
-        };
-        let volts = (self.device.full_scale_volts? * gain).abs();
-        (volts > 0.0).then_some(volts)
-    }
-
     /// What its actuator bears; `None` where nothing is known of it that would hold anything back.
     pub fn bounds(&self, output: &Output) -> Option<Bounds> {
         if !matches!(output.kind, OutputKind::Vibration | OutputKind::Raw | OutputKind::Drive(_)) {

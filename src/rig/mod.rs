@@ -14,6 +14,7 @@ pub(crate) mod quantity;
 pub mod reference;
 mod resolve;
 mod schema;
+mod way;
 
 pub use crate::actuator::driver::setup::Shaping;
 pub use actuator::{Actuator, Model, Peak};

@@ -27,6 +27,15 @@ impl Corners {
         Self { hertz: [first, second], count: 2 }
     }
 
+    /// As many as there are of two.
+    pub fn of(first: Option<f64>, second: Option<f64>) -> Self {
+        match (first, second) {
+            (Some(first), Some(second)) => Self::two(first, second),
+            (Some(one), None) | (None, Some(one)) => Self::one(one),
+            (None, None) => Self::none(),
+        }
+    }
+
     /// Their frequencies, hertz.
     pub fn hertz(&self) -> &[f64] {
         &self.hertz[..self.count]

@@ -47,7 +47,7 @@ struct Made {
 pub fn make(asked: &Identify, path: &Path, target: &Target, terminal: &Terminal) -> Result<(), Failure> {
     let own: Vec<_> = asked.rig.iter().cloned().collect();
     check_sound(path, "--stimulus", &own)?;
-    if let Some(corner) = target.high_pass.first().filter(|_| target.is_motor()) {
+    if let Some(corner) = target.corners.hertz().first().filter(|_| target.is_motor()) {
         let what = format!("steps do not reach {}: a high-pass at {corner} Hz is on the way", target.name);
         return Err(Failure::usage(
             what,

@@ -64,17 +64,17 @@ const LEAST: usize = 64;
 const COARSE: f64 = 8000.0;
 
 /// Volts behind what keeps steady ones off.
-fn coupled(volts: impl Iterator<Item = f64>, corners: &[f64], rate: f64) -> Vec<f64> {
-    let corners = match corners {
-        [] => return volts.collect(),
-        [one] => Corners::one(*one),
-        [one, other, ..] => Corners::two(*one, *other),
-    };
-    match HighPass::new(&corners, rate) {
-        Ok(mut through) => volts.map(|volts| through.step(volts)).collect(),
-        // A rate that cannot be is refused where the recording is read.
-        Err(_) => volts.collect(),
+///
+/// # Errors
+/// A corner or a rate that cannot be.
+fn coupled(volts: impl Iterator<Item = f64>, corners: &Corners, rate: f64) -> Result<Vec<f64>, Failure> {
+    if corners.hertz().is_empty() {
+        return Ok(volts.collect());
     }
+    let through = HighPass::new(corners, rate);
+    let mut through = through
+        .map_err(|fault| Failure::usage(fault.to_string(), "see `coupling` in the rig").with_code(78))?;
+    Ok(volts.map(|volts| through.step(volts)).collect())
 }
 
 impl Take {
@@ -127,7 +127,7 @@ impl Take {
                     return Err(Failure::usage(what, help).with_code(65));
                 }
                 let volts = drive.iter().map(|x| scale * x);
-                (Some(coupled(volts, &target.high_pass, rate)), name, lag)
+                (Some(coupled(volts, &target.corners, rate)?), name, lag)
             }
             (None, Some(back)) => {
                 let scale = asked.drive_scale.ok_or_else(|| {

@@ -4,8 +4,9 @@ use super::super::failure::Failure;
 use super::super::terminal::Terminal;
 use super::super::{parts, problems};
 use super::{Identify, write};
+use pacinian::actuator::link::coupling::Corners;
 use pacinian::io::{out, text};
-use pacinian::rig::{Actuator, Coupling, Drive, Model, Output, Rig};
+use pacinian::rig::{Actuator, Drive, Model, Output, Rig};
 use pacinian::text::nearest;
 use std::path::{Path, PathBuf};
 
@@ -30,8 +31,8 @@ pub struct Target {
     pub channel: Option<[usize; 2]>,
     /// Samples a second of the device.
     pub rate: Option<f64>,
-    /// The corners of what keeps steady voltages off, Hz: of the device and of the amplifier.
-    pub high_pass: Vec<f64>,
+    /// What keeps steady voltages off.
+    pub corners: Corners,
     /// The largest share of full scale that may leave the output.
     pub most: f64,
 }
@@ -78,7 +79,7 @@ impl Target {
             per_sample: None,
             channel: None,
             rate: None,
-            high_pass: Vec::new(),
+            corners: Corners::none(),
             most: 1.0,
         }
     }
@@ -115,18 +116,12 @@ impl Target {
             amplifier.and_then(|a| a.max_volts),
             per_sample.map(|volts| volts * most),
         ];
-        let corner = |coupling: Option<Coupling>| match coupling {
-            Some(Coupling::HighPass(hertz)) => Some(hertz),
-            _ => None,
-        };
-        let corners = [corner(rig.device.coupling), corner(amplifier.and_then(|a| a.coupling))];
-        let high_pass = corners.into_iter().flatten().collect();
         Ok(Self {
             per_sample,
             limit: reaches.into_iter().flatten().reduce(f64::min),
             channel: output.map(|output| [output.channel as usize, rig.device.channels as usize]),
             rate: rig.device.rate,
-            high_pass,
+            corners: output.map_or(Corners::none(), |output| rig.corners(output)),
             most,
             own: write::keys(&bytes, &actuator.name),
             rig: Some(File { path: path.to_owned(), name: name.clone(), bytes }),
