@@ -263,7 +263,7 @@ fn equaliser(
 ) -> Vec<Biquad> {
     let even = match rig.evened(output) {
         Some(Ok(even)) => {
-            let (b, a) = even.section(rate, actuator.even_out.map_or(0.0, |even| even.band[1]));
+            let (b, a) = even.section(rate);
             Some(Biquad { b, a })
         }
         Some(Err(problem)) => {

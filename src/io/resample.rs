@@ -34,9 +34,6 @@ impl Converter {
     /// From one rate to another, hertz.
     ///
     /// # Errors
-    /// From a rate to another, both in hertz.
-    ///
-    /// # Errors
     /// When a rate is not a positive number, or when the two are more than a factor of 4,096 apart.
     pub fn new(from: f64, to: f64) -> Result<Self, String> {
         for rate in [from, to] {

@@ -84,44 +84,65 @@ impl Actuator {
         self.values.get(key).copied()
     }
 
-    /// Takes over what a part says and the rig does not. Where the rig says of a motor how it moves and not what it is made of, it takes from
-    /// the part how that one moves, too; and where it says the resonance or the quality of a coil's suspension, the part's springs or damping
-    /// are of another.
+    /// Takes over what a part says and the rig does not; but nothing that what the rig says takes the place of. Of a motor of which the rig says
+    /// how it moves, what the part's looks like from outside is taken over in place of what it is made of.
     fn fill_in(&mut self, part: &Part) {
-        let is_seen = self.model == Model::RumbleMotor
-            && self.values.contains_key("time_constant")
-            && !self.values.contains_key("torque_constant");
-        let like = |mass: Option<&f64>| {
+        let said = |key: &str| self.values.contains_key(key);
+        let replaced: Vec<&str> = REPLACED
+            .iter()
+            .filter(|by| by.of.contains(&self.model) && said(by.said) && !by.unless.is_some_and(said))
+            .flat_map(|by| by.replaces.iter().copied())
+            .collect();
+        let outside = if replaced.contains(&"torque_constant") {
             let mut like = Self::of_part(part);
-            like.values.extend(mass.map(|mass| ("mass", *mass)));
+            like.values.extend(self.value("mass").map(|mass| ("mass", mass)));
             like.outside().ok()
+        } else {
+            None
         };
-        let seen = if is_seen { like(self.values.get("mass")) } else { None };
-        let hangs = matches!(self.model, Model::VoiceCoil | Model::InertialMotor);
-        let of_another = |key: &str| {
-            let instead = [("stiffness", "resonance"), ("damping", "q")];
-            let said = instead.iter().find(|(of, _)| *of == key).map(|(_, instead)| *instead);
-            hangs && said.is_some_and(|instead| self.values.contains_key(instead))
-        };
-        let others: Vec<&str> = ["stiffness", "damping"].into_iter().filter(|key| of_another(key)).collect();
-        let left = |key: &str| is_seen && INNER.contains(&key) || others.contains(&key);
-        for (key, value) in part.values.iter().filter(|(key, _)| !left(key)) {
-            self.values.entry(key).or_insert(value.value);
-        }
-        for (key, value) in seen.into_iter().flatten() {
-            value.map(|value| self.values.entry(key).or_insert(value));
+        let own = part.values.iter().map(|(key, value)| (*key, value.value));
+        let outside = outside.into_iter().flatten().filter_map(|(key, value)| Some((key, value?)));
+        for (key, value) in own.filter(|(key, _)| !replaced.contains(key)).chain(outside) {
+            self.values.entry(key).or_insert(value);
         }
     }
 }
 
-/// What a motor is made of, which what is seen of it from outside takes the place of.
-const INNER: [&str; 6] = [
-    "torque_constant",
-    "inertia",
-    "viscous_friction",
-    "coulomb_friction",
-    "static_friction",
-    "eccentric_moment",
+/// A figure that a rig says, and those of a part that it takes the place of.
+struct Replaced {
+    of: &'static [Model],
+    said: &'static str,
+    /// Not where the rig says this, too.
+    unless: Option<&'static str>,
+    replaces: &'static [&'static str],
+}
+
+const REPLACED: [Replaced; 3] = [
+    Replaced {
+        of: &[Model::RumbleMotor],
+        said: "time_constant",
+        unless: Some("torque_constant"),
+        replaces: &[
+            "torque_constant",
+            "inertia",
+            "viscous_friction",
+            "coulomb_friction",
+            "static_friction",
+            "eccentric_moment",
+        ],
+    },
+    Replaced {
+        of: &[Model::VoiceCoil, Model::InertialMotor],
+        said: "resonance",
+        unless: None,
+        replaces: &["stiffness"],
+    },
+    Replaced {
+        of: &[Model::VoiceCoil, Model::InertialMotor],
+        said: "q",
+        unless: None,
+        replaces: &["damping"],
+    },
 ];
 
 /// A peaking filter.

@@ -76,6 +76,8 @@ pub struct Equaliser {
     pub cut_held: bool,
     /// The largest boost in the band, decibels.
     pub boost: f64,
+    /// The top of the band, hertz.
+    pub high: f64,
 }
 
 /// Points of the band that are looked at, evenly on a logarithmic axis; halvings of the way of the poles; corrections of the zeros.
@@ -119,6 +121,7 @@ impl Equaliser {
                 limited: None,
                 cut_held,
                 boost: 0.0,
+                high,
             };
             let (demand, of) = wish.demand(&new, &points);
             (new, demand, of)
@@ -172,13 +175,13 @@ impl Equaliser {
     /// Zeros and poles go to e^(sT). An actuator behind a converter that holds its samples has its poles at just these places, whatever
     /// the rate, so they vanish without a rest, which a bilinear section does not achieve. Since zeros and poles are displaced alike, it is
     /// also nearer to the analog form: within 0.002 dB and 2.5° up to 1 kHz at a rate of 8 kHz, where the bilinear one is up to 0.2 dB off. Its gain is
-    /// right at 0 Hz (displacement), or at the top of the band, `high` hertz (acceleration).
-    pub fn section(&self, rate: f64, high: f64) -> ([f64; 3], [f64; 2]) {
+    /// right at 0 Hz (displacement), or at the top of the band (acceleration).
+    pub fn section(&self, rate: f64) -> ([f64; 3], [f64; 2]) {
         let [b1, b2] = held(&self.zeros, rate);
         let a = held(&self.poles, rate);
         let at = match self.motion {
             Motion::Displacement => 0.0,
-            Motion::Acceleration => high.min(0.5 * rate),
+            Motion::Acceleration => self.high.min(0.5 * rate),
         };
         let z = Complex::turned(-std::f64::consts::TAU * at / rate);
         let pair = |[c1, c2]: [f64; 2]| z * (z * c2 + c1) + 1.0;
@@ -227,6 +230,7 @@ impl Wish {
                 limited: None,
                 cut_held: false,
                 boost: 0.0,
+                high: self.band[1],
             };
             let near = points.iter().filter(|(hertz, _)| (0.5..2.0).contains(&(hertz / own.hertz)));
             let least = near.map(|(hertz, _)| new.response(*hertz).abs()).fold(f64::MAX, f64::min);

@@ -41,15 +41,7 @@ impl Homing {
         let volts = (STARTS * setup.parameters.start_volts()).min(setup.limit);
         let homed = Home { volts }.solve(&setup.parameters)?;
         if homed.spread > NEAR {
-            let because =
-                "its mass is too light for gravity to catch it at one place; upright it is heaviest";
-            return Err(Fault::because(
-                "gravity",
-                setup.parameters.gravity,
-                Limit::Above(setup.parameters.gravity),
-                because,
-            )
-            .into());
+            return Err(Unreachable::Loose(homed.spread));
         }
         let mut pieces = Pieces::default();
         for (piece, (seconds, drive)) in pieces.list.iter_mut().zip(homed.course.pieces()) {

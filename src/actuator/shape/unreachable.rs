@@ -13,6 +13,10 @@ pub enum Unreachable {
     Start(f64, f64),
     /// At this voltage (V) it never gets that far, or that fast: it would take more than so many seconds.
     Slow(f64, f64),
+    /// Gravity does not bring its mass to rest within so many seconds, however slowly it creeps.
+    Adrift(f64),
+    /// Gravity brings its mass to rest, but anywhere within so much of a place, rad.
+    Loose(f64),
 }
 
 impl From<Fault> for Unreachable {
@@ -32,6 +36,20 @@ impl fmt::Display for Unreachable {
                 write!(
                     f,
                     "at {volts} V the motor does not get there within {seconds} s: wish for less, or give it more"
+                )
+            }
+            Self::Adrift(seconds) => {
+                write!(
+                    f,
+                    "gravity does not catch its mass within {seconds} s: upright (tilt = 0.0) it is heaviest"
+                )
+            }
+            Self::Loose(spread) => {
+                write!(
+                    f,
+                    "its mass would come to rest anywhere within {:.0} degrees of a place: it is too light for gravity to catch it; \
+                     upright (tilt = 0.0) it is heaviest",
+                    spread.to_degrees()
                 )
             }
         }

@@ -15,16 +15,17 @@ use super::list::{self, Found};
 /// A program whose devices are no sound cards (a box on the network, a simulator, a test) writes a host for them with the feature
 /// `custom` of [`cpal`], and plays sessions on it as on any other: with all that happens when a device goes away and comes back.
 ///
-/// ```no_run
+/// ```
 /// use pacinian::io::device::choose::Wish;
 /// use pacinian::io::device::hosts::Hosts;
 ///
-/// # fn simulator() -> cpal::platform::CustomHost { unimplemented!() }
-/// // `simulator()` is `cpal::platform::CustomHost::from_host(...)` of something that implements `cpal::traits::HostTrait`.
-/// let hosts = Hosts::of(simulator().into());
+/// // `simulator` is `cpal::platform::CustomHost::from_host(...)` of something that implements `cpal::traits::HostTrait`.
+/// # fn left_glove(simulator: cpal::platform::CustomHost) -> Result<(), pacinian::io::device::failure::DeviceError> {
+/// let hosts = Hosts::of(simulator.into());
 /// let device = Wish::Named("left glove".into()).choose_among(&hosts)?;
 /// // As with a sound card: `Session::start(Beginning::of(scene, device))`.
-/// # Ok::<(), pacinian::io::device::failure::DeviceError>(())
+/// # Ok(())
+/// # }
 /// ```
 ///
 /// A device is found again by its id ([`cpal::traits::DeviceTrait::id`]), so that should stay the same while it is away; where a host gives

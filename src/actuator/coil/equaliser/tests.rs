@@ -194,7 +194,7 @@ fn its_zeros_are_the_poles_of_the_held_actuator() {
     {
         for rate in [1000.0, 8000.0, 48_000.0] {
             let e = Equaliser::design(&plant, Drive::Voltage, &wish(motion, hertz, 0.7)).unwrap();
-            let (b, a) = e.section(rate, 1000.0);
+            let (b, a) = e.section(rate);
             let mut model = Model::new(&plant, rate, Drive::Voltage).unwrap();
             let (mut x, mut v, mut y) = ([0.0; 3], [0.0; 3], [0.0; 3]);
             let (mut peak, mut rest) = (0.0f64, 0.0f64);
@@ -223,7 +223,7 @@ fn the_section_is_near_the_analog_form() {
     ] {
         for (rate, decibels, degrees) in [(8000.0, 2e-3, 2.5), (48_000.0, 1e-4, 0.1)] {
             let e = Equaliser::design(&plant, Drive::Voltage, &wish(motion, hertz, 0.7)).unwrap();
-            let (b, a) = e.section(rate, 1000.0);
+            let (b, a) = e.section(rate);
             for n in 0..100 {
                 let hertz = 20.0 * 50f64.powf(f64::from(n) / 99.0);
                 let z = Complex::turned(-std::f64::consts::TAU * hertz / rate);
