@@ -16,6 +16,7 @@ pub(crate) mod phase;
 pub(crate) mod quadrature;
 pub(crate) mod random;
 pub(crate) mod recording;
+pub(crate) mod sinc;
 pub(crate) mod sine;
 pub(crate) mod svf;
 #[cfg(feature = "live")]

@@ -1,12 +1,14 @@
 //! A recording as it is played at any speed: copies with ever lower bands, between which the speed cross-fades.
 //!
-//! A recording has twice the engine's rate and content up to half the engine's rate. Copy n holds the content up to 1/2^n of that. Up to speed 1 copy 0 is heard; from 2^n to 1.75 × 2^n it fades from copy n to n + 1, so that what is heard never reaches 7/4 of
-//! half the engine's rate, from where it would fold into the lower eighth of the rate; from 2^4 on there is silence.
+//! A recording has twice the engine's rate and content up to half the engine's rate. Copy n holds the content up to 1/2^n of that. Up to
+//! speed 1 copy 0 is heard; from 2^n to 1.75 × 2^n it fades from copy n to n + 1, so that what is heard never reaches 7/4 of half the
+//! engine's rate, from where it would fold into the lower eighth of the rate; from 2^4 on there is silence.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 use super::fractional::Fractional;
 use super::lanes::Real;
+use super::sinc::weights;
 
 /// Samples that one value is made of.
 pub const TAPS: usize = 16;
@@ -149,21 +151,15 @@ impl Copies {
                 return 0.0;
             }
             let bounds = around.map(|(start, end)| (start as i64, end as i64));
-            let mut sum = 0.0;
-            for index in (place - REACH).ceil() as i64..=(place + REACH).floor() as i64 {
-                let off = index as f64 - place;
-                let angle = std::f64::consts::PI * off;
-                let sinc = if off.abs() < 1e-9 { 1.0 } else { angle.sin() / angle };
-                let window = (12.0 * (1.0 - (off / REACH).powi(2)).max(0.0).sqrt()).cosh() / 12f64.cosh();
-                let played = match bounds {
-                    Some((start, end)) if index >= end || (entered && index < start) => {
-                        start + (index - start).rem_euclid((end - start).max(1))
-                    }
-                    _ => index,
-                };
-                sum += f64::from(self.sample(copy, played)) * sinc * window;
-            }
-            sum
+            let played = |index: i64| match bounds {
+                Some((start, end)) if index >= end || (entered && index < start) => {
+                    start + (index - start).rem_euclid((end - start).max(1))
+                }
+                _ => index,
+            };
+            weights(place, REACH)
+                .map(|(index, weight)| f64::from(self.sample(copy, played(index))) * weight)
+                .sum::<f64>()
         };
         one(copy) * (1.0 - share) + one(copy + 1) * share
     }

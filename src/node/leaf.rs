@@ -11,6 +11,7 @@ use fundsp::typenum::U1;
 use super::kernel::{Onset, Setup};
 use super::white::REACH;
 use crate::dsp::lanes::{LANES, Real};
+use crate::dsp::sinc::weights;
 
 /// What is not a number, and what lies beyond this, counts as 0.
 const MOST_INPUT: f64 = 1e9;
@@ -133,15 +134,7 @@ impl Sampled {
         if (place - near).abs() < 1e-6 {
             return self.value(near as i64);
         }
-        let (middle, reach) = (place.floor() as i64, REACH as f64);
-        (middle - REACH + 1..=middle + REACH)
-            .map(|k| {
-                let off = place - k as f64;
-                let window = (12.0 * (1.0 - (off / reach).powi(2)).max(0.0).sqrt()).cosh() / 12f64.cosh();
-                let angle = std::f64::consts::PI * off;
-                self.value(k) * window * angle.sin() / angle
-            })
-            .sum()
+        weights(place, REACH as f64).map(|(k, weight)| self.value(k) * weight).sum()
     }
 }
 

@@ -4,6 +4,7 @@ use super::kernel::{Io, Kernel, Onset, Setup, Twin};
 use super::spec::{Family, Kind, NodeSpec, Numeric, Param};
 use crate::dsp::lanes::{LANES, Real};
 use crate::dsp::random::{Source, uniform};
+use crate::dsp::sinc::weights;
 
 /// What the node says about itself.
 pub static SPEC: NodeSpec = NodeSpec {
@@ -79,15 +80,8 @@ impl Sequence {
         if (place - near).abs() < 1e-6 {
             return if near < 0.0 { 0.0 } else { uniform(self.stream, near as u64) };
         }
-        let middle = place.floor() as i64;
-        let mut sum = 0.0;
-        for k in (middle - REACH + 1).max(0)..=middle + REACH {
-            let off = place - k as f64;
-            let window = (12.0 * (1.0 - (off / REACH as f64).powi(2)).max(0.0).sqrt()).cosh() / 12f64.cosh();
-            let angle = std::f64::consts::PI * off;
-            sum += uniform(self.stream, k as u64) * window * angle.sin() / angle;
-        }
-        sum
+        let begun = weights(place, REACH as f64).filter(|(k, _)| *k >= 0);
+        begun.map(|(k, weight)| uniform(self.stream, k as u64) * weight).sum()
     }
 }
 
