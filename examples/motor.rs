@@ -4,7 +4,7 @@
 
 use std::error::Error;
 
-use pacinian::actuator::motor::{Casing, Level, Motor, Parameters, Plan};
+use pacinian::actuator::motor::{Casing, Drive, Level, Motor, Parameters, Plan};
 use pacinian::actuator::shape::{Click, Course, Ending, Spin};
 
 const RATE: f64 = 48_000.0;
@@ -33,7 +33,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     println!("drive                        peak m/s2    at ms  still at ms");
     let click =
-        Click { turns: 0.25, volts: motor.rated_volts, angle: 0.0, ending: Ending::Settled }.solve(&motor)?;
+        Click { turns: 0.25, drive: Drive::Voltage(motor.rated_volts), angle: 0.0, ending: Ending::Settled }
+            .solve(&motor)?;
     let [forward, backward, again] = click.seconds.map(|seconds| 1e3 * seconds);
     let spin = Spin { speed: 0.5 * motor.rated_speed(), seconds: 0.05, volts: motor.rated_volts, angle: 0.0 };
     for (name, course) in [

@@ -124,7 +124,7 @@ fn the_comparison_is_that_of_the_library() {
         let said = scratch.run(&[&["motor", "coin-10mm", "--json"], words].concat()).succeeds().json();
         let wish = Wish { level, seconds, envelope };
         let mut rows = bursts(&bench, &wish, volts).unwrap();
-        rows.extend(clicks(&bench, turns, volts).unwrap());
+        rows.extend(clicks(&bench, turns, Drive::Voltage(volts)).unwrap());
         let ways = said["ways"].as_array().unwrap();
         assert_eq!(ways.len(), rows.len());
         ways.iter().zip(&rows).for_each(|(said, row)| same_way(said, row));
@@ -193,7 +193,7 @@ fn clicks_behind_coupling_are_those_of_the_library() {
     let words = ["motor", "coin-10mm", "--turns", "1", "--coupling", "2,20,20+10"];
     let said = scratch.run(&[&words[..], &["--json"]].concat()).succeeds().json();
     let bench = bench(&coin(), 1e-4, false);
-    let rows = clicks(&bench, 1.0, 3.0).unwrap();
+    let rows = clicks(&bench, 1.0, Drive::Voltage(3.0)).unwrap();
     let click = rows[0].done.as_ref().unwrap().click.as_ref().unwrap();
     let amplifier =
         Amplifier { gain: 3.0, inverted: false, drive: Imposes::Voltage, volts: Some(3.0), amperes: None };

@@ -32,8 +32,8 @@
 //!     casing: Casing::Free { mass: 0.1 },
 //!     rated_volts: 3.0,
 //! };
-//! let click = Click { turns: 0.25, volts: 3.0, angle: 0.0, ending: Ending::Settled }.solve(&motor)?;
-//! let volts = click.course.voltages(48_000.0).expect("voltages all the way");
+//! let click = Click { turns: 0.25, drive: Drive::Voltage(3.0), angle: 0.0, ending: Ending::Settled }.solve(&motor)?;
+//! let volts = click.course.means(48_000.0).expect("voltages all the way");
 //! // Forward, then backward for about half as long, and it stands.
 //! assert!(volts.len() as f64 / 48_000.0 < 0.0125 && click.left.abs() < 1e-6 * click.peak_speed);
 //! # Ok::<(), pacinian::actuator::shape::Unreachable>(())

@@ -8,10 +8,10 @@ pub static SPEC: NodeSpec = NodeSpec {
     name: "drive-click",
     family: Family::Motor,
     summary: "A click or a thump of a motor: thrown forward and stopped.",
-    detail: "The mass is turned so far and stands again: the full voltage forward, then backward for as long as it takes to stop \
+    detail: "The mass is turned so far and stands again: the full drive forward, then backward for as long as it takes to stop \
              the rotor, which is less than forward, then a last moment forward that empties the coil. The times are solved on the \
              motor's own model, with its inductance. The event's level is the share of the strongest acceleration that the motor \
-             can make in such a click; a weaker one than a voltage that turns it at all is played as strong as that. A quarter of a \
+             can make in such a click; a weaker one than what turns it at all is played as strong as that. A quarter of a \
              turn is a click, a whole turn or more a thump. The release changes nothing. It is an order to the rumble motors at the \
              voice's place (outputs of kind drive), worked out for each of them; elsewhere, and as a signal, it is silence. The \
              newest order of a motor holds, and what was under way is braked first.",

@@ -7,7 +7,7 @@ use super::output::Turning;
 use super::{Actuator, Amplifier, Drive, Model, Output, OutputKind, Rig};
 use crate::actuator::drive::Drive as Imposed;
 use crate::actuator::driver::setup::Setup;
-use crate::actuator::fault::Fault;
+use crate::actuator::fault::{Fault, Limit};
 use crate::actuator::link::pwm::Switching;
 use crate::actuator::motor::{Casing, GRAVITY, Parameters, Suspension};
 use crate::text::Problem;
@@ -51,15 +51,6 @@ impl Wiring {
     /// The same, if there is enough to turn the motor at all.
     fn turns(self, output: &Output) -> Result<Self, Problem> {
         let p = &self.parameters;
-        if p.mechanical_time() < QUICKEST {
-            let what = format!(
-                "the motor of `{}` would be at its speed in {:.1e} s: that is no motor",
-                output.name,
-                p.mechanical_time()
-            );
-            let help = "look at its `inertia`, and at its `torque_constant`, which is in N m/A and no more than some thousandths for small ones";
-            return Err(Problem::error(&output.span, what).help(help.to_string()));
-        }
         let starts = p.coulomb * if self.is_current { 1.0 } else { p.resistance } / p.gain;
         if self.limit > starts {
             return Ok(self);
@@ -149,6 +140,17 @@ impl Actuator {
             }
         };
         parameters.check().map_err(Lack::Fault)?;
+        if parameters.mechanical_time() < QUICKEST {
+            let fault = if from_outside {
+                let because = "s: no motor is at its speed sooner";
+                Fault::because("time_constant", parameters.mechanical_time(), Limit::Least(QUICKEST), because)
+            } else {
+                let because = "kg m2, or it would be at its speed within 0.1 ms, as no motor is; or `torque_constant`, in N m/A, is too large: small motors have some thousandths";
+                let least = QUICKEST * parameters.damping();
+                Fault::because("inertia", parameters.effective_inertia(), Limit::Least(least), because)
+            };
+            return Err(Lack::Fault(fault));
+        }
         Ok(parameters)
     }
 

@@ -167,6 +167,14 @@ fn what_cannot_turn_is_refused_with_the_reason() {
             [DEVICE, BRIDGE, "part = \"coin-10mm\"\nstatic_friction = 1e-6", WIRED],
             ["`static_friction` is 0.000001", "no less than holds it while it turns"],
         ),
+        (
+            [DEVICE, BRIDGE, "part = \"coin-10mm\"\ntorque_constant = 300", WIRED],
+            ["`inertia` is 0.0000000018, but must be at least", "`torque_constant`, in N m/A, is too large"],
+        ),
+        (
+            [DEVICE, BRIDGE, "part = \"coin-10mm\"\ntime_constant = 5e-5", WIRED],
+            ["`time_constant` is 0.00005, but must be at least 0.0001", "no motor is at its speed sooner"],
+        ),
         ([DEVICE, "gain = 0\ncoupling = \"dc\"", COIN, WIRED], ["has a gain of 0", "nothing reaches"]),
         ([DEVICE, "gain = 0.2\ncoupling = \"dc\"", COIN, WIRED], ["of what turns it at all", "raise"]),
         (

@@ -1,16 +1,14 @@
 //! Clicks worked out ahead, for every level.
 //!
 //! A click is solved on the motor's own model, which takes milliseconds; when it is played there is no time for that. So it is solved for
-//! some voltages beforehand, and what lies between is interpolated.
+//! some strengths beforehand, and what lies between is interpolated.
 
 use super::order::Pieces;
 use super::setup::Setup;
-use crate::actuator::drive::Drive;
-use crate::actuator::fault::{Fault, Limit};
 use crate::actuator::motor::{Level, Motor, Parameters, Plan};
-use crate::actuator::shape::{Click, Ending, Unreachable};
+use crate::actuator::shape::{Click, Course, Ending, Unreachable, starts};
 
-/// Voltages for which clicks are worked out.
+/// Volts, or amperes, for which clicks are worked out.
 const ROWS: usize = 24;
 
 /// Steps a second at which it is seen how strong a click is.
@@ -27,27 +25,26 @@ impl Book {
     /// Clicks that turn the mass so far (turns, negative backward), from the weakest that turns it to that at the limit.
     ///
     /// # Errors
-    /// A number beyond its limits; a limit at which the motor does not turn that far; an amplifier that imposes a current.
+    /// A number beyond its limits; a limit at which the motor does not turn that far.
     pub fn new(setup: &Setup, turns: f64) -> Result<Self, Unreachable> {
         setup.check()?;
-        if setup.imposes == Drive::Current {
-            let because = "a click is a matter of voltages, and the amplifier imposes a current";
-            return Err(Fault::because("turns", turns, Limit::Absent, because).into());
-        }
         // Where the mass hangs is not known: clicks are those of a motor that lies flat.
         let motor = Parameters { gravity: 0.0, ..setup.parameters };
-        let solve = |volts: f64| Click { turns, volts, angle: 0.0, ending: Ending::Settled }.solve(&motor);
+        let solve = |amount: f64| {
+            Click { turns, drive: setup.drive(amount), angle: 0.0, ending: Ending::Settled }.solve(&motor)
+        };
         let strongest = solve(setup.limit)?;
-        let most = strength(&motor, &strongest.course.voltages(RATE).unwrap_or_default())?;
-        let least = (1.2 * motor.start_volts()).min(setup.limit);
+        let most = strength(setup, &motor, &strongest.course)?;
+        let starts = starts(&motor, setup.drive(setup.limit)).amount();
+        let least = (1.2 * starts).min(setup.limit);
         let mut rows = Vec::with_capacity(ROWS);
         for n in 0..ROWS - 1 {
             // Closer to one another where it is weak: there the times change fastest.
             let share = n as f64 / (ROWS - 1) as f64;
-            let volts = least + (setup.limit - least) * share * share;
-            let Ok(click) = solve(volts) else { continue };
-            let strength = strength(&motor, &click.course.voltages(RATE).unwrap_or_default())?;
-            rows.push((strength / most, pieces(click.seconds, volts.copysign(turns))));
+            let amount = least + (setup.limit - least) * share * share;
+            let Ok(click) = solve(amount) else { continue };
+            let strength = strength(setup, &motor, &click.course)?;
+            rows.push((strength / most, pieces(click.seconds, amount.copysign(turns))));
         }
         rows.push((1.0, pieces(strongest.seconds, setup.limit.copysign(turns))));
         rows.dedup_by(|next, row| next.0 <= row.0);
@@ -84,16 +81,16 @@ impl Book {
     }
 }
 
-fn pieces(seconds: [f64; 3], volts: f64) -> Pieces {
-    Pieces { list: [(seconds[0], volts), (seconds[1], -volts), (seconds[2], volts)] }
+fn pieces(seconds: [f64; 3], amount: f64) -> Pieces {
+    Pieces { list: [(seconds[0], amount), (seconds[1], -amount), (seconds[2], amount)] }
 }
 
 /// What the casing's largest acceleration goes with: √(ω⁴ + α²).
-fn strength(motor: &Parameters, volts: &[f64]) -> Result<f64, Unreachable> {
+fn strength(setup: &Setup, motor: &Parameters, course: &Course) -> Result<f64, Unreachable> {
     let mut motor: Motor = Motor::new(motor, &Plan { casing: false, ..Plan::whole(Level::Default) }, RATE)?;
     let mut most = 0.0_f64;
-    for volts in volts {
-        motor.drive(crate::actuator::motor::Drive::Voltage(*volts));
+    for mean in course.means(RATE).unwrap_or_default() {
+        motor.drive(setup.drive(mean));
         let before = motor.angular_acceleration();
         most = most.max((motor.speed() * motor.speed()).hypot(before));
         motor.step();

@@ -2,7 +2,7 @@
 
 use crate::actuator::drive::Drive;
 use crate::actuator::fault::{Fault, within};
-use crate::actuator::motor::Parameters;
+use crate::actuator::motor::{self, Parameters};
 
 /// From the level that is played to what reaches the terminals. A level is the share of the rated vibration, and backward where it is
 /// negative.
@@ -57,6 +57,14 @@ impl Setup {
         within("compliance", self.compliance, (1e-6, 1e6), "V")?;
         within("rate", self.rate, (100.0, 1e6), "samples a second")?;
         within("look_ahead", self.look_ahead.unwrap_or(0.0), (0.0, 1.0), "s")
+    }
+
+    /// So many volts, or amperes, at its terminals.
+    pub fn drive(&self, amount: f64) -> motor::Drive {
+        match self.imposes {
+            Drive::Voltage => motor::Drive::Voltage(amount),
+            Drive::Current => motor::Drive::Current { amperes: amount, limit: self.compliance },
+        }
     }
 
     /// The speed of a level of 1, rad/s: the rated one.

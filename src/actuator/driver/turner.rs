@@ -4,9 +4,8 @@ use super::ahead::Ahead;
 use super::law::{Follow, Seek};
 use super::order::{Agenda, Entry, Order, PIECES, Pieces};
 use super::setup::{Setup, Shaping};
-use crate::actuator::drive::Drive;
 use crate::actuator::fault::Fault;
-use crate::actuator::motor::{self, Level, Motor, Plan};
+use crate::actuator::motor::{Level, Motor, Plan};
 
 /// Share of the full speed below which a motor counts as standing.
 const STANDS: f64 = 1e-4;
@@ -88,6 +87,11 @@ impl Turner {
             clock: 0,
             counts: Counts::default(),
         })
+    }
+
+    /// What it turns, and how.
+    pub fn setup(&self) -> &Setup {
+        &self.setup
     }
 
     /// By how many samples what comes out is later than what is played.
@@ -303,10 +307,7 @@ impl Turner {
 
     fn move_model(&mut self, given: f64, share: f64) {
         let Some(motor) = &mut self.motor else { return };
-        motor.drive(match self.setup.imposes {
-            Drive::Voltage => motor::Drive::Voltage(given),
-            Drive::Current => motor::Drive::Current { amperes: given, limit: self.setup.compliance },
-        });
+        motor.drive(self.setup.drive(given));
         if share == 1.0 { motor.step() } else { motor.part(share) }
     }
 }

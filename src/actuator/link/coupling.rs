@@ -130,6 +130,18 @@ impl HighPass {
         (output - self.mean[0] * self.charge[0] - self.mean[1] * self.charge[1]) / self.through
     }
 
+    /// Whether there is no charge.
+    pub(super) fn is_empty(&self) -> bool {
+        self.charge == [0.0; 2]
+    }
+
+    /// Lets charges go that are all below this.
+    pub(super) fn forget(&mut self, below: f64) {
+        if self.charge.iter().all(|charge| charge.abs() < below) {
+            self.charge = [0.0; 2];
+        }
+    }
+
     /// The output, of magnitude `most`, that takes the charges to nothing soonest; 0 where they are as good as that: an input of 0 then
     /// makes no output beyond `most`.
     pub(super) fn discharging(&self, most: f64) -> f64 {

@@ -2,6 +2,7 @@
 
 pub mod amplifier;
 pub mod carrier;
+pub mod compensator;
 pub mod coupling;
 pub mod pulse;
 pub mod pwm;

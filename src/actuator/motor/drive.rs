@@ -1,5 +1,7 @@
 //! What is done to the terminals of a motor.
 
+use std::fmt;
+
 /// Beyond this, in volts or amperes, a drive counts as none.
 pub const MOST_DRIVE: f64 = 1e6;
 
@@ -24,6 +26,25 @@ impl Drive {
     /// Both terminals joined.
     pub const SHORT: Self = Self::Voltage(0.0);
 
+    /// The same drive with another amount, volts or amperes as it is; open terminals stay open.
+    #[must_use]
+    pub fn with(self, amount: f64) -> Self {
+        match self {
+            Self::Voltage(_) => Self::Voltage(amount),
+            Self::Current { limit, .. } => Self::Current { amperes: amount, limit },
+            Self::Open => Self::Open,
+        }
+    }
+
+    /// Volts or amperes; 0 of open terminals.
+    pub fn amount(self) -> f64 {
+        match self {
+            Self::Voltage(volts) => volts,
+            Self::Current { amperes, .. } => amperes,
+            Self::Open => 0.0,
+        }
+    }
+
     /// The drive, or a short circuit and `true` where it is no number or beyond [`MOST_DRIVE`].
     #[inline]
     pub(super) fn masked(self) -> (Self, bool) {
@@ -36,9 +57,32 @@ impl Drive {
     }
 }
 
+impl fmt::Display for Drive {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let written = |x: f64| (1e3 * x).round() / 1e3;
+        match self {
+            Self::Voltage(volts) => write!(f, "{} V", written(*volts)),
+            Self::Current { amperes, .. } => write!(f, "{} A", written(*amperes)),
+            Self::Open => write!(f, "open terminals"),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::Drive;
+
+    #[test]
+    fn amounts_are_taken_and_given() {
+        for drive in [Drive::Voltage(2.0), Drive::Current { amperes: 2.0, limit: 5.0 }] {
+            assert_eq!((drive.amount(), drive.with(-1.0).amount()), (2.0, -1.0));
+            assert_eq!(drive.with(-1.0).with(2.0), drive);
+        }
+        assert_eq!((Drive::Open.amount(), Drive::Open.with(3.0)), (0.0, Drive::Open));
+        let written =
+            [Drive::Voltage(0.5).to_string(), Drive::Current { amperes: 0.0206, limit: 3.0 }.to_string()];
+        assert_eq!(written, ["0.5 V", "0.021 A"]);
+    }
 
     #[test]
     fn what_is_no_number_is_a_short_circuit() {

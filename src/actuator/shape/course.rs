@@ -69,23 +69,29 @@ impl Course {
         }
     }
 
-    /// The voltages of a converter that holds each for a sample of 1/`rate`: where a drive ends within one, its mean over the sample,
-    /// so that the motor gets the same volt-seconds. `None` where some drive is no voltage.
-    pub fn voltages(&self, rate: f64) -> Option<Vec<f64>> {
-        let of = |drive: Drive| if let Drive::Voltage(volts) = drive { Some(volts) } else { None };
-        let last = of(self.last)?;
-        let mut volts = vec![last; (self.duration() * rate).ceil() as usize];
+    /// The volts, or the amperes, of a converter that holds each for a sample of 1/`rate`: where a drive ends within one, its mean over the
+    /// sample, so that the motor gets the same volt-seconds. `None` where they are not all volts, or all amperes.
+    pub fn means(&self, rate: f64) -> Option<Vec<f64>> {
+        let alike = |drive: &Drive| {
+            !matches!(drive, Drive::Open)
+                && std::mem::discriminant(drive) == std::mem::discriminant(&self.last)
+        };
+        if !alike(&self.last) || !self.pieces.iter().all(|(_, drive)| alike(drive)) {
+            return None;
+        }
+        let last = self.last.amount();
+        let mut means = vec![last; (self.duration() * rate).ceil() as usize];
         let mut begin = 0.0_f64;
         for (end, drive) in &self.pieces {
-            let (more, end) = (of(*drive)? - last, end * rate);
-            let (first, behind) = (begin as usize, (end.ceil() as usize).min(volts.len()));
-            for (n, volts) in volts.iter_mut().enumerate().take(behind).skip(first) {
+            let (more, end) = (drive.amount() - last, end * rate);
+            let (first, behind) = (begin as usize, (end.ceil() as usize).min(means.len()));
+            for (n, mean) in means.iter_mut().enumerate().take(behind).skip(first) {
                 let share = (end.min((n + 1) as f64) - begin.max(n as f64)).max(0.0);
-                *volts += more * share;
+                *mean += more * share;
             }
             begin = end;
         }
-        Some(volts)
+        Some(means)
     }
 }
 
@@ -98,18 +104,24 @@ mod tests {
         let course =
             Course::on(3.0, 0.012_34).then(0.004_001, Drive::Voltage(-2.5)).then(1e-5, Drive::Voltage(1.0));
         for rate in [1000.0, 44_100.0, 48_000.0] {
-            let sum = course.voltages(rate).unwrap().iter().sum::<f64>() / rate;
+            let sum = course.means(rate).unwrap().iter().sum::<f64>() / rate;
             let due = 3.0 * 0.012_34 - 2.5 * 0.004_001 + 1e-5;
             assert!((sum - due).abs() < 1e-15, "{sum} {due}");
         }
         // By hand: 1.5 samples of 3 V, then half a sample of −2 V, and a short circuit.
         let course = Course::on(3.0, 1.5e-3).then(0.5e-3, Drive::Voltage(-2.0));
-        let volts = course.voltages(1000.0).unwrap();
+        let volts = course.means(1000.0).unwrap();
         assert!(
             volts.len() == 2 && (volts[0] - 3.0).abs() < 1e-12 && (volts[1] - 0.5).abs() < 1e-12,
             "{volts:?}"
         );
-        assert_eq!(Course::ending_in(Drive::Open).voltages(48e3), None);
+        assert_eq!(Course::ending_in(Drive::Open).means(48e3), None);
+        let amperes = Drive::Current { amperes: 0.5, limit: 3.0 };
+        assert_eq!(
+            Course::ending_in(amperes.with(0.0)).then(2.5e-3, amperes).means(1e3).unwrap(),
+            [0.5, 0.5, 0.25]
+        );
+        assert_eq!(Course::ending_in(Drive::SHORT).then(2.5e-3, amperes).means(1e3), None);
         assert_eq!(Course::on(3.0, -1.0).pieces(), []);
         assert_eq!(Course::on(3.0, f64::NAN).duration(), 0.0);
     }

@@ -58,7 +58,10 @@ impl Home {
             return Err(Fault::because("gravity", parameters.gravity, Limit::Above(0.0), why).into());
         }
         if self.volts.abs() < parameters.start_volts() {
-            return Err(Unreachable::Start(self.volts, parameters.start_volts()));
+            return Err(Unreachable::Start(
+                Drive::Voltage(self.volts),
+                Drive::Voltage(parameters.start_volts()),
+            ));
         }
         let angles = (0..TRIED).map(|n| TAU * f64::from(n) / f64::from(TRIED));
         let mut trials =
@@ -69,7 +72,7 @@ impl Home {
             let (mut alone, begin) = (trial.clone(), trial.angle());
             let left = |motor: &Motor| TAU - (angle(motor) - begin).abs();
             let turned = alone.until(Drive::Voltage(self.volts), PATIENCE, left);
-            spin = spin.max(turned.ok_or(Unreachable::Slow(self.volts, PATIENCE))?);
+            spin = spin.max(turned.ok_or(Unreachable::Slow(Drive::Voltage(self.volts), PATIENCE))?);
         }
         trials.iter_mut().for_each(|trial| trial.run(spin, Drive::Voltage(self.volts)));
         // What some of them show, the others can only make worse: so most shares need not be tried from all.

@@ -12,7 +12,7 @@ mod switching;
 mod trial;
 mod unreachable;
 
-pub use click::{Click, Clicked, Ending};
+pub use click::{Click, Clicked, Ending, starts};
 pub use course::Course;
 pub use home::{Home, Homed};
 pub use inverse::{Inverse, Shaped};

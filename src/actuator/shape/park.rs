@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::click::{Click, Clicked, Ending};
 use super::unreachable::Unreachable;
-use crate::actuator::motor::Parameters;
+use crate::actuator::motor::{Drive, Parameters};
 
 /// Turns that are not worth a drive.
 const NEAR: f64 = 1e-3;
@@ -33,7 +33,8 @@ impl Park {
         if turns.abs() < NEAR {
             return Ok(None);
         }
-        let click = Click { turns, volts: self.volts, angle: self.from, ending: Ending::Settled };
+        let click =
+            Click { turns, drive: Drive::Voltage(self.volts), angle: self.from, ending: Ending::Settled };
         click.solve(parameters).map(Some)
     }
 }

@@ -39,8 +39,10 @@ impl Spin {
         let slow = |motor: &Motor| (self.speed - motor.speed()) * sign;
         let Some(up) = trial.until(Drive::Voltage(full), PATIENCE, slow) else {
             return Err(match trial.motor.is_stuck() {
-                true => Unreachable::Start(self.volts, parameters.start_volts()),
-                false => Unreachable::Slow(self.volts, PATIENCE),
+                true => {
+                    Unreachable::Start(Drive::Voltage(self.volts), Drive::Voltage(parameters.start_volts()))
+                }
+                false => Unreachable::Slow(Drive::Voltage(self.volts), PATIENCE),
             });
         };
         if up >= self.seconds {
@@ -51,7 +53,7 @@ impl Spin {
         }
         let runs = |motor: &Motor| motor.speed() * sign;
         let brake = trial.until(Drive::Voltage(-full), PATIENCE, runs);
-        let brake = brake.ok_or(Unreachable::Slow(self.volts, PATIENCE))?;
+        let brake = brake.ok_or(Unreachable::Slow(Drive::Voltage(self.volts), PATIENCE))?;
         Ok(Course::ending_in(Drive::SHORT)
             .then(up.min(self.seconds), Drive::Voltage(full))
             .then(self.seconds - up, Drive::Voltage(hold))

@@ -3,16 +3,17 @@
 use std::fmt;
 
 use crate::actuator::fault::Fault;
+use crate::actuator::motor::Drive;
 
 /// What a motor cannot do, or what is no wish.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Unreachable {
     /// A number of the motor or of the wish is beyond its limits.
     Fault(Fault),
-    /// The voltage (V) does not start the motor from where it hangs; this one (V) starts it from anywhere.
-    Start(f64, f64),
-    /// At this voltage (V) it never gets that far, or that fast: it would take more than so many seconds.
-    Slow(f64, f64),
+    /// The drive does not start the motor from where it hangs; the other one starts it from anywhere.
+    Start(Drive, Drive),
+    /// By this drive it never gets that far, or that fast: it would take more than so many seconds.
+    Slow(Drive, f64),
     /// Gravity does not bring its mass to rest within so many seconds, however slowly it creeps.
     Adrift(f64),
     /// Gravity brings its mass to rest, but anywhere within so much of a place, rad.
@@ -29,13 +30,13 @@ impl fmt::Display for Unreachable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Fault(fault) => fault.fmt(f),
-            Self::Start(volts, needed) => {
-                write!(f, "{volts} V do not start the motor; from wherever its mass hangs, {needed:.3} V do")
+            Self::Start(drive, needed) => {
+                write!(f, "{drive} do not start the motor; from wherever its mass hangs, {needed} do")
             }
-            Self::Slow(volts, seconds) => {
+            Self::Slow(drive, seconds) => {
                 write!(
                     f,
-                    "at {volts} V the motor does not get there within {seconds} s: wish for less, or give it more"
+                    "at {drive} the motor does not get there within {seconds} s: wish for less, or give it more"
                 )
             }
             Self::Adrift(seconds) => {

@@ -8,7 +8,7 @@ use super::report::{About, Answer, Computed, CouplingReport, Figures, WayReport,
 use super::subject::Subject;
 use super::{Form, Motor, picture, usage, written};
 use pacinian::actuator::motor::{self, GRAVITY, Level, Parameters, Plan};
-use pacinian::actuator::shape::{Clicked, Unreachable};
+use pacinian::actuator::shape::Clicked;
 use pacinian::io::out;
 use pacinian::report::motion::{Behind, Bench, Envelope, Wish, behind, bursts, clicks, own};
 use pacinian::text::Problem;
@@ -64,16 +64,14 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
         None => {
             if subject.current.is_some() {
                 warnings.push(
-                    "the amplifier imposes a current; what is compared here is driven by voltage".to_string(),
+                    "the amplifier imposes a current; the bursts that are compared here are driven by voltage".to_string(),
                 );
             }
             let mut rows = bursts(&bench, &wish, limit).map_err(|f| usage(&f))?;
-            let clicks = clicks(&bench, turns, limit).map_err(|f| usage(&f))?;
-            let refused = clicks.iter().find_map(|row| row.done.as_ref().err());
-            if let Some(Unreachable::Fault(fault)) = refused {
-                return Err(usage(fault));
-            }
-            rows.extend(clicks);
+            let drive = subject.current.map_or(motor::Drive::Voltage(limit), |[amperes, limit]| {
+                motor::Drive::Current { amperes, limit }
+            });
+            rows.extend(clicks(&bench, turns, drive).map_err(|f| usage(&f))?);
             rows
         }
     };
@@ -147,7 +145,7 @@ fn coupled(
     if asked.volts.is_some() && subject.files.is_empty() {
         (chain.amplifier.gain, chain.amplifier.volts) = (limit, Some(limit));
     }
-    let rows = clicks(bench, turns, limit).map_err(|f| usage(&f))?;
+    let rows = clicks(bench, turns, motor::Drive::Voltage(limit)).map_err(|f| usage(&f))?;
     let clicked: Option<&Clicked> = rows.iter().find_map(|row| row.done.as_ref().ok()?.click.as_ref());
     // Why there is none stands in its row.
     let Some(clicked) = clicked else { return Ok(Vec::new()) };

@@ -54,7 +54,7 @@ const AFTER: f64 = 0.2;
 pub fn behind(bench: &Bench, clicked: &Clicked, chain: &Chain, corners: Corners) -> Result<Behind, Fault> {
     let chain = Chain { corners, ..*chain };
     let rate = bench.rate;
-    let wanted = clicked.course.voltages(rate).unwrap_or_default();
+    let wanted = clicked.course.means(rate).unwrap_or_default();
     let starts = |p: &Parameters| QUIET * p.stiction * p.resistance / p.gain;
     let quiet = Some(starts(&bench.parameters)).filter(|v| *v > 0.0).unwrap_or(NONE * chain.most());
     let allowance = Allowance { quiet, lead: LEAD, tail: TAIL };
@@ -102,7 +102,7 @@ mod tests {
     use crate::actuator::link::Chain;
     use crate::actuator::link::amplifier::Amplifier;
     use crate::actuator::link::coupling::Corners;
-    use crate::actuator::motor::{Level, Parameters, Plan};
+    use crate::actuator::motor::{self, Level, Parameters, Plan};
     use crate::actuator::shape::{Click, Ending};
     use crate::report::motion::Bench;
 
@@ -110,7 +110,8 @@ mod tests {
     fn set(room: f64) -> (Bench, crate::actuator::shape::Clicked, Chain) {
         let coin = Parameters { gravity: 0.0, ..Parameters::COIN };
         let bench = Bench::new(&coin, Plan::whole(Level::Fine), 48_000.0, 0.0).unwrap();
-        let click = Click { turns: 0.25, volts: 3.0, angle: 0.0, ending: Ending::Settled };
+        let click =
+            Click { turns: 0.25, drive: motor::Drive::Voltage(3.0), angle: 0.0, ending: Ending::Settled };
         let amplifier = Amplifier {
             gain: 3.0 * room,
             inverted: false,

@@ -6,7 +6,7 @@ use super::wish::Wish;
 /// Rise, peak, stop and error of a run. The amplitude of a vibration is m_e r ω²/M_t; only the peak has the rotor's own acceleration in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Until the amplitude is 50 % and 90 % of what is wanted at most, s; `None`: it never is, or nothing is wanted.
+    /// Until the amplitude is 50 % and 90 % of what is wanted at most, s; `None`: it never is, or nothing is wanted, or nothing can be felt.
     pub rise: [Option<f64>; 2],
     /// The most that is felt, in the bench's unit.
     pub peak: f64,
@@ -29,6 +29,8 @@ impl Figures {
     pub fn new(bench: &Bench, run: &Run, wish: Option<&Wish>, end: f64) -> Self {
         let speeds = &run.traces.speeds;
         let amplitude = |n: usize| speeds.get(n).map_or(0.0, |speed| bench.per_square() * speed * speed);
+        // Where the mass is not eccentric nothing is felt, whatever is wanted.
+        let wish = wish.filter(|_| bench.rated() > 0.0);
         let most = wish.map(|wish| wish.level * bench.rated());
         let first = |value: f64| {
             let n = (0..speeds.len()).find(|n| amplitude(*n) >= value)?;

@@ -4,7 +4,7 @@ use super::bench::{Bench, Given, Run};
 use super::figures::Figures;
 use super::wish::{Envelope, Wish};
 use crate::actuator::fault::{Fault, within};
-use crate::actuator::motor::Parameters;
+use crate::actuator::motor::{Drive, Parameters};
 use crate::actuator::shape::{Click, Clicked, Course, Ending, Inverse, Spin, Switching, Unreachable};
 
 /// A way to drive a motor.
@@ -98,20 +98,21 @@ pub fn bursts(bench: &Bench, wish: &Wish, limit: f64) -> Result<Vec<Row>, Fault>
     Ok(rows.map(|(way, drive)| Row { way, done: drive(bench, wish, limit) }).collect())
 }
 
-/// A click of so many turns at `limit` volts, and a pulse of the same length.
+/// A click of so many turns by a drive of so many volts, or amperes, and a pulse of the same length.
 ///
 /// # Errors
-/// A limit beyond its bounds; what cannot be done stands in its row.
-pub fn clicks(bench: &Bench, turns: f64, limit: f64) -> Result<Vec<Row>, Fault> {
-    within("volts", limit, (1e-6, 1e6), "V")?;
-    let click = Click { turns, volts: limit, angle: bench.angle, ending: Ending::Settled };
+/// A drive beyond its bounds; what cannot be done stands in its row.
+pub fn clicks(bench: &Bench, turns: f64, drive: Drive) -> Result<Vec<Row>, Fault> {
+    let click = Click { turns, drive, angle: bench.angle, ending: Ending::Settled };
     let clicked = match click.solve(&bench.parameters) {
         Ok(clicked) => clicked,
+        Err(Unreachable::Fault(fault)) => return Err(fault),
         Err(why) => return Ok(vec![Row { way: Way::Click, done: Err(why) }]),
     };
     let seconds = clicked.course.duration();
     let done = |course: Course| Done::new(bench, Given::Course(course), None, seconds);
-    let pulse = done(Course::on(limit.copysign(turns), seconds));
+    let forward = drive.with(drive.amount().abs().copysign(turns));
+    let pulse = done(Course::ending_in(drive.with(0.0)).then(seconds, forward));
     let click = done(clicked.course.clone()).map(|done| Done { click: Some(clicked), ..done });
     Ok(vec![Row { way: Way::Click, done: click }, Row { way: Way::Pulse, done: pulse }])
 }
@@ -145,7 +146,7 @@ fn held_within(p: &Parameters, speed: f64, limit: f64) -> f64 {
 fn overdrive(bench: &Bench, wish: &Wish, limit: f64) -> Result<Done, Unreachable> {
     let p = &bench.parameters;
     if limit < p.start_volts() && p.steady_speed(limit) == 0.0 {
-        return Err(Unreachable::Start(limit, p.start_volts()));
+        return Err(Unreachable::Start(Drive::Voltage(limit), Drive::Voltage(p.start_volts())));
     }
     let speed = (p.rated_speed() * wish.level.sqrt()).min(NEARLY * p.steady_speed(limit));
     let course = Spin { speed, seconds: wish.seconds, volts: limit, angle: bench.angle }.solve(p)?;

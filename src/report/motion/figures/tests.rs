@@ -52,6 +52,16 @@ fn a_step_rises_in_its_time_constants() {
     near(figures.error.unwrap(), square.sqrt(), 1e-3 * square.sqrt());
 }
 
+/// A mass that is not eccentric cannot be felt, and misses nothing of what is wanted.
+#[test]
+fn of_what_cannot_be_felt_there_is_neither_rise_nor_error() {
+    let bench = bench(&Parameters { eccentric: 0.0, ..dry() });
+    let run = run(&bench, Course::on(3.0, FULL.seconds));
+    let figures = Figures::new(&bench, &run, Some(&FULL), FULL.seconds);
+    assert_eq!((figures.rise, figures.error, figures.felt, figures.peak), ([None; 2], None, None, 0.0));
+    assert!(figures.stop.unwrap() > 0.01);
+}
+
 /// |a| = (m_e r/M_t) √(ω⁴ + α²), at every step.
 #[test]
 fn the_peak_has_the_rotors_own_acceleration_in_it() {

@@ -1,6 +1,6 @@
 //! Ways side by side, against closed forms.
 
-use crate::actuator::motor::{Level, Parameters, Plan};
+use crate::actuator::motor::{Drive, Level, Parameters, Plan};
 use crate::report::motion::{Bench, Done, Envelope, Row, Way, Wish, bursts, clicks};
 
 const RATE: f64 = 48_000.0;
@@ -74,7 +74,7 @@ fn the_whole_level_without_any_room_is_driven_with_all_there_is() {
 /// t2 = τ ln(1 + ω1/ω_b), a quarter of a turn, and it stands; a pulse of that length goes on.
 #[test]
 fn a_click_stands_when_it_is_over() {
-    let (bench, rows) = (bench(), clicks(&bench(), 0.25, 3.0).unwrap());
+    let (bench, rows) = (bench(), clicks(&bench(), 0.25, Drive::Voltage(3.0)).unwrap());
     let p = bench.parameters;
     let (click, pulse) = (done(&rows, Way::Click), done(&rows, Way::Pulse));
     assert!((click.run.turns - 0.25).abs() < 1e-4 && click.figures.stop.unwrap() < 1.0 / RATE);
@@ -89,17 +89,22 @@ fn a_click_stands_when_it_is_over() {
     let due = tau * (fastest / at(p.coulomb)).ln_1p();
     assert!((pulse.figures.stop.unwrap() - due).abs() < 2.0 / RATE, "{:?} {due}", pulse.figures);
     assert!(pulse.run.turns > 1.0);
-    let back = clicks(&bench, -0.25, 3.0).unwrap();
+    let back = clicks(&bench, -0.25, Drive::Voltage(3.0)).unwrap();
     assert!((done(&back, Way::Click).run.turns + 0.25).abs() < 1e-4);
     assert!(done(&back, Way::Pulse).run.turns < -1.0);
+    // By a current, too; where that ends nothing brakes any more.
+    let rows = clicks(&bench, 0.25, Drive::Current { amperes: 0.08, limit: 5.0 }).unwrap();
+    let (click, pulse) = (done(&rows, Way::Click), done(&rows, Way::Pulse));
+    assert!((click.run.turns - 0.25).abs() < 1e-4 && click.figures.stop.unwrap() < 1.0 / RATE);
+    assert!(pulse.run.turns > 1.0 && pulse.figures.stop.unwrap() > 0.01, "{:?}", pulse.figures);
 }
 
 #[test]
 fn what_cannot_be_done_says_why() {
-    let rows = clicks(&bench(), 0.25, 0.1).unwrap();
+    let rows = clicks(&bench(), 0.25, Drive::Voltage(0.1)).unwrap();
     let why = rows[0].done.as_ref().unwrap_err().to_string();
     assert!(rows.len() == 1 && why.contains("0.1 V do not start the motor"), "{why}");
-    assert_eq!(clicks(&bench(), 0.25, f64::NAN).unwrap_err().field, "volts");
+    assert_eq!(clicks(&bench(), 0.25, Drive::Voltage(f64::NAN)).unwrap_err().field, "volts");
     let wish = Wish { level: 2.0, seconds: 0.1, envelope: Envelope::Rectangle };
     assert_eq!(bursts(&bench(), &wish, 3.0).unwrap_err().field, "level");
     let rows = bursts(&bench(), &Wish { level: 0.5, ..wish }, 0.3).unwrap();
