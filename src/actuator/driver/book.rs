@@ -3,11 +3,15 @@
 //! A click is solved on the motor's own model, which takes milliseconds; when it is played there is no time for that. So it is solved for
 //! some voltages beforehand, and what lies between is interpolated.
 
+use super::coast::Coast;
 use super::order::Pieces;
 use super::setup::Setup;
-use crate::actuator::drive::Drive;
-use crate::actuator::fault::{Fault, Limit};
-use crate::actuator::motor::{Level, Motor, Parameters, Plan};
+use std::f64::consts::TAU;
+
+use crate::actuator::drive;
+use crate::actuator::fault::{Fault, Limit, within};
+use crate::actuator::motor::{Drive, Level, Motor, Parameters, Plan};
+use crate::actuator::shape::trial::{PATIENCE, Trial};
 use crate::actuator::shape::{Click, Ending, Unreachable};
 
 /// Voltages for which clicks are worked out.
@@ -24,32 +28,46 @@ pub struct Book {
 }
 
 impl Book {
-    /// Clicks that turn the mass so far (turns, negative backward), from the weakest that turns it to that at the limit.
+    /// Clicks that turn the mass so far (turns, negative backward), from the weakest that turns it to that at the limit. Of a motor that nothing
+    /// brakes they are pushes: it is let go so early that it comes to rest there by itself.
     ///
     /// # Errors
-    /// A number beyond its limits; a limit at which the motor does not turn that far; an amplifier that imposes a current.
+    /// A number beyond its limits; a limit at which the motor does not turn that far; an amplifier that imposes a current; a way back
+    /// where diodes let none.
     pub fn new(setup: &Setup, turns: f64) -> Result<Self, Unreachable> {
         setup.check()?;
-        if setup.imposes == Drive::Current {
+        if setup.imposes == drive::Drive::Current {
             let because = "a click is a matter of voltages, and the amplifier imposes a current";
             return Err(Fault::because("turns", turns, Limit::Absent, because).into());
         }
         // Where the mass hangs is not known: clicks are those of a motor that lies flat.
         let motor = Parameters { gravity: 0.0, ..setup.parameters };
-        let solve = |volts: f64| Click { turns, volts, angle: 0.0, ending: Ending::Settled }.solve(&motor);
-        let strongest = solve(setup.limit)?;
-        let most = strength(&motor, &strongest.course.voltages(RATE).unwrap_or_default())?;
+        if setup.one_way && turns < 0.0 {
+            let because = "behind diodes the motor turns one way";
+            return Err(Fault::because("turns", turns, Limit::Above(0.0), because).into());
+        }
+        let solve = |volts: f64| -> Result<(Pieces, f64), Unreachable> {
+            if setup.one_way {
+                let seconds = push(&motor, turns, volts)?;
+                let steps = (seconds * RATE).ceil().max(1.0) as usize;
+                let strength = strength(&motor, &vec![volts; steps])?;
+                return Ok((Pieces { list: [(seconds, volts), (0.0, 0.0), (0.0, 0.0)] }, strength));
+            }
+            let click = Click { turns, volts, angle: 0.0, ending: Ending::Settled }.solve(&motor)?;
+            let strength = strength(&motor, &click.course.voltages(RATE).unwrap_or_default())?;
+            Ok((pieces(click.seconds, volts.copysign(turns)), strength))
+        };
+        let (strongest, most) = solve(setup.limit)?;
         let least = (1.2 * motor.start_volts()).min(setup.limit);
         let mut rows = Vec::with_capacity(ROWS);
         for n in 0..ROWS - 1 {
             // Closer to one another where it is weak: there the times change fastest.
             let share = n as f64 / (ROWS - 1) as f64;
             let volts = least + (setup.limit - least) * share * share;
-            let Ok(click) = solve(volts) else { continue };
-            let strength = strength(&motor, &click.course.voltages(RATE).unwrap_or_default())?;
-            rows.push((strength / most, pieces(click.seconds, volts.copysign(turns))));
+            let Ok((click, strength)) = solve(volts) else { continue };
+            rows.push((strength / most, click));
         }
-        rows.push((1.0, pieces(strongest.seconds, setup.limit.copysign(turns))));
+        rows.push((1.0, strongest));
         rows.dedup_by(|next, row| next.0 <= row.0);
         Ok(Self { rows })
     }
@@ -84,6 +102,19 @@ impl Book {
     }
 }
 
+/// For how long a voltage pushes the mass so that it has turned so far when it stands, s.
+fn push(motor: &Parameters, turns: f64, volts: f64) -> Result<f64, Unreachable> {
+    within("turns", turns, (1e-4, 1000.0), "turns")?;
+    let (coast, far) = (Coast::new(motor), TAU * turns);
+    let mut trial = Trial::new(motor, 0.0, RATE)?;
+    let left = |motor: &Motor| far - motor.turned() - coast.angle(motor.speed());
+    let seconds = trial.until(Drive::Voltage(volts), PATIENCE, left);
+    seconds.ok_or_else(|| match trial.motor.is_stuck() {
+        true => Unreachable::Start(volts, motor.start_volts()),
+        false => Unreachable::Slow(volts, PATIENCE),
+    })
+}
+
 fn pieces(seconds: [f64; 3], volts: f64) -> Pieces {
     Pieces { list: [(seconds[0], volts), (seconds[1], -volts), (seconds[2], volts)] }
 }
@@ -93,7 +124,7 @@ fn strength(motor: &Parameters, volts: &[f64]) -> Result<f64, Unreachable> {
     let mut motor: Motor = Motor::new(motor, &Plan { casing: false, ..Plan::whole(Level::Default) }, RATE)?;
     let mut most = 0.0_f64;
     for volts in volts {
-        motor.drive(crate::actuator::motor::Drive::Voltage(*volts));
+        motor.drive(Drive::Voltage(*volts));
         let before = motor.angular_acceleration();
         most = most.max((motor.speed() * motor.speed()).hypot(before));
         motor.step();

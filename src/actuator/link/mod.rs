@@ -2,9 +2,12 @@
 
 pub mod amplifier;
 pub mod carrier;
+pub mod conduction;
 pub mod coupling;
+pub mod diodes;
 pub mod pulse;
 pub mod pwm;
+pub mod wave;
 
 use crate::actuator::fault::{Fault, positive};
 use amplifier::Amplifier;
