@@ -261,19 +261,29 @@ fn what_a_device_hears_comes_to_another_without_memory() {
     );
 }
 
-/// Motors: levels and orders of all kinds, on all of them, more than there is room for.
+/// Motors: levels and orders of all kinds, on all of them, more than there is room for; and the same behind rectifiers.
 #[test]
 fn motors_that_are_ordered_about() {
     use common::scenes::{MOTORS, MOVES};
+
+    motors_are_ordered_about(MOTORS, MOVES);
+    let mut carried = MOTORS.to_string();
+    for gain in ["gain = 3.0\n", "gain = -3.0\n"] {
+        carried = carried.replace(gain, &format!("drive = \"carrier\"\ndiode_drop = 1.4\n{gain}"));
+    }
+    motors_are_ordered_about(&carried, &MOVES.replace("turns = -1.5", "turns = 1.5"));
+}
+
+fn motors_are_ordered_about(rig: &str, moves: &str) {
     use pacinian::engine::event::Play;
     use pacinian::graph::scene::{Options, scene};
     use pacinian::graph::start::FIELDS;
     use pacinian::rig::Rig;
 
-    let rig = Rig::parse("rig.toml", MOTORS.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let rig = Rig::parse("rig.toml", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
     let none = pacinian::node::asset::NoAssets;
-    let plan = scene(&common::patch(MOVES), &rig, &options, &none).unwrap_or_else(|p| panic!("{p}")).plan;
+    let plan = scene(&common::patch(moves), &rig, &options, &none).unwrap_or_else(|p| panic!("{p}")).plan;
     let mut engine = Engine::new(&plan).unwrap();
     let mut frames = vec![0.0; 480 * 3];
     let (mut total, mut moved) = (0, 0.0_f32);

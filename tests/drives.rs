@@ -2,6 +2,9 @@
 
 mod common;
 
+#[path = "drives/carrier.rs"]
+mod carrier;
+
 use common::scenes::{MOTORS, MOVES};
 use common::{channel, patch, run};
 use pacinian::actuator::motor::{Drive, Level, Motor, Parameters, Plan};

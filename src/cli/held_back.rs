@@ -22,6 +22,8 @@ pub struct HeldBack {
     /// Of a motor: engine samples in which its limit kept it from what was played, and orders that found no room.
     short: u64,
     dropped: u64,
+    /// Of a motor that turns one way: engine samples and orders that were for the other.
+    backward: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -51,6 +53,7 @@ pub fn held_back(plan: &Plan, stage: &Stage) -> Vec<HeldBack> {
             farthest: watched.and_then(|bounds| bounds.stroke).map(|_| counts.farthest),
             short: motor.limited,
             dropped: motor.dropped,
+            backward: motor.backward,
         })
     };
     plan.outputs.iter().filter_map(known).collect()
@@ -73,7 +76,7 @@ fn by(counts: &Counts) -> Vec<By> {
 /// As lines for people: of the outputs where something was held back; empty where nothing was.
 pub fn text(all: &[HeldBack]) -> String {
     let mut table = Table::default();
-    for one in all.iter().filter(|one| one.samples + one.short + one.dropped > 0) {
+    for one in all.iter().filter(|one| one.samples + one.short + one.dropped + one.backward > 0) {
         let mut told: Vec<String> = one
             .by
             .iter()
@@ -89,6 +92,12 @@ pub fn text(all: &[HeldBack]) -> String {
         }
         if one.dropped > 0 {
             told.push(format!("{} orders found no room", grouped(one.dropped)));
+        }
+        if one.backward > 0 {
+            told.push(format!(
+                "{} engine samples and orders were for backward, which its rectifier does not let",
+                grouped(one.backward)
+            ));
         }
         table.row([one.channel.to_string(), one.name.clone(), told.join("; ")]);
     }

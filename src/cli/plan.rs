@@ -7,7 +7,8 @@ use super::load::Loaded;
 use super::paint::Paint;
 use super::patterns::{PatternReport, lines, patterns};
 use super::table::{Table, hertz, many};
-use pacinian::graph::plan::{OutputKind, Plan, Precision};
+use pacinian::actuator::driver::coast::Coast;
+use pacinian::graph::plan::{Modulation, OutputKind, Plan, Precision};
 use pacinian::player::Player;
 use pacinian::rig::{self, Peak};
 use serde::Serialize;
@@ -127,6 +128,8 @@ struct MotorReport {
     late_ms: f64,
     /// Behind a bridge: pulses a second, and the smallest difference of volts.
     pulses: Option<[f64; 2]>,
+    /// Before a rectifier: hertz of the carrier, and seconds in which the motor rolls out, as nothing brakes it.
+    carrier: Option<[f64; 2]>,
     /// The way home, where a voice sends it there: s, where the mass hangs then, rad from straight down, and by how much it may be elsewhere.
     home: Option<[f64; 3]>,
 }
@@ -145,12 +148,20 @@ impl OutputReport {
         let pulses = motor.pulses.map_or(String::new(), |[rate, step]| {
             format!(", by {} pulses in steps of {step:.3} V", hertz(rate))
         });
+        let (by, rolls) = motor.carrier.map_or_else(Default::default, |[rate, rolls]| {
+            (
+                format!(" on average by a carrier of {}", hertz(rate)),
+                format!(
+                    "; forward alone: nothing brakes it, it rolls out in {rolls:.2} s, and clicks are pushes"
+                ),
+            )
+        });
         let home = motor.home.map_or(String::new(), |[seconds, angle, spread]| {
             let (angle, spread) = (angle.to_degrees(), spread.to_degrees());
             format!(", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°")
         });
         Some(format!(
-            "{} within {:.3} {unit}, {:.1} ms late{pulses}{home}",
+            "{} within {:.3} {unit}{by}, {:.1} ms late{pulses}{home}{rolls}",
             motor.shaping, motor.limit, motor.late_ms
         ))
     }
@@ -367,8 +378,14 @@ fn kind(kind: OutputKind) -> &'static str {
 /// Whether a steady voltage may leave an output that is rendered, where that is known.
 fn dc(loaded: &Loaded, output: &pacinian::graph::plan::Output) -> Option<bool> {
     let described = loaded.rig.outputs.iter().find(|o| *o.name == *output.name)?;
-    loaded.rig.lets_dc(described).filter(|_| output.kind != OutputKind::Silent)
+    let amplifier = described.amplifier.as_ref().and_then(|name| loaded.rig.amplifier(name));
+    // Before a rectifier goes a tone and nothing else.
+    let is_tone = amplifier.is_some_and(|amplifier| matches!(amplifier.drive, rig::Drive::Carrier(_)));
+    loaded.rig.lets_dc(described).filter(|_| output.kind != OutputKind::Silent && !is_tone)
 }
+
+/// Share of its full speed below which a motor stands.
+const STANDS: f64 = 1e-4;
 
 /// How a motor is turned; `None` for what is none.
 fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Output) -> Option<MotorReport> {
@@ -378,7 +395,18 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
     let described = loaded.rig.outputs.iter().find(|o| *o.name == *output.name)?;
     let rig::OutputKind::Drive(turning) = &described.kind else { return None };
     let home = plan.homes.iter().find(|(of, _)| plan.drives.get(*of) == Some(drive));
-    let switching = drive.bridge.map(|bridge| bridge.switching);
+    let switching = match drive.modulation {
+        Modulation::Bridge { switching, .. } => Some(switching),
+        Modulation::Straight | Modulation::Carrier(_) => None,
+    };
+    let carrier = match drive.modulation {
+        Modulation::Carrier(carrier) => {
+            let parameters = &drive.setup.parameters;
+            let full = drive.setup.full_speed();
+            Some([carrier.hertz, Coast::new(parameters).seconds(full, STANDS * full)])
+        }
+        Modulation::Straight | Modulation::Bridge { .. } => None,
+    };
     // What is wanted in one period is given in the next.
     let switched = switching.map_or(0.0, |switching| 1.0 / switching.hertz(plan.device_rate));
     let pulses = switching.map(|switching| [switching.hertz(plan.device_rate), switching.resolution()]);
@@ -388,6 +416,7 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
         limit: drive.setup.limit,
         late_ms: 1e3 * (late as f64 / plan.engine_rate() + player.engine().delay().lead + switched),
         pulses,
+        carrier,
         home: home.map(|(_, home)| [home.seconds(), home.angle, home.spread]),
     })
 }

@@ -3,6 +3,7 @@
 use crate::actuator::drive::Drive as Imposed;
 use crate::actuator::link::Chain;
 use crate::actuator::link::amplifier::Amplifier;
+use crate::actuator::link::carrier::Rectifier;
 use crate::actuator::link::coupling::Corners;
 use crate::rig::{
     Actuator, Amplifier as Amplifying, Coupling, Drive, Model, Output, OutputKind, Rig, Turning,
@@ -20,8 +21,10 @@ pub(super) fn chain(rig: &Rig, output: &Output, assumed: &mut Vec<String>) -> Op
         return Some(Chain { full_scale: 1.0, corners: Corners::none(), amplifier });
     }
     let full_scale = rig.device.full_scale_volts?;
+    // A carrier passes any.
+    let is_carrier = rectifier(rig, output).is_some();
     let mut known = |of: Option<Coupling>, whose: &str| {
-        if of.is_none() {
+        if of.is_none() && !is_carrier {
             assumed.push(format!("{whose} lets steady voltages through: its `coupling` is not known"));
         }
     };
@@ -33,7 +36,7 @@ pub(super) fn chain(rig: &Rig, output: &Output, assumed: &mut Vec<String>) -> Op
         Some(a) => {
             let drive = match a.drive {
                 Drive::Current => Imposed::Current,
-                Drive::Voltage | Drive::Bridge { .. } => Imposed::Voltage,
+                Drive::Voltage | Drive::Bridge { .. } | Drive::Carrier(_) => Imposed::Voltage,
             };
             if a.max_volts.is_none() {
                 let what = format!("amplifier `{}` gives any voltage: its `max_volts` is not known", a.name);
@@ -55,6 +58,14 @@ pub(super) fn chain(rig: &Rig, output: &Output, assumed: &mut Vec<String>) -> Op
         }
     };
     Some(Chain { full_scale, corners: rig.corners(output), amplifier })
+}
+
+/// The diodes between amplifier and actuator.
+pub(super) fn rectifier(rig: &Rig, output: &Output) -> Option<Rectifier> {
+    match rig.amplifier(output.amplifier.as_ref()?)?.drive {
+        Drive::Carrier(carrier) => Some(carrier.rectifier),
+        Drive::Voltage | Drive::Current | Drive::Bridge { .. } => None,
+    }
 }
 
 /// The lines of a bridge.

@@ -1,6 +1,6 @@
 //! An output whose actuator is simulated.
 
-use super::chain::{Lines, assumed_of, chain};
+use super::chain::{Lines, assumed_of, chain, rectifier};
 use super::figures::{Counts, Figures, Meter};
 use super::left::Left;
 use super::mover::Mover;
@@ -54,7 +54,7 @@ impl Felt {
         let Some(chain) = chain(rig, output, &mut assumed) else { return Ok(None) };
         assumed_of(actuator, &chain.amplifier, &mut assumed);
         let link = Link::new(&chain, rate)?;
-        let mover = Mover::new(actuator, output, &chain.amplifier, rate, wish.error)?;
+        let mover = Mover::new(actuator, output, &chain.amplifier, rectifier(rig, output), rate, wish.error)?;
         Ok(mover.map(|mover| Self {
             output: output.name.clone(),
             channel: output.channel.saturating_sub(1) as usize,

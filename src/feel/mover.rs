@@ -3,13 +3,14 @@
 use super::figures::Figures;
 use super::heat::Heat;
 use super::left::Left;
-use super::spinner::{Spinner, plan};
+use super::spinner::{Spinner, plan, with_coil};
 use super::swinger::Swinger;
 use super::trace::{Axis, Unit};
 use crate::actuator::coil::plant::Plant;
 use crate::actuator::drive::Drive;
 use crate::actuator::fault::Fault;
 use crate::actuator::link::amplifier::Amplifier;
+use crate::actuator::link::carrier::Rectifier;
 use crate::actuator::motor::{Casing, GRAVITY, Level, Part};
 use crate::rig::{Actuator, Model, Output, OutputKind};
 
@@ -43,6 +44,7 @@ impl Mover {
         actuator: &Actuator,
         output: &Output,
         amplifier: &Amplifier,
+        rectifier: Option<Rectifier>,
         rate: f64,
         error: f64,
     ) -> Result<Option<Self>, Fault> {
@@ -52,10 +54,13 @@ impl Mover {
             let tilt = if let OutputKind::Drive(turning) = &output.kind { turning.tilt } else { None };
             // Where the posture is unknown the plan says so, and leaves it out.
             parameters.gravity = tilt.map_or(GRAVITY, |tilt| (GRAVITY * tilt.cos()).abs());
-            let chosen = plan(&parameters, rate, error, tilt.is_some());
+            let mut chosen = plan(&parameters, rate, error, tilt.is_some());
+            if rectifier.is_some() {
+                chosen.0 = with_coil(chosen.0);
+            }
             // Where nothing moves, that is told as force.
             let left = chosen.0.left_out.into_iter().flatten().filter(|left| left.part != Part::Casing);
-            let spinner = Spinner::new(&parameters, chosen, amplifier, rate, heat)?;
+            let spinner = Spinner::new(&parameters, chosen, amplifier, rectifier, rate, heat)?;
             // Of a motor that is known from outside, the resistance stands for no real one.
             let resistance = actuator.value("torque_constant").is_some();
             return Ok(Some(Self {

@@ -4,7 +4,9 @@ use super::heat::Heat;
 use crate::actuator::drive::Drive as Imposed;
 use crate::actuator::fault::Fault;
 use crate::actuator::link::amplifier::Amplifier;
-use crate::actuator::motor::{Casing, Drive, Level, Motor, Parameters, Plan, Wish};
+use crate::actuator::link::carrier::Rectifier;
+use crate::actuator::link::diodes::Diodes;
+use crate::actuator::motor::{Casing, Drive, Level, Motor, Parameters, Part, Plan, Wish};
 
 /// A rumble motor, what drives it, and what is seen of it.
 #[derive(Debug, Clone)]
@@ -15,6 +17,8 @@ pub(super) struct Spinner {
     rate: f64,
     /// The most volts of a source that imposes a current; `None`: it imposes a voltage.
     compliance: Option<f64>,
+    /// What lets current in alone; `None`: nothing.
+    diodes: Option<Diodes>,
     /// Whether nothing moves, so that force is told.
     held: bool,
     /// Velocity of the casing, or impulse on what holds it.
@@ -53,6 +57,14 @@ pub(super) fn plan(parameters: &Parameters, rate: f64, error: f64, posture: bool
     }
 }
 
+/// The same with the inductance of the coil, whatever it would change at a steady voltage: behind diodes, current begins and ends with every
+/// half-wave.
+pub(super) fn with_coil(plan: Plan) -> Plan {
+    let kept = plan.left_out.map(|left| left.filter(|left| left.part != Part::Inductance));
+    let level = if plan.level == Level::Economy { Level::Default } else { plan.level };
+    Plan { level, inductance: true, left_out: kept, ..plan }
+}
+
 impl Spinner {
     /// At rest, its mass hanging down, `rate` samples a second.
     ///
@@ -62,6 +74,7 @@ impl Spinner {
         parameters: &Parameters,
         (plan, steps): (Plan, u32),
         amplifier: &Amplifier,
+        rectifier: Option<Rectifier>,
         rate: f64,
         heat: Heat,
     ) -> Result<Self, Fault> {
@@ -71,6 +84,7 @@ impl Spinner {
             steps,
             rate,
             compliance: current.then_some(amplifier.volts.unwrap_or(f64::INFINITY)),
+            diodes: rectifier.map(|rectifier| Diodes::new(rectifier, rate * f64::from(steps))),
             held: parameters.casing == Casing::Held,
             given: [0.0; 2],
             current: 0.0,
@@ -85,19 +99,45 @@ impl Spinner {
     /// Holds each drive (V or A) for a sample; the mean acceleration, or force, over each.
     pub fn run(&mut self, drives: &[f64], felt: &mut [[f64; 2]]) {
         for (drive, felt) in drives.iter().zip(felt) {
-            self.motor.drive(match self.compliance {
-                None => Drive::Voltage(*drive),
-                Some(limit) => Drive::Current { amperes: *drive, limit },
-            });
-            for _ in 0..self.steps {
-                self.motor.step();
+            if let Some(diodes) = self.diodes {
+                self.pass(&diodes, *drive);
+            } else {
+                self.motor.drive(match self.compliance {
+                    None => Drive::Voltage(*drive),
+                    Some(limit) => Drive::Current { amperes: *drive, limit },
+                });
+                for _ in 0..self.steps {
+                    self.motor.step();
+                }
+                self.book(*drive);
             }
             let given = if self.held { self.motor.impulse() } else { self.motor.casing_velocity() };
             let last = std::mem::replace(&mut self.given, given);
             *felt = [(given[0] - last[0]) * self.rate, (given[1] - last[1]) * self.rate];
             self.fastest = self.fastest.max(self.motor.speed().abs());
-            self.book(*drive);
         }
+    }
+
+    /// A sample behind diodes, and what passed the terminals in it.
+    fn pass(&mut self, diodes: &Diodes, source: f64) {
+        let p = *self.motor.parameters();
+        let (mut charge, mut energy) = (0.0, 0.0);
+        let (mut current, mut turned) = (self.current, self.turned);
+        for _ in 0..self.steps {
+            diodes.step(&mut self.motor, source, |motor, volts, seconds| {
+                if let Some(volts) = volts {
+                    let stored = p.inductance * (motor.current() - current);
+                    let passed =
+                        (volts * seconds - stored - p.gain * (motor.turned() - turned)) / p.resistance;
+                    charge += passed;
+                    energy += volts * passed;
+                }
+                (current, turned) = (motor.current(), motor.turned());
+            });
+        }
+        self.energy += energy;
+        self.heat.take(charge * self.rate);
+        (self.current, self.turned) = (current, turned);
     }
 
     /// What passed the terminals in a sample: at a voltage, R ∫i dt = V T − L Δi − k Δθ, whatever friction did meanwhile. Exact but for samples in

@@ -3,31 +3,53 @@
 use std::sync::Arc;
 
 use super::command::Command;
-use super::plan::{Clicks, Drive, Instrument, LeftOut, Why};
+use super::plan::{Clicks, Drive, Instrument, LeftOut, Modulation, Why};
 use super::program::Op;
 use crate::actuator::driver::book::Book;
 use crate::actuator::driver::homing::Homing;
+use crate::actuator::link::wave::HIGHEST;
 use crate::actuator::protect::bounds::Bounds;
 use crate::actuator::protect::kernel::Protection;
-use crate::rig::Rig;
+use crate::rig::terminals::too_high;
+use crate::rig::{Rig, Terminals};
 use crate::text::Problem;
 
-/// The motors of a rig, at an engine's rate.
-pub fn drives(rig: &Rig, rate: f64, problems: &mut Vec<Problem>) -> Vec<Drive> {
+/// The motors of a rig, at an engine's rate and a device's.
+pub fn drives(rig: &Rig, [rate, device_rate]: [f64; 2], problems: &mut Vec<Problem>) -> Vec<Drive> {
     let mut drives = Vec::new();
     for output in &rig.outputs {
         match rig.wiring(output) {
-            Some(Ok(wiring)) => drives.push(Drive {
-                channel: output.channel.saturating_sub(1),
-                setup: wiring.setup(rate),
-                per_sample: wiring.per_sample,
-                bridge: wiring.bridge,
-            }),
+            Some(Ok(wiring)) => {
+                let modulation = modulation(wiring.terminals);
+                if let Modulation::Carrier(carrier) = modulation
+                    && carrier.hertz > HIGHEST * device_rate
+                {
+                    let problem = too_high(output, carrier.hertz, device_rate);
+                    problems.push(Problem { span: None, ..problem });
+                    continue;
+                }
+                drives.push(Drive {
+                    channel: output.channel.saturating_sub(1),
+                    setup: wiring.setup(rate),
+                    per_sample: wiring.per_sample,
+                    modulation,
+                });
+            }
             Some(Err(problem)) => problems.push(Problem { span: None, ..problem }),
             None => {}
         }
     }
     drives
+}
+
+fn modulation(terminals: Terminals) -> Modulation {
+    match terminals {
+        Terminals::Straight => Modulation::Straight,
+        Terminals::Bridge(bridge) => {
+            Modulation::Bridge { switching: bridge.switching, direction: bridge.direction }
+        }
+        Terminals::Carrier(carrier) => Modulation::Carrier(carrier),
+    }
 }
 
 /// What the actuators of a rig bear, at a device's rate.
@@ -80,7 +102,7 @@ pub fn homes(
         let alike =
             homes.iter().find(|(known, _)| drives.get(*known).is_some_and(|d| d.setup == drive.setup));
         let home = match alike {
-            _ if drive.bridge.is_some() => {
+            _ if matches!(drive.modulation, Modulation::Bridge { .. }) => {
                 Err("the pulses of a bridge shake loose what gravity caught".into())
             }
             Some((_, home)) => Ok(*home),
@@ -134,7 +156,11 @@ pub fn clicks(
                         let what = format!(
                             "voice `{voice}` orders a click of {turns} turns, which the motor of `{name}` cannot make: {why}"
                         );
-                        let help = "give the motor more volts, or order another click".to_string();
+                        let help = match drive.setup.one_way && turns < 0.0 {
+                            true => "behind a rectifier every click goes forward: give it `turns` above 0",
+                            false => "give the motor more volts, or order another click",
+                        }
+                        .to_string();
                         problems.push(Problem::of_file(what).help(help));
                         // Told of once for each motor.
                         return clicks;

@@ -6,11 +6,12 @@ use std::sync::Arc;
 use crate::dsp::biquad::Biquad;
 use crate::node::NodeKind;
 use crate::node::motion::Motion;
-use crate::rig::Bridge;
 
 use crate::actuator::driver::book::Book;
 use crate::actuator::driver::homing::Homing;
 use crate::actuator::driver::setup::Setup;
+use crate::actuator::link::carrier::Carrier;
+use crate::actuator::link::pwm::Switching;
 use crate::actuator::protect::bounds::Bounds;
 
 use super::command::Command;
@@ -224,10 +225,27 @@ pub struct Drive {
     pub channel: u32,
     /// How it is turned, at the engine's rate.
     pub setup: Setup,
-    /// Volts or amperes at the motor for a sample of 1.0; negative where it is wired the other way round.
+    /// Volts or amperes at the motor for a sample of 1.0, negative where it is wired the other way round; behind a bridge for a pulse that never ends,
+    /// before a rectifier the peak of a carrier.
     pub per_sample: f64,
-    /// How it is switched, where it is behind a bridge.
-    pub bridge: Option<Bridge>,
+    /// What becomes of what is sent.
+    pub modulation: Modulation,
+}
+
+/// What becomes of the volts or amperes that are sent to a motor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Modulation {
+    /// Samples of that size.
+    Straight,
+    /// Pulses of a bridge as wide as that.
+    Bridge {
+        /// How it is switched.
+        switching: Switching,
+        /// The channel, from 0, of the line that says which way.
+        direction: u32,
+    },
+    /// A carrier as large as it takes behind a rectifier.
+    Carrier(Carrier),
 }
 
 /// Clicks of a motor.

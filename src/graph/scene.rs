@@ -152,7 +152,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         .iter()
         .map(|o| output(o, rig, device_rate / ratio as f64, &mut markers, &mut problems))
         .collect();
-    let drives = motors::drives(rig, device_rate / ratio as f64, &mut problems);
+    let drives = motors::drives(rig, [device_rate / ratio as f64, device_rate], &mut problems);
     let protections = motors::protections(rig, device_rate, &mut problems);
     let clicks = motors::clicks(rig, &drives, &instruments, &mut problems);
     let homes = motors::homes(rig, &drives, &instruments, &mut problems);

@@ -12,7 +12,8 @@ pub static SPEC: NodeSpec = NodeSpec {
              the rotor, which is less than forward, then a last moment forward that empties the coil. The times are solved on the \
              motor's own model, with its inductance. The event's level is the share of the strongest acceleration that the motor \
              can make in such a click; a weaker one than what turns it at all is played as strong as that. A quarter of a \
-             turn is a click, a whole turn or more a thump. The release changes nothing. It is an order to the rumble motors at the \
+             turn is a click, a whole turn or more a thump. Behind a rectifier (drive = \"carrier\" in the rig) nothing brakes, and a click \
+             is a push forward, so short that the mass rolls to where it is to stand. The release changes nothing. It is an order to the rumble motors at the \
              voice's place (outputs of kind drive), worked out for each of them; elsewhere, and as a signal, it is silence. The \
              newest order of a motor holds, and what was under way is braked first.",
     params: &[

@@ -12,8 +12,9 @@ pub static SPEC: NodeSpec = NodeSpec {
              creep with too little to lift it over the top: it is caught at the same place, wherever it was before, and friction \
              keeps it there. It takes some tenths of a second and is felt a little, so it belongs before a row of clicks; a weak click \
              back, with the `turns` of the click forward but negative, then keeps it near. The motor must have a `tilt` in the rig, or \
-             gravity is not known, and a steady voltage: the pulses of a bridge shake the mass loose. How long it takes, where \
-             the mass hangs then and how certainly, says `pacinian check`. Level and release change nothing. It is an order to the rumble motors at the voice's place (outputs of kind drive), worked out \
+             gravity is not known, and a steady voltage: the pulses of a bridge and the carrier of a rectifier shake the mass loose. How \
+             long it takes, where the mass hangs then and how certainly, says `pacinian check`. Level and release change nothing. It is an \
+             order to the rumble motors at the voice's place (outputs of kind drive), worked out \
              for each of them; elsewhere, and as a signal, it is silence. The newest order of a motor holds, and what was under way \
              is braked first.",
     params: &[],

@@ -9,7 +9,8 @@ pub static SPEC: NodeSpec = NodeSpec {
     family: Family::Motor,
     summary: "A buzz of a motor: overdriven to its speed, braked at the end.",
     detail: "The full drive until the motor is as fast as it is to be, then what holds it; from the end of the event the full \
-             drive backward until it stands. The event's level times `level` is the share of the rated vibration. It is an order \
+             drive backward until it stands (behind a rectifier, where nothing brakes, it rolls out). The event's level times `level` is \
+             the share of the rated vibration. It is an order \
              to the rumble motors at the voice's place (outputs of kind drive), worked out for each of them; elsewhere, and as a \
              signal, it is silence. The newest order of a motor holds, and what was under way is braked first.",
     params: &[

@@ -1,6 +1,7 @@
 //! What stands between sound card and actuator.
 
 use super::device::{Coupling, read_coupling};
+use crate::actuator::link::carrier::{Carrier, Rectifier};
 use crate::text::field::{Field, Form, Table};
 use crate::text::reader::Reader;
 use crate::text::{Problem, Span};
@@ -25,7 +26,7 @@ pub struct Amplifier {
 }
 
 /// What an amplifier imposes on the actuator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drive {
     /// A voltage.
     Voltage,
@@ -37,10 +38,15 @@ pub enum Drive {
         /// Samples from pulse to pulse, 2 to 4096.
         period: u32,
     },
+    /// The voltage of a carrier through diodes: what it is on average, one way. It passes where nothing steady does.
+    Carrier(Carrier),
 }
 
 /// Samples from pulse to pulse where nothing is said.
 const PERIOD: u64 = 16;
+
+/// Hertz of a carrier where nothing is said, and the least and the most there may be: no motor and no skin follows so fast.
+const CARRIER: [f64; 3] = [4000.0, 2000.0, 40_000.0];
 
 /// Its keys.
 pub static TABLE: Table = Table {
@@ -56,9 +62,9 @@ pub static TABLE: Table = Table {
         Field::new("max_volts", Form::any_number(1e-3, 1e4), "V", "The most it can give."),
         Field::new(
             "drive",
-            Form::Word(&["voltage", "current", "bridge"]),
+            Form::Word(&["voltage", "current", "bridge", "carrier"]),
             "",
-            "What it imposes on the actuator: a voltage, a current, or pulses of its supply (`max_volts`) that are as wide as the volts wanted.",
+            "What it imposes on the actuator: a voltage, a current, pulses of its supply (`max_volts`) that are as wide as the volts wanted, or what a rectifier behind it makes of a carrier that is as large as it takes.",
         ),
         Field::new(
             "period",
@@ -66,12 +72,30 @@ pub static TABLE: Table = Table {
             "samples",
             "Of a bridge: from pulse to pulse. It switches at the device's rate over this, in as many steps of voltage.",
         ),
+        Field::new(
+            "carrier",
+            Form::number(CARRIER[0], CARRIER[1], CARRIER[2]),
+            "Hz",
+            "Of a carrier: its frequency, at most 0.45 of the device's rate.",
+        ),
+        Field::new(
+            "rectifier",
+            Form::Word(&["full-wave", "half-wave"]),
+            "",
+            "Of a carrier: what stands between amplifier and motor. Full-wave: four diodes, of which two are in the path; half-wave: one.",
+        ),
+        Field::new(
+            "diode_drop",
+            Form::any_number(0.0, 10.0),
+            "V",
+            "Of a carrier: what the diodes in the path take together; required there. A silicon diode takes 0.7 V, a Schottky diode 0.3 V.",
+        ),
         Field::new("max_amperes", Form::any_number(1e-6, 1e3), "A", "The most it can give."),
         Field::new(
             "coupling",
             Form::Defined("coupling"),
             "",
-            "What it lets through: \"dc\", or { high_pass = 8.0 } for a first-order high-pass (Hz). A motor needs \"dc\".",
+            "What it lets through: \"dc\", or { high_pass = 8.0 } for a first-order high-pass (Hz). A motor needs \"dc\", or a carrier.",
         ),
     ],
     others: None,
@@ -81,6 +105,13 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Amplifier {
     let drive = match reader.word("drive") {
         0 => Drive::Voltage,
         1 => Drive::Current,
+        3 => Drive::Carrier(Carrier {
+            hertz: reader.number_or_default("carrier"),
+            rectifier: Rectifier {
+                full_wave: reader.word("rectifier") == 0,
+                drop: reader.number("diode_drop").unwrap_or(0.0),
+            },
+        }),
         _ => Drive::Bridge {
             period: u32::try_from(reader.count("period").unwrap_or(PERIOD)).unwrap_or(u32::MAX),
         },
@@ -91,8 +122,15 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Amplifier {
         let help = "add gain = 1.0: output over input, V/V or A/V".to_string();
         reader.sink.push(Problem::error(&reader.span, what).help(help));
     }
-    for (key, of) in [("gain", "no bridge"), ("period", "a bridge")] {
-        if reader.has(key) && is_bridge == (key == "gain") {
+    let is_carrier = matches!(drive, Drive::Carrier(_));
+    for (key, of, has) in [
+        ("gain", "no bridge", !is_bridge),
+        ("period", "a bridge", is_bridge),
+        ("carrier", "a carrier", is_carrier),
+        ("rectifier", "a carrier", is_carrier),
+        ("diode_drop", "a carrier", is_carrier),
+    ] {
+        if reader.has(key) && !has {
             let what = format!("{} has `{key}`, which is for what is {of}", reader.who);
             reader.sink.push(Problem::error(&reader.span_of(key), what).help("leave it out".to_string()));
         }
@@ -100,6 +138,12 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Amplifier {
     if is_bridge && !reader.has("max_volts") {
         let what = format!("{} is a bridge and lacks `max_volts`, its supply", reader.who);
         let help = "hold a meter to it and write, say, max_volts = 5.0".to_string();
+        reader.sink.push(Problem::error(&reader.span, what).help(help));
+    }
+    if is_carrier && !reader.has("diode_drop") {
+        let what = format!("{} has a rectifier and lacks `diode_drop`, what its diodes take", reader.who);
+        let help =
+            "two silicon diodes, as in a bridge: diode_drop = 1.4; a Schottky diode takes 0.3 V".to_string();
         reader.sink.push(Problem::error(&reader.span, what).help(help));
     }
     Amplifier {

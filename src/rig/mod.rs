@@ -14,6 +14,7 @@ pub(crate) mod quantity;
 pub mod reference;
 mod resolve;
 mod schema;
+pub(crate) mod terminals;
 mod way;
 
 pub use crate::actuator::driver::setup::Shaping;
@@ -22,9 +23,10 @@ pub use amplifier::{Amplifier, Drive};
 pub use device::{Coupling, Device, RATES, usual_ratio};
 pub use even::Even;
 pub use finder::Finder;
-pub use motor::{Bridge, Lack, Wiring};
+pub use motor::{Lack, Wiring};
 pub use output::{Output, OutputKind, Turning};
 pub use schema::schema;
+pub use terminals::{Bridge, Terminals};
 
 /// The most channels a device may have.
 pub use crate::patch::place::MAX_CHANNELS;
@@ -188,6 +190,7 @@ impl Rig {
         }
         problems.extend(self.too_large());
         problems.extend(self.contradiction());
+        problems.extend(self.rectified());
         let told = |output: &&Output| !(is_draft && self.is_unfinished(output));
         let wired = self.outputs.iter().filter(told).filter_map(|output| self.wiring(output)?.err());
         problems.extend(wired.take(Sink::MOST));

@@ -4,11 +4,11 @@ use std::fmt;
 
 use super::device::Coupling;
 use super::output::Turning;
+use super::terminals::Terminals;
 use super::{Actuator, Amplifier, Drive, Model, Output, OutputKind, Rig};
 use crate::actuator::drive::Drive as Imposed;
 use crate::actuator::driver::setup::Setup;
 use crate::actuator::fault::{Fault, Limit};
-use crate::actuator::link::pwm::Switching;
 use crate::actuator::motor::{Casing, GRAVITY, Parameters, Suspension};
 use crate::text::Problem;
 
@@ -22,11 +22,11 @@ pub struct Wiring {
     /// Whether the amplifier imposes a current: then figures of the drive are amperes.
     pub is_current: bool,
     /// Volts or amperes at the motor for a sample of 1.0, negative where the amplifier turns it upside down; behind a bridge, for a pulse that
-    /// never ends.
+    /// never ends, and behind a rectifier the peak of a carrier.
     pub per_sample: f64,
-    /// How it is switched, behind a bridge.
-    pub bridge: Option<Bridge>,
-    /// The most that reaches the motor, volts or amperes.
+    /// What makes the volts at its terminals.
+    pub terminals: Terminals,
+    /// The most that reaches the motor, volts or amperes; behind a rectifier, volts on average, whatever its speed.
     pub limit: f64,
     /// The most voltage that the amplifier gives, V; that of the motor's limit where it is not known.
     pub compliance: f64,
@@ -38,6 +38,7 @@ impl Wiring {
         Setup {
             parameters: self.parameters,
             imposes: if self.is_current { Imposed::Current } else { Imposed::Voltage },
+            one_way: matches!(self.terminals, Terminals::Carrier(_)),
             limit: self.limit,
             compliance: self.compliance,
             shaping: self.turning.shaping,
@@ -49,7 +50,7 @@ impl Wiring {
     }
 
     /// The same, if there is enough to turn the motor at all.
-    fn turns(self, output: &Output) -> Result<Self, Problem> {
+    pub(super) fn turns(self, output: &Output) -> Result<Self, Problem> {
         let p = &self.parameters;
         let starts = p.coulomb * if self.is_current { 1.0 } else { p.resistance } / p.gain;
         if self.limit > starts {
@@ -67,18 +68,9 @@ impl Wiring {
 
 impl Turning {
     /// What of gravity acts in the plane of the mass, m/s².
-    fn gravity(&self) -> f64 {
+    pub(super) fn gravity(&self) -> f64 {
         self.tilt.map_or(0.0, |tilt| (GRAVITY * tilt.cos()).abs())
     }
-}
-
-/// A bridge and its lines.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bridge {
-    /// How it is switched.
-    pub switching: Switching,
-    /// The channel, from 0, that says which way.
-    pub direction: u32,
 }
 
 /// Seconds in which no motor comes to its speed: the smallest take milliseconds.
@@ -251,7 +243,9 @@ impl Rig {
                 "give its gain",
             );
         }
-        self.passes_steady(output, amplifier)?;
+        if !matches!(amplifier.drive, Drive::Carrier(_)) {
+            self.passes_steady(output, amplifier)?;
+        }
         parameters.gravity = turning.gravity();
         let is_current = amplifier.drive == Drive::Current;
         let per_sample = full_scale * amplifier.gain;
@@ -267,50 +261,18 @@ impl Rig {
         };
         let limit = own.min(per_sample.abs() * share);
         let compliance = amplifier.max_volts.unwrap_or(volts);
-        let wiring = Wiring { turning, parameters, is_current, per_sample, limit, compliance, bridge: None };
-        wiring.turns(output)
-    }
-
-    /// A motor behind a bridge: pulses of its supply, as wide as what is wanted.
-    fn bridged(
-        &self,
-        output: &Output,
-        turning: Turning,
-        actuator: &Actuator,
-        amplifier: &Amplifier,
-        mut parameters: Parameters,
-        period: u32,
-    ) -> Result<Wiring, Problem> {
-        let (name, supply) = (&output.name, amplifier.max_volts.unwrap_or(1.0));
-        let Some(direction) = turning.direction else {
-            let what = format!(
-                "output `{name}` is behind the bridge `{}`, and which of its lines says which way is not known",
-                amplifier.name
-            );
-            let help = "say on which channel that is: direction = 2".to_string();
-            return Err(Problem::error(&output.span, what).help(help));
-        };
-        self.passes_steady(output, &Amplifier { coupling: Some(Coupling::Dc), ..amplifier.clone() })?;
-        parameters.gravity = turning.gravity();
-        let limit = actuator.most_volts().map_or(supply, |most| most.min(supply));
-        let bridge =
-            Bridge { switching: Switching { period, supply }, direction: direction.saturating_sub(1) };
-        let wiring = Wiring {
-            turning,
-            parameters,
-            is_current: false,
-            per_sample: supply,
-            limit,
-            compliance: supply,
-            bridge: Some(bridge),
-        };
+        let terminals = Terminals::Straight;
+        let wiring = Wiring { turning, parameters, is_current, per_sample, limit, compliance, terminals };
+        if let Drive::Carrier(carrier) = amplifier.drive {
+            return self.carried(output, turning, actuator, amplifier, wiring, carrier);
+        }
         wiring.turns(output)
     }
 
     /// That nothing on the way keeps steady voltages off, which a motor needs.
-    fn passes_steady(&self, output: &Output, amplifier: &Amplifier) -> Result<(), Problem> {
+    pub(super) fn passes_steady(&self, output: &Output, amplifier: &Amplifier) -> Result<(), Problem> {
         let name = &output.name;
-        let help = "a motor turns by a steady voltage: take a DC-coupled card and a DC amplifier or a bridge, and say coupling = \"dc\" of both";
+        let help = "a motor turns by a steady voltage: take a DC-coupled card and a DC amplifier or a bridge, and say coupling = \"dc\" of both; or a rectifier before the motor and drive = \"carrier\" of the amplifier";
         let what = match (self.device.coupling, amplifier.coupling) {
             (Some(Coupling::Dc), Some(Coupling::Dc)) => return Ok(()),
             (Some(Coupling::HighPass(hertz)), _) => {

@@ -186,7 +186,7 @@ pub static TABLE: Table = Table {
             "look_ahead",
             Form::any_number(0.0, 0.5),
             "s",
-            "For a drive: by how much what is played there is late, so that the motor can be braked in time; as long as braking from its full speed takes where nothing is said.",
+            "For a drive: by how much what is played there is late, so that the motor can be braked in time; as long as braking from its full speed takes where nothing is said. None behind a rectifier, where nothing brakes.",
         ),
         Field::new(
             "direction",

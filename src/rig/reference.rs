@@ -96,8 +96,8 @@ pub const TOPICS: &[Topic] = &[
                `overdrive` gives as much as there may be until the motor is as fast as it is to be, and as much backward until it is as \
                slow; `switching` gives the most either way at every sample; `plain` gives what holds the speed. Voices order clicks, spins, brakes and the way home \
                with the nodes `drive-click`, `drive-spin`, `drive-on`, `drive-brake` and `drive-home`. A drive needs a rumble motor whose figures are \
-               known, an amplifier, `full_scale_volts`, and coupling = \"dc\" of device and amplifier: anything else is refused, with the \
-               reason. How late it is stands in `pacinian check`.\n\n\
+               known, an amplifier, `full_scale_volts`, and coupling = \"dc\" of device and amplifier, but where there is a rectifier (see \
+               [amplifier.NAME]): anything else is refused, with the reason. How late it is stands in `pacinian check`.\n\n\
                Where `full_scale_volts` and figures of the actuator are known, protection comes last: no more voltage, slew, power, heat or \
                travel than the actuator bears leaves the device, and what was held back is told. What it bears leaves as it is, to the bit.\n\n\
                Of the device's `max_level` and the output's own, the lower one holds. No sample is ever beyond it, whatever a patch, a control \
@@ -158,7 +158,13 @@ pub const TOPICS: &[Topic] = &[
         written: "[amplifier.NAME]",
         doc: "What stands between sound card and actuator.",
         text: "An output names it with amplifier = \"NAME\". What its gain makes of `full_scale_volts` is what an actuator gets; a motor \
-               also needs its coupling to be \"dc\".",
+               also needs its coupling to be \"dc\".\n\n\
+               A motor behind a card or an amplifier that lets nothing steady through takes a rectifier between amplifier and motor, and drive = \"carrier\": what is \
+               sent is a tone far above what is felt, as large as it takes for the current that is wanted, on average, against what the \
+               turning motor makes itself. It turns one way, and nothing brakes it: a level that rises is followed, one that falls faster than \
+               the motor rolls out is not; a click is a push after which it rolls to where it is to stand; `drive-brake` lets it roll; \
+               negative levels and orders are nothing and are counted, and clicks backward and `drive-home` are refused. Of the \
+               amplifier `max_volts` is the peak, of the motor the mean.",
         tables: &[&amplifier::TABLE],
         example: "[device]\n\
                   channels = 1\n\

@@ -22,6 +22,7 @@ pub fn setup(parameters: Parameters, shaping: Shaping) -> Setup {
     Setup {
         parameters: Parameters { gravity, ..parameters },
         imposes: Drive::Voltage,
+        one_way: false,
         limit,
         compliance: limit,
         shaping,

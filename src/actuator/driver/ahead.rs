@@ -3,7 +3,11 @@
 //! Forward, no speed rises faster than the motor can; backward, none falls faster than it can be braked. The backward pass needs what
 //! comes after, as far as braking from the full speed takes. It is made every few samples for the next few, counted from the
 //! beginning of time, so that what comes out does not depend on how a run is cut.
+//!
+//! A motor that nothing brakes is not slowed down beforehand, which would take it as long as it rolls: it does what is played until that falls,
+//! and rolls then. One pass forward keeps to both, and needs to know nothing ahead.
 
+use super::coast::Coast;
 use super::setup::{Setup, Shaping};
 
 /// Samples between two backward passes.
@@ -12,6 +16,9 @@ const GRID: usize = 16;
 /// Share of the drive that plans keep to: the rest is for what they do not know of, inductance and gravity.
 const KEPT: f64 = 0.98;
 
+/// Share of the full speed below which what rolls stands.
+const STANDS: f64 = 1e-4;
+
 /// The most samples that are looked ahead.
 const MOST: usize = 1 << 16;
 
@@ -19,8 +26,7 @@ const MOST: usize = 1 << 16;
 #[derive(Debug, Clone)]
 pub struct Ahead {
     rates: Rates,
-    /// Whether speeds are left in time and not taken beyond reach; if not, they are only late.
-    plans: bool,
+    keeps: Keeps,
     /// Speeds that can be reached, by their sample modulo the length.
     reached: Vec<f64>,
     /// The same, left in time; the next few.
@@ -33,6 +39,17 @@ pub struct Ahead {
     still: usize,
 }
 
+/// What is done to speeds beside being late.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Keeps {
+    /// Nothing.
+    None,
+    /// None is taken beyond reach, and each is left in time.
+    Plans,
+    /// None rises faster than the motor can, and none falls faster than it rolls out.
+    Rolls,
+}
+
 /// What the motor can do to its speed in a sample.
 #[derive(Debug, Clone, Copy)]
 struct Rates {
@@ -40,6 +57,10 @@ struct Rates {
     full: f64,
     drag: f64,
     friction: f64,
+    /// The share of the full speed below which a motor that rolls stands, rad/s, and how it rolls.
+    stands: f64,
+    coast: Coast,
+    step: f64,
 }
 
 impl Rates {
@@ -50,6 +71,9 @@ impl Rates {
             full: KEPT * setup.full_torque() * share,
             drag: setup.damping() * share,
             friction: p.coulomb * share,
+            stands: STANDS * setup.full_speed(),
+            coast: Coast::new(p),
+            step: 1.0 / setup.rate,
         }
     }
 
@@ -59,6 +83,12 @@ impl Rates {
 
     fn fall(&self, speed: f64) -> f64 {
         self.full + self.drag * speed + self.friction
+    }
+
+    /// A speed that is wished of a motor that nothing brakes, after another, both forward.
+    fn roll(&self, wished: f64, from: f64) -> f64 {
+        let next = wished.min(from + self.rise(from)).max(self.coast.after(from, self.step));
+        if wished == 0.0 && next < self.stands { 0.0 } else { next }
     }
 
     /// A speed, or the most that can be had a sample away from another. From the one to the next the motor may pass through rest, and then
@@ -77,11 +107,15 @@ impl Ahead {
             Some(seconds) => (seconds * setup.rate).round() as usize,
             None => braking(&rates, setup.full_speed()),
         };
-        let plans = setup.shaping == Shaping::Inverse;
-        let late = if plans { late.max(wanted.min(MOST) + GRID + 2) } else { late.max(2) };
+        let keeps = match setup.shaping {
+            Shaping::Inverse if setup.one_way => Keeps::Rolls,
+            Shaping::Inverse => Keeps::Plans,
+            _ => Keeps::None,
+        };
+        let late = if keeps == Keeps::Plans { late.max(wanted.min(MOST) + GRID + 2) } else { late.max(2) };
         Self {
             rates,
-            plans,
+            keeps,
             reached: vec![0.0; (late + 3).next_power_of_two()],
             planned: [0.0; GRID + 2],
             next: 0,
@@ -107,15 +141,16 @@ impl Ahead {
             self.next = self.next.wrapping_add(1);
             return [0.0; 3];
         }
-        self.still = if wished == 0.0 { self.still.saturating_add(1) } else { 0 };
         let mask = self.reached.len() - 1;
+        let before = self.reached[self.next.wrapping_sub(1) & mask];
+        let wished = if self.keeps == Keeps::Rolls { self.rates.roll(wished, before) } else { wished };
+        self.still = if wished == 0.0 { self.still.saturating_add(1) } else { 0 };
         let now = self.next.wrapping_sub(self.late);
-        if !self.plans {
+        if self.keeps != Keeps::Plans {
             self.reached[self.next & mask] = wished;
             self.next = self.next.wrapping_add(1);
             return [0, 1, 2].map(|ahead| self.reached[now.wrapping_add(ahead) & mask]);
         }
-        let before = self.reached[self.next.wrapping_sub(1) & mask];
         self.reached[self.next & mask] = Rates::reach(wished, before, |speed| self.rates.rise(speed));
         if now.is_multiple_of(GRID) {
             self.look_back(now, mask);

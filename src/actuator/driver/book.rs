@@ -3,10 +3,15 @@
 //! A click is solved on the motor's own model, which takes milliseconds; when it is played there is no time for that. So it is solved for
 //! some strengths beforehand, and what lies between is interpolated.
 
+use super::coast::Coast;
 use super::order::Pieces;
 use super::setup::Setup;
-use crate::actuator::motor::{Level, Motor, Parameters, Plan};
-use crate::actuator::shape::{Click, Course, Ending, Unreachable, starts};
+use std::f64::consts::TAU;
+
+use crate::actuator::fault::{Fault, Limit, within};
+use crate::actuator::motor::{Drive, Level, Motor, Parameters, Plan};
+use crate::actuator::shape::trial::{PATIENCE, Trial};
+use crate::actuator::shape::{Click, Ending, Unreachable, starts};
 
 /// Volts, or amperes, for which clicks are worked out.
 const ROWS: usize = 24;
@@ -22,19 +27,32 @@ pub struct Book {
 }
 
 impl Book {
-    /// Clicks that turn the mass so far (turns, negative backward), from the weakest that turns it to that at the limit.
+    /// Clicks that turn the mass so far (turns, negative backward), from the weakest that turns it to that at the limit. Of a motor that nothing
+    /// brakes they are pushes: it is let go so early that it comes to rest there by itself.
     ///
     /// # Errors
-    /// A number beyond its limits; a limit at which the motor does not turn that far.
+    /// A number beyond its limits; a limit at which the motor does not turn that far; a way back where diodes let none.
     pub fn new(setup: &Setup, turns: f64) -> Result<Self, Unreachable> {
         setup.check()?;
         // Where the mass hangs is not known: clicks are those of a motor that lies flat.
         let motor = Parameters { gravity: 0.0, ..setup.parameters };
-        let solve = |amount: f64| {
-            Click { turns, drive: setup.drive(amount), angle: 0.0, ending: Ending::Settled }.solve(&motor)
+        if setup.one_way && turns < 0.0 {
+            let because = "behind diodes the motor turns one way";
+            return Err(Fault::because("turns", turns, Limit::Above(0.0), because).into());
+        }
+        let solve = |amount: f64| -> Result<(Pieces, f64), Unreachable> {
+            let drive = setup.drive(amount);
+            if setup.one_way {
+                let seconds = push(&motor, turns, drive)?;
+                let steps = (seconds * RATE).ceil().max(1.0) as usize;
+                let strength = strength(setup, &motor, &vec![amount; steps])?;
+                return Ok((Pieces { list: [(seconds, amount), (0.0, 0.0), (0.0, 0.0)] }, strength));
+            }
+            let click = Click { turns, drive, angle: 0.0, ending: Ending::Settled }.solve(&motor)?;
+            let strength = strength(setup, &motor, &click.course.means(RATE).unwrap_or_default())?;
+            Ok((pieces(click.seconds, amount.copysign(turns)), strength))
         };
-        let strongest = solve(setup.limit)?;
-        let most = strength(setup, &motor, &strongest.course)?;
+        let (strongest, most) = solve(setup.limit)?;
         let starts = starts(&motor, setup.drive(setup.limit)).amount();
         let least = (1.2 * starts).min(setup.limit);
         let mut rows = Vec::with_capacity(ROWS);
@@ -42,11 +60,10 @@ impl Book {
             // Closer to one another where it is weak: there the times change fastest.
             let share = n as f64 / (ROWS - 1) as f64;
             let amount = least + (setup.limit - least) * share * share;
-            let Ok(click) = solve(amount) else { continue };
-            let strength = strength(setup, &motor, &click.course)?;
-            rows.push((strength / most, pieces(click.seconds, amount.copysign(turns))));
+            let Ok((click, strength)) = solve(amount) else { continue };
+            rows.push((strength / most, click));
         }
-        rows.push((1.0, pieces(strongest.seconds, setup.limit.copysign(turns))));
+        rows.push((1.0, strongest));
         rows.dedup_by(|next, row| next.0 <= row.0);
         Ok(Self { rows })
     }
@@ -81,16 +98,29 @@ impl Book {
     }
 }
 
+/// For how long a drive pushes the mass so that it has turned so far when it stands, s.
+fn push(motor: &Parameters, turns: f64, drive: Drive) -> Result<f64, Unreachable> {
+    within("turns", turns, (1e-4, 1000.0), "turns")?;
+    let (coast, far) = (Coast::new(motor), TAU * turns);
+    let mut trial = Trial::new(motor, 0.0, RATE)?;
+    let left = |motor: &Motor| far - motor.turned() - coast.angle(motor.speed());
+    let seconds = trial.until(drive, PATIENCE, left);
+    seconds.ok_or_else(|| match trial.motor.is_stuck() {
+        true => Unreachable::Start(drive, starts(motor, drive)),
+        false => Unreachable::Slow(drive, PATIENCE),
+    })
+}
+
 fn pieces(seconds: [f64; 3], amount: f64) -> Pieces {
     Pieces { list: [(seconds[0], amount), (seconds[1], -amount), (seconds[2], amount)] }
 }
 
 /// What the casing's largest acceleration goes with: √(ω⁴ + α²).
-fn strength(setup: &Setup, motor: &Parameters, course: &Course) -> Result<f64, Unreachable> {
+fn strength(setup: &Setup, motor: &Parameters, means: &[f64]) -> Result<f64, Unreachable> {
     let mut motor: Motor = Motor::new(motor, &Plan { casing: false, ..Plan::whole(Level::Default) }, RATE)?;
     let mut most = 0.0_f64;
-    for mean in course.means(RATE).unwrap_or_default() {
-        motor.drive(setup.drive(mean));
+    for mean in means {
+        motor.drive(setup.drive(*mean));
         let before = motor.angular_acceleration();
         most = most.max((motor.speed() * motor.speed()).hypot(before));
         motor.step();

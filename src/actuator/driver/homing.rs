@@ -38,6 +38,10 @@ impl Homing {
             let because = "the way home is a matter of voltages, and the amplifier imposes a current";
             return Err(Fault::because("home", 1.0, Limit::Absent, because).into());
         }
+        if setup.one_way {
+            let because = "the carrier behind diodes shakes loose what gravity caught";
+            return Err(Fault::because("home", 1.0, Limit::Absent, because).into());
+        }
         let volts = (STARTS * setup.parameters.start_volts()).min(setup.limit);
         let homed = Home { volts }.solve(&setup.parameters)?;
         if homed.spread > NEAR {

@@ -36,7 +36,8 @@ impl Follow {
         (self.owed, self.flows) = (0.0, current);
     }
 
-    /// The mean drive over a sample with these speeds at its beginning, at its end, and a sample later; and whether it is at the limit.
+    /// The mean drive over a sample with these speeds at its beginning, at its end, and a sample later; and whether it is at the limit. Of a
+    /// motor that turns one way, no less than what it makes itself by turning: then nothing flows.
     pub fn step(&mut self, [now, next, after]: [f64; 3]) -> (f64, bool) {
         let (p, limit) = (&self.setup.parameters, self.setup.limit);
         let sign = |x: f64| if x == 0.0 { 0.0 } else { x.signum() };
@@ -53,10 +54,12 @@ impl Follow {
             }
             Drive::Current => pushed / self.step + self.owed,
         };
-        let given = wanted.clamp(-limit, limit);
-        self.owed = (wanted - given).clamp(-limit, limit);
+        let least = if self.setup.one_way { p.gain * turned / self.step } else { -limit };
+        let given = wanted.max(least).min(limit);
+        // What diodes keep back is over with the sample.
+        self.owed = (wanted - given).clamp(self.setup.least(), limit);
         self.flows = later;
-        (given, given != wanted)
+        (given, if self.setup.one_way { given < wanted } else { given != wanted })
     }
 }
 
@@ -127,6 +130,6 @@ impl Seek {
         let passes = left * self.off(speed, current, wished) < 0.0;
         // Friction alone stops it within the sample.
         let wanted = if passes { 0.0 } else { -left / self.gains };
-        (self.setup.held_by(wished) + wanted).clamp(-self.setup.limit, self.setup.limit)
+        (self.setup.held_by(wished) + wanted).clamp(self.setup.least(), self.setup.limit)
     }
 }

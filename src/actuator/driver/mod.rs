@@ -5,6 +5,7 @@
 //! | [`setup`] | the motor, its limits, how levels are shaped |
 //! | [`ahead`] | speeds that the motor can follow, planned on what is known ahead |
 //! | [`law`] | the drive that brings a speed about: the inverse, and the way to another speed |
+//! | [`coast`] | how it comes to rest by itself, where nothing brakes it |
 //! | [`order`], [`book`] | clicks, spins and brakes; clicks worked out for every level |
 //! | [`homing`] | the way to where gravity catches the mass |
 //! | [`turner`] | all of it, one engine sample at a time |
@@ -13,6 +14,7 @@
 
 pub mod ahead;
 pub mod book;
+pub mod coast;
 pub mod homing;
 pub mod law;
 pub mod order;

@@ -26,6 +26,15 @@ pub enum Order {
 }
 
 impl Order {
+    /// Whether it is for the way that diodes do not let.
+    pub fn is_backward(self) -> bool {
+        match self {
+            Self::Click(pieces) => pieces.list.iter().any(|(seconds, drive)| *seconds > 0.0 && *drive < 0.0),
+            Self::Spin(x) | Self::On(x) => x < 0.0,
+            Self::Release | Self::Brake => false,
+        }
+    }
+
     /// The same within a speed and a drive, and with times of 0 s to 10 s; what is no number is 0.
     pub fn sane(self, speed: f64, drive: f64) -> Self {
         let within = |x: f64, most: f64| if x.is_nan() { 0.0 } else { x.clamp(-most, most) };

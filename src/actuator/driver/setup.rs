@@ -1,7 +1,7 @@
 //! A motor that is to be turned, and how.
 
 use crate::actuator::drive::Drive;
-use crate::actuator::fault::{Fault, within};
+use crate::actuator::fault::{Fault, Limit, within};
 use crate::actuator::motor::{self, Parameters};
 
 /// From the level that is played to what reaches the terminals. A level is the share of the rated vibration, and backward where it is
@@ -31,6 +31,9 @@ pub struct Setup {
     pub parameters: Parameters,
     /// What the amplifier imposes.
     pub imposes: Drive,
+    /// Whether diodes let current in and none out: nothing backward can be given, nothing brakes, and a motor that is faster than the voltage
+    /// holds runs on with open terminals. Of a voltage alone.
+    pub one_way: bool,
     /// The most it gives, volts or amperes: 1e-6 to 1e6.
     pub limit: f64,
     /// The most voltage with which it holds a current, 1e-6 to 1e6 V; of no account where it imposes a voltage.
@@ -54,6 +57,10 @@ impl Setup {
     pub fn check(&self) -> Result<(), Fault> {
         self.parameters.check()?;
         within("limit", self.limit, (1e-6, 1e6), "V or A")?;
+        if self.one_way && self.imposes == Drive::Current {
+            let because = "behind diodes a current would have nowhere to go while they block";
+            return Err(Fault::because("one_way", 1.0, Limit::Absent, because));
+        }
         within("compliance", self.compliance, (1e-6, 1e6), "V")?;
         within("rate", self.rate, (100.0, 1e6), "samples a second")?;
         within("look_ahead", self.look_ahead.unwrap_or(0.0), (0.0, 1.0), "s")
@@ -65,6 +72,11 @@ impl Setup {
             Drive::Voltage => motor::Drive::Voltage(amount),
             Drive::Current => motor::Drive::Current { amperes: amount, limit: self.compliance },
         }
+    }
+
+    /// The least that can be given, volts or amperes.
+    pub fn least(&self) -> f64 {
+        if self.one_way { 0.0 } else { -self.limit }
     }
 
     /// The speed of a level of 1, rad/s: the rated one.

@@ -5,10 +5,16 @@ use super::law::{Follow, Seek};
 use super::order::{Agenda, Entry, Order, PIECES, Pieces};
 use super::setup::{Setup, Shaping};
 use crate::actuator::fault::Fault;
-use crate::actuator::motor::{Level, Motor, Plan};
+use crate::actuator::motor::{Drive, Level, Motor, Plan};
 
 /// Share of the full speed below which a motor counts as standing.
 const STANDS: f64 = 1e-4;
+
+/// Of a level backward, what is no wish: the corners of envelopes swing about their ends by as much.
+const NOTHING: f64 = 0.02;
+
+/// Share of the limit by which a voltage behind diodes must be above what the motor makes itself.
+const OPENS: f64 = 1e-3;
 
 /// Seconds after which what is to begin at rest begins without it: a mass that nothing holds swings for long.
 const PATIENCE: f64 = 0.25;
@@ -33,6 +39,8 @@ pub struct Turner {
     away: bool,
     /// Which way a switching drive goes.
     forward: bool,
+    /// What it made itself by turning, on average over the last sample, V.
+    emf: f64,
     clock: u64,
     counts: Counts,
 }
@@ -60,6 +68,8 @@ pub struct Counts {
     pub masked: u64,
     /// Orders that found no room.
     pub dropped: u64,
+    /// Samples (of a level beyond 0.02) and orders that were for the way that diodes do not let, and are nothing.
+    pub backward: u64,
 }
 
 impl Turner {
@@ -69,7 +79,9 @@ impl Turner {
     /// A number beyond its limits.
     pub fn new(setup: &Setup, late: usize) -> Result<Self, Fault> {
         setup.check()?;
-        let tracks = setup.ordered || matches!(setup.shaping, Shaping::Overdrive | Shaping::Switching);
+        let tracks = setup.ordered
+            || setup.one_way
+            || matches!(setup.shaping, Shaping::Overdrive | Shaping::Switching);
         let plan =
             Plan { casing: false, gravity: setup.parameters.gravity > 0.0, ..Plan::whole(Level::Default) };
         let model = || Motor::new(&setup.parameters, &plan, setup.rate).map(Box::new);
@@ -84,6 +96,7 @@ impl Turner {
             voice: None,
             away: false,
             forward: true,
+            emf: 0.0,
             clock: 0,
             counts: Counts::default(),
         })
@@ -107,6 +120,11 @@ impl Turner {
     /// The motor's model, where there is one.
     pub fn motor(&self) -> Option<&Motor> {
         self.motor.as_deref()
+    }
+
+    /// What the motor made itself by turning, on average over the last sample, V; where there is no model, 0.
+    pub fn emf(&self) -> f64 {
+        self.emf
     }
 
     /// Whether nothing is sent, nothing waits and the motor stands.
@@ -134,10 +152,15 @@ impl Turner {
         self.carry_out(Entry { at: self.clock as f64, voice: u64::MAX, order: Order::Brake });
     }
 
-    /// Takes the level of this sample, and gives what is sent: its mean over each of so many equal parts of the sample.
+    /// Takes the level of this sample, and gives what is sent: its mean over each of so many equal parts of the sample. Of a motor that turns
+    /// one way it is what is sent beyond [`Turner::emf`], R i on average, and 0 where nothing is to flow.
     pub fn step(&mut self, level: f64, parts: &mut [f64]) {
         self.counts.masked += u64::from(!level.is_finite());
         let level = if level.is_finite() { level } else { 0.0 };
+        let backward = self.setup.one_way && level < -NOTHING;
+        self.counts.backward += u64::from(backward);
+        let level = if self.setup.one_way { level.max(0.0) } else { level };
+        self.emf = 0.0;
         let speeds = self.ahead.step(self.setup.speed_of(level));
         // Orders that are not due yet change nothing: they may come early or late, with the blocks of the caller.
         if speeds == [0.0; 3] && self.due().is_none() && self.rests() {
@@ -163,8 +186,8 @@ impl Turner {
             }
             // Never so short that it would stand still.
             let until = until.clamp((done + 1e-9).min(1.0), 1.0);
+            let given = self.move_model(given, until - done);
             spread(parts, done, until, given);
-            self.move_model(given, until - done);
             done = until;
         }
         self.clock += 1;
@@ -192,6 +215,10 @@ impl Turner {
             return;
         }
         let Entry { voice, order, .. } = entry;
+        if self.setup.one_way && order.is_backward() {
+            self.counts.backward += 1;
+            return;
+        }
         match order.sane(self.setup.full_speed(), self.setup.limit) {
             Order::Click(pieces) => {
                 // At rest it begins at once.
@@ -252,14 +279,14 @@ impl Turner {
     fn given(&mut self, speeds: &[f64; 3], whole: bool) -> f64 {
         let (speed, current) =
             self.motor.as_ref().map_or((0.0, 0.0), |motor| (motor.speed(), motor.current()));
-        let limit = self.setup.limit;
+        let (least, limit) = (self.setup.least(), self.setup.limit);
         match self.mode {
             Mode::Speed(wished, ..) => self.seek.step(speed, current, wished),
             Mode::Click(pieces, piece, _) => pieces.list.get(piece).map_or(0.0, |piece| piece.1),
             Mode::On(drive) => drive,
             Mode::Roll => 0.0,
             Mode::Level => match self.setup.shaping {
-                Shaping::Plain => self.setup.held_by(speeds[0]).clamp(-limit, limit),
+                Shaping::Plain => self.setup.held_by(speeds[0]).clamp(least, limit),
                 Shaping::Overdrive => self.seek.step(speed, current, speeds[1]),
                 Shaping::Switching => self.switched(speed, current, speeds[1]),
                 _ if self.away && *speeds == [0.0; 3] && self.stands() => 0.0,
@@ -294,7 +321,7 @@ impl Turner {
         if off != 0.0 {
             self.forward = off > 0.0;
         }
-        if self.forward { self.setup.limit } else { -self.setup.limit }
+        if self.forward { self.setup.limit } else { self.setup.least() }
     }
 
     fn stands(&self) -> bool {
@@ -305,10 +332,25 @@ impl Turner {
                 && motor.speed().abs() < STANDS * self.setup.full_speed()
     }
 
-    fn move_model(&mut self, given: f64, share: f64) {
-        let Some(motor) = &mut self.motor else { return };
-        motor.drive(self.setup.drive(given));
-        if share == 1.0 { motor.step() } else { motor.part(share) }
+    /// Moves the model on, and says what is sent meanwhile.
+    fn move_model(&mut self, given: f64, share: f64) -> f64 {
+        let Some(motor) = &mut self.motor else { return given };
+        let (gain, before) = (self.setup.parameters.gain, motor.speed());
+        // So close above what the motor makes itself, what flows is nothing, and the carrier for it would be all but none.
+        let blocked = self.setup.one_way && given <= gain * before.max(0.0) + OPENS * self.setup.limit;
+        motor.drive(if blocked { Drive::Open } else { self.setup.drive(given) });
+        if share == 1.0 {
+            motor.step()
+        } else {
+            motor.part(share)
+        }
+        let emf = 0.5 * gain * (before + motor.speed());
+        self.emf += share * emf;
+        match self.setup.one_way {
+            true if blocked => 0.0,
+            true => (given - emf).max(0.0),
+            false => given,
+        }
     }
 }
 

@@ -3,9 +3,12 @@
 pub mod amplifier;
 pub mod carrier;
 pub mod compensator;
+pub mod conduction;
 pub mod coupling;
+pub mod diodes;
 pub mod pulse;
 pub mod pwm;
+pub mod wave;
 
 use crate::actuator::fault::{Fault, positive};
 use amplifier::Amplifier;

@@ -9,7 +9,7 @@ mod park;
 mod root;
 mod spin;
 mod switching;
-mod trial;
+pub(crate) mod trial;
 mod unreachable;
 
 pub use click::{Click, Clicked, Ending, starts};

@@ -102,6 +102,7 @@ impl Target {
             Drive::Voltage => None,
             Drive::Current => Some((amplifier, "imposes a current")),
             Drive::Bridge { .. } => Some((amplifier, "is a bridge, which is given pulses")),
+            Drive::Carrier(_) => Some((amplifier, "has a rectifier behind it")),
         });
         if let Some((amplifier, why)) = unfit {
             let what = format!("amplifier `{}` {why}, and figures are found under voltages", amplifier.name);

@@ -1,17 +1,18 @@
 //! Outputs that turn motors: levels out of the mix, and orders, become samples of what reaches the terminals.
 //!
 //! A motor is worked out at the engine's rate. What is sent may change at any instant between two of its samples, as a click does; each
-//! sample of the device then gets the mean over its time, so that the motor gets the same volt-seconds. Behind a bridge, pulses are as wide as that mean.
+//! sample of the device then gets the mean over its time, so that the motor gets the same volt-seconds. Behind a bridge, pulses are as wide as that mean;
+//! before a rectifier, a carrier is as large as it takes.
 
-use super::vibration::{Counts, Row, Vibration, single};
-use super::workspace::BLOCK;
+mod line;
+
+use super::vibration::{Counts, Row, Vibration};
 use crate::actuator::driver::order::Order;
-use crate::actuator::driver::turner::{self, Turner};
+use crate::actuator::driver::turner;
 use crate::actuator::fault::Fault;
-use crate::actuator::link::pwm::Modulator;
 use crate::dsp::lanes::LANES;
 use crate::graph::plan::Plan;
-use crate::rig::Bridge;
+use line::Line;
 
 /// The motors of a plan.
 #[derive(Debug)]
@@ -22,28 +23,6 @@ pub struct Drives {
     counts: Counts,
 }
 
-#[derive(Debug)]
-struct Line {
-    channel: usize,
-    turner: Turner,
-    /// Samples of the device for each volt, or ampere, at the motor.
-    samples: f64,
-    /// The most that leaves it, on either line.
-    most: f32,
-    levels: [f32; BLOCK],
-    /// What is sent in each device frame of an engine sample.
-    parts: Vec<f64>,
-    pulses: Option<Pulses>,
-}
-
-/// What makes pulses for a bridge.
-#[derive(Debug)]
-struct Pulses {
-    modulator: Modulator,
-    /// The channel of the line that says which way.
-    direction: usize,
-}
-
 impl Drives {
     /// Those of a plan.
     ///
@@ -52,25 +31,8 @@ impl Drives {
     pub fn new(plan: &Plan, vibration: &Vibration) -> Result<Self, (u32, Fault)> {
         // As late as what vibrates, so that all that is felt begins at once.
         let late = (vibration.delay().frames(plan.device_rate) / plan.ratio as f64).round() as usize;
-        let pulses = |bridge: Bridge| {
-            let direction = bridge.direction as usize;
-            Ok(Pulses { modulator: Modulator::new(&bridge.switching)?, direction })
-        };
-        let line = |drive: &crate::graph::plan::Drive| {
-            Ok(Line {
-                channel: drive.channel as usize,
-                turner: Turner::new(&drive.setup, late).map_err(|fault| (drive.channel, fault))?,
-                samples: 1.0 / drive.per_sample,
-                most: plan.max_levels().get(drive.channel as usize).map_or(1.0, |level| single(*level)),
-                levels: [0.0; BLOCK],
-                parts: vec![0.0; plan.ratio],
-                pulses: drive.bridge.map(pulses).transpose().map_err(|fault| (drive.channel, fault))?,
-            })
-        };
-        let is_there = |channel: u32| (channel as usize) < plan.channels;
-        let there = plan.drives.iter().filter(|drive| {
-            is_there(drive.channel) && drive.bridge.is_none_or(|bridge| is_there(bridge.direction))
-        });
+        let there = plan.drives.iter().filter(|drive| Line::is_there(drive, plan.channels));
+        let line = |drive| Line::new(plan, drive, late);
         let lines = there.map(line).collect::<Result<_, _>>()?;
         Ok(Self { lines, channels: plan.channels, ratio: plan.ratio, counts: Counts::default() })
     }
@@ -87,8 +49,7 @@ impl Drives {
 
     /// Whether nothing is sent and nothing waits.
     pub fn is_idle(&self) -> bool {
-        let gives = |pulses: &Pulses| !pulses.modulator.is_idle();
-        self.lines.iter().all(|line| line.turner.is_idle() && !line.pulses.as_ref().is_some_and(gives))
+        self.lines.iter().all(Line::is_idle)
     }
 
     /// Lets no more leave the channels than these levels.
@@ -141,17 +102,10 @@ impl Drives {
             let mut frames = before.chain(rest.chunks_exact_mut(self.channels));
             for level in &line.levels[..samples] {
                 line.turner.step(f64::from(*level), &mut line.parts);
+                let emf = line.turner.emf();
                 for (sent, frame) in line.parts.iter().zip(&mut frames) {
-                    if let Some(pulses) = &mut line.pulses {
-                        let now = pulses.modulator.step(*sent);
-                        frame[line.channel] = if now.on { line.most } else { 0.0 };
-                        frame[pulses.direction] = if now.reverse { line.most } else { 0.0 };
-                        continue;
-                    }
-                    let value = (sent * line.samples) as f32;
-                    let within = value.abs() <= line.most;
+                    let within = line.output.write(*sent, emf, frame, line.channel, line.most);
                     self.counts.clamped += u64::from(!within);
-                    frame[line.channel] = if within { value } else { line.most.copysign(value) };
                 }
             }
         }

@@ -1,0 +1,105 @@
+//! One motor on its channel, and what becomes of what is sent to it.
+
+use super::super::vibration::single;
+use super::super::workspace::BLOCK;
+use crate::actuator::driver::turner::Turner;
+use crate::actuator::fault::Fault;
+use crate::actuator::link::pwm::Modulator;
+use crate::actuator::link::wave::Wave;
+use crate::graph::plan::{Drive, Modulation, Plan};
+
+/// A motor on a channel.
+#[derive(Debug)]
+pub(super) struct Line {
+    pub channel: usize,
+    pub turner: Turner,
+    pub output: Output,
+    /// The most that leaves it, on any of its lines.
+    pub most: f32,
+    pub levels: [f32; BLOCK],
+    /// What is sent in each device frame of an engine sample.
+    pub parts: Vec<f64>,
+}
+
+/// What makes samples of what is sent.
+#[derive(Debug)]
+pub(super) enum Output {
+    /// So many samples for each volt, or ampere.
+    Straight(f64),
+    /// Pulses for a bridge, and the channel of the line that says which way.
+    Bridge(Modulator, usize),
+    /// A carrier before a rectifier.
+    Carrier(Box<Wave>),
+}
+
+impl Line {
+    /// Whether the channels of a motor are there.
+    pub fn is_there(drive: &Drive, channels: usize) -> bool {
+        let is_there = |channel: u32| (channel as usize) < channels;
+        let has_way = match drive.modulation {
+            Modulation::Bridge { direction, .. } => is_there(direction),
+            Modulation::Straight | Modulation::Carrier(_) => true,
+        };
+        is_there(drive.channel) && has_way
+    }
+
+    /// That of a motor, at least so many engine samples late.
+    ///
+    /// # Errors
+    /// A figure that cannot be, with its channel (from 0).
+    pub fn new(plan: &Plan, drive: &Drive, late: usize) -> Result<Self, (u32, Fault)> {
+        let output = |drive: &Drive| -> Result<Output, Fault> {
+            Ok(match drive.modulation {
+                Modulation::Straight => Output::Straight(1.0 / drive.per_sample),
+                Modulation::Bridge { switching, direction } => {
+                    Output::Bridge(Modulator::new(&switching)?, direction as usize)
+                }
+                Modulation::Carrier(carrier) => {
+                    let time = drive.setup.parameters.electrical_time();
+                    Output::Carrier(Box::new(Wave::new(&carrier, time, plan.device_rate, drive.per_sample)?))
+                }
+            })
+        };
+        let of = |fault: Fault| (drive.channel, fault);
+        Ok(Self {
+            channel: drive.channel as usize,
+            turner: Turner::new(&drive.setup, late).map_err(of)?,
+            output: output(drive).map_err(of)?,
+            most: plan.max_levels().get(drive.channel as usize).map_or(1.0, |level| single(*level)),
+            levels: [0.0; BLOCK],
+            parts: vec![0.0; plan.ratio],
+        })
+    }
+
+    /// Whether nothing is sent and nothing waits.
+    pub fn is_idle(&self) -> bool {
+        let gives = matches!(&self.output, Output::Bridge(modulator, _) if !modulator.is_idle());
+        self.turner.is_idle() && !gives
+    }
+}
+
+impl Output {
+    /// Writes a frame of what is sent on average, of a motor that makes so many volts itself; whether that is within what may leave.
+    #[inline]
+    pub fn write(&mut self, sent: f64, emf: f64, frame: &mut [f32], channel: usize, most: f32) -> bool {
+        match self {
+            Self::Straight(samples) => {
+                let value = (sent * *samples) as f32;
+                let within = value.abs() <= most;
+                frame[channel] = if within { value } else { most.copysign(value) };
+                within
+            }
+            Self::Bridge(modulator, direction) => {
+                let now = modulator.step(sent);
+                frame[channel] = if now.on { most } else { 0.0 };
+                frame[*direction] = if now.reverse { most } else { 0.0 };
+                true
+            }
+            Self::Carrier(wave) => {
+                let (value, held) = wave.step(sent, emf, f64::from(most));
+                frame[channel] = value as f32;
+                !held
+            }
+        }
+    }
+}
