@@ -4,6 +4,8 @@ mod common;
 
 #[path = "drives/carrier.rs"]
 mod carrier;
+#[path = "drives/coupled.rs"]
+mod coupled;
 
 use common::scenes::{MOTORS, MOVES};
 use common::{channel, patch, run};

@@ -5,6 +5,8 @@ mod against;
 mod ask;
 mod by_default;
 mod check;
+mod coupled;
+mod coupled;
 mod demo;
 mod devices;
 mod ear;

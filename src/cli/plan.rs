@@ -1,5 +1,6 @@
 //! What a patch on a rig will run, and what was left out: for people and for programs.
 
+use super::coupled::Coupled;
 use super::even::EvenReport;
 use super::input::InputReport;
 use super::left_out::{Left, left_out, left_out_text};
@@ -130,6 +131,8 @@ struct MotorReport {
     pulses: Option<[f64; 2]>,
     /// Before a rectifier: hertz of the carrier, and seconds in which the motor rolls out, as nothing brakes it.
     carrier: Option<[f64; 2]>,
+    /// Behind coupling.
+    coupled: Option<Coupled>,
     /// The way home, where a voice sends it there: s, where the mass hangs then, rad from straight down, and by how much it may be elsewhere.
     home: Option<[f64; 3]>,
 }
@@ -156,12 +159,13 @@ impl OutputReport {
                 ),
             )
         });
+        let coupled = motor.coupled.as_ref().map_or(String::new(), |coupled| coupled.text(unit));
         let home = motor.home.map_or(String::new(), |[seconds, angle, spread]| {
             let (angle, spread) = (angle.to_degrees(), spread.to_degrees());
             format!(", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°")
         });
         Some(format!(
-            "{} within {:.3} {unit}{by}, {:.1} ms late{pulses}{home}{rolls}",
+            "{} within {:.3} {unit}{by}, {:.1} ms late{pulses}{home}{rolls}{coupled}",
             motor.shaping, motor.limit, motor.late_ms
         ))
     }
@@ -397,7 +401,11 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
     let home = plan.homes.iter().find(|(of, _)| plan.drives.get(*of) == Some(drive));
     let switching = match drive.modulation {
         Modulation::Bridge { switching, .. } => Some(switching),
-        Modulation::Straight | Modulation::Carrier(_) => None,
+        Modulation::Straight | Modulation::Carrier(_) | Modulation::Coupled(_) => None,
+    };
+    let coupled = match &drive.modulation {
+        Modulation::Coupled(corners) => Some(Coupled::of(plan, drive, corners)),
+        Modulation::Straight | Modulation::Bridge { .. } | Modulation::Carrier(_) => None,
     };
     let carrier = match drive.modulation {
         Modulation::Carrier(carrier) => {
@@ -405,7 +413,7 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
             let full = drive.setup.full_speed();
             Some([carrier.hertz, Coast::new(parameters).seconds(full, STANDS * full)])
         }
-        Modulation::Straight | Modulation::Bridge { .. } => None,
+        Modulation::Straight | Modulation::Bridge { .. } | Modulation::Coupled(_) => None,
     };
     // What is wanted in one period is given in the next.
     let switched = switching.map_or(0.0, |switching| 1.0 / switching.hertz(plan.device_rate));
@@ -417,6 +425,7 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
         late_ms: 1e3 * (late as f64 / plan.engine_rate() + player.engine().delay().lead + switched),
         pulses,
         carrier,
+        coupled,
         home: home.map(|(_, home)| [home.seconds(), home.angle, home.spread]),
     })
 }

@@ -19,6 +19,11 @@ pub enum Command {
 }
 
 impl Command {
+    /// Whether a motor that is there for clicks alone heeds it.
+    pub fn is_click(self) -> bool {
+        matches!(self, Self::Click(_) | Self::Brake)
+    }
+
     /// That of a node, if it is one that orders something.
     pub fn of(kind: NodeKind, settings: &Settings) -> Option<Self> {
         let first = settings.constants.first().copied();

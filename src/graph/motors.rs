@@ -7,12 +7,19 @@ use super::plan::{Clicks, Drive, Instrument, LeftOut, Modulation, Why};
 use super::program::Op;
 use crate::actuator::driver::book::Book;
 use crate::actuator::driver::homing::Homing;
+use crate::actuator::driver::order::Pieces;
+use crate::actuator::driver::setup::Shaping;
+use crate::actuator::link::coupling::{Corners, HighPass};
 use crate::actuator::link::wave::HIGHEST;
 use crate::actuator::protect::bounds::Bounds;
 use crate::actuator::protect::kernel::Protection;
+use crate::actuator::shape::{Course, Unreachable};
 use crate::rig::terminals::too_high;
-use crate::rig::{Rig, Terminals};
+use crate::rig::{Output, Rig, Terminals};
 use crate::text::Problem;
+
+/// A share of a click below that is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// The motors of a rig, at an engine's rate and a device's.
 pub fn drives(rig: &Rig, [rate, device_rate]: [f64; 2], problems: &mut Vec<Problem>) -> Vec<Drive> {
@@ -49,6 +56,7 @@ fn modulation(terminals: Terminals) -> Modulation {
             Modulation::Bridge { switching: bridge.switching, direction: bridge.direction }
         }
         Terminals::Carrier(carrier) => Modulation::Carrier(carrier),
+        Terminals::Coupled(corners) => Modulation::Coupled(corners),
     }
 }
 
@@ -80,10 +88,32 @@ pub fn for_nobody(instruments: &[Instrument]) -> impl Iterator<Item = LeftOut> {
     })
 }
 
+/// What instruments order of motors that are there for clicks alone.
+pub fn for_clicks_alone(rig: &Rig, drives: &[Drive], instruments: &[Instrument]) -> Vec<LeftOut> {
+    let alone = drives.iter().filter(|drive| drive.setup.shaping == Shaping::Clicks);
+    let names: Vec<String> = alone.map(|drive| format!("`{}`", name_of(rig, drive))).collect();
+    if names.is_empty() {
+        return Vec::new();
+    }
+    let orders =
+        |op: &&Op| Command::of(op.node.kind, &op.node.settings).is_some_and(|command| !command.is_click());
+    let of = |instrument: &Instrument| -> Vec<LeftOut> {
+        let what =
+            |op: &Op| format!("order `{}` of `{}` on {}", op.node.name, instrument.name, names.join(", "));
+        let orders = instrument.program.ops.iter().filter(orders);
+        orders.map(|op| LeftOut { what: what(op), why: Why::ClicksAlone }).collect()
+    };
+    instruments.iter().flat_map(of).collect()
+}
+
+/// A motor's output.
+fn of_channel<'a>(rig: &'a Rig, drive: &Drive) -> Option<&'a Output> {
+    rig.outputs.iter().find(|output| output.channel == drive.channel + 1)
+}
+
 /// The name of a motor's output.
 fn name_of<'a>(rig: &'a Rig, drive: &Drive) -> &'a str {
-    let output = rig.outputs.iter().find(|output| output.channel == drive.channel + 1);
-    output.map_or("", |output| output.name.as_str())
+    of_channel(rig, drive).map_or("", |output| output.name.as_str())
 }
 
 /// The way home of every motor that has one, where an instrument may order it; of motors that are alike it is worked out once. That none has
@@ -102,6 +132,9 @@ pub fn homes(
         let alike =
             homes.iter().find(|(known, _)| drives.get(*known).is_some_and(|d| d.setup == drive.setup));
         let home = match alike {
+            _ if drive.setup.shaping == Shaping::Clicks => {
+                Err("it is there for clicks alone: shaping = \"clicks\"".into())
+            }
             _ if matches!(drive.modulation, Modulation::Bridge { .. }) => {
                 Err("the pulses of a bridge shake loose what gravity caught".into())
             }
@@ -130,6 +163,7 @@ pub fn homes(
 pub fn clicks(
     rig: &Rig,
     drives: &[Drive],
+    device_rate: f64,
     instruments: &[Instrument],
     problems: &mut Vec<Problem>,
 ) -> Vec<Clicks> {
@@ -141,15 +175,25 @@ pub fn clicks(
                 if clicks.iter().any(|known| known.drive == number && known.turns == turns) {
                     continue;
                 }
+                let most = of_channel(rig, drive).map_or(1.0, |output| rig.max_level(output));
                 let alike = |known: &&Clicks| {
-                    known.turns == turns && drives.get(known.drive).is_some_and(|d| d.setup == drive.setup)
+                    let is_alike = |other: &Drive| {
+                        let most_there = of_channel(rig, other).map_or(1.0, |output| rig.max_level(output));
+                        *other == Drive { channel: other.channel, ..*drive } && most_there == most
+                    };
+                    known.turns == turns && drives.get(known.drive).is_some_and(is_alike)
                 };
-                let book = match clicks.iter().find(alike) {
-                    Some(known) => Ok(Arc::clone(&known.book)),
-                    None => Book::new(&drive.setup, turns).map(Arc::new),
+                let found = match clicks.iter().find(alike) {
+                    Some(known) => Ok(Clicks { drive: number, ..known.clone() }),
+                    None => worked_out(drive, turns, device_rate, most).map(|(book, missing)| Clicks {
+                        drive: number,
+                        turns,
+                        book: Arc::new(book),
+                        missing,
+                    }),
                 };
-                match book {
-                    Ok(book) => clicks.push(Clicks { drive: number, turns, book }),
+                match found {
+                    Ok(found) => clicks.push(found),
                     Err(why) => {
                         let name = name_of(rig, drive);
                         let voice = &instrument.name;
@@ -170,4 +214,34 @@ pub fn clicks(
         }
     }
     clicks
+}
+
+/// The clicks of a motor, and what of the strongest does not arrive. Behind coupling the strongest is one that can be made up for.
+fn worked_out(drive: &Drive, turns: f64, rate: f64, most: f64) -> Result<(Book, f64), Unreachable> {
+    let Modulation::Coupled(corners) = drive.modulation else {
+        return Ok((Book::new(&drive.setup, turns)?, 0.0));
+    };
+    let missing = |click: &Pieces| missing(drive, &corners, rate, most, click);
+    let book = Book::of_those(&drive.setup, turns, |click| missing(click) < ROUNDING)?;
+    let missing = missing(&book.strongest());
+    Ok((book, if missing < ROUNDING { 0.0 } else { missing }))
+}
+
+/// Of a click's volt-seconds behind coupling, the share that does not arrive.
+fn missing(drive: &Drive, corners: &Corners, rate: f64, most: f64, click: &Pieces) -> f64 {
+    let nothing = drive.setup.drive(0.0);
+    let course = click.list.iter().fold(Course::ending_in(nothing), |course, (seconds, amount)| {
+        course.then(*seconds, nothing.with(*amount))
+    });
+    let (before, coupling) =
+        (drive.setup.through(corners, rate, drive.per_sample), HighPass::new(corners, rate));
+    // What cannot be is refused where it is to be played.
+    let (Ok(mut before), Ok(mut coupling)) = (before, coupling) else { return 0.0 };
+    let (mut off, mut own) = (0.0, 0.0);
+    for mean in course.means(rate).unwrap_or_default() {
+        let wanted = mean / drive.per_sample;
+        off += (coupling.step(before.step(Some(wanted), most)) - wanted).abs();
+        own += wanted.abs();
+    }
+    if own > 0.0 { off / own } else { 0.0 }
 }

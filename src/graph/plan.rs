@@ -11,6 +11,7 @@ use crate::actuator::driver::book::Book;
 use crate::actuator::driver::homing::Homing;
 use crate::actuator::driver::setup::Setup;
 use crate::actuator::link::carrier::Carrier;
+use crate::actuator::link::coupling::Corners;
 use crate::actuator::link::pwm::Switching;
 use crate::actuator::protect::bounds::Bounds;
 
@@ -246,6 +247,8 @@ pub enum Modulation {
     },
     /// A carrier as large as it takes behind a rectifier.
     Carrier(Carrier),
+    /// Samples of that size behind these corners, made up for what those take.
+    Coupled(Corners),
 }
 
 /// Clicks of a motor.
@@ -257,6 +260,8 @@ pub struct Clicks {
     pub turns: f64,
     /// By level; motors that are alike share one.
     pub book: Arc<Book>,
+    /// Of the volt-seconds of the strongest, the share that coupling keeps off, 0 to 1.
+    pub missing: f64,
 }
 
 /// What is done to a channel on its way out.
@@ -305,6 +310,8 @@ pub enum Why {
     NeverCrosses,
     /// It orders something of motors, and the rig has none.
     NoMotor,
+    /// It orders something of a motor that is there for clicks alone.
+    ClicksAlone,
     /// It is read and checked, and nothing acts on it yet.
     NotYet,
     /// Outputs of this kind are not rendered yet.
@@ -321,6 +328,7 @@ impl fmt::Display for Why {
             Self::NeverRead => "nothing reads it",
             Self::NeverCrosses => "its node never moves, so it never crosses",
             Self::NoMotor => "the rig has no motor: no output of kind drive",
+            Self::ClicksAlone => "clicks alone get through to that motor: shaping = \"clicks\"",
             Self::NotYet => "nothing acts on it yet",
             Self::NotRendered => "outputs of its kind are not rendered yet; it stays at zero",
         })

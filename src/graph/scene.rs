@@ -154,7 +154,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         .collect();
     let drives = motors::drives(rig, [device_rate / ratio as f64, device_rate], &mut problems);
     let protections = motors::protections(rig, device_rate, &mut problems);
-    let clicks = motors::clicks(rig, &drives, &instruments, &mut problems);
+    let clicks = motors::clicks(rig, &drives, device_rate, &instruments, &mut problems);
     let homes = motors::homes(rig, &drives, &instruments, &mut problems);
     if !problems.is_empty() {
         return Err(patch.origin.problems(problems));
@@ -167,6 +167,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     if drives.is_empty() {
         left_out.extend(motors::for_nobody(&instruments));
     }
+    left_out.extend(motors::for_clicks_alone(rig, &drives, &instruments));
     left_out.extend(not_yet(patch, rig));
     let plan = Plan {
         device_rate,

@@ -7,7 +7,7 @@ use super::output::Turning;
 use super::terminals::Terminals;
 use super::{Actuator, Amplifier, Drive, Model, Output, OutputKind, Rig};
 use crate::actuator::drive::Drive as Imposed;
-use crate::actuator::driver::setup::Setup;
+use crate::actuator::driver::setup::{Setup, Shaping};
 use crate::actuator::fault::{Fault, Limit};
 use crate::actuator::motor::{Casing, GRAVITY, Parameters, Suspension};
 use crate::text::Problem;
@@ -243,7 +243,10 @@ impl Rig {
                 "give its gain",
             );
         }
-        if !matches!(amplifier.drive, Drive::Carrier(_)) {
+        let corners = self.corners(output);
+        let known = self.device.coupling.is_some() && amplifier.coupling.is_some();
+        let passes_clicks = turning.shaping == Shaping::Clicks && known;
+        if !matches!(amplifier.drive, Drive::Carrier(_)) && !passes_clicks {
             self.passes_steady(output, amplifier)?;
         }
         parameters.gravity = turning.gravity();
@@ -261,7 +264,8 @@ impl Rig {
         };
         let limit = own.min(per_sample.abs() * share);
         let compliance = amplifier.max_volts.unwrap_or(volts);
-        let terminals = Terminals::Straight;
+        let is_steady = corners.hertz().is_empty();
+        let terminals = if is_steady { Terminals::Straight } else { Terminals::Coupled(corners) };
         let wiring = Wiring { turning, parameters, is_current, per_sample, limit, compliance, terminals };
         if let Drive::Carrier(carrier) = amplifier.drive {
             return self.carried(output, turning, actuator, amplifier, wiring, carrier);
@@ -272,7 +276,7 @@ impl Rig {
     /// That nothing on the way keeps steady voltages off, which a motor needs.
     pub(super) fn passes_steady(&self, output: &Output, amplifier: &Amplifier) -> Result<(), Problem> {
         let name = &output.name;
-        let help = "a motor turns by a steady voltage: take a DC-coupled card and a DC amplifier or a bridge, and say coupling = \"dc\" of both; or a rectifier before the motor and drive = \"carrier\" of the amplifier";
+        let help = "a motor turns by a steady voltage: take a DC-coupled card and a DC amplifier or a bridge, and say coupling = \"dc\" of both; or a rectifier before the motor and drive = \"carrier\" of the amplifier; for clicks alone shaping = \"clicks\" of the output will do, where both couplings are known";
         let what = match (self.device.coupling, amplifier.coupling) {
             (Some(Coupling::Dc), Some(Coupling::Dc)) => return Ok(()),
             (Some(Coupling::HighPass(hertz)), _) => {

@@ -71,7 +71,7 @@ pub struct Turning {
 }
 
 /// The words of [`Shaping::ALL`].
-const SHAPINGS: &[&str] = &["inverse", "overdrive", "switching", "plain"];
+const SHAPINGS: &[&str] = &["inverse", "overdrive", "switching", "plain", "clicks"];
 
 impl Turning {
     /// The word for its shaping in a file.

@@ -94,7 +94,7 @@ pub const TOPICS: &[Topic] = &[
                On a drive, a level is the share of the rated vibration of its motor (negative: backward), and `shaping` makes volts of it: \
                `inverse` does what is played as far as the motor can, and brakes it in time, for which it must know a little ahead; \
                `overdrive` gives as much as there may be until the motor is as fast as it is to be, and as much backward until it is as \
-               slow; `switching` gives the most either way at every sample; `plain` gives what holds the speed. Voices order clicks, spins, brakes and the way home \
+               slow; `switching` gives the most either way at every sample; `plain` gives what holds the speed; `clicks` plays no levels and no spins, but clicks alone, and those also through AC coupling (a card that lets nothing steady through): what that takes of them is given beforehand. Voices order clicks, spins, brakes and the way home \
                with the nodes `drive-click`, `drive-spin`, `drive-on`, `drive-brake` and `drive-home`. A drive needs a rumble motor whose figures are \
                known, an amplifier, `full_scale_volts`, and coupling = \"dc\" of device and amplifier, but where there is a rectifier (see \
                [amplifier.NAME]): anything else is refused, with the reason. How late it is stands in `pacinian check`.\n\n\

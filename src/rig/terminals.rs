@@ -6,6 +6,7 @@ use super::{Actuator, Amplifier, Coupling, Drive, Output, OutputKind, Rig};
 use crate::actuator::driver::coast::Coast;
 use crate::actuator::link::carrier::Carrier;
 use crate::actuator::link::conduction::Conduction;
+use crate::actuator::link::coupling::Corners;
 use crate::actuator::link::pwm::Switching;
 use crate::actuator::link::wave::HIGHEST;
 use crate::actuator::motor::Parameters;
@@ -20,6 +21,8 @@ pub enum Terminals {
     Bridge(Bridge),
     /// A carrier behind diodes: one way alone, and nothing brakes.
     Carrier(Carrier),
+    /// Samples behind these corners: clicks alone.
+    Coupled(Corners),
 }
 
 /// A bridge and its lines.

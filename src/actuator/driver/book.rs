@@ -16,6 +16,9 @@ use crate::actuator::shape::{Click, Ending, Unreachable, starts};
 /// Volts, or amperes, for which clicks are worked out.
 const ROWS: usize = 24;
 
+/// Halvings of the way to the strongest click that is fit.
+const HALVINGS: usize = 12;
+
 /// Steps a second at which it is seen how strong a click is.
 const RATE: f64 = 48_000.0;
 
@@ -33,6 +36,18 @@ impl Book {
     /// # Errors
     /// A number beyond its limits; a limit at which the motor does not turn that far; a way back where diodes let none.
     pub fn new(setup: &Setup, turns: f64) -> Result<Self, Unreachable> {
+        Self::of_those(setup, turns, |_| true)
+    }
+
+    /// The same, of those clicks only that are found fit; all of them where not even the weakest is.
+    ///
+    /// # Errors
+    /// As [`Book::new`].
+    pub fn of_those(
+        setup: &Setup,
+        turns: f64,
+        is_fit: impl Fn(&Pieces) -> bool,
+    ) -> Result<Self, Unreachable> {
         setup.check()?;
         // Where the mass hangs is not known: clicks are those of a motor that lies flat.
         let motor = Parameters { gravity: 0.0, ..setup.parameters };
@@ -52,14 +67,27 @@ impl Book {
             let strength = strength(setup, &motor, &click.course.means(RATE).unwrap_or_default())?;
             Ok((pieces(click.seconds, amount.copysign(turns)), strength))
         };
-        let (strongest, most) = solve(setup.limit)?;
         let starts = starts(&motor, setup.drive(setup.limit)).amount();
         let least = (1.2 * starts).min(setup.limit);
+        let mut limit = setup.limit;
+        let (mut strongest, mut most) = solve(limit)?;
+        if !is_fit(&strongest) {
+            let (mut low, mut high) = (least, limit);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                match solve(middle) {
+                    Ok((click, strength)) if is_fit(&click) => {
+                        (low, limit, strongest, most) = (middle, middle, click, strength);
+                    }
+                    _ => high = middle,
+                }
+            }
+        }
         let mut rows = Vec::with_capacity(ROWS);
         for n in 0..ROWS - 1 {
             // Closer to one another where it is weak: there the times change fastest.
             let share = n as f64 / (ROWS - 1) as f64;
-            let amount = least + (setup.limit - least) * share * share;
+            let amount = least + (limit - least) * share * share;
             let Ok((click, strength)) = solve(amount) else { continue };
             rows.push((strength / most, click));
         }
@@ -90,6 +118,11 @@ impl Book {
             piece.1 *= level.signum();
         }
         Some(click)
+    }
+
+    /// The strongest there is.
+    pub fn strongest(&self) -> Pieces {
+        self.rows.last().map_or(Pieces::default(), |(_, click)| *click)
     }
 
     /// The level of the weakest there is.

@@ -2,7 +2,13 @@
 
 use crate::actuator::drive::Drive;
 use crate::actuator::fault::{Fault, Limit, within};
+use crate::actuator::link::compensator::Compensator;
+use crate::actuator::link::coupling::Corners;
 use crate::actuator::motor::{self, Parameters};
+use crate::actuator::shape::starts;
+
+/// Of the limit: where nothing holds a motor at rest, no more than this turns it when it should stand.
+const LITTLE: f64 = 0.005;
 
 /// From the level that is played to what reaches the terminals. A level is the share of the rated vibration, and backward where it is
 /// negative.
@@ -17,11 +23,13 @@ pub enum Shaping {
     Switching,
     /// What holds the speed, and nothing behind it: a short circuit, or open terminals where the drive is a current.
     Plain,
+    /// Nothing: clicks alone are played, which is all that gets through AC coupling.
+    Clicks,
 }
 
 impl Shaping {
     /// All.
-    pub const ALL: [Self; 4] = [Self::Inverse, Self::Overdrive, Self::Switching, Self::Plain];
+    pub const ALL: [Self; 5] = [Self::Inverse, Self::Overdrive, Self::Switching, Self::Plain, Self::Clicks];
 }
 
 /// A motor and how it is turned.
@@ -72,6 +80,17 @@ impl Setup {
             Drive::Voltage => motor::Drive::Voltage(amount),
             Drive::Current => motor::Drive::Current { amperes: amount, limit: self.compliance },
         }
+    }
+
+    /// What makes up for coupling between a device, of `rate` samples a second and so many volts or amperes for each sample of 1, and the motor:
+    /// in samples. What does not start the motor does not matter.
+    ///
+    /// # Errors
+    /// A corner, a rate or a scale that cannot be.
+    pub fn through(&self, corners: &Corners, rate: f64, per_sample: f64) -> Result<Compensator, Fault> {
+        let starts = starts(&self.parameters, self.drive(self.limit)).amount();
+        let quiet = (0.5 * starts).max(LITTLE * self.limit);
+        Compensator::new(corners, rate, quiet / per_sample.abs())
     }
 
     /// The least that can be given, volts or amperes.

@@ -132,7 +132,8 @@ impl Turner {
         self.agenda.is_empty() && self.rests()
     }
 
-    fn rests(&self) -> bool {
+    /// Whether nothing is sent and the motor stands, whatever waits.
+    pub fn rests(&self) -> bool {
         self.mode == Mode::Level && self.ahead.is_still() && self.stands()
     }
 
@@ -161,6 +162,7 @@ impl Turner {
         self.counts.backward += u64::from(backward);
         let level = if self.setup.one_way { level.max(0.0) } else { level };
         self.emf = 0.0;
+        let level = if self.setup.shaping == Shaping::Clicks { 0.0 } else { level };
         let speeds = self.ahead.step(self.setup.speed_of(level));
         // Orders that are not due yet change nothing: they may come early or late, with the blocks of the caller.
         if speeds == [0.0; 3] && self.due().is_none() && self.rests() {
@@ -289,6 +291,7 @@ impl Turner {
                 Shaping::Plain => self.setup.held_by(speeds[0]).clamp(least, limit),
                 Shaping::Overdrive => self.seek.step(speed, current, speeds[1]),
                 Shaping::Switching => self.switched(speed, current, speeds[1]),
+                Shaping::Clicks => self.seek.step(speed, current, 0.0),
                 _ if self.away && *speeds == [0.0; 3] && self.stands() => 0.0,
                 Shaping::Inverse if self.away => {
                     // Also the current must have died away: the inverse would take it, and what it is still to do, at once.

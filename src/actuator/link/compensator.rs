@@ -11,7 +11,6 @@ use crate::actuator::fault::{Fault, positive};
 #[derive(Debug, Clone)]
 pub struct Compensator {
     filter: HighPass,
-    most: f64,
     quiet: f64,
     limited: u64,
 }
@@ -20,19 +19,13 @@ pub struct Compensator {
 const NOTHING: f64 = 1e-6;
 
 impl Compensator {
-    /// For a converter of `rate` samples a second that gives no more than `most`, and an actuator to which `quiet` does nothing.
+    /// For a converter of `rate` samples a second, and an actuator to which `quiet` does nothing.
     ///
     /// # Errors
     /// A figure that cannot be.
-    pub fn new(corners: &Corners, rate: f64, most: f64, quiet: f64) -> Result<Self, Fault> {
-        positive("most", most)?;
+    pub fn new(corners: &Corners, rate: f64, quiet: f64) -> Result<Self, Fault> {
         positive("quiet", quiet)?;
-        Ok(Self { filter: HighPass::new(corners, rate)?, most, quiet, limited: 0 })
-    }
-
-    /// Gives no more than this from now on.
-    pub fn limit_to(&mut self, most: f64) {
-        self.most = most.max(0.0);
+        Ok(Self { filter: HighPass::new(corners, rate)?, quiet, limited: 0 })
     }
 
     /// Samples in which the converter could not give what was needed.
@@ -45,8 +38,8 @@ impl Compensator {
         self.filter.is_empty()
     }
 
-    /// What to send for a sample in which the actuator is to get that on average; `None`: nothing is wanted.
-    pub fn step(&mut self, wanted: Option<f64>) -> f64 {
+    /// What to send for a sample in which the actuator is to get that on average, of no more than `most`; `None`: nothing is wanted.
+    pub fn step(&mut self, wanted: Option<f64>, most: f64) -> f64 {
         let output = wanted.unwrap_or_else(|| self.filter.discharging(self.quiet));
         if wanted.is_none() && output == 0.0 {
             self.filter.step(0.0);
@@ -54,7 +47,7 @@ impl Compensator {
             return 0.0;
         }
         let needed = self.filter.needed(if output.is_finite() { output } else { 0.0 });
-        let sample = needed.clamp(-self.most, self.most);
+        let sample = needed.clamp(-most.abs(), most.abs());
         self.limited += u64::from(wanted.is_some() && sample != needed);
         self.filter.step(sample);
         sample
@@ -81,7 +74,7 @@ mod tests {
     }
 
     fn of(chain: &Chain) -> Compensator {
-        Compensator::new(&chain.corners, RATE, 1.0, QUIET / gain(chain).abs()).unwrap()
+        Compensator::new(&chain.corners, RATE, QUIET / gain(chain).abs()).unwrap()
     }
 
     /// The same samples as worked out for the pulse as a whole, and its discharge; and then nothing.
@@ -101,13 +94,13 @@ mod tests {
             let mut online = of(&chain);
             let steps = wanted.iter().map(|volts| Some(volts / gain(&chain))).chain(std::iter::repeat(None));
             for (n, (wanted, expected)) in steps.zip(&whole.samples).enumerate() {
-                let sample = online.step(wanted);
+                let sample = online.step(wanted, 1.0);
                 assert!((sample - expected).abs() < 1e-12, "{corners:?} {n}: {sample} {expected}");
             }
             assert_eq!(online.limited(), 0);
-            let left = (0..(8.0 * RATE) as usize).find(|_| online.step(None) == 0.0 && online.is_idle());
+            let left = (0..(8.0 * RATE) as usize).find(|_| online.step(None, 1.0) == 0.0 && online.is_idle());
             assert!(left.is_some(), "{corners:?} never rests");
-            assert_eq!(online.step(None), 0.0);
+            assert_eq!(online.step(None, 1.0), 0.0);
         }
     }
 
@@ -119,11 +112,11 @@ mod tests {
             let (mut online, mut link) = (of(&chain), Link::new(&chain, RATE).unwrap());
             for pulse in 0..6 {
                 for volts in click(if pulse % 2 == 0 { 1.9 } else { -1.8 }) {
-                    let given = link.step(online.step(Some(volts / gain(&chain))));
+                    let given = link.step(online.step(Some(volts / gain(&chain)), 1.0));
                     assert!((given - volts).abs() < 1e-9, "{corners:?} {pulse}: {given} {volts}");
                 }
                 for _ in 0..700 * pulse {
-                    let given = link.step(online.step(None));
+                    let given = link.step(online.step(None, 1.0));
                     assert!(given.abs() < QUIET * (1.0 + 1e-9), "{corners:?} {pulse}: {given}");
                 }
             }
@@ -139,13 +132,13 @@ mod tests {
         let level = 0.5;
         // 1 + ω t of the level are needed: twice as much after 1/ω.
         let room = (RATE / (std::f64::consts::TAU * 10.0)) as usize;
-        let sent: Vec<f64> = (0..2 * room).map(|_| online.step(Some(level))).collect();
+        let sent: Vec<f64> = (0..2 * room).map(|_| online.step(Some(level), 1.0)).collect();
         assert!(sent[..room - 2].iter().all(|x| *x < 1.0) && sent[room + 2..].iter().all(|x| *x == 1.0));
         assert!(online.limited().abs_diff(room as u64) < 4);
-        online.limit_to(0.25);
-        assert!(online.step(Some(1.0)) <= 0.25 && online.step(Some(-f64::INFINITY)).abs() <= 0.25);
-        assert!(online.step(Some(f64::NAN)).abs() <= 0.25);
-        assert_eq!(Compensator::new(&Corners::none(), RATE, 0.0, 1.0).unwrap_err().field, "most");
-        assert_eq!(Compensator::new(&Corners::none(), RATE, 1.0, -1.0).unwrap_err().field, "quiet");
+        assert!(
+            online.step(Some(1.0), 0.25) <= 0.25 && online.step(Some(-f64::INFINITY), 0.25).abs() <= 0.25
+        );
+        assert!(online.step(Some(f64::NAN), 0.25).abs() <= 0.25);
+        assert_eq!(Compensator::new(&Corners::none(), RATE, -1.0).unwrap_err().field, "quiet");
     }
 }

@@ -4,6 +4,7 @@ use super::super::vibration::single;
 use super::super::workspace::BLOCK;
 use crate::actuator::driver::turner::Turner;
 use crate::actuator::fault::Fault;
+use crate::actuator::link::compensator::Compensator;
 use crate::actuator::link::pwm::Modulator;
 use crate::actuator::link::wave::Wave;
 use crate::graph::plan::{Drive, Modulation, Plan};
@@ -30,6 +31,8 @@ pub(super) enum Output {
     Bridge(Modulator, usize),
     /// A carrier before a rectifier.
     Carrier(Box<Wave>),
+    /// So many samples for each volt, or ampere, and what coupling takes of them made up for.
+    Coupled(f64, Box<Compensator>),
 }
 
 impl Line {
@@ -38,7 +41,7 @@ impl Line {
         let is_there = |channel: u32| (channel as usize) < channels;
         let has_way = match drive.modulation {
             Modulation::Bridge { direction, .. } => is_there(direction),
-            Modulation::Straight | Modulation::Carrier(_) => true,
+            Modulation::Straight | Modulation::Carrier(_) | Modulation::Coupled(_) => true,
         };
         is_there(drive.channel) && has_way
     }
@@ -58,6 +61,10 @@ impl Line {
                     let time = drive.setup.parameters.electrical_time();
                     Output::Carrier(Box::new(Wave::new(&carrier, time, plan.device_rate, drive.per_sample)?))
                 }
+                Modulation::Coupled(corners) => Output::Coupled(
+                    1.0 / drive.per_sample,
+                    Box::new(drive.setup.through(&corners, plan.device_rate, drive.per_sample)?),
+                ),
             })
         };
         let of = |fault: Fault| (drive.channel, fault);
@@ -73,15 +80,29 @@ impl Line {
 
     /// Whether nothing is sent and nothing waits.
     pub fn is_idle(&self) -> bool {
-        let gives = matches!(&self.output, Output::Bridge(modulator, _) if !modulator.is_idle());
-        self.turner.is_idle() && !gives
+        let is_idle = match &self.output {
+            Output::Straight(_) | Output::Carrier(_) => true,
+            Output::Bridge(modulator, _) => modulator.is_idle(),
+            Output::Coupled(_, compensator) => compensator.is_idle(),
+        };
+        self.turner.is_idle() && is_idle
     }
 }
 
 impl Output {
-    /// Writes a frame of what is sent on average, of a motor that makes so many volts itself; whether that is within what may leave.
+    /// Writes a frame of what is sent on average, if anything is, of a motor that makes so many volts itself; whether that is within what may
+    /// leave.
     #[inline]
-    pub fn write(&mut self, sent: f64, emf: f64, frame: &mut [f32], channel: usize, most: f32) -> bool {
+    pub fn write(
+        &mut self,
+        sent: Option<f64>,
+        emf: f64,
+        frame: &mut [f32],
+        channel: usize,
+        most: f32,
+    ) -> bool {
+        let wanted = sent;
+        let sent = sent.unwrap_or(0.0);
         match self {
             Self::Straight(samples) => {
                 let value = (sent * *samples) as f32;
@@ -99,6 +120,12 @@ impl Output {
                 let (value, held) = wave.step(sent, emf, f64::from(most));
                 frame[channel] = value as f32;
                 !held
+            }
+            Self::Coupled(samples, compensator) => {
+                let before = compensator.limited();
+                let value = compensator.step(wanted.map(|sent| sent * *samples), f64::from(most));
+                frame[channel] = value as f32;
+                compensator.limited() == before
             }
         }
     }

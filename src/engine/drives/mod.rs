@@ -2,7 +2,7 @@
 //!
 //! A motor is worked out at the engine's rate. What is sent may change at any instant between two of its samples, as a click does; each
 //! sample of the device then gets the mean over its time, so that the motor gets the same volt-seconds. Behind a bridge, pulses are as wide as that mean;
-//! before a rectifier, a carrier is as large as it takes.
+//! before a rectifier, a carrier is as large as it takes; and what coupling takes of a click is given beforehand.
 
 mod line;
 
@@ -103,8 +103,10 @@ impl Drives {
             for level in &line.levels[..samples] {
                 line.turner.step(f64::from(*level), &mut line.parts);
                 let emf = line.turner.emf();
+                let rests = line.turner.rests();
                 for (sent, frame) in line.parts.iter().zip(&mut frames) {
-                    let within = line.output.write(*sent, emf, frame, line.channel, line.most);
+                    let sent = (*sent != 0.0 || !rests).then_some(*sent);
+                    let within = line.output.write(sent, emf, frame, line.channel, line.most);
                     self.counts.clamped += u64::from(!within);
                 }
             }
