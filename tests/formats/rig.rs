@@ -115,7 +115,7 @@ fn every_mistake_is_told_at_its_line() {
         ),
         (
             "[amplifier.x]\ndrive = \"power\"".into(),
-            &[(4, "lacks `gain`"), (5, "there are `bridge`, `current` and `voltage`")],
+            &[(4, "lacks `gain`"), (5, "there are `bridge`, `carrier`, `current` and `voltage`")],
         ),
         (
             "[[output]]\nname = \"a\"\nchannel = 1\nkind = \"raw\"\npulse = 1".into(),

@@ -106,10 +106,8 @@ fn flows(opposed: f64, lag: f64, full_wave: bool) -> f64 {
     if crossing <= 0.0 {
         return flowed(ends(PI - begin, PI, begin, 0.0)).max(0.0);
     }
-    // The other pair of diodes takes over: the same half-wave again, from its beginning.
-    if current(begin, 0.0, crossing) > 0.0 {
-        return 2.0 / PI - opposed;
-    }
+    // The other pair of diodes takes over: the same half-wave again, from its beginning to where this one began, if it flows for so long; it
+    // never ceases then, and the mean is that of a whole half-wave.
     let end = ends(0.0, begin, 0.0, crossing);
     (flowed(PI) + ((1.0 - end.cos()) - opposed * end) / turn).max(0.0)
 }
