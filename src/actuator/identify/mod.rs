@@ -34,4 +34,4 @@ mod track;
 mod winding;
 
 pub use estimate::{Estimate, Identified, Untold};
-pub use recording::{Channel, Mistake, Name};
+pub use recording::{Channel, Mistake, Name, RATES};

@@ -15,7 +15,7 @@ use super::rotor::{Rotor, Told};
 use super::spin::Push;
 use super::start::Began;
 use super::winding::{Winding, of_open};
-use crate::actuator::fault::{not_negative, positive, within};
+use crate::actuator::fault::{not_negative, within};
 
 /// What was recorded of a rumble motor. All channels begin in the same instant and have the same rate.
 #[derive(Debug, Clone, Copy)]
@@ -36,10 +36,12 @@ pub struct Recording<'a> {
     pub open: &'a [Range<usize>],
     /// Seconds by which the recording chain delays the acceleration against the drive, if known.
     pub delay: Option<f64>,
-    /// All that moves, M, kg, if known: with it m_e r is told beside m_e r/M.
+    /// All that moves, M, kg, 1e-9 to 1e6, if known: with it m_e r is told beside m_e r/M.
     pub mass: Option<f64>,
 }
 
+/// All that moves with a motor, kg.
+const MASS: (f64, f64) = (1e-9, 1e6);
 /// The part of the starting voltage that may be left open, at most.
 const WIDE: f64 = 0.3;
 /// The fast time constant as a share of the slow one, at most: with more, coil and rotor all but swing.
@@ -113,7 +115,7 @@ impl Recording<'_> {
             channel.as_ref().map_or(Ok(()), |channel| channel.check(name, drive))?;
         }
         self.delay.map_or(Ok(()), |delay| within("delay", delay, (-1.0, 10.0), "s"))?;
-        self.mass.map_or(Ok(()), |mass| positive("mass", mass))?;
+        self.mass.map_or(Ok(()), |mass| within("mass", mass, MASS, "kg"))?;
         for range in self.open {
             not_negative("open", range.end as f64 - range.start as f64)?;
         }
