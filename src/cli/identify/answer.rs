@@ -116,10 +116,8 @@ impl Answer {
         // What will be read of it is what was meant.
         let read =
             Rig::draft(&rig.name, after.as_bytes()).map_err(|problems| Failure::of(78, problems))?.value;
-        let is = |entry: &Entry| {
-            read.actuator(target.actuator_name()).and_then(|a| a.value(entry.key)) == Some(entry.value)
-        };
-        if !entries.iter().all(is) {
+        let read = read.actuator(target.actuator_name());
+        if !read.is_some_and(|actuator| entries.iter().all(|entry| entry.is_in(actuator))) {
             return Err(by_hand("its actuator is written in a way that cannot be changed here".into()));
         }
         replace::replace(&rig.path, &rig.bytes, after.as_bytes())?;
