@@ -80,8 +80,8 @@ impl Answer {
     /// What becomes of it in the rig.
     fn end(&self, paint: Paint) -> String {
         let Some(rig) = &self.rig else { return String::new() };
-        let kept: Vec<&str> =
-            self.told.iter().filter(|figure| figure.is_kept()).map(|figure| figure.name).collect();
+        let kept = self.told.iter().filter(|figure| figure.is_kept()).map(|figure| figure.name);
+        let kept: Vec<&str> = kept.chain(self.given.iter().map(|said| said.name)).collect();
         let left = self.told.iter().filter_map(|figure| Some((figure.name, figure.left_out.as_ref()?)));
         let mut text = String::from("\n");
         text += &match (kept.len(), self.written) {
