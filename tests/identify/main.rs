@@ -8,6 +8,7 @@ mod motors;
 #[path = "../program/mod.rs"]
 mod program;
 
+use pacinian::actuator::identify::stimulus::steps;
 use pacinian::actuator::motor::{Drive, GRAVITY, Motor, Parameters, Plan, Wish};
 use pacinian::io::wav::{Encoding, WavSpec, WavWriter};
 use pacinian::rig::{Actuator, part};
@@ -110,6 +111,17 @@ fn of_part(name: &str) -> Actuator {
 
 fn coin() -> Parameters {
     Parameters { gravity: GRAVITY, ..of_part("coin-10mm").rumble_motor().unwrap() }
+}
+
+/// A coin that is driven by steps, drive and acceleration and current in one recording, the two of them later by some samples: its parameters.
+fn coin_take(scratch: &Scratch, name: &str, later: usize) -> Parameters {
+    let (p, rate) = (coin(), 8000.0);
+    let volts = steps(3.0, p.mechanical_time(), rate).unwrap();
+    let [x, i] = turn(&p, rate, &volts);
+    let (volts, x, i) = (late(&volts, 0, later), late(&x, later, 0), late(&i, later, 0));
+    let (x, i) = (Noise(21).on(&x, 40.0), Noise(22).on(&i, 40.0));
+    record(scratch, name, rate, Encoding::F32, &[(&volts, SCALE), (&x, 40.0), (&i, 1.0)]);
+    p
 }
 
 /// What the motion of a motor tells.

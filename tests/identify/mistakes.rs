@@ -43,6 +43,11 @@ fn what_is_no_good_is_named() {
     let end = bytes.len();
     bytes[end - 400..end - 396].copy_from_slice(&f32::NAN.to_le_bytes());
     scratch.write("nan.wav", bytes);
+    // The rate of its header, and the bytes a second that go with it.
+    let mut bytes = std::fs::read(scratch.0.join("good.wav")).unwrap();
+    let at = bytes.windows(4).position(|four| four == 4000_u32.to_le_bytes()).unwrap();
+    bytes[at..at + 4].copy_from_slice(&4_000_000_000_u32.to_le_bytes());
+    scratch.write("fast.wav", bytes);
     let rig = ["--rig", "r.toml", "--output", "wrist"];
     let drive = ["--drive", "d.wav"];
     scratch.run(&[&["identify", "good.wav"][..], &drive, &rig].concat()).succeeds();
@@ -137,7 +142,23 @@ fn what_is_no_good_is_named() {
             &["--open is for motors whose voltage was recorded"],
         ),
         (&["good.wav", "--drive", "d.wav", "--open", "2:1"], 2, &["such as 1.5:1.9"]),
-        (&["good.wav", "--drive", "d.wav", "--mass", "-1"], 65, &["`mass` is -1, but must be above 0"]),
+        (&["good.wav", "--drive", "d.wav", "--mass", "-1"], 2, &["from 1e-9 to 1e6 kg: weigh it"]),
+        (&["good.wav", "--drive", "d.wav", "--mass", "1e-300"], 2, &["from 1e-9 to 1e6 kg: weigh it"]),
+        (
+            &["good.wav", "--drive", "d.wav", "--share", "1"],
+            2,
+            &["--share is for coils", "leave --share out"],
+        ),
+        (
+            &["fast.wav", "--drive", "d.wav"],
+            65,
+            &[
+                "`fast.wav` has 4,000,000,000 Hz by its header",
+                "from 10 Hz to 10,000,000 Hz",
+                "write the file anew",
+            ],
+        ),
+        (&["good.wav", "--drive", "fast.wav"], 65, &["`fast.wav` has 4,000,000,000 Hz by its header"]),
         (&["good.wav", "--drive", "d.wav", "--acceleration-scale", "0"], 2, &["from 1e-9 to 1e9"]),
         (&["good.wav", "--drive", "d.wav", "--model", "lra"], 2, &["is of model rumble-motor, not lra"]),
         (&["--stimulus", "x.wav", "--volts", "9"], 2, &["9 V are more than the 3.0000 V", "--volts 2.9"]),

@@ -2,7 +2,8 @@
 
 use super::program::Scratch;
 use super::{
-    Noise, RIG, SCALE, WRIST, coin, driven, groups, late, near, near_by, of_part, record, turn, why_not,
+    Noise, RIG, SCALE, WRIST, coin, coin_take, driven, groups, late, near, near_by, of_part, record, turn,
+    why_not,
 };
 use pacinian::actuator::motor::{Drive, GRAVITY, Motor, Parameters, Plan, Wish};
 use pacinian::io::wav::Encoding;
@@ -71,7 +72,7 @@ fn a_motor_goes_from_a_stimulus_into_its_rig() {
     // The rig is as it was, but for the figures; and it plays.
     let text = std::fs::read_to_string(scratch.0.join("r.toml")).unwrap();
     let kept: Vec<&str> =
-        text.lines().filter(|line| !line.contains("# identified from take.wav: ")).collect();
+        text.lines().filter(|line| !line.contains("# pacinian identify take.wav: ")).collect();
     assert_eq!(kept, bare.lines().collect::<Vec<_>>());
     let rig = Rig::parse("r", text.as_bytes()).unwrap().value;
     let motor = rig.actuator("coin").unwrap().rumble_motor().unwrap();
@@ -255,4 +256,100 @@ fn a_voltage_takes_the_place_of_the_drive() {
     let told = said["told"].as_array().unwrap();
     let k = told.iter().find(|f| f["name"] == "torque_constant").unwrap();
     assert!(k["left_out"].as_str().unwrap().contains("nothing without resistance, inertia"), "{k}");
+}
+
+/// What the command line says of a motor goes into a rig that does not say it: without the mass that moves nothing of what it shakes would be left.
+#[test]
+fn what_the_command_line_says_is_written_where_the_rig_lacks_it() {
+    let scratch = Scratch::new("identify-given");
+    let bare = format!("{RIG}[actuator.coin] # bought\nrated_volts = 3\n").replace('\n', "\r\n");
+    scratch.write("r.toml", format!("\u{feff}{bare}"));
+    let p = coin_take(&scratch, "take.wav", 0);
+    let mass = p.casing.mass().unwrap().to_string();
+    let words = [
+        "identify",
+        "take.wav",
+        "--channels",
+        "drive,acceleration,current",
+        "--drive-scale",
+        "10",
+        "--current-scale",
+        "1",
+        "--acceleration-scale",
+        "40",
+        "--rig",
+        "r.toml",
+        "--actuator",
+        "coin",
+        "--model",
+        "rumble-motor",
+    ];
+    let with = |more: &[&str]| scratch.run(&[&words[..], more].concat());
+    let dry = with(&["--mass", &mass]);
+    assert!(dry.succeeds().out.contains("coulomb_friction, model, mass\n"), "{}", dry.out);
+    let said = with(&["--mass", &mass, "--write", "--json"]).succeeds().json();
+    assert_eq!(said["given"][0]["value"], "rumble-motor");
+    assert_eq!(said["given"][1]["value"].as_f64(), p.casing.mass());
+    assert!(
+        said["missing"].as_array().unwrap().is_empty()
+            && said["contradictions"].as_array().unwrap().is_empty(),
+        "{said:#}"
+    );
+    let text = std::fs::read_to_string(scratch.0.join("r.toml")).unwrap();
+    assert!(text.contains("mass = 0.1  # given to pacinian identify\r\n"), "{text}");
+    let kept: String =
+        text.split_inclusive('\n').filter(|line| !line.contains("pacinian identify")).collect();
+    assert_eq!(kept, format!("\u{feff}{bare}"), "what stood there is as it was, to the byte");
+    let rig = Rig::parse("r", text.as_bytes()).unwrap().value;
+    let motor = rig.actuator("coin").unwrap().rumble_motor().unwrap();
+    let shakes = motor.rated_acceleration().expect("it moves as one with its casing");
+    assert!((shakes / p.rated_acceleration().unwrap() - 1.0).abs() < 0.03, "{shakes}");
+    // What the rig says stays, and what does not go with it is named.
+    let other = scratch
+        .run(&[&words[..words.len() - 2], &["--mass", "0.2", "--write", "--json"]].concat())
+        .succeeds()
+        .json();
+    assert!(other["given"].as_array().unwrap().is_empty());
+    let named = other["contradictions"][0].as_str().unwrap();
+    assert!(named.contains("mass of the rig is 0.1 kg, and --mass says 0.2"), "{named}");
+    let text = std::fs::read_to_string(scratch.0.join("r.toml")).unwrap();
+    assert_eq!(text.matches("mass = 0.1  # given").count(), 1, "{text}");
+}
+
+/// A delay that was said wrongly would go into the time constant.
+#[test]
+fn a_delay_is_held_against_the_recording() {
+    let scratch = Scratch::new("identify-delay");
+    let p = coin_take(&scratch, "take.wav", 24);
+    let with = |more: &[&str]| {
+        let words = [
+            "identify",
+            "take.wav",
+            "--channels",
+            "drive,acceleration,-",
+            "--drive-scale",
+            "10",
+            "--part",
+            "coin-10mm",
+            "--json",
+        ];
+        scratch.run(&[&words[..], more].concat())
+    };
+    let said = with(&["--delay", "0.003"]).succeeds().json();
+    near(&said, "time_constant", p.mechanical_time());
+    assert!(said["later"].is_null());
+    for (wrong, shown) in [("0.1", "100.0 ms"), ("-0.05", "-50.0 ms"), ("0", "0.0 ms"), ("0.006", "6.0 ms")] {
+        let both = [
+            &format!("--delay is {shown}"),
+            "`take.wav` the acceleration is behind the drive by 2.",
+            " ms to 3.",
+            "leave it out",
+        ];
+        with(&["--delay", wrong]).fails(65, &both);
+    }
+    with(&["--delay", "11"]).fails(2, &["from -1 to 10"]);
+    // Where nobody says it, it is none but where the recording shows another: that is said, and left open in the interval.
+    let said = with(&[]).succeeds().json();
+    near(&said, "time_constant", p.mechanical_time());
+    assert!((said["later"].as_f64().unwrap() - 0.003).abs() < 5e-4, "{}", said["later"]);
 }

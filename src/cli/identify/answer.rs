@@ -4,7 +4,8 @@ use super::super::failure::Failure;
 use super::Identify;
 use super::figures::{Figure, Lacking, contradictions, figures, lacking};
 use super::fit::Found;
-use super::take::{Delay, Take};
+use super::late::Delay;
+use super::take::Take;
 use super::target::Target;
 use super::write::{self, Entry, Given};
 use pacinian::io::replace;
@@ -30,6 +31,8 @@ pub struct Answer {
     pub delay: Option<f64>,
     /// How it was found.
     pub delay_by: &'static str,
+    /// By how much more the acceleration is late than the drive on its channel, s; null where that is none to speak of, or was said.
+    pub later: Option<f64>,
     /// Seconds of the recording that were left out, before and behind the drive.
     pub left_out: [f64; 2],
     /// Seconds of the drive that were not recorded, at its beginning and its end.
@@ -90,6 +93,7 @@ impl Answer {
             drive: take.drive_name.clone(),
             peak_volts: found.peak,
             delay: found.delay,
+            later: found.later,
             delay_by: match take.lag {
                 Delay::None => "one recording",
                 Delay::Looped(_) => "the looped-back drive",

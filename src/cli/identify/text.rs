@@ -62,6 +62,14 @@ impl Answer {
     }
 
     fn late(&self) -> String {
+        if let Some(later) = self.later {
+            let begin =
+                self.delay.map_or(String::new(), |delay| format!("{}, by {}; ", ms(delay), self.delay_by));
+            return format!(
+                "{begin}the acceleration is {} behind the drive on its channel: measure that, and time_constant is told more closely, --delay S",
+                ms(later)
+            );
+        }
         match (self.delay, self.delay_by) {
             (_, "one recording") => "none: drive and answer are one recording".into(),
             (Some(delay), by) => {
