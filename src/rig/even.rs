@@ -141,7 +141,7 @@ mod tests {
             let text = format!(
                 "format = \"pacinian-rig/1\"\ntitle = \"T\"\n[device]\nchannels = 1\nfull_scale_volts = {level}\n[amplifier.board]\ngain = 1.0\n{volts}\n\
                  [actuator.it]\nmodel = \"voice-coil\"\nresistance = 8.0\nforce_factor = 2.0\nmoving_mass = 0.004\nresonance = 160.0\nq = 3.0\n\
-                 even_out = {{ resonance = 60.0, most_db = 30.0 }}\n[[tactor]]\nname = \"t\"\nchannel = 1\namplifier = \"board\"\nactuator = \"it\"\n"
+                 even_out = {{ resonance = 400.0, most_db = 30.0 }}\n[[tactor]]\nname = \"t\"\nchannel = 1\namplifier = \"board\"\nactuator = \"it\"\n"
             );
             let rig = Rig::parse("rig", text.as_bytes()).unwrap().value;
             rig.evened(&rig.outputs[0]).unwrap().unwrap()
