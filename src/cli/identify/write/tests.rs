@@ -100,8 +100,8 @@ fn tables_of_one_line_get_figures_alone() {
 
 #[test]
 fn what_cannot_be_done_is_said() {
-    assert!(with_figures("[", "coin", &[]).unwrap_err().contains("read again"));
-    assert!(with_figures(RIG, "none", &[]).unwrap_err().contains("[actuator.none]"));
+    assert!(with_figures("[", "coin", &[entry("q", 1.0, "a")]).unwrap_err().contains("read again"));
+    assert!(with_figures(RIG, "none", &[entry("q", 1.0, "a")]).unwrap_err().contains("[actuator.none]"));
     assert!(with_figures("actuator.coin = 3\n", "coin", &[entry("q", 1.0, "a")]).is_err());
     assert_eq!([short(1e-9), short(200.0), short(0.0), short(2e7)], ["1e-9", "200.0", "0.0", "2e7"]);
 }
