@@ -128,3 +128,30 @@ impl Rig {
         Equaliser::design(&plant, imposes, &wish).map_err(|fault| cannot(fault.to_string()))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::actuator::coil::equaliser::Limited;
+    use crate::rig::Rig;
+
+    /// What an amplifier gives at most holds the equaliser back, also where the actuator itself bears more or says nothing.
+    #[test]
+    fn an_amplifiers_most_volts_hold_it_back() {
+        let evened = |volts: &str, level: f64| {
+            let text = format!(
+                "format = \"pacinian-rig/1\"\ntitle = \"T\"\n[device]\nchannels = 1\nfull_scale_volts = {level}\n[amplifier.board]\ngain = 1.0\n{volts}\n\
+                 [actuator.it]\nmodel = \"voice-coil\"\nresistance = 8.0\nforce_factor = 2.0\nmoving_mass = 0.004\nresonance = 160.0\nq = 3.0\n\
+                 even_out = {{ resonance = 400.0, most_db = 30.0 }}\n[[tactor]]\nname = \"t\"\nchannel = 1\namplifier = \"board\"\nactuator = \"it\"\n"
+            );
+            let rig = Rig::parse("rig", text.as_bytes()).unwrap().value;
+            rig.evened(&rig.outputs[0]).unwrap().unwrap()
+        };
+        let free = evened("", 1.0);
+        assert_eq!(free.limited, None, "{free:?}");
+        let held = evened("max_volts = 2.0", 1.0);
+        assert_eq!(held.limited, Some(Limited::Volts), "{held:?}");
+        // It boosts by what is left of the volts, and no more.
+        assert!(held.boost < free.boost && (held.boost - 20.0 * 2f64.log10()).abs() < 0.1, "{held:?}");
+        assert_eq!(evened("max_volts = 200.0", 1.0), free);
+    }
+}

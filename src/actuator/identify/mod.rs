@@ -8,7 +8,7 @@
 //! | `estimate` | figures with intervals, and reasons why there are none |
 //! | `recording` | channels, and what is wrong with them |
 //! | `track`, `spin`, `reading` | a motor: following its turns, the law of its speed, what a recording says by that |
-//! | `initial`, `rotor`, `winding` | a first guess of the law, its fit, the coil |
+//! | `initial`, `rotor`, `start`, `winding` | a first guess of the law, its fit, what it leaves rest with, the coil |
 //! | `spectrum`, `held`, `coil` | a resonance: a first guess, the response that is fitted, the coil |
 //! | `least` | least squares, and how far off their result may be |
 //!
@@ -28,9 +28,10 @@ pub mod resonant;
 mod rotor;
 mod spectrum;
 mod spin;
+mod start;
 pub mod stimulus;
 mod track;
 mod winding;
 
 pub use estimate::{Estimate, Identified, Untold};
-pub use recording::{Channel, Mistake, Name};
+pub use recording::{Channel, Mistake, Name, RATES};

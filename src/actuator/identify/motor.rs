@@ -13,8 +13,9 @@ use super::estimate::Identified;
 use super::recording::{Channel, Mistake, Name};
 use super::rotor::{Rotor, Told};
 use super::spin::Push;
+use super::start::Began;
 use super::winding::{Winding, of_open};
-use crate::actuator::fault::{not_negative, positive, within};
+use crate::actuator::fault::{not_negative, within};
 
 /// What was recorded of a rumble motor. All channels begin in the same instant and have the same rate.
 #[derive(Debug, Clone, Copy)]
@@ -35,12 +36,14 @@ pub struct Recording<'a> {
     pub open: &'a [Range<usize>],
     /// Seconds by which the recording chain delays the acceleration against the drive, if known.
     pub delay: Option<f64>,
-    /// All that moves, M, kg, if known: with it m_e r is told beside m_e r/M.
+    /// All that moves, M, kg, 1e-9 to 1e6, if known: with it m_e r is told beside m_e r/M.
     pub mass: Option<f64>,
 }
 
-/// The most by which a ramp may rise within a time constant.
-const RAMP: f64 = 0.1;
+/// All that moves with a motor, kg.
+const MASS: (f64, f64) = (1e-9, 1e6);
+/// The part of the starting voltage that may be left open, at most.
+const WIDE: f64 = 0.3;
 /// The fast time constant as a share of the slow one, at most: with more, coil and rotor all but swing.
 const FASTEST: f64 = 0.25;
 /// What it is without a hint, at most.
@@ -112,7 +115,7 @@ impl Recording<'_> {
             channel.as_ref().map_or(Ok(()), |channel| channel.check(name, drive))?;
         }
         self.delay.map_or(Ok(()), |delay| within("delay", delay, (-1.0, 10.0), "s"))?;
-        self.mass.map_or(Ok(()), |mass| positive("mass", mass))?;
+        self.mass.map_or(Ok(()), |mass| within("mass", mass, MASS, "kg"))?;
         for range in self.open {
             not_negative("open", range.end as f64 - range.start as f64)?;
         }
@@ -195,22 +198,18 @@ impl Recording<'_> {
 
     /// When it breaks away, on a slow ramp.
     fn start(&self, rotor: &Rotor, electric: Option<&Electric>, push: &Push, all: &mut Identified) {
-        let volts = push.samples;
-        let time = 1.0 / rotor.law.rate;
-        let span = (time * self.drive.rate) as usize;
         let mut enough = f64::INFINITY;
         let mut why = String::from(
             "it shows only where the drive rises slowly from rest until the motor starts: record such a ramp",
         );
         for run in &rotor.runs {
-            let Some(at) = rotor.begins(run, push) else { continue };
-            let (before, behind) = (at.saturating_sub(span), (at + span / 2).min(volts.len() - 1));
-            let [least, value, most] = [before, at, behind].map(|n| run.sense * volts[n]);
-            let even = volts[before..=behind].windows(2).all(|v| run.sense * (v[1] - v[0]) >= 0.0);
-            if !(even && least > 0.0 && most - least <= RAMP * value) {
-                if value > 0.0 {
-                    enough = enough.min(value);
-                }
+            let Some(Began { at: value, within: [least, most] }) =
+                Began::of(self.acceleration.samples, rotor, run, push)
+            else {
+                continue;
+            };
+            if !(least > 0.0 && most - least <= WIDE * value) {
+                enough = enough.min(most);
                 continue;
             }
             // What hangs may be lifted before it goes round: by that much less it may have come loose.
@@ -309,6 +308,8 @@ impl Electric {
 
 #[cfg(test)]
 mod mistakes;
+#[cfg(test)]
+mod start;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]

@@ -4,12 +4,15 @@ use std::fmt;
 
 use crate::actuator::fault::Fault;
 
+/// Samples a second of a recording, at least and at most: no converter is slower or faster.
+pub const RATES: (f64, f64) = (10.0, 1e7);
+
 /// One channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Channel<'a> {
     /// What was recorded.
     pub samples: &'a [f64],
-    /// Samples a second, 10 to 1e7.
+    /// Samples a second, as [`RATES`] are.
     pub rate: f64,
     /// The largest value that its converter gives, if known; lets what is clipped or silent be seen for certain.
     pub full_scale: Option<f64>,
@@ -67,7 +70,7 @@ const LEAP: f64 = 4.0;
 impl Channel<'_> {
     /// Whether it can be used with a drive.
     pub(super) fn check(&self, name: Name, drive: &Channel) -> Result<(), Mistake> {
-        crate::actuator::fault::within("rate", self.rate, (10.0, 1e7), "samples a second")?;
+        crate::actuator::fault::within("rate", self.rate, RATES, "samples a second")?;
         if let Some(full) = self.full_scale {
             crate::actuator::fault::positive("full_scale", full)?;
         }

@@ -11,9 +11,11 @@ const LEVELS: [f64; 3] = [1.0, 0.5, 0.8];
 /// Time constants for each of them, and the seconds that this takes at least and at most.
 const SETTLED: f64 = 8.0;
 const HOLD: [f64; 2] = [0.3, 4.0];
-/// A ramp from rest to this share of the voltage, in so many time constants: slow enough for any motor that starts above a sixth of it.
-const RAMP: f64 = 0.6;
-const SLOW: f64 = 40.0;
+/// A ramp that grows by the same part of itself in each time constant, from one share of the voltage to another: as slow for a motor that starts
+/// early as for one that starts late. Before it, the first share is reached in so many time constants.
+const RAMP: [f64; 2] = [0.06, 0.6];
+const SLOW: f64 = 0.04;
+const FIRST: f64 = 4.0;
 /// Share of a sweep in which it comes in, and in which it goes out.
 const FADE: f64 = 0.05;
 /// Cycles of the lowest frequency that follow a sweep as silence, and how long that is at least, s.
@@ -38,8 +40,10 @@ pub fn steps(volts: f64, time: f64, rate: f64) -> Result<Vec<f64>, Fault> {
     piece(LEAD, &|_| 0.0);
     LEVELS.iter().for_each(|level| piece(hold, &|_| *level));
     piece(hold, &|_| 0.0);
-    piece(SLOW * time, &|part| RAMP * part);
-    piece(hold, &|_| RAMP);
+    let [from, to] = RAMP;
+    piece(FIRST * time, &|part| from * part);
+    piece((to / from).ln() / SLOW * time, &|part| from * (to / from).powf(part));
+    piece(hold, &|_| to);
     piece(hold, &|_| 0.0);
     Ok(all)
 }
@@ -78,14 +82,17 @@ mod tests {
         let volts = steps(3.0, 0.05, 1000.0).unwrap();
         let at = |seconds: f64| volts[(seconds * 1000.0) as usize];
         let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
-        for (seconds, volts) in [(0.49, 0.0), (0.51, 3.0), (0.91, 1.5), (1.31, 2.4), (1.71, 0.0), (4.3, 1.8)]
+        for (seconds, volts) in [(0.49, 0.0), (0.51, 3.0), (0.91, 1.5), (1.31, 2.4), (1.71, 0.0), (5.3, 1.8)]
         {
             assert!(close(at(seconds), volts), "{seconds}");
         }
-        let ramp: Vec<f64> = volts[2101..4099].to_vec();
+        let ramp: Vec<f64> = volts[2101..5178].to_vec();
         assert!(ramp.windows(2).all(|v| v[1] > v[0]) && volts.iter().all(|v| (0.0..=3.0).contains(v)));
-        // Within a time constant it rises by less than a tenth of a sixth of the voltage.
-        assert!(volts[2100 + 1000 + 50] - volts[2100 + 1000] < 0.1 * 0.5);
+        // From 6 to 60 % it rises by 4 % within each time constant.
+        assert!((volts[2300] - 0.18).abs() < 1e-3, "{}", volts[2300]);
+        for n in 2300..5120 {
+            assert!((volts[n + 50] / volts[n] - 0.04_f64.exp()).abs() < 1e-4, "{n}");
+        }
         assert_eq!(volts[volts.len() - 1], 0.0);
     }
 

@@ -4,11 +4,12 @@ use super::super::failure::Failure;
 use super::Identify;
 use super::figures::{Figure, Lacking, contradictions, figures, lacking};
 use super::fit::Found;
-use super::take::{Delay, Take};
+use super::late::Delay;
+use super::take::Take;
 use super::target::Target;
-use super::write::{self, Entry};
+use super::write::{self, Entry, Given};
 use pacinian::io::replace;
-use pacinian::rig::Rig;
+use pacinian::rig::{Model, Rig};
 use pacinian::text::problem::escaped;
 use serde::Serialize;
 use std::path::Path;
@@ -30,12 +31,16 @@ pub struct Answer {
     pub delay: Option<f64>,
     /// How it was found.
     pub delay_by: &'static str,
+    /// By how much more the acceleration is late than the drive on its channel, s; null where that is none to speak of, or was said.
+    pub later: Option<f64>,
     /// Seconds of the recording that were left out, before and behind the drive.
     pub left_out: [f64; 2],
     /// Seconds of the drive that were not recorded, at its beginning and its end.
     pub missed: [f64; 2],
     pub told: Vec<Figure>,
     pub untold: Vec<Lacking>,
+    /// What the command line says and the rig does not, which goes there too.
+    pub given: Vec<Said>,
     /// The rig, where there is one.
     pub rig: Option<String>,
     /// Whether figures were written into it.
@@ -46,13 +51,34 @@ pub struct Answer {
     pub missing: Vec<String>,
 }
 
+/// A key of the rig, and what the command line says of it.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Said {
+    pub name: &'static str,
+    pub value: Given,
+}
+
+/// What the command line says and the rig lacks: without them what was found with them would come to nothing there.
+fn given(asked: &Identify, target: &Target) -> Vec<Said> {
+    if target.rig.is_none() {
+        return Vec::new();
+    }
+    let is_said = |key: &str| target.own.iter().any(|own| own == key);
+    let is_known = target.actuator.as_ref().is_some_and(|actuator| actuator.model != Model::Generic);
+    let model = (!is_known).then(|| Said { name: "model", value: Given::Word(target.model.word()) });
+    let mass = asked.mass.filter(|_| !is_said("mass"));
+    model.into_iter().chain(mass.map(|mass| Said { name: "mass", value: Given::Number(mass) })).collect()
+}
+
 impl Answer {
     /// Of what was found.
     pub fn new(asked: &Identify, path: &Path, take: &Take, found: &Found, target: &Target) -> Self {
         let told = figures(&found.all, target);
-        let contradictions = if target.rig.is_some() { contradictions(&told, target) } else { Vec::new() };
+        let contradictions =
+            if target.rig.is_some() { contradictions(&told, asked, target) } else { Vec::new() };
         let mut actuator = target.actuator.clone();
         if let Some(actuator) = &mut actuator {
+            actuator.model = target.model;
             told.iter().filter(|figure| figure.is_kept()).for_each(|figure| {
                 actuator.values.insert(figure.name, figure.value);
             });
@@ -67,6 +93,7 @@ impl Answer {
             drive: take.drive_name.clone(),
             peak_volts: found.peak,
             delay: found.delay,
+            later: found.later,
             delay_by: match take.lag {
                 Delay::None => "one recording",
                 Delay::Looped(_) => "the looped-back drive",
@@ -76,6 +103,7 @@ impl Answer {
             left_out: found.left_out,
             missed: found.missed,
             untold: lacking(&found.all, asked),
+            given: given(asked, target),
             rig: target.rig.as_ref().map(|rig| rig.name.clone()),
             written: false,
             contradictions,
@@ -93,11 +121,10 @@ impl Answer {
     /// A rig that cannot be written, or that would be wrong with it.
     pub fn write(&mut self, target: &Target) -> Result<(), Failure> {
         let Some(rig) = &target.rig else { return Ok(()) };
-        let entries: Vec<Entry> = self
-            .told
-            .iter()
-            .filter(|figure| figure.is_kept())
+        let kept = self.told.iter().filter(|figure| figure.is_kept());
+        let entries: Vec<Entry> = kept
             .map(|figure| Entry::of(figure, &self.recording))
+            .chain(self.given.iter().map(|said| Entry::given(said.name, said.value)))
             .collect();
         if entries.is_empty() {
             return Ok(());
@@ -116,10 +143,8 @@ impl Answer {
         // What will be read of it is what was meant.
         let read =
             Rig::draft(&rig.name, after.as_bytes()).map_err(|problems| Failure::of(78, problems))?.value;
-        let is = |entry: &Entry| {
-            read.actuator(target.actuator_name()).and_then(|a| a.value(entry.key)) == Some(entry.value)
-        };
-        if !entries.iter().all(is) {
+        let read = read.actuator(target.actuator_name());
+        if !read.is_some_and(|actuator| entries.iter().all(|entry| entry.is_in(actuator))) {
             return Err(by_hand("its actuator is written in a way that cannot be changed here".into()));
         }
         replace::replace(&rig.path, &rig.bytes, after.as_bytes())?;

@@ -41,6 +41,8 @@ const OUTSIDE: [&str; 5] =
 const INSIDE: [&str; 4] = ["resistance", "torque_constant", "inertia", "eccentric_moment"];
 /// What else it is made of, of no use without those.
 const BESIDE: [&str; 3] = ["viscous_friction", "coulomb_friction", "static_friction"];
+/// What two masses differ by that are the same.
+const SAME: f64 = 1e-6;
 /// Digits of a value at least, and at most.
 const DIGITS: [usize; 2] = [4, 8];
 
@@ -163,7 +165,7 @@ pub fn lacking(all: &Identified, asked: &Identify) -> Vec<Lacking> {
 }
 
 /// What stands in the rig and does not go with what is written there, each in a sentence.
-pub fn contradictions(figures: &[Figure], target: &Target) -> Vec<String> {
+pub fn contradictions(figures: &[Figure], asked: &Identify, target: &Target) -> Vec<String> {
     let kept = |key: &str| figures.iter().find(|figure| figure.name == key && figure.is_kept());
     let own = &target.own;
     let has = |key: &&&str| own.iter().any(|own| own == **key);
@@ -187,6 +189,13 @@ pub fn contradictions(figures: &[Figure], target: &Target) -> Vec<String> {
                 "{before} of the rig goes before {key}: take it out, or {key} counts for nothing"
             ));
         }
+    }
+    if let (Some(mass), Some(own)) = (asked.mass, target.own_value("mass"))
+        && (mass / own - 1.0).abs() > SAME
+    {
+        said.push(format!(
+            "mass of the rig is {own} kg, and --mass says {mass}: what is found here is of the latter, and how the motor shakes would be of the former"
+        ));
     }
     let sheet = target.value("rated_acceleration").zip(target.value("rated_volts"));
     if let (Some((acceleration, volts)), Some(told)) = (sheet, kept("sensitivity"))

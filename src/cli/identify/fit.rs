@@ -1,8 +1,10 @@
 //! From the recording and its drive to what the library makes of both.
 
 use super::super::failure::Failure;
+use super::super::motor::ms;
 use super::Identify;
-use super::take::{Delay, Take, Trace};
+use super::late::{Delay, fitted, followed};
+use super::take::{Take, Trace};
 use super::target::Target;
 use pacinian::actuator::identify::{Channel, Identified, Mistake, Name, motor, resonant};
 use pacinian::report::decimate::Decimator;
@@ -15,6 +17,9 @@ pub struct Found {
     pub all: Identified,
     /// Seconds by which the answer is behind the drive, where that is told.
     pub delay: Option<f64>,
+    /// Seconds by which the acceleration is behind the drive that came back on a channel, where that is more than an actuator makes and nobody
+    /// said it.
+    pub later: Option<f64>,
     /// Seconds of the recording before the drive, and behind it, that were left out.
     pub left_out: [f64; 2],
     /// Seconds of the drive of which there is no recording, before and behind.
@@ -72,7 +77,7 @@ pub fn fit(asked: &Identify, take: &Take, target: &Target) -> Result<Found, Fail
         }
     };
     let known = asked.delay.unwrap_or(0.0);
-    let (mut shift, delay) = match take.lag {
+    let (mut shift, mut delay) = match take.lag {
         Delay::None => (0, Some(known)),
         Delay::Looped(seconds) => {
             let whole = (seconds * take.rate).floor();
@@ -112,14 +117,45 @@ pub fn fit(asked: &Identify, take: &Take, target: &Target) -> Result<Found, Fail
             }
         }
         let own = late.map(|late| shift as f64 / take.rate + late);
-        let delay = match take.lag {
-            Delay::Looped(seconds) => Some(seconds),
-            Delay::None => None,
-            Delay::Answer(_) | Delay::Untold => own,
+        let looped = match take.lag {
+            Delay::Looped(seconds) => seconds,
+            _ => 0.0,
+        };
+        if delay.is_some() {
+            let shows = fitted(&all, cut.rate, target).or_else(|| cut.followed(target));
+            let shows = shows.map(|ends| ends.map(|end| shift as f64 / take.rate + end - looped));
+            match (shows, asked.delay) {
+                (Some([least, most]), Some(_)) if !(least..=most).contains(&known) => {
+                    return Err(contradicted(&shown, known, [least, most]));
+                }
+                (Some([least, most]), None) if !(least..=most).contains(&0.0) && target.is_motor() => {
+                    // Nobody said it, and it is not none: it is looked for, as if nothing had come back.
+                    (delay, round) = (None, 0);
+                    continue;
+                }
+                _ => {}
+            }
+        }
+        let later = own.map(|own| own - looped).filter(|_| delay.is_none());
+        let (delay, later) = match take.lag {
+            Delay::Looped(seconds) => (Some(seconds), later),
+            Delay::None => (None, later),
+            Delay::Answer(_) | Delay::Untold => (own, None),
         };
         let peak = cut.drive.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-        return Ok(Found { all, delay, left_out: cut.left_out, missed: cut.missed, peak });
+        return Ok(Found { all, delay, later, left_out: cut.left_out, missed: cut.missed, peak });
     }
+}
+
+/// That a delay is not what the recording shows.
+fn contradicted(shown: &str, given: f64, [least, most]: [f64; 2]) -> Failure {
+    let what = format!(
+        "--delay is {}, but in `{shown}` the acceleration is behind the drive by {} to {}",
+        ms(given),
+        ms(least),
+        ms(most)
+    );
+    Failure::usage(what, "leave it out, and it is looked for; or measure it again, in seconds").with_code(65)
 }
 
 /// The slug's share of all that moves, where that is known.
@@ -174,6 +210,12 @@ impl Take {
 }
 
 impl Cut {
+    /// By how much a motor's vibration is behind its drive, where no fit tells it, s.
+    fn followed(&self, target: &Target) -> Option<[f64; 2]> {
+        let is_told = target.is_motor() && !self.drive.is_empty();
+        is_told.then(|| followed(&self.drive, &self.acceleration.samples, self.rate))?
+    }
+
     /// What is wrong with the channels as they were recorded.
     fn check(&self) -> Result<(), Mistake> {
         let named = [

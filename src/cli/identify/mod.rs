@@ -3,6 +3,7 @@
 mod answer;
 mod figures;
 mod fit;
+mod late;
 mod stimulus;
 mod take;
 mod target;
@@ -72,10 +73,10 @@ pub struct Identify {
     #[arg(long, value_name = "FROM:TO", value_delimiter = ',', conflicts_with = "stimulus")]
     open: Vec<Open>,
     /// Seconds by which the acceleration comes later than a looped-back drive [default: 0, where one is]
-    #[arg(long, value_name = "S", conflicts_with = "stimulus", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = delay, conflicts_with = "stimulus", allow_negative_numbers = true)]
     delay: Option<f64>,
-    /// All that moves with a motor, kg [default: `mass` where the rig itself says it]
-    #[arg(long, value_name = "KG", conflicts_with = "stimulus", allow_negative_numbers = true)]
+    /// All that moves with a motor, kg; --write puts it into a rig that says none [default: `mass` where the rig itself says it]
+    #[arg(long, value_name = "KG", value_parser = mass, conflicts_with = "stimulus", allow_negative_numbers = true)]
     mass: Option<f64>,
     /// What the recorded acceleration is of the one between coil and magnet, 0 to 1: 1 for a contactor in a housing that is held [default:
     /// slug over all that moves, where the rig itself says `casing_mass`]
@@ -93,7 +94,7 @@ pub struct Identify {
     /// A part to compare with, as `pacinian parts` lists them
     #[arg(long, value_name = "PART", conflicts_with = "rig")]
     part: Option<String>,
-    /// What it is, where neither rig nor part says it: rumble-motor, voice-coil, inertial-motor, lra
+    /// What it is, where neither rig nor part says it, and --write puts it there: rumble-motor, voice-coil, inertial-motor, lra
     #[arg(long, value_name = "WORD", value_parser = model)]
     model: Option<Model>,
     /// The most volts of the stimulus [default: what it is made for, of a resonance half of that, as far as the rig lets it through]
@@ -161,6 +162,21 @@ fn scale(word: &str) -> Result<f64, String> {
     word.parse::<f64>().ok().filter(|x| (1e-9..=1e9).contains(&x.abs())).ok_or_else(|| known.into())
 }
 
+/// Kilograms, as a rig's `mass` may be.
+const MASS: (f64, f64) = (1e-9, 1e6);
+/// Seconds.
+const DELAY: (f64, f64) = (-1.0, 10.0);
+
+fn mass(word: &str) -> Result<f64, String> {
+    let known = "it is all that moves with the motor, itself included, from 1e-9 to 1e6 kg: weigh it, and mind that 12 g are 0.012";
+    word.parse().ok().filter(|x| (MASS.0..=MASS.1).contains(x)).ok_or_else(|| known.into())
+}
+
+fn delay(word: &str) -> Result<f64, String> {
+    let known = "it is by how many seconds the acceleration comes later than the drive on its channel, from -1 to 10: 3 ms are 0.003";
+    word.parse().ok().filter(|x| (DELAY.0..=DELAY.1).contains(x)).ok_or_else(|| known.into())
+}
+
 fn model(word: &str) -> Result<Model, String> {
     let known = [Model::RumbleMotor, Model::VoiceCoil, Model::InertialMotor, Model::Lra];
     let words = known.map(Model::word).join(", ");
@@ -193,7 +209,7 @@ impl Identify {
 
 #[cfg(test)]
 mod tests {
-    use super::{Model, Open, model, scale};
+    use super::{Model, Open, delay, mass, model, scale};
 
     #[test]
     fn words_are_read_or_refused_with_what_they_should_be() {
@@ -204,6 +220,16 @@ mod tests {
         assert_eq!((scale("-0.5"), scale("160")), (Ok(-0.5), Ok(160.0)));
         for word in ["0", "nan", "inf", "1e10", "x"] {
             assert!(scale(word).is_err(), "{word}");
+        }
+        assert_eq!(
+            (mass("1e-9"), mass("1e6"), delay("-1"), delay("0.003")),
+            (Ok(1e-9), Ok(1e6), Ok(-1.0), Ok(0.003))
+        );
+        for word in ["1e-300", "9e-10", "0", "-1", "nan", "inf", "1.1e6", "x"] {
+            assert!(mass(word).unwrap_err().contains("from 1e-9 to 1e6 kg: weigh it"), "{word}");
+        }
+        for word in ["nan", "inf", "-1.1", "11", "x"] {
+            assert!(delay(word).unwrap_err().contains("from -1 to 10"), "{word}");
         }
         assert_eq!(model("lra"), Ok(Model::Lra));
         assert!(model("piezo").unwrap_err().contains("rumble-motor, voice-coil"));

@@ -11,7 +11,6 @@ use super::target::Target;
 use pacinian::actuator::fault::Fault;
 use pacinian::actuator::identify::stimulus::{LEAD, steps, sweep};
 use pacinian::io::wav::{Encoding, WavSpec, WavWriter};
-use pacinian::rig::Actuator;
 use serde::Serialize;
 use std::path::Path;
 
@@ -58,7 +57,7 @@ pub fn make(asked: &Identify, path: &Path, target: &Target, terminal: &Terminal)
     let rate = asked.rate.unwrap_or(target.rate.unwrap_or(48_000.0) as u32);
     let per_sample =
         asked.drive_scale.map(f64::abs).or(target.per_sample).ok_or_else(|| unknown_scale(target))?;
-    let volts = asked.volts.map_or_else(|| usual(target), Ok)?;
+    let volts = asked.volts.map_or_else(|| usual(target, f64::from(rate)), Ok)?;
     let most = asked.drive_scale.map_or(target.limit, |scale| {
         let reaches = scale.abs() * target.most;
         Some(target.limit.map_or(reaches, |limit| limit.min(reaches)))
@@ -98,7 +97,7 @@ pub fn make(asked: &Identify, path: &Path, target: &Target, terminal: &Terminal)
 }
 
 /// Volts at its most.
-fn usual(target: &Target) -> Result<f64, Failure> {
+fn usual(target: &Target, rate: f64) -> Result<f64, Failure> {
     let rated = target.value("rated_volts");
     let share = if target.is_motor() { 1.0 } else { ENOUGH };
     let wanted = rated.map(|volts| share * volts).or(target.limit.map(|limit| share * limit));
@@ -107,23 +106,22 @@ fn usual(target: &Target) -> Result<f64, Failure> {
         Failure::usage(what, "say it: --volts V, or rated_volts under its [actuator]")
     })?;
     let most = target.limit.map_or(wanted, |limit| wanted.min(limit));
-    Ok(if target.is_motor() { most } else { target.actuator.as_ref().map_or(most, |of| most.min(borne(of))) })
+    let coil = target.actuator.as_ref().filter(|_| !target.is_motor());
+    let Some((limits, plant)) = coil.and_then(|coil| Some((coil.limits(), coil.coil().ok()?))) else {
+        return Ok(most);
+    };
+    // As far as both it and its motion are known.
+    limits.most_volts(&plant, band(target, rate)).map(|bears| most.min(bears)).map_err(|fault| usage(&fault))
 }
 
-/// Frequencies at which it is looked what a coil does, evenly on a logarithmic axis, Hz.
-const LOOKED: (usize, [f64; 2]) = (300, [1.0, 2000.0]);
-
-/// The most volts of a sweep with which a coil keeps to its stroke and its amperes, as far as both it and its motion are known.
-fn borne(actuator: &Actuator) -> f64 {
-    let (Ok(plant), limits) = (actuator.coil(), actuator.limits()) else { return f64::INFINITY };
-    let (count, [low, high]) = LOOKED;
-    let hertz = (0..count).map(|n| low * (high / low).powf(n as f64 / (count - 1) as f64));
-    hertz.map(|hertz| plant.per_volt(hertz)).fold(f64::INFINITY, |most, response| {
-        let [travels, flows] = [response.displacement.abs(), response.current.abs()];
-        let rms = limits.amperes_rms.map(|rms| rms * std::f64::consts::SQRT_2 / flows);
-        let each = [limits.stroke.map(|x| x / travels), limits.amperes.map(|i| i / flows), rms];
-        each.into_iter().flatten().fold(most, f64::min)
-    })
+/// From where to where a sweep goes, Hz.
+fn band(target: &Target, rate: f64) -> [f64; 2] {
+    let highest = 0.4 * rate;
+    let [from, to] = match target.value("resonance") {
+        Some(hertz) => [(hertz / BEYOND).max(1.0), hertz * BEYOND],
+        None => BAND,
+    };
+    [from.min(0.1 * highest), to.min(highest)]
 }
 
 /// Volts sample by sample, and what they are in a line.
@@ -135,12 +133,7 @@ fn drive(target: &Target, volts: f64, rate: f64) -> Result<(Vec<f64>, String), F
         let says = format!("silence, three steps, rest, a slow ramp, rest; for {of} {:.1} ms", 1e3 * time);
         return Ok((steps(volts, time, rate)?, says));
     }
-    let highest = 0.4 * rate;
-    let [from, to] = match target.value("resonance") {
-        Some(hertz) => [(hertz / BEYOND).max(1.0), hertz * BEYOND],
-        None => BAND,
-    };
-    let [from, to] = [from.min(0.1 * highest), to.min(highest)];
+    let [from, to] = band(target, rate);
     let says = format!("{LEAD} s of silence, a sweep from {from:.1} to {to:.0} Hz in {SWEEP} s, silence");
     Ok((sweep(volts, [from, to], SWEEP, rate)?, says))
 }

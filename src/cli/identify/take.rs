@@ -2,12 +2,13 @@
 
 use super::super::failure::Failure;
 use super::super::table::{hertz, many};
+use super::late::{Delay, lag};
 use super::stimulus::unknown_scale;
 use super::target::Target;
 use super::{Holds, Identify, Open};
+use pacinian::actuator::identify::RATES;
 use pacinian::actuator::link::coupling::{Corners, HighPass};
 use pacinian::io::wav::{WavInfo, WavReader};
-use pacinian::report::align::{Lag, looped, rung, turned};
 use std::ops::Range;
 use std::path::Path;
 
@@ -43,25 +44,8 @@ pub struct Take {
     pub lag: Delay,
 }
 
-/// How far a recording is behind its drive.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Delay {
-    /// Not at all: drive and answer are channels of one recording.
-    None,
-    /// Seconds, by the drive that came back on a channel.
-    Looped(f64),
-    /// Seconds, about: by the answer.
-    Answer(f64),
-    /// It does not show.
-    Untold,
-}
-
 /// Frames of a file, at most.
 const MOST: u64 = 1 << 23;
-/// What came back is at least so many samples.
-const LEAST: usize = 64;
-/// Samples at which an answer is looked for.
-const COARSE: f64 = 8000.0;
 
 /// Volts behind what keeps steady ones off.
 ///
@@ -87,6 +71,7 @@ impl Take {
         let mut reader = WavReader::open(path)?;
         let info = reader.info();
         let holds = named(asked, &shown, info.channels)?;
+        check_rate(&shown, &info)?;
         check_length(&shown, &info)?;
         let rate = f64::from(info.rate);
         let mut all = reader.channels()?;
@@ -149,6 +134,22 @@ impl Take {
         let seconds = info.frames as f64 / rate;
         Ok(Self { rate, seconds, drive, drive_name, acceleration, current, voltage, open, lag })
     }
+}
+
+/// That a file's header names a rate that something was recorded at.
+fn check_rate(shown: &str, info: &WavInfo) -> Result<(), Failure> {
+    let (least, most) = RATES;
+    if (least..=most).contains(&f64::from(info.rate)) {
+        return Ok(());
+    }
+    let what = format!(
+        "`{shown}` has {} by its header, but a recording has from {} to {}",
+        hertz(f64::from(info.rate)),
+        hertz(least),
+        hertz(most)
+    );
+    let help = "the header is wrong: write the file anew with the rate at which it was recorded, which is that of its drive";
+    Err(Failure::usage(what, help).with_code(65))
 }
 
 /// That a file is not so long that looking for the drive in it takes all memory.
@@ -236,6 +237,7 @@ fn played(asked: &Identify, path: &Path, rate: f64, recording: &str) -> Result<(
     let shown = path.display().to_string();
     let mut reader = WavReader::open(path)?;
     let info = reader.info();
+    check_rate(&shown, &info)?;
     check_length(&shown, &info)?;
     if f64::from(info.rate) != rate {
         let what = format!(
@@ -274,23 +276,4 @@ fn played(asked: &Identify, path: &Path, rate: f64, recording: &str) -> Result<(
         return Err(Failure::usage(what, "give what was played; --stimulus makes one").with_code(65));
     }
     Ok((samples.iter().map(|x| f64::from(*x)).collect(), shown))
-}
-
-/// By how much the recording is behind.
-fn lag(drive: &[f64], back: Option<&[f32]>, answer: &[f64], rate: f64, target: &Target) -> Delay {
-    let told = |lag: Option<Lag>, how: fn(f64) -> Delay| lag.map_or(Delay::Untold, |lag| how(lag.seconds));
-    if drive.len() < LEAST || answer.len() < LEAST {
-        return Delay::Untold;
-    }
-    if let Some(back) = back {
-        let back: Vec<f64> = back.iter().map(|x| f64::from(*x)).collect();
-        return told(looped(drive, &back, rate), Delay::Looped);
-    }
-    if target.is_motor() {
-        return told(turned(drive, answer, rate), Delay::Answer);
-    }
-    // The mean of some samples is enough, and saves work.
-    let every = ((rate / COARSE) as usize).max(1);
-    let fewer = |x: &[f64]| -> Vec<f64> { x.chunks(every).map(|x| x.iter().sum()).collect() };
-    told(rung(&fewer(drive), &fewer(answer), rate / every as f64), Delay::Answer)
 }

@@ -6,7 +6,7 @@ use super::super::{parts, problems};
 use super::{Identify, write};
 use pacinian::actuator::link::coupling::Corners;
 use pacinian::io::{out, text};
-use pacinian::rig::{Actuator, Drive, Model, Output, Rig};
+use pacinian::rig::{Actuator, Coupling, Drive, Model, Output, Rig};
 use pacinian::text::nearest;
 use std::path::{Path, PathBuf};
 
@@ -65,7 +65,18 @@ impl Target {
                 return Err(Failure::usage("what it is that moves is not known", help));
             }
         };
-        target.with_model(asked.model)
+        let target = target.with_model(asked.model)?;
+        let of_others = match (target.is_motor(), asked.mass, asked.share) {
+            (false, Some(_), _) => Some(("--mass", "motors")),
+            (true, _, Some(_)) => Some(("--share", "coils")),
+            _ => None,
+        };
+        if let Some((option, whose)) = of_others {
+            let what =
+                format!("{option} is for {whose}, and {} is of model {}", target.name, target.model.word());
+            return Err(Failure::usage(what, format!("leave {option} out")));
+        }
+        Ok(target)
     }
 
     fn of(name: String, actuator: Actuator) -> Self {
@@ -122,7 +133,7 @@ impl Target {
             limit: reaches.into_iter().flatten().reduce(f64::min),
             channel: output.map(|output| [output.channel as usize, rig.device.channels as usize]),
             rate: rig.device.rate,
-            corners: output.map_or(Corners::none(), |output| rig.corners(output)),
+            corners: output.map_or_else(|| of_device(&rig), |output| rig.corners(output)),
             most,
             own: write::keys(&bytes, &actuator.name),
             rig: Some(File { path: path.to_owned(), name: name.clone(), bytes }),
@@ -182,6 +193,14 @@ impl Target {
     /// Whether it is a motor; else it is a resonance.
     pub fn is_motor(&self) -> bool {
         self.model == Model::RumbleMotor
+    }
+}
+
+/// What a device keeps off whatever hangs on it.
+fn of_device(rig: &Rig) -> Corners {
+    match rig.device.coupling {
+        Some(Coupling::HighPass(hertz)) => Corners::one(hertz),
+        _ => Corners::none(),
     }
 }
 

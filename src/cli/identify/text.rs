@@ -62,6 +62,14 @@ impl Answer {
     }
 
     fn late(&self) -> String {
+        if let Some(later) = self.later {
+            let begin =
+                self.delay.map_or(String::new(), |delay| format!("{}, by {}; ", ms(delay), self.delay_by));
+            return format!(
+                "{begin}the acceleration is {} behind the drive on its channel: measure that, and time_constant is told more closely, --delay S",
+                ms(later)
+            );
+        }
         match (self.delay, self.delay_by) {
             (_, "one recording") => "none: drive and answer are one recording".into(),
             (Some(delay), by) => {
@@ -80,8 +88,8 @@ impl Answer {
     /// What becomes of it in the rig.
     fn end(&self, paint: Paint) -> String {
         let Some(rig) = &self.rig else { return String::new() };
-        let kept: Vec<&str> =
-            self.told.iter().filter(|figure| figure.is_kept()).map(|figure| figure.name).collect();
+        let kept = self.told.iter().filter(|figure| figure.is_kept()).map(|figure| figure.name);
+        let kept: Vec<&str> = kept.chain(self.given.iter().map(|said| said.name)).collect();
         let left = self.told.iter().filter_map(|figure| Some((figure.name, figure.left_out.as_ref()?)));
         let mut text = String::from("\n");
         text += &match (kept.len(), self.written) {

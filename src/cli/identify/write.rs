@@ -1,36 +1,74 @@
 //! Figures into the text of a rig, which stays as it is otherwise.
 
 use super::figures::Figure;
+use pacinian::rig::Actuator;
 use pacinian::text::problem::escaped;
+use serde::Serialize;
+use std::ops::Range;
 use std::str::FromStr;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
-/// A figure as it is written.
+/// What is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     /// The key.
     pub key: &'static str,
-    /// SI units.
-    pub value: f64,
+    /// What it is.
+    pub value: Given,
     /// What stands behind it.
     pub comment: String,
 }
 
-/// By which a comment of an earlier run is known.
-const MARK: &str = "identified from";
+/// What a key is given.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Given {
+    /// A figure, SI units.
+    Number(f64),
+    /// A word.
+    Word(&'static str),
+}
+
+/// What a comment of this command begins with, and ends with: between them are the recording and the interval, and only what has all of that in
+/// its place gives way to that of another run.
+const MARK: &str = "pacinian identify ";
+const END: &str = " (95 %)";
+/// What stands before a text in Unicode, if somebody's editor puts it there.
+const BOM: char = '\u{feff}';
 
 impl Entry {
-    /// With its interval, and where it is from.
+    /// A figure with its interval, and where it is from.
     pub fn of(figure: &Figure, recording: &str) -> Self {
         let [least, most] = figure.interval.map(short);
         let unit = if figure.unit.is_empty() { String::new() } else { format!(" {}", figure.unit) };
-        let comment = format!("{MARK} {}: {least} to {most}{unit} (95 %)", escaped(recording));
-        Self { key: figure.name, value: figure.value, comment }
+        let comment = format!("{MARK}{}: {least} to {most}{unit}{END}", escaped(recording));
+        Self { key: figure.name, value: Given::Number(figure.value), comment }
+    }
+
+    /// What the command line says.
+    pub fn given(key: &'static str, value: Given) -> Self {
+        Self { key, value, comment: "given to pacinian identify".into() }
     }
 
     /// As one would write it.
     pub fn line(&self) -> String {
-        format!("{} = {}", self.key, short(self.value))
+        format!("{} = {}", self.key, self.text())
+    }
+
+    /// The value as TOML has it.
+    fn text(&self) -> String {
+        match self.value {
+            Given::Number(value) => short(value),
+            Given::Word(word) => format!("\"{word}\""),
+        }
+    }
+
+    /// Whether an actuator has it so.
+    pub fn is_in(&self, actuator: &Actuator) -> bool {
+        match self.value {
+            Given::Number(value) => actuator.value(self.key) == Some(value),
+            Given::Word(word) => self.key == "model" && actuator.model.word() == word,
+        }
     }
 }
 
@@ -46,49 +84,83 @@ fn short(value: f64) -> String {
 
 /// The keys that an actuator of a rig has itself.
 pub fn keys(rig: &[u8], actuator: &str) -> Vec<String> {
-    let document = DocumentMut::from_str(&String::from_utf8_lossy(rig)).ok();
+    let text = String::from_utf8_lossy(rig);
+    let document = DocumentMut::from_str(text.strip_prefix(BOM).unwrap_or(&text)).ok();
     let table =
         document.as_ref().and_then(|document| document.get("actuator")?.get(actuator)?.as_table_like());
     table.map_or(Vec::new(), |table| table.iter().map(|(key, _)| key.to_string()).collect())
 }
 
-/// The text of a rig with figures under `[actuator.NAME]`, each with its comment. What somebody wrote behind a figure stays before that; the
-/// comment of an earlier run gives way. A table of one line gets figures without comments, as there is no room for any.
+/// The text of a rig with entries under `[actuator.NAME]`, each with its comment. What somebody wrote behind a figure stays before that; the
+/// comment of an earlier run gives way. A table of one line gets figures without comments, as there is no room for any. Lines end as they
+/// did, new ones as the line before.
 ///
 /// # Errors
 /// Says why it cannot be done.
 pub fn with_figures(source: &str, actuator: &str, entries: &[Entry]) -> Result<String, String> {
+    let bare = source.strip_prefix(BOM).unwrap_or(source);
+    let mut ends: Vec<&str> = bare
+        .split_inclusive('\n')
+        .map(|line| match line {
+            _ if line.ends_with("\r\n") => "\r\n",
+            _ if line.ends_with('\n') => "\n",
+            _ => "",
+        })
+        .collect();
+    // Neither reader nor writer of TOML keeps what ends a line: one entry after the other, so that it is known which line is new.
+    let mut text = bare.replace("\r\n", "\n");
+    for entry in entries {
+        let after = with_one(&text, actuator, entry)?;
+        let [before, now] = [&text, &after].map(|text| lines(text).collect::<Vec<_>>());
+        if now.len() == before.len() + 1 {
+            let at = before.iter().zip(&now).take_while(|(a, b)| a == b).count();
+            // Behind a last line that nothing ended the new one is the last.
+            let like = at.checked_sub(1).map_or("\n", |at| ends[at]);
+            ends.insert(at, like);
+            if like.is_empty() {
+                ends[at - 1] = if ends.contains(&"\r\n") { "\r\n" } else { "\n" };
+            }
+        } else if now.len() != before.len() {
+            return Err(format!("its `{}` cannot be changed here", entry.key));
+        }
+        text = after;
+    }
+    let mut all: String = source[..source.len() - bare.len()].into();
+    lines(&text).zip(ends).for_each(|(line, end)| all.extend([line, end]));
+    Ok(all)
+}
+
+/// Without what ends them.
+fn lines(text: &str) -> impl Iterator<Item = &str> {
+    text.split_inclusive('\n').map(|line| line.strip_suffix('\n').unwrap_or(line))
+}
+
+/// With one entry.
+fn with_one(source: &str, actuator: &str, entry: &Entry) -> Result<String, String> {
     let mut document =
         DocumentMut::from_str(source).map_err(|error| format!("it cannot be read again ({error})"))?;
     let item = document.get_mut("actuator").and_then(|actuators| actuators.get_mut(actuator));
     let item =
         item.filter(|item| !item.is_none()).ok_or_else(|| format!("it has no [actuator.{actuator}]"))?;
     let is_inline = item.as_inline_table().is_some();
-    for entry in entries {
-        if is_inline
-            && let Some(inline) = item.as_inline_table_mut().filter(|table| !table.contains_key(entry.key))
-            && let Some((_, last)) = inline.iter_mut().last()
-        {
-            // The space before the end of the line belongs to the value that was the last.
-            last.decor_mut().set_suffix("");
-        }
-        let table = item.as_table_like_mut().ok_or("its actuator is no table")?;
-        put(table, entry, is_inline)?;
+    if let Some(inline) = item.as_inline_table_mut().filter(|table| !table.contains_key(entry.key))
+        && let Some((_, last)) = inline.iter_mut().last()
+    {
+        // The space before the end of the line belongs to the value that was the last.
+        last.decor_mut().set_suffix("");
     }
+    put(item.as_table_like_mut().ok_or("its actuator is no table")?, entry, is_inline)?;
     Ok(document.to_string())
 }
 
 fn put(table: &mut dyn TableLike, entry: &Entry, is_inline: bool) -> Result<(), String> {
-    let mut value = Value::from_str(&short(entry.value)).map_err(|error| error.to_string())?;
+    let mut value = Value::from_str(&entry.text()).map_err(|error| error.to_string())?;
     match table.get_mut(entry.key).map(|item| item.as_value_mut()) {
         Some(Some(old)) => {
             *value.decor_mut() = old.decor().clone();
             if !is_inline {
-                let kept = old.decor().suffix().and_then(|suffix| suffix.as_str()).unwrap_or_default();
-                let kept =
-                    kept.find(MARK).map_or(kept, |at| &kept[..at]).trim_end_matches([' ', '\t', ';', '#']);
-                let sign = if kept.trim().is_empty() { "  # " } else { "; " };
-                value.decor_mut().set_suffix(format!("{kept}{sign}{}", entry.comment));
+                let behind = old.decor().suffix().and_then(|suffix| suffix.as_str()).unwrap_or_default();
+                value.decor_mut().set_suffix(said(behind, &entry.comment));
             }
             *old = value;
         }
@@ -104,66 +176,31 @@ fn put(table: &mut dyn TableLike, entry: &Entry, is_inline: bool) -> Result<(), 
     Ok(())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::{Entry, keys, short, with_figures};
-
-    fn entry(key: &'static str, value: f64, from: &str) -> Entry {
-        Entry { key, value, comment: format!("identified from {from}: 1 to 2 (95 %)") }
+/// What stands behind a value, with a comment: in place of that of an earlier run, else behind all that is there.
+fn said(behind: &str, comment: &str) -> String {
+    if let Some(own) = own(behind) {
+        return format!("{}{comment}{}", &behind[..own.start], &behind[own.end..]);
     }
-
-    const RIG: &str = "#:schema x\nformat = \"pacinian-rig/1\"  # mine\n[device]\nchannels = 1\n\n# The wrist.\n[actuator.coin]\npart = 'coin-10mm' # bought\n  \
-        resonance   =  0xC8     # Hz; where it moves most\nq = 3.0\n\n# Others.\n[actuator.other]\nmodel = \"lra\"\n";
-
-    #[test]
-    fn figures_come_in_and_everything_else_stays() {
-        let text = with_figures(
-            RIG,
-            "coin",
-            &[
-                entry("resonance", 201.5, "a.wav"),
-                entry("inertia", 1.8e-9, "a.wav"),
-                entry("q", 4.0, "a.wav"),
-            ],
-        )
-        .unwrap();
-        let due = RIG
-            .replace("=  0xC8     # Hz; where it moves most", "=  201.5     # Hz; where it moves most; identified from a.wav: 1 to 2 (95 %)")
-            .replace("q = 3.0\n", "q = 4.0  # identified from a.wav: 1 to 2 (95 %)\ninertia = 1.8e-9  # identified from a.wav: 1 to 2 (95 %)\n");
-        assert_eq!(text, due);
-        // Another run takes the place of the last.
-        let again =
-            with_figures(&text, "coin", &[entry("resonance", 199.0, "b.wav"), entry("q", 5.0, "b.wav")])
-                .unwrap();
-        let due = due.replace(
-            "201.5     # Hz; where it moves most; identified from a.wav",
-            "199.0     # Hz; where it moves most; identified from b.wav",
-        );
-        assert_eq!(
-            again,
-            due.replace("q = 4.0  # identified from a.wav", "q = 5.0  # identified from b.wav")
-        );
-        assert_eq!(keys(text.as_bytes(), "coin"), ["part", "resonance", "q", "inertia"]);
-    }
-
-    #[test]
-    fn tables_of_one_line_get_figures_alone() {
-        let rig = "actuator = { coin = { part = \"x\", q = 3 } } # here\n";
-        let text =
-            with_figures(rig, "coin", &[entry("q", 4.5, "a"), entry("resonance", 150.0, "a")]).unwrap();
-        assert_eq!(text, "actuator = { coin = { part = \"x\", q = 4.5, resonance = 150.0 } } # here\n");
-        let dotted = "actuator.coin.q = 3\n";
-        assert_eq!(
-            with_figures(dotted, "coin", &[entry("q", 4.0, "a")]).unwrap(),
-            "actuator.coin.q = 4.0  # identified from a: 1 to 2 (95 %)\n"
-        );
-    }
-
-    #[test]
-    fn what_cannot_be_done_is_said() {
-        assert!(with_figures("[", "coin", &[]).unwrap_err().contains("read again"));
-        assert!(with_figures(RIG, "none", &[]).unwrap_err().contains("[actuator.none]"));
-        assert!(with_figures("actuator.coin = 3\n", "coin", &[entry("q", 1.0, "a")]).is_err());
-        assert_eq!([short(1e-9), short(200.0), short(0.0), short(2e7)], ["1e-9", "200.0", "0.0", "2e7"]);
+    let kept = behind.trim_end();
+    match kept.trim_start() {
+        "" => format!("  # {comment}"),
+        "#" => format!("{kept} {comment}"),
+        _ => format!("{kept}; {comment}"),
     }
 }
+
+/// Where in a comment one of this command is: MARK, recording, a colon, one number to another, a unit or none, END.
+fn own(text: &str) -> Option<Range<usize>> {
+    text.rmatch_indices(MARK).find_map(|(at, _)| {
+        let rest = &text[at + MARK.len()..];
+        let (_, interval) = rest[..rest.find(END)?].rsplit_once(": ")?;
+        let (least, most) = interval.split_once(" to ")?;
+        let is_number = |word: &str| word.parse::<f64>().is_ok();
+        let whole = is_number(least) && is_number(most.split(' ').next()?);
+        let begins = text[..at].ends_with("# ") || text[..at].ends_with("; ");
+        (whole && begins).then(|| at..at + MARK.len() + rest.find(END).unwrap_or(0) + END.len())
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -48,6 +48,8 @@ fn what_is_wrong_is_named_with_its_limit() {
     for (field, recording) in [
         ("delay", Recording { delay: Some(f64::NAN), ..run.recording(&good) }),
         ("mass", Recording { mass: Some(0.0), ..run.recording(&good) }),
+        ("mass", Recording { mass: Some(1e-300), ..run.recording(&good) }),
+        ("mass", Recording { mass: Some(1e7), ..run.recording(&good) }),
     ] {
         assert!(matches!(fails(&recording), Mistake::Fault(fault) if fault.field == field));
     }
