@@ -6,7 +6,6 @@ mod ask;
 mod by_default;
 mod check;
 mod coupled;
-mod coupled;
 mod demo;
 mod devices;
 mod ear;
