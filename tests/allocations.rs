@@ -304,8 +304,9 @@ fn motors_are_ordered_about(rig: &str, moves: &str) {
         moved = frames.iter().fold(moved, |most, x| most.max(x.abs()));
     }
     assert_eq!(total, 0, "allocations and frees");
-    let dropped = engine.stage().drives().counts_of(0).unwrap().dropped;
-    assert!(moved > 0.3 && dropped > 500, "{moved} {dropped}");
+    // Behind a rectifier nothing waits to be braked in time, but half of it is for the way that there is not.
+    let counts = engine.stage().drives().counts_of(0).unwrap();
+    assert!(moved > 0.5 && counts.dropped + counts.backward > 1000, "{moved} {counts:?}");
 }
 
 /// What is felt: motors and a coil, however it is cut, once there is room for what comes out.
