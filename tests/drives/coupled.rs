@@ -55,9 +55,10 @@ fn clicks(place: u32) -> [(f64, Event); 3] {
 }
 
 /// A quarter of a turn, a weaker one back before the coupling has forgotten the first, and a thump: each turns the mass as far as it does where
-/// everything passes, and ends at rest; sent as they are, they do not.
+/// everything passes, and ends at rest; sent as they are, they do not. Of the pad's thump the higher corners keep something off.
 #[test]
 fn clicks_arrive_through_coupling() {
+    let mut short = 0;
     for (corners, card, amplifier) in [
         (Corners::one(2.0), 2.0, 0.0),
         (Corners::one(10.0), 0.0, 10.0),
@@ -70,6 +71,12 @@ fn clicks_arrive_through_coupling() {
             assert_eq!(drive.modulation, Modulation::Coupled(corners));
             for (at, event) in clicks(place) {
                 let Event::Play(one) = event else { panic!() };
+                let far = if one.instrument == CLICK { 0.25 } else { -1.5 };
+                let known = plan.clicks.iter().find(|clicks| clicks.drive == n && clicks.turns == far);
+                if known.unwrap().missing > 0.0 {
+                    short += 1;
+                    continue;
+                }
                 let samples = sent(&plan, n, &[(at, event)], 1.5, &[480]);
                 let parameters = &drive.setup.parameters;
                 let volts = through(drive, &corners, &samples);
@@ -80,22 +87,24 @@ fn clicks_arrive_through_coupling() {
                 let peak = largest(&turned);
                 assert!(turned[end].abs() < 0.005 * peak, "{corners:?} {place} {at}: {}", turned[end] / peak);
                 let turns: f64 = turned.iter().sum::<f64>() / RATE / std::f64::consts::TAU;
-                let due = if one.instrument == CLICK { 0.25 } else { -1.5 } * one.level.signum();
+                let due = far * one.level.signum();
                 assert!((turns / due - 1.0).abs() < 0.02, "{corners:?} {place} {at}: {turns}");
                 assert!(samples[samples.len() - 480..].iter().all(|x| *x == 0.0), "it is over");
-                // Of what would have been sent where all passes, not half as much comes of it, or it does not stand.
+                // Sent as it is where all passes, it turns it elsewhere.
                 let first = volts.iter().position(|volts| volts.abs() > quiet).unwrap();
                 let plain: Vec<f64> = volts[first..end]
                     .iter()
                     .map(|volts| volts / drive.per_sample)
-                    .chain([0.0; 480])
+                    .chain([0.0; 4800])
                     .collect();
                 let plainly = speeds(parameters, &through(drive, &corners, &plain));
-                let off = plainly[end - first].abs() / largest(&plainly);
-                assert!(off > if card == 2.0 { 0.01 } else { 0.04 }, "{corners:?} {place} {at}: {off}");
+                let plain_turns: f64 = plainly.iter().sum::<f64>() / RATE / std::f64::consts::TAU;
+                let least = if card == 2.0 { 0.002 } else { 0.02 };
+                assert!((plain_turns / due - 1.0).abs() > least, "{corners:?} {place} {at}: {plain_turns}");
             }
         }
     }
+    assert!(short <= 2, "{short}");
 }
 
 /// Three in a row before the coupling is empty: what arrives is what arrives where everything passes, of the same volts, frame by frame.
@@ -108,25 +117,33 @@ fn clicks_in_a_row_arrive_as_if_there_were_no_coupling() {
     let mut free = planned(&coupled(0.0, 0.0)).plan;
     assert!(free.drives.iter().all(|drive| drive.modulation == Modulation::Straight));
     free.clicks.clone_from(&plan.clicks);
+    let rows = |place: u32| {
+        [(0.01, 1.0), (0.06, -0.5), (0.1, 0.7)]
+            .map(|(at, level)| (at, Event::Play(play(CLICK, place, level, 0.01))))
+    };
     for (n, place) in [(0, COIN), (1, PAD)] {
         let drive = &plan.drives[n];
-        let samples = sent(&plan, n, &clicks(place), 0.5, &[480]);
-        assert_eq!(
-            samples,
-            sent(&plan, n, &clicks(place), 0.5, &[1, 7, 64, 333]),
-            "cut otherwise, otherwise"
-        );
+        let samples = sent(&plan, n, &rows(place), 0.5, &[480]);
+        assert_eq!(samples, sent(&plan, n, &rows(place), 0.5, &[1, 7, 64, 333]), "cut otherwise, otherwise");
         let volts = through(drive, &corners, &samples);
         let wanted: Vec<f64> =
-            sent(&free, n, &clicks(place), 0.5, &[480]).iter().map(|x| x * drive.per_sample).collect();
+            sent(&free, n, &rows(place), 0.5, &[480]).iter().map(|x| x * drive.per_sample).collect();
         let quiet = 0.5 * drive.setup.parameters.start_volts();
         for (frame, (got, wanted)) in volts.iter().zip(&wanted).enumerate() {
             // Samples are of single precision, also those that the coupling has seen so far.
             let within = if *wanted == 0.0 { quiet } else { 1e-4 * drive.setup.limit };
             assert!((got - wanted).abs() <= within * (1.0 + 1e-5), "{place} {frame}: {got} {wanted}");
         }
-        assert!(samples.iter().all(|x| x.abs() <= 1.0));
+        assert!(samples.iter().all(|x| x.abs() < 1.0));
     }
+    // So soon behind one another that there is no room: less arrives, and that is counted.
+    let mut engine = Engine::new(&plan).unwrap();
+    for n in 0..4 {
+        let at = Instant::of_samples((0.01 + 0.04 * f64::from(n)) * plan.engine_rate());
+        assert!(engine.schedule(at, Source::Program, Event::Play(play(THUMP, PAD, 1.0, 0.01))));
+    }
+    let frames = run(&mut engine, (0.4 * RATE) as usize, &[480]);
+    assert!(engine.stage().counts().clamped > 0 && frames.iter().all(|x| x.abs() <= 1.0));
 }
 
 /// Neither levels nor anything that lasts is sent; that orders are left out is said.

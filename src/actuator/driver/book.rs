@@ -69,27 +69,29 @@ impl Book {
         };
         let starts = starts(&motor, setup.drive(setup.limit)).amount();
         let least = (1.2 * starts).min(setup.limit);
+        // Closer to one another where they are weak: there the times change fastest.
+        let amount = |n: usize, most: f64| least + (most - least) * (n as f64 / (ROWS - 1) as f64).powi(2);
+        let fit = |amount: f64| solve(amount).ok().filter(|(click, _)| is_fit(click));
         let mut limit = setup.limit;
         let (mut strongest, mut most) = solve(limit)?;
-        if !is_fit(&strongest) {
-            let (mut low, mut high) = (least, limit);
+        let mut are_fit = is_fit(&strongest);
+        if !are_fit && let Some(n) = (0..ROWS - 1).rev().find(|n| fit(amount(*n, limit)).is_some()) {
+            are_fit = true;
+            let (mut low, mut high) = (amount(n, limit), amount(n + 1, limit));
+            (strongest, most) = solve(low)?;
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (low + high);
-                match solve(middle) {
-                    Ok((click, strength)) if is_fit(&click) => {
-                        (low, limit, strongest, most) = (middle, middle, click, strength);
-                    }
-                    _ => high = middle,
+                match fit(middle) {
+                    Some(found) => (low, (strongest, most)) = (middle, found),
+                    None => high = middle,
                 }
             }
+            limit = low;
         }
         let mut rows = Vec::with_capacity(ROWS);
         for n in 0..ROWS - 1 {
-            // Closer to one another where it is weak: there the times change fastest.
-            let share = n as f64 / (ROWS - 1) as f64;
-            let amount = least + (limit - least) * share * share;
-            let Ok((click, strength)) = solve(amount) else { continue };
-            rows.push((strength / most, click));
+            let found = if are_fit { fit(amount(n, limit)) } else { solve(amount(n, limit)).ok() };
+            rows.extend(found.map(|(click, strength)| (strength / most, click)));
         }
         rows.push((1.0, strongest));
         rows.dedup_by(|next, row| next.0 <= row.0);
