@@ -231,6 +231,28 @@ fn what_is_let_go_rolls_out() {
     }
 }
 
+/// What is ordered of a motor that still rolls waits until it is as slow as that: what sends knows that nothing brakes it.
+#[test]
+fn what_still_rolls_is_known_to_roll() {
+    let plan = compiled(RIG, 192_000.0);
+    for place in [COIN, PAD] {
+        let full = plan.drives[place as usize].setup.full_speed();
+        let events = [(0.02, 0.8, 0.3), (0.32, 0.2, 0.4)]
+            .map(|(at, level, lasts)| (at, Event::Play(play(SPIN, place, level, lasts))));
+        let (sent, _) = frames(&plan, &events, 0.7, &[480]);
+        let samples = channel(&sent, CHANNELS, place as usize);
+        let (speeds, _, _) = behind_diodes(&plan, &samples, place);
+        let begin = ((0.32 + late(&plan, place)) * 192_000.0).ceil() as usize + 24;
+        let wish = 0.2_f64.sqrt() * full;
+        assert!(speeds[begin] > 1.8 * wish);
+        let there = begin + speeds[begin..].iter().position(|speed| *speed < 1.03 * wish).unwrap();
+        assert!(samples[begin..there].iter().all(|x| *x == 0.0), "{place}");
+        let held = &speeds[there..(0.7 * 192_000.0) as usize];
+        let off = held.iter().map(|speed| (speed / wish - 1.0).abs()).fold(0.0, f64::max);
+        assert!(off < 0.035 && largest(&samples[there + 960..]) > 0.0, "{place}: {off}");
+    }
+}
+
 /// A click is a push: where it has rolled out, the mass has turned as far as it was to turn, and its strength goes with the level.
 #[test]
 fn a_click_is_a_push_that_rolls_to_its_end() {
