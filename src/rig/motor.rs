@@ -138,8 +138,9 @@ impl Actuator {
                 Fault::because("time_constant", parameters.mechanical_time(), Limit::Least(QUICKEST), because)
             } else {
                 let because = "kg m2, or it would be at its speed within 0.1 ms, as no motor is; or `torque_constant`, in N m/A, is too large: small motors have some thousandths";
-                let least = QUICKEST * parameters.damping();
-                Fault::because("inertia", parameters.effective_inertia(), Limit::Least(least), because)
+                // Three digits are as many as anybody reads.
+                let least = format!("{:.2e}", QUICKEST * parameters.damping()).parse().unwrap_or(f64::MAX);
+                Fault::because("inertia", parameters.inertia, Limit::Least(least), because)
             };
             return Err(Lack::Fault(fault));
         }
