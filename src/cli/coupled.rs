@@ -44,10 +44,12 @@ impl Coupled {
             .map(|click| {
                 let Arriving { turns, amount, missing } = click;
                 let arrives = match *missing {
-                    0.0 => "whole".to_string(),
+                    0.0 => "whole from rest".to_string(),
+                    missing if missing < 0.01 => "but for less than 1 % of it".to_string(),
                     missing => format!("but for {:.0} % of it", 100.0 * missing),
                 };
-                format!("; one of {turns} turns has at most {amount:.2} {unit} and arrives {arrives}")
+                let amount: f64 = format!("{amount:.2e}").parse().unwrap_or(*amount);
+                format!("; one of {turns} turns has at most {amount} {unit} and arrives {arrives}")
             })
             .collect();
         format!(

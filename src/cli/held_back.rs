@@ -24,6 +24,8 @@ pub struct HeldBack {
     dropped: u64,
     /// Of a motor that turns one way: engine samples and orders that were for the other.
     backward: u64,
+    /// Of a motor that is there for clicks alone: engine samples of levels and orders that were none.
+    unplayed: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -54,6 +56,7 @@ pub fn held_back(plan: &Plan, stage: &Stage) -> Vec<HeldBack> {
             short: motor.limited,
             dropped: motor.dropped,
             backward: motor.backward,
+            unplayed: motor.unplayed,
         })
     };
     plan.outputs.iter().filter_map(known).collect()
@@ -76,7 +79,9 @@ fn by(counts: &Counts) -> Vec<By> {
 /// As lines for people: of the outputs where something was held back; empty where nothing was.
 pub fn text(all: &[HeldBack]) -> String {
     let mut table = Table::default();
-    for one in all.iter().filter(|one| one.samples + one.short + one.dropped + one.backward > 0) {
+    for one in
+        all.iter().filter(|one| one.samples + one.short + one.dropped + one.backward + one.unplayed > 0)
+    {
         let mut told: Vec<String> = one
             .by
             .iter()
@@ -97,6 +102,12 @@ pub fn text(all: &[HeldBack]) -> String {
             told.push(format!(
                 "{} engine samples and orders were for backward, which its rectifier does not let",
                 grouped(one.backward)
+            ));
+        }
+        if one.unplayed > 0 {
+            told.push(format!(
+                "{} engine samples and orders were no clicks, and nothing else is played there",
+                grouped(one.unplayed)
             ));
         }
         table.row([one.channel.to_string(), one.name.clone(), told.join("; ")]);

@@ -6,7 +6,7 @@ use super::event::Play;
 use super::stage::Stage;
 use crate::actuator::driver::book::Book;
 use crate::actuator::driver::order::{Order, Pieces};
-use crate::actuator::driver::setup::{Setup, Shaping};
+use crate::actuator::driver::setup::Setup;
 use crate::graph::command::Command;
 use crate::graph::plan::Plan;
 use crate::node::kernel::LEAD;
@@ -77,9 +77,6 @@ impl Commander {
 impl Motor {
     /// What an order means for it; `None` where that is nothing.
     fn order(&self, command: Command, level: f64) -> Option<Order> {
-        if self.setup.shaping == Shaping::Clicks && !command.is_click() {
-            return None;
-        }
         match command {
             Command::Click(turns) => {
                 let (_, book) = self.clicks.iter().find(|(of, _)| *of == turns)?;

@@ -20,7 +20,7 @@ pub enum Command {
 
 impl Command {
     /// Whether a motor that is there for clicks alone heeds it.
-    pub fn is_click(self) -> bool {
+    pub fn is_heeded_for_clicks(self) -> bool {
         matches!(self, Self::Click(_) | Self::Brake)
     }
 

@@ -95,8 +95,9 @@ pub fn for_clicks_alone(rig: &Rig, drives: &[Drive], instruments: &[Instrument])
     if names.is_empty() {
         return Vec::new();
     }
-    let orders =
-        |op: &&Op| Command::of(op.node.kind, &op.node.settings).is_some_and(|command| !command.is_click());
+    let orders = |op: &&Op| {
+        Command::of(op.node.kind, &op.node.settings).is_some_and(|command| !command.is_heeded_for_clicks())
+    };
     let of = |instrument: &Instrument| -> Vec<LeftOut> {
         let what =
             |op: &Op| format!("order `{}` of `{}` on {}", op.node.name, instrument.name, names.join(", "));

@@ -95,7 +95,7 @@ pub static TABLE: Table = Table {
             "coupling",
             Form::Defined("coupling"),
             "",
-            "What it lets through: \"dc\", or { high_pass = 8.0 } for a first-order high-pass (Hz). A motor needs \"dc\", or a carrier.",
+            "What it lets through: \"dc\", or { high_pass = 8.0 } for a first-order high-pass (Hz). A motor needs \"dc\", or a carrier; clicks alone pass any that is known.",
         ),
     ],
     others: None,

@@ -277,7 +277,14 @@ impl Rig {
     /// That nothing on the way keeps steady voltages off, which a motor needs.
     pub(super) fn passes_steady(&self, output: &Output, amplifier: &Amplifier) -> Result<(), Problem> {
         let name = &output.name;
-        let help = "a motor turns by a steady voltage: take a DC-coupled card and a DC amplifier or a bridge, and say coupling = \"dc\" of both; or a rectifier before the motor and drive = \"carrier\" of the amplifier; for clicks alone shaping = \"clicks\" of the output will do, where both couplings are known";
+        let help = match amplifier.drive {
+            Drive::Bridge { .. } => {
+                "a bridge is switched by steady voltages: take a DC-coupled card, and say coupling = \"dc\" of the device"
+            }
+            Drive::Voltage | Drive::Current | Drive::Carrier(_) => {
+                "a motor turns by a steady voltage: take a DC-coupled card and a DC amplifier or a bridge, and say coupling = \"dc\" of both; or a rectifier before the motor and drive = \"carrier\" of the amplifier; for clicks alone shaping = \"clicks\" of the output will do, where both couplings are known"
+            }
+        };
         let what = match (self.device.coupling, amplifier.coupling) {
             (Some(Coupling::Dc), Some(Coupling::Dc)) => return Ok(()),
             (Some(Coupling::HighPass(hertz)), _) => {

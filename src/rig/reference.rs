@@ -97,9 +97,10 @@ pub const TOPICS: &[Topic] = &[
                slow; `switching` gives the most either way at every sample; `plain` gives what holds the speed; `clicks` plays no levels and no spins, but clicks alone, and those also through AC coupling (a card that lets nothing steady through): what that takes of them is given beforehand. Voices order clicks, spins, brakes and the way home \
                with the nodes `drive-click`, `drive-spin`, `drive-on`, `drive-brake` and `drive-home`. A drive needs a rumble motor whose figures are \
                known, an amplifier, `full_scale_volts`, and coupling = \"dc\" of device and amplifier, but where there is a rectifier (see \
-               [amplifier.NAME]): anything else is refused, with the reason. How late it is stands in `pacinian check`.\n\n\
+               [amplifier.NAME]) or clicks alone are played: anything else is refused, with the reason. How late it is stands in `pacinian check`.\n\n\
                Where `full_scale_volts` and figures of the actuator are known, protection comes last: no more voltage, slew, power, heat or \
-               travel than the actuator bears leaves the device, and what was held back is told. What it bears leaves as it is, to the bit.\n\n\
+               travel than the actuator bears leaves the device, and what was held back is told. What it bears leaves as it is, to the bit. Motors behind \
+               a bridge or a rectifier, or at a current, are kept to their volts or amperes alone.\n\n\
                Of the device's `max_level` and the output's own, the lower one holds. No sample is ever beyond it, whatever a patch, a control \
                or what comes in may do (in a file of 16 or 24 bits the dither adds up to a step and a half). A rig that is saved with another \
                `max_level` while it plays takes over like anything else: raw outputs and pulses keep to it at once, and vibration glides \
@@ -158,7 +159,7 @@ pub const TOPICS: &[Topic] = &[
         written: "[amplifier.NAME]",
         doc: "What stands between sound card and actuator.",
         text: "An output names it with amplifier = \"NAME\". What its gain makes of `full_scale_volts` is what an actuator gets; a motor \
-               also needs its coupling to be \"dc\".\n\n\
+               also needs its coupling to be \"dc\", but for clicks alone.\n\n\
                A motor behind a card or an amplifier that lets nothing steady through takes a rectifier between amplifier and motor, and drive = \"carrier\": what is \
                sent is a tone far above what is felt, as large as it takes for the current that is wanted, on average, against what the \
                turning motor makes itself. It turns one way, and nothing brakes it: a level that rises is followed, one that falls faster than \

@@ -88,7 +88,9 @@ impl Setup {
     /// # Errors
     /// A corner, a rate or a scale that cannot be.
     pub fn through(&self, corners: &Corners, rate: f64, per_sample: f64) -> Result<Compensator, Fault> {
-        let starts = starts(&self.parameters, self.drive(self.limit)).amount();
+        // What its mass weighs may help as well as hinder.
+        let level = Parameters { gravity: 0.0, ..self.parameters };
+        let starts = starts(&level, self.drive(self.limit)).amount();
         let quiet = (0.5 * starts).max(LITTLE * self.limit);
         Compensator::new(corners, rate, quiet / per_sample.abs())
     }

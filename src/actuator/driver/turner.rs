@@ -70,6 +70,8 @@ pub struct Counts {
     pub dropped: u64,
     /// Samples (of a level beyond 0.02) and orders that were for the way that diodes do not let, and are nothing.
     pub backward: u64,
+    /// Of a motor that is there for clicks alone: samples of levels and orders that were none.
+    pub unplayed: u64,
 }
 
 impl Turner {
@@ -162,7 +164,9 @@ impl Turner {
         self.counts.backward += u64::from(backward);
         let level = if self.setup.one_way { level.max(0.0) } else { level };
         self.emf = 0.0;
-        let level = if self.setup.shaping == Shaping::Clicks { 0.0 } else { level };
+        let clicks_alone = self.setup.shaping == Shaping::Clicks;
+        self.counts.unplayed += u64::from(clicks_alone && level.abs() > NOTHING);
+        let level = if clicks_alone { 0.0 } else { level };
         let speeds = self.ahead.step(self.setup.speed_of(level));
         // Orders that are not due yet change nothing: they may come early or late, with the blocks of the caller.
         if speeds == [0.0; 3] && self.due().is_none() && self.rests() {
@@ -219,6 +223,10 @@ impl Turner {
         let Entry { voice, order, .. } = entry;
         if self.setup.one_way && order.is_backward() {
             self.counts.backward += 1;
+            return;
+        }
+        if self.setup.shaping == Shaping::Clicks && matches!(order, Order::Spin(_) | Order::On(_)) {
+            self.counts.unplayed += 1;
             return;
         }
         match order.sane(self.setup.full_speed(), self.setup.limit) {

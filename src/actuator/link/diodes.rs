@@ -29,7 +29,7 @@ impl Diodes {
         source: f64,
         mut seen: impl FnMut(&Motor<BOOKED>, Option<f64>, f64),
     ) {
-        let volts = if self.rectifier.full_wave { source.abs() } else { source } - self.rectifier.drop;
+        let volts = self.rectifier.behind(source);
         let (p, plan) = (*motor.parameters(), *motor.plan());
         let has_coil = plan.inductance && plan.level != Level::Economy && p.inductance > 0.0;
         let emf = p.gain * motor.speed();

@@ -59,7 +59,8 @@ impl Drive {
 
 impl fmt::Display for Drive {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let written = |x: f64| (1e3 * x).round() / 1e3;
+        // Three digits.
+        let written = |x: f64| format!("{x:.2e}").parse().unwrap_or(x);
         match self {
             Self::Voltage(volts) => write!(f, "{} V", written(*volts)),
             Self::Current { amperes, .. } => write!(f, "{} A", written(*amperes)),
@@ -81,7 +82,8 @@ mod tests {
         assert_eq!((Drive::Open.amount(), Drive::Open.with(3.0)), (0.0, Drive::Open));
         let written =
             [Drive::Voltage(0.5).to_string(), Drive::Current { amperes: 0.0206, limit: 3.0 }.to_string()];
-        assert_eq!(written, ["0.5 V", "0.021 A"]);
+        assert_eq!(written, ["0.5 V", "0.0206 A"]);
+        assert_eq!(Drive::Voltage(4.123_456e-4).to_string(), "0.000412 V");
     }
 
     #[test]

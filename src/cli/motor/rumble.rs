@@ -11,6 +11,7 @@ use pacinian::actuator::motor::{self, GRAVITY, Level, Parameters, Plan};
 use pacinian::actuator::shape::Clicked;
 use pacinian::io::out;
 use pacinian::report::motion::{Behind, Bench, Envelope, Wish, behind, bursts, clicks, own};
+use pacinian::rig::Terminals;
 use pacinian::text::Problem;
 
 /// Computes and says it.
@@ -41,6 +42,21 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
     };
     let turns = asked.turns.unwrap_or(0.25);
     let mut warnings: Vec<String> = asked.beyond(subject).into_iter().collect();
+    match subject.terminals {
+        Terminals::Carrier(_) => {
+            let what = format!(
+                "{} is behind a rectifier, which lets it go one way alone, and brake by nothing: no drive that is compared here gets through",
+                subject.name
+            );
+            let help = "name its part to see what it would do at a steady voltage, or play on the rig: pacinian render PATCH --rig RIG -o out.wav --feel felt.wav";
+            return Err(Failure::usage(what, help));
+        }
+        Terminals::Coupled(_) => warnings.push(
+            "of all that is compared here, clicks alone get through the coupling of the rig; `pacinian check` says how strong they may be"
+                .to_string(),
+        ),
+        Terminals::Straight | Terminals::Bridge(_) => {}
+    }
     let rows = match &asked.drive {
         Some(written) => {
             let (most, unit) = subject.current.map_or((limit, "V"), |[amperes, _]| (amperes, "A"));

@@ -10,7 +10,7 @@ use pacinian::actuator::link::coupling::Corners;
 use pacinian::actuator::motor::{GRAVITY, Parameters};
 use pacinian::io::text;
 use pacinian::rig::part::{self, Origin, Part};
-use pacinian::rig::{Actuator, Model, Output, OutputKind, Rig};
+use pacinian::rig::{Actuator, Model, Output, OutputKind, Rig, Terminals};
 use pacinian::text::{Problem, Problems, nearest};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -30,6 +30,8 @@ pub struct Subject {
     pub current: Option<[f64; 2]>,
     /// From a sample to the terminals, where something steady is let through.
     pub chain: Option<Chain>,
+    /// How its volts come about.
+    pub terminals: Terminals,
     /// Tilt of the plane of rotation off upright, rad, where it is known.
     pub tilt: Option<f64>,
     /// What was read for it.
@@ -130,6 +132,7 @@ impl Subject {
             limit,
             current: None,
             chain,
+            terminals: Terminals::Straight,
             tilt: None,
             files: Vec::new(),
             rate: None,
@@ -159,9 +162,11 @@ impl Subject {
             full.map(|full_scale| Chain { full_scale, corners: Corners::none(), amplifier })
         };
         let (mut limit, mut current, mut chain, mut tilt) = (actuator.most_volts(), None, None, None);
+        let mut terminals = Terminals::Straight;
         match rig.wiring(output) {
             Some(wired) => {
                 let wiring = wired.map_err(refuse)?;
+                terminals = wiring.terminals;
                 tilt = wiring.turning.tilt;
                 if wiring.is_current {
                     current = Some([wiring.limit, wiring.compliance]);
@@ -185,6 +190,7 @@ impl Subject {
             limit,
             current,
             chain,
+            terminals,
             tilt,
             files: vec![if path.as_os_str() == "-" { "/dev/stdin".into() } else { path.to_owned() }],
             rate: rig.device.rate,
