@@ -78,7 +78,7 @@ fn a_terminal_that_is_closed_under_a_shell_does_not_cut_the_output_off() {
         std::iter::once(play.get_program()).chain(play.get_args()).map(|w| w.to_str().unwrap()).collect();
     // The player hears of it from the system too, and may be gone before the shell has come to its trap: so that goes on for a moment.
     let script = format!(
-        "trap 'kill -s HUP $p; sleep 0.02; kill -s HUP $p; wait $p; echo $? > code; exit' HUP; exec 3<&0; {} <&3 & p=$!; wait $p; sleep 1",
+        "trap 'kill -s HUP $p; sleep 0.02; kill -s HUP $p; wait $p; echo $? > code; exit' HUP; exec 3<&0; {} <&3 & p=$!; wait $p; sleep 5",
         words.join(" ")
     );
     let mut shell = Command::new("sh");
@@ -87,7 +87,9 @@ fn a_terminal_that_is_closed_under_a_shell_does_not_cut_the_output_off() {
     seat.shows("ARMED");
     has_played(&scratch);
     seat.hang_up();
-    seat.end();
-    assert_eq!(std::fs::read_to_string(scratch.0.join("code")).unwrap().trim(), "129");
+    let ended = seat.end();
+    let code = std::fs::read_to_string(scratch.0.join("code"));
+    let code = code.unwrap_or_else(|why| panic!("the shell came to no trap and ended with {ended}: {why}"));
+    assert_eq!(code.trim(), "129");
     is_finished(&scratch, "closed");
 }

@@ -16,7 +16,7 @@
 //! allocate nor panic.
 //!
 //! ```
-//! use pacinian::actuator::motor::{Casing, Parameters};
+//! use pacinian::actuator::motor::{Casing, Drive, Parameters};
 //! use pacinian::actuator::shape::{Click, Ending};
 //!
 //! let motor = Parameters {
