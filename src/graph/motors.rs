@@ -1,5 +1,6 @@
 //! The motors of a rig, and the clicks of them that the voices of a patch may order.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::command::Command;
@@ -17,6 +18,9 @@ use crate::actuator::shape::{Course, Unreachable};
 use crate::rig::terminals::too_high;
 use crate::rig::{Output, Rig, Terminals};
 use crate::text::Problem;
+
+/// Where so much of a click is missing it is none.
+const LOST: f64 = 0.5;
 
 /// A share of a click below that is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -194,6 +198,17 @@ pub fn clicks(
                     }),
                 };
                 match found {
+                    Ok(found) if found.missing > LOST => {
+                        let what = format!(
+                            "voice `{}` orders a click of {turns} turns, of which {:.0} % do not get through the coupling to the motor of `{}`",
+                            instrument.name,
+                            100.0 * found.missing,
+                            name_of(rig, drive)
+                        );
+                        let help = "order a shorter one, or give it more room: a larger `max_level`, `full_scale_volts` or `gain`";
+                        problems.push(Problem::of_file(what).help(help.to_string()));
+                        return clicks;
+                    }
                     Ok(found) => clicks.push(found),
                     Err(why) => {
                         let name = name_of(rig, drive);
@@ -222,6 +237,9 @@ fn worked_out(drive: &Drive, turns: f64, rate: f64, most: f64) -> Result<(Book, 
     let Modulation::Coupled(corners) = drive.modulation else {
         return Ok((Book::new(&drive.setup, turns)?, 0.0));
     };
+    // A click that begins between two samples needs the room of one more.
+    let turns_a_sample: f64 = corners.hertz().iter().map(|hertz| TAU * hertz / rate).sum();
+    let most = most / (1.0 + 2.0 * turns_a_sample);
     let missing = |click: &Pieces| missing(drive, &corners, rate, most, click);
     let book = Book::of_those(&drive.setup, turns, |click| missing(click) < ROUNDING)?;
     let missing = missing(&book.strongest());

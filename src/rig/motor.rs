@@ -75,6 +75,8 @@ impl Turning {
 
 /// Seconds in which no motor comes to its speed: the smallest take milliseconds.
 const QUICKEST: f64 = 1e-4;
+/// And seconds that none takes.
+const SLOWEST: f64 = 10.0;
 
 /// What is missing for a motor, or contradicts itself.
 #[derive(Debug, Clone, PartialEq)]
@@ -143,6 +145,17 @@ impl Actuator {
                 Fault::because("inertia", parameters.inertia, Limit::Least(least), because)
             };
             return Err(Lack::Fault(fault));
+        }
+        if parameters.mechanical_time() > SLOWEST {
+            let because = "s from its figures, and no motor with an eccentric mass is that slow";
+            let time = parameters.mechanical_time();
+            return Err(Lack::Fault(Fault::because("time_constant", time, Limit::Most(SLOWEST), because)));
+        }
+        if parameters.electrical_time() > parameters.mechanical_time() {
+            let because = "H, or its current would be slower than its speed, as in no motor";
+            let most = format!("{:.2e}", parameters.mechanical_time() * parameters.resistance);
+            let most = Limit::Most(most.parse().unwrap_or(f64::MAX));
+            return Err(Lack::Fault(Fault::because("inductance", parameters.inductance, most, because)));
         }
         Ok(parameters)
     }
@@ -267,6 +280,14 @@ impl Rig {
         let compliance = amplifier.max_volts.unwrap_or(volts);
         let is_steady = corners.hertz().is_empty();
         let terminals = if is_steady { Terminals::Straight } else { Terminals::Coupled(corners) };
+        if !is_steady && parameters.coulomb == 0.0 && !matches!(amplifier.drive, Drive::Carrier(_)) {
+            return lacks(
+                format!(
+                    "nothing holds the motor of `{name}` where a click has turned it: what the coupling gives back would turn it back"
+                ),
+                "say what its friction is: `coulomb_friction`, or `running_volts` where it is known from outside",
+            );
+        }
         let wiring = Wiring { turning, parameters, is_current, per_sample, limit, compliance, terminals };
         if let Drive::Carrier(carrier) = amplifier.drive {
             return self.carried(output, turning, actuator, amplifier, wiring, carrier);

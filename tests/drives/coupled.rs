@@ -200,11 +200,13 @@ fn the_strongest_click_is_one_that_can_be_made_up_for() {
     let [twenty, longer] = strongest(&coupled(20.0, 0.0));
     assert!(twenty.0 <= ten.0 && ten.0 <= whole.0 && longer.0 <= long.0 && long.0 <= thump.0);
     assert_eq!((ten.1, twenty.1), (0.0, 0.0));
-    // So little room that not even the weakest thump arrives whole.
-    let [_, short] = strongest(
-        &coupled(200.0, 0.0).replace("shaping = \"clicks\"\n", "shaping = \"clicks\"\nmax_level = 0.3\n"),
-    );
-    assert!(short.1 > 0.1 && short.1 < 1.0, "{short:?}");
+    // So little room that next to nothing of it gets through.
+    let short =
+        coupled(200.0, 0.0).replace("shaping = \"clicks\"\n", "shaping = \"clicks\"\nmax_level = 0.3\n");
+    let short = Rig::parse("rig.toml", short.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let options = Options { rate: Some(RATE), live: true, ..Options::default() };
+    let told = scene(&patch(MOVES), &short, &options, &NoAssets).unwrap_err().to_string();
+    assert!(told.contains("do not get through the coupling to the motor of `coin`"), "{told}");
 }
 
 #[test]
@@ -213,6 +215,8 @@ fn what_is_not_known_to_pass_clicks_is_refused() {
     let rig = coupled(10.0, 0.0);
     let told = of(&rig.replace("coupling = { high_pass = 10.0 }\n", ""));
     assert!(told.contains("not known to let a steady voltage through"), "{told}");
+    let free = rig.replace("part = \"coin-10mm\"", "part = \"coin-10mm\"\ncoulomb_friction = 0.0");
+    assert!(of(&free).contains("nothing holds the motor of `coin`"), "{}", of(&free));
     let told = of(&rig.replace("shaping = \"clicks\"\n", ""));
     assert!(told.contains("high-pass at 10 Hz") && told.contains("shaping = \"clicks\""), "{told}");
 }

@@ -36,12 +36,24 @@ impl Limits {
         if low > high {
             return Err(Fault::because("low", low, Limit::Most(high), "the band ends there"));
         }
-        let (from, to) = (low.ln(), high.ln());
+        // Each by itself: where the least of all is, another may hide how narrow a resonance is.
+        let none = Self::default();
+        let each = [
+            Self { volts: self.volts, ..none },
+            Self { stroke: self.stroke, ..none },
+            Self { amperes: self.amperes, ..none },
+            Self { amperes_rms: self.amperes_rms, ..none },
+        ];
+        Ok(each.iter().map(|one| one.least_volts(plant, low.ln(), high.ln())).fold(f64::INFINITY, f64::min))
+    }
+
+    /// The least volts of a single limit between two logarithms of a frequency.
+    fn least_volts(&self, plant: &Plant, from: f64, to: f64) -> f64 {
         let at = |n: usize| from + (to - from) * n as f64 / (POINTS - 1) as f64;
         let bears = |log: f64| self.bears(&plant.per_volt(log.exp()));
         // A resonance may be narrower than what lies between two points: the least of all, and then between its neighbours.
         let Some(least) = (0..POINTS).min_by(|a, b| bears(at(*a)).total_cmp(&bears(at(*b)))) else {
-            return Ok(f64::INFINITY);
+            return f64::INFINITY;
         };
         let (mut near, mut far) = (at(least.saturating_sub(1)), at((least + 1).min(POINTS - 1)));
         for _ in 0..STEPS {
@@ -52,7 +64,7 @@ impl Limits {
                 near = a;
             }
         }
-        Ok(bears(0.5 * (near + far)).min(bears(at(least))))
+        bears(0.5 * (near + far)).min(bears(at(least)))
     }
 
     /// Volts at a frequency, by what a volt does there.
@@ -135,12 +147,10 @@ mod tests {
             suspension: Spring { stiffness: 4000.0, damping: 0.035 },
             skin: Skin::None,
         });
-        close(
-            stroke,
-            &sharp.unwrap(),
-            [20.0, 1500.0],
-            1e-3 / (2.0 / 800.0 / 4000.0 * 100.0 / 0.999_975_f64.sqrt()),
-        );
+        let (sharp, due) = (sharp.unwrap(), 1e-3 / (2.0 / 800.0 / 4000.0 * 100.0 / 0.999_975_f64.sqrt()));
+        close(stroke, &sharp, [20.0, 1500.0], due);
+        // Nor does another limit hide it that is the same everywhere.
+        close(Limits { volts: Some(1.2 * due), ..stroke }, &sharp, [20.0, 1500.0], due);
         // What flows at the resonance, where the coil moves as fast as it can, is the least: R + Bl²/c.
         let hertz = 1000.0 / std::f64::consts::TAU;
         close(Limits { amperes: Some(0.5), ..none }, &coil, [hertz, hertz], 0.5 * (8.0 + 4.0 / 0.1));

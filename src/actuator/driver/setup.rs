@@ -5,7 +5,6 @@ use crate::actuator::fault::{Fault, Limit, within};
 use crate::actuator::link::compensator::Compensator;
 use crate::actuator::link::coupling::Corners;
 use crate::actuator::motor::{self, Parameters};
-use crate::actuator::shape::starts;
 
 /// Of the limit: where nothing holds a motor at rest, no more than this turns it when it should stand.
 const LITTLE: f64 = 0.005;
@@ -83,15 +82,16 @@ impl Setup {
     }
 
     /// What makes up for coupling between a device, of `rate` samples a second and so many volts or amperes for each sample of 1, and the motor:
-    /// in samples. What does not start the motor does not matter.
+    /// in samples. What moves the motor from nowhere, gravity helping, does not matter; where nothing is that little, half a per cent of the limit.
     ///
     /// # Errors
     /// A corner, a rate or a scale that cannot be.
     pub fn through(&self, corners: &Corners, rate: f64, per_sample: f64) -> Result<Compensator, Fault> {
-        // What its mass weighs may help as well as hinder.
-        let level = Parameters { gravity: 0.0, ..self.parameters };
-        let starts = starts(&level, self.drive(self.limit)).amount();
-        let quiet = (0.5 * starts).max(LITTLE * self.limit);
+        let p = &self.parameters;
+        // What its mass weighs may pull the same way; and what still turns a little must not be kept turning.
+        let held = (0.5 * (p.stiction - p.weight())).min(0.9 * p.coulomb) / p.gain;
+        let held = held * if self.imposes == Drive::Voltage { p.resistance } else { 1.0 };
+        let quiet = held.max(LITTLE * self.limit);
         Compensator::new(corners, rate, quiet / per_sample.abs())
     }
 

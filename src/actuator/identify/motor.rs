@@ -212,7 +212,8 @@ impl Recording<'_> {
                 enough = enough.min(most);
                 continue;
             }
-            // What hangs may be lifted before it goes round: by that much less it may have come loose.
+            // What hangs may be lifted before it goes round: by that much less it may have come loose; and what rests beyond the top falls, by
+            // that much more.
             let lift = (rotor.gravity.0 + rotor.gravity.1) / rotor.law.gain.abs();
             if lift > HIDES * value {
                 let why = format!(
@@ -225,7 +226,7 @@ impl Recording<'_> {
                 }
                 return;
             }
-            let least = least - lift;
+            let (least, most) = (least - lift, most + lift);
             all.key("start_volts", "V", value, [value - least, most - value]);
             if let Some(([r, dr], [k, dk])) = electric.map(|e| (e.winding.resistance, e.winding.gain)) {
                 let torque = k * value / r;

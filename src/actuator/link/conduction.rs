@@ -62,7 +62,7 @@ impl Conduction {
     /// The amplitude, V, whose mean current is worth so many volts on the resistance, against a motor's own voltage (V); 0 for what is
     /// not above 0.
     ///
-    /// It looks the ratio up, and is within 1e-4 of it.
+    /// It looks the ratio up, and is within 1e-4 of it where the coil keeps no current or there is one diode, else within 5e-3.
     #[inline]
     pub fn amplitude(&self, mean: f64, emf: f64) -> f64 {
         if !(mean > 0.0 && mean.is_finite() && emf.is_finite()) {
