@@ -26,6 +26,8 @@ pub struct HeldBack {
     backward: u64,
     /// Of a motor that is there for clicks alone: engine samples of levels and orders that were none.
     unplayed: u64,
+    /// Of such a motor: clicks of which some did not get through the coupling.
+    cut: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -57,6 +59,7 @@ pub fn held_back(plan: &Plan, stage: &Stage) -> Vec<HeldBack> {
             dropped: motor.dropped,
             backward: motor.backward,
             unplayed: motor.unplayed,
+            cut: motor.cut,
         })
     };
     plan.outputs.iter().filter_map(known).collect()
@@ -79,8 +82,9 @@ fn by(counts: &Counts) -> Vec<By> {
 /// As lines for people: of the outputs where something was held back; empty where nothing was.
 pub fn text(all: &[HeldBack]) -> String {
     let mut table = Table::default();
-    for one in
-        all.iter().filter(|one| one.samples + one.short + one.dropped + one.backward + one.unplayed > 0)
+    for one in all
+        .iter()
+        .filter(|one| one.samples + one.short + one.dropped + one.backward + one.unplayed + one.cut > 0)
     {
         let mut told: Vec<String> = one
             .by
@@ -108,6 +112,13 @@ pub fn text(all: &[HeldBack]) -> String {
             told.push(format!(
                 "{} engine samples and orders were no clicks, and nothing else is played there",
                 grouped(one.unplayed)
+            ));
+        }
+        if one.cut > 0 {
+            let clicks = if one.cut == 1 { "click" } else { "clicks" };
+            told.push(format!(
+                "{} {clicks} came before the coupling had room again, and turned the mass less far",
+                grouped(one.cut)
             ));
         }
         table.row([one.channel.to_string(), one.name.clone(), told.join("; ")]);

@@ -146,6 +146,37 @@ fn clicks_in_a_row_arrive_as_if_there_were_no_coupling() {
     assert!(engine.stage().counts().clamped > 0 && frames.iter().all(|x| x.abs() <= 1.0));
 }
 
+/// Faster than the coupling bears: each turns the mass less far than it should, which is counted; but none is driven backward, as it would be by the
+/// whole of what brakes a whole one, and the model knows where the mass is, so that all ends at rest.
+#[test]
+fn what_lost_its_beginning_is_not_driven_backward() {
+    let corners = Corners::one(20.0);
+    let plan = planned(&coupled(20.0, 0.0)).plan;
+    for (n, place) in [(0, COIN), (1, PAD)] {
+        let drive = &plan.drives[n];
+        let every = 0.02;
+        let rows: Vec<(f64, Event)> = (0..16)
+            .map(|k| (0.01 + every * f64::from(k), Event::Play(play(CLICK, place, 1.0, 0.01))))
+            .collect();
+        let mut engine = Engine::new(&plan).unwrap();
+        for (at, event) in &rows {
+            assert!(engine.schedule(Instant::of_samples(at * plan.engine_rate()), Source::Program, *event));
+        }
+        let frames = run(&mut engine, (0.8 * RATE) as usize, &[480]);
+        let samples = channel(&frames, plan.channels, drive.channel as usize);
+        let turned = speeds(&drive.setup.parameters, &through(drive, &corners, &samples));
+        let counts = engine.stage().drives().counts_of(drive.channel as usize).unwrap();
+        let (peak, least) = (largest(&turned), turned.iter().copied().fold(0.0, f64::min));
+        let turns: f64 = turned.iter().sum::<f64>() / RATE / std::f64::consts::TAU;
+        assert!(least > -0.002 * peak, "{place}: backward, {}", least / peak);
+        assert!(turned.last().unwrap().abs() < 1e-3 * peak);
+        // The coin's find room, the pad's ask for more than there is.
+        let (cut, most) = if place == COIN { (0..=2, 4.01) } else { (10..=16, 3.0) };
+        assert!(cut.contains(&counts.cut), "{place}: {counts:?}");
+        assert!(turns > if place == COIN { 3.98 } else { 1.2 } && turns < most, "{place}: {turns}");
+    }
+}
+
 /// Neither levels nor anything that lasts is sent; that orders are left out is said.
 #[test]
 fn only_clicks_are_played() {

@@ -31,6 +31,10 @@ pub struct Turner {
     seek: Seek,
     /// The model; none where nothing needs it.
     motor: Option<Box<Motor>>,
+    /// The model as it was before the last sample, where less may arrive than is sent.
+    before: Option<Box<Motor>>,
+    /// Whether something of the click that is under way did not arrive.
+    cut: bool,
     agenda: Agenda,
     mode: Mode,
     /// Whose order is under way.
@@ -72,6 +76,8 @@ pub struct Counts {
     pub backward: u64,
     /// Of a motor that is there for clicks alone: samples of levels and orders that were none.
     pub unplayed: u64,
+    /// Clicks of which some did not arrive, and which so turn the mass less far.
+    pub cut: u64,
 }
 
 impl Turner {
@@ -86,6 +92,7 @@ impl Turner {
             || matches!(setup.shaping, Shaping::Overdrive | Shaping::Switching);
         let plan =
             Plan { casing: false, gravity: setup.parameters.gravity > 0.0, ..Plan::whole(Level::Default) };
+        let loses = setup.shaping == Shaping::Clicks;
         let model = || Motor::new(&setup.parameters, &plan, setup.rate).map(Box::new);
         Ok(Self {
             setup: *setup,
@@ -93,6 +100,8 @@ impl Turner {
             follow: Follow::new(setup),
             seek: Seek::new(setup),
             motor: if tracks { Some(model()?) } else { None },
+            before: if tracks && loses { Some(model()?) } else { None },
+            cut: false,
             agenda: Agenda::default(),
             mode: Mode::Level,
             voice: None,
@@ -174,6 +183,9 @@ impl Turner {
             self.clock += 1;
             return;
         }
+        if let (Some(before), Some(motor)) = (&mut self.before, &self.motor) {
+            **before = (**motor).clone();
+        }
         parts.fill(0.0);
         let (begin, mut done) = (self.clock as f64, 0.0);
         // Each turn ends the sample, an order or a piece of a click.
@@ -197,6 +209,22 @@ impl Turner {
             done = until;
         }
         self.clock += 1;
+    }
+
+    /// What of the sample that was taken last reached the terminals, in equal parts, where less did than was sent: the model moves by that
+    /// instead. A click that lost some of its beginning ends with what it still has of speed braked away, and is not driven backward for as long as it was meant to be.
+    /// Of a motor that is there for clicks alone.
+    pub fn arrived(&mut self, parts: &[f64]) {
+        let (Some(before), Some(motor)) = (&self.before, &mut self.motor) else { return };
+        **motor = (**before).clone();
+        for part in parts {
+            motor.drive(self.setup.drive(*part));
+            motor.part(1.0 / parts.len() as f64);
+        }
+        if matches!(self.mode, Mode::Click(..)) && !self.cut {
+            self.cut = true;
+            self.counts.cut += 1;
+        }
     }
 
     /// When the next order is due, in samples, if it is in this one. Releases of voices whose orders hold no longer are nothing, and are
@@ -266,6 +294,7 @@ impl Turner {
         if let Mode::Speed(0.0, click, since) = self.mode {
             let waited = (self.clock - since) as f64 > PATIENCE * self.setup.rate;
             if self.voice.is_none() && (self.stands() || waited) {
+                self.cut = false;
                 self.mode = match click {
                     Some(pieces) => Mode::Click(pieces, 0, now + pieces.list[0].0 * self.setup.rate),
                     None => Mode::Level,
@@ -277,6 +306,7 @@ impl Turner {
                 break;
             }
             self.mode = match pieces.list.get(piece + 1) {
+                _ if self.cut => Mode::Speed(0.0, None, self.clock),
                 Some((seconds, _)) if piece + 1 < PIECES => {
                     Mode::Click(pieces, piece + 1, ends + seconds * self.setup.rate)
                 }

@@ -13,6 +13,7 @@ pub struct Compensator {
     filter: HighPass,
     quiet: f64,
     limited: u64,
+    arrived: f64,
 }
 
 /// Of what does not matter: a charge below that is none.
@@ -25,12 +26,17 @@ impl Compensator {
     /// A figure that cannot be.
     pub fn new(corners: &Corners, rate: f64, quiet: f64) -> Result<Self, Fault> {
         positive("quiet", quiet)?;
-        Ok(Self { filter: HighPass::new(corners, rate)?, quiet, limited: 0 })
+        Ok(Self { filter: HighPass::new(corners, rate)?, quiet, limited: 0, arrived: 0.0 })
     }
 
     /// Samples in which the converter could not give what was needed.
     pub fn limited(&self) -> u64 {
         self.limited
+    }
+
+    /// What the actuator got in the last sample.
+    pub fn arrived(&self) -> f64 {
+        self.arrived
     }
 
     /// Whether nothing is left of what was.
@@ -42,14 +48,14 @@ impl Compensator {
     pub fn step(&mut self, wanted: Option<f64>, most: f64) -> f64 {
         let output = wanted.unwrap_or_else(|| self.filter.discharging(self.quiet));
         if wanted.is_none() && output == 0.0 {
-            self.filter.step(0.0);
+            self.arrived = self.filter.step(0.0);
             self.filter.forget(NOTHING * self.quiet);
             return 0.0;
         }
         let needed = self.filter.needed(if output.is_finite() { output } else { 0.0 });
         let sample = needed.clamp(-most.abs(), most.abs());
         self.limited += u64::from(wanted.is_some() && sample != needed);
-        self.filter.step(sample);
+        self.arrived = self.filter.step(sample);
         sample
     }
 }

@@ -20,6 +20,8 @@ pub(super) struct Line {
     pub levels: [f32; BLOCK],
     /// What is sent in each device frame of an engine sample.
     pub parts: Vec<f64>,
+    /// What of it arrives.
+    pub arriving: Vec<f64>,
 }
 
 /// What makes samples of what is sent.
@@ -75,7 +77,17 @@ impl Line {
             most: plan.max_levels().get(drive.channel as usize).map_or(1.0, |level| single(*level)),
             levels: [0.0; BLOCK],
             parts: vec![0.0; plan.ratio],
+            arriving: vec![0.0; plan.ratio],
         })
+    }
+
+    /// What of the last frame reaches the motor, where that may be less than what was sent.
+    #[inline]
+    pub fn arrives(&self) -> Option<f64> {
+        match &self.output {
+            Output::Coupled(samples, compensator) => Some(compensator.arrived() / *samples),
+            _ => None,
+        }
     }
 
     /// Whether nothing is sent and nothing waits.

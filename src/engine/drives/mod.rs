@@ -104,10 +104,17 @@ impl Drives {
                 line.turner.step(f64::from(*level), &mut line.parts);
                 let emf = line.turner.emf();
                 let rests = line.turner.rests();
-                for (sent, frame) in line.parts.iter().zip(&mut frames) {
-                    let sent = (*sent != 0.0 || !rests).then_some(*sent);
+                let mut whole = true;
+                for n in 0..line.parts.len() {
+                    let (sent, Some(frame)) = (line.parts[n], frames.next()) else { break };
+                    let sent = (sent != 0.0 || !rests).then_some(sent);
                     let within = line.output.write(sent, emf, frame, line.channel, line.most);
                     self.counts.clamped += u64::from(!within);
+                    whole &= within;
+                    line.arriving[n] = line.arrives().unwrap_or_default();
+                }
+                if !whole {
+                    line.turner.arrived(&line.arriving);
                 }
             }
         }
