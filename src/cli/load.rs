@@ -279,11 +279,12 @@ impl Scene {
         let watched = Watched::new(&folder);
         let mut problems = rig.check_places(&patch);
         let live = Options { live: true, ..options.clone() };
-        let (mut listened, mut unheard) = (Vec::new(), None);
+        let (mut listened, mut unheard, mut short) = (Vec::new(), None, None);
         match scene(&patch, &rig, if all { &live } else { &options }, &watched) {
             Ok(scene) => {
                 listened = scene.plan.inputs();
                 unheard = setting::unheard(&patch, &self.settings, &scene.plan.left_out);
+                short = super::coupled::short(&patch, &scene.plan);
             }
             Err(more) => problems.extend(more.list),
         }
@@ -357,6 +358,7 @@ impl Scene {
         let hears = self.hears || (self.live && loaded.rig.device.input.is_some());
         let deaf = self.input.is_none() && !hears && !listened.is_empty();
         loaded.warnings.extend(unheard);
+        loaded.warnings.extend(short);
         loaded.warnings.extend(unfelt);
         loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf, self.live));
         let mut failure = Failure::default();

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use super::arrival;
 use super::command::Command;
 use super::plan::{Clicks, Drive, Instrument, LeftOut, Modulation, Why};
 use super::program::Op;
@@ -10,17 +11,19 @@ use crate::actuator::driver::book::Book;
 use crate::actuator::driver::homing::Homing;
 use crate::actuator::driver::order::Pieces;
 use crate::actuator::driver::setup::Shaping;
-use crate::actuator::link::coupling::{Corners, HighPass};
 use crate::actuator::link::wave::HIGHEST;
 use crate::actuator::protect::bounds::Bounds;
 use crate::actuator::protect::kernel::Protection;
-use crate::actuator::shape::{Course, Unreachable};
+use crate::actuator::shape::Unreachable;
 use crate::rig::terminals::too_high;
 use crate::rig::{Output, Rig, Terminals};
 use crate::text::Problem;
 
-/// Where so much of a click is missing it is none.
+/// Where no more of a click than that share of its turns is left it is none.
 const LOST: f64 = 0.5;
+
+/// Of what is ordered, what makes no difference between clicks that do not arrive whole.
+const ALIKE: f64 = 0.02;
 
 /// A share of a click below that is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -190,20 +193,20 @@ pub fn clicks(
                 };
                 let found = match clicks.iter().find(alike) {
                     Some(known) => Ok(Clicks { drive: number, ..known.clone() }),
-                    None => worked_out(drive, turns, device_rate, most).map(|(book, missing)| Clicks {
+                    None => worked_out(drive, turns, device_rate, most).map(|(book, arriving)| Clicks {
                         drive: number,
                         turns,
                         book: Arc::new(book),
-                        missing,
+                        arriving,
                     }),
                 };
                 match found {
-                    Ok(found) if found.missing > LOST => {
+                    Ok(found) if found.arriving / turns < LOST => {
                         let what = format!(
-                            "voice `{}` orders a click of {turns} turns, of which {:.0} % do not get through the coupling to the motor of `{}`",
+                            "voice `{}` orders a click of {turns} turns, of which the coupling to the motor of `{}` lets no more than {:.2} through",
                             instrument.name,
-                            100.0 * found.missing,
-                            name_of(rig, drive)
+                            name_of(rig, drive),
+                            found.arriving
                         );
                         let help = "order a shorter one, or give it more room: a larger `max_level`, `full_scale_volts` or `gain`";
                         problems.push(Problem::of_file(what).help(help.to_string()));
@@ -232,35 +235,23 @@ pub fn clicks(
     clicks
 }
 
-/// The clicks of a motor, and what of the strongest does not arrive. Behind coupling the strongest is one that can be made up for.
+/// The clicks of a motor, and how far the strongest turns its mass. Behind coupling the strongest is one that can be made up for.
 fn worked_out(drive: &Drive, turns: f64, rate: f64, most: f64) -> Result<(Book, f64), Unreachable> {
     let Modulation::Coupled(corners) = drive.modulation else {
-        return Ok((Book::new(&drive.setup, turns)?, 0.0));
+        return Ok((Book::new(&drive.setup, turns)?, turns));
     };
     // A click that begins between two samples needs the room of one more.
     let turns_a_sample: f64 = corners.hertz().iter().map(|hertz| TAU * hertz / rate).sum();
-    let most = most / (1.0 + 2.0 * turns_a_sample);
-    let missing = |click: &Pieces| missing(drive, &corners, rate, most, click);
-    let book = Book::of_those(&drive.setup, turns, |click| missing(click) < ROUNDING)?;
-    let missing = missing(&book.strongest());
-    Ok((book, if missing < ROUNDING { 0.0 } else { missing }))
-}
-
-/// Of a click's volt-seconds behind coupling, the share that does not arrive.
-fn missing(drive: &Drive, corners: &Corners, rate: f64, most: f64, click: &Pieces) -> f64 {
-    let nothing = drive.setup.drive(0.0);
-    let course = click.list.iter().fold(Course::ending_in(nothing), |course, (seconds, amount)| {
-        course.then(*seconds, nothing.with(*amount))
-    });
-    let (before, coupling) =
-        (drive.setup.through(corners, rate, drive.per_sample), HighPass::new(corners, rate));
-    // What cannot be is refused where it is to be played.
-    let (Ok(mut before), Ok(mut coupling)) = (before, coupling) else { return 0.0 };
-    let (mut off, mut own) = (0.0, 0.0);
-    for mean in course.means(rate).unwrap_or_default() {
-        let wanted = mean / drive.per_sample;
-        off += (coupling.step(before.step(Some(wanted), most)) - wanted).abs();
-        own += wanted.abs();
+    let room = most / (1.0 + 2.0 * turns_a_sample);
+    let is_whole = |click: &Pieces| arrival::missing(drive, &corners, rate, room, click) < ROUNDING;
+    let book = Book::of_those(&drive.setup, turns, is_whole)?;
+    if is_whole(&book.strongest()) {
+        return Ok((book, turns));
     }
-    if own > 0.0 { off / own } else { 0.0 }
+    // Those that lose least, then.
+    let arriving = |click: &Pieces| arrival::turns(drive, &corners, rate, most, click);
+    let best = book.clicks().map(|click| arriving(click) / turns).fold(f64::NEG_INFINITY, f64::max);
+    let book = Book::of_those(&drive.setup, turns, |click| arriving(click) / turns > best - ALIKE)?;
+    let arriving = arriving(&book.strongest());
+    Ok((book, arriving))
 }

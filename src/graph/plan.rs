@@ -260,8 +260,8 @@ pub struct Clicks {
     pub turns: f64,
     /// By level; motors that are alike share one.
     pub book: Arc<Book>,
-    /// Of the volt-seconds of the strongest, the share that coupling keeps off, 0 to 1.
-    pub missing: f64,
+    /// How far the strongest turns it of a flat motor, turns: less than the others where coupling keeps some of it off.
+    pub arriving: f64,
 }
 
 /// What is done to a channel on its way out.

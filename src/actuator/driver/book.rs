@@ -98,6 +98,11 @@ impl Book {
         Ok(Self { rows })
     }
 
+    /// Those that were worked out, the weakest first.
+    pub fn clicks(&self) -> impl Iterator<Item = &Pieces> {
+        self.rows.iter().map(|(_, click)| click)
+    }
+
     /// The click of a level: its largest acceleration as a share of that at the limit, backward where it is negative; the weakest there is
     /// where it is weaker than that. `None` for 0 and for what is no number.
     pub fn at(&self, level: f64) -> Option<Pieces> {

@@ -33,6 +33,8 @@ pub struct Turner {
     motor: Option<Box<Motor>>,
     /// The model as it was before the last sample, where less may arrive than is sent.
     before: Option<Box<Motor>>,
+    /// Whether the last sample moved the model.
+    moved: bool,
     /// Whether something of the click that is under way did not arrive.
     cut: bool,
     agenda: Agenda,
@@ -101,6 +103,7 @@ impl Turner {
             seek: Seek::new(setup),
             motor: if tracks { Some(model()?) } else { None },
             before: if tracks && loses { Some(model()?) } else { None },
+            moved: false,
             cut: false,
             agenda: Agenda::default(),
             mode: Mode::Level,
@@ -181,10 +184,12 @@ impl Turner {
         if speeds == [0.0; 3] && self.due().is_none() && self.rests() {
             parts.fill(0.0);
             self.clock += 1;
+            self.moved = false;
             return;
         }
         if let (Some(before), Some(motor)) = (&mut self.before, &self.motor) {
             **before = (**motor).clone();
+            self.moved = true;
         }
         parts.fill(0.0);
         let (begin, mut done) = (self.clock as f64, 0.0);
@@ -211,12 +216,14 @@ impl Turner {
         self.clock += 1;
     }
 
-    /// What of the sample that was taken last reached the terminals, in equal parts, where less did than was sent: the model moves by that
+    /// What of the sample that was taken last reached the terminals, in equal parts, where that is not what was sent: the model moves by that
     /// instead. A click that lost some of its beginning ends with what it still has of speed braked away, and is not driven backward for as long as it was meant to be.
     /// Of a motor that is there for clicks alone.
     pub fn arrived(&mut self, parts: &[f64]) {
         let (Some(before), Some(motor)) = (&self.before, &mut self.motor) else { return };
-        **motor = (**before).clone();
+        if self.moved {
+            **motor = (**before).clone();
+        }
         for part in parts {
             motor.drive(self.setup.drive(*part));
             motor.part(1.0 / parts.len() as f64);

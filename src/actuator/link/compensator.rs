@@ -14,6 +14,7 @@ pub struct Compensator {
     quiet: f64,
     limited: u64,
     arrived: f64,
+    short: bool,
 }
 
 /// Of what does not matter: a charge below that is none.
@@ -26,12 +27,17 @@ impl Compensator {
     /// A figure that cannot be.
     pub fn new(corners: &Corners, rate: f64, quiet: f64) -> Result<Self, Fault> {
         positive("quiet", quiet)?;
-        Ok(Self { filter: HighPass::new(corners, rate)?, quiet, limited: 0, arrived: 0.0 })
+        Ok(Self { filter: HighPass::new(corners, rate)?, quiet, limited: 0, arrived: 0.0, short: false })
     }
 
     /// Samples in which the converter could not give what was needed.
     pub fn limited(&self) -> u64 {
         self.limited
+    }
+
+    /// Whether the converter could not give what the last sample needed, be it to let the charge go.
+    pub fn is_short(&self) -> bool {
+        self.short
     }
 
     /// What the actuator got in the last sample.
@@ -48,13 +54,15 @@ impl Compensator {
     pub fn step(&mut self, wanted: Option<f64>, most: f64) -> f64 {
         let output = wanted.unwrap_or_else(|| self.filter.discharging(self.quiet));
         if wanted.is_none() && output == 0.0 {
+            self.short = false;
             self.arrived = self.filter.step(0.0);
             self.filter.forget(NOTHING * self.quiet);
             return 0.0;
         }
         let needed = self.filter.needed(if output.is_finite() { output } else { 0.0 });
         let sample = needed.clamp(-most.abs(), most.abs());
-        self.limited += u64::from(wanted.is_some() && sample != needed);
+        self.short = sample != needed;
+        self.limited += u64::from(wanted.is_some() && self.short);
         self.arrived = self.filter.step(sample);
         sample
     }

@@ -81,11 +81,13 @@ impl Line {
         })
     }
 
-    /// What of the last frame reaches the motor, where that may be less than what was sent.
+    /// What of the last frame reaches the motor, where that may be something else than what was sent, and whether it is.
     #[inline]
-    pub fn arrives(&self) -> Option<f64> {
+    pub fn arrives(&self) -> Option<(f64, bool)> {
         match &self.output {
-            Output::Coupled(samples, compensator) => Some(compensator.arrived() / *samples),
+            Output::Coupled(samples, compensator) => {
+                Some((compensator.arrived() / *samples, compensator.is_short()))
+            }
             _ => None,
         }
     }

@@ -104,16 +104,18 @@ impl Drives {
                 line.turner.step(f64::from(*level), &mut line.parts);
                 let emf = line.turner.emf();
                 let rests = line.turner.rests();
-                let mut whole = true;
+                let mut short = false;
                 for n in 0..line.parts.len() {
                     let (sent, Some(frame)) = (line.parts[n], frames.next()) else { break };
                     let sent = (sent != 0.0 || !rests).then_some(sent);
                     let within = line.output.write(sent, emf, frame, line.channel, line.most);
                     self.counts.clamped += u64::from(!within);
-                    whole &= within;
-                    line.arriving[n] = line.arrives().unwrap_or_default();
+                    if let Some((arriving, is_short)) = line.arrives() {
+                        line.arriving[n] = arriving;
+                        short |= is_short;
+                    }
                 }
-                if !whole {
+                if short {
                     line.turner.arrived(&line.arriving);
                 }
             }
