@@ -285,6 +285,11 @@ fn what_is_no_good_is_named() {
         (&["motor", "coin-10mm", "--volts", "-3"], 2, &["`volts` is -3", "--volts"]),
         (&["motor", "coin-10mm", "--angle", "inf"], 2, &["`angle` is inf", "--angle"]),
         (&["motor", "coin-10mm", "--tilt", "nan"], 2, &["a tilt of NaN rad"]),
+        (
+            &["motor", "coin-10mm", "--tilt", "1e300"],
+            2,
+            &["a tilt of 1e300 rad is none", "within -4 and 4 rad"],
+        ),
         (&["motor", "coin-10mm", "--error", "0"], 2, &["an error of 0", "--error"]),
         (&["motor", "coin-10mm", "--rate", "100"], 2, &["--rate"]),
         (&["motor", "coin-10mm", "--drive", "3"], 0, &[]),

@@ -57,13 +57,15 @@ impl Limit {
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { field, value, limit, because } = self;
-        write!(f, "`{field}` is {value}, but must be ")?;
+        write!(f, "`{field}` is {}, but must be ", Shown(*value))?;
         match limit {
-            Limit::Above(limit) => write!(f, "above {limit}"),
-            Limit::Least(limit) => write!(f, "at least {limit}"),
-            Limit::Below(limit) => write!(f, "below {limit}"),
-            Limit::Most(limit) => write!(f, "at most {limit}"),
-            Limit::Within(least, most, unit) => write!(f, "within {least} and {most} {unit}"),
+            Limit::Above(limit) => write!(f, "above {}", Shown(*limit)),
+            Limit::Least(limit) => write!(f, "at least {}", Shown(*limit)),
+            Limit::Below(limit) => write!(f, "below {}", Shown(*limit)),
+            Limit::Most(limit) => write!(f, "at most {}", Shown(*limit)),
+            Limit::Within(least, most, unit) => {
+                write!(f, "within {} and {} {unit}", Shown(*least), Shown(*most))
+            }
             Limit::Absent => write!(f, "left out"),
         }?;
         if !value.is_finite() && !matches!(limit, Limit::Absent | Limit::Within(..)) {
@@ -74,6 +76,19 @@ impl fmt::Display for Fault {
 }
 
 impl std::error::Error for Fault {}
+
+/// A number with a power of ten where it would have many zeros.
+struct Shown(f64);
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        match size == 0.0 || !size.is_finite() || (1e-6..1e10).contains(&size) {
+            true => write!(f, "{}", self.0),
+            false => write!(f, "{:e}", self.0),
+        }
+    }
+}
 
 /// Refuses a value that breaks a limit.
 ///
@@ -120,6 +135,11 @@ mod tests {
     fn it_names_field_value_and_limit() {
         let text = |r: Result<(), Fault>| r.unwrap_err().to_string();
         assert_eq!(text(positive("mass", 0.0)), "`mass` is 0, but must be above 0");
+        assert_eq!(text(positive("mass", -1e-300)), "`mass` is -1e-300, but must be above 0");
+        assert_eq!(
+            text(within("volts", 1e300, (1e-9, 1e6), "V")),
+            "`volts` is 1e300, but must be within 1e-9 and 1000000 V"
+        );
         assert_eq!(text(not_negative("inductance", -0.5)), "`inductance` is -0.5, but must be at least 0");
         assert_eq!(
             text(check("volts", f64::INFINITY, Limit::Least(1.0))),

@@ -7,7 +7,8 @@ use std::io::Write;
 use std::path::Path;
 
 /// Puts `after` in place of `before` into the file at `path`, by renaming a new file over it, so that nobody ever finds half of it and
-/// a full disk leaves it as it was. Rights stay; a link is followed. `before` is what was read of it.
+/// a full disk leaves it as it was. Rights stay; a symbolic link is followed; what has a second hard link keeps the old
+/// content under that name. `before` is what was read of it.
 ///
 /// # Errors
 /// When something else stands in it by now, and when the new file cannot be made, written or renamed.

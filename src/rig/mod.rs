@@ -174,6 +174,24 @@ impl Rig {
         Some(Problem::warning(&output.span, what).help(help))
     }
 
+    /// Amplifiers that make of full scale what none does.
+    fn out_of_scale(&self) -> impl Iterator<Item = Problem> {
+        let device = self.device.full_scale_volts;
+        let told = move |amplifier: &Amplifier| {
+            let amount = (device? * amplifier.gain).abs();
+            if amplifier.drive == Drive::Current || amount == 0.0 || (SCALE[0]..=SCALE[1]).contains(&amount) {
+                return None;
+            }
+            let what = format!(
+                "amplifier `{}` makes {amount:.1e} V of `full_scale_volts`, but must make within {:.0e} and {:.0e} V of it",
+                amplifier.name, SCALE[0], SCALE[1]
+            );
+            let help = "`gain` is its output over its input: 10 for 20 dB".to_string();
+            Some(Problem::error(&amplifier.span, what).help(help))
+        };
+        self.amplifiers.iter().filter_map(told).take(Sink::MOST)
+    }
+
     /// What is wrong with it as a whole: channels that the device lacks or that are taken twice, names that nothing has.
     pub fn check(&self) -> Vec<Problem> {
         self.checked(false)
@@ -191,6 +209,7 @@ impl Rig {
         problems.extend(self.too_large());
         problems.extend(self.contradiction());
         problems.extend(self.rectified());
+        problems.extend(self.out_of_scale());
         let told = |output: &&Output| !(is_draft && self.is_unfinished(output));
         let wired = self.outputs.iter().filter(told).filter_map(|output| self.wiring(output)?.err());
         problems.extend(wired.take(Sink::MOST));
@@ -282,6 +301,9 @@ impl Rig {
     }
 }
 
+/// What an amplifier makes of full scale, V.
+const SCALE: [f64; 2] = [1e-6, 1e6];
+
 /// Metres from the origin within which all of a body lies.
 const BODY: f64 = 3.0;
 
@@ -291,4 +313,26 @@ fn line(channels: u32) -> Vec<Output> {
 
 fn missing(word: &str, kind: &str, names: &HashSet<&str>) -> String {
     suggest(word, names.iter().copied()).unwrap_or_else(|| format!("describe it under [{kind}.{word}]"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Rig;
+
+    #[test]
+    fn an_amplifier_out_of_scale_is_told_where_it_stands() {
+        let of = |volts: f64, gain: f64, drive: &str| {
+            let rig = format!(
+                "format = \"pacinian-rig/1\"\ntitle = \"T\"\n[device]\nchannels = 1\nfull_scale_volts = {volts:?}\n[amplifier.big]\n\
+                 gain = {gain:?}\n{drive}\n[[tactor]]\nname = \"a\"\nchannel = 1\namplifier = \"big\"\n"
+            );
+            Rig::parse("r.toml", rig.as_bytes()).map(|_| ()).map_err(|problems| problems.to_string())
+        };
+        for (volts, gain) in [(1000.0, 1001.0), (1000.0, -1001.0), (1e-3, 0.9e-3)] {
+            let told = of(volts, gain, "").unwrap_err();
+            assert!(told.starts_with("r.toml:6") && told.contains("amplifier `big` makes"), "{told}");
+        }
+        assert_eq!(of(1000.0, -1000.0, ""), Ok(()));
+        assert_eq!(of(1000.0, 1001.0, "drive = \"current\""), Ok(()));
+    }
 }

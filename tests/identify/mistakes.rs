@@ -161,6 +161,11 @@ fn what_is_no_good_is_named() {
         (&["good.wav", "--drive", "fast.wav"], 65, &["`fast.wav` has 4,000,000,000 Hz by its header"]),
         (&["good.wav", "--drive", "d.wav", "--acceleration-scale", "0"], 2, &["from 1e-9 to 1e9"]),
         (&["good.wav", "--drive", "d.wav", "--model", "lra"], 2, &["is of model rumble-motor, not lra"]),
+        (
+            &["--stimulus", "x.wav", "--volts", "1e-300"],
+            2,
+            &["1e-300 V are less than a card can give", "--volts V"],
+        ),
         (&["--stimulus", "x.wav", "--volts", "9"], 2, &["9 V are more than the 3.0000 V", "--volts 2.9"]),
         (&["--stimulus", "x.wav", "--volts", "nan"], 2, &["`volts` is NaN"]),
         (&["--stimulus", "x.mp3"], 2, &["sound is WAV, not mp3"]),

@@ -117,6 +117,10 @@ fn extremes(samples: &[f64]) -> (f64, f64) {
 /// How often samples stay at an extreme value that they come to with a leap. A quiet sine in few bits stays at its top too, but comes to it
 /// by the smallest step there is.
 fn edges(samples: &[f64], edge: f64, full: Option<f64>) -> usize {
+    // No converter ends at 0: there a signal rests.
+    if edge == 0.0 {
+        return 0;
+    }
     let at_end = full.is_some_and(|full| edge.abs() >= 0.999 * full);
     let distances = samples.iter().map(|x| (x - edge).abs()).filter(|d| *d > 0.0);
     let smallest = distances.fold(f64::INFINITY, f64::min);

@@ -62,10 +62,20 @@ pub fn make(asked: &Identify, path: &Path, target: &Target, terminal: &Terminal)
         let reaches = scale.abs() * target.most;
         Some(target.limit.map_or(reaches, |limit| limit.min(reaches)))
     });
+    if volts / per_sample < LEAST {
+        let what = format!(
+            "{volts:?} V are less than a card can give: a millionth of full scale is {:.2e} V",
+            LEAST * per_sample
+        );
+        return Err(Failure::usage(
+            what,
+            "give more: --volts V; or say what a sample of 1.0 is in volts: --drive-scale V",
+        ));
+    }
     if let Some(most) = most.filter(|most| volts > most * (1.0 + 1e-9)) {
         let what =
             format!("{volts} V are more than the {most:.4} V that {} bears, or that reach it", target.name);
-        return Err(Failure::usage(what, format!("give fewer: --volts {:.3}", 0.999 * most)));
+        return Err(Failure::usage(what, format!("give fewer: --volts {}", number(0.999 * most))));
     }
     let (drive, says) = drive(target, volts, f64::from(rate)).map_err(|fault| usage(&fault))?;
     let [channel, channels] = target.channel.filter(|[n, of]| n <= of && *n > 0).unwrap_or([1, 1]);
@@ -144,6 +154,9 @@ pub fn unknown_scale(target: &Target) -> Failure {
     let help = "say it: --drive-scale V; or --rig with full_scale_volts under [device] and the gain of the amplifier, and --output";
     Failure::usage(what, help)
 }
+
+/// Of full scale, what is no drive: 24 bits are 1.2e-7.
+const LEAST: f64 = 1e-6;
 
 /// To four digits behind the point, without zeros at the end.
 pub fn tidy(value: f64) -> String {

@@ -14,11 +14,16 @@ use pacinian::report::motion::{Behind, Bench, Envelope, Wish, behind, bursts, cl
 use pacinian::rig::Terminals;
 use pacinian::text::Problem;
 
+/// As in a rig, rad.
+const MOST_TILT: f64 = 4.0;
+
 /// Computes and says it.
 pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), Failure> {
     let tilt = asked.tilt.or(subject.tilt);
-    if let Some(tilt) = tilt.filter(|tilt| !tilt.is_finite()) {
-        return Err(Failure::usage(format!("a tilt of {tilt} rad is none"), "give another --tilt"));
+    if let Some(tilt) = tilt.filter(|tilt| !(-MOST_TILT..=MOST_TILT).contains(tilt)) {
+        let what =
+            format!("a tilt of {tilt:?} rad is none: it must be within -{MOST_TILT} and {MOST_TILT} rad");
+        return Err(Failure::usage(what, "0 is upright, 1.5708 level: give another --tilt"));
     }
     let parameters = subject.motor(tilt)?;
     let (limit, rate) = (asked.limit(subject)?, asked.rate(subject));

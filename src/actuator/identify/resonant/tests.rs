@@ -242,6 +242,9 @@ fn what_is_wrong_is_named_with_its_limit() {
     assert!(matches!(fails(&recording(&drive, &vec![1.0; good.len()])), Mistake::Silent(..)));
     let clipped: Vec<f64> = good.iter().map(|x| x.clamp(-1.0, 1.0)).collect();
     assert!(matches!(fails(&recording(&drive, &clipped)), Mistake::Clipped(Name::Acceleration, ..)));
+    // What rests at nothing is not clipped there.
+    let resting: Vec<f64> = good.iter().map(|x| x.max(0.0)).collect();
+    assert!(!matches!(identify(&recording(&drive, &resting)), Err(Mistake::Clipped(..))));
     let mut other = recording(&drive, &good);
     other.acceleration.rate = 44.1e3;
     assert_eq!(fails(&other), Mistake::Rate(Name::Acceleration, 44.1e3, RATE));
