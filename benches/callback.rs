@@ -3,6 +3,7 @@
 //!
 //! `cargo bench --bench callback`. CPU time of this thread; the clock's own share is taken off.
 
+use pacinian::space::spot::Spot;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -45,7 +46,8 @@ fn callback(board: &Arc<Board>) -> Callback {
         let mut own = [0.0; FIELDS];
         own[0] = 60.0 + 17.0 * f64::from(voice);
         let (place, id) = (voice % CHANNELS as u32, u64::from(voice));
-        let play = Play { instrument: 0, place, level: 0.3, duration: f64::INFINITY, own, id };
+        let play =
+            Play { instrument: 0, place: Spot::Row(place), level: 0.3, duration: f64::INFINITY, own, id };
         assert!(stagehand.engine().schedule(Instant::default(), Source::Program, Event::Play(play)));
     }
     board.lever.open();

@@ -3,6 +3,7 @@
 //! `cargo bench --bench engine` prints a table. Every figure is the median of many windows; peer and engine take turns, so that
 //! a change of the machine's speed meets both.
 
+use pacinian::space::spot::Spot;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
@@ -66,7 +67,7 @@ fn start(engine: &mut Engine, voices: usize, channels: usize, level: f64) {
         own[0] = 60.0 + 700.0 * i as f64 / voices as f64;
         let play = Play {
             instrument: 0,
-            place: (i % channels) as u32,
+            place: Spot::Row((i % channels) as u32),
             level,
             duration: f64::INFINITY,
             own,
@@ -209,7 +210,8 @@ fn asleep_without_stage() {
             let mut own = [0.0; FIELDS];
             own[0] = 60.0 + 2.0 * i as f64;
             let id = i as u64;
-            let play = Play { instrument: 0, place: 0, level: 0.05, duration: f64::INFINITY, own, id };
+            let play =
+                Play { instrument: 0, place: Spot::Row(0), level: 0.05, duration: f64::INFINITY, own, id };
             bank.start(&play, Instant::default(), 0, &[(i as u32 % 16, 1.0)], id);
         }
         (bank, Workspace::new(plan.instruments[0].program.buffers + 1, 0, 16), 0)

@@ -2,6 +2,8 @@
 //!
 //! Run it with `cargo run --example own_graph`.
 
+use pacinian::space::law::Law;
+use pacinian::space::spot::Spot;
 use std::error::Error;
 use std::sync::Arc;
 
@@ -49,12 +51,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             voices: 8,
             fields: vec!["frequency".into()],
             defaults: vec![250.0],
-            place: 0,
+            place: Spot::Row(0),
+            law: Law::Energy,
+            width: 0.0,
             level: 1.0,
             tail: 0.0,
             always: false,
         }],
         places: vec![vec![(0, 0.8)]],
+        together: Vec::new(),
+        spread: None,
         outputs: vec![Output {
             name: "wrist".into(),
             channel: 0,

@@ -54,6 +54,7 @@
 //! | [`text`] | problems that point at their line, schemas |
 //! | [`node`] | the node library, one file a node; with the feature `fundsp-nodes` a few units of `fundsp` too |
 //! | [`actuator`] | models of what moves, and which drive makes it do what is wanted, and what it bears |
+//! | [`space`] | where on the body: tactors that share a point, paths, strokes, common arrays |
 //! | [`schedule`] | the sample clock |
 //! | [`dsp`] | blocks that several rooms share |
 
@@ -78,6 +79,7 @@ pub mod report;
 pub mod rig;
 pub mod schedule;
 pub mod score;
+pub mod space;
 pub mod text;
 
 // What most programs begin with.

@@ -2,6 +2,7 @@
 
 mod common;
 
+use pacinian::space::spot::Spot;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -293,7 +294,14 @@ fn motors_are_ordered_about(rig: &str, moves: &str) {
                 let (instrument, place) = ((n + i) % 6, i % 3);
                 let at = Instant { sample: engine.clock() + u64::from(i % 80), fraction: 1 << 30 };
                 let (level, duration) = (f64::from(i % 7) / 3.0 - 1.0, 0.001 * f64::from(i));
-                let play = Play { instrument, place, level, duration, own: [0.0; FIELDS], id: u64::from(i) };
+                let play = Play {
+                    instrument,
+                    place: Spot::Row(place),
+                    level,
+                    duration,
+                    own: [0.0; FIELDS],
+                    id: u64::from(i),
+                };
                 engine.schedule(at, Source::Program, Event::Play(play));
             }
             if n % 50 == 49 {

@@ -14,6 +14,7 @@ use pacinian::node::asset::NoAssets;
 use pacinian::player::{Happening, Player};
 use pacinian::rig::Rig;
 use pacinian::schedule::Instant;
+use pacinian::space::spot::Spot;
 use std::sync::{Arc, Mutex};
 
 const TICK: &str = r#"
@@ -128,7 +129,7 @@ fn what_is_set_off_sounds_as_if_it_were_played_at_that_instant() {
     for (at, _, id) in &found {
         let mut own = [0.0; FIELDS];
         own[0] = 160.0;
-        let play = Play { instrument: 0, place: 1, level: 0.4, duration: 0.03, own, id: *id };
+        let play = Play { instrument: 0, place: Spot::Row(1), level: 0.4, duration: 0.03, own, id: *id };
         let (source, event) =
             (pacinian::engine::event::Source::Program, pacinian::engine::event::Event::Play(play));
         assert!(engine.schedule(*at, source, event));
@@ -238,7 +239,7 @@ fn watches_that_no_plan_should_have_do_no_harm() {
     assert_eq!(started(&|watch| watch.hold = f64::INFINITY), 1);
     assert_eq!(started(&|watch| watch.signal = 99), 0);
     assert_eq!(started(&|watch| watch.instrument = 99), 0);
-    assert_eq!(started(&|watch| watch.place = 99), 9);
+    assert_eq!(started(&|watch| watch.place = Spot::Row(99)), 9);
 }
 
 /// What is set off in a run in which other plans take over, before the calls (of 6 frames, a sample of the engine) that `change` names.

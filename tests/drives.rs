@@ -18,6 +18,7 @@ use pacinian::graph::start::FIELDS;
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
 use pacinian::schedule::Instant;
+use pacinian::space::spot::Spot;
 
 const RATE: f64 = 48_000.0;
 
@@ -40,7 +41,14 @@ fn compiled(rig: &str) -> plan::Plan {
 }
 
 fn play(instrument: u32, place: u32, level: f64, duration: f64) -> Play {
-    Play { instrument, place, level, duration, own: [0.0; FIELDS], id: u64::from(instrument) }
+    Play {
+        instrument,
+        place: Spot::Row(place),
+        level,
+        duration,
+        own: [0.0; FIELDS],
+        id: u64::from(instrument),
+    }
 }
 
 /// Volts at the terminals of a motor, a frame each, by what is played when (s).

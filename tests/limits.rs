@@ -12,6 +12,7 @@ use pacinian::graph::start::FIELDS;
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
 use pacinian::schedule::Instant;
+use pacinian::space::spot::Spot;
 use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop, prop_assert, prop_oneof, proptest};
 
 /// Loud, wild, broken, stepping, and what comes in.
@@ -99,7 +100,14 @@ fn bad(plan: &Plan, place: u32, duration: f64, frequency: f64, size: f64) -> Pla
         *to = if &**field == "size" { size } else { frequency };
     }
     // Given to the engine past everything that looks at numbers.
-    Play { instrument: instrument as u32, place, level: 1.0, duration, own, id: u64::from(place) }
+    Play {
+        instrument: instrument as u32,
+        place: Spot::Row(place),
+        level: 1.0,
+        duration,
+        own,
+        id: u64::from(place),
+    }
 }
 
 fn events(plan: &Plan, blows: &[Blow]) -> Vec<(f64, Play)> {

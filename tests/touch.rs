@@ -11,6 +11,7 @@ use pacinian::node::motion::Motion;
 use pacinian::report::measure::{OVER, designed};
 use pacinian::report::{Comparison, Played, Reference, compare};
 use pacinian::schedule::Instant;
+use pacinian::space::spot::Spot;
 
 /// A tone that follows the wheel, as loud as it is pressed, through a filter that follows the timbre.
 const ALL: &str = r#"
@@ -171,12 +172,12 @@ fn no_lane_hears_what_another_is_told() {
     let (events, moves) = dozen();
     let plan = compiled(ALL, 12, 48_000.0).plan;
     let events: Vec<(f64, Play)> =
-        events.iter().map(|(at, of)| (*at, Play { place: of.id as u32, ..*of })).collect();
+        events.iter().map(|(at, of)| (*at, Play { place: Spot::Row(of.id as u32), ..*of })).collect();
     let (_, all) = rendered(&plan, &events, &moves, 1.0);
     for one in &events {
         let own: Moves = moves.iter().filter(|(_, of)| of.id == one.1.id).copied().collect();
         let (_, alone) = rendered(&plan, &[*one], &own, 1.0);
-        let c = one.1.place as usize;
+        let c = one.1.id as usize;
         let (all, alone) = (channel(&all, 12, c), channel(&alone, 12, c));
         assert!(all.iter().any(|x| *x != 0.0));
         assert!(all.iter().zip(&alone).all(|(a, b)| a.to_bits() == b.to_bits()), "voice {c}");

@@ -56,6 +56,11 @@ fn too_long(patch: &Patch) -> Option<Problem> {
             named.extend(number.map(|n| (n, name.clone(), span.clone())));
         }
         Place::Channel(n) => named.push((*n, format!("channel {n}"), span.clone())),
+        // A line has no groups, but those of its tactors may be listed.
+        Place::Names(names) => named.extend(names.iter().filter_map(|name| {
+            let number = name.strip_prefix('t').and_then(|n| n.parse().ok())?;
+            Some((number, name.clone(), span.clone()))
+        })),
         Place::Position(_) => {}
     });
     named.retain(|(n, ..)| *n <= pacinian::rig::MAX_CHANNELS);

@@ -24,9 +24,11 @@ pub fn fit(needed: u32, offered: &[u16]) -> u32 {
 
 /// As many as the patch names, by number or as `t12`.
 fn needed(patch: &Patch) -> u32 {
+    let number = |name: &str| name.strip_prefix('t').and_then(|n| n.parse().ok()).unwrap_or(0);
     let of_place = |place: &Place| match place {
         Place::Channel(channel) => *channel,
-        Place::Name(name) => name.strip_prefix('t').and_then(|n| n.parse().ok()).unwrap_or(0),
+        Place::Name(name) => number(name),
+        Place::Names(names) => names.iter().map(|name| number(name)).max().unwrap_or(0),
         Place::Position(_) => 0,
     };
     let of_action = |action: &Action| match action {

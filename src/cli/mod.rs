@@ -44,6 +44,7 @@ mod progress;
 mod provenance;
 mod render;
 mod replay;
+mod rig;
 mod schema;
 mod screen;
 mod setting;
@@ -74,6 +75,7 @@ use terminal::{Terminal, When};
         pacinian play PATCH             play it: at -20 dB on a card that nobody has named, on a virtual one where there is none\n  \
         pacinian format                 what a patch and a rig may say\n  \
         pacinian nodes                  the nodes that voices are made of\n  \
+        pacinian rig new vest 40        the rig of a common array\n  \
         pacinian motor PART             what a motor does; pacinian parts lists those that are known\n  \
         pacinian identify RECORDING     what a recording tells of an actuator\n\n\
         Exit codes: 0 all is well, 1 a replay that differs from its recording, 2 the command line, 65 the patch,\n\
@@ -111,6 +113,7 @@ enum Command {
     Motor(motor::Motor),
     Identify(identify::Identify),
     Parts(parts::Parts),
+    Rig(rig::RigCommand),
     Nodes(nodes::Nodes),
     Format(format::Format),
     Schema(schema::Schema),
@@ -136,6 +139,7 @@ fn run() -> u8 {
         Command::Motor(motor) => motor.run(&terminal),
         Command::Identify(identify) => identify.run(&terminal),
         Command::Parts(parts) => parts.run(&terminal),
+        Command::Rig(rig) => rig.run(&terminal),
         Command::Check(check) => check.run(&terminal),
         Command::Render(render) => render.run(&terminal),
         Command::Play(play) => play.run(&terminal),

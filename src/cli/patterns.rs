@@ -4,6 +4,7 @@ use super::load::Loaded;
 use super::table::{Table, many};
 use pacinian::patch::{Action, Events, Patch, Pattern, Source};
 use pacinian::score::Score;
+use pacinian::space::spot::Spot;
 use pacinian::text::Problem;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -60,7 +61,7 @@ pub fn patterns(loaded: &Loaded) -> Vec<PatternReport> {
     let (players, mut onsets) = (players(patch), Onsets::new(patch));
     let report = |(i, pattern): (usize, &Pattern)| {
         let refuse = |path: &str| Err(Problem::of_file(path));
-        let score = Score::new(patch, |_| Ok(0), &[(i, 0.0)], 0, refuse);
+        let score = Score::new(patch, |_| Ok(Spot::Row(0)), &[(i, 0.0)], 0, refuse);
         let (file, events) = match &pattern.events {
             Events::Inline(events) => (None, events.len() as u64),
             Events::File(path, _) => {

@@ -10,6 +10,7 @@ use pacinian::graph::plan::Shared;
 use pacinian::patch::Source;
 use pacinian::player::Player;
 use pacinian::score::{Score, What};
+use pacinian::space::spot::Spot;
 use std::time::{Duration, Instant};
 
 /// How long to play.
@@ -134,7 +135,7 @@ fn foreseen(until: Until, loaded: &Loaded, player: &Player) -> Option<f64> {
     let (None, Until::Over(tail)) = (until.expected(player), until) else { return until.expected(player) };
     let roots: Vec<(usize, f64)> = playing(loaded).into_iter().map(|pattern| (pattern, 0.0)).collect();
     let open = |path: &str| loaded.events(path);
-    let score = Score::new(&loaded.patch, |_| Ok(0), &roots, player.plan().seed, open).ok()?;
+    let score = Score::new(&loaded.patch, |_| Ok(Spot::Row(0)), &roots, player.plan().seed, open).ok()?;
     let mut last = 0.0;
     for (n, event) in score.enumerate() {
         // Where a line is bad, playing ends too.

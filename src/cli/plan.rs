@@ -465,7 +465,7 @@ fn watches(plan: &Plan, delay: f64) -> Vec<WatchReport> {
     let report = |watch: &pacinian::graph::watch::Watch| WatchReport {
         on: watch.name.to_string(),
         play: plan.instruments.get(watch.instrument as usize).map_or(String::new(), |i| i.name.to_string()),
-        place: plan.outputs.get(watch.place as usize).map_or(String::new(), |o| o.name.to_string()),
+        place: plan.called(watch.place).into_owned(),
         hold: watch.hold,
         rearm: watch.rearm,
         delay_ms: 1e3 * delay,

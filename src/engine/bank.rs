@@ -10,6 +10,7 @@ use crate::dsp::fade::{FADE, HUSH, fade};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use crate::graph::budget;
+use crate::graph::places::Places;
 use crate::graph::plan::Instrument;
 use crate::graph::program::Feed;
 use crate::node::kernel::LEAD;
@@ -146,10 +147,17 @@ impl<R: Real> Bank<R> {
         self.lanes[lane].level = gain.abs();
     }
 
-    /// Takes over the voices of an old bank of the same size: its lanes, and the states of the ops that `ops` names. Ops
+    /// Takes over, as the instrument of this number, the voices of an old bank of the same size: its lanes, and the states of the ops that `ops` names. Ops
     /// without a counterpart begin now, before sample `clock`; voices that were let go of, and of which such an op is to say when they
     /// end, fade. The old bank is left empty.
-    pub fn adopt(&mut self, old: &mut Self, ops: &[Option<usize>], places: &[Vec<(u32, f64)>], clock: u64) {
+    pub fn adopt(
+        &mut self,
+        old: &mut Self,
+        ops: &[Option<usize>],
+        places: &mut Places,
+        number: usize,
+        clock: u64,
+    ) {
         if self.lanes.len() != old.lanes.len() {
             return;
         }
@@ -174,7 +182,7 @@ impl<R: Real> Bank<R> {
                 *id = voice.play.id;
             }
             self.ops.set(lane, &voice.play.fields());
-            self.place(lane, places.get(voice.play.place as usize).map_or(&[][..], |p| p));
+            self.place(lane, places.of(number, voice.play.place));
             let missing = ops.iter().enumerate().filter(|(_, from)| from.is_none());
             let mut anew = false;
             for (op, _) in missing {

@@ -14,6 +14,7 @@ use super::watch::{self, Watcher};
 use super::workspace::{BLOCK, Workspace};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
+use crate::graph::places::Places;
 use crate::graph::plan::{Plan, Shared};
 use crate::graph::program::Feed;
 use crate::graph::start::{FIELDS, Fields};
@@ -55,7 +56,7 @@ pub struct Core<R: Real> {
     first: Vec<usize>,
     /// The latest end of the voices that died away before theirs and whose lanes were taken since.
     outlasted: Option<Instant>,
-    places: Vec<Vec<(u32, f64)>>,
+    places: Places,
     commander: Commander,
     banks: Vec<Bank<R>>,
     shared: Option<Ops<R>>,
@@ -101,7 +102,7 @@ impl<R: Real> Core<R> {
             ends: Deadlines::new(lanes),
             first,
             outlasted: None,
-            places: plan.places.clone(),
+            places: Places::new(plan),
             commander: Commander::new(plan),
             banks,
             shared,

@@ -2,14 +2,15 @@
 
 use crate::graph::start::{FIELDS, Fields};
 use crate::node::motion::Motion;
+use crate::space::spot::Spot;
 
 /// A voice is to sound.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Play {
     /// The instrument, by its place in the plan.
     pub instrument: u32,
-    /// Where: a row of [`crate::graph::plan::Plan::places`].
-    pub place: u32,
+    /// Where: a row of [`crate::graph::plan::Plan::places`], or a point that tactors share.
+    pub place: Spot,
     /// 1 for a full one.
     pub level: f64,
     /// Seconds until its release; infinite for one that is held.

@@ -4,6 +4,7 @@ use super::event::Play;
 use crate::graph::plan::{Instrument, Plan, Shared};
 use crate::graph::program::Feed;
 use crate::graph::start::FIELDS;
+use crate::space::spot::Spot;
 use crate::text::{Problem, nearest};
 
 impl Plan {
@@ -63,13 +64,14 @@ impl Plan {
         find("control that moves anything", name, self.controls.iter().map(|c| &*c.name)).map(|i| i as u32)
     }
 
-    /// A place's number, for [`Play::place`], by the name of its output.
+    /// A place, for [`Play::place`], by the name of its output or group; a point is one as it is, [`Spot::Point`].
     ///
     /// # Errors
     /// An output that the rig does not have.
-    pub fn place(&self, name: &str) -> Result<u32, Problem> {
-        let names = self.outputs.iter().take(self.places.len());
-        find("tactor or output", name, names.map(|o| &*o.name)).map(|i| i as u32)
+    pub fn place(&self, name: &str) -> Result<Spot, Problem> {
+        let names =
+            self.outputs.iter().map(|output| &*output.name).chain(self.together.iter().map(|name| &**name));
+        find("tactor or output", name, names.take(self.places.len())).map(|i| Spot::Row(i as u32))
     }
 
     /// An engine-wide signal's number, for [`super::task::Values::signal`], by the name of its control or shared node.
@@ -122,6 +124,7 @@ mod tests {
     use crate::node::asset::NoAssets;
     use crate::patch::Patch;
     use crate::rig::Rig;
+    use crate::space::spot::Spot;
 
     fn plan() -> Plan {
         let text = r#"
@@ -157,7 +160,7 @@ mod tests {
         let tap = plan.instruments.iter().position(|i| &*i.name == "tap").unwrap();
         let bite = plan.instruments[tap].fields.iter().position(|f| &**f == "bite").unwrap();
         let frequency = plan.instruments[tap].fields.iter().position(|f| &**f == "frequency").unwrap();
-        assert_eq!((play.instrument, play.place, play.level), (tap as u32, 1, 0.75));
+        assert_eq!((play.instrument, play.place, play.level), (tap as u32, Spot::Row(1), 0.75));
         assert_eq!((play.own[bite], play.own[frequency]), (-2.0, 90.0));
         assert_eq!(play.duration, f64::INFINITY);
         let play = plan.play("tap", &[("duration", 0.5), ("level", 0.1), ("frequency", 40.0)]).unwrap();
@@ -167,7 +170,7 @@ mod tests {
     #[test]
     fn names_find_their_numbers() {
         let plan = plan();
-        assert_eq!((plan.place("t1").unwrap(), plan.place("t3").unwrap()), (0, 2));
+        assert_eq!((plan.place("t1").unwrap(), plan.place("t3").unwrap()), (Spot::Row(0), Spot::Row(2)));
         assert_eq!(&*plan.controls[plan.control("strength").unwrap() as usize].name, "strength");
         let (slow, slower) = (plan.signal("slow").unwrap(), plan.signal("slower").unwrap());
         assert!(slow != slower && matches!(plan.shared[slow], Shared::Node(_)));

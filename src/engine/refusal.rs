@@ -77,6 +77,10 @@ impl Refusal {
                 return Err(Self::Place { place, channel, channels });
             }
         }
+        let shared = plan.spread.iter().flat_map(|spread| spread.channels());
+        if let Some(&(channel, _)) = shared.clone().find(|(channel, _)| beyond(*channel)) {
+            return Err(Self::Place { place: plan.places.len(), channel, channels });
+        }
         if let Some((output, o)) = plan.outputs.iter().enumerate().find(|(_, o)| beyond(o.channel)) {
             return Err(Self::Output { output, channel: o.channel, channels });
         }

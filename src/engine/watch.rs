@@ -274,6 +274,7 @@ impl Watcher {
 mod tests {
     use super::{Instant, Rising, STRETCH, Seen, Watch};
     use crate::graph::start::FIELDS;
+    use crate::space::spot::Spot;
 
     fn rising(threshold: f64, rearm: f64, hold: f64) -> Rising {
         let watch = Watch {
@@ -284,7 +285,7 @@ mod tests {
             rearm,
             hold,
             instrument: 0,
-            place: 0,
+            place: Spot::Row(0),
             level: 1.0,
             duration: 0.1,
             own: [0.0; FIELDS],

@@ -11,6 +11,7 @@ mod motors;
 mod not_yet;
 mod onset;
 mod order;
+pub mod places;
 pub mod plan;
 pub mod program;
 mod prune;

@@ -60,8 +60,11 @@ const SHOWN: usize = 16;
 /// Outputs that no event of the voices and patterns at hand can reach, where all of them are known: the events stand in the patch.
 pub fn never_fed(patch: &Patch, rig: &Rig, voices: &BTreeSet<usize>) -> Vec<LeftOut> {
     let mut fed = BTreeSet::new();
-    let finder = Finder::new(rig);
-    let mut reach = |place: Option<&Place>| fed.extend(rig.resolve_by(&finder, place, &(0..0)).ok());
+    let finder = Finder::with(rig, patch);
+    let mut reach = |place: Option<&Place>| {
+        let found = rig.resolve_by(&finder, place, &(0..0));
+        fed.extend(found.ok().into_iter().flat_map(|spot| finder.outputs(spot)));
+    };
     let sounding: HashSet<&str> = voices.iter().map(|v| patch.voices[*v].name.as_str()).collect();
     let sounds = |name: &str| sounding.contains(name);
     for &v in voices {

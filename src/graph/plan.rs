@@ -1,11 +1,15 @@
 //! The plan: everything the engine needs to know, and nothing it does not. Flat, without state.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
 use crate::dsp::biquad::Biquad;
 use crate::node::NodeKind;
 use crate::node::motion::Motion;
+
+use crate::space::law::Law;
+use crate::space::spot::{Spot, Spread};
 
 use crate::actuator::driver::book::Book;
 use crate::actuator::driver::homing::Homing;
@@ -64,6 +68,10 @@ pub struct Plan {
     pub instruments: Vec<Instrument>,
     /// Gain rows: a place as channels (from 0) with gains.
     pub places: Vec<Vec<(u32, f64)>>,
+    /// What the rows behind those of the outputs are called: groups, and lists of names.
+    pub together: Vec<Arc<str>>,
+    /// The tactors that share points; none where no point can be played.
+    pub spread: Option<Spread>,
     /// What hangs on channels: every output of the rig, those included that stay silent.
     pub outputs: Vec<Output>,
     /// The motors, in the order of their outputs.
@@ -99,6 +107,7 @@ impl Plan {
     #[cfg(feature = "report")]
     pub(crate) fn of_vibration(&self) -> Self {
         let mut plan = self.clone();
+        // What has a position vibrates.
         let turns = |channel: u32| self.drives.iter().any(|drive| drive.channel == channel);
         plan.places.iter_mut().for_each(|place| place.retain(|(channel, _)| !turns(*channel)));
         for output in plan.outputs.iter_mut().filter(|output| output.kind == OutputKind::Drive) {
@@ -106,6 +115,13 @@ impl Plan {
         }
         (plan.drives, plan.clicks, plan.homes, plan.protections) = Default::default();
         plan
+    }
+
+    /// What a place is called.
+    pub fn called(&self, spot: Spot) -> Cow<'_, str> {
+        let mut rows =
+            self.outputs.iter().map(|output| &*output.name).chain(self.together.iter().map(|name| &**name));
+        spot.name(|row| rows.nth(row))
     }
 
     /// Of each channel, what its output says, or `otherwise` where it has none.
@@ -165,7 +181,11 @@ pub struct Instrument {
     /// Their defaults.
     pub defaults: Vec<f64>,
     /// Its place where an event names none.
-    pub place: u32,
+    pub place: Spot,
+    /// By which law tactors share a point.
+    pub law: Law,
+    /// How far a point spreads, m.
+    pub width: f64,
     /// Seconds of silence after its envelopes have ended before it counts as over: what a delay may still bring. One that was
     /// released, whose envelopes have ended and which then does not become quieter either, by 3 % from one stretch of this and five
     /// seconds more to the next, fades.

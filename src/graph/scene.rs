@@ -13,8 +13,10 @@ use super::watch::{self, Watch};
 use crate::dsp::biquad::Biquad;
 use crate::node::NodeKind;
 use crate::node::asset::Assets;
-use crate::patch::{Action, Events, Patch, Scope, Source, Start, Trigger};
+use crate::patch::{Action, Events, Patch, Place, Scope, Source, Start, Trigger};
 use crate::rig::{self, Finder, RATES, Rig, usual_ratio};
+use crate::space::array::Array;
+use crate::space::spot::{Spot, Spread};
 use crate::text::{Problem, Problems};
 
 /// What may be chosen about a rendering.
@@ -104,7 +106,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     let mut wanted = Wanted::default();
     let scope = Scope::new(patch, None);
     let (mut instruments, mut of_voice) = (Vec::new(), vec![None; patch.voices.len()]);
-    let finder = Finder::new(rig);
+    let finder = Finder::with(rig, patch);
     for &v in &voices {
         let voice = &patch.voices[v];
         let graph = match build::voice(&scope, voice, assets, &mut wanted) {
@@ -116,7 +118,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         };
         let place = rig.resolve_by(&finder, voice.place.as_ref(), &voice.place_span).unwrap_or_else(|p| {
             problems.push(p);
-            0
+            Spot::default()
         });
         match compile(graph, true, device_rate / ratio as f64) {
             Ok(compiled) => {
@@ -127,7 +129,9 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
                     voices: voice.voices as usize,
                     fields: voice.fields.iter().map(|(n, _)| n.as_str().into()).collect(),
                     defaults: voice.fields.iter().map(|(_, x)| *x).collect(),
-                    place: place as u32,
+                    place,
+                    law: voice.law,
+                    width: voice.width,
                     tail: voice.tail.unwrap_or_else(|| tail(&compiled.program)),
                     level: voice.level,
                     always: voice.start == Start::Always,
@@ -152,6 +156,10 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         .iter()
         .map(|o| output(o, rig, device_rate / ratio as f64, &mut markers, &mut problems))
         .collect();
+    let mut points = options.live;
+    patch.each_place(|place, _| points |= matches!(place, Place::Position(_)));
+    let tables = patch.patterns.iter().any(|pattern| matches!(pattern.events, Events::File(..)));
+    let spread = if points || tables { spread(rig, &mut problems) } else { None };
     let drives = motors::drives(rig, [device_rate / ratio as f64, device_rate], &mut problems);
     let protections = motors::protections(rig, device_rate, &mut problems);
     let clicks = motors::clicks(rig, &drives, device_rate, &instruments, &mut problems);
@@ -181,7 +189,9 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         controls,
         watches,
         instruments,
-        places: rig.outputs.iter().map(place).collect(),
+        places: places_of(rig, &finder),
+        together: finder.called().map(Arc::from).collect(),
+        spread,
         outputs,
         drives,
         protections,
@@ -202,6 +212,32 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         return Err(patch.origin.problems(vec![Problem { span, ..need.problem() }]));
     }
     Ok(Scene { plan, patterns, instruments: of_voice })
+}
+
+/// Each output, and then what sounds together.
+fn places_of(rig: &Rig, finder: &Finder) -> Vec<Vec<(u32, f64)>> {
+    let of =
+        |all: &Vec<usize>| all.iter().filter_map(|output| rig.outputs.get(*output)).flat_map(place).collect();
+    rig.outputs.iter().map(place).chain(finder.together().iter().map(of)).collect()
+}
+
+/// The tactors that share points.
+fn spread(rig: &Rig, problems: &mut Vec<Problem>) -> Option<Spread> {
+    let tactors = rig.outputs.iter().filter(|output| output.kind == rig::OutputKind::Vibration);
+    let (positions, channels): (Vec<_>, Vec<_>) =
+        tactors.filter_map(|output| Some((output.position?, *place(output).first()?))).unzip();
+    if positions.is_empty() {
+        return None;
+    }
+    match Array::new(&positions) {
+        Ok(array) => Spread::new(array, channels),
+        Err(fault) => {
+            problems.push(Problem::of_file(format!(
+                "points cannot be shared by the tactors of the rig: {fault}"
+            )));
+            None
+        }
+    }
 }
 
 fn place(output: &rig::Output) -> Vec<(u32, f64)> {
@@ -421,9 +457,7 @@ fn watches(
             None => (voice.place.as_ref(), &voice.place_span),
         };
         match rig.resolve_by(finder, place, span) {
-            Ok(place) => {
-                watches.extend(watch::watch(trigger, voice, &scope, wanted, instrument, place as u32))
-            }
+            Ok(place) => watches.extend(watch::watch(trigger, voice, &scope, wanted, instrument, place)),
             Err(problem) => problems.push(problem),
         }
     }

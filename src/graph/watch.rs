@@ -9,6 +9,7 @@ use super::program::Feed;
 use super::start::FIELDS;
 use crate::node::asset::Assets;
 use crate::patch::{Patch, Scope, Source, Target, Trigger, Voice};
+use crate::space::spot::Spot;
 
 /// Engine samples from the instant at which a signal passes a threshold to the onset of what that sets off: always as many, so that
 /// what is seen only when some samples have been computed still begins at its instant.
@@ -39,7 +40,7 @@ pub struct Watch {
     /// The voice's instrument, by its place in the plan.
     pub instrument: u32,
     /// Where it sounds: a row of [`super::plan::Plan::places`].
-    pub place: u32,
+    pub place: Spot,
     /// Its level.
     pub level: f64,
     /// Seconds until its release.
@@ -108,7 +109,7 @@ pub(super) fn watch(
     scope: &Scope<'_>,
     wanted: &mut Wanted,
     instrument: u32,
-    place: u32,
+    place: Spot,
 ) -> Option<Watch> {
     let Source::Node { node, rises, threshold } = &trigger.on else { return None };
     let signal = wanted.number(match scope.find(node)? {
@@ -158,6 +159,7 @@ mod tests {
     use crate::node::asset::NoAssets;
     use crate::patch::Patch;
     use crate::rig::Rig;
+    use crate::space::spot::Spot;
 
     fn plan(text: &str, live: bool) -> Plan {
         let text = format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{text}");
@@ -190,8 +192,8 @@ mod tests {
             assert!(matches!(plan.shared[push.signal as usize], Shared::Control(0)));
             assert_eq!((heard.threshold, heard.rises, heard.rearm, heard.hold), (0.25, true, 0.25, 0.5));
             assert_eq!((push.threshold, push.rises, push.rearm, push.hold), (0.5, false, 0.6, 0.0));
-            assert_eq!((heard.place, heard.level, heard.duration), (2, 0.7, 0.3));
-            assert_eq!((push.place, push.level, push.duration), (1, 0.7, 0.1));
+            assert_eq!((heard.place, heard.level, heard.duration), (Spot::Row(2), 0.7, 0.3));
+            assert_eq!((push.place, push.level, push.duration), (Spot::Row(1), 0.7, 0.1));
             let field = |name: &str| plan.instruments[0].fields.iter().position(|f| **f == *name).unwrap();
             assert_eq!((heard.own[field("frequency")], heard.own[field("depth")]), (101.0, 3.0));
             assert_eq!(push.own[field("frequency")], 250.0);

@@ -96,7 +96,7 @@ pub fn survey(
         let is_new = match place {
             Place::Name(name) => names.len() < MOST_NAMES && names.insert(name.clone()),
             Place::Channel(channel) => channels.insert(*channel),
-            Place::Position(_) => false,
+            Place::Position(_) | Place::Names(_) => false,
         };
         if is_new {
             survey.places.push(place.clone());
@@ -163,6 +163,7 @@ mod tests {
     use crate::io::assets::Folder;
     use crate::patch::{Patch, Place};
     use crate::rig::Rig;
+    use crate::space::spot::Spot;
     use crate::text::Problems;
 
     const PATCH: &[u8] = b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"s\"\nnodes.s = { type = \"white\" }\n";
@@ -266,7 +267,8 @@ mod tests {
             std::fs::write(folder.join("w.csv"), text).unwrap();
             let found = survey(&files, "w.csv", &patch, |_| None).unwrap();
             assert_eq!(found.problems.is_empty(), good, "{before}: {:?}", found.problems);
-            let mut score = Score::new(&patch, |_| Ok(0), &[(0, 0.0)], 0, |path| open(&files, path)).unwrap();
+            let mut score =
+                Score::new(&patch, |_| Ok(Spot::Row(0)), &[(0, 0.0)], 0, |path| open(&files, path)).unwrap();
             assert_eq!(score.all(|event| event.is_ok()), good, "{before}");
             if let [problem] = &found.problems[..] {
                 assert!(problem.what.starts_with("`at` is 0"), "{problem}");

@@ -251,6 +251,18 @@ impl Patch {
         }
     }
 
+    /// Every list of names that is a place in it, those of triggers by hand included.
+    pub(crate) fn each_list(&self, mut see: impl FnMut(&[String])) {
+        let mut look = |place: &Option<Place>| {
+            if let Some(Place::Names(names)) = place {
+                see(names);
+            }
+        };
+        self.voices.iter().for_each(|voice| look(&voice.place));
+        self.triggers.iter().for_each(|trigger| look(&trigger.place));
+        self.each_play(|play, _| look(&play.place));
+    }
+
     /// Every voice that an event in it plays, alternatives included, with its pattern; those of events files are not.
     pub(crate) fn each_play<'a>(&'a self, mut see: impl FnMut(&'a Play, &'a Pattern)) {
         for pattern in &self.patterns {

@@ -2,14 +2,16 @@
 
 use crate::text::reader::{At, Reader};
 
-/// A place, as written: `"top"`, `3`, `[0.0, -0.2]`. A rig finds its tactor.
+/// A place, as written: `"top"`, `3`, `[0.0, -0.2]`, `["left", "right"]`. A rig finds its tactors.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Place {
-    /// The tactor of that name.
+    /// The tactor, or the group, of that name.
     Name(String),
+    /// Those of these names, each with the whole level.
+    Names(Vec<String>),
     /// A channel of the device, from 1.
     Channel(u32),
-    /// Metres; goes to the nearest tactor.
+    /// Metres; the tactors about it share it.
     Position([f64; 3]),
 }
 
@@ -19,8 +21,7 @@ pub const MAX_CHANNELS: u32 = 4096;
 /// The most metres from the origin, along each axis.
 pub const MOST_METRES: f64 = 1000.0;
 
-const WANTED: &str =
-    "it must be a tactor's name, a channel from 1 to 4096 or a position [x, y] or [x, y, z] in metres";
+const WANTED: &str = "it must be the name of a tactor or a group, a list of such names, a channel from 1 to 4096 or a position [x, y] or [x, y, z] in metres";
 
 /// Reads the place at a key.
 pub(crate) fn read(reader: &Reader, key: &str) -> Option<Place> {
@@ -28,7 +29,7 @@ pub(crate) fn read(reader: &Reader, key: &str) -> Option<Place> {
     let place = match (value.text(), value.count()) {
         (Some(name), _) if !name.is_empty() => Some(Place::Name(name.into())),
         (_, Some(n)) => channel(n).map(Place::Channel),
-        _ => position_of(&value).map(Place::Position),
+        _ => position_of(&value).map(Place::Position).or_else(|| names_of(&value).map(Place::Names)),
     };
     if place.is_none() {
         reader.wrong(key, &value, &wanted(&value, WANTED));
@@ -60,6 +61,13 @@ fn wanted(value: &At, otherwise: &str) -> String {
         ),
         None => otherwise.into(),
     }
+}
+
+/// Names, at least one and none of them empty.
+fn names_of(value: &At) -> Option<Vec<String>> {
+    let name = |value: At| value.text().filter(|name| !name.is_empty()).map(String::from);
+    let names: Vec<String> = value.list()?.map(name).collect::<Option<_>>()?;
+    (!names.is_empty()).then_some(names)
 }
 
 fn position_of(value: &At) -> Option<[f64; 3]> {

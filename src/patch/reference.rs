@@ -135,11 +135,19 @@ pub const TOPICS: &[Topic] = &[
     },
     Topic {
         name: "place",
-        written: "place = \"top\", place = 3 or place = [0, -0.2]",
+        written: "place = \"top\", place = 3, place = [0, -0.2] or place = [\"left\", \"right\"]",
         doc: "Where on the body.",
-        text: "- a name: the tactor of the rig that is called so\n\
+        text: "- a name: the tactor or the group of the rig that is called so; on each tactor of a group it has the whole level\n\
                - a whole number: what hangs on that channel of the device, from 1\n\
-               - two or three numbers: a position in metres; the nearest tactor of the rig that has a position plays it\n\n\
+               - two or three numbers: a position in metres, which the tactors about it share\n\
+               - a list of names: all of those, each with the whole level\n\n\
+               How a position is shared, the `law` and the `width` of the voice say. Of tactors in a line the two neighbours share it: the way from \
+               one to the other is divided at β, and their weights are 1 − β and β. Of tactors in a plane, or a gently curved sheet, the corners of a \
+               rectangle share what lies within by their parts of the way across and up, and elsewhere the corners of the triangles between them; of \
+               any others those nearby, the nearer the more. The law makes gains of weights: √w (`energy`, which keeps the power), \
+               log₂(1 + w) (`logarithmic`), w (`linear`), or all for the nearest (`nearest`). A `width` is the standard deviation of a Gaussian about the \
+               position; up to half of the tactors' spacing it goes over from the neighbours alone. What lies beside the tactors sounds at the nearest point \
+               between them. Where no tactor is at a position that two share, it is felt in between: the phantom sensation.\n\n\
                Without a rig there is a line of tactors `t1`, `t2`, ... on channels 1, 2, ..., 40 mm apart: 8, or as many as the patch \
                names.",
         tables: &[],

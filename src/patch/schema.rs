@@ -65,9 +65,10 @@ pub fn schema() -> Value {
 pub(crate) fn place() -> Value {
     json!({
         "oneOf": [
-            { "type": "string", "minLength": 1, "description": "Name of a tactor." },
+            { "type": "string", "minLength": 1, "description": "Name of a tactor or a group." },
             { "type": "integer", "minimum": 1, "maximum": super::place::MAX_CHANNELS, "description": "Channel, from 1." },
             { "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3, "description": "Position in metres." },
+            { "type": "array", "items": { "type": "string", "minLength": 1 }, "minItems": 1, "description": "Names of tactors or groups." },
         ],
     })
 }

@@ -4,6 +4,7 @@ use super::Permissions;
 use super::event::RESERVED;
 use super::node::{self, Node};
 use super::place::{self, Place};
+use crate::space::law::Law;
 use crate::text::Span;
 use crate::text::field::{Field, Form, Table};
 use crate::text::reader::{Reader, in_order};
@@ -27,6 +28,10 @@ pub struct Voice {
     pub tail: Option<f64>,
     /// Where it sounds unless its event says so; `None`: the rig's first tactor.
     pub place: Option<Place>,
+    /// By which law the tactors about a position share it.
+    pub law: Law,
+    /// How far a position spreads, m.
+    pub width: f64,
     /// Where that stands; the voice's place where there is none.
     pub place_span: Span,
     /// Level of an event that gives none.
@@ -40,6 +45,9 @@ pub struct Voice {
     /// Where it stands.
     pub span: Span,
 }
+
+/// The words of the laws, the usual one first.
+const LAWS: [&str; 4] = ["energy", "logarithmic", "linear", "nearest"];
 
 /// What starts a voice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,6 +69,8 @@ impl Voice {
             start: Start::Event,
             tail: None,
             place: None,
+            law: Law::Energy,
+            width: 0.0,
             place_span: 0..0,
             level: 1.0,
             duration: 0.1,
@@ -113,6 +123,18 @@ pub static TABLE: Table = Table {
             "Where it sounds unless its event says so; the first tactor where nothing is said.",
         ),
         Field::new(
+            "law",
+            Form::Word(&LAWS),
+            "",
+            "By which law the tactors about a position share it. With the share w of a tactor, its gain is √w (energy: the power stays), log₂(1 + w) (logarithmic) or w (linear); nearest: the nearest has all of it.",
+        ),
+        Field::new(
+            "width",
+            Form::number(0.0, 0.0, 10.0),
+            "m",
+            "How far a position spreads: the standard deviation of a Gaussian; 0: no farther than the tactors about it.",
+        ),
+        Field::new(
             "defaults",
             Form::One(&DEFAULTS),
             "",
@@ -148,6 +170,8 @@ pub(crate) fn read(name: &str, reader: &Reader, options: &Permissions, broken: &
     voice.tail = reader.number("tail");
     voice.place = place::read(reader, "place");
     voice.place_span = reader.span_of("place");
+    voice.law = LAWS[reader.word("law")].parse().unwrap_or_default();
+    voice.width = reader.number_or_default("width");
     voice.span = reader.span.clone();
     if let Some(defaults) = reader.one("defaults", format!("`defaults` of {}", reader.who)) {
         voice.level = defaults.number_or_default("level");

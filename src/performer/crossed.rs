@@ -36,7 +36,7 @@ impl Callings {
         });
         Self {
             voices: voices.collect(),
-            places: plan.outputs.iter().map(|output| Arc::clone(&output.name)).collect(),
+            places: plan.outputs.iter().map(|output| &output.name).chain(&plan.together).cloned().collect(),
             watches: plan.watches.iter().map(|watch| Arc::clone(&watch.name)).collect(),
             rate: plan.engine_rate(),
         }
@@ -56,7 +56,7 @@ impl Performer {
         };
         let what = Happening::Voice {
             name,
-            place: callings.places.get(play.place as usize).map_or("", |name| name),
+            place: &play.place.name(|row| callings.places.get(row).map(|name| &**name)),
             level: play.level,
             duration: play.duration,
             fields,

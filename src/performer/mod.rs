@@ -149,7 +149,7 @@ impl Performer {
                 *slot = voice;
             }
         }
-        let finder = Arc::new(Finder::new(&rig));
+        let finder = Arc::new(Finder::with(&rig, &patch));
         let hears = touch::heard(&plan);
         let targets = patch.controls.iter().map(|control| control.default).collect();
         let stream = |seconds: f64| (seconds > 0.0).then(|| Stream::new(seconds));
@@ -193,7 +193,7 @@ impl Performer {
 
     fn score(&self, roots: &[Root], seed: u64) -> Result<Score<'static>, Problem> {
         let (rig, finder) = (Arc::clone(&self.rig), Arc::clone(&self.finder));
-        let places = move |place: Option<&Place>| rig.resolve_by(&finder, place, &(0..0)).map(|i| i as u32);
+        let places = move |place: Option<&Place>| rig.resolve_by(&finder, place, &(0..0));
         let files = Arc::clone(&self.files);
         // Whoever panicked while a file was opened has left nothing half-done here.
         let open = move |path: &str| (files.lock().unwrap_or_else(PoisonError::into_inner))(path);
@@ -332,7 +332,7 @@ impl Performer {
         fields.extend(note.fields.iter().map(|(name, value)| (name.as_str(), *value)));
         let own = self.plan.play(&voice.name, &fields)?.own;
         let place = note.place.as_ref().or(voice.place.as_ref());
-        let place = self.rig.resolve_by(&self.finder, place, &(0..0))? as u32;
+        let place = self.rig.resolve_by(&self.finder, place, &(0..0))?;
         let id = whence.voice(self.played + 1);
         let play = Play { instrument, place, level, duration, own, id };
         if outlet.room(Source::Program) == 0 || !self.send(at, Source::Program, play, outlet) {
@@ -461,12 +461,12 @@ impl Performer {
         if self.listener.is_none() {
             return;
         }
-        let (patch, rig) = (Arc::clone(&self.patch), Arc::clone(&self.rig));
+        let (patch, rig, finder) = (Arc::clone(&self.patch), Arc::clone(&self.rig), Arc::clone(&self.finder));
         let voice = self.voice_of.get(play.instrument as usize);
         let Some(voice) = voice.and_then(|voice| patch.voices.get(*voice)) else { return };
         let what = Happening::Voice {
             name: &voice.name,
-            place: rig.outputs.get(play.place as usize).map_or("", |output| &output.name),
+            place: &play.place.name(|row| finder.name_of(&rig, row)),
             level: play.level,
             duration: play.duration,
             fields: &voice.fields,

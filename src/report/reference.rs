@@ -14,6 +14,7 @@ use crate::dsp::fade::{FADE, fade};
 use crate::dsp::random;
 use crate::engine::event::{Move, Play};
 use crate::graph::Base;
+use crate::graph::places::Places;
 use crate::graph::plan::{Plan, Shared};
 use crate::graph::program::{Feed, Program};
 use crate::graph::start::{FIELDS, Fields};
@@ -22,6 +23,7 @@ use crate::node::kernel::{LEAD, Onset, Twin};
 use crate::node::white::REACH;
 use crate::node::{spec::Kind, twin};
 use crate::schedule::Instant;
+use crate::space::spot::Spot;
 
 /// What every channel should hold, before the output stage, at the engine's rate; only 0 to 1 kHz counts.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,6 +107,7 @@ pub fn reference_watched<S>(
     let mut moves_of: HashMap<u64, Vec<(f64, Move)>> = HashMap::new();
     moves.iter().for_each(|moved| moves_of.entry(moved.1.id).or_default().push(*moved));
     let mut done = of_shared;
+    let mut places = Places::new(plan);
     for (at, play) in voices().chain(crossed.iter().copied()) {
         let Some(instrument) = plan.instruments.get(play.instrument as usize) else { continue };
         let (own, lasts) = (work(at, &play), lasts(at, &play));
@@ -117,7 +120,7 @@ pub fn reference_watched<S>(
         let rendered = voice.render(lasts, &shared, length * over, instrument.tail + QUIET, &mut within)?;
         let (first, samples, gain) = rendered;
         done += own * part;
-        for &(channel, part) in plan.places.get(play.place as usize).into_iter().flatten() {
+        for &(channel, part) in places.of(play.instrument as usize, play.place) {
             if let Some(low) = channels.get_mut(channel as usize) {
                 share(done)?;
                 decimator.add(&samples, first, gain * part, low);
@@ -191,7 +194,7 @@ fn shared<S>(
     }
     let play = Play {
         instrument: 0,
-        place: 0,
+        place: Spot::default(),
         level: 1.0,
         duration: f64::INFINITY,
         own: [0.0; FIELDS],

@@ -1,8 +1,9 @@
 //! Outputs of a rig in an order in which they are found at once, for many events on many tactors.
 
 use super::{Output, OutputKind, Rig};
-use crate::patch::Place;
-use std::collections::HashMap;
+use crate::patch::{Patch, Place};
+use crate::space::spot::Spot;
+use std::collections::{BTreeSet, HashMap};
 
 /// Where the outputs of a rig are found. It is that of the rig as it was when this was made.
 #[derive(Debug, Clone, Default)]
@@ -15,6 +16,13 @@ pub struct Finder {
     /// The axis along which tactors lie apart most, and the tactors that have a position in order along it.
     axis: usize,
     along: Vec<Tactor>,
+    /// What sounds together: groups, and lists of names in a patch, as outputs.
+    together: Vec<Vec<usize>>,
+    called: Vec<String>,
+    groups: HashMap<Box<str>, usize>,
+    lists: HashMap<Vec<String>, usize>,
+    /// How many outputs there are.
+    outputs: usize,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -30,9 +38,28 @@ pub(super) fn first(outputs: &[Output]) -> Option<usize> {
 }
 
 impl Finder {
+    /// That of a rig and of the lists of names in a patch.
+    pub fn with(rig: &Rig, patch: &Patch) -> Self {
+        let mut finder = Self::new(rig);
+        patch.each_list(|names| {
+            if finder.lists.contains_key(names) {
+                return;
+            }
+            let found: Option<Vec<Vec<usize>>> = names.iter().map(|name| finder.named(name)).collect();
+            if let Some(found) = found {
+                finder.lists.insert(names.to_vec(), finder.together.len());
+                let all: BTreeSet<usize> = found.into_iter().flatten().collect();
+                finder.together.push(all.into_iter().collect());
+                finder.called.push(names.join(" + "));
+            }
+        });
+        finder
+    }
+
     /// That of a rig.
     pub fn new(rig: &Rig) -> Self {
-        let mut finder = Self { first: first(&rig.outputs), ..Self::default() };
+        let outputs = rig.outputs.len();
+        let mut finder = Self { first: first(&rig.outputs), outputs, ..Self::default() };
         for (i, output) in rig.outputs.iter().enumerate() {
             finder.names.entry(output.name.as_str().into()).or_insert(i);
             finder.channels.entry(output.channel).or_insert(i);
@@ -49,16 +76,69 @@ impl Finder {
         finder.axis = (0..3).max_by(|a, b| spread(*a).total_cmp(&spread(*b))).unwrap_or(0);
         let axis = finder.axis;
         finder.along.sort_by(|a, b| a.at[axis].total_cmp(&b.at[axis]));
+        for group in &rig.groups {
+            let all = group.tactors.iter().filter_map(|name| finder.names.get(name.as_str()).copied());
+            let all = all.collect();
+            finder.groups.entry(group.name.as_str().into()).or_insert(finder.together.len());
+            finder.together.push(all);
+            finder.called.push(group.name.clone());
+        }
         finder
     }
 
-    /// The output at a place, by its place in [`Rig::outputs`]; where nothing is said, [`first`].
-    pub(super) fn find(&self, place: Option<&Place>) -> Option<usize> {
+    /// Outputs that sound together, by their places in [`Rig::outputs`]: what [`Spot::Row`] counts behind the outputs themselves.
+    pub fn together(&self) -> &[Vec<usize>] {
+        &self.together
+    }
+
+    /// What those are called: a group by its name, a list by all of its names.
+    pub fn called(&self) -> impl Iterator<Item = &str> {
+        self.called.iter().map(String::as_str)
+    }
+
+    /// What a row is called.
+    pub fn name_of<'a>(&'a self, rig: &'a Rig, row: usize) -> Option<&'a str> {
+        let output = rig.outputs.get(row).map(|output| output.name.as_str());
+        output.or_else(|| self.called.get(row.checked_sub(self.outputs)?).map(String::as_str))
+    }
+
+    /// The outputs that may sound where something was found.
+    pub fn outputs(&self, spot: Spot) -> Vec<usize> {
+        match spot {
+            Spot::Point(_) => self.along.iter().map(|tactor| tactor.output).collect(),
+            Spot::Row(row) if (row as usize) < self.outputs => vec![row as usize],
+            Spot::Row(row) => self.together.get(row as usize - self.outputs).cloned().unwrap_or_default(),
+        }
+    }
+
+    /// The tactor or the group of a name.
+    fn named(&self, name: &str) -> Option<Vec<usize>> {
+        let group = || self.together.get(*self.groups.get(name)?).cloned();
+        self.names.get(name).map(|output| vec![*output]).or_else(group)
+    }
+
+    /// Where something sounds; where nothing is said, on [`first`].
+    pub(super) fn find(&self, place: Option<&Place>) -> Option<Spot> {
+        let row = |row: usize| Spot::Row(u32::try_from(row).unwrap_or(u32::MAX));
+        let together = |number: &usize| row(self.outputs + number);
+        match place {
+            Some(Place::Position(position)) => (!self.along.is_empty()).then_some(Spot::Point(*position)),
+            Some(Place::Names(names)) => self.lists.get(names).map(together),
+            Some(Place::Name(name)) if !self.names.contains_key(name.as_str()) => {
+                self.groups.get(name.as_str()).map(together)
+            }
+            other => self.output(other).map(row),
+        }
+    }
+
+    /// The output at a place, by its place in [`Rig::outputs`]; where nothing is said, [`first`]; of a position, the nearest tactor.
+    pub(super) fn output(&self, place: Option<&Place>) -> Option<usize> {
         match place {
             None => self.first,
             Some(Place::Name(name)) => self.names.get(name.as_str()).copied(),
             Some(Place::Channel(channel)) => self.channels.get(channel).copied(),
             Some(Place::Position(position)) => self.nearest(position).map(|(_, output)| output),
+            Some(Place::Names(_)) => None,
         }
     }
 
@@ -125,15 +205,15 @@ mod tests {
             let finder = Finder::new(&rig);
             for _ in 0..200 {
                 let at = [number(21) as f64 / 20.0, number(21) as f64 / 20.0, number(9) as f64 / 20.0];
-                assert_eq!(finder.find(Some(&Place::Position(at))), nearest(&rig, &at), "{at:?}: {rig:?}");
+                assert_eq!(finder.output(Some(&Place::Position(at))), nearest(&rig, &at), "{at:?}: {rig:?}");
                 let (name, channel) = (format!("t{}", number(50)), number(50) as u32);
                 let by_name = rig.outputs.iter().position(|o| o.name == name);
-                assert_eq!(finder.find(Some(&Place::Name(name))), by_name);
+                assert_eq!(finder.output(Some(&Place::Name(name))), by_name);
                 let by_channel = rig.outputs.iter().position(|o| o.channel == channel);
-                assert_eq!(finder.find(Some(&Place::Channel(channel))), by_channel);
+                assert_eq!(finder.output(Some(&Place::Channel(channel))), by_channel);
             }
             let first = rig.outputs.iter().position(|o| o.kind == OutputKind::Vibration);
-            assert_eq!(finder.find(None), first);
+            assert_eq!(finder.output(None), first);
         }
     }
 
@@ -152,7 +232,7 @@ mod tests {
                 1 => Place::Channel(i as u32 + 1),
                 _ => Place::Position(rig.outputs[i].position.unwrap_or_default()),
             };
-            assert_eq!(finder.find(Some(&place)), Some(i));
+            assert_eq!(finder.output(Some(&place)), Some(i));
         }
     }
 }

@@ -7,6 +7,7 @@ mod coil;
 pub(crate) mod device;
 mod even;
 mod finder;
+pub(crate) mod group;
 mod motor;
 pub(crate) mod output;
 pub mod part;
@@ -23,6 +24,7 @@ pub use amplifier::{Amplifier, Drive};
 pub use device::{Coupling, Device, RATES, usual_ratio};
 pub use even::Even;
 pub use finder::Finder;
+pub use group::Group;
 pub use motor::{Lack, Wiring};
 pub use output::{Output, OutputKind, Turning};
 pub use schema::schema;
@@ -55,6 +57,8 @@ pub struct Rig {
     pub actuators: Vec<Actuator>,
     /// Outputs, tactors among them: tactors first, then `[[output]]`s, each in the order of the file.
     pub outputs: Vec<Output>,
+    /// Groups of tactors, in the order of the file.
+    pub groups: Vec<Group>,
 }
 
 /// The format that this version reads.
@@ -78,6 +82,7 @@ pub(crate) static TABLE: Table = Table {
             "Tactors. With neither tactors nor outputs, there is a line of them, one on each channel.",
         ),
         Field::new("output", Form::Many(&output::TABLE), "", "Outputs of any kind."),
+        Field::new("group", Form::Named(&group::TABLE), "", "Tactors that go by one name, by that name."),
     ],
     others: None,
 };
@@ -124,6 +129,7 @@ impl Rig {
             amplifiers: Vec::new(),
             actuators: Vec::new(),
             outputs: line(channels),
+            groups: Vec::new(),
         }
     }
 
@@ -210,6 +216,7 @@ impl Rig {
         problems.extend(self.contradiction());
         problems.extend(self.rectified());
         problems.extend(self.out_of_scale());
+        problems.extend(self.check_groups());
         let told = |output: &&Output| !(is_draft && self.is_unfinished(output));
         let wired = self.outputs.iter().filter(told).filter_map(|output| self.wiring(output)?.err());
         problems.extend(wired.take(Sink::MOST));
@@ -286,6 +293,7 @@ impl Rig {
         let actuators = reader.named("actuator", "actuator");
         let tactors = reader.many("tactor", |n| format!("tactor {n}"));
         let outputs = reader.many("output", |n| format!("output {n}"));
+        let groups = reader.named("group", "group");
         Self {
             title: reader.text("title").unwrap_or("").into(),
             description: reader.text("description").unwrap_or("").into(),
@@ -297,6 +305,7 @@ impl Rig {
                 .map(|r| output::read(r, true))
                 .chain(outputs.iter().map(|r| output::read(r, false)))
                 .collect(),
+            groups: groups.iter().map(|(name, r)| group::read(name, r)).collect(),
         }
     }
 }

@@ -1,12 +1,13 @@
 //! The rig format for people: its topics in the order in which one learns them.
 
-use super::{actuator, amplifier, device, even, output};
+use super::{actuator, amplifier, device, even, group, output};
 use crate::text::reference::{Defined, Topic};
 
 /// What stands where a key refers to something with a topic of its own.
 pub const DEFINED: Defined = &[
     ("format", "\"pacinian-rig/1\""),
     ("position", "[x, y] or [x, y, z]"),
+    ("names", "[\"thumb\", \"index\"]"),
     ("polarity", "1, -1 or \"invert\""),
     ("coupling", "\"dc\" or { high_pass = 8.0 }"),
 ];
@@ -61,7 +62,7 @@ pub const TOPICS: &[Topic] = &[
         name: "tactor",
         written: "[[tactor]]",
         doc: "An output for vibration.",
-        text: "Events find it by its `name`, its `channel` or its `position`, in metres from wherever the origin was put. What is done to what \
+        text: "Events find it by its `name`, by its `channel` or by that of a [group.NAME] it is in. What is played at a position, in metres from wherever the origin was put, is shared by the tactors about it that have a `position`. What is done to what \
                goes out, and in which order, stands at [[output]].",
         tables: &[&output::TACTOR],
         example: "[device]\n\
@@ -119,6 +120,27 @@ pub const TOPICS: &[Topic] = &[
                   channel = 2\n\
                   marker = \"go\"\n\
                   pulse = 0.01",
+    },
+    Topic {
+        name: "group",
+        written: "[group.NAME]",
+        doc: "Tactors that go by one name.",
+        text: "What is played at the group's name sounds on all of them, on each with the whole level. A patch makes groups for itself with lists: \
+               place = [\"left\", \"right\"]. Outputs of any kind but triggers may be in one; each may be in several.",
+        tables: &[&group::TABLE],
+        example: "[device]\n\
+                  channels = 2\n\
+                  \n\
+                  [[tactor]]\n\
+                  name = \"thumb\"\n\
+                  channel = 1\n\
+                  \n\
+                  [[tactor]]\n\
+                  name = \"index\"\n\
+                  channel = 2\n\
+                  \n\
+                  [group.pinch]\n\
+                  tactors = [\"thumb\", \"index\"]",
     },
     Topic {
         name: "actuator",

@@ -2,6 +2,7 @@
 
 use super::{Finder, Output, OutputKind, Rig};
 use crate::patch::{Patch, Place};
+use crate::space::spot::Spot;
 use crate::text::nearest::suggest;
 use crate::text::sink::Sink;
 use crate::text::{Problem, Span};
@@ -11,49 +12,55 @@ fn sounds(output: &Output) -> bool {
 }
 
 impl Rig {
-    /// The output, by its place in [`Rig::outputs`], on which a place sounds. `None` is the first tactor; a position goes to the
-    /// nearest tactor, the first in the list among equals. A name or a channel may be any output but a trigger.
+    /// Where a place sounds. `None` is the first tactor; a position is shared by the tactors that have one. A name or a channel may be any
+    /// output but a trigger, a name also a group. Lists of names are found by [`Rig::resolve_by`].
     ///
     /// # Errors
     /// Says what the rig lacks and suggests the nearest name; points at `span`.
-    pub fn resolve(&self, place: Option<&Place>, span: &Span) -> Result<usize, Problem> {
-        self.answer(|place| self.find(place), place, span)
+    pub fn resolve(&self, place: Option<&Place>, span: &Span) -> Result<Spot, Problem> {
+        self.resolve_by(&Finder::new(self), place, span)
     }
 
-    /// As [`Rig::resolve`], for many places: `finder` is this rig's.
+    /// As [`Rig::resolve`], for many places: `finder` is this rig's, and of the patch in which lists of names stand.
     ///
     /// # Errors
     /// As [`Rig::resolve`].
-    pub fn resolve_by(&self, finder: &Finder, place: Option<&Place>, span: &Span) -> Result<usize, Problem> {
-        self.answer(|place| finder.find(place), place, span)
-    }
-
-    fn answer(
-        &self,
-        find: impl Fn(Option<&Place>) -> Option<usize>,
-        place: Option<&Place>,
-        span: &Span,
-    ) -> Result<usize, Problem> {
+    pub fn resolve_by(&self, finder: &Finder, place: Option<&Place>, span: &Span) -> Result<Spot, Problem> {
         if let Some(Place::Position(position)) = place
             && !position.iter().all(|x| x.is_finite())
         {
             let what = format!("{position:?} is no position");
             return Err(Problem::error(span, what).help("give metres, finite numbers".to_string()));
         }
-        match (find(place).and_then(|i| self.outputs.get(i).map(|o| (i, o))), place) {
-            (Some((i, output)), _) if sounds(output) => Ok(i),
-            (Some((_, output)), _) => Err(Problem::error(
-                span,
-                format!(
-                    "output `{}` is a trigger: it gives pulses at markers and plays nothing",
-                    output.name
-                ),
-            )),
-            (None, Some(Place::Name(name))) => {
-                let names = self.outputs.iter().filter(|o| sounds(o)).map(|o| o.name.as_str());
-                Err(Problem::error(span, format!("the rig has no tactor `{name}`"))
-                    .help(suggest(name, names)))
+        let trigger = |spot| {
+            let outputs = finder.outputs(spot);
+            let output = outputs.iter().filter_map(|output| self.outputs.get(*output));
+            output.into_iter().find(|output| !sounds(output))
+        };
+        match (finder.find(place), place) {
+            (Some(spot), _) => match trigger(spot) {
+                None => Ok(spot),
+                Some(output) => Err(Problem::error(
+                    span,
+                    format!(
+                        "output `{}` is a trigger: it gives pulses at markers and plays nothing",
+                        output.name
+                    ),
+                )),
+            },
+            (None, Some(Place::Names(names))) => {
+                let lacks =
+                    names.iter().find(|name| finder.find(Some(&Place::Name(name.to_string()))).is_none());
+                Err(match lacks {
+                    Some(name) => self.lacks(name, span),
+                    None => {
+                        let what = format!("the list of names {names:?} stands nowhere in the patch");
+                        let help = "make it a [group.NAME] of the rig, and play that".to_string();
+                        Problem::error(span, what).help(help)
+                    }
+                })
             }
+            (None, Some(Place::Name(name))) => Err(self.lacks(name, span)),
             (None, Some(Place::Channel(channel))) if *channel == 0 || *channel > self.device.channels => {
                 let has = self.device.channels;
                 let what = format!(
@@ -82,26 +89,26 @@ impl Rig {
         }
     }
 
-    fn find(&self, place: Option<&Place>) -> Option<usize> {
-        match place {
-            None => super::finder::first(&self.outputs),
-            Some(Place::Name(name)) => self.outputs.iter().position(|o| o.name == *name),
-            Some(Place::Channel(channel)) => self.outputs.iter().position(|o| o.channel == *channel),
-            Some(Place::Position(position)) => self.nearest(position),
-        }
+    /// That nothing has a name, and which might have been meant.
+    fn lacks(&self, name: &str, span: &Span) -> Problem {
+        let outputs = self.outputs.iter().filter(|o| sounds(o)).map(|o| o.name.as_str());
+        let names = outputs.chain(self.groups.iter().map(|group| group.name.as_str()));
+        Problem::error(span, format!("the rig has no tactor `{name}`")).help(suggest(name, names))
     }
 
     /// Every place of a patch that the rig lacks, up to [`Sink::MOST`]; those of events files are left to their reader.
     pub fn check_places(&self, patch: &Patch) -> Vec<Problem> {
         let (mut problems, mut further, mut last) = (Vec::new(), 0_usize, 0..0);
-        let finder = Finder::new(self);
+        let finder = Finder::with(self, patch);
         patch.each_place(|place, span| {
             if problems.len() < Sink::MOST {
                 problems.extend(self.resolve_by(&finder, Some(place), span).err());
             } else {
                 // Without advice, which takes a look at every name there is.
-                let found = finder.find(Some(place)).and_then(|i| self.outputs.get(i));
-                if !found.is_some_and(sounds) {
+                let found = finder.find(Some(place)).map(|spot| finder.outputs(spot));
+                let sound =
+                    |all: &Vec<usize>| all.iter().all(|output| self.outputs.get(*output).is_some_and(sounds));
+                if !found.as_ref().is_some_and(sound) {
                     (further, last) = (further + 1, span.clone());
                 }
             }
@@ -126,7 +133,7 @@ impl Rig {
             if far > ASTRAY && problems.len() < Sink::MOST {
                 let shown = position.map(|x| x.to_string()).join(", ");
                 let what = format!(
-                    "the place [{shown}] is {far:.2} m from the nearest tactor, `{}`, which plays it",
+                    "the place [{shown}] is {far:.2} m from the nearest tactor, `{}`: it sounds at the rim",
                     output.name
                 );
                 let help = "positions are metres, of the patch as of the rig".to_string();
@@ -134,18 +141,6 @@ impl Rig {
             }
         });
         problems
-    }
-
-    fn nearest(&self, position: &[f64; 3]) -> Option<usize> {
-        let mut best: Option<(f64, usize)> = None;
-        for (i, output) in self.outputs.iter().enumerate() {
-            let (OutputKind::Vibration, Some(at)) = (&output.kind, &output.position) else { continue };
-            let far: f64 = at.iter().zip(position).map(|(a, b)| (a - b) * (a - b)).sum();
-            if best.is_none_or(|(least, _)| far < least) {
-                best = Some((far, i));
-            }
-        }
-        best.map(|(_, i)| i)
     }
 }
 
@@ -156,16 +151,16 @@ const ASTRAY: f64 = 0.5;
 mod tests {
     use crate::patch::{Patch, Place};
     use crate::rig::{OutputKind, Rig};
+    use crate::space::spot::Spot;
 
     #[test]
     fn finds_tactors_by_name_channel_and_position() {
         let rig = Rig::default_for(4);
         let find = |place| rig.resolve(Some(&place), &(0..0));
-        assert_eq!(find(Place::Name("t3".into())), Ok(2));
-        assert_eq!(find(Place::Channel(4)), Ok(3));
-        assert_eq!(find(Place::Position([0.05, 0.2, 0.0])), Ok(1), "40 mm is nearer than 80 mm");
-        assert_eq!(find(Place::Position([0.06, 0.0, 0.0])), Ok(1), "the first among equals");
-        assert_eq!(rig.resolve(None, &(0..0)), Ok(0));
+        assert_eq!(find(Place::Name("t3".into())), Ok(Spot::Row(2)));
+        assert_eq!(find(Place::Channel(4)), Ok(Spot::Row(3)));
+        assert_eq!(find(Place::Position([0.05, 0.2, 0.0])), Ok(Spot::Point([0.05, 0.2, 0.0])));
+        assert_eq!(rig.resolve(None, &(0..0)), Ok(Spot::Row(0)));
     }
 
     #[test]
@@ -196,7 +191,7 @@ mod tests {
         assert_eq!(wrong(&rig, Place::Channel(4)).what, "the rig has no tactor on channel 4");
         rig.outputs[0].kind = OutputKind::Trigger { marker: None, pulse: 0.005 };
         assert!(wrong(&rig, Place::Channel(1)).what.contains("is a trigger"));
-        assert_eq!(rig.resolve(None, &(0..0)), Ok(1));
+        assert_eq!(rig.resolve(None, &(0..0)), Ok(Spot::Row(1)));
         rig.outputs.clear();
         assert_eq!(rig.resolve(None, &(0..0)).unwrap_err().what, "the rig has no tactor");
         assert_eq!(wrong(&rig, Place::Position([0.0; 3])).what, "no tactor of the rig has a position");

@@ -15,6 +15,7 @@ pub fn schema() -> Value {
             "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3,
         }),
     );
+    defs.insert("names".into(), json!({ "type": "array", "items": { "type": "string" }, "minItems": 1 }));
     defs.insert("polarity".into(), json!({ "enum": [1, -1, "invert"], "default": 1 }));
     let coupling = refer(&COUPLING, &mut defs);
     defs.insert("coupling".into(), json!({ "oneOf": [{ "const": "dc" }, coupling] }));

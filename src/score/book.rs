@@ -6,10 +6,11 @@ use std::sync::Arc;
 use super::sheet::{Content, Deed, Deviations, Item, Nested, Play, Sheet};
 use super::{EventStream, FIELDS, Root, length};
 use crate::patch::{self, Action, Event, Events, Patch, Pattern, Place, Repeat};
+use crate::space::spot::Spot;
 use crate::text::{Problem, Span};
 
 /// Finds the output for a place.
-pub(super) type Places<'a> = Box<dyn FnMut(Option<&Place>) -> Result<u32, Problem> + Send + 'a>;
+pub(super) type Places<'a> = Box<dyn FnMut(Option<&Place>) -> Result<Spot, Problem> + Send + 'a>;
 
 /// Opens an events file.
 pub(super) type Files<'a> = Box<dyn FnMut(&str) -> Result<EventStream<'a>, Problem> + Send + 'a>;
@@ -21,7 +22,7 @@ struct Instrument {
     duration: f64,
     place: Option<Place>,
     /// The output for `place`, once it has been asked for.
-    output: Option<u32>,
+    output: Option<Spot>,
     fields: Vec<String>,
     own: [f64; FIELDS],
 }

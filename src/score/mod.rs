@@ -19,6 +19,7 @@ mod walk;
 use std::sync::Arc;
 
 use crate::patch::{Event, Patch, Place};
+use crate::space::spot::Spot;
 use crate::text::Problem;
 
 pub use crate::graph::start::FIELDS;
@@ -79,7 +80,7 @@ pub struct Note {
     /// Seconds from onset to release, from 0 to [`HORIZON`].
     pub duration: f64,
     /// Where, as the resolver of places said.
-    pub place: u32,
+    pub place: Spot,
     /// The voice's own fields in its order, defaults filled in; 0 past the last.
     pub own: [f64; FIELDS],
 }
@@ -122,7 +123,7 @@ impl<'a> Score<'a> {
     /// [`MOST_DEEP`].
     pub fn new(
         patch: &Patch,
-        places: impl FnMut(Option<&Place>) -> Result<u32, Problem> + Send + 'a,
+        places: impl FnMut(Option<&Place>) -> Result<Spot, Problem> + Send + 'a,
         roots: &[(usize, f64)],
         seed: u64,
         files: impl FnMut(&str) -> Result<EventStream<'a>, Problem> + Send + 'a,
@@ -137,7 +138,7 @@ impl<'a> Score<'a> {
     /// As [`Score::new`].
     pub fn of(
         patch: &Patch,
-        places: impl FnMut(Option<&Place>) -> Result<u32, Problem> + Send + 'a,
+        places: impl FnMut(Option<&Place>) -> Result<Spot, Problem> + Send + 'a,
         roots: &[Root],
         seed: u64,
         files: impl FnMut(&str) -> Result<EventStream<'a>, Problem> + Send + 'a,

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::patch::Repeat;
+use crate::space::spot::Spot;
 use crate::text::Span;
 
 /// A pattern, ready to be played.
@@ -106,7 +107,7 @@ pub(super) struct Play {
     /// The voice, by its place in the patch.
     pub voice: u32,
     /// Where.
-    pub place: u32,
+    pub place: Spot,
     /// Level.
     pub level: f64,
     /// Duration in the pattern's time.

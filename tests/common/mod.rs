@@ -13,6 +13,7 @@ use pacinian::node::asset::NoAssets;
 use pacinian::patch::Patch;
 use pacinian::rig::Rig;
 use pacinian::schedule::Instant;
+use pacinian::space::spot::Spot;
 
 /// A patch from its text, with its first line supplied.
 pub fn patch(text: &str) -> Patch {
@@ -34,7 +35,7 @@ pub fn compiled(text: &str, channels: u32, rate: f64) -> Scene {
 pub fn play(instrument: u32, place: u32, frequency: f64, duration: f64, id: u64) -> Play {
     let mut own = [0.0; FIELDS];
     own[0] = frequency;
-    Play { instrument, place, level: 1.0, duration, own, id }
+    Play { instrument, place: Spot::Row(place), level: 1.0, duration, own, id }
 }
 
 /// Schedules voices at engine samples.

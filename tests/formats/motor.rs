@@ -169,7 +169,7 @@ fn what_cannot_turn_is_refused_with_the_reason() {
         ),
         (
             [DEVICE, BRIDGE, "part = \"coin-10mm\"\ntorque_constant = 300", WIRED],
-            ["`inertia` is 0.0000000018, but must be at least", "`torque_constant`, in N m/A, is too large"],
+            ["`inertia` is 1.8e-9, but must be at least", "`torque_constant`, in N m/A, is too large"],
         ),
         (
             [DEVICE, BRIDGE, "part = \"coin-10mm\"\ntime_constant = 5e-5", WIRED],

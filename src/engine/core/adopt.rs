@@ -29,13 +29,15 @@ impl<R: Real> Core<R> {
             new.take_states(old, &inheritance.shared);
         }
         let now = Instant { sample: self.clock, fraction: 0 };
-        for ((bank, first), from) in self.banks.iter_mut().zip(&self.first).zip(&inheritance.instruments) {
+        for (number, ((bank, first), from)) in
+            self.banks.iter_mut().zip(&self.first).zip(&inheritance.instruments).enumerate()
+        {
             let from = from
                 .as_ref()
                 .and_then(|(from, ops)| Some((old.banks.get_mut(*from)?, ops, old.first.get(*from)?)));
             match from {
                 Some((bank_of_old, ops, first_of_old)) => {
-                    bank.adopt(bank_of_old, ops, &self.places, self.clock);
+                    bank.adopt(bank_of_old, ops, &mut self.places, number, self.clock);
                     for lane in 0..bank.lanes() {
                         if let Some((at, serial)) = old.ends.get(first_of_old + lane) {
                             self.ends.set(first + lane, at, serial);

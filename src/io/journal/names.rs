@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use crate::engine::event::{Event, Move, Play};
+use crate::graph::places::Places;
 use crate::graph::plan::Plan;
 use crate::node::motion::Motion;
 
@@ -15,8 +16,9 @@ use super::line::Line;
 #[derive(Debug, Clone)]
 pub struct Names {
     instruments: Vec<(Arc<str>, Vec<Arc<str>>)>,
-    /// With the gains in words.
-    places: Vec<(Arc<str>, String)>,
+    rows: Vec<Arc<str>>,
+    /// What tells the gains.
+    places: Places,
     controls: Vec<Arc<str>>,
     markers: Vec<Arc<str>>,
     /// Device frames for each engine sample.
@@ -26,19 +28,10 @@ pub struct Names {
 impl Names {
     /// Those of a plan.
     pub fn of(plan: &Plan) -> Self {
-        let gains = |row: &[(u32, f64)]| {
-            let mut words = String::new();
-            for (channel, gain) in row {
-                let between = if words.is_empty() { "" } else { ";" };
-                // A string takes whatever it is given.
-                let _ = write!(words, "{between}{}={gain}", channel + 1);
-            }
-            words
-        };
-        let outputs = plan.outputs.iter().map(|output| Arc::clone(&output.name));
         Self {
             instruments: plan.instruments.iter().map(|i| (Arc::clone(&i.name), i.fields.clone())).collect(),
-            places: outputs.zip(&plan.places).map(|(name, row)| (name, gains(row))).collect(),
+            rows: plan.outputs.iter().map(|output| &output.name).chain(&plan.together).cloned().collect(),
+            places: Places::new(plan),
             controls: plan.controls.iter().map(|control| Arc::clone(&control.name)).collect(),
             markers: plan.markers.clone(),
             ratio: plan.ratio as f64,
@@ -46,10 +39,13 @@ impl Names {
     }
 
     /// The line of an event, without its times.
-    pub fn line(&self, event: &Event) -> Line {
+    pub fn line(&mut self, event: &Event) -> Line {
+        if let Event::Play(play) = event {
+            return self.voice(play);
+        }
         let named = |names: &[Arc<str>], number: u32| names.get(number as usize).map(|name| name.to_string());
         match event {
-            Event::Play(play) => self.voice(play),
+            Event::Play(_) => Line::new(Kind::Voice),
             Event::Release(id) => Line { id: Some(*id), ..Line::new(Kind::Release) },
             Event::ReleaseAll => Line::new(Kind::ReleaseAll),
             Event::Silence(id, bits) => {
@@ -74,16 +70,22 @@ impl Names {
         }
     }
 
-    fn voice(&self, play: &Play) -> Line {
+    fn voice(&mut self, play: &Play) -> Line {
+        let mut gains = String::new();
+        for (channel, gain) in self.places.of(play.instrument as usize, play.place) {
+            let between = if gains.is_empty() { "" } else { ";" };
+            // A string takes whatever it is given.
+            let _ = write!(gains, "{between}{}={gain}", channel + 1);
+        }
         let instrument = self.instruments.get(play.instrument as usize);
-        let place = self.places.get(play.place as usize);
+        let place = play.place.name(|row| self.rows.get(row).map(|name| &**name));
         let own = instrument.into_iter().flat_map(|(_, fields)| fields).zip(play.own);
         let fields: BTreeMap<String, f64> = own.map(|(name, value)| (name.to_string(), value)).collect();
         Line {
             id: Some(play.id),
             name: instrument.map(|(name, _)| name.to_string()),
-            place: place.map(|(name, _)| name.to_string()),
-            gains: place.map(|(_, gains)| gains.clone()),
+            place: Some(place.into_owned()).filter(|name| !name.is_empty()),
+            gains: Some(gains),
             level: Some(play.level),
             duration: Some(play.duration).filter(|duration| duration.is_finite()),
             fields,

@@ -21,6 +21,7 @@ use crate::live::gate::Gate;
 use crate::live::provenance::Provenance;
 use crate::node::motion::Motion;
 use crate::schedule::Instant;
+use crate::space::spot::Spot;
 
 /// Frames of a block.
 const BLOCK: usize = 4096;
@@ -101,13 +102,17 @@ pub struct Replay<R> {
 /// The numbers of a plan's names.
 struct Numbers {
     plan: Plan,
-    places: HashMap<String, u32>,
+    places: HashMap<String, Spot>,
 }
 
 impl Numbers {
     fn of(plan: Plan) -> Self {
-        let outputs = plan.outputs.iter().take(plan.places.len()).enumerate();
-        let places = outputs.map(|(number, output)| (output.name.to_string(), number as u32)).collect();
+        let names = plan.outputs.iter().map(|output| &output.name).chain(&plan.together);
+        let rows = names.take(plan.places.len()).enumerate();
+        let mut places = HashMap::new();
+        for (number, name) in rows {
+            places.entry(name.to_string()).or_insert(Spot::Row(number as u32));
+        }
         Self { plan, places }
     }
 }
@@ -373,8 +378,9 @@ impl<R: BufRead> Replay<R> {
         fields.extend(line.fields.iter().map(|(name, value)| (name.as_str(), *value)));
         let play = self.names.plan.play(name, &fields).map_err(|problem| problem.to_string())?;
         let place = line.place.as_deref().unwrap_or_default();
-        let place = self.names.places.get(place).ok_or_else(|| format!("there is no output `{place}`"))?;
-        Ok(Play { place: *place, id: line.id.ok_or("a voice must have an id")?, ..play })
+        let named = self.names.places.get(place).copied().or_else(|| Spot::point(place));
+        let place = named.ok_or_else(|| format!("there is no output `{place}`"))?;
+        Ok(Play { place, id: line.id.ok_or("a voice must have an id")?, ..play })
     }
 
     fn swap(&mut self) -> Result<(), ReplayError> {

@@ -4,6 +4,7 @@ use crate::engine::event::{Event, Play, Source};
 use crate::midi::{Channel, pitch};
 use crate::node::motion::Motion;
 use crate::schedule::Instant;
+use crate::space::spot::Spot;
 
 /// Keeps what it is sent.
 #[derive(Default)]
@@ -68,11 +69,11 @@ fn a_key_holds_its_voice_and_gives_level_pitch_and_place() {
         .collect();
     let [(first_at, first), (_, last)] = plays[..] else { panic!("{plays:?}") };
     assert_eq!(*first_at, Instant::of_samples(4000.0));
-    assert_eq!((first.level, first.duration, first.place), (1.0, f64::INFINITY, 0));
+    assert_eq!((first.level, first.duration, first.place), (1.0, f64::INFINITY, Spot::Row(0)));
     // Two octaves and nine semitones below 440 Hz.
     assert!((first.own[0] - 440.0 * f64::exp2(-33.0 / 12.0)).abs() < 1e-9);
     // Sixteen keys on eight tactors: the last two share the last.
-    assert_eq!((last.level, last.place), (64.0 / 127.0, 7));
+    assert_eq!((last.level, last.place), (64.0 / 127.0, Spot::Row(7)));
     let (first, last) = (first.id, last.id);
     send(&mut performer, &mut kept, 1.0, off(0, 51));
     assert_eq!(kept.0.last().map(|(_, e)| *e), Some(Event::Release(last)));
@@ -95,7 +96,7 @@ fn what_is_said_goes_before_what_is_played() {
     assert!(kept.0.is_empty(), "channel 1 is not meant");
     send(&mut performer, &mut kept, 0.0, on(9, 60, 127));
     let Some((_, Event::Play(play))) = kept.0.first() else { panic!("{:?}", kept.0) };
-    assert_eq!((play.level, play.duration, play.own[0], play.place), (0.5, 0.2, 100.0, 2));
+    assert_eq!((play.level, play.duration, play.own[0], play.place), (0.5, 0.2, 100.0, Spot::Row(2)));
     // It ends by itself.
     send(&mut performer, &mut kept, 0.1, off(9, 60));
     assert_eq!(kept.0.len(), 1);

@@ -11,6 +11,7 @@ use super::{EventStream, Note, Score, Timed, What};
 use crate::patch::{
     self, Action, Alternative, Event, Events, Patch, Pattern, Place, Play, Repeat, TimeBase, Voice,
 };
+use crate::space::spot::Spot;
 use crate::text::Problem;
 
 fn pattern(name: &str, events: Vec<Event>) -> Pattern {
@@ -82,10 +83,10 @@ fn patch(patterns: Vec<Pattern>) -> Patch {
     Patch { voices: vec![Voice::new("a", "out"), b], patterns, ..Patch::default() }
 }
 
-fn output(place: Option<&Place>) -> Result<u32, Problem> {
+fn output(place: Option<&Place>) -> Result<Spot, Problem> {
     match place {
-        None => Ok(0),
-        Some(Place::Channel(n)) => Ok(*n),
+        None => Ok(Spot::Row(0)),
+        Some(Place::Channel(n)) => Ok(Spot::Row(*n)),
         Some(_) => Err(Problem::of_file("only channels here")),
     }
 }

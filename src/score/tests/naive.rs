@@ -1,6 +1,7 @@
 //! The score against a naive one: everything written out at once by recursion, then sorted. All numbers are sums of few
 //! powers of two, so both must agree to the bit.
 
+use crate::space::spot::Spot;
 use proptest::prelude::{BoxedStrategy, Just, Strategy, any, prop, prop_oneof, proptest};
 
 use super::{event, nested, patch, pattern, score, voice};
@@ -52,7 +53,7 @@ impl Naive<'_> {
                             };
                             let level = play.level.unwrap_or(v.level) * gain;
                             let duration = play.duration.unwrap_or(v.duration) * unit / rate;
-                            let note = Note { voice, level, duration, place, own };
+                            let note = Note { voice, level, duration, place: Spot::Row(place), own };
                             self.out.push((at, path, index, What::Play(note)));
                         }
                         Action::Choose(_) => unreachable!(),

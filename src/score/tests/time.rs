@@ -1,5 +1,6 @@
 //! Order, laziness, lengths.
 
+use crate::space::spot::Spot;
 use proptest::prelude::{Just, any, prop, proptest};
 
 use super::naive::patches;
@@ -142,6 +143,10 @@ fn tempo_counts_delay_repetition_and_durations_in_beats() {
     let p = Pattern { time: TimeBase::Beats(30.0), follows: false, rate: 4.0, ..pattern("p", vec![b]) };
     let played = all(&patch(vec![p]), 0);
     assert_eq!(times(&played), [0.75, 1.75, 2.75]);
-    assert!(played.iter().all(|t| note(t).duration == 1.0 && note(t).level == 0.5 && note(t).place == 7));
+    assert!(
+        played
+            .iter()
+            .all(|t| note(t).duration == 1.0 && note(t).level == 0.5 && note(t).place == Spot::Row(7))
+    );
     assert_eq!(note(&played[0]).own, [250.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
 }

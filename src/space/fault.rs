@@ -1,0 +1,139 @@
+//! What cannot be, where, and what to do about it.
+
+use super::point::Point;
+use std::fmt;
+
+/// Why an array, a path, a stroke or a layout is refused. `Display` says what it was, where, and what to do.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Fault {
+    /// A word that names no law.
+    Law(String),
+    /// An array without a tactor.
+    NoTactor,
+    /// More tactors than [`MOST_TACTORS`](super::array::MOST_TACTORS).
+    TooMany(usize),
+    /// A position of an array, counted from 0, that is not finite or beyond [`FARTHEST`](super::array::FARTHEST).
+    Position(usize, Point),
+    /// A path with fewer than two points: how many it has.
+    FewPoints(usize),
+    /// A point of a path, counted from 0, that is not finite or beyond [`FARTHEST`](super::array::FARTHEST).
+    PathPoint(usize, Point),
+    /// A path whose points are all at one place.
+    NoLength(Point),
+    /// A path that takes no time, or a time that is no number: its seconds.
+    NoTime(f64),
+    /// A path with another number of times than points: times, points.
+    Times(usize, usize),
+    /// A time of a path, counted from 0, that is not after the one before it: its number, the time, and the least it may be.
+    TimeOrder(usize, f64, f64),
+    /// A stroke that is over before its second burst may begin: its seconds, and what it must be longer than.
+    TooFast(f64, f64),
+    /// An illusion of motion over fewer than two places.
+    FewPlaces(usize),
+    /// A quantity outside its range: its name, what it was, the least and the most it may be.
+    Range(&'static str, f64, f64, f64),
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let far = super::array::FARTHEST;
+        match self {
+            Self::Law(name) => {
+                write!(f, "`{name}` is no law of sharing: write nearest, linear, logarithmic or energy")
+            }
+            Self::NoTactor => write!(f, "no tactor has a position: give at least one"),
+            Self::TooMany(count) => {
+                write!(
+                    f,
+                    "an array has {count} tactors, but may have {}: split it",
+                    super::array::MOST_TACTORS
+                )
+            }
+            Self::Position(index, point) => write!(
+                f,
+                "the position {} of tactor {} must be three numbers within ±{far} metres",
+                Shown(*point),
+                index + 1
+            ),
+            Self::FewPoints(count) => {
+                write!(f, "a path has {count} points, but needs two: for a place that stays, give a point")
+            }
+            Self::PathPoint(index, point) => write!(
+                f,
+                "point {} of a path, {}, must be three numbers within ±{far} metres",
+                index + 1,
+                Shown(*point)
+            ),
+            Self::NoLength(point) => write!(
+                f,
+                "every point of a path lies at {}: for a place that stays, give a point",
+                Shown(*point)
+            ),
+            Self::NoTime(seconds) => write!(f, "a path takes {seconds} s, but must take more than 0"),
+            Self::Times(times, points) => {
+                write!(f, "a path of {points} points has {times} times: give each point one")
+            }
+            Self::TimeOrder(index, time, least) => write!(
+                f,
+                "time {} of a path is {time} s, but must be {} {least}: times rise from point to point",
+                index + 1,
+                if *index == 0 { "at least" } else { "above" }
+            ),
+            Self::TooFast(seconds, least) => write!(
+                f,
+                "a stroke of {:.1} ms is over before its second burst may begin: let it last more than {:.1} ms",
+                seconds * 1e3,
+                least * 1e3
+            ),
+            Self::FewPlaces(count) => write!(f, "motion needs two places or more, but has {count}: add one"),
+            Self::Range(name, value, least, most) => {
+                write!(f, "`{name}` is {value}, but must be within {least} and {most}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Fault {}
+
+/// A point as a file has it.
+struct Shown(Point);
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let [x, y, z] = self.0;
+        write!(f, "[{x}, {y}, {z}]")
+    }
+}
+
+/// Refuses what is outside a range, or no number.
+///
+/// # Errors
+/// Name, value and range.
+pub(super) fn within(name: &'static str, value: f64, least: f64, most: f64) -> Result<(), Fault> {
+    if (least..=most).contains(&value) { Ok(()) } else { Err(Fault::Range(name, value, least, most)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Fault, within};
+
+    #[test]
+    fn it_says_what_where_and_what_to_do() {
+        assert_eq!(
+            Fault::Position(2, [0.0, f64::NAN, 1.5]).to_string(),
+            "the position [0, NaN, 1.5] of tactor 3 must be three numbers within ±1000000 metres"
+        );
+        assert_eq!(
+            Fault::TimeOrder(1, 0.5, 0.5).to_string(),
+            "time 2 of a path is 0.5 s, but must be above 0.5: times rise from point to point"
+        );
+        assert_eq!(
+            Fault::TooFast(0.04, 0.0473).to_string(),
+            "a stroke of 40.0 ms is over before its second burst may begin: let it last more than 47.3 ms"
+        );
+        let text = within("spacing", f64::NAN, 0.001, 1.0).unwrap_err().to_string();
+        assert_eq!(text, "`spacing` is NaN, but must be within 0.001 and 1");
+        assert!(within("x", 0.0, 0.0, 1.0).is_ok() && within("x", 1.0, 0.0, 1.0).is_ok());
+        assert!(within("x", -1e-9, 0.0, 1.0).is_err() && within("x", f64::INFINITY, 0.0, 1.0).is_err());
+    }
+}

@@ -1,0 +1,108 @@
+//! How a tactor's weight becomes its gain.
+
+use super::fault::Fault;
+use crate::dsp::elementary::ln;
+use std::fmt;
+use std::str::FromStr;
+
+/// The law by which tactors share what is felt between them. Weights are 0 or more and 1 in sum.
+///
+/// Between two tactors, β of the way from the first to the second, these are the laws of the phantom sensation: linear A(1 − β) and
+/// Aβ, logarithmic A log₂(2 − β) and A log₂(1 + β) (Alles 1970), energy A √(1 − β) and A √β (Israr & Poupyrev, "Tactile Brush", CHI 2011).
+/// As functions of the weight they hold for more tactors than two as well.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Law {
+    /// The nearest tactor alone, at its whole gain.
+    Nearest,
+    /// The weight itself: gains are 1 in sum.
+    Linear,
+    /// log₂(1 + w): between linear and energy.
+    Logarithmic,
+    /// √w: the squares of the gains are 1 in sum, so that the power stays.
+    #[default]
+    Energy,
+}
+
+impl Law {
+    /// All of them, in the order of their gains.
+    pub const ALL: [Self; 4] = [Self::Nearest, Self::Linear, Self::Logarithmic, Self::Energy];
+
+    /// Its word in a file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nearest => "nearest",
+            Self::Linear => "linear",
+            Self::Logarithmic => "logarithmic",
+            Self::Energy => "energy",
+        }
+    }
+
+    /// The gain of a weight, within 0 and 1 as the weight is; what is not a number counts as 0. For the audio thread.
+    #[inline]
+    pub fn gain(self, weight: f64) -> f64 {
+        let w = if weight > 0.0 { weight.min(1.0) } else { 0.0 };
+        match self {
+            Self::Nearest | Self::Linear => w,
+            Self::Logarithmic => ln(1.0 + w) * std::f64::consts::LOG2_E,
+            Self::Energy => w.sqrt(),
+        }
+    }
+}
+
+impl FromStr for Law {
+    type Err = Fault;
+    fn from_str(word: &str) -> Result<Self, Fault> {
+        Self::ALL.into_iter().find(|law| law.name() == word).ok_or_else(|| Fault::Law(word.to_string()))
+    }
+}
+
+impl fmt::Display for Law {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Law;
+
+    #[test]
+    fn half_way_between_two_tactors_each_has_the_published_gain() {
+        let half = |law: Law| law.gain(0.5);
+        assert_eq!(half(Law::Linear), 0.5);
+        assert!((half(Law::Logarithmic) - 0.584_962_500_721_156_2).abs() < 1e-15);
+        assert!((half(Law::Energy) - 0.5_f64.sqrt()).abs() < 1e-15);
+        for n in 0..=1000 {
+            let beta = f64::from(n) / 1000.0;
+            let (first, second) = (Law::Logarithmic.gain(1.0 - beta), Law::Logarithmic.gain(beta));
+            assert!((first - (2.0 - beta).log2()).abs() < 1e-15, "{beta}");
+            assert!((second - (1.0 + beta).log2()).abs() < 1e-15, "{beta}");
+        }
+    }
+
+    #[test]
+    fn ends_are_exact_gains_rise_and_nothing_but_numbers_comes_out() {
+        for law in Law::ALL {
+            assert_eq!((law.gain(0.0), law.gain(1.0)), (0.0, 1.0), "{law}");
+            let wild = [f64::NAN, f64::NEG_INFINITY, -1.0, f64::INFINITY, 7.0];
+            assert_eq!(wild.map(|w| law.gain(w)), [0.0, 0.0, 0.0, 1.0, 1.0], "{law}");
+            assert!(
+                (0..1000).all(|n| law.gain(f64::from(n) * 1e-3) < law.gain(f64::from(n + 1) * 1e-3)),
+                "{law}"
+            );
+        }
+        // Each is at least as loud as the one before it.
+        for n in 1..1000 {
+            let gains = Law::ALL.map(|law| law.gain(f64::from(n) * 1e-3));
+            assert!(gains.windows(2).all(|pair| pair[0] <= pair[1]), "{n}");
+        }
+    }
+
+    #[test]
+    fn words_name_laws_and_back() {
+        assert!(Law::ALL.into_iter().all(|law| law.to_string().parse() == Ok(law)));
+        assert_eq!(Law::default(), Law::Energy);
+        let problem = "Energy".parse::<Law>().unwrap_err().to_string();
+        assert_eq!(problem, "`Energy` is no law of sharing: write nearest, linear, logarithmic or energy");
+    }
+}
