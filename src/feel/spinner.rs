@@ -4,7 +4,7 @@ use super::heat::Heat;
 use crate::actuator::drive::Drive as Imposed;
 use crate::actuator::fault::Fault;
 use crate::actuator::link::amplifier::Amplifier;
-use crate::actuator::link::carrier::Rectifier;
+use crate::actuator::link::carrier::Carrier;
 use crate::actuator::link::diodes::Diodes;
 use crate::actuator::motor::{Casing, Drive, Level, Motor, Parameters, Part, Plan, Wish};
 
@@ -74,7 +74,7 @@ impl Spinner {
         parameters: &Parameters,
         (plan, steps): (Plan, u32),
         amplifier: &Amplifier,
-        rectifier: Option<Rectifier>,
+        carrier: Option<&Carrier>,
         rate: f64,
         heat: Heat,
     ) -> Result<Self, Fault> {
@@ -84,7 +84,7 @@ impl Spinner {
             steps,
             rate,
             compliance: current.then_some(amplifier.volts.unwrap_or(f64::INFINITY)),
-            diodes: rectifier.map(|rectifier| Diodes::new(rectifier, rate * f64::from(steps))),
+            diodes: carrier.map(|carrier| Diodes::new(carrier.rectifier, rate * f64::from(steps))),
             held: parameters.casing == Casing::Held,
             given: [0.0; 2],
             current: 0.0,
@@ -96,12 +96,13 @@ impl Spinner {
         })
     }
 
-    /// Holds each drive (V or A) for a sample; the mean acceleration, or force, over each.
+    /// Holds each drive (V or A) for a sample, or, before diodes, for a step; the mean acceleration, or force, over each sample.
     pub fn run(&mut self, drives: &[f64], felt: &mut [[f64; 2]]) {
-        for (drive, felt) in drives.iter().zip(felt) {
+        let each = if self.diodes.is_some() { self.steps as usize } else { 1 };
+        for (drives, felt) in drives.chunks_exact(each).zip(felt) {
             if let Some(diodes) = self.diodes {
-                self.pass(&diodes, *drive);
-            } else {
+                self.pass(&diodes, drives);
+            } else if let [drive] = drives {
                 self.motor.drive(match self.compliance {
                     None => Drive::Voltage(*drive),
                     Some(limit) => Drive::Current { amperes: *drive, limit },
@@ -119,12 +120,12 @@ impl Spinner {
     }
 
     /// A sample behind diodes, and what passed the terminals in it.
-    fn pass(&mut self, diodes: &Diodes, source: f64) {
+    fn pass(&mut self, diodes: &Diodes, sources: &[f64]) {
         let p = *self.motor.parameters();
         let (mut charge, mut energy) = (0.0, 0.0);
         let (mut current, mut turned) = (self.current, self.turned);
-        for _ in 0..self.steps {
-            diodes.step(&mut self.motor, source, |motor, volts, seconds| {
+        for source in sources {
+            diodes.step(&mut self.motor, *source, |motor, volts, seconds| {
                 if let Some(volts) = volts {
                     let stored = p.inductance * (motor.current() - current);
                     let passed =
