@@ -6,7 +6,7 @@ use crate::actuator::fault::Fault;
 use crate::actuator::link::amplifier::Amplifier;
 use crate::actuator::link::carrier::Carrier;
 use crate::actuator::link::diodes::Diodes;
-use crate::actuator::motor::{Casing, Drive, Level, Motor, Parameters, Part, Plan, Wish};
+use crate::actuator::motor::{Casing, Drive, Level, MOST_DRIVE, Motor, Parameters, Part, Plan, Wish};
 
 /// A rumble motor, what drives it, and what is seen of it.
 #[derive(Debug, Clone)]
@@ -148,14 +148,17 @@ impl Spinner {
         let p = self.motor.parameters();
         let (current, volts, turned) = (self.motor.current(), self.motor.voltage(), self.motor.turned());
         let back = p.gain * (turned - self.turned);
-        let charge = if self.compliance.is_some() && current == drive {
+        // The model takes less than 1e-30 A for none, and what is no drive for a short circuit: neither is a limit.
+        let is_limited = self.compliance.is_some_and(|limit| current != drive && volts.abs() >= limit);
+        let is_held = self.compliance.is_some() && !is_limited && drive.abs() <= MOST_DRIVE;
+        let charge = if is_held {
             self.energy += current * (p.resistance * current / self.rate + back);
             current / self.rate
         } else {
             let stores = self.motor.plan().inductance && self.motor.plan().level != Level::Economy;
             let stored = if stores { p.inductance * (current - self.current) } else { 0.0 };
             let charge = (volts / self.rate - stored - back) / p.resistance;
-            self.limited += u64::from(self.compliance.is_some());
+            self.limited += u64::from(is_limited);
             self.energy += volts * charge;
             charge
         };
