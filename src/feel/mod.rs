@@ -46,7 +46,6 @@ mod figures;
 mod heat;
 mod left;
 mod mover;
-mod rectified;
 mod simulation;
 mod spinner;
 mod swinger;

@@ -3,7 +3,6 @@
 use super::figures::Figures;
 use super::heat::Heat;
 use super::left::Left;
-use super::rectified::parts;
 use super::spinner::{Spinner, plan, with_coil};
 use super::swinger::Swinger;
 use super::trace::{Axis, Unit};
@@ -12,6 +11,7 @@ use crate::actuator::drive::Drive;
 use crate::actuator::fault::Fault;
 use crate::actuator::link::amplifier::Amplifier;
 use crate::actuator::link::carrier::Carrier;
+use crate::actuator::link::fineness::parts;
 use crate::actuator::motor::{Casing, GRAVITY, Level, Part};
 use crate::rig::{Actuator, Model, Output, OutputKind};
 
