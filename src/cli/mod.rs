@@ -42,6 +42,7 @@ mod plot;
 mod problems;
 mod progress;
 mod provenance;
+mod pushes;
 mod render;
 mod replay;
 mod rig;

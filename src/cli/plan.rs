@@ -7,6 +7,7 @@ use super::left_out::{Left, left_out, left_out_text};
 use super::load::Loaded;
 use super::paint::Paint;
 use super::patterns::{PatternReport, lines, patterns};
+use super::pushes::Push;
 use super::table::{Table, hertz, many};
 use pacinian::actuator::driver::coast::Coast;
 use pacinian::graph::plan::{Modulation, OutputKind, Plan, Precision};
@@ -131,6 +132,8 @@ struct MotorReport {
     pulses: Option<[f64; 2]>,
     /// Before a rectifier: hertz of the carrier, and seconds in which the motor rolls out, as nothing brakes it.
     carrier: Option<[f64; 2]>,
+    /// Before a rectifier: what clicks, which are pushes there, come to.
+    pushes: Vec<Push>,
     /// Behind coupling.
     coupled: Option<Coupled>,
     /// The way home, where a voice sends it there: s, where the mass hangs then, rad from straight down, and by how much it may be elsewhere.
@@ -159,13 +162,14 @@ impl OutputReport {
                 ),
             )
         });
+        let pushes: String = motor.pushes.iter().filter_map(Push::text).collect();
         let coupled = motor.coupled.as_ref().map_or(String::new(), |coupled| coupled.text(unit));
         let home = motor.home.map_or(String::new(), |[seconds, angle, spread]| {
             let (angle, spread) = (angle.to_degrees(), spread.to_degrees());
             format!(", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°")
         });
         Some(format!(
-            "{} within {:.3} {unit}{by}, {:.1} ms late{pulses}{home}{rolls}{coupled}",
+            "{} within {:.3} {unit}{by}, {:.1} ms late{pulses}{home}{rolls}{pushes}{coupled}",
             motor.shaping, motor.limit, motor.late_ms
         ))
     }
@@ -415,6 +419,13 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
         }
         Modulation::Straight | Modulation::Bridge { .. } | Modulation::Coupled(_) => None,
     };
+    let pushes = match &drive.modulation {
+        Modulation::Carrier(carrier) => {
+            let amplifier = described.amplifier.as_ref().and_then(|name| loaded.rig.amplifier(name));
+            Push::all(plan, drive, carrier, amplifier.and_then(|amplifier| amplifier.max_volts))
+        }
+        Modulation::Straight | Modulation::Bridge { .. } | Modulation::Coupled(_) => Vec::new(),
+    };
     // What is wanted in one period is given in the next.
     let switched = switching.map_or(0.0, |switching| 1.0 / switching.hertz(plan.device_rate));
     let pulses = switching.map(|switching| [switching.hertz(plan.device_rate), switching.resolution()]);
@@ -425,6 +436,7 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
         late_ms: 1e3 * (late as f64 / plan.engine_rate() + player.engine().delay().lead + switched),
         pulses,
         carrier,
+        pushes,
         coupled,
         home: home.map(|(_, home)| [home.seconds(), home.angle, home.spread]),
     })

@@ -3,7 +3,7 @@
 use crate::actuator::drive::Drive as Imposed;
 use crate::actuator::link::Chain;
 use crate::actuator::link::amplifier::Amplifier;
-use crate::actuator::link::carrier::Rectifier;
+use crate::actuator::link::carrier::Carrier;
 use crate::actuator::link::coupling::Corners;
 use crate::rig::{
     Actuator, Amplifier as Amplifying, Coupling, Drive, Model, Output, OutputKind, Rig, Turning,
@@ -22,7 +22,7 @@ pub(super) fn chain(rig: &Rig, output: &Output, assumed: &mut Vec<String>) -> Op
     }
     let full_scale = rig.device.full_scale_volts?;
     // A carrier passes any.
-    let is_carrier = rectifier(rig, output).is_some();
+    let is_carrier = carrier(rig, output).is_some();
     let mut known = |of: Option<Coupling>, whose: &str| {
         if of.is_none() && !is_carrier {
             assumed.push(format!("{whose} lets steady voltages through: its `coupling` is not known"));
@@ -60,10 +60,10 @@ pub(super) fn chain(rig: &Rig, output: &Output, assumed: &mut Vec<String>) -> Op
     Some(Chain { full_scale, corners: rig.corners(output), amplifier })
 }
 
-/// The diodes between amplifier and actuator.
-pub(super) fn rectifier(rig: &Rig, output: &Output) -> Option<Rectifier> {
+/// The diodes between amplifier and actuator, and the carrier that is for them.
+pub(super) fn carrier(rig: &Rig, output: &Output) -> Option<Carrier> {
     match rig.amplifier(output.amplifier.as_ref()?)?.drive {
-        Drive::Carrier(carrier) => Some(carrier.rectifier),
+        Drive::Carrier(carrier) => Some(carrier),
         Drive::Voltage | Drive::Current | Drive::Bridge { .. } => None,
     }
 }

@@ -1,6 +1,6 @@
 //! An output whose actuator is simulated.
 
-use super::chain::{Lines, assumed_of, chain, rectifier};
+use super::chain::{Lines, assumed_of, carrier, chain};
 use super::figures::{Counts, Figures, Meter};
 use super::left::Left;
 use super::mover::Mover;
@@ -8,6 +8,7 @@ use super::trace::{Trace, Unit};
 use super::wish::Wish;
 use crate::actuator::fault::Fault;
 use crate::actuator::link::Link;
+use crate::actuator::link::converter::{Converter, LATE};
 use crate::actuator::motor::Level;
 use crate::rig::{Model, Output, Rig};
 
@@ -27,6 +28,8 @@ pub struct Felt {
     stroke: Option<f64>,
     rate: f64,
     link: Link,
+    /// Before diodes: what leaves between samples, and how many samples of the first [`LATE`] have come.
+    between: Option<(Box<Converter>, usize)>,
     lines: Option<Lines>,
     mover: Mover,
     meter: Meter,
@@ -53,9 +56,14 @@ impl Felt {
         let mut assumed = Vec::new();
         let Some(chain) = chain(rig, output, &mut assumed) else { return Ok(None) };
         assumed_of(actuator, &chain.amplifier, &mut assumed);
-        let link = Link::new(&chain, rate)?;
-        let mover = Mover::new(actuator, output, &chain.amplifier, rectifier(rig, output), rate, wish.error)?;
-        Ok(mover.map(|mover| Self {
+        let carrier = carrier(rig, output);
+        let Some(mover) = Mover::new(actuator, output, &chain.amplifier, carrier.as_ref(), rate, wish.error)?
+        else {
+            return Ok(None);
+        };
+        let parts = if carrier.is_some() { mover.steps } else { 1 };
+        let between = carrier.map(|_| Converter::new(parts)).transpose()?;
+        Ok(Some(Self {
             output: output.name.clone(),
             channel: output.channel.saturating_sub(1) as usize,
             actuator: actuator.name.clone(),
@@ -63,13 +71,14 @@ impl Felt {
             assumed,
             stroke: actuator.value("stroke"),
             rate,
-            link,
+            link: Link::new(&chain, rate * f64::from(parts))?,
+            between: between.map(|converter| (Box::new(converter), 0)),
             lines: Lines::of(rig, output),
             mover,
             meter: Meter::default(),
             moved: false,
             masked: 0,
-            drives: Vec::with_capacity(BLOCK),
+            drives: Vec::with_capacity(BLOCK * parts as usize),
             felt: vec![[0.0; 2]; BLOCK],
         }))
     }
@@ -95,6 +104,17 @@ impl Felt {
         self.mover.steps
     }
 
+    /// Whether samples are joined as a converter joins them, which matters before diodes, and not held.
+    pub fn is_joined(&self) -> bool {
+        self.between.is_some()
+    }
+
+    /// The error of what is felt that is left where the wish cannot be granted; `None` where it is. Before diodes a carrier is followed in no more than 256 parts of
+    /// a frame.
+    pub fn reaches(&self) -> Option<f64> {
+        self.mover.reaches
+    }
+
     /// What of the model was left out, and why.
     pub fn left_out(&self) -> &[Left] {
         &self.mover.left_out
@@ -116,8 +136,20 @@ impl Felt {
         self.mover.axes.len()
     }
 
+    /// How many frames must follow one before it is known what is felt in it.
+    pub(super) fn late(&self) -> usize {
+        if self.between.is_some() { LATE } else { 0 }
+    }
+
+    /// Waits anew for what must follow a frame.
+    pub(super) fn wait(&mut self) {
+        if let Some((_, known)) = &mut self.between {
+            *known = 0;
+        }
+    }
+
     /// Takes its samples out of frames of `channels`, [`BLOCK`] at most, and puts what is felt into frames of `traces` that are 0, from its
-    /// `first` on.
+    /// `first` on. Of one that is [`Felt::late`] these are so many frames before those that come.
     pub(super) fn process(
         &mut self,
         frames: &[f32],
@@ -131,15 +163,36 @@ impl Felt {
             Some(lines) => lines.read(frame, channel),
             None => frame.get(channel).copied().unwrap_or(0.0),
         };
-        let drives = frames.chunks_exact(channels).map(|frame| link.step(f64::from(sample(frame))));
-        self.drives.extend(drives);
+        let samples = frames.chunks_exact(channels).map(|frame| f64::from(sample(frame)));
+        let each = match &mut self.between {
+            None => {
+                self.drives.extend(samples.map(|sample| link.step(sample)));
+                1
+            }
+            Some((converter, known)) => {
+                let each = converter.parts();
+                for sample in samples {
+                    let begin = self.drives.len();
+                    self.drives.resize(begin + each, 0.0);
+                    converter.step(link.cut(sample), &mut self.drives[begin..]);
+                    if *known < LATE {
+                        *known += 1;
+                        self.drives.truncate(begin);
+                    } else {
+                        link.parts(&mut self.drives[begin..]);
+                    }
+                }
+                each
+            }
+        };
         // At rest, what is driven by nothing stays so: no model runs before something is played.
-        let rests =
-            if self.moved { 0 } else { self.drives.iter().take_while(|drive| **drive == 0.0).count() };
-        self.moved |= rests < self.drives.len();
+        let is_still = |drives: &&[f64]| drives.iter().all(|drive| *drive == 0.0);
+        let rests = if self.moved { 0 } else { self.drives.chunks_exact(each).take_while(is_still).count() };
+        let count = self.drives.len() / each;
+        self.moved |= rests < count;
         self.meter.rest(rests as u64);
-        let done = &mut self.felt[..self.drives.len() - rests];
-        self.mover.run(&self.drives[rests..], done);
+        let done = &mut self.felt[..count - rests];
+        self.mover.run(&self.drives[rests * each..], done);
         let axes = self.mover.axes.len();
         for (done, frame) in done.iter().zip(felt.chunks_exact_mut(traces).skip(rests)) {
             // Far below what a float holds, so that no figure of the meter overflows either.

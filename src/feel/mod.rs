@@ -9,7 +9,7 @@
 //! | [`Unfelt`] | an output of which it is not known what it moves |
 //!
 //! On its way each sample passes the converter (cut at full scale), the coupling of card and amplifier, the amplifier (gain, polarity, volts,
-//! amperes) and the model of the actuator at the device's rate. Nothing on this way is refused as long as it can be computed: a motor behind
+//! amperes) and the model of the actuator at the device's rate; before diodes in parts of a frame, with what a converter gives between its samples. Nothing on this way is refused as long as it can be computed: a motor behind
 //! capacitors does here what it would do there.
 //!
 //! ```

@@ -10,7 +10,8 @@ use crate::actuator::coil::plant::Plant;
 use crate::actuator::drive::Drive;
 use crate::actuator::fault::Fault;
 use crate::actuator::link::amplifier::Amplifier;
-use crate::actuator::link::carrier::Rectifier;
+use crate::actuator::link::carrier::Carrier;
+use crate::actuator::link::fineness::parts;
 use crate::actuator::motor::{Casing, GRAVITY, Level, Part};
 use crate::rig::{Actuator, Model, Output, OutputKind};
 
@@ -23,6 +24,8 @@ pub(super) struct Mover {
     pub level: Option<Level>,
     pub steps: u32,
     pub left_out: Vec<Left>,
+    /// The error that is left where it is more than the wish.
+    pub reaches: Option<f64>,
 }
 
 #[derive(Debug, Clone)]
@@ -44,7 +47,7 @@ impl Mover {
         actuator: &Actuator,
         output: &Output,
         amplifier: &Amplifier,
-        rectifier: Option<Rectifier>,
+        carrier: Option<&Carrier>,
         rate: f64,
         error: f64,
     ) -> Result<Option<Self>, Fault> {
@@ -55,12 +58,17 @@ impl Mover {
             // Where the posture is unknown the plan says so, and leaves it out.
             parameters.gravity = tilt.map_or(GRAVITY, |tilt| (GRAVITY * tilt.cos()).abs());
             let mut chosen = plan(&parameters, rate, error, tilt.is_some());
-            if rectifier.is_some() {
+            let mut left = None;
+            if let Some(carrier) = carrier {
                 chosen.0 = with_coil(chosen.0);
+                // What is felt goes with the square of the speed.
+                let (parts, off) = parts(carrier.hertz, rate, 0.5 * error);
+                chosen.1 = chosen.1.max(parts);
+                left = Some(2.0 * off).filter(|left| *left > error);
             }
             // Where nothing moves, that is told as force.
-            let left = chosen.0.left_out.into_iter().flatten().filter(|left| left.part != Part::Casing);
-            let spinner = Spinner::new(&parameters, chosen, amplifier, rectifier, rate, heat)?;
+            let left_out = chosen.0.left_out.into_iter().flatten().filter(|left| left.part != Part::Casing);
+            let spinner = Spinner::new(&parameters, chosen, amplifier, carrier, rate, heat)?;
             // Of a motor that is known from outside, the resistance stands for no real one.
             let resistance = actuator.value("torque_constant").is_some();
             return Ok(Some(Self {
@@ -69,7 +77,8 @@ impl Mover {
                 unit: if parameters.casing == Casing::Held { Unit::Force } else { Unit::Acceleration },
                 level: Some(chosen.0.level),
                 steps: chosen.1,
-                left_out: left.map(Left::Motor).collect(),
+                left_out: left_out.map(Left::Motor).collect(),
+                reaches: left,
             }));
         }
         let Ok(mut plant) = actuator.coil() else { return Ok(None) };
@@ -86,10 +95,11 @@ impl Mover {
             level: None,
             steps: 1,
             left_out: left.into_iter().collect(),
+            reaches: None,
         }))
     }
 
-    /// Holds each drive (V or A) for a sample, and says what is felt on its axes over each.
+    /// Holds each drive (V or A) for a sample, or those before diodes for a step each, and says what is felt on its axes over each.
     pub fn run(&mut self, drives: &[f64], felt: &mut [[f64; 2]]) {
         match &mut self.moves {
             Moves::Coil(swinger) => swinger.run(drives, felt),

@@ -14,12 +14,16 @@ use crate::text::Problem;
 /// linear resonant actuator, two for each rumble motor. Each sample is the mean over the time of its frame, so that sums give velocities and
 /// no impulse is lost.
 ///
-/// A drive is held for each frame, as models have it; the filter that a real converter has behind that is not simulated. Of a linear model
-/// the mean is what it does where its drive goes in straight lines from sample to sample, a frame late. Both together take at most (ω/rate)²/12
+/// A drive is held for each frame, as models have it; the filter that a real converter has behind that is simulated before diodes alone, which make of
+/// a held carrier another mean than of a smooth one: there samples are joined, each in the middle of its frame, as far as half the rate, and what is felt
+/// in a frame is known as soon as [`Feel::late`] more have come.
+///
+/// Of a linear model the mean is what it does where its drive goes in straight lines from sample to sample, a frame late. Both together take at most (ω/rate)²/12
 /// of what is felt at a frequency, 0.14 % of 1 kHz at 48 kHz, and below a resonance change it by as much as at that: [`Feel::loses`]. Above a
 /// resonance the images of what is held give most of it back to an acceleration: there it is that of the resonance.
 ///
-/// It does not matter how a run is cut, be it in the middle of a frame. It allocates only where `felt` has no room.
+/// It does not matter how a run is cut, be it in the middle of a frame; [`Feel::finish`] ends it. It allocates only where `felt` has no room, and at
+/// the end.
 #[derive(Debug, Clone)]
 pub struct Feel {
     channels: usize,
@@ -29,6 +33,9 @@ pub struct Feel {
     unfelt: Vec<Unfelt>,
     /// A frame that is not yet whole.
     begun: Vec<f32>,
+    /// Whole frames, of which is not told yet what is felt in them.
+    waiting: Vec<f32>,
+    late: usize,
 }
 
 /// Frames a second that make sense, at least and at most.
@@ -51,6 +58,8 @@ impl Feel {
             traces: Vec::new(),
             unfelt: Vec::new(),
             begun: Vec::new(),
+            waiting: Vec::new(),
+            late: 0,
         };
         new.begun.reserve(channels);
         for output in &rig.outputs {
@@ -74,6 +83,10 @@ impl Feel {
                 }
             }
             new.unfelt.push(Unfelt { output: output.name.clone(), why });
+        }
+        new.late = new.felt.iter().map(Felt::late).max().unwrap_or(0);
+        if new.late > 0 {
+            new.waiting.reserve((new.late + BLOCK) * channels);
         }
         Ok(new)
     }
@@ -100,8 +113,13 @@ impl Feel {
         if x > 0.0 { 1.0 - (x.sin() / x).powi(2) } else { 0.0 }
     }
 
-    /// Takes interleaved frames, and leaves in `felt` what they make felt, in place of what was there: a frame for each that is whole. What
-    /// is left of one waits for the next call.
+    /// How many frames must follow one before it is known what is felt in it: none, or, with a motor behind diodes, 48.
+    pub fn late(&self) -> usize {
+        self.late
+    }
+
+    /// Takes interleaved frames, and leaves in `felt` what they make felt, in place of what was there: a frame for each that is whole, in order, none of them
+    /// shifted. The last [`Feel::late`] wait for what follows them, and what is left of a frame waits for the next call.
     pub fn process(&mut self, frames: &[f32], felt: &mut Vec<f32>) {
         felt.clear();
         let mut frames = frames;
@@ -123,14 +141,42 @@ impl Feel {
         self.begun.extend_from_slice(rest);
     }
 
+    /// Leaves in `felt` what is felt in the frames that wait, as if silence followed, and forgets a frame that is not whole. Frames that are processed
+    /// after that follow at once.
+    pub fn finish(&mut self, felt: &mut Vec<f32>) {
+        felt.clear();
+        self.begun.clear();
+        if self.waiting.is_empty() {
+            return;
+        }
+        for frames in vec![0.0; self.late * self.channels].chunks(BLOCK * self.channels) {
+            self.whole(frames, felt);
+        }
+        self.waiting.clear();
+        self.felt.iter_mut().for_each(Felt::wait);
+    }
+
     /// Whole frames, [`BLOCK`] at most.
     fn whole(&mut self, frames: &[f32], felt: &mut Vec<f32>) {
+        if self.late > 0 {
+            self.waiting.extend_from_slice(frames);
+        }
         let (traces, begin) = (self.traces.len(), felt.len());
-        felt.resize(begin + frames.len() / self.channels * traces, 0.0);
+        let known = if self.late > 0 {
+            let known = (self.waiting.len() / self.channels).saturating_sub(self.late);
+            &self.waiting[..known * self.channels]
+        } else {
+            frames
+        };
+        felt.resize(begin + known.len() / self.channels * traces, 0.0);
         let mut first = 0;
         for output in &mut self.felt {
+            // One behind diodes remembers itself what it waits with.
+            let frames = if output.late() > 0 { frames } else { known };
             output.process(frames, self.channels, &mut felt[begin..], [first, traces]);
             first += output.width();
         }
+        let known = known.len();
+        self.waiting.drain(..if self.late > 0 { known } else { 0 });
     }
 }

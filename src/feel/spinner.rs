@@ -4,9 +4,9 @@ use super::heat::Heat;
 use crate::actuator::drive::Drive as Imposed;
 use crate::actuator::fault::Fault;
 use crate::actuator::link::amplifier::Amplifier;
-use crate::actuator::link::carrier::Rectifier;
+use crate::actuator::link::carrier::Carrier;
 use crate::actuator::link::diodes::Diodes;
-use crate::actuator::motor::{Casing, Drive, Level, Motor, Parameters, Part, Plan, Wish};
+use crate::actuator::motor::{Casing, Drive, Level, MOST_DRIVE, Motor, Parameters, Part, Plan, Wish};
 
 /// A rumble motor, what drives it, and what is seen of it.
 #[derive(Debug, Clone)]
@@ -74,7 +74,7 @@ impl Spinner {
         parameters: &Parameters,
         (plan, steps): (Plan, u32),
         amplifier: &Amplifier,
-        rectifier: Option<Rectifier>,
+        carrier: Option<&Carrier>,
         rate: f64,
         heat: Heat,
     ) -> Result<Self, Fault> {
@@ -84,7 +84,7 @@ impl Spinner {
             steps,
             rate,
             compliance: current.then_some(amplifier.volts.unwrap_or(f64::INFINITY)),
-            diodes: rectifier.map(|rectifier| Diodes::new(rectifier, rate * f64::from(steps))),
+            diodes: carrier.map(|carrier| Diodes::new(carrier.rectifier, rate * f64::from(steps))),
             held: parameters.casing == Casing::Held,
             given: [0.0; 2],
             current: 0.0,
@@ -96,12 +96,13 @@ impl Spinner {
         })
     }
 
-    /// Holds each drive (V or A) for a sample; the mean acceleration, or force, over each.
+    /// Holds each drive (V or A) for a sample, or, before diodes, for a step; the mean acceleration, or force, over each sample.
     pub fn run(&mut self, drives: &[f64], felt: &mut [[f64; 2]]) {
-        for (drive, felt) in drives.iter().zip(felt) {
+        let each = if self.diodes.is_some() { self.steps as usize } else { 1 };
+        for (drives, felt) in drives.chunks_exact(each).zip(felt) {
             if let Some(diodes) = self.diodes {
-                self.pass(&diodes, *drive);
-            } else {
+                self.pass(&diodes, drives);
+            } else if let [drive] = drives {
                 self.motor.drive(match self.compliance {
                     None => Drive::Voltage(*drive),
                     Some(limit) => Drive::Current { amperes: *drive, limit },
@@ -119,12 +120,12 @@ impl Spinner {
     }
 
     /// A sample behind diodes, and what passed the terminals in it.
-    fn pass(&mut self, diodes: &Diodes, source: f64) {
+    fn pass(&mut self, diodes: &Diodes, sources: &[f64]) {
         let p = *self.motor.parameters();
         let (mut charge, mut energy) = (0.0, 0.0);
         let (mut current, mut turned) = (self.current, self.turned);
-        for _ in 0..self.steps {
-            diodes.step(&mut self.motor, source, |motor, volts, seconds| {
+        for source in sources {
+            diodes.step(&mut self.motor, *source, |motor, volts, seconds| {
                 if let Some(volts) = volts {
                     let stored = p.inductance * (motor.current() - current);
                     let passed =
@@ -147,14 +148,17 @@ impl Spinner {
         let p = self.motor.parameters();
         let (current, volts, turned) = (self.motor.current(), self.motor.voltage(), self.motor.turned());
         let back = p.gain * (turned - self.turned);
-        let charge = if self.compliance.is_some() && current == drive {
+        // The model takes less than 1e-30 A for none, and what is no drive for a short circuit: neither is a limit.
+        let is_limited = self.compliance.is_some_and(|limit| current != drive && volts.abs() >= limit);
+        let is_held = self.compliance.is_some() && !is_limited && drive.abs() <= MOST_DRIVE;
+        let charge = if is_held {
             self.energy += current * (p.resistance * current / self.rate + back);
             current / self.rate
         } else {
             let stores = self.motor.plan().inductance && self.motor.plan().level != Level::Economy;
             let stored = if stores { p.inductance * (current - self.current) } else { 0.0 };
             let charge = (volts / self.rate - stored - back) / p.resistance;
-            self.limited += u64::from(self.compliance.is_some());
+            self.limited += u64::from(is_limited);
             self.energy += volts * charge;
             charge
         };

@@ -1,6 +1,6 @@
 //! Outputs of which is not known what they move.
 
-use crate::rig::{Actuator, Model, Output, OutputKind, Rig};
+use crate::rig::{Actuator, Amplifier, Drive, Model, Output, OutputKind, Rig};
 use crate::text::Problem;
 
 /// An output that has no trace, and why.
@@ -52,7 +52,7 @@ pub(super) fn lacking(rig: &Rig, output: &Output, channels: usize) -> Vec<Proble
                 )
                 .help("give its gain".to_string()),
             ),
-            Some(_) => {}
+            Some(amplifier) => why.extend(rectified(rig, output, amplifier)),
         }
     }
     if rig.device.full_scale_volts.is_none() && super::chain::Lines::of(rig, output).is_none() {
@@ -67,6 +67,22 @@ pub(super) fn lacking(rig: &Rig, output: &Output, channels: usize) -> Vec<Proble
         why.push(at(what, "channels count from 1"));
     }
     why
+}
+
+/// That what is no motor hangs behind diodes.
+fn rectified(rig: &Rig, output: &Output, amplifier: &Amplifier) -> Option<Problem> {
+    let actuator = rig.actuator(output.actuator.as_ref()?)?;
+    if !matches!(amplifier.drive, Drive::Carrier(_)) || actuator.model == Model::RumbleMotor {
+        return None;
+    }
+    let what = format!(
+        "output `{}` has {} behind the rectifier of `{}`, where only rumble motors are simulated",
+        output.name,
+        actuator.model.word(),
+        amplifier.name
+    );
+    let help = "give it an amplifier of another `drive`".to_string();
+    Some(Problem::error(&output.span, what).help(help))
 }
 
 /// What is not known of an actuator that its model needs.

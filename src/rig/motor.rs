@@ -39,6 +39,10 @@ impl Wiring {
             parameters: self.parameters,
             imposes: if self.is_current { Imposed::Current } else { Imposed::Voltage },
             one_way: matches!(self.terminals, Terminals::Carrier(_)),
+            diode_drop: match self.terminals {
+                Terminals::Carrier(carrier) => carrier.rectifier.drop,
+                Terminals::Straight | Terminals::Bridge(_) | Terminals::Coupled(_) => 0.0,
+            },
             limit: self.limit,
             compliance: self.compliance,
             shaping: self.turning.shaping,

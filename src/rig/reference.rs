@@ -186,8 +186,9 @@ pub const TOPICS: &[Topic] = &[
                sent is a tone far above what is felt, as large as it takes for the current that is wanted, on average, against what the \
                turning motor makes itself. It turns one way, and nothing brakes it: a level that rises is followed, one that falls faster than \
                the motor rolls out is not; a click is a push after which it rolls to where it is to stand; `drive-brake` lets it roll; \
-               negative levels and orders are nothing and are counted, and clicks backward and `drive-home` are refused. Of the \
-               amplifier `max_volts` is the peak, of the motor the mean.",
+               negative levels and orders are nothing and are counted, and clicks backward and `drive-home` are refused. What a click comes to \
+               where that is more than 5 % from what is ordered, as half-waves in it are few or one diode lets only every other through, says \
+               `pacinian check`. Of the amplifier `max_volts` is the peak, of the motor the mean.",
         tables: &[&amplifier::TABLE],
         example: "[device]\n\
                   channels = 1\n\

@@ -23,6 +23,7 @@ pub fn setup(parameters: Parameters, shaping: Shaping) -> Setup {
         parameters: Parameters { gravity, ..parameters },
         imposes: Drive::Voltage,
         one_way: false,
+        diode_drop: 0.0,
         limit,
         compliance: limit,
         shaping,

@@ -5,8 +5,10 @@ use super::common::{channel, patch, run};
 use super::{CLICK, SPIN, STOP, SWELL, SWITCH, largest, play};
 use pacinian::actuator::drive::Drive;
 use pacinian::actuator::driver::coast::Coast;
+use pacinian::actuator::driver::reach::Way;
 use pacinian::actuator::link::amplifier::Amplifier;
 use pacinian::actuator::link::carrier::{Carrier, Rectifier};
+use pacinian::actuator::link::converter::{Converter, LATE};
 use pacinian::actuator::link::coupling::Corners;
 use pacinian::actuator::link::diodes::Diodes;
 use pacinian::actuator::link::{Chain, Link};
@@ -19,6 +21,7 @@ use pacinian::graph::scene::{Options, scene};
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
 use pacinian::schedule::Instant;
+use std::f64::consts::TAU;
 
 /// The outputs of the rigs below, and their channels.
 const COIN: u32 = 0;
@@ -103,23 +106,29 @@ fn late(plan: &plan::Plan, channel: u32) -> f64 {
     engine.stage().drives().late(channel as usize).unwrap() as f64 / plan.engine_rate() + engine.delay().lead
 }
 
-/// What a real motor does behind a real chain and real diodes, at the end of each frame: speeds, rad/s; its turned angle, rad; and the volts before the diodes.
+/// What a real motor does behind a real converter, chain and diodes, at the end of each frame: speeds, rad/s; its turned angle, rad; and the volts before the diodes, on
+/// average over it.
 fn behind_diodes(plan: &plan::Plan, samples: &[f64], place: u32) -> (Vec<f64>, f64, Vec<f64>) {
     let drive = &plan.drives[place as usize];
     let Modulation::Carrier(carrier) = drive.modulation else { panic!("no carrier") };
     let amplifier =
         Amplifier { gain: 4.0, inverted: false, drive: Drive::Voltage, volts: Some(18.0), amperes: None };
     let chain = Chain { full_scale: 5.0, corners: Corners::two(8.0, 20.0), amplifier };
-    let mut link = Link::new(&chain, plan.device_rate).unwrap();
-    let diodes = Diodes::new(carrier.rectifier, plan.device_rate);
-    let mut motor =
-        Motor::<false>::new(&drive.setup.parameters, &Plan::whole(Level::Fine), plan.device_rate).unwrap();
-    let (mut speeds, mut volts) = (Vec::new(), Vec::new());
-    for sample in samples {
-        let source = link.step(*sample);
-        diodes.step(&mut motor, source, |_, _, _| {});
-        speeds.push(motor.speed());
-        volts.push(source);
+    let parts = if plan.device_rate > 1e5 { 4 } else { 16 };
+    let rate = plan.device_rate * f64::from(parts);
+    let mut converter = Converter::new(parts).unwrap();
+    let mut link = Link::new(&chain, rate).unwrap();
+    let diodes = Diodes::new(carrier.rectifier, rate);
+    let mut motor = Motor::<false>::new(&drive.setup.parameters, &Plan::whole(Level::Fine), rate).unwrap();
+    let (mut speeds, mut volts, mut parts) = (Vec::new(), Vec::new(), vec![0.0; parts as usize]);
+    for (n, sample) in samples.iter().chain(&[0.0; LATE]).enumerate() {
+        converter.step(link.cut(*sample), &mut parts);
+        if n >= LATE {
+            link.parts(&mut parts);
+            parts.iter().for_each(|source| diodes.step(&mut motor, *source, |_, _, _| {}));
+            speeds.push(motor.speed());
+            volts.push(parts.iter().sum::<f64>() / parts.len() as f64);
+        }
     }
     (speeds, motor.turned(), volts)
 }
@@ -141,11 +150,12 @@ fn at_volts(plan: &plan::Plan, samples: &[f64], place: u32) -> Vec<f64> {
 #[test]
 fn a_motor_behind_diodes_does_what_one_at_a_voltage_does() {
     for (rate, rectifier, hertz, within) in [
-        (48_000.0, "full-wave", 4000.0, 0.035),
-        (48_000.0, "full-wave", 3700.0, 0.015),
-        (192_000.0, "full-wave", 4000.0, 0.015),
-        (192_000.0, "half-wave", 4000.0, 0.035),
-        (44_100.0, "half-wave", 3000.0, 0.035),
+        (48_000.0, "full-wave", 4000.0, 0.01),
+        (48_000.0, "full-wave", 3700.0, 0.01),
+        (48_000.0, "full-wave", 16_000.0, 0.01),
+        (192_000.0, "full-wave", 4000.0, 0.01),
+        (192_000.0, "half-wave", 4000.0, 0.015),
+        (44_100.0, "half-wave", 3000.0, 0.015),
     ] {
         let keys = format!("drive = \"carrier\"\ncarrier = {hertz}\nrectifier = \"{rectifier}\"\n");
         let rig = RIG.replace("drive = \"carrier\"\n", &keys);
@@ -178,7 +188,7 @@ fn a_motor_behind_diodes_does_what_one_at_a_voltage_does() {
                 let off = pairs.map(|(is, wanted)| (is - wanted).abs() / full).fold(0.0, f64::max);
                 assert!(peak > 0.02 * full, "{peak}");
                 let end = turned[begin(&plan) + frames] / wanted[begin(&other) + frames] - 1.0;
-                assert!(end.abs() < 0.035, "{rate} {rectifier} {hertz} {place} {instrument}: {end}");
+                assert!(end.abs() < within, "{rate} {rectifier} {hertz} {place} {instrument}: {end}");
                 (worst, held) = (worst.max(off), held.max(end.abs()));
                 assert!(off < within, "{rate} {rectifier} {hertz} {place} {instrument}: {off}");
                 // Then nothing is sent but what holds it, and it rolls to rest and never back.
@@ -256,21 +266,70 @@ fn what_still_rolls_is_known_to_roll() {
 /// A click is a push: where it has rolled out, the mass has turned as far as it was to turn, and its strength goes with the level.
 #[test]
 fn a_click_is_a_push_that_rolls_to_its_end() {
-    let plan = compiled(RIG, 192_000.0);
-    for place in [COIN, PAD] {
-        let mut fastest = Vec::new();
-        for (level, within) in [(1.0, 0.1), (0.3, 0.05)] {
-            let events = [(0.013, Event::Play(play(CLICK, place, level, 0.01)))];
-            let (sent, _) = frames(&plan, &events, 1.0, &[480]);
-            let samples = channel(&sent, CHANNELS, place as usize);
-            let (speeds, turned, _) = behind_diodes(&plan, &samples, place);
-            let turns = turned / std::f64::consts::TAU;
-            assert!((turns / 0.25 - 1.0).abs() < within, "{place} {level}: {turns}");
-            assert_eq!(speeds.last(), Some(&0.0));
-            fastest.push(largest(&speeds));
+    for rig in [RIG.into(), RIG.replace("inductance = 4.2e-3", "inductance = 2e-2")] {
+        let plan = compiled(&rig, 48_000.0);
+        for place in [COIN, PAD] {
+            let mut fastest = Vec::new();
+            for level in [1.0, 0.3, 0.1, 0.01] {
+                let (turns, speeds) = clicked(&plan, place, level, 0.013);
+                assert!((turns / 0.25 - 1.0).abs() < 0.03, "{place} {level}: {turns}");
+                assert_eq!(speeds.last(), Some(&0.0));
+                fastest.push(largest(&speeds));
+            }
+            assert!(fastest[0] > 1.15 * fastest[1] && fastest[1] > 1.05 * fastest[2], "{fastest:?}");
         }
-        assert!(fastest[0] > 1.2 * fastest[1], "{fastest:?}");
     }
+}
+
+/// How far a click of a quarter of a turn turns the mass, and how fast.
+fn clicked(plan: &plan::Plan, place: u32, level: f64, at: f64) -> (f64, Vec<f64>) {
+    let events = [(at, Event::Play(play(CLICK, place, level, 0.01)))];
+    let (sent, _) = frames(plan, &events, 1.0, &[480]);
+    let samples = channel(&sent, CHANNELS, place as usize);
+    let (speeds, turned, _) = behind_diodes(plan, &samples, place);
+    (turned / TAU, speeds)
+}
+
+/// What is told beforehand of a click is what it comes to when it is played, be it near what was ordered or far from it: with few half-waves in a push,
+/// through one diode, with a large coil, with an amplifier that gives little.
+#[test]
+fn what_a_click_comes_to_is_known_beforehand() {
+    let (mut farthest, mut count) = (0.0_f64, 0);
+    for (hertz, rectifier, peak, inductance) in [
+        (4000.0, "full-wave", 18.0, 4.2e-3),
+        (4000.0, "full-wave", 3.5, 1e-4),
+        (2000.0, "half-wave", 18.0, 1e-4),
+        (16_000.0, "full-wave", 18.0, 2e-2),
+        (4000.0, "half-wave", 18.0, 4.2e-3),
+    ] {
+        let keys = format!("drive = \"carrier\"\ncarrier = {hertz}\nrectifier = \"{rectifier}\"\n");
+        let rig = RIG
+            .replace("drive = \"carrier\"\n", &keys)
+            .replace("max_volts = 18.0", &format!("max_volts = {peak:?}"))
+            .replace("inductance = 4.2e-3", &format!("inductance = {inductance:e}"));
+        let plan = compiled(&rig, 48_000.0);
+        for place in [COIN, PAD] {
+            let drive = &plan.drives[place as usize];
+            let Modulation::Carrier(carrier) = drive.modulation else { panic!("no carrier") };
+            let way = Way {
+                carrier,
+                rate: plan.device_rate,
+                per_sample: drive.per_sample,
+                most: 1.0,
+                peak: Some(peak),
+            };
+            let clicks = plan.clicks.iter().find(|clicks| clicks.drive == place as usize).unwrap();
+            for (level, at) in [(1.0, 0.0125), (0.2, 0.012_55)] {
+                let click = clicks.book.at(level).unwrap();
+                let told = way.turns(&drive.setup, &click, (at * plan.engine_rate()).fract()).unwrap();
+                let (is, _) = clicked(&plan, place, level, at);
+                println!("{hertz} {rectifier} {peak} {inductance} {place} {level}: {is:.4}, told {told:.4}");
+                assert!((told / is - 1.0).abs() < 0.01, "{hertz} {rectifier} {place} {level}: {is} {told}");
+                (farthest, count) = (farthest.max((is / 0.25 - 1.0).abs()), count + 1);
+            }
+        }
+    }
+    assert!(farthest > 0.03 && count == 20, "{farthest}: some of them are far off");
 }
 
 /// What leaves is a tone alone: behind the capacitors, each of its turns stands about nothing from the first one on.
@@ -349,7 +408,7 @@ fn it_is_felt_as_it_is_played() {
             let figures = of.figures();
             let wanted = 0.5_f64.sqrt() * plan.drives[place].setup.full_speed();
             let off = figures.fastest.unwrap() / wanted - 1.0;
-            assert!(off.abs() < if rate > 1e5 { 0.01 } else { 0.035 }, "{place} {rate}: {off}");
+            assert!(off.abs() < 0.01, "{place} {rate}: {off}");
             // In m/s²: the mass on its circle, from a free casing.
             let peak = parameters.rated_acceleration().unwrap() * 0.5;
             assert!((figures.peak / peak - 1.0).abs() < 0.1, "{place} {rate}: {} {peak}", figures.peak);

@@ -6,6 +6,7 @@ use super::{COIN, DC, RATE, TACTOR, close, coin, feel, felt, largest, lively, ri
 use pacinian::actuator::coil::model::Model;
 use pacinian::actuator::coil::supply::Supply;
 use pacinian::actuator::drive::Drive as Imposes;
+use pacinian::actuator::link::coupling::{Corners, HighPass};
 use pacinian::actuator::motor::{self, Drive, Motor, Plan};
 use pacinian::feel::{Axis, Counts};
 use pacinian::rig::{Coupling, Rig};
@@ -98,6 +99,34 @@ fn amplifiers_clip_turn_round_and_run_out_of_volts() {
     }
     assert!(limited > 100 && figures.counts.limited == limited, "{limited} {figures:?}");
     close(figures.energy.unwrap(), motor.energy().supplied, 1e-2, "energy but for where limits are met");
+}
+
+/// A source of current without a limit is never at it: behind capacitors what is sent goes on as less and less, down to what no current is. What is
+/// drawn is what the booked model says, whether there is a limit that is never met or none.
+#[test]
+fn without_a_limit_nothing_is_beyond_it() {
+    let samples: Vec<f32> = lively(12_000).into_iter().chain(std::iter::repeat_n(0.0, 180_000)).collect();
+    for (limit, corner) in [("", 10.0), ("\nmax_volts = 1000", 10.0), ("", 35.0), ("", 3.0)] {
+        let amplifier = format!("gain = 0.05\ndrive = \"current\"\ncoupling = \"dc\"{limit}");
+        let keys = format!("coupling = {{ high_pass = {corner:?} }}");
+        let rig = rig(COIN, [&keys, &amplifier, ""]);
+        let (_, figures) = felt(&rig, RATE, &samples);
+        let parameters = coin();
+        let wish = motor::Wish { error: 0.5e-3, posture: false, casing: true };
+        let mut motor =
+            Motor::<true>::new(&parameters, &Plan::choose(&parameters, RATE, &wish), RATE).unwrap();
+        let mut passes = HighPass::new(&Corners::one(corner), RATE).unwrap();
+        let mut smallest = f64::INFINITY;
+        for sample in &samples {
+            let amperes = passes.step(f64::from(*sample) * 2.0) * 0.05;
+            smallest = smallest.min(if amperes == 0.0 { f64::INFINITY } else { amperes.abs() });
+            motor.drive(Drive::Current { amperes, limit: f64::INFINITY });
+            motor.step();
+        }
+        assert!(figures.peak > 0.1 && (corner < 5.0 || smallest < 1e-30), "{figures:?} {smallest}");
+        assert_eq!(figures.counts, Counts::default(), "{limit} {corner}");
+        close(figures.energy.unwrap(), motor.energy().supplied, 1e-9, "energy");
+    }
 }
 
 #[test]

@@ -99,6 +99,10 @@ fn what_is_not_known_is_named_with_what_would_help() {
     }
     let piezo = why(&rig("[actuator.a]\npart = \"tdk-powerhap-1313h018v120\"\n", DC));
     assert!(piezo[0].contains("model piezo"), "{piezo:?}");
+    let keys = "drive = \"carrier\"\ngain = 4\ndiode_drop = 0.7\ncoupling = \"dc\"";
+    let rectified = why(&rig(TACTOR, [DC[0], keys, ""]));
+    let words = ["`o` has voice-coil behind the rectifier of `amp`", "only rumble motors"];
+    assert!(words.iter().all(|word| rectified[0].contains(word)), "{rectified:?}");
     let both = with(|r| {
         r.device.full_scale_volts = None;
         r.actuators[0].values.remove("inertia");

@@ -1,5 +1,6 @@
 //! What is felt: against the models themselves, closed forms, and through the program.
 
+mod carried;
 mod chain;
 mod coils;
 mod hostile;

@@ -141,6 +141,53 @@ fn what_makes_no_sense_is_refused_before_a_file_is_made() {
         .fails(2, &["without a rig", "--rig"]);
 }
 
+/// A motor behind a carrier, on a headphone jack: what is felt is as long as what is sent, and it is told how that was computed; `check` says what a click
+/// comes to where that is far from what was ordered, and nothing where it is near.
+#[test]
+fn a_carrier_is_felt_and_what_clicks_come_to_is_told() {
+    let scratch = Scratch::new("feel-carrier");
+    let (patch, rig) = (shipped("patches/32-headphone.toml"), shipped("rigs/carrier.toml"));
+    let base = ["render", &patch, "--rig", &rig, "-o", "x.wav", "--feel", "f.wav"];
+    let text = scratch.run(&base).succeeds().out.clone();
+    for words in
+        ["2, 3  palm: across, upright, m/s2", "16 steps a frame (`palm`)", "as a converter joins them"]
+    {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    assert!(!text.contains("more than was wished for"), "{text}");
+    let (_, sent) = scratch.wav("x.wav");
+    let (_, felt) = scratch.wav("f.wav");
+    assert!(sent.len() / 2 == felt.len() / 3 && felt.iter().any(|x| x.abs() > 5.0));
+    let short = [&base[..], &["--feel-error", "1e-7", "--duration", "0.1", "--json"]].concat();
+    let said = scratch.run(&short).succeeds().json();
+    let [finger, palm] = [0, 1].map(|n| &said["feel"]["outputs"][n]);
+    assert!(palm["reaches"].as_f64().is_some_and(|reaches| reaches > 1e-6 && reaches < 1e-4));
+    assert!(palm["joined"] == true && finger["joined"] == false && finger["reaches"].is_null());
+    let text = scratch.run(&short[..short.len() - 1]).succeeds().out.clone();
+    assert!(text.contains("(`palm`), more than was wished for"), "{text}");
+
+    let small = std::fs::read_to_string(&patch).unwrap().replace("turns = 1.0", "turns = 0.05");
+    scratch.write("small.toml", small);
+    let half = std::fs::read_to_string(&rig).unwrap();
+    scratch
+        .write("half.toml", half.replace("carrier = 4000.0", "rectifier = \"half-wave\"\ncarrier = 2000.0"));
+    let told = |rig: &str| {
+        let words = ["check", "small.toml", "--rig", rig];
+        let said = scratch.run(&[&words[..], &["--json"]].concat()).succeeds().json();
+        let outputs = said["plan"]["outputs"].as_array().unwrap();
+        let push = &outputs.iter().find(|o| o["name"] == "palm").unwrap()["motor"]["pushes"][0];
+        let reaches = [0, 1].map(|n| push["reaches"][n].as_f64().unwrap());
+        assert_eq!(push["turns"], 0.05);
+        (scratch.run(&words).succeeds().out.clone(), reaches)
+    };
+    let (text, [least, most]) = told(&rig);
+    assert!(least > 0.0475 && least < most && most < 0.0525 && !text.contains("reaches"), "{least} {most}");
+    let (text, [least, most]) = told("half.toml");
+    assert!(least < 0.0475 && least > 0.03 && least < most, "{least} {most}");
+    let words = format!("reaches {} of them (at level", format!("{least:.2e}").parse::<f64>().unwrap());
+    assert!(text.contains("a click of 0.05 turns reaches") && text.contains(&words), "{words}: {text}");
+}
+
 /// Ctrl-C leaves both complete, and as long as each other.
 #[test]
 fn both_files_are_complete_when_it_is_stopped() {

@@ -19,6 +19,10 @@ const ROWS: usize = 24;
 /// Halvings of the way to the strongest click that is fit.
 const HALVINGS: usize = 12;
 
+/// Rounds in which it is found how a coil's current goes on; what stands against it, as a share of what it is worth, at least.
+const RUNS_ON: usize = 4;
+const SLIGHT: f64 = 1e-3;
+
 /// Steps a second at which it is seen how strong a click is.
 const RATE: f64 = 48_000.0;
 
@@ -58,7 +62,7 @@ impl Book {
         let solve = |amount: f64| -> Result<(Pieces, f64), Unreachable> {
             let drive = setup.drive(amount);
             if setup.one_way {
-                let seconds = push(&motor, turns, drive)?;
+                let seconds = push(&motor, turns, drive, setup.diode_drop)?;
                 let steps = (seconds * RATE).ceil().max(1.0) as usize;
                 let strength = strength(setup, &motor, &vec![amount; steps])?;
                 return Ok((Pieces { list: [(seconds, amount), (0.0, 0.0), (0.0, 0.0)] }, strength));
@@ -138,17 +142,47 @@ impl Book {
     }
 }
 
-/// For how long a drive pushes the mass so that it has turned so far when it stands, s.
-fn push(motor: &Parameters, turns: f64, drive: Drive) -> Result<f64, Unreachable> {
+/// For how long a drive pushes the mass through diodes, which take `drop` volts, so that it has turned so far when it stands, s.
+fn push(motor: &Parameters, turns: f64, drive: Drive, drop: f64) -> Result<f64, Unreachable> {
     within("turns", turns, (1e-4, 1000.0), "turns")?;
     let (coast, far) = (Coast::new(motor), TAU * turns);
     let mut trial = Trial::new(motor, 0.0, RATE)?;
-    let left = |motor: &Motor| far - motor.turned() - coast.angle(motor.speed());
+    let left = |motor: &Motor| {
+        let (speed, turned) = runs_on(motor, drop);
+        far - motor.turned() - turned - coast.angle(speed)
+    };
     let seconds = trial.until(drive, PATIENCE, left);
     seconds.ok_or_else(|| match trial.motor.is_stuck() {
         true => Unreachable::Start(drive, starts(motor, drive)),
         false => Unreachable::Slow(drive, PATIENCE),
     })
+}
+
+/// What the coil does after a push, as its current goes on through diodes that take `drop` volts: the speed (rad/s) when it has ceased, and how far the mass has
+/// turned by then (rad). With what the motor makes itself as it is on average meanwhile, i = (i₀ + u/R) e^(−s R/L) − u/R until t = (L/R) ln(1 + R i₀/u).
+fn runs_on(motor: &Motor, drop: f64) -> (f64, f64) {
+    let p = motor.parameters();
+    let (current, before) = (motor.current(), motor.speed());
+    if !(p.inductance > 0.0 && current > 0.0) {
+        return (before, 0.0);
+    }
+    let (time, inertia) = (p.electrical_time(), p.effective_inertia());
+    let (mut mean, mut runs) = (before, (before, 0.0));
+    for _ in 0..RUNS_ON {
+        // At rest behind ideal diodes it would go on for ever, as less and less.
+        let against = ((drop + p.gain * mean.max(0.0)) / p.resistance).max(SLIGHT * current);
+        let seconds = time * (current / against).ln_1p();
+        let slows = p.viscous * mean + p.coulomb;
+        // ∫ i and ∬ i, of which e^(−t R/L) is u/(u + R i₀).
+        let once = time * current - against * seconds;
+        let twice =
+            time * ((current + against) * seconds - time * current) - 0.5 * against * seconds * seconds;
+        let gained = (p.gain * once - slows * seconds) / inertia;
+        let turned = before * seconds + (p.gain * twice - 0.5 * slows * seconds * seconds) / inertia;
+        runs = ((before + gained).max(0.0), turned.max(0.0));
+        mean = runs.1 / seconds;
+    }
+    runs
 }
 
 fn pieces(seconds: [f64; 3], amount: f64) -> Pieces {
@@ -166,4 +200,50 @@ fn strength(setup: &Setup, motor: &Parameters, means: &[f64]) -> Result<f64, Unr
         motor.step();
     }
     Ok(most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Parameters, TAU, push};
+    use crate::actuator::link::carrier::Rectifier;
+    use crate::actuator::link::diodes::Diodes;
+    use crate::actuator::motor::{Drive, Level, Motor, Plan};
+
+    /// Behind the diodes themselves, a push turns the mass as far as it is to: also where the coil keeps its current for longer than the mass is pushed.
+    #[test]
+    fn a_push_counts_with_what_the_coil_keeps() {
+        let rate = 192_000.0;
+        for inductance in [0.0, 1e-4, 4e-3, 2e-2] {
+            for drop in [0.0, 0.7, 1.4] {
+                for (turns, volts) in [(0.25, 6.0), (0.25, 1.2), (1.0, 4.0), (0.02, 6.0)] {
+                    let p = Parameters {
+                        resistance: 10.42,
+                        inductance,
+                        gain: 0.011,
+                        inertia: 1.15e-7,
+                        viscous: 1e-6,
+                        coulomb: 6e-4,
+                        stiction: 8e-4,
+                        gravity: 0.0,
+                        ..Parameters::COIN
+                    };
+                    let Ok(seconds) = push(&p, turns, Drive::Voltage(volts), drop) else {
+                        panic!("{inductance} {drop} {turns} {volts}")
+                    };
+                    let mut motor = Motor::<false>::new(&p, &Plan::whole(Level::Default), rate).unwrap();
+                    let diodes = Diodes::new(Rectifier { full_wave: false, drop }, rate);
+                    let whole = (seconds * rate) as usize;
+                    (0..whole).for_each(|_| diodes.step(&mut motor, volts + drop, |_, _, _| {}));
+                    diodes.part(&mut motor, volts + drop, (seconds * rate).fract(), |_, _, _| {});
+                    let mut steps = 0;
+                    while !(motor.is_stuck() && motor.current() * p.gain < p.stiction) && steps < 400_000 {
+                        diodes.step(&mut motor, 0.0, |_, _, _| {});
+                        steps += 1;
+                    }
+                    let is = motor.turned() / TAU;
+                    assert!((is / turns - 1.0).abs() < 0.01, "{inductance} {drop} {turns} {volts}: {is}");
+                }
+            }
+        }
+    }
 }

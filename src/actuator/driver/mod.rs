@@ -18,5 +18,6 @@ pub mod coast;
 pub mod homing;
 pub mod law;
 pub mod order;
+pub mod reach;
 pub mod setup;
 pub mod turner;

@@ -41,6 +41,8 @@ pub struct Setup {
     /// Whether diodes let current in and none out: nothing backward can be given, nothing brakes, and a motor that is faster than the voltage
     /// holds runs on with open terminals. Of a voltage alone.
     pub one_way: bool,
+    /// What those diodes take, V, 0 to 1e6: the coil's current goes on against that when nothing is given any more. Of no account without them.
+    pub diode_drop: f64,
     /// The most it gives, volts or amperes: 1e-6 to 1e6.
     pub limit: f64,
     /// The most voltage with which it holds a current, 1e-6 to 1e6 V; of no account where it imposes a voltage.
@@ -68,6 +70,7 @@ impl Setup {
             let because = "behind diodes a current would have nowhere to go while they block";
             return Err(Fault::because("one_way", 1.0, Limit::Absent, because));
         }
+        within("diode_drop", self.diode_drop, (0.0, 1e6), "V")?;
         within("compliance", self.compliance, (1e-6, 1e6), "V")?;
         within("rate", self.rate, (100.0, 1e6), "samples a second")?;
         within("look_ahead", self.look_ahead.unwrap_or(0.0), (0.0, 1.0), "s")

@@ -5,7 +5,9 @@ use super::law::{Follow, Seek};
 use super::order::{Agenda, Entry, Order, PIECES, Pieces};
 use super::setup::{Setup, Shaping};
 use crate::actuator::fault::Fault;
-use crate::actuator::motor::{Drive, Level, Motor, Plan};
+use crate::actuator::link::carrier::Rectifier;
+use crate::actuator::link::diodes::Diodes;
+use crate::actuator::motor::{Level, Motor, Plan};
 
 /// Share of the full speed below which a motor counts as standing.
 const STANDS: f64 = 1e-4;
@@ -31,6 +33,8 @@ pub struct Turner {
     seek: Seek,
     /// The model; none where nothing needs it.
     motor: Option<Box<Motor>>,
+    /// What stands before it, where that lets current in alone.
+    diodes: Diodes,
     /// The model as it was before the last sample, where less may arrive than is sent.
     before: Option<Box<Motor>>,
     /// Whether the last sample moved the model.
@@ -102,6 +106,7 @@ impl Turner {
             follow: Follow::new(setup),
             seek: Seek::new(setup),
             motor: if tracks { Some(model()?) } else { None },
+            diodes: Diodes::new(Rectifier { full_wave: true, drop: setup.diode_drop }, setup.rate),
             before: if tracks && loses { Some(model()?) } else { None },
             moved: false,
             cut: false,
@@ -386,11 +391,12 @@ impl Turner {
         let (gain, before) = (self.setup.parameters.gain, motor.speed());
         // So close above what the motor makes itself, what flows is nothing, and the carrier for it would be all but none.
         let blocked = self.setup.one_way && given <= gain * before.max(0.0) + OPENS * self.setup.limit;
-        motor.drive(if blocked { Drive::Open } else { self.setup.drive(given) });
-        if share == 1.0 {
-            motor.step()
+        if blocked {
+            // What the coil still holds goes on through the diodes.
+            self.diodes.part(motor, 0.0, share, |_, _, _| {});
         } else {
-            motor.part(share)
+            motor.drive(self.setup.drive(given));
+            if share == 1.0 { motor.step() } else { motor.part(share) }
         }
         let emf = 0.5 * gain * (before + motor.speed());
         self.emf += share * emf;

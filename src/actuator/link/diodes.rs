@@ -30,42 +30,52 @@ impl Diodes {
         mut seen: impl FnMut(&Motor<BOOKED>, Option<f64>, f64),
     ) {
         let volts = self.rectifier.behind(source);
+        if volts - motor.parameters().gain * motor.speed() > 0.0 {
+            motor.drive(Drive::Voltage(volts));
+            motor.step();
+            return seen(motor, Some(volts), self.period);
+        }
+        self.part(motor, source, 1.0, seen);
+    }
+
+    /// The same for a part of a step, its share within 0 to 1.
+    pub fn part<const BOOKED: bool>(
+        &self,
+        motor: &mut Motor<BOOKED>,
+        source: f64,
+        share: f64,
+        mut seen: impl FnMut(&Motor<BOOKED>, Option<f64>, f64),
+    ) {
+        let volts = self.rectifier.behind(source);
         let (p, plan) = (*motor.parameters(), *motor.plan());
         let has_coil = plan.inductance && plan.level != Level::Economy && p.inductance > 0.0;
         let emf = p.gain * motor.speed();
         let current = if has_coil { motor.current().max(0.0) } else { 0.0 };
         let beyond = (volts - emf) / p.resistance;
-        if beyond > 0.0 {
-            motor.drive(Drive::Voltage(volts));
-            motor.step();
-            return seen(motor, Some(volts), self.period);
-        }
         // i(t) = i∞ + (i₀ − i∞) e^(−t R/L) with i∞ not above 0.
-        let ends = if current > 0.0 {
+        let ends = if beyond > 0.0 {
+            f64::INFINITY
+        } else if current > 0.0 {
             p.electrical_time() * ln(((current - beyond) / -beyond).min(1e300)) / self.period
         } else {
             0.0
         };
-        if ends > 0.0 || beyond.is_nan() {
-            let share = ends.min(1.0);
+        let flows = if beyond.is_nan() { share } else { ends.min(share) };
+        if flows > 0.0 {
             motor.drive(Drive::Voltage(volts));
-            if share == 1.0 {
-                motor.step()
-            } else {
-                motor.part(share)
-            }
-            seen(motor, Some(volts), share * self.period);
-            if share == 1.0 {
-                return;
-            }
-            motor.drive(Drive::Open);
-            motor.part(1.0 - share);
-            return seen(motor, None, (1.0 - share) * self.period);
+            move_on(motor, flows);
+            seen(motor, Some(volts), flows * self.period);
         }
-        motor.drive(Drive::Open);
-        motor.step();
-        seen(motor, None, self.period);
+        if flows < share {
+            motor.drive(Drive::Open);
+            move_on(motor, share - flows);
+            seen(motor, None, (share - flows) * self.period);
+        }
     }
+}
+
+fn move_on<const BOOKED: bool>(motor: &mut Motor<BOOKED>, share: f64) {
+    if share == 1.0 { motor.step() } else { motor.part(share) }
 }
 
 #[cfg(test)]

@@ -4,8 +4,10 @@ pub mod amplifier;
 pub mod carrier;
 pub mod compensator;
 pub mod conduction;
+pub mod converter;
 pub mod coupling;
 pub mod diodes;
+pub mod fineness;
 pub mod pulse;
 pub mod pwm;
 pub mod wave;
@@ -92,14 +94,41 @@ impl Link {
     /// A sample beyond ±1 is cut as the converter cuts it; one that is not a number is 0.
     #[inline]
     pub fn step(&mut self, sample: f64) -> f64 {
+        let sample = self.cut(sample);
+        let (given, within) = self.give(sample);
+        self.counts.limited += u64::from(!within);
+        given
+    }
+
+    /// A sample as the converter takes it: within ±1, and 0 where it is not a number.
+    #[inline]
+    pub fn cut(&mut self, sample: f64) -> f64 {
         self.counts.masked += u64::from(!sample.is_finite());
         let sample = if sample.is_finite() { sample } else { 0.0 };
         self.counts.clipped += u64::from(sample.abs() > 1.0);
-        let volts = self.high_pass.step(sample.clamp(-1.0, 1.0) * self.chain.full_scale);
+        sample.clamp(-1.0, 1.0)
+    }
+
+    /// What the parts of a frame that leaves the converter, as shares of full scale, ask of the actuator: volts or amperes in their place. Of a link
+    /// whose rate is that of the parts. A converter may give more than its largest sample between two of them, and that is not cut.
+    #[inline]
+    pub fn parts(&mut self, parts: &mut [f64]) {
+        let mut all = true;
+        for part in parts {
+            let (given, within) = self.give(*part);
+            *part = given;
+            all &= within;
+        }
+        self.counts.limited += u64::from(!all);
+    }
+
+    /// What is given for a share of full scale, and whether that is all that was asked for.
+    #[inline]
+    fn give(&mut self, share: f64) -> (f64, bool) {
+        let volts = self.high_pass.step(share * self.chain.full_scale);
         let asked = volts * self.chain.amplifier.signed_gain();
         let given = self.chain.amplifier.within(asked);
-        self.counts.limited += u64::from(given != asked);
-        given
+        (given, given == asked)
     }
 
     /// What it could not do so far.
@@ -136,6 +165,12 @@ mod tests {
         let mut link = Link::new(&Chain { amplifier: small, ..chain(Corners::none()) }, 48_000.0).unwrap();
         assert_eq!([1.5, f64::NAN, -1.0, 0.1].map(|x| link.step(x)), [2.0, 0.0, -2.0, 0.1 * 1.4 * 2.2]);
         assert_eq!(link.counts(), Counts { clipped: 1, limited: 2, masked: 1 });
+        // A frame in parts of which several are too much is one of which less was given.
+        let mut parts = [1.1, -2.0, 0.5];
+        assert_eq!(link.cut(1.5), 1.0);
+        link.parts(&mut parts);
+        assert_eq!(parts, [2.0, -2.0, 0.5 * 1.4 * 2.2]);
+        assert_eq!(link.counts(), Counts { clipped: 2, limited: 3, masked: 1 });
         assert_eq!(Chain { amplifier: small, ..chain(Corners::none()) }.most(), 2.0);
         assert!((chain(Corners::none()).most() - 3.08).abs() < 1e-12);
     }

@@ -40,7 +40,7 @@ impl Wave {
             samples: 1.0 / per_sample,
             step: carrier.hertz / rate,
             phase: 0.0,
-            rests: 0.0,
+            rests: 1.0,
             asked: [0.0; 2],
             amplitude: 0.0,
         })
@@ -101,6 +101,10 @@ mod tests {
         assert!((goes_on - (TAU * 4100.0 * 4801.0 / 48_000.0).cos()).abs() < 1e-9, "{goes_on}");
         (0..20).for_each(|_| assert_eq!(wave.step(-1.0, 0.5, 1.0), (0.0, false)));
         assert_eq!(wave.step(0.8, 0.3, 1.0).0, all[0]);
+        // One that was never given begins so too, however soon.
+        let mut fresh = Wave::new(&CARRIER, 1e-5, 48_000.0, 6.0).unwrap();
+        (0..3).for_each(|_| assert_eq!(fresh.step(0.0, 0.0, 1.0), (0.0, false)));
+        assert_eq!(fresh.step(0.8, 0.3, 1.0).0, all[0]);
         assert_eq!(wave.step(f64::NAN, 0.3, 1.0), (0.0, false));
         // And no more than may leave.
         let (mut most, mut times) = (0.0_f64, 0);

@@ -98,7 +98,9 @@ impl FeltFile<'_> {
     ///
     /// # Errors
     /// As the writer's.
-    pub fn finish(self, loaded: &Loaded) -> Result<FeelReport, FileError> {
+    pub fn finish(mut self, loaded: &Loaded) -> Result<FeelReport, FileError> {
+        self.feel.finish(&mut self.frames);
+        self.writer.write(&self.frames)?;
         let (shown, written) = (self.shown(), self.writer.finish()?);
         Ok(FeelReport::new(loaded, &self.feel, shown, &written, self.felt.error, self.took))
     }

@@ -55,6 +55,10 @@ pub(super) struct OutputReport {
     /// How well a rumble motor was computed; null for what is exact.
     pub(super) level: Option<String>,
     pub(super) steps: u32,
+    /// Whether samples are joined as a converter joins them, before diodes; elsewhere they are held.
+    pub(super) joined: bool,
+    /// The error that is reached where the wish is not granted; else null.
+    pub(super) reaches: Option<f64>,
     pub(super) left_out: Vec<String>,
     /// Figures of its part, and which of them nobody measured.
     pub(super) figures: usize,
@@ -138,6 +142,8 @@ impl OutputReport {
             warmest: figures.warmest,
             level: felt.level().map(|level| format!("{level:?}").to_lowercase()),
             steps: felt.steps(),
+            joined: felt.is_joined(),
+            reaches: felt.reaches(),
             left_out: felt.left_out().iter().map(ToString::to_string).collect(),
             figures: part.map_or(0, |part| part.values.len()),
             figures_assumed: assumed.map(|(key, _)| *key).collect(),

@@ -37,7 +37,8 @@ impl FeelReport {
             self.error,
             100.0 * self.held_loses
         );
-        lines("computed", std::iter::once(level).chain(self.level_line()).collect());
+        let more = [self.level_line(), self.joined_line(), self.reached_line()];
+        lines("computed", std::iter::once(level).chain(more.into_iter().flatten()).collect());
         lines("left out", self.left_out_lines());
         lines("assumed", self.assumed.clone());
         lines("figures", self.figure_lines());
@@ -81,6 +82,25 @@ impl FeelReport {
         let told: Vec<String> =
             groups.iter().map(|(level, names)| format!("{level} ({})", ranges(names))).collect();
         (!told.is_empty()).then(|| format!("motors at level {}", told.join(", ")))
+    }
+
+    /// "before diodes samples are joined as a converter joins them, not held (`palm`); nothing is shifted".
+    fn joined_line(&self) -> Option<String> {
+        let names: Vec<&str> = self.outputs.iter().filter(|o| o.joined).map(|o| o.output.as_str()).collect();
+        let told = "before diodes samples are joined as a converter joins them, and not held";
+        (!names.is_empty()).then(|| format!("{told} ({}); nothing is shifted by that", ranges(&names)))
+    }
+
+    /// "behind diodes the error is up to 3.1e-5 (`palm`)".
+    fn reached_line(&self) -> Option<String> {
+        let told = self.outputs.iter().filter_map(|o| Some((o.reaches?, o.output.as_str())));
+        let told: Vec<(String, &str)> = told.map(|(error, name)| (format!("{error:.1e}"), name)).collect();
+        let groups = together(told.iter().map(|(error, name)| (error.as_str(), *name)));
+        let told: Vec<String> =
+            groups.iter().map(|(error, names)| format!("{error} ({})", ranges(names))).collect();
+        (!told.is_empty()).then(|| {
+            format!("behind diodes the error may be up to {}, more than was wished for", told.join(", "))
+        })
     }
 
     fn left_out_lines(&self) -> Vec<String> {
