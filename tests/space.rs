@@ -204,8 +204,8 @@ fn rigs_of_common_arrays_are_made() {
     for (words, tactors, group, point) in [
         (&["line", "8"][..], 8, "left", "[0.01, 0.0]"),
         (&["grid", "4x5", "--spacing", "0.03"], 20, "left", "[0.02, 0.01]"),
-        (&["ring", "12"], 12, "left", "[0.0, 0.0, 0.02]"),
-        (&["belt", "8"], 8, "left", "[0.1, 0.0, 0.05]"),
+        (&["ring", "12"], 12, "left-half", "[0.0, 0.0, 0.02]"),
+        (&["belt", "8"], 8, "left-half", "[0.1, 0.0, 0.05]"),
         (&["vest", "40"], 40, "front", "[0.0, 0.1, 0.1]"),
         (&["sleeve"], 24, "top", "[0.0, 0.04, 0.0]"),
         (&["hand"], 13, "tips", "[0.0, 0.0, 0.1]"),
@@ -244,12 +244,12 @@ fn what_no_layout_is_is_told() {
     for (words, told) in [
         (&["rig", "new", "cube"][..], "there is no layout `cube`"),
         (&["rig", "new", "grid", "4"], "rows and columns"),
-        (&["rig", "new", "grid", "0x4"], "row"),
-        (&["rig", "new", "grid", "4x5000"], "row"),
+        (&["rig", "new", "grid", "0x4"], "`rows` is 0"),
+        (&["rig", "new", "grid", "4x5000"], "`columns` is 5000"),
         (&["rig", "new", "line", "many"], "how many tactors a line has"),
         (&["rig", "new", "line", "8", "--spacing", "nan"], "spacing"),
         (&["rig", "new", "line", "8", "--radius", "1"], "--radius is for ring"),
-        (&["rig", "new", "ring", "8", "--radius", "-1"], "radius"),
+        (&["rig", "new", "ring", "8", "--radius=-1"], "radius"),
         (&["rig", "new", "vest", "12"], "a vest of 12 is not known"),
         (&["rig", "new", "hand", "third"], "there is no hand `third`"),
     ] {

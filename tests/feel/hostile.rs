@@ -87,7 +87,7 @@ fn what_is_not_known_is_named_with_what_would_help() {
             with(|r| {
                 r.actuators[0].values.insert("mass", 1e-9);
             }),
-            &["`a` cannot be: `mass` is 0.000000001", "correct it"],
+            &["`a` cannot be: `mass` is 1e-9", "correct it"],
         ),
         (
             with(|r| r.device.full_scale_volts = Some(f64::NAN)),
