@@ -10,14 +10,17 @@ use common::scenes::busy;
 #[cfg(feature = "fundsp-nodes")]
 use common::scenes::leaves;
 use common::storm::{due, event};
-use common::{compiled, play};
+use common::{compiled, patch, play};
 use pacinian::engine::Engine;
-use pacinian::engine::event::{Event, Source};
+use pacinian::engine::event::{Event, Play, Source};
 use pacinian::engine::exchange::exchange;
 use pacinian::engine::meter::Meter;
 use pacinian::engine::task::{Task, Values};
 use pacinian::graph::budget::Need;
 use pacinian::graph::plan::{Plan, Precision};
+use pacinian::graph::scene::{Options, scene};
+use pacinian::node::asset::NoAssets;
+use pacinian::rig::Rig;
 use pacinian::schedule::{Beat, Instant};
 
 thread_local! {
@@ -126,6 +129,51 @@ fn a_hundred_thousand_events_and_a_hundred_plans() {
     }
     assert_eq!(total, 0, "allocations and frees in {events} events and {sent} plans");
     assert!(stagehand.engine().counters().started > 50_000);
+}
+
+/// Points anywhere, also where there is no number, on lines, surfaces and clouds of tactors, with and without a width.
+#[test]
+fn points_anywhere() {
+    let line = Rig::default_for(16);
+    let mut sheet = line.clone();
+    let mut cloud = line.clone();
+    for (n, (flat, deep)) in sheet.outputs.iter_mut().zip(&mut cloud.outputs).enumerate() {
+        let [x, y] = [(n % 4) as f64 * 0.05, (n / 4) as f64 * 0.03];
+        flat.position = Some([x, y, 0.0]);
+        deep.position = Some([x, y, ((n * 7) % 5) as f64 * 0.04]);
+    }
+    for rig in [line, sheet, cloud] {
+        for keys in ["", "width = 0.01", "width = 0.2\nlaw = \"logarithmic\"", "law = \"nearest\""] {
+            let text = format!(
+                "[voice.v]\noutput = \"s\"\nvoices = 16\n{keys}\n[voice.v.nodes]\ns = {{ type = \"sine\", frequency = 150 }}\n"
+            );
+            let options = Options { live: true, ..Options::default() };
+            let plan = scene(&patch(&text), &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan;
+            let mut engine = Engine::new(&plan).unwrap();
+            let mut frames = vec![0.0; 480 * 16];
+            let mut total = 0;
+            for round in 0..40_u32 {
+                total += counted(|| {
+                    for i in 20 * round..20 * round + 20 {
+                        let wild = |n: u32| match i.wrapping_mul(n) % 29 {
+                            0 => f64::NAN,
+                            1 => f64::INFINITY,
+                            2 => -1e300,
+                            far => f64::from(far) * 0.02 - 0.2,
+                        };
+                        let place = Spot::Point([wild(7), wild(11), wild(13)]);
+                        let at = Instant { sample: engine.clock() + u64::from(i % 80), fraction: 7 };
+                        let one = Play { place, ..play(0, 0, 150.0, 0.003, u64::from(i)) };
+                        engine.schedule(at, Source::Program, Event::Play(one));
+                    }
+                    engine.process(&mut frames);
+                });
+                assert!(frames.iter().all(|x| x.is_finite()) && frames.iter().any(|x| *x != 0.0));
+            }
+            assert_eq!(total, 0, "allocations and frees: {keys}");
+            assert!(engine.counters().started > 790);
+        }
+    }
 }
 
 /// Sends a control to where a shared node is, at every sample.

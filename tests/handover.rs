@@ -3,11 +3,12 @@
 mod common;
 
 use common::{compiled, play, schedule};
-use pacinian::engine::event::{Event, Move, Source};
+use pacinian::engine::event::{Event, Move, Play, Source};
 use pacinian::engine::exchange::exchange;
 use pacinian::graph::plan::Plan;
 use pacinian::node::motion::Motion;
 use pacinian::schedule::Instant;
+use pacinian::space::spot::Spot;
 
 const FIRST: &str = r#"
 [control.strength]
@@ -179,4 +180,39 @@ fn what_is_new_in_an_old_voice_begins_and_ends_as_it_should() {
     assert!(pressed[..50].iter().all(|peak| (0.045..0.055).contains(peak)), "{pressed:?}");
     assert!(pressed[51..69].iter().all(|peak| (0.035..0.0395).contains(peak)), "{pressed:?}");
     assert!(pressed[71..].iter().all(|peak| *peak < 1e-6), "{pressed:?}");
+}
+
+/// Lists of names are counted anew in each patch; a voice, and an event that waits, stay on theirs, and a point stays with the tactors about it.
+#[test]
+fn what_sounds_together_stays_where_it_was() {
+    let voice = |name: &str, place: &str| {
+        format!(
+            "[voice.{name}]\noutput = \"tone\"\nplace = {place}\n[voice.{name}.nodes]\n\
+             tone = {{ type = \"sine\", frequency = 200, amplitude = 0.3 }}\n"
+        )
+    };
+    let old = compiled(&voice("pair", "[\"t3\", \"t4\"]"), 4, 48_000.0).plan;
+    let more = format!("{}{}", voice("ahead", "[\"t1\", \"t2\"]"), voice("pair", "[\"t3\", \"t4\"]"));
+    let new = compiled(&more, 4, 48_000.0).plan;
+    let without = compiled(&voice("pair", "\"t1\""), 4, 48_000.0).plan;
+    let place = old.place("t3 + t4").unwrap();
+    assert_ne!(place, new.place("t3 + t4").unwrap());
+    for (spot, reached) in
+        [(place, [false, false, true, true]), (Spot::Point([0.06, 0.0, 0.0]), [false, true, true, false])]
+    {
+        for (begins, next, kept) in [(0.0, &new, true), (4000.0, &new, true), (0.0, &without, spot != place)]
+        {
+            let (mut director, mut stagehand) = exchange(&old).unwrap();
+            schedule(stagehand.engine(), &[(begins, Play { place: spot, ..play(0, 0, 200.0, 10.0, 1) })]);
+            let mut before = vec![0.0; 4800 * 4];
+            stagehand.process(&[], &mut before);
+            assert!(director.send(next).unwrap());
+            let mut after = vec![0.0; 48_000 * 4];
+            stagehand.process(&[], &mut after);
+            let late = &after[24_000 * 4..];
+            let sounds: Vec<bool> =
+                (0..4).map(|c| late.iter().skip(c).step_by(4).any(|x| x.abs() > 0.05)).collect();
+            assert_eq!(sounds, if kept { reached } else { [false; 4] }, "{spot:?} from {begins}");
+        }
+    }
 }

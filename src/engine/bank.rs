@@ -15,6 +15,7 @@ use crate::graph::plan::Instrument;
 use crate::graph::program::Feed;
 use crate::node::kernel::LEAD;
 use crate::schedule::Instant;
+use crate::space::spot::Spot;
 
 /// What counts as silence: −120 dB.
 const SILENCE: f64 = 1e-6;
@@ -156,6 +157,7 @@ impl<R: Real> Bank<R> {
         ops: &[Option<usize>],
         places: &mut Places,
         number: usize,
+        spot: impl Fn(Spot) -> Option<Spot>,
         clock: u64,
     ) {
         if self.lanes.len() != old.lanes.len() {
@@ -182,7 +184,10 @@ impl<R: Real> Bank<R> {
                 *id = voice.play.id;
             }
             self.ops.set(lane, &voice.play.fields());
-            self.place(lane, places.of(number, voice.play.place));
+            // A place that is no more is silence.
+            let place = spot(voice.play.place);
+            self.lanes[lane].play.place = place.unwrap_or(Spot::Row(u32::MAX));
+            self.place(lane, place.map_or(&[], |place| places.of(number, place)));
             let missing = ops.iter().enumerate().filter(|(_, from)| from.is_none());
             let mut anew = false;
             for (op, _) in missing {

@@ -14,6 +14,7 @@ use super::vibration::single;
 use crate::graph::plan::Plan;
 use crate::graph::program::Program;
 use crate::graph::watch::Watch;
+use crate::space::spot::Spot;
 
 /// What a new plan takes over from an old one.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -22,6 +23,8 @@ pub(crate) struct Inheritance {
     pub instruments: Vec<Option<(usize, Vec<Option<usize>>)>>,
     /// For each op of the shared program: the old op.
     pub shared: Vec<Option<usize>>,
+    /// For each row of places of the old plan: that of the new one.
+    pub places: Vec<Option<u32>>,
     /// For each control: the old control.
     pub controls: Vec<Option<usize>>,
     /// For each watch of the old plan: the new one that waits for the same.
@@ -32,6 +35,16 @@ pub(crate) struct Inheritance {
     pub levels: Option<Vec<f32>>,
     /// Whether both plans compute the same, so that nothing can jump.
     pub unchanged: bool,
+}
+
+impl Inheritance {
+    /// Where a place of the old plan is in the new one; `None` where it is nowhere.
+    pub fn spot(&self, old: Spot) -> Option<Spot> {
+        match old {
+            Spot::Row(row) => self.places.get(row as usize).copied().flatten().map(Spot::Row),
+            Spot::Point(_) => Some(old),
+        }
+    }
 }
 
 /// A new engine with what it takes over, ready for the audio thread.
@@ -115,10 +128,21 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     let levels = new.max_levels();
     let levels = (old.max_levels() != levels).then(|| levels.into_iter().map(single).collect());
     let same_signals = old.shared_program == new.shared_program && old.shared == new.shared;
-    let unchanged = old.instruments == new.instruments && same_signals && old.places == new.places;
-    let watches = watches(old, new);
-    let inheritance = Inheritance { instruments, shared, controls, watches, same_signals, levels, unchanged };
+    let same_places = (&old.places, &old.together, &old.spread) == (&new.places, &new.together, &new.spread);
+    let unchanged = old.instruments == new.instruments && same_signals && same_places;
+    let (watches, places) = (watches(old, new), places(old, new));
+    let inheritance =
+        Inheritance { instruments, places, shared, controls, watches, same_signals, levels, unchanged };
     Ok(Handover { engine, inheritance })
+}
+
+/// For each row of the old plan's places that of the new one: outputs are the same, and what sounds together goes by its name.
+fn places(old: &Plan, new: &Plan) -> Vec<Option<u32>> {
+    let outputs = old.outputs.len();
+    let together =
+        |name: &Arc<str>| new.together.iter().position(|other| other == name).map(|row| outputs + row);
+    let rows = (0..outputs).map(Some).chain(old.together.iter().map(together));
+    rows.take(old.places.len()).map(|row| row.map(|row| row as u32)).collect()
 }
 
 /// For each watch of an old plan the new one with the same signal, threshold, direction and voice that has not been given away.

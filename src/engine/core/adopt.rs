@@ -37,7 +37,8 @@ impl<R: Real> Core<R> {
                 .and_then(|(from, ops)| Some((old.banks.get_mut(*from)?, ops, old.first.get(*from)?)));
             match from {
                 Some((bank_of_old, ops, first_of_old)) => {
-                    bank.adopt(bank_of_old, ops, &mut self.places, number, self.clock);
+                    let spot = |old| inheritance.spot(old);
+                    bank.adopt(bank_of_old, ops, &mut self.places, number, spot, self.clock);
                     for lane in 0..bank.lanes() {
                         if let Some((at, serial)) = old.ends.get(first_of_old + lane) {
                             self.ends.set(first + lane, at, serial);
@@ -60,7 +61,9 @@ impl<R: Real> Core<R> {
         let counters = &mut self.counters;
         self.queue.edit(|event| {
             let kept = match event {
-                Event::Play(play) => instrument(play.instrument).map(|i| play.instrument = i),
+                Event::Play(play) => instrument(play.instrument)
+                    .zip(inheritance.spot(play.place))
+                    .map(|(instrument, place)| (play.instrument, play.place) = (instrument, place)),
                 Event::Control(of, _) | Event::Glide(of, ..) => control(*of).map(|c| *of = c),
                 Event::Release(_)
                 | Event::ReleaseAll
