@@ -4,7 +4,7 @@
 //! the smooth one that a real converter gives, by hundredths where a turn has twelve samples and by more where it has three.
 //!
 //! Each sample stands in the middle of its frame, where what is held for the frame has its mean: what is joined is not later than what is held.
-//! That takes the [`LATE`] samples that follow, which are sinc in a window ([`weights`]): what is below 0.45 of the rate comes out within 2e-6 of it.
+//! That takes the [`LATE`] samples that follow, which are sinc in a window: what is below 0.45 of the rate comes out within 2e-6 of it.
 
 use crate::actuator::fault::{Fault, within};
 use crate::dsp::sinc::weights;
