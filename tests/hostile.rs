@@ -391,6 +391,8 @@ fn any_number_of_channels() {
     (plan.channels, plan.places) = (0, vec![Vec::new()]);
     assert!(Engine::new(&plan).is_err(), "its output hangs on a channel that is not there");
     plan.outputs.clear();
+    assert!(Engine::new(&plan).is_err(), "so does its tactor, which has points about it");
+    plan.spread = None;
     let mut engine = Engine::new(&plan).unwrap();
     schedule(&mut engine, &[(0.0, play(0, 0, 100.0, 0.01, 1))]);
     let mut nothing = [1.0; 12];
