@@ -46,8 +46,15 @@ fn callback(board: &Arc<Board>) -> Callback {
         let mut own = [0.0; FIELDS];
         own[0] = 60.0 + 17.0 * f64::from(voice);
         let (place, id) = (voice % CHANNELS as u32, u64::from(voice));
-        let play =
-            Play { instrument: 0, place: Spot::Row(place), level: 0.3, duration: f64::INFINITY, own, id };
+        let play = Play {
+            instrument: 0,
+            place: Spot::Row(place),
+            level: 0.3,
+            felt: None,
+            duration: f64::INFINITY,
+            own,
+            id,
+        };
         assert!(stagehand.engine().schedule(Instant::default(), Source::Program, Event::Play(play)));
     }
     board.lever.open();

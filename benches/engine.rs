@@ -66,6 +66,7 @@ fn start(engine: &mut Engine, voices: usize, channels: usize, level: f64) {
         let mut own = [0.0; FIELDS];
         own[0] = 60.0 + 700.0 * i as f64 / voices as f64;
         let play = Play {
+            felt: None,
             instrument: 0,
             place: Spot::Row((i % channels) as u32),
             level,
@@ -205,13 +206,27 @@ fn asleep_without_stage() {
     let plan = plan(SINE, 256, 16);
     let rate = plan.engine_rate();
     let pool = |sounding: usize| {
-        let mut bank = Bank::<f32>::new(&plan.instruments[0], rate, plan.seed, 2, Isa::detect());
+        let mut bank = Bank::<f32>::new(
+            &plan.instruments[0],
+            (&plan.paths.as_slice().into(), &plan.gauges),
+            rate,
+            plan.seed,
+            2,
+            Isa::detect(),
+        );
         for i in 0..sounding {
             let mut own = [0.0; FIELDS];
             own[0] = 60.0 + 2.0 * i as f64;
             let id = i as u64;
-            let play =
-                Play { instrument: 0, place: Spot::Row(0), level: 0.05, duration: f64::INFINITY, own, id };
+            let play = Play {
+                instrument: 0,
+                place: Spot::Row(0),
+                level: 0.05,
+                felt: None,
+                duration: f64::INFINITY,
+                own,
+                id,
+            };
             bank.start(&play, Instant::default(), 0, &[(i as u32 % 16, 1.0)], id);
         }
         (bank, Workspace::new(plan.instruments[0].program.buffers + 1, 0, 16), 0)

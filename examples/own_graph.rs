@@ -2,6 +2,7 @@
 //!
 //! Run it with `cargo run --example own_graph`.
 
+use pacinian::patch::Pitch;
 use pacinian::space::law::Law;
 use pacinian::space::spot::Spot;
 use std::error::Error;
@@ -54,13 +55,18 @@ fn main() -> Result<(), Box<dyn Error>> {
             place: Spot::Row(0),
             law: Law::Energy,
             width: 0.0,
+            steered: false,
             level: 1.0,
+            felt: None,
+            pitch: Pitch::OfEvent,
             tail: 0.0,
             always: false,
         }],
         places: vec![vec![(0, 0.8)]],
         together: Vec::new(),
         spread: None,
+        paths: vec![],
+        gauges: [].into(),
         outputs: vec![Output {
             name: "wrist".into(),
             channel: 0,

@@ -176,6 +176,93 @@ fn points_anywhere() {
     }
 }
 
+/// Voices on paths, quick and slow, and such as noise throws about, by every law.
+#[test]
+fn voices_that_move() {
+    for law in ["energy", "logarithmic", "linear", "nearest"] {
+        for width in [0.0, 0.01] {
+            let text = moving(law, width, 16);
+            let plan = compiled(&text, 16, 48_000.0).plan;
+            let mut engine = Engine::new(&plan).unwrap();
+            let mut frames = vec![0.0; 480 * 16];
+            let mut total = 0;
+            for round in 0..40_u32 {
+                total += counted(|| {
+                    for i in 8 * round..8 * round + 8 {
+                        let own = plan.play(if i.is_multiple_of(2) { "path" } else { "noise" }, &[]).unwrap();
+                        let at = Instant { sample: engine.clock() + u64::from(i % 80), fraction: 7 };
+                        let one = Play { duration: 0.01, id: u64::from(i), ..own };
+                        engine.schedule(at, Source::Program, Event::Play(one));
+                    }
+                    engine.process(&mut frames);
+                });
+                assert!(frames.iter().all(|x| x.is_finite()) && frames.iter().any(|x| *x != 0.0));
+            }
+            assert_eq!(total, 0, "allocations and frees: {law} {width}");
+            assert!(engine.counters().started > 310);
+        }
+    }
+}
+
+/// A voice on a path, and one that noise throws about.
+fn moving(law: &str, width: f64, voices: usize) -> String {
+    format!(
+        "[voice.path]\noutput = \"s\"\nvoices = {voices}\nlaw = \"{law}\"\nwidth = {width}\n\
+         place = {{ path = [[-0.1, 0], [0.5, 0.1], [0, 0]], times = [0, 0.005, 1] }}\n[voice.path.nodes]\n\
+         s = {{ type = \"sine\", frequency = 150 }}\n\
+         [voice.noise]\noutput = \"s\"\nvoices = {voices}\nlaw = \"{law}\"\nwidth = {width}\n[voice.noise.nodes]\n\
+         s = {{ type = \"sine\", frequency = 150 }}\nn = {{ type = \"white\" }}\n\
+         here = {{ type = \"place\", x = \"0.3 + n\", y = \"n / 0\", width = \"0.1 * n\" }}\n"
+    )
+}
+
+/// Voices that say how strongly they are felt, on groups, points and motors, with numbers that cannot be.
+#[test]
+fn what_is_felt() {
+    let rig = "format = \"pacinian-rig/1\"\n[device]\nchannels = 12\nfull_scale_volts = 1\n[calibration.c]\ndate = 2026-03-14\nmethod = \"m\"\n\
+        area = 1e-5\nunit = \"um/V\"\ntable = [[40, 30], [100, 28], [250, 22], [400, 6]]\n";
+    let tactor = |n: u32| {
+        let calibration = if n.is_multiple_of(3) { "" } else { "calibration = \"c\"\n" };
+        format!(
+            "[[tactor]]\nname = \"t{n}\"\nchannel = {n}\nposition = [{}, {}]\n{calibration}",
+            n % 4,
+            n / 4
+        )
+    };
+    let tactors: String = (1..=12).map(tactor).collect();
+    let group = "[group.all]\ntactors = [\"t1\", \"t2\", \"t3\", \"t4\", \"t5\", \"t12\"]\n";
+    let rig = Rig::parse("r.toml", format!("{rig}{tactors}{group}").as_bytes())
+        .unwrap_or_else(|p| panic!("{p}"))
+        .value;
+    let text = "[voice.v]\nvoices = 16\noutput = \"s\"\nnodes.s = { type = \"sine\", frequency = \"event.frequency\" }\n";
+    let options = Options { live: true, ..Options::default() };
+    let plan = scene(&patch(text), &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan;
+    let mut engine = Engine::new(&plan).unwrap();
+    let mut frames = vec![0.0; 480 * 12];
+    let mut total = 0;
+    for round in 0..40_u32 {
+        total += counted(|| {
+            for i in 20 * round..20 * round + 20 {
+                let felt = [20.0, f64::NAN, f64::INFINITY, -1e300, 1e300, 3.0][i as usize % 6];
+                let hertz = [100.0, 0.0, f64::NAN, -5.0, 1e9, 250.0, 77.7][i as usize % 7];
+                let place = if i % 2 == 0 {
+                    Spot::Row(i % 14)
+                } else {
+                    Spot::Point([0.3 * f64::from(i % 9), 0.7, 0.0])
+                };
+                let at = Instant { sample: engine.clock() + u64::from(i % 80), fraction: 7 };
+                let level = if i.is_multiple_of(5) { 0.0 } else { 0.5 };
+                let one = Play { place, felt: Some(felt), level, ..play(0, 0, hertz, 0.003, u64::from(i)) };
+                engine.schedule(at, Source::Program, Event::Play(one));
+            }
+            engine.process(&mut frames);
+        });
+        assert!(frames.iter().all(|x| x.is_finite()) && frames.iter().any(|x| *x != 0.0));
+    }
+    assert_eq!(total, 0, "allocations and frees");
+    assert!(engine.counters().started > 790);
+}
+
 /// Sends a control to where a shared node is, at every sample.
 struct Servo(usize);
 
@@ -216,6 +303,7 @@ fn memory_is_what_was_foreseen() {
     let wide = busy(2000, 8);
     #[allow(unused_mut)]
     let mut scenes = vec![(delay.to_string(), 2), (busy(24, 8), 16), (wide.clone(), 16), (wide, 256)];
+    scenes.push((moving("energy", 0.0, 1000), 256));
     #[cfg(feature = "fundsp-nodes")]
     scenes.push((leaves(500, 8), 4));
     for (text, channels) in scenes {
@@ -321,6 +409,10 @@ fn motors_that_are_ordered_about() {
         carried = carried.replace(gain, &format!("drive = \"carrier\"\ndiode_drop = 1.4\n{gain}"));
     }
     motors_are_ordered_about(&carried, &MOVES.replace("turns = -1.5", "turns = 1.5"));
+    // And so warm that much of it is held back.
+    let warm = "max_heating = 5\nwinding_to_housing = 137\nhousing_to_air = 594\nwinding_time = 0.1\nhousing_time = 4\nmax_rms_volts = 2\n";
+    let carried = carried.replace("part = \"coin-10mm\"\n", &format!("part = \"coin-10mm\"\n{warm}"));
+    motors_are_ordered_about(&carried, &MOVES.replace("turns = -1.5", "turns = 1.5"));
 }
 
 fn motors_are_ordered_about(rig: &str, moves: &str) {
@@ -343,6 +435,7 @@ fn motors_are_ordered_about(rig: &str, moves: &str) {
                 let at = Instant { sample: engine.clock() + u64::from(i % 80), fraction: 1 << 30 };
                 let (level, duration) = (f64::from(i % 7) / 3.0 - 1.0, 0.001 * f64::from(i));
                 let play = Play {
+                    felt: None,
                     instrument,
                     place: Spot::Row(place),
                     level,

@@ -513,6 +513,20 @@ fn pictures_and_errors() {
     assert!(svg.contains("A test") && svg.contains(">t8<"));
     let out = scratch.run(&["plot", "good.toml", "-o", "-", "--duration", "0.5"]);
     assert_eq!(out.succeeds().out, svg);
+    let map = ["plot", "good.toml", "--map", "-o", "map.svg", "--duration", "0.5"];
+    assert!(scratch.run(&[&map[..], &["--frames", "7"]].concat()).succeeds().out.contains("8 tactors, 0.5"));
+    let map_svg = || std::fs::read_to_string(scratch.0.join("map.svg")).unwrap();
+    // A frame has a disc for each tactor, and one on top for each that shakes.
+    assert!(map_svg().contains("7 frames") && map_svg().matches("<circle").count() > 56);
+    scratch.run(&[&map[..], &["--animated"]].concat()).succeeds();
+    assert!(map_svg().contains("<animate attributeName=\"fill-opacity\""));
+    scratch.run(&[&map[..], &["--animated", "--frames", "7"]].concat()).fails(2, &["--frames"]);
+    scratch.run(&[&map[..], &["--frames", "0"]].concat()).fails(2, &["1..=400"]);
+    scratch.run(&["plot", "good.toml", "--animated", "-o", "x.svg"]).fails(2, &["--map"]);
+    let bare = "format = \"pacinian-rig/1\"\ntitle = \"r\"\n[device]\nchannels = 8\n";
+    let tactors: String = (1..=8).map(|n| format!("[[tactor]]\nname = \"t{n}\"\nchannel = {n}\n")).collect();
+    scratch.write("bare.toml", format!("{bare}{tactors}"));
+    scratch.run(&[&map[..], &["--rig", "bare.toml"]].concat()).fails(65, &["has a position", "--map"]);
     scratch.run(&["plot", "good.toml", "-o", "x.png"]).fails(2, &["SVG", "`x.svg`"]);
     scratch.run(&["plot", "good.toml", "-o", "good.toml"]).fails(2, &["`good.toml`"]);
 

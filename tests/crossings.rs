@@ -129,7 +129,8 @@ fn what_is_set_off_sounds_as_if_it_were_played_at_that_instant() {
     for (at, _, id) in &found {
         let mut own = [0.0; FIELDS];
         own[0] = 160.0;
-        let play = Play { instrument: 0, place: Spot::Row(1), level: 0.4, duration: 0.03, own, id: *id };
+        let play =
+            Play { instrument: 0, place: Spot::Row(1), level: 0.4, felt: None, duration: 0.03, own, id: *id };
         let (source, event) =
             (pacinian::engine::event::Source::Program, pacinian::engine::event::Event::Play(play));
         assert!(engine.schedule(*at, source, event));

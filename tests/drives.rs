@@ -6,6 +6,8 @@ mod common;
 mod carrier;
 #[path = "drives/coupled.rs"]
 mod coupled;
+#[path = "drives/warm.rs"]
+mod warm;
 
 use common::scenes::{MOTORS, MOVES};
 use common::{channel, patch, run};
@@ -45,6 +47,7 @@ fn play(instrument: u32, place: u32, level: f64, duration: f64) -> Play {
         instrument,
         place: Spot::Row(place),
         level,
+        felt: None,
         duration,
         own: [0.0; FIELDS],
         id: u64::from(instrument),

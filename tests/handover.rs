@@ -182,6 +182,50 @@ fn what_is_new_in_an_old_voice_begins_and_ends_as_it_should() {
     assert!(pressed[71..].iter().all(|peak| *peak < 1e-6), "{pressed:?}");
 }
 
+/// A voice on a path goes on along it, whatever number that has in the new plan, and one that its nodes move goes on as well; where no
+/// voice goes along it any more, it falls silent.
+#[test]
+fn what_moves_goes_on() {
+    let voice = |name: &str, place: &str, nodes: &str| {
+        format!(
+            "[voice.{name}]\noutput = \"tone\"\n{place}\n[voice.{name}.nodes]\n\
+             tone = {{ type = \"sine\", frequency = 200, amplitude = 0.3 }}\n{nodes}\n"
+        )
+    };
+    let along = "place = { path = [[0, 0], [0.12, 0]], over = 1.0 }";
+    let swings =
+        "slow = { type = \"lfo\", rate = 0.8 }\nhere = { type = \"place\", x = \"0.06 + 0.05 * slow\" }";
+    let ahead = voice("ahead", "place = { path = [[0.12, 0], [0, 0]], over = 1.0 }", "");
+    for (place, nodes) in [(along, ""), ("", swings)] {
+        let old = compiled(&voice("mover", place, nodes), 4, 48_000.0).plan;
+        let more = format!("{ahead}{}", voice("mover", place, nodes));
+        let new = compiled(&more, 4, 48_000.0).plan;
+        let take = |next: Option<&Plan>| {
+            let (mut director, mut stagehand) = exchange(&old).unwrap();
+            let play = Play { duration: 10.0, id: 1, ..old.play("mover", &[]).unwrap() };
+            schedule(stagehand.engine(), &[(0.0, play)]);
+            let mut frames = vec![0.0; 48_000 * 4];
+            let (before, after) = frames.split_at_mut(9600 * 4);
+            stagehand.process(&[], before);
+            if let Some(next) = next {
+                assert!(director.send(next).unwrap());
+            }
+            stagehand.process(&[], after);
+            frames
+        };
+        let (alone, changed) = (take(None), take(Some(&new)));
+        // What the change itself does is over soon.
+        let apart = |from: usize| {
+            alone.iter().zip(&changed).skip(from * 4).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+        };
+        assert!(apart(0) < 0.01 && apart(12_000) < 1e-6, "{place}{nodes}: {} {}", apart(0), apart(12_000));
+        if !place.is_empty() {
+            let gone = take(Some(&compiled(&voice("mover", "", ""), 4, 48_000.0).plan));
+            assert!(gone[20_000 * 4..].iter().all(|x| *x == 0.0), "no path is silence");
+        }
+    }
+}
+
 /// Lists of names are counted anew in each patch; a voice, and an event that waits, stay on theirs, and a point stays with the tactors about it.
 #[test]
 fn what_sounds_together_stays_where_it_was() {

@@ -23,6 +23,39 @@ use pacinian::node::asset::NoAssets;
 use pacinian::text::Problem;
 use pacinian::{Note, Patch, Place, Rig};
 
+/// Three tactors, one of them calibrated by a file.
+const RIG: &str = r#"format = "pacinian-rig/1"
+[device]
+channels = 3
+full_scale_volts = 1.0
+[calibration.c]
+date = 2026-03-14
+method = "none, in a test"
+area = 1e-4
+unit = "um/V"
+table = "c.csv"
+[[tactor]]
+name = "t1"
+channel = 1
+position = [0.0, 0.0]
+[[tactor]]
+name = "t2"
+channel = 2
+position = [0.04, 0.0]
+calibration = "c"
+[[tactor]]
+name = "t3"
+channel = 3
+position = [0.08, 0.0]
+"#;
+const TABLE: &str = "frequency,output\n20,60\n150,21\n400,3\n";
+
+fn rig() -> Rig {
+    let mut rig = Rig::parse("r.toml", RIG.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    rig.calibrations[0].take(TABLE).unwrap();
+    rig
+}
+
 const PATCH: &str = r#"format = "pacinian-patch/1"
 title = "t"
 [control.strength]
@@ -54,6 +87,7 @@ jitter = { at = 0.01, level = 0.2 }
 events = [
   { at = 0.0, voice = "tap", duration = 0.02, place = "t1", level = 0.5 },
   { at = 0.05, choose = [{ voice = "tap", duration = 0.03, place = "t3" }, { voice = "tap", duration = 0.01, frequency = 233 }] },
+  { at = 0.07, voice = "tap", duration = 0.02, felt = 26 },
 ]
 repeat = { every = 0.1 }
 [[trigger]]
@@ -73,13 +107,18 @@ set = { level = 0.3, duration = 0.01 }
 
 fn reload(text: &str) -> Reload {
     let patch = Patch::parse("t.toml", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-    let rig = Rig::default_for(3);
+    let rig = rig();
     let options = Options { rate: Some(48_000.0), live: true, seed: Some(7), ..Options::default() };
     let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
     let files = Box::new(|_: &str| Err(Problem::of_file("no files here")));
     let provenance = Provenance {
         patch: Text { name: "t.toml".into(), sha256: of_bytes(text.as_bytes()), text: text.into() },
-        rig: RigText::Line { line: 3 },
+        rig: RigText::Text(Text {
+            name: "r.toml".into(),
+            sha256: of_bytes(RIG.as_bytes()),
+            text: RIG.into(),
+        }),
+        tables: vec![Text { name: "c.csv".into(), sha256: of_bytes(TABLE.as_bytes()), text: TABLE.into() }],
         folder: ".".into(),
         allow_outside: false,
         files: Vec::new(),
@@ -158,6 +197,8 @@ fn play(journal_path: &Path, recording: &Path) {
             8 => {
                 let note = Note { place: Some(Place::Name("t3".into())), ..Note::default() };
                 let _ = handle.play("tap", note.duration(0.01));
+                let place = Some(Place::Position([0.03, 0.0, 0.0]));
+                let _ = handle.play("tap", Note { place, ..Note::default() }.felt(18.5).duration(0.02));
             }
             9 if step % 24 == 9 => handle.send(Signal::Arm(step % 48 == 9)).unwrap(),
             9 => {
@@ -247,6 +288,15 @@ fn what_was_played_is_played_again_to_the_bit() {
         ] {
             assert!(lines.iter().any(|line| line.kind == kind), "{kind:?}");
         }
+        // How strongly something is felt stands there, with the gains that it came to.
+        let felt = |wanted: f64| {
+            lines.iter().find(|line| line.felt == Some(wanted)).unwrap_or_else(|| panic!("{wanted}"))
+        };
+        // 26 dB above 0.739 um (thenar, 1 cm2, 120 Hz) are 14.7 um, and the table has 23.6 um/V there; the band limit takes 0.14 dB.
+        let gain: f64 =
+            felt(26.0).gains.as_deref().and_then(|gains| gains.strip_prefix("2=")?.parse().ok()).unwrap();
+        assert!((gain - 0.635).abs() < 0.002 && felt(26.0).level.is_some(), "{:?}", felt(26.0));
+        assert_eq!(felt(18.5).gains.as_deref().unwrap().split(';').count(), 2);
         // What a node sets off stands there, under its own name, and is set off again without.
         let set_off: Vec<_> = lines.iter().filter(|line| line.source.as_deref() == Some("node")).collect();
         let seconds = met.frames as f64 / 48_000.0;

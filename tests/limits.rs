@@ -101,6 +101,7 @@ fn bad(plan: &Plan, place: u32, duration: f64, frequency: f64, size: f64) -> Pla
     }
     // Given to the engine past everything that looks at numbers.
     Play {
+        felt: None,
         instrument: instrument as u32,
         place: Spot::Row(place),
         level: 1.0,

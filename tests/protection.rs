@@ -37,7 +37,7 @@ fn tone(plan: &Plan, hertz: f64, level: f64, seconds: f64, calls: &[usize]) -> (
     let mut engine = Engine::new(plan).unwrap();
     let mut own = [0.0; FIELDS];
     own[0] = hertz;
-    let play = Play { instrument: 0, place: Spot::Row(0), level, duration: seconds, own, id: 1 };
+    let play = Play { instrument: 0, place: Spot::Row(0), level, felt: None, duration: seconds, own, id: 1 };
     assert!(engine.schedule(Instant::default(), Source::Program, Event::Play(play)));
     let frames = run(&mut engine, (seconds * 48_000.0) as usize, calls);
     let volts = channel(&frames, 1, 0).iter().map(|x| 10.0 * x).collect();

@@ -21,7 +21,7 @@ fn said(words: &[&str]) -> String {
 
 #[test]
 fn the_pages_are_those_that_the_program_makes() {
-    for name in ["patch", "rig", "nodes"] {
+    for name in ["patch", "rig", "nodes", "felt"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("docs/{name}.md"));
         let made = said(&["format", "--markdown", name]);
         if std::env::var_os("UPDATE_DOCS").is_some_and(|v| v == "1") {

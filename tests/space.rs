@@ -2,12 +2,15 @@
 
 mod common;
 
-use common::{channel, patch, rendered};
+use common::{channel, patch, rendered, run, schedule};
+use pacinian::dsp::isa::Isa;
+use pacinian::engine::Engine;
 use pacinian::engine::event::Play;
 use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::node::asset::NoAssets;
-use pacinian::report::reference;
+use pacinian::patch::Patch;
+use pacinian::report::{measure, reference};
 use pacinian::rig::Rig;
 use pacinian::space::spot::Spot;
 
@@ -152,6 +155,139 @@ fn the_reference_knows_places() {
     for (c, [found, due]) in pairs.iter().enumerate() {
         assert!((found - share * due).abs() <= 1e-3 * due, "{c}: {found} {due}");
         assert_eq!(*due > 0.0, c < 5, "{c}");
+    }
+}
+
+/// A line, a grid and two layers, 50 mm from one to the next.
+fn arrays() -> [(&'static str, Rig); 3] {
+    let place = |shape: &str, n: usize| match shape {
+        "line" => [0.05 * n as f64, 0.0, 0.0],
+        "grid" => [0.05 * (n % 5) as f64, 0.05 * (n / 5) as f64, 0.0],
+        _ => [0.05 * (n % 4) as f64, 0.05 * (n / 4 % 3) as f64, 0.05 * (n / 12) as f64],
+    };
+    [("line", 8), ("grid", 20), ("layers", 24)].map(|(shape, count)| {
+        let mut rig = Rig::default_for(count);
+        for (n, output) in rig.outputs.iter_mut().enumerate() {
+            output.position = Some(place(shape, n));
+        }
+        (shape, rig)
+    })
+}
+
+/// A voice with an envelope, and what it is beside that.
+fn moving(keys: &str, nodes: &str) -> String {
+    format!(
+        "[voice.v]\noutput = \"s\"\n{keys}\n[voice.v.nodes]\n\
+         tone = {{ type = \"sine\", frequency = 170, amplitude = 0.5 }}\n\
+         edge = {{ type = \"envelope\", attack = 0.02, release = 0.02 }}\n\
+         s = {{ type = \"multiply\", inputs = [\"tone\", \"edge\"] }}\n{nodes}\n"
+    )
+}
+
+fn on(rig: &Rig, text: &str) -> Plan {
+    let options = Options { rate: Some(RATE), live: true, ..Options::default() };
+    scene(&patch(text), rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan
+}
+
+/// There and back over 0.2 m, at a speed.
+fn path(speed: f64) -> String {
+    let there = 0.2 / speed;
+    let times: Vec<String> =
+        (0..=(0.35 / there).ceil() as usize).map(|n| (n as f64 * there).to_string()).collect();
+    let points: Vec<&str> =
+        (0..times.len()).map(|n| ["[0.0, 0.0, 0.0]", "[0.14, 0.13, 0.06]"][n % 2]).collect();
+    format!("place = {{ path = [{}], times = [{}] }}", points.join(", "), times.join(", "))
+}
+
+/// Below -80 dB of the reference, whose gains are as good as continuous, at any speed up to 50 m/s.
+#[test]
+fn a_voice_on_its_way_is_what_it_should_be() {
+    for (shape, rig) in arrays() {
+        for speed in [0.1, 1.0, 5.0, 50.0] {
+            let plan = on(&rig, &moving(&path(speed), ""));
+            let play = Play { id: 1, duration: 0.3, ..plan.play("v", &[]).unwrap() };
+            let error = measure(&plan, &[(0.01234, play)], 0.4).unwrap().comparison.error_db;
+            assert!(error < -80.0, "{shape} at {speed} m/s: {error} dB");
+        }
+    }
+}
+
+/// The same of one that its nodes move: swinging, growing wider, and on its way along a path as well.
+#[test]
+fn a_voice_that_nodes_move_is_what_it_should_be() {
+    let nodes = "sway = { type = \"sine\", frequency = 3 }\n\
+                 here = { type = \"place\", x = \"0.1 + 0.09 * sway\", y = \"0.05 + 0.02 * edge\", width = \"0.03 * edge\" }";
+    let narrow = nodes.replace("0.03 * edge", "0");
+    for (shape, rig) in arrays() {
+        for (keys, nodes) in [
+            ("", nodes),
+            ("", &narrow),
+            ("place = { path = [[-0.05, 0], [0.1, 0.05]], over = 0.3 }", &narrow),
+        ] {
+            let plan = on(&rig, &moving(keys, nodes));
+            let play = Play { id: 1, duration: 0.3, ..plan.play("v", &[]).unwrap() };
+            let error = measure(&plan, &[(0.01234, play)], 0.4).unwrap().comparison.error_db;
+            assert!(error < -80.0, "{shape} {keys}: {error} dB");
+        }
+    }
+}
+
+/// However a run is cut into calls, and by whichever instructions, the bits are the same: along edges, where a path ends, and where a point is gone on with.
+#[test]
+fn ways_do_not_depend_on_blocks() {
+    let nodes = "sway = { type = \"lfo\", rate = 9 }\nhere = { type = \"place\", x = \"0.1 * sway\" }";
+    let wide = moving("width = 0.01", nodes);
+    let row = "place = { path = [[0.013, 0], [0.11, 0], [0.11, 0.05]], over = 0.15 }";
+    let both = moving("place = { path = [[0, 0.03], [0.2, 0.03]] }", nodes);
+    for (shape, rig) in arrays() {
+        for text in [&moving(&path(3.0), ""), &moving(&path(0.4), ""), &moving(row, ""), &wide, &both] {
+            let plan = on(&rig, text);
+            let play = |id| Play { id, duration: 0.2, ..plan.play("v", &[]).unwrap() };
+            let take = |isa: Isa, calls: &[usize]| {
+                let mut engine = Engine::with_isa(&plan, isa).unwrap();
+                schedule(&mut engine, &[(80.3, play(1)), (300.0, play(2)), (301.7, play(3))]);
+                run(&mut engine, 14_400, calls)
+            };
+            let whole = take(Isa::detect(), &[480]);
+            assert!(whole.iter().any(|x| x.abs() > 0.1), "{shape}");
+            for calls in [&[1][..], &[7, 64, 1, 333], &[4096]] {
+                assert!(take(Isa::detect(), calls) == whole, "{shape} {calls:?}");
+            }
+            assert!(take(Isa::Baseline, &[480]) == whole, "{shape}");
+        }
+    }
+}
+
+#[test]
+fn what_moves_and_cannot_is_told() {
+    let of = |text: &str| {
+        let text = format!("format = \"pacinian-patch/1\"\ntitle = \"A test\"\n{text}");
+        Patch::parse("test.toml", text.as_bytes()).map(|_| ()).unwrap_err().to_string()
+    };
+    let here = "here = { type = \"place\", x = 0.1 }";
+    let told = of(&moving("place = \"a\"", here));
+    assert!(
+        told.contains("test.toml:5:") && told.contains("says itself where it is, by its node `here`"),
+        "{told}"
+    );
+    let played = "[pattern.p]\nevents = [{ at = 0, voice = \"v\", place = 3 }]\n";
+    let told = of(&format!("{}{played}", moving("", here)));
+    assert!(told.contains("says itself where it is") && told.contains("position or a path"), "{told}");
+    let told = of(&moving("", &format!("{here}\nthere = {{ type = \"place\" }}")));
+    assert!(told.contains("two nodes `place`: `here` and `there`"), "{told}");
+    let told = of(&format!("{}[shared.nodes]\n{here}\n", moving("", "")));
+    assert!(told.contains("shared node `here` is a `place`"), "{told}");
+    // A rig without positions has no points, and none to go along.
+    let bare = rig(
+        "format = \"pacinian-rig/1\"\ntitle = \"t\"\n[device]\nchannels = 1\n[[tactor]]\nname = \"a\"\nchannel = 1\n",
+    );
+    let options = Options { rate: Some(RATE), ..Options::default() };
+    for text in [
+        moving("place = { path = [[0, 0], [1, 0]] }\nstart = \"always\"", ""),
+        moving("start = \"always\"", here),
+    ] {
+        let told = scene(&patch(&text), &bare, &options, &NoAssets).map(|_| ()).unwrap_err().to_string();
+        assert!(told.contains("no tactor of the rig has a position"), "{told}");
     }
 }
 

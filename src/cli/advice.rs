@@ -61,7 +61,7 @@ fn too_long(patch: &Patch) -> Option<Problem> {
             let number = name.strip_prefix('t').and_then(|n| n.parse().ok())?;
             Some((number, name.clone(), span.clone()))
         })),
-        Place::Position(_) => {}
+        Place::Position(_) | Place::Path(_) => {}
     });
     named.retain(|(n, ..)| *n <= pacinian::rig::MAX_CHANNELS);
     let most = named.iter().map(|(n, ..)| *n).max()?;

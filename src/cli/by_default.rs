@@ -29,10 +29,10 @@ fn needed(patch: &Patch) -> u32 {
         Place::Channel(channel) => *channel,
         Place::Name(name) => number(name),
         Place::Names(names) => names.iter().map(|name| number(name)).max().unwrap_or(0),
-        Place::Position(_) => 0,
+        Place::Position(_) | Place::Path(_) => 0,
     };
     let of_action = |action: &Action| match action {
-        Action::Voice(play) => play.place.as_ref().map_or(0, of_place),
+        Action::Voice(play) => play.places().map(|(place, _)| of_place(place)).max().unwrap_or(0),
         Action::Pattern { .. } | Action::Marker(_) | Action::Choose(_) => 0,
     };
     let voices = patch.voices.iter().filter_map(|v| v.place.as_ref()).map(of_place);

@@ -1,5 +1,6 @@
 //! `pacinian format`.
 
+use super::curves;
 use super::failure::Failure;
 use super::nodes::{self, markup, wrapped};
 use super::paint::Paint;
@@ -31,6 +32,7 @@ enum Book {
     Patch,
     Rig,
     Nodes,
+    Felt,
 }
 
 /// The topics of a format, and what its keys refer to.
@@ -48,6 +50,7 @@ impl Format {
             (_, Some(Book::Patch)) => book(&PARTS[0]),
             (_, Some(Book::Rig)) => book(&PARTS[1]),
             (_, Some(Book::Nodes)) => nodes::markdown(),
+            (_, Some(Book::Felt)) => curves::markdown(),
             (None, None) => list(terminal.out),
             (Some(word), None) => {
                 let (topic, defined) = find(word)?;
@@ -123,6 +126,10 @@ fn explain(topic: &Topic, defined: Defined, paint: Paint) -> String {
             None if line.is_empty() => text += "\n",
             None => text += &format!("{}\n", wrapped(line, "  ")),
         }
+    }
+    if topic.name == "felt" {
+        let head = "thresholds, dB above 1 um (peak), by how much they may be off; sources: docs/felt.md";
+        text += &format!("\n{}\n{}", paint.bold(head), curves::text());
     }
     text + &format!(
         "\n{}\n  {}\n",

@@ -1,6 +1,7 @@
 //! What was held back for the sake of actuators, and what their motors could not do.
 
 use super::table::{Table, grouped};
+use pacinian::actuator::drive::Drive;
 use pacinian::actuator::protect::counts::{Counts, Touched};
 use pacinian::engine::stage::Stage;
 use pacinian::graph::plan::Plan;
@@ -28,14 +29,18 @@ pub struct HeldBack {
     unplayed: u64,
     /// Of such a motor: clicks of which some did not get through the coupling.
     cut: u64,
+    /// Of a motor that was warm: clicks that began weaker than they were ordered, and clicks that were not begun.
+    weakened: u64,
+    refused: u64,
 }
 
 #[derive(Debug, Serialize)]
 struct By {
     bound: &'static str,
     samples: u64,
-    /// The most by which it changed one, volts.
+    /// The most by which it changed one, in this unit.
     most: f64,
+    unit: &'static str,
 }
 
 /// Of each output whose actuator is known.
@@ -46,26 +51,33 @@ pub fn held_back(plan: &Plan, stage: &Stage) -> Vec<HeldBack> {
         if bounds.is_none() && motor.is_none() {
             return None;
         }
-        let (counts, motor) = (bounds.unwrap_or_default(), motor.unwrap_or_default());
+        let drive = plan.drives.iter().find(|drive| drive.channel == output.channel);
+        let imposes = drive.map_or(Drive::Voltage, |drive| drive.setup.imposes);
+        let counts = bounds.or_else(|| stage.drives().held_back(channel)).unwrap_or_default();
+        let motor = motor.unwrap_or_default();
         let watched = plan.protections.iter().find(|(at, _)| *at == output.channel).map(|(_, bounds)| bounds);
+        let bears = drive.and_then(|drive| drive.bears);
+        let heat = watched.and_then(|bounds| bounds.heat).or(bears.and_then(|bears| bears.heat));
         Some(HeldBack {
             channel: output.channel + 1,
             name: output.name.to_string(),
             samples: counts.changed,
-            by: by(&counts),
-            warmest: watched.and_then(|bounds| bounds.heat).map(|_| counts.warmest),
+            by: by(&counts, if imposes == Drive::Voltage { "V" } else { "A" }),
+            warmest: heat.map(|_| counts.warmest),
             farthest: watched.and_then(|bounds| bounds.stroke).map(|_| counts.farthest),
             short: motor.limited,
             dropped: motor.dropped,
             backward: motor.backward,
             unplayed: motor.unplayed,
             cut: motor.cut,
+            weakened: motor.weakened,
+            refused: motor.refused,
         })
     };
     plan.outputs.iter().filter_map(known).collect()
 }
 
-fn by(counts: &Counts) -> Vec<By> {
+fn by(counts: &Counts, unit: &'static str) -> Vec<By> {
     let all: [(&'static str, Touched); 7] = [
         ("what alternates", counts.alternating),
         ("heat", counts.heat),
@@ -76,20 +88,24 @@ fn by(counts: &Counts) -> Vec<By> {
         ("stroke", counts.stroke),
     ];
     let acted = all.into_iter().filter(|(_, touched)| touched.samples > 0);
-    acted.map(|(bound, touched)| By { bound, samples: touched.samples, most: touched.most }).collect()
+    acted.map(|(bound, touched)| By { bound, samples: touched.samples, most: touched.most, unit }).collect()
 }
 
 /// As lines for people: of the outputs where something was held back; empty where nothing was.
 pub fn text(all: &[HeldBack]) -> String {
     let mut table = Table::default();
-    for one in all
-        .iter()
-        .filter(|one| one.samples + one.short + one.dropped + one.backward + one.unplayed + one.cut > 0)
-    {
+    let is_told = |one: &&HeldBack| {
+        let counts = [one.short, one.dropped, one.backward, one.unplayed, one.cut, one.weakened, one.refused];
+        one.samples + counts.iter().sum::<u64>() > 0
+    };
+    for one in all.iter().filter(is_told) {
         let mut told: Vec<String> = one
             .by
             .iter()
-            .map(|by| format!("{} {} samples by up to {:.3} V", by.bound, grouped(by.samples), by.most))
+            .map(|by| {
+                let (samples, unit) = (grouped(by.samples), by.unit);
+                format!("{} {samples} samples by up to {:.3} {unit}", by.bound, by.most)
+            })
             .collect();
         told.extend(one.warmest.map(|kelvins| format!("winding {kelvins:.0} K above the air")));
         told.extend(one.farthest.map(|metres| format!("moved {:.2} mm", 1e3 * metres)));
@@ -119,6 +135,20 @@ pub fn text(all: &[HeldBack]) -> String {
             told.push(format!(
                 "{} {clicks} came before the coupling had room again, and turned the mass less far",
                 grouped(one.cut)
+            ));
+        }
+        if one.weakened > 0 {
+            let clicks = if one.weakened == 1 { "click" } else { "clicks" };
+            told.push(format!(
+                "{} {clicks} began weaker than ordered, as the motor was warm, and turned the mass less far",
+                grouped(one.weakened)
+            ));
+        }
+        if one.refused > 0 {
+            let clicks = if one.refused == 1 { "click was" } else { "clicks were" };
+            told.push(format!(
+                "{} {clicks} not begun: the motor was too warm for them",
+                grouped(one.refused)
             ));
         }
         table.row([one.channel.to_string(), one.name.clone(), told.join("; ")]);

@@ -2,13 +2,16 @@
 
 use super::by_default;
 use super::failure::Failure;
+use super::felt::Felt;
 use super::named::{Codes, Watched, named, unreadable};
 use super::setting::{self, Setting};
 use clap::{Args, ValueEnum};
+use pacinian::graph::motions;
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::io::{
     assets::{Folder, recordings_rate},
+    calibrations,
     error::FileErrorKind,
     events,
     input::Input,
@@ -21,6 +24,7 @@ use pacinian::patch::{self, Events, Patch};
 use pacinian::player::{OpenEvents, Player};
 use pacinian::rig::{OutputKind, RATES, Rig, Turning};
 use pacinian::score::EventStream;
+use pacinian::space::spot::Spread;
 use pacinian::text::{Checked, Origin, Problem, Problems, Severity, Sink, nearest};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -129,6 +133,8 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
     /// Controls that the command line set.
     pub settings: Vec<Setting>,
+    /// Files with tables of the rig's calibrations.
+    pub tables: Vec<calibrations::Read>,
     /// What plays the patch besides its patterns.
     pub song: Option<Arc<Song>>,
     /// What the `input` nodes hear.
@@ -215,9 +221,16 @@ impl Scene {
             let text = rig.bytes.as_deref().map(String::from_utf8_lossy).unwrap_or_default();
             Origin { file: rig.name.as_str().into(), source: text.as_ref().into() }
         });
+        let mut tables = Vec::new();
         let given = rig.map(|Text { name, bytes }| {
             let parsed = Rig::parse(&name, &bytes?);
-            sound(parsed, 78, &mut warnings, &mut failure)
+            let mut rig = sound(parsed, 78, &mut warnings, &mut failure)?;
+            let origin = rig_source.clone().unwrap_or_default();
+            let (read, wrong) = calibrations::fill(&mut rig, &origin, &self.beside_rig());
+            tables = read;
+            let is_right = wrong.is_empty();
+            wrong.into_iter().for_each(|problems| failure.join(Failure::of(78, problems)));
+            is_right.then_some(rig)
         });
         let (patch, rig) = match (patch, given) {
             (Some(patch), None) => (patch, None),
@@ -229,6 +242,8 @@ impl Scene {
         let source = Problems { file: name, source, list: Vec::new() };
         let mut loaded = self.join(patch, rig, source, warnings, all, duration)?;
         loaded.rig_source = rig_source;
+        loaded.files.extend(tables.iter().map(|table| table.real.clone()));
+        loaded.tables = tables;
         Ok(loaded)
     }
 
@@ -237,6 +252,13 @@ impl Scene {
         // What comes through a pipe lies nowhere: its paths count from where the person is.
         let parent = self.patch.parent().filter(|_| !text::is_stream(&self.patch));
         parent.unwrap_or(Path::new(""))
+    }
+
+    /// The folder that paths of the rig count from.
+    fn beside_rig(&self) -> Folder {
+        let path = self.rig.as_ref().filter(|path| !text::is_stream(path));
+        let folder = path.and_then(|path| path.parent()).unwrap_or(Path::new(""));
+        Folder::new(folder).allow_outside(self.allow_outside)
     }
 
     /// What is wrong with patch and rig together.
@@ -280,13 +302,16 @@ impl Scene {
         let mut problems = rig.check_places(&patch);
         let live = Options { live: true, ..options.clone() };
         let (mut listened, mut unheard, mut short) = (Vec::new(), None, None);
-        match scene(&patch, &rig, if all { &live } else { &options }, &watched) {
+        let compiled = scene(&patch, &rig, if all { &live } else { &options }, &watched);
+        let mut felt = None;
+        match &compiled {
             Ok(scene) => {
+                felt = Some(Felt::new(&patch, &rig, scene));
                 listened = scene.plan.inputs();
                 unheard = setting::unheard(&patch, &self.settings, &scene.plan.left_out);
                 short = super::coupled::short(&patch, &scene.plan);
             }
-            Err(more) => problems.extend(more.list),
+            Err(more) => problems.extend(more.list.clone()),
         }
         // A comparison with the reference goes on for a moment.
         let needed = duration.or(patch.render.duration).map(|seconds| seconds + 1.0);
@@ -300,7 +325,9 @@ impl Scene {
             if surveyed.iter().any(|(p, _)| p == path) {
                 continue;
             }
-            match events::survey(&folder, path, &patch, |place| rig.resolve(Some(place), &(0..0)).err()) {
+            let resolve = |place: &patch::Place| rig.resolve(Some(place), &(0..0)).err();
+            let feel = |play: &patch::Play| felt.as_mut().and_then(|felt| felt.event(play));
+            match events::survey_with(&folder, path, &patch, resolve, feel) {
                 Ok(mut survey) => {
                     surveyed.push((path.clone(), survey.events));
                     seen.paths.extend(folder.resolve(path));
@@ -331,6 +358,12 @@ impl Scene {
             by_default::advise_a_rig(&mut problems, &source.source);
         }
         let codes = seen.codes(&patch);
+        let capped = felt.and_then(Felt::advice);
+        let unrisen = compiled.as_ref().ok().and_then(|scene| super::rise::short(&patch, &rig, scene));
+        let moves = compiled.as_ref().ok().map(|scene| {
+            let array = scene.plan.spread.as_ref().map(Spread::array);
+            patch.origin.problems(motions::remarks(&patch, array))
+        });
         let mut files = seen.paths;
         files.extend(named(&patch).filter_map(|(path, _)| folder.resolve(path).ok()));
         let mut loaded = Loaded {
@@ -341,6 +374,7 @@ impl Scene {
             surveyed,
             settings: self.settings.clone(),
             files,
+            tables: Vec::new(),
             song: None,
             input: None,
             input_name: self.input.as_ref().map(|path| path.display().to_string()),
@@ -359,6 +393,9 @@ impl Scene {
         let deaf = self.input.is_none() && !hears && !listened.is_empty();
         loaded.warnings.extend(unheard);
         loaded.warnings.extend(short);
+        loaded.warnings.extend(capped);
+        loaded.warnings.extend(unrisen);
+        loaded.warnings.extend(moves.filter(|told| !told.list.is_empty()));
         loaded.warnings.extend(unfelt);
         loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf, self.live));
         let mut failure = Failure::default();

@@ -127,7 +127,7 @@ fn kind(kind: &Kind) -> &'static str {
     }
 }
 
-const FAMILIES: [(Family, &str); 8] = [
+const FAMILIES: [(Family, &str); 9] = [
     (Family::Oscillator, "oscillators"),
     (Family::Noise, "noise"),
     (Family::Envelope, "envelopes"),
@@ -136,6 +136,7 @@ const FAMILIES: [(Family, &str); 8] = [
     (Family::Filter, "filters"),
     (Family::Input, "input"),
     (Family::Motor, "motors"),
+    (Family::Place, "places"),
 ];
 
 fn family(family: Family) -> &'static str {

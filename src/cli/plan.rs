@@ -2,6 +2,7 @@
 
 use super::coupled::Coupled;
 use super::even::EvenReport;
+use super::felt::FeltReport;
 use super::input::InputReport;
 use super::left_out::{Left, left_out, left_out_text};
 use super::load::Loaded;
@@ -109,6 +110,8 @@ struct OutputReport {
     protected: Vec<&'static str>,
     /// What its actuator's own model asks of the equaliser, and the filters of the rig.
     even_out: Option<EvenReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    felt: Option<FeltReport>,
     equaliser: Vec<PeakReport>,
 }
 
@@ -241,6 +244,7 @@ impl PlanReport {
                     motor: motor(loaded, player, o),
                     protected: protected(plan, o),
                     even_out: even_out(loaded, o),
+                    felt: FeltReport::of(loaded, plan, o),
                     equaliser: if o.equaliser.is_empty() { Vec::new() } else { peaks(loaded, &o.name) },
                 })
                 .collect(),
@@ -345,8 +349,9 @@ impl PlanReport {
             let peaks: Vec<String> = output.equaliser.iter().map(peak).collect();
             let equaliser = (!peaks.is_empty()).then(|| format!("equaliser {}", peaks.join(", ")));
             let even = output.even_out.as_ref().map(EvenReport::text);
+            let felt = output.felt.as_ref().map(FeltReport::text);
             let notes: Vec<String> =
-                [output.most(), output.turned(), output.steady(), output.watched(), even, equaliser]
+                [output.most(), output.turned(), output.steady(), output.watched(), even, equaliser, felt]
                     .into_iter()
                     .flatten()
                     .collect();
@@ -444,14 +449,16 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
 
 /// What an output's actuator is protected from.
 fn protected(plan: &Plan, output: &pacinian::graph::plan::Output) -> Vec<&'static str> {
-    let Some((_, bounds)) = plan.protections.iter().find(|(channel, _)| *channel == output.channel) else {
-        return Vec::new();
-    };
+    let bounds = plan.protections.iter().find(|(channel, _)| *channel == output.channel);
+    let bounds = bounds.map(|(_, bounds)| *bounds).unwrap_or_default();
+    let bears =
+        plan.drives.iter().find(|drive| drive.channel == output.channel).and_then(|drive| drive.bears);
+    let bears = bears.unwrap_or_default();
     let all = [
         (bounds.peak.is_some(), "voltage"),
         (bounds.slew.is_some(), "slew"),
-        (bounds.rms.is_some(), "power"),
-        (bounds.heat.is_some(), "heat"),
+        (bounds.rms.is_some() || bears.rms.is_some(), "power"),
+        (bounds.heat.is_some() || bears.heat.is_some(), "heat"),
         (bounds.stroke.is_some(), "stroke"),
         (bounds.steady.is_some(), "that is steady"),
         (bounds.alternating.is_some(), "that alternates"),

@@ -11,14 +11,16 @@ use super::stop::Stop;
 use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::out;
-use pacinian::report::plot::{Collector, Style};
+use pacinian::report::plot::{Collector, Map, Site, Style};
+use pacinian::rig::OutputKind;
 use pacinian::text::Problem;
 use std::path::PathBuf;
 
 /// Draws what every tactor does over time, and the spectrum, as SVG
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  pacinian plot patches/04-heartbeat.toml --rig rigs/belt.toml -o heartbeat.svg\n\n\
+    after_help = "Example:\n  pacinian plot patches/04-heartbeat.toml --rig rigs/belt.toml -o heartbeat.svg\n  \
+    pacinian plot patches/34-brush.toml --rig rigs/back.toml --map -o brush.svg\n\n\
     The patch is rendered for it, but no WAV file is written. The spectrum shows the limit of 1 kHz."
 )]
 pub struct Plot {
@@ -33,6 +35,15 @@ pub struct Plot {
     /// Width of the picture in pixels, 500 to 4000
     #[arg(long, value_name = "PX", default_value_t = 1200, value_parser = clap::value_parser!(u16).range(500..=4000))]
     width: u16,
+    /// The tactors where they sit, frame by frame: how strongly each shakes
+    #[arg(long)]
+    map: bool,
+    /// Frames of a map
+    #[arg(long, value_name = "N", default_value_t = 24, requires = "map", conflicts_with = "animated", value_parser = clap::value_parser!(u16).range(1..=400))]
+    frames: u16,
+    /// One map that plays in a browser, as fast as it is felt
+    #[arg(long, requires = "map")]
+    animated: bool,
     /// Dark on light, whatever the reader's system prefers
     #[arg(long)]
     light: bool,
@@ -51,39 +62,95 @@ impl Plot {
         }
         let mut player = loaded.player()?;
         let until = Until::of(&loaded, &player, self.duration)?;
-        let mut collector = collector(&loaded, until.expected(&player));
+        let mut canvas = self.canvas(&loaded, until.expected(&player))?;
         let stop = Stop::listen()?;
         let performed = perform(&mut player, &loaded, until, &stop, terminal, |_, block| {
-            collector.push(block);
+            canvas.push(block);
             Ok::<(), Failure>(())
         })
         .map_err(|(failure, _)| failure)?;
         let mut style = style(&loaded);
         style.width = f64::from(self.width);
         style.dark = !self.light;
-        let svg = collector.svg(&style);
+        let svg = match &canvas {
+            Canvas::Rows(collector) => collector.svg(&style),
+            Canvas::Map(map) if self.animated => map.animated(&style),
+            Canvas::Map(map) => map.frames(&style, usize::from(self.frames)),
+        };
         if to_stdout {
             terminal.print(&svg)?;
         } else {
             out::write(&self.output, svg.as_bytes())?;
             let shown =
                 terminal.out.bold(&pacinian::text::problem::escaped(&self.output.display().to_string()));
-            let rows = super::table::many(collector.peaks().len(), "channel");
+            let rows = match &canvas {
+                Canvas::Rows(collector) => super::table::many(collector.peaks().len(), "channel"),
+                Canvas::Map(map) => super::table::many(map.sites().len(), "tactor"),
+            };
             let set = match loaded.settings.as_slice() {
                 [] => String::new(),
                 set => format!(", {}", super::setting::named(set)),
             };
-            terminal.print(&format!("{shown}: {rows}, {:.3} s{set}\n", collector.seconds()))?;
+            terminal.print(&format!("{shown}: {rows}, {:.3} s{set}\n", canvas.seconds()))?;
         }
         match (performed.stopped, player.trouble()) {
             (Some(code), _) => {
-                let what = format!("stopped; the picture shows the first {:.3} s", collector.seconds());
+                let what = format!("stopped; the picture shows the first {:.3} s", canvas.seconds());
                 terminal.note(&problems::sentence(&Problem::warning(&(0..0), what), terminal));
                 Err(Failure::told(code))
             }
             (None, Some(trouble)) => Err(loaded.refuse(vec![trouble.clone()], &Codes::new())),
             (None, None) => Ok(()),
         }
+    }
+}
+
+/// What is drawn.
+enum Canvas {
+    /// Rows over time, and the spectrum.
+    Rows(Box<Collector>),
+    /// Tactors where they sit.
+    Map(Map),
+}
+
+impl Canvas {
+    fn push(&mut self, block: &[f32]) {
+        match self {
+            Self::Rows(collector) => collector.push(block),
+            Self::Map(map) => map.push(block),
+        }
+    }
+
+    fn seconds(&self) -> f64 {
+        match self {
+            Self::Rows(collector) => collector.seconds(),
+            Self::Map(map) => map.seconds(),
+        }
+    }
+}
+
+impl Plot {
+    fn canvas(&self, loaded: &Loaded, expected: Option<f64>) -> Result<Canvas, Failure> {
+        if !self.map {
+            return Ok(Canvas::Rows(Box::new(collector(loaded, expected))));
+        }
+        let channels = loaded.rig.device.channels as usize;
+        let sites: Vec<Site> = loaded
+            .rig
+            .outputs
+            .iter()
+            .filter(|output| !matches!(output.kind, OutputKind::Trigger { .. }))
+            .filter_map(|output| {
+                let channel = (output.channel as usize).checked_sub(1)?;
+                Some(Site { name: output.name.clone(), channel, position: output.position? })
+            })
+            .collect();
+        if sites.is_empty() {
+            let what = "no tactor of the rig has a position, so there is no map of them";
+            let help = "give the tactors a `position`, or leave out --map";
+            return Err(loaded.refuse(vec![Problem::of_file(what).help(help.to_string())], &Codes::new()));
+        }
+        Ok(Canvas::Map(Map::new(&sites, channels, loaded.options.rate.unwrap_or(48_000.0))))
     }
 }
 

@@ -31,6 +31,7 @@ pub fn provenance(loaded: &Loaded, options: &Options) -> Result<Provenance, File
             Some(rig) => RigText::Text(text(&rig.file, &rig.source)),
             None => RigText::Line { line: loaded.rig.device.channels },
         },
+        tables: loaded.tables.iter().map(|table| text(&table.path, &table.text)).collect(),
         folder: folder.root().display().to_string(),
         allow_outside: folder.allows_outside(),
         files,

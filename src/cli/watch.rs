@@ -12,7 +12,8 @@ use pacinian::io::{assets::Folder, error::FileErrorKind, text, watch};
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::{Handle, Refused, Signal};
 use pacinian::patch::{Patch, Permissions};
-use std::path::PathBuf;
+use pacinian::rig::Rig;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -69,6 +70,12 @@ impl Scene {
     pub fn watched(&self) -> Vec<PathBuf> {
         let mut all: Vec<PathBuf> = vec![self.patch.clone()];
         all.extend(self.rig.clone());
+        if let Some((path, bytes)) = self.rig.as_ref().and_then(|path| Some((path, text::read(path).ok()?)))
+            && let Ok(rig) = Rig::draft("", &bytes)
+        {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            all.extend(rig.value.calibrations.iter().filter_map(|c| Some(folder.join(c.file.as_ref()?))));
+        }
         let may = Permissions { allow_outside: self.allow_outside };
         if let Some(patch) = text::read(&self.patch).ok().and_then(|bytes| Patch::readable(&bytes, may)) {
             let folder = Folder::new(self.root()).allow_outside(self.allow_outside);

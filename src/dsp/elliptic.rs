@@ -18,7 +18,17 @@ pub struct Elliptic {
     pub rate: f64,
 }
 
+/// Sections of [`Elliptic::band_limit`].
+pub const BAND_SECTIONS: usize = 4;
+/// Its pass band: ripple (dB) to the edge (Hz); least loss of its stop band (dB), which begins just below 1 kHz.
+const BAND: (f64, f64, f64) = (0.3, 850.0, 66.0);
+
 impl Elliptic {
+    /// That by which everything that vibrates is kept below 1 kHz, at an engine's rate (Hz).
+    pub fn band_limit(rate: f64) -> Self {
+        Self::low_pass(BAND_SECTIONS, BAND.0, BAND.2, BAND.1, rate)
+    }
+
     /// Low-pass of order 2 × `pairs`: `ripple` dB (above 0) up to `edge` Hz (below `rate` / 2), at least `stop` dB
     /// (above `ripple`) in the stop band.
     pub fn low_pass(pairs: usize, ripple: f64, stop: f64, edge: f64, rate: f64) -> Self {

@@ -2,10 +2,11 @@
 
 use super::core::GRID;
 use super::event::{Move, Play};
+use super::journey::Journeys;
 use super::lane::{Dying, Lane, Status};
 use super::mixer::Routes;
 use super::ops::Ops;
-use super::workspace::{Bus, Workspace};
+use super::workspace::{Buffer, Bus, Workspace};
 use crate::dsp::fade::{FADE, HUSH, fade};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
@@ -14,8 +15,13 @@ use crate::graph::places::Places;
 use crate::graph::plan::Instrument;
 use crate::graph::program::Feed;
 use crate::node::kernel::LEAD;
+use crate::perception::gauge::Gauge;
 use crate::schedule::Instant;
+use crate::space::moving::Mover;
+use crate::space::path::Route;
 use crate::space::spot::Spot;
+use std::ops::Range;
+use std::sync::Arc;
 
 /// What counts as silence: −120 dB.
 const SILENCE: f64 = 1e-6;
@@ -41,6 +47,9 @@ pub struct Bank<R: Real> {
     ending: Vec<u8>,
     peaks: Vec<[R; LANES]>,
     routes: Vec<Routes<R>>,
+    /// Lanes whose voices move, and how.
+    moving: Vec<u8>,
+    journeys: Journeys,
     /// By lane: the id of the voice that is or was there; none where no node listens to what hands do.
     ids: Vec<u64>,
     voices: usize,
@@ -57,8 +66,15 @@ pub struct Bank<R: Real> {
 }
 
 impl<R: Real> Bank<R> {
-    /// Silent lanes for an instrument, in an engine at `rate` with so many groups of channels.
-    pub fn new(instrument: &Instrument, rate: f64, seed: u64, channel_groups: usize, isa: Isa) -> Self {
+    /// Silent lanes for an instrument, whose voices may go along some paths, in an engine at `rate` with so many groups of channels.
+    pub fn new(
+        instrument: &Instrument,
+        (paths, gauges): (&Arc<[Route]>, &Arc<[Option<Gauge>]>),
+        rate: f64,
+        seed: u64,
+        channel_groups: usize,
+        isa: Isa,
+    ) -> Self {
         let groups = budget::groups(instrument.voices);
         let tail = instrument.tail.clamp(0.0, 3600.0);
         let ops = Ops::new(&instrument.program, groups, rate, seed, isa);
@@ -74,6 +90,8 @@ impl<R: Real> Bank<R> {
             ending: vec![0; groups],
             peaks: vec![[R::ZERO; LANES]; groups],
             routes: (0..groups).map(|_| Routes::new(channel_groups)).collect(),
+            moving: vec![0; groups],
+            journeys: Journeys::new(instrument, paths, gauges, groups * LANES, rate),
             voices: instrument.voices,
             tail: (tail * rate) as u64,
             stretch: ((tail + STRETCH) * rate) as u64,
@@ -125,7 +143,11 @@ impl<R: Real> Bank<R> {
         }
         self.ops.set(lane, &play.fields());
         self.ops.start(lane, play.id, at.until(clock) - LEAD);
-        self.place(lane, place);
+        let gain = self.place(lane, place);
+        if self.journeys.take(play.place) {
+            self.moving[group] |= 1 << l;
+            self.journeys.begin(lane, play.place, gain);
+        }
         // A lane that still faded may have been taken over.
         self.taken += usize::from(self.live[group] & (1 << l) == 0);
         self.live[group] |= 1 << l;
@@ -136,16 +158,18 @@ impl<R: Real> Bank<R> {
         (lane, stolen)
     }
 
-    /// Sends a lane to the channels of `place`, with the gain of its event.
-    fn place(&mut self, lane: usize, place: &[(u32, f64)]) {
+    /// Sends a lane to the channels of `place`, with the gain of its event, and gives that. One that moves is on its way instead.
+    fn place(&mut self, lane: usize, place: &[(u32, f64)]) -> f64 {
         let (group, l) = (lane / LANES, lane % LANES);
         let play = &self.lanes[lane].play;
         let gain = play.level * self.ops.gain(&play.fields());
         let gain = if gain.is_finite() { gain.clamp(-LOUDEST, LOUDEST) } else { 0.0 };
-        for &(channel, share) in place {
+        let stays = !self.journeys.take(play.place);
+        for &(channel, share) in place.iter().filter(|_| stays) {
             self.routes[group].connect(l, channel, share * gain);
         }
         self.lanes[lane].level = gain.abs();
+        gain
     }
 
     /// Takes over, as the instrument of this number, the voices of an old bank of the same size: its lanes, and the states of the ops that `ops` names. Ops
@@ -173,6 +197,7 @@ impl<R: Real> Bank<R> {
         std::mem::swap(&mut self.fading, &mut old.fading);
         std::mem::swap(&mut self.ending, &mut old.ending);
         std::mem::swap(&mut self.peaks, &mut old.peaks);
+        self.journeys.swap(&mut old.journeys);
         std::mem::swap(&mut self.sounding, &mut old.sounding);
         (self.masked, self.stolen) = (old.masked, old.stolen);
         for lane in 0..self.lanes.len() {
@@ -187,7 +212,12 @@ impl<R: Real> Bank<R> {
             // A place that is no more is silence.
             let place = spot(voice.play.place);
             self.lanes[lane].play.place = place.unwrap_or(Spot::Row(u32::MAX));
-            self.place(lane, place.map_or(&[], |place| places.of(number, place)));
+            let strength = voice.play.strength();
+            let gain = self.place(lane, place.map_or(&[], |place| places.felt(number, place, strength)));
+            if let Some(place) = place.filter(|place| self.journeys.take(*place)) {
+                self.moving[lane / LANES] |= 1 << (lane % LANES);
+                self.journeys.go_on(lane, place, gain);
+            }
             let missing = ops.iter().enumerate().filter(|(_, from)| from.is_none());
             let mut anew = false;
             for (op, _) in missing {
@@ -336,7 +366,7 @@ impl<R: Real> Bank<R> {
     /// Masks what is not finite, fades what fades, notes peaks where a voice may be at its end, and mixes.
     #[inline(always)]
     fn finish(&mut self, group: usize, work: &mut Workspace<R>, frames: usize, offset: usize, clock: u64) {
-        let Workspace { buffers, shared, mix, stride, fed } = work;
+        let Workspace { buffers, shared, mix, stride, fed, mover } = work;
         // The last buffer of the workspace is the mixer's own.
         let own = buffers.len() - 1;
         let at = match self.ops.output(0) {
@@ -371,7 +401,50 @@ impl<R: Real> Bank<R> {
             }
             self.peaks[group] = peak;
         }
-        self.routes[group].mix(block, &mut Bus { rows: mix, stride: *stride, fed }, offset);
+        let mut bus = Bus { rows: mix, stride: *stride, fed };
+        self.routes[group].mix(block, &mut bus, offset);
+        if self.moving[group] != 0
+            && let Some(mover) = mover
+        {
+            self.travel(
+                group,
+                &*buffers,
+                at,
+                &*shared,
+                (mover, &mut bus, offset),
+                clock..clock + frames as u64,
+            );
+        }
+    }
+
+    /// Mixes the lanes that move, whose signals are in buffer `at`.
+    #[inline(always)]
+    fn travel(
+        &mut self,
+        group: usize,
+        buffers: &[Buffer<R>],
+        at: usize,
+        shared: &[Buffer<R>],
+        (mover, bus, offset): (&mut Mover, &mut Bus<'_, R>, usize),
+        frames: Range<u64>,
+    ) {
+        let Self { journeys, lanes, ops, moving, .. } = self;
+        let steers = journeys.steers();
+        for l in (0..LANES).filter(|l| moving[group] & (1 << l) != 0) {
+            let lane = group * LANES + l;
+            let steer = |frame: usize| {
+                let read = |feed| match feed {
+                    Feed::Buffer(b) => buffers[b as usize].at(frame)[l].wide(),
+                    Feed::Shared(s) => shared[s as usize].at(frame)[l].wide(),
+                    // What stays is known better than to the lanes: on the edge of a cell a nanometre is heard.
+                    Feed::Steady(row) => ops.base(lane, row),
+                    Feed::Late(_) => 0.0,
+                };
+                steers.map_or([0.0; 4], |feeds| feeds.map(read))
+            };
+            let value = |frame: usize| buffers[at].rows[frame][l];
+            journeys.travel(lane, &lanes[lane], (mover, bus, offset), frames.clone(), value, steer);
+        }
     }
 
     #[cold]
@@ -447,6 +520,7 @@ impl<R: Real> Bank<R> {
         self.rising[group] &= keep;
         self.fading[group] &= keep;
         self.ending[group] &= keep;
+        self.moving[group] &= keep;
         self.routes[group].disconnect(l);
     }
 

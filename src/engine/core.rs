@@ -15,11 +15,14 @@ use super::workspace::{BLOCK, Workspace};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use crate::graph::places::Places;
-use crate::graph::plan::{Plan, Shared};
+use crate::graph::plan::{Instrument, Plan, Shared};
 use crate::graph::program::Feed;
 use crate::graph::start::{FIELDS, Fields};
 use crate::node::kernel::LEAD;
 use crate::schedule::{Deadlines, Instant, Queue};
+use crate::space::moving::Mover;
+use crate::space::path::Route;
+use std::sync::Arc;
 
 mod adopt;
 mod events;
@@ -82,8 +85,9 @@ impl<R: Real> Core<R> {
         Refusal::check(plan)?;
         let rate = plan.engine_rate();
         let groups = plan.channels.div_ceil(LANES);
-        let banks: Vec<_> =
-            plan.instruments.iter().map(|i| Bank::new(i, rate, plan.seed, groups, isa)).collect();
+        let paths: Arc<[Route]> = plan.paths.as_slice().into();
+        let bank = |i: &Instrument| Bank::new(i, (&paths, &plan.gauges), rate, plan.seed, groups, isa);
+        let banks: Vec<_> = plan.instruments.iter().map(bank).collect();
         let shared = &plan.shared_program;
         let shared = (!shared.ops.is_empty()).then(|| Ops::new(shared, 1, rate, plan.seed, isa));
         let controls =
@@ -117,6 +121,9 @@ impl<R: Real> Core<R> {
             counters: Counters::default(),
             settled: None,
         };
+        if plan.moves() {
+            core.work.mover = plan.spread.as_ref().map(Mover::new);
+        }
         core.begin(plan);
         Ok(core)
     }

@@ -1,5 +1,6 @@
 //! What reaches the engine: plain copies of a fixed size.
 
+use crate::graph::places::Strength;
 use crate::graph::start::{FIELDS, Fields};
 use crate::node::motion::Motion;
 use crate::space::spot::Spot;
@@ -13,6 +14,8 @@ pub struct Play {
     pub place: Spot,
     /// 1 for a full one.
     pub level: f64,
+    /// Decibels above the threshold that a level of 1 is to be felt like, on every tactor; `None`: as loud as it comes.
+    pub felt: Option<f64>,
     /// Seconds until its release; infinite for one that is held.
     pub duration: f64,
     /// The instrument's own fields, in the order in which it declares them.
@@ -25,6 +28,11 @@ impl Play {
     /// Whether its id agrees with `id` but for so many of the lowest bits.
     pub(crate) fn is_of(&self, id: u64, bits: u8) -> bool {
         (self.id ^ id).checked_shr(u32::from(bits)).unwrap_or(0) == 0
+    }
+
+    /// How strong it is.
+    pub(crate) fn strength(&self) -> Strength {
+        Strength { level: self.level, felt: self.felt, frequency: self.own[0] }
     }
 
     /// What start programs read of it.

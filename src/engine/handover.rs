@@ -14,6 +14,7 @@ use super::vibration::single;
 use crate::graph::plan::Plan;
 use crate::graph::program::Program;
 use crate::graph::watch::Watch;
+use crate::space::path::Route;
 use crate::space::spot::Spot;
 
 /// What a new plan takes over from an old one.
@@ -25,6 +26,8 @@ pub(crate) struct Inheritance {
     pub shared: Vec<Option<usize>>,
     /// For each row of places of the old plan: that of the new one.
     pub places: Vec<Option<u32>>,
+    /// For each path of the old plan: the same in the new one.
+    pub paths: Vec<Option<u32>>,
     /// For each control: the old control.
     pub controls: Vec<Option<usize>>,
     /// For each watch of the old plan: the new one that waits for the same.
@@ -43,6 +46,7 @@ impl Inheritance {
         match old {
             Spot::Row(row) => self.places.get(row as usize).copied().flatten().map(Spot::Row),
             Spot::Point(_) => Some(old),
+            Spot::Path(path) => self.paths.get(path as usize).copied().flatten().map(Spot::Path),
         }
     }
 }
@@ -128,11 +132,23 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     let levels = new.max_levels();
     let levels = (old.max_levels() != levels).then(|| levels.into_iter().map(single).collect());
     let same_signals = old.shared_program == new.shared_program && old.shared == new.shared;
-    let same_places = (&old.places, &old.together, &old.spread) == (&new.places, &new.together, &new.spread);
+    let same_places = (&old.places, &old.together, &old.spread, &old.paths)
+        == (&new.places, &new.together, &new.spread, &new.paths);
     let unchanged = old.instruments == new.instruments && same_signals && same_places;
+    let path = |path: &Route| new.paths.iter().position(|other| other == path).map(|n| n as u32);
+    let paths = old.paths.iter().map(path).collect();
     let (watches, places) = (watches(old, new), places(old, new));
-    let inheritance =
-        Inheritance { instruments, places, shared, controls, watches, same_signals, levels, unchanged };
+    let inheritance = Inheritance {
+        instruments,
+        places,
+        paths,
+        shared,
+        controls,
+        watches,
+        same_signals,
+        levels,
+        unchanged,
+    };
     Ok(Handover { engine, inheritance })
 }
 

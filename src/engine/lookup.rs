@@ -1,15 +1,16 @@
 //! What a plan has under a name: events, controls, places and signals for programs that drive an engine themselves.
 
 use super::event::Play;
+use crate::graph::felt::unfelt;
 use crate::graph::plan::{Instrument, Plan, Shared};
 use crate::graph::program::Feed;
 use crate::graph::start::FIELDS;
-use crate::space::spot::Spot;
+use crate::space::spot::{Spot, Spread};
 use crate::text::{Problem, nearest};
 
 impl Plan {
     /// A voice by its name, with values for its fields; what is not named is as the voice has it. Besides the fields that the
-    /// voice declares there are `level` (1 for a full one) and `duration` (seconds until the release; without it the voice is
+    /// voice declares there are `level` (1 for a full one), `felt` (dB above the threshold that a level of 1 is felt like) and `duration` (seconds until the release; without it the voice is
     /// held until it is released). It sounds at the voice's place, under the id 0:
     ///
     /// ```
@@ -32,10 +33,11 @@ impl Plan {
                 (Some(i), _) => play.own.get_mut(i),
                 (None, "level") => Some(&mut play.level),
                 (None, "duration") => Some(&mut play.duration),
+                (None, "felt") => Some(play.felt.insert(0.0)),
                 (None, _) => None,
             };
             let Some(slot) = slot else {
-                let names = instrument.fields.iter().map(|f| &**f).chain(["level", "duration"]);
+                let names = instrument.fields.iter().map(|f| &**f).chain(["level", "felt", "duration"]);
                 let what = format!("voice `{voice}` has no field `{name}`");
                 return Err(Problem::of_file(what).help(nearest::suggest(name, names)));
             };
@@ -47,7 +49,53 @@ impl Plan {
             }
             *slot = value;
         }
+        // What is said goes before what the voice says; both are said where a level scales what is felt.
+        let says = |wanted: &str| fields.iter().any(|(name, _)| *name == wanted);
+        match (says("level"), says("felt")) {
+            (true, false) => play.felt = None,
+            (false, true) => play.level = 1.0,
+            (true, true) | (false, false) => {}
+        }
         Ok(play)
+    }
+
+    /// Whether a voice can be felt as strongly as it says where it is played.
+    ///
+    /// # Errors
+    /// That its voice does not say at which frequency that holds, that a motor is at its place, or that its frequency is beyond what is known.
+    pub fn check_felt(&self, play: &Play) -> Result<(), Problem> {
+        let Some(felt) = play.felt else { return Ok(()) };
+        let Some(instrument) = self.instruments.get(play.instrument as usize) else { return Ok(()) };
+        if felt.is_nan() {
+            return Err(
+                Problem::of_file("`felt` is not a number").help("give dB above the threshold".to_string())
+            );
+        }
+        let Some(hertz) = instrument.pitch.hertz(play.own[0]) else {
+            let what = format!("voice `{}` does not say at which frequency `felt` holds", instrument.name);
+            let help = format!(
+                "write felt_at = 250 under [voice.{}], or let it read event.frequency",
+                instrument.name
+            );
+            return Err(Problem::of_file(what).help(help));
+        };
+        let channels: Vec<u32> = match play.place {
+            Spot::Row(row) => {
+                self.places.get(row as usize).into_iter().flatten().map(|(channel, _)| *channel).collect()
+            }
+            Spot::Point(_) | Spot::Path(_) => {
+                self.spread.iter().flat_map(Spread::channels).map(|(channel, _)| *channel).collect()
+            }
+        };
+        for channel in &channels {
+            let output = self.outputs.iter().find(|output| output.channel == *channel);
+            let name = output.map_or("", |output| &output.name);
+            let gauge = self.gauges.get(*channel as usize).and_then(Option::as_ref);
+            if let Some((what, help)) = unfelt(name, gauge, hertz) {
+                return Err(Problem::of_file(what).help(help));
+            }
+        }
+        Ok(())
     }
 
     /// The voices that sound from the beginning on, each under an id that nothing else has.
@@ -106,8 +154,8 @@ impl Plan {
 fn held(index: usize, instrument: &Instrument) -> Play {
     let mut own = [0.0; FIELDS];
     own.iter_mut().zip(&instrument.defaults).for_each(|(value, default)| *value = *default);
-    let (place, level) = (instrument.place, instrument.level);
-    Play { instrument: index as u32, place, level, duration: f64::INFINITY, own, id: 0 }
+    let (place, level, felt) = (instrument.place, instrument.level, instrument.felt);
+    Play { instrument: index as u32, place, level, felt, duration: f64::INFINITY, own, id: 0 }
 }
 
 fn find<'a>(kind: &str, name: &str, names: impl Iterator<Item = &'a str> + Clone) -> Result<usize, Problem> {

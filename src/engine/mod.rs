@@ -12,6 +12,7 @@ pub mod exchange;
 pub mod guard;
 pub mod handover;
 mod hush;
+mod journey;
 mod lane;
 mod listener;
 mod lookup;

@@ -246,6 +246,11 @@ impl<R: Real> Ops<R> {
         self.steady[group * self.program.steady.len() + row as usize]
     }
 
+    /// A steady row of one lane, in full precision.
+    pub fn base(&self, lane: usize, row: u32) -> f64 {
+        self.bases[lane / LANES * self.program.steady.len() + row as usize][lane % LANES]
+    }
+
     /// Every 64 engine samples: what has died away becomes exact zero.
     pub fn settle(&mut self, group: usize) {
         for states in &mut self.states {

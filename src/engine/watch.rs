@@ -99,10 +99,22 @@ struct Rising {
 
 impl Rising {
     fn new(watch: &Watch, rate: f64) -> Self {
-        let &Watch { signal, threshold, rises, rearm, hold, instrument, place, level, duration, own, .. } =
-            watch;
+        let &Watch {
+            signal,
+            threshold,
+            rises,
+            rearm,
+            hold,
+            instrument,
+            place,
+            level,
+            felt,
+            duration,
+            own,
+            ..
+        } = watch;
         let sign = if rises { 1.0 } else { -1.0 };
-        let play = Play { instrument, place, level, duration, own, id: 0 };
+        let play = Play { instrument, place, level, felt, duration, own, id: 0 };
         Self {
             signal: signal as usize,
             sign,
@@ -287,6 +299,7 @@ mod tests {
             instrument: 0,
             place: Spot::Row(0),
             level: 1.0,
+            felt: None,
             duration: 0.1,
             own: [0.0; FIELDS],
         };

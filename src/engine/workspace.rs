@@ -2,6 +2,7 @@
 
 use crate::dsp::lanes::{LANES, Real};
 use crate::node::kernel::Input;
+use crate::space::moving::Mover;
 
 /// The most frames that are computed at a stretch.
 pub const BLOCK: usize = 64;
@@ -67,6 +68,8 @@ pub struct Workspace<R> {
     pub stride: usize,
     /// For each group of channels: whether a voice has written to it since it was last cleared.
     pub fed: Vec<bool>,
+    /// The tactors among which voices move, if any may.
+    pub mover: Option<Mover>,
 }
 
 impl<R: Real> Workspace<R> {
@@ -79,6 +82,7 @@ impl<R: Real> Workspace<R> {
             mix: vec![[R::ZERO; LANES]; groups * BLOCK],
             stride: BLOCK,
             fed: vec![false; groups],
+            mover: None,
         }
     }
 
@@ -140,6 +144,20 @@ impl<R: Real> Bus<'_, R> {
             rows.fill([R::ZERO; LANES]);
         }
         &mut rows[offset..offset + frames]
+    }
+
+    /// The rows in which a channel has a lane, and which it is; of a channel that is not there none.
+    #[inline(always)]
+    pub fn run(&mut self, channel: usize, offset: usize, frames: usize) -> (&mut [[R; LANES]], usize) {
+        let (group, lane) = (channel / LANES, channel % LANES);
+        (if group < self.fed.len() { self.channels(group, offset, frames) } else { &mut [] }, lane)
+    }
+
+    /// Adds to one channel in one row; to none that is not there.
+    #[inline(always)]
+    pub fn add(&mut self, channel: usize, row: usize, value: R) {
+        let (rows, lane) = self.run(channel, row, 1);
+        rows.iter_mut().for_each(|row| row[lane] += value);
     }
 
     /// All rows of a group of channels, if nothing fed them in this block and all of them are now written.

@@ -32,8 +32,14 @@ impl Heat {
     /// A sample with a mean current, A.
     #[inline]
     pub fn take(&mut self, amperes: f64) {
+        self.take_square(amperes * amperes);
+    }
+
+    /// A sample with a mean square of the current, A².
+    #[inline]
+    pub fn take_square(&mut self, square: f64) {
         let Some(thermal) = &mut self.thermal else { return };
-        self.sum += amperes * amperes;
+        self.sum += square;
         self.count += 1;
         if self.count == self.tick {
             thermal.step(self.sum / f64::from(self.tick), f64::from(self.tick) * self.period);

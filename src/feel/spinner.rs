@@ -122,7 +122,8 @@ impl Spinner {
     /// A sample behind diodes, and what passed the terminals in it.
     fn pass(&mut self, diodes: &Diodes, sources: &[f64]) {
         let p = *self.motor.parameters();
-        let (mut charge, mut energy) = (0.0, 0.0);
+        // A current in half-waves warms by more than the square of its mean.
+        let (mut square, mut energy) = (0.0, 0.0);
         let (mut current, mut turned) = (self.current, self.turned);
         for source in sources {
             diodes.step(&mut self.motor, *source, |motor, volts, seconds| {
@@ -130,14 +131,14 @@ impl Spinner {
                     let stored = p.inductance * (motor.current() - current);
                     let passed =
                         (volts * seconds - stored - p.gain * (motor.turned() - turned)) / p.resistance;
-                    charge += passed;
+                    square += passed * passed / seconds;
                     energy += volts * passed;
                 }
                 (current, turned) = (motor.current(), motor.turned());
             });
         }
         self.energy += energy;
-        self.heat.take(charge * self.rate);
+        self.heat.take_square(square * self.rate);
         (self.current, self.turned) = (current, turned);
     }
 

@@ -14,6 +14,11 @@ pub const MOST: u64 = 1 << 30;
 
 /// What a lane takes besides its signals: who is on it, and when it ends.
 const LANE: u64 = 240;
+/// What a lane takes besides whose voice may move.
+const JOURNEY: u64 = 264;
+/// What a tactor takes that shares points, and what it takes besides where they move.
+const TACTOR: u64 = 1024;
+const MOVER: u64 = 2048;
 /// Rows of a buffer: the samples of a block.
 const ROWS: u64 = 64;
 /// What the output stage takes for a group of eight channels, and what an engine takes that has nothing to do: its queue above all.
@@ -102,6 +107,10 @@ fn of<R: Real>(plan: &Plan) -> Need {
     let watches = plan.watches.len() as u64;
     bytes = bytes.saturating_add(watches.saturating_mul(WATCH) + if watches > 0 { BEGUN } else { 0 });
 
+    let tactors = plan.spread.as_ref().map_or(0, |spread| spread.channels().len() as u64);
+    bytes = bytes.saturating_add(tactors * if plan.moves() { TACTOR + MOVER } else { TACTOR });
+    let lane = if plan.moves() { LANE + JOURNEY } else { LANE };
+
     let mut add = |program: &Program, groups: u64, routes: u64, share: Share| {
         let mut greatest = (0, None);
         let mut all = 0_u64;
@@ -114,7 +123,7 @@ fn of<R: Real>(plan: &Plan) -> Need {
             }
         }
         let rows = program.steady.len() as u64 * (real + 8) + program.late.len() as u64 * real;
-        let group = routes.saturating_add(LANES as u64 * (rows + LANE));
+        let group = routes.saturating_add(LANES as u64 * (rows + lane));
         all = all.saturating_add(groups.saturating_mul(group));
         bytes = bytes.saturating_add(all);
         if all > most.bytes {

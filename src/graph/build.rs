@@ -83,8 +83,14 @@ pub fn voice(
         problems: vec![],
     };
     builder.nodes(&voice.nodes);
+    let place = voice.nodes.iter().position(|node| node.kind == NodeKind::PLACE);
     match voice.nodes.iter().position(|n| n.name == output) {
-        Some(i) => builder.graph.outputs = vec![Wire::node(i as NodeId)],
+        Some(i) => {
+            builder.graph.outputs = vec![Wire::node(i as NodeId)];
+            let says = place.and_then(|id| builder.graph.nodes.get(id));
+            let wires = says.map(|node| node.inputs.clone()).unwrap_or_default();
+            builder.graph.outputs.extend(wires);
+        }
         None => {
             let what = format!("voice `{}` has no node `{output}` to be its output", voice.name);
             builder.problems.push(Problem::error(&voice.output_span, what));

@@ -11,8 +11,10 @@ use crate::actuator::driver::book::Book;
 use crate::actuator::driver::homing::Homing;
 use crate::actuator::driver::order::Pieces;
 use crate::actuator::driver::setup::Shaping;
+use crate::actuator::fault::Fault;
 use crate::actuator::link::wave::HIGHEST;
 use crate::actuator::protect::bounds::Bounds;
+use crate::actuator::protect::budget::Bears;
 use crate::actuator::protect::kernel::Protection;
 use crate::actuator::shape::Unreachable;
 use crate::rig::terminals::too_high;
@@ -47,6 +49,7 @@ pub fn drives(rig: &Rig, [rate, device_rate]: [f64; 2], problems: &mut Vec<Probl
                     setup: wiring.setup(rate),
                     per_sample: wiring.per_sample,
                     modulation,
+                    bears: bears(rig, output, problems),
                 });
             }
             Some(Err(problem)) => problems.push(Problem { span: None, ..problem }),
@@ -54,6 +57,21 @@ pub fn drives(rig: &Rig, [rate, device_rate]: [f64; 2], problems: &mut Vec<Probl
         }
     }
     drives
+}
+
+/// What a motor bears for long, where what turns it has to see to that.
+fn bears(rig: &Rig, output: &Output, problems: &mut Vec<Problem>) -> Option<Bears> {
+    let bears = rig.bears(output)?;
+    let cannot = |fault: Fault| problems.push(cannot_keep(output, &fault));
+    bears.check().map_err(cannot).is_ok().then_some(bears)
+}
+
+/// That what an actuator bears cannot be kept to.
+fn cannot_keep(output: &Output, fault: &Fault) -> Problem {
+    Problem::of_file(format!(
+        "what the actuator of output `{}` bears cannot be kept to: {fault}",
+        output.name
+    ))
 }
 
 fn modulation(terminals: Terminals) -> Modulation {
@@ -74,11 +92,7 @@ pub fn protections(rig: &Rig, rate: f64, problems: &mut Vec<Problem>) -> Vec<(u3
         let Some(bounds) = rig.bounds(output) else { continue };
         match Protection::new(&bounds, rate) {
             Ok(_) => all.push((output.channel.saturating_sub(1), bounds)),
-            Err(fault) => {
-                let what =
-                    format!("what the actuator of output `{}` bears cannot be kept to: {fault}", output.name);
-                problems.push(Problem::of_file(what));
-            }
+            Err(fault) => problems.push(cannot_keep(output, &fault)),
         }
     }
     all

@@ -79,10 +79,9 @@ pub fn never_fed(patch: &Patch, rig: &Rig, voices: &BTreeSet<usize>) -> Vec<Left
         for event in events {
             let mut visit = |action: &Action| {
                 if let Action::Voice(play) = action
-                    && play.place.is_some()
                     && sounds(&play.voice)
                 {
-                    reach(play.place.as_ref());
+                    play.places().for_each(|(place, _)| reach(Some(place)));
                 }
             };
             visit(&event.action);

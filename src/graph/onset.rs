@@ -82,7 +82,7 @@ fn begins(node: &Node, begun: &[bool]) -> bool {
     let spec = node.kind.spec();
     let quiet = |wire: &Wire| silent(wire, begun);
     match spec.family {
-        Family::Noise | Family::Filter | Family::Motor => true,
+        Family::Noise | Family::Filter | Family::Motor | Family::Place => true,
         Family::Envelope => node.kind != NodeKind::LFO,
         Family::Arithmetic => match node.kind {
             NodeKind::MULTIPLY => node.inputs.iter().any(quiet),

@@ -1,6 +1,10 @@
 //! Where voices sound, as channels with gains.
 
+use std::sync::Arc;
+
 use super::plan::Plan;
+use crate::patch::Pitch;
+use crate::perception::gauge::Gauge;
 use crate::space::law::Law;
 use crate::space::spot::{Spot, Spread};
 
@@ -13,21 +17,40 @@ pub struct Places {
     sharing: Vec<(Law, f64)>,
     /// Room for what is found.
     found: Vec<(u32, f64)>,
+    /// By channel: what it needs to be felt.
+    gauges: Arc<[Option<Gauge>]>,
+    /// By instrument: the frequency at which what is felt of it holds.
+    pitches: Vec<Pitch>,
+}
+
+/// How strong a voice is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strength {
+    /// Its level.
+    pub level: f64,
+    /// Decibels above the threshold that a level of 1 is to be felt like; `None`: as loud as it comes.
+    pub felt: Option<f64>,
+    /// The frequency of its event, Hz.
+    pub frequency: f64,
 }
 
 impl Places {
     /// Those of a plan.
     pub fn new(plan: &Plan) -> Self {
         let most = plan.spread.as_ref().map_or(0, |spread| spread.channels().len());
+        let longest = plan.places.iter().map(Vec::len).max().unwrap_or(0);
         Self {
             rows: plan.places.clone(),
             spread: plan.spread.clone(),
             sharing: plan.instruments.iter().map(|instrument| (instrument.law, instrument.width)).collect(),
-            found: Vec::with_capacity(most),
+            found: Vec::with_capacity(if plan.gauges.is_empty() { most } else { most.max(longest) }),
+            gauges: Arc::clone(&plan.gauges),
+            pitches: plan.instruments.iter().map(|instrument| instrument.pitch).collect(),
         }
     }
 
-    /// The channels on which a voice of an instrument sounds, with their gains; none where there is no such place.
+    /// The channels on which a voice of an instrument sounds, with their gains; none where there is no such place, nor along a path, where
+    /// they change all the time.
     pub fn of(&mut self, instrument: usize, spot: Spot) -> &[(u32, f64)] {
         match spot {
             Spot::Row(row) => self.rows.get(row as usize).map_or(&[][..], |row| row),
@@ -39,6 +62,32 @@ impl Places {
                 }
                 &self.found
             }
+            Spot::Path(_) => &[],
         }
+    }
+
+    /// The same for a voice of a strength: where that is said in decibels above the threshold, with the gains that its level needs for them on each of
+    /// the channels, within what they bear. A channel of which nothing is known that could be felt, as a motor's, gets nothing. For the audio thread.
+    pub fn felt(&mut self, instrument: usize, spot: Spot, strength: Strength) -> &[(u32, f64)] {
+        let Some(felt) = strength.felt else { return self.of(instrument, spot) };
+        match spot {
+            Spot::Row(row) => {
+                self.found.clear();
+                self.found
+                    .extend(self.rows.get(row as usize).into_iter().flatten().take(self.found.capacity()));
+            }
+            // They are found where they are wanted.
+            Spot::Point(_) => {
+                let _ = self.of(instrument, spot);
+            }
+            Spot::Path(_) => self.found.clear(),
+        }
+        let hertz = self.pitches.get(instrument).and_then(|pitch| pitch.hertz(strength.frequency));
+        let hertz = hertz.unwrap_or(strength.frequency);
+        for (channel, gain) in &mut self.found {
+            let gauge = self.gauges.get(*channel as usize).and_then(Option::as_ref);
+            *gain = gauge.map_or(0.0, |gauge| gauge.gain(*gain, strength.level, felt, hertz));
+        }
+        &self.found
     }
 }

@@ -8,7 +8,10 @@ use crate::dsp::biquad::Biquad;
 use crate::node::NodeKind;
 use crate::node::motion::Motion;
 
+use crate::patch::Pitch;
+use crate::perception::gauge::Gauge;
 use crate::space::law::Law;
+use crate::space::path::Route;
 use crate::space::spot::{Spot, Spread};
 
 use crate::actuator::driver::book::Book;
@@ -18,6 +21,7 @@ use crate::actuator::link::carrier::Carrier;
 use crate::actuator::link::coupling::Corners;
 use crate::actuator::link::pwm::Switching;
 use crate::actuator::protect::bounds::Bounds;
+use crate::actuator::protect::budget::Bears;
 
 use super::command::Command;
 use super::order::depth_first;
@@ -72,6 +76,10 @@ pub struct Plan {
     pub together: Vec<Arc<str>>,
     /// The tactors that share points; none where no point can be played.
     pub spread: Option<Spread>,
+    /// The paths that voices may go along.
+    pub paths: Vec<Route>,
+    /// By channel, what a tactor must be sent to be felt so strongly; none where nothing can be played that says how strongly it is felt.
+    pub gauges: Arc<[Option<Gauge>]>,
     /// What hangs on channels: every output of the rig, those included that stay silent.
     pub outputs: Vec<Output>,
     /// The motors, in the order of their outputs.
@@ -92,6 +100,11 @@ impl Plan {
     /// Samples a second of the engine.
     pub fn engine_rate(&self) -> f64 {
         self.device_rate / self.ratio as f64
+    }
+
+    /// Whether a voice may move.
+    pub fn moves(&self) -> bool {
+        !self.paths.is_empty() || self.instruments.iter().any(|instrument| instrument.steered)
     }
 
     /// Channels of the input that something listens to, from 0, in ascending order.
@@ -186,12 +199,19 @@ pub struct Instrument {
     pub law: Law,
     /// How far a point spreads, m.
     pub width: f64,
+    /// Whether its program says where it is: its outputs from the second to the fifth are then its way from its place along x, y and z, and
+    /// what its width grows by, all m.
+    pub steered: bool,
     /// Seconds of silence after its envelopes have ended before it counts as over: what a delay may still bring. One that was
     /// released, whose envelopes have ended and which then does not become quieter either, by 3 % from one stretch of this and five
     /// seconds more to the next, fades.
     pub tail: f64,
     /// Its level where nothing says another.
     pub level: f64,
+    /// Decibels above the threshold that a level of 1 is felt like where nothing says a level; `None`: as loud as it comes.
+    pub felt: Option<f64>,
+    /// The frequency at which that holds.
+    pub pitch: Pitch,
     /// Sounds from the beginning, without an event.
     pub always: bool,
 }
@@ -251,6 +271,8 @@ pub struct Drive {
     pub per_sample: f64,
     /// What becomes of what is sent.
     pub modulation: Modulation,
+    /// What the motor bears for long, where what is sent is no voltage at its terminals: that is kept to by what turns it.
+    pub bears: Option<Bears>,
 }
 
 /// What becomes of the volts or amperes that are sent to a motor.

@@ -5,15 +5,15 @@ use std::sync::Arc;
 
 use super::budget::Need;
 use super::build::{self, Want, Wanted};
-use super::motors;
 use super::not_yet::{never_fed, not_yet};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
 use super::watch::{self, Watch};
+use super::{felt, motions, motors};
 use crate::dsp::biquad::Biquad;
 use crate::node::NodeKind;
 use crate::node::asset::Assets;
-use crate::patch::{Action, Events, Patch, Place, Scope, Source, Start, Trigger};
+use crate::patch::{Action, Events, Patch, Place, Scope, Source, Start, Trigger, Voice};
 use crate::rig::{self, Finder, RATES, Rig, usual_ratio};
 use crate::space::array::Array;
 use crate::space::spot::{Spot, Spread};
@@ -122,7 +122,10 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         });
         match compile(graph, true, device_rate / ratio as f64) {
             Ok(compiled) => {
-                note(&voice.name, &compiled.pruned, &compiled.folded, &mut left_out);
+                let steers = voice.steering();
+                let mut pruned = compiled.pruned;
+                pruned.retain(|name| steers.is_none_or(|node| node.name != **name));
+                note(&voice.name, &pruned, &compiled.folded, &mut left_out);
                 of_voice[v] = Some(instruments.len() as u32);
                 instruments.push(Instrument {
                     name: voice.name.as_str().into(),
@@ -132,8 +135,11 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
                     place,
                     law: voice.law,
                     width: voice.width,
+                    steered: steers.is_some(),
                     tail: voice.tail.unwrap_or_else(|| tail(&compiled.program)),
-                    level: voice.level,
+                    level: voice.strength(None, None).0,
+                    felt: voice.strength(None, None).1,
+                    pitch: voice.pitch(),
                     always: voice.start == Start::Always,
                     program: compiled.program,
                 });
@@ -156,10 +162,22 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         .iter()
         .map(|o| output(o, rig, device_rate / ratio as f64, &mut markers, &mut problems))
         .collect();
-    let mut points = options.live;
-    patch.each_place(|place, _| points |= matches!(place, Place::Position(_)));
+    let is_felt = felt::is_felt(patch);
     let tables = patch.patterns.iter().any(|pattern| matches!(pattern.events, Events::File(..)));
+    let gauges = if is_felt || tables || options.live {
+        felt::gauges(rig, &outputs, device_rate / ratio as f64, is_felt, &mut problems)
+    } else {
+        Arc::default()
+    };
+    felt::check(patch, rig, &finder, &gauges, &mut problems);
+    let mut points = options.live;
+    patch.each_place(|place, _| points |= matches!(place, Place::Position(_) | Place::Path(_)));
+    points |= instruments.iter().any(|instrument| instrument.steered);
     let spread = if points || tables { spread(rig, &mut problems) } else { None };
+    if spread.is_none() {
+        problems.extend(voices.iter().filter_map(|v| nowhere(patch.voices.get(*v)?)));
+    }
+    motions::check(patch, spread.as_ref().map(Spread::array), &mut problems);
     let drives = motors::drives(rig, [device_rate / ratio as f64, device_rate], &mut problems);
     let protections = motors::protections(rig, device_rate, &mut problems);
     let clicks = motors::clicks(rig, &drives, device_rate, &instruments, &mut problems);
@@ -192,6 +210,8 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         places: places_of(rig, &finder),
         together: finder.called().map(Arc::from).collect(),
         spread,
+        paths: finder.paths().to_vec(),
+        gauges,
         outputs,
         drives,
         protections,
@@ -212,6 +232,16 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         return Err(patch.origin.problems(vec![Problem { span, ..need.problem() }]));
     }
     Ok(Scene { plan, patterns, instruments: of_voice })
+}
+
+/// That a voice says where it is, and no tactor is anywhere.
+fn nowhere(voice: &Voice) -> Option<Problem> {
+    let node = voice.steering()?;
+    let what = format!(
+        "voice `{}` says where it is, by its node `{}`, but no tactor of the rig has a position",
+        voice.name, node.name
+    );
+    Some(Problem::error(&node.span, what).help("give the tactors a `position`".to_string()))
 }
 
 /// Each output, and then what sounds together.

@@ -43,6 +43,8 @@ pub struct Watch {
     pub place: Spot,
     /// Its level.
     pub level: f64,
+    /// Decibels above the threshold that a level of 1 is to be felt like; `None`: as loud as it comes.
+    pub felt: Option<f64>,
     /// Seconds until its release.
     pub duration: f64,
     /// The voice's own fields, in the order in which it declares them.
@@ -119,14 +121,15 @@ pub(super) fn watch(
     });
     let mut own = [0.0; FIELDS];
     own.iter_mut().zip(&voice.fields).for_each(|(value, (_, default))| *value = *default);
-    let (mut level, mut duration) = (voice.level, voice.duration);
+    let (mut level, mut felt, mut duration) = (None, None, voice.duration);
     for (field, expr, _) in &trigger.set {
         // Nothing else is left in a patch that was checked.
         let Some(value) = expr.value(&|name| trigger.on.known(name)).filter(|value| value.is_finite()) else {
             continue;
         };
         match field.as_str() {
-            "level" => level = value,
+            "level" => level = Some(value),
+            "felt" => felt = Some(value),
             "duration" => duration = value.max(0.0),
             name => {
                 let slot = voice.fields.iter().position(|(field, _)| field == name);
@@ -136,6 +139,7 @@ pub(super) fn watch(
             }
         }
     }
+    let (level, felt) = voice.strength(level, felt);
     Some(Watch {
         name: words(trigger)?.into(),
         signal,
@@ -146,6 +150,7 @@ pub(super) fn watch(
         instrument,
         place,
         level,
+        felt,
         duration,
         own,
     })

@@ -5,7 +5,7 @@ use super::error::FileError;
 use super::open::open as opened;
 use crate::patch::advice::Advice;
 use crate::patch::names::Names;
-use crate::patch::{Action, Event, EventsFile, Patch, Place};
+use crate::patch::{Action, Event, EventsFile, Patch, Place, Play};
 use crate::score::{EventStream, MOST_HELD};
 use crate::text::{Problem, Severity, Span};
 use std::cmp::Reverse;
@@ -48,7 +48,22 @@ pub fn survey(
     folder: &Folder,
     path: &str,
     patch: &Patch,
+    resolve: impl FnMut(&Place) -> Option<Problem>,
+) -> Result<Survey, FileError> {
+    survey_with(folder, path, patch, resolve, |_| None)
+}
+
+/// The same, and each event that plays a voice is shown to `feel`, which says what is wrong with how strongly it is to be felt: of what is a warning, the first
+/// is told.
+///
+/// # Errors
+/// As [`survey`].
+pub fn survey_with(
+    folder: &Folder,
+    path: &str,
+    patch: &Patch,
     mut resolve: impl FnMut(&Place) -> Option<Problem>,
+    mut feel: impl FnMut(&Play) -> Option<Problem>,
 ) -> Result<Survey, FileError> {
     let file = file(folder, path)?;
     let mut survey = Survey::default();
@@ -92,11 +107,23 @@ pub fn survey(
             let help = format!("sort the lines by `at`: none may come more than {MOST_HELD} lines late");
             survey.problems.push(reader.wrong(&event.span, &what, Some(help)));
         }
+        if let Action::Voice(play) = &event.action
+            && let Some(told) = feel(play)
+        {
+            let span = told.span.clone().unwrap_or(event.span.clone());
+            let problem = Problem { severity: told.severity, ..reader.wrong(&span, &told.what, told.help) };
+            if problem.is_error() {
+                survey.problems.push(problem);
+                bad += 1;
+            } else if survey.advice.is_empty() {
+                survey.advice.push(problem);
+            }
+        }
         let Some((place, span)) = place(&event) else { continue };
         let is_new = match place {
             Place::Name(name) => names.len() < MOST_NAMES && names.insert(name.clone()),
             Place::Channel(channel) => channels.insert(*channel),
-            Place::Position(_) | Place::Names(_) => false,
+            Place::Position(_) | Place::Names(_) | Place::Path(_) => false,
         };
         if is_new {
             survey.places.push(place.clone());

@@ -1,10 +1,12 @@
 //! Patches and rigs from files, with errors that name file and line.
 
+use super::assets::Folder;
+use super::calibrations;
 use super::error::FileError;
 use super::text;
 use crate::patch::Patch;
 use crate::rig::Rig;
-use crate::text::{Checked, Problem, Problems};
+use crate::text::{Checked, Origin, Problem, Problems};
 use std::path::Path;
 
 /// The patch in a file. Recordings and events files beside it are left to whoever plays it: [`super::assets::Folder`].
@@ -16,13 +18,19 @@ pub fn patch(path: impl AsRef<Path>) -> Result<Checked<Patch>, Problems> {
     Patch::parse(&name, &bytes)
 }
 
-/// The rig in a file.
+/// The rig in a file, with the tables of its calibrations that stand in files beside it.
 ///
 /// # Errors
 /// As [`patch`].
 pub fn rig(path: impl AsRef<Path>) -> Result<Checked<Rig>, Problems> {
     let (name, bytes) = read(path.as_ref())?;
-    Rig::parse(&name, &bytes)
+    let mut checked = Rig::parse(&name, &bytes)?;
+    let origin = Origin { file: name.into(), source: String::from_utf8_lossy(&bytes).as_ref().into() };
+    let folder = Folder::new(path.as_ref().parent().unwrap_or(Path::new("")));
+    match calibrations::fill(&mut checked.value, &origin, &folder).1.into_iter().next() {
+        Some(problems) => Err(problems),
+        None => Ok(checked),
+    }
 }
 
 /// The name of a file, as it is shown, and what stands in it.

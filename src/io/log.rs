@@ -118,12 +118,12 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
     }
     to.push(',');
     match heard.what {
-        Happening::Voice { name, place, level, duration, fields, own } => {
+        Happening::Voice { name, place, level, felt, duration, fields, own } => {
             cell(to, name)?;
             to.push(',');
             cell(to, place)?;
             write!(to, ",{level},")?;
-            let mut others = String::new();
+            let mut others = felt.map_or(String::new(), |felt| format!("felt={felt}"));
             for ((name, _), value) in fields.iter().zip(own) {
                 if name == "frequency" {
                     write!(to, "{value}")?;
@@ -178,6 +178,7 @@ mod tests {
             name: "tap",
             place: "t1",
             level: 0.25,
+            felt: Some(20.0),
             duration: f64::INFINITY,
             fields: &fields,
             own: &[80.0, 0.1, -3.0, 0.0],
@@ -186,7 +187,7 @@ mod tests {
         let mut heard = Heard { at: 0.0015625, instant, origin: Some(origin), id: Some(7), what: voice };
         let mut text = String::new();
         line(&mut text, &heard).unwrap();
-        assert_eq!(text, "0.0015625,12,0.5,voice,walk,3,1,tap,t1,0.25,80,width=0.1;bite=-3,inf,7\n");
+        assert_eq!(text, "0.0015625,12,0.5,voice,walk,3,1,tap,t1,0.25,80,felt=20;width=0.1;bite=-3,inf,7\n");
         heard.origin = None;
         for what in [
             Happening::Marker("go"),

@@ -1,6 +1,7 @@
 //! The edges: files in and out. Nothing below this room opens one.
 
 pub mod assets;
+pub mod calibrations;
 #[cfg(feature = "live")]
 pub mod device;
 pub mod error;

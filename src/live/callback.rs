@@ -291,7 +291,8 @@ impl Callback {
         self.board.masked.set(counters.masked + counts.masked);
         self.board.clamped.set(counts.clamped);
         self.board.limited.set(counts.limited);
-        self.board.held_back.set(engine.stage().protections().changed());
+        let stage = engine.stage();
+        self.board.held_back.set(stage.protections().changed() + stage.drives().changed());
         self.board.frames.set(self.frames);
         self.board.block.set((output.len() / self.channels.max(1)) as u64);
         self.board.shut.set(u64::from(self.gate.is_shut()));

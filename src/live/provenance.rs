@@ -12,6 +12,9 @@ pub struct Provenance {
     pub patch: Text,
     /// The rig.
     pub rig: RigText,
+    /// The files with tables of calibrations that the rig names.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tables: Vec<Text>,
     /// The folder that paths of the patch count from.
     pub folder: String,
     /// Whether they may leave it.

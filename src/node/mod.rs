@@ -47,6 +47,7 @@ impl NodeKind {
     pub(crate) const DRIVE_ON: Self = Self(Index::DriveOn as usize);
     pub(crate) const DRIVE_BRAKE: Self = Self(Index::DriveBrake as usize);
     pub(crate) const DRIVE_HOME: Self = Self(Index::DriveHome as usize);
+    pub(crate) const PLACE: Self = Self(Index::Place as usize);
     #[cfg(feature = "fundsp-nodes")]
     pub(crate) const PLUCK: Self = Self(Index::Pluck as usize);
 }
@@ -220,6 +221,7 @@ registry! {
     DriveOn = drive_on,
     DriveBrake = drive_brake,
     DriveHome = drive_home,
+    Place = place,
     #[cfg(feature = "fundsp-nodes")]
     Pluck = pluck,
     #[cfg(feature = "fundsp-nodes")]

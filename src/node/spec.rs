@@ -36,6 +36,8 @@ pub enum Family {
     Input,
     /// Orders to motors.
     Motor,
+    /// Where on the body.
+    Place,
 }
 
 /// A parameter of a node.

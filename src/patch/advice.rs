@@ -121,7 +121,10 @@ impl<'a> Advice<'a> {
             return;
         }
         let is_default = fields.is_empty() && level.is_none();
-        if let Some(level) = level.or(is_default.then_some(voice.level)).filter(|level| *level > 1.0) {
+        if let Some(level) = level
+            .or(is_default.then_some(voice.level).filter(|_| voice.felt.is_none()))
+            .filter(|level| *level > 1.0)
+        {
             let what = format!("level {level} of {who}: 1 is all that an actuator is rated for");
             let help = "the limiter turns down what passes full scale; write a level from 0 to 1".to_string();
             self.problems.push(Problem::warning(span, what).help(help));
@@ -216,7 +219,8 @@ fn longest(patch: &Patch) -> HashMap<&str, f64> {
         let Some(default) = defaults.get(play.voice.as_str()) else { return };
         let jitter = pattern.jitter.iter().flat_map(|j| &j.fractions).find(|f| f.name == "duration");
         let most = 1.0 + jitter.map_or(0.0, |f| f.value);
-        let seconds = play.duration.unwrap_or(*default) * pattern.time.seconds() / pattern.rate * most;
+        let seconds = play.duration.unwrap_or(*default) * pattern.time.seconds() / pattern.rate;
+        let seconds = most * play.motion.as_ref().map_or(seconds, |motion| motion.longest(seconds));
         longest.entry(&play.voice).and_modify(|l| *l = l.max(seconds)).or_insert(seconds);
     });
     for trigger in &patch.triggers {
@@ -237,7 +241,7 @@ fn longest(patch: &Patch) -> HashMap<&str, f64> {
 }
 
 /// What stands at the parameter of an oscillator that is its frequency.
-fn frequency(node: &Node) -> Option<&Expr> {
+pub(super) fn frequency(node: &Node) -> Option<&Expr> {
     let at = node.kind.spec().params.iter().position(|p| matches!(p.kind, Kind::Frequency(_)))?;
     match node.arguments.get(at).map(|a| &a.value) {
         Some(Value::Expr(expr)) => Some(expr),

@@ -4,8 +4,10 @@ use std::collections::{HashMap, HashSet};
 
 use super::crossing;
 use super::cycle::{chain, cycles};
+use super::event::{LEAST_FELT, MOST_FELT};
 use super::expr::Reads;
 use super::names::{Names, no_field};
+use super::steered;
 use super::voice::MOST_VOICES;
 use super::{
     Action, Bind, Control, Curve, Events, Expr, Node, Patch, Pattern, Scope, Source, Spread, Start, Target,
@@ -130,6 +132,7 @@ impl Check<'_> {
             let what = format!("voice `{}` has {} voices", voice.name, voice.voices);
             self.error(&voice.span, what, format!("give it 1 to {MOST_VOICES}"));
         }
+        super::felt::check_voice(voice, &mut self.problems);
         let known = matches!(scope.find(&voice.output), Some(Target::Node(_)));
         if !known && !voice.output.is_empty() && !self.broken.contains(voice.output.as_str()) {
             let what =
@@ -137,11 +140,13 @@ impl Check<'_> {
             let help = self.suggest(&voice.output, voice.nodes.iter().map(|n| n.name.as_str()));
             self.error(&voice.output_span, what, help);
         }
+        self.problems.extend(steered::fits(voice, voice.place.as_ref(), &voice.place_span));
         self.nodes(&voice.nodes, scope, Some(voice));
     }
 
     /// Arguments, names and cycles of the nodes of a voice, or of the shared ones.
     fn nodes(&mut self, nodes: &[Node], scope: &Scope, voice: Option<&Voice>) {
+        self.problems.extend(steered::check(nodes, voice));
         let mut edges: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
         for (node, edges) in nodes.iter().zip(&mut edges) {
             let spec = node.kind.spec();
@@ -393,9 +398,15 @@ impl Check<'_> {
         }
         let of_pattern = voice.is_none() && names.pattern(&trigger.play).is_some();
         crossing::check(trigger, of_pattern, &mut self.problems);
+        if let Some(voice) = voice {
+            self.problems.extend(steered::fits(voice, trigger.place.as_ref(), &trigger.span));
+        }
         if of_pattern && trigger.place.is_some() {
             let what = format!("a trigger cannot say where pattern `{}` plays", trigger.play);
             self.error(&trigger.span, what, "its events say so, or their voices".to_string());
+        }
+        if let Some(voice) = voice {
+            super::felt::check_trigger(voice, trigger, &mut self.problems);
         }
         for (field, expr, span) in &trigger.set {
             if of_pattern && trigger.on == Source::Start && ["gain", "rate"].contains(&field.as_str()) {
@@ -409,6 +420,7 @@ impl Check<'_> {
             if let (Some(_), Some(value)) = (voice, expr.value(&|name| trigger.on.known(name))) {
                 let (least, most) = match field.as_str() {
                     "level" => (0.0, 100.0),
+                    "felt" => (LEAST_FELT, MOST_FELT),
                     "duration" => (0.0, 1e6),
                     _ => (-1e9, 1e9),
                 };
@@ -418,7 +430,7 @@ impl Check<'_> {
                 }
             }
             match voice {
-                Some(voice) if voice.field(field).is_none() => {
+                Some(voice) if field != "felt" && voice.field(field).is_none() => {
                     self.problems.push(no_field(voice, field, span))
                 }
                 None if names.pattern(&trigger.play).is_some()

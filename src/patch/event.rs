@@ -4,11 +4,14 @@
 //! ```toml
 //! { at = 0.0, voice = "beat", level = 0.6, duration = 0.1, place = "top", frequency = 50 }
 //! { at = 1.0, voice = "beat", delay = 0.02, repeat = { times = 4, every = 0.25 } }
+//! { at = 1.5, voice = "beat", felt = 20 }
 //! { at = 2.0, pattern = "walk", gain = 0.5, rate = 2.0 }
 //! { at = 3.0, marker = "trial 1" }
+//! { at = 3.5, voice = "beat", stroke = { path = [[0, 0], [0.1, 0]], over = 1.0 } }
 //! { at = 4.0, choose = [{ voice = "beat", weight = 3 }, { pattern = "walk" }] }
 //! ```
 
+use super::motion::{self, KEYS, Motion};
 use super::place::{self, Place};
 use crate::text::field::{Field, Form, Table};
 use crate::text::nearest::{did_you_mean, suggest};
@@ -61,6 +64,17 @@ pub enum Action {
     Choose(Vec<Alternative>),
 }
 
+impl Action {
+    /// It, or where it is a choice all that may be drawn.
+    pub fn each(&self) -> impl Iterator<Item = &Self> {
+        let (one, several) = match self {
+            Self::Choose(list) => (None, list.as_slice()),
+            action => (Some(action), &[][..]),
+        };
+        one.into_iter().chain(several.iter().map(|alternative| &alternative.action))
+    }
+}
+
 /// A voice sounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Play {
@@ -70,14 +84,27 @@ pub struct Play {
     pub span: Span,
     /// Share of the rated vibration; `None`: the voice's default.
     pub level: Option<f64>,
+    /// In place of a level: decibels above the threshold, on every tactor; `None`: nothing is said.
+    pub felt: Option<Setting>,
     /// From onset to release, in the pattern's time; `None`: the voice's default.
     pub duration: Option<f64>,
     /// Where; `None`: the voice's place.
     pub place: Option<Place>,
     /// Where that stands; the event's place where there is none.
     pub place_span: Span,
+    /// Several bursts of it instead, at places of their own.
+    pub motion: Option<Box<Motion>>,
     /// Fields that the voice declares, where the event gives them.
     pub fields: Vec<Setting>,
+}
+
+impl Play {
+    /// Every place that it names, with where it stands.
+    pub fn places(&self) -> impl Iterator<Item = (&Place, &Span)> {
+        let bursts =
+            self.motion.iter().flat_map(|motion| motion.places.iter().map(|place| (place, &motion.span)));
+        self.place.iter().map(|place| (place, &self.place_span)).chain(bursts)
+    }
 }
 
 /// A field set to a number.
@@ -102,8 +129,23 @@ pub struct Alternative {
 
 /// Keys of an event, which no field of a voice can be called.
 pub const RESERVED: &[&str] = &[
-    "at", "voice", "pattern", "marker", "choose", "weight", "level", "duration", "place", "delay", "repeat",
-    "gain", "rate",
+    "at",
+    "voice",
+    "pattern",
+    "marker",
+    "choose",
+    "weight",
+    "level",
+    "felt",
+    "duration",
+    "place",
+    "delay",
+    "repeat",
+    "gain",
+    "rate",
+    "stroke",
+    "apparent",
+    "saltation",
 ];
 
 const VOICE: Field = Field::new("voice", Form::Text, "", "The voice that sounds.");
@@ -116,6 +158,12 @@ const LEVEL: Field = Field::new(
     "",
     "Share of the actuator's rated vibration. The voice's default, else 1.",
 );
+const FELT: Field = Field::new(
+    "felt",
+    Form::any_number(LEAST_FELT, MOST_FELT),
+    "dB",
+    "In place of a level: so far above the threshold, on every tactor by its calibration.",
+);
 const DURATION: Field = Field::new(
     "duration",
     Form::any_number(0.0, 1e6),
@@ -124,6 +172,24 @@ const DURATION: Field = Field::new(
 );
 const PLACE: Field =
     Field::new("place", Form::Defined("place"), "", "Where; the voice's place where nothing is said.");
+const STROKE: Field = Field::new(
+    "stroke",
+    Form::One(&super::way::TABLE),
+    "",
+    "A stroke along a path, in bursts that overlap where it passes between tactors (Tactile Brush).",
+);
+const APPARENT_MOTION: Field = Field::new(
+    "apparent",
+    Form::One(&motion::APPARENT),
+    "",
+    "Bursts at places one after another, felt as one that moves.",
+);
+const SALTATION: Field = Field::new(
+    "saltation",
+    Form::One(&motion::SALTATION),
+    "",
+    "The cutaneous rabbit: taps that hop from place to place.",
+);
 const FREQUENCY: Field = Field::new(
     "frequency",
     Form::any_number(-1e9, 1e9),
@@ -144,6 +210,11 @@ const RATE: Field = Field::new(
 );
 const OWN: Field = Field::new("", Form::any_number(-1e9, 1e9), "", "A field that the voice declares.");
 
+/// The least and the most that `felt` may say, dB.
+pub const LEAST_FELT: f64 = -60.0;
+/// See there.
+pub const MOST_FELT: f64 = 120.0;
+
 /// Its keys.
 pub static TABLE: Table = Table {
     name: "event",
@@ -162,8 +233,12 @@ pub static TABLE: Table = Table {
         MARKER,
         Field::new("choose", Form::Many(&ALTERNATIVE), "", "One of these, drawn anew each time."),
         LEVEL,
+        FELT,
         DURATION,
         PLACE,
+        STROKE,
+        APPARENT_MOTION,
+        SALTATION,
         FREQUENCY,
         GAIN,
         RATE,
@@ -186,8 +261,12 @@ pub static ALTERNATIVE: Table = Table {
         PATTERN,
         MARKER,
         LEVEL,
+        FELT,
         DURATION,
         PLACE,
+        STROKE,
+        APPARENT_MOTION,
+        SALTATION,
         FREQUENCY,
         GAIN,
         RATE,
@@ -223,7 +302,7 @@ pub(crate) fn read(reader: &Reader) -> Option<Event> {
     let action = if reader.has("choose") {
         let who = |n: usize| format!("alternative {n} of {}", reader.who);
         refuse(reader, &["choose"], &["voice", "pattern", "marker"], "a choice");
-        refuse(reader, &["choose"], &["level", "duration", "place", "frequency", "gain", "rate"], "a choice");
+        refuse(reader, &["choose"], &[&SOUNDS[..], &KEYS, &["gain", "rate"]].concat(), "a choice");
         for (word, span, _) in reader.others() {
             unknown(reader, word, &span);
         }
@@ -285,7 +364,7 @@ fn read_action(reader: &Reader) -> Option<Action> {
         }
     };
     if kind != "voice" {
-        refuse(reader, &[kind], &["level", "duration", "place", "frequency"], &format!("a {kind}"));
+        refuse(reader, &[kind], &[&SOUNDS[..], &KEYS].concat(), &format!("a {kind}"));
         for (word, span, _) in reader.others() {
             unknown(reader, word, &span);
         }
@@ -299,9 +378,11 @@ fn read_action(reader: &Reader) -> Option<Action> {
         "voice" => {
             let (level, duration, place) =
                 (reader.number("level"), reader.number("duration"), place::read(reader, "place"));
+            let (motion, is_well) = read_motion(reader);
+            let felt = reader.number("felt").map(|value| setting(reader, "felt", value));
             let mut fields = Vec::new();
             if let Some(value) = reader.number("frequency") {
-                fields.push(Setting { name: "frequency".into(), value, span: reader.span_of("frequency") });
+                fields.push(setting(reader, "frequency", value));
             }
             for (word, span, value) in reader.others() {
                 // A word or a list near a key of the event is that key, mistyped; all else may be a field, which is a number
@@ -313,15 +394,9 @@ fn read_action(reader: &Reader) -> Option<Action> {
                     fields.extend(value.map(|value| Setting { name: word.into(), value, span }));
                 }
             }
-            Some(Action::Voice(Play {
-                voice: name,
-                span,
-                place_span: reader.span_of("place"),
-                level,
-                duration,
-                place,
-                fields,
-            }))
+            let place_span = reader.span_of("place");
+            let play = Play { voice: name, span, place_span, level, felt, duration, place, motion, fields };
+            is_well.then_some(Action::Voice(play))
         }
         "pattern" => Some(Action::Pattern {
             pattern: name,
@@ -331,6 +406,38 @@ fn read_action(reader: &Reader) -> Option<Action> {
         }),
         _ => Some(Action::Marker(name)),
     }
+}
+
+/// What an event of a voice says of how it sounds.
+const SOUNDS: [&str; 5] = ["level", "felt", "duration", "place", "frequency"];
+
+/// The illusion of motion that an event says, and whether all is well with it.
+fn read_motion(reader: &Reader) -> (Option<Box<Motion>>, bool) {
+    let said: Vec<&str> = KEYS.into_iter().filter(|key| reader.has(key)).collect();
+    let Some(key) = said.first() else { return (None, true) };
+    if let Some(other) = said.get(1) {
+        let what = format!("{} has {} at once", reader.who, crate::text::nearest::listed(&said));
+        reader.sink.error_help(&reader.span_of(other), what, "make an event of each");
+        return (None, false);
+    }
+    if reader.has("place") {
+        let what = format!("{} has both `place` and `{key}`", reader.who);
+        let help = "leave `place` out: each burst has a place of its own";
+        reader.sink.error_help(&reader.span_of("place"), what, help);
+    }
+    let Some(motion) = motion::read(reader) else { return (None, false) };
+    if reader.has("duration")
+        && let Some(because) = motion.lasts()
+    {
+        let what = format!("{} has both `duration` and `{key}` with {because}", reader.who);
+        let help = format!("leave `duration` out: {because} says how long it takes");
+        reader.sink.error_help(&reader.span_of("duration"), what, &help);
+    }
+    (Some(Box::new(motion)), true)
+}
+
+fn setting(reader: &Reader, key: &str, value: f64) -> Setting {
+    Setting { name: key.into(), value, span: reader.span_of(key) }
 }
 
 /// Reads `repeat`.
@@ -346,9 +453,7 @@ pub(crate) fn read_repeat(reader: &Reader) -> Option<Repeat> {
 fn refuse(reader: &Reader, because: &[&str], keys: &[&str], what: &str) {
     for key in keys.iter().filter(|k| reader.has(k) && !because.contains(k)) {
         let help = match *key {
-            "level" | "place" | "duration" | "frequency" | "gain" | "rate" if what == "a choice" => {
-                Some("give it to the alternatives".to_string())
-            }
+            _ if what == "a choice" => Some("give it to the alternatives".to_string()),
             "level" if what == "a pattern" => Some("did you mean `gain`?".to_string()),
             _ => None,
         };

@@ -8,7 +8,7 @@
 
 use std::io::{BufRead, Read};
 
-use super::event::{Action, Event, Play, Setting};
+use super::event::{Action, Event, LEAST_FELT, MOST_FELT, Play, Setting};
 use super::names::Names;
 use super::place::{self, Place};
 use crate::text::nearest::suggest;
@@ -64,17 +64,19 @@ enum Column {
     Voice,
     Marker,
     Level,
+    Felt,
     Duration,
     Place,
     Delay,
     Field(String),
 }
 
-const COLUMNS: [(&str, Column); 7] = [
+const COLUMNS: [(&str, Column); 8] = [
     ("at", Column::At),
     ("voice", Column::Voice),
     ("marker", Column::Marker),
     ("level", Column::Level),
+    ("felt", Column::Felt),
     ("duration", Column::Duration),
     ("place", Column::Place),
     ("delay", Column::Delay),
@@ -263,6 +265,7 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
             return Err(vec![self.wrong(&whole, &what, None)]);
         }
         let (mut at, mut delay, mut level, mut duration, mut place) = (None, 0.0, None, None, None);
+        let mut felt = None;
         let (mut voice, mut marker, mut fields, mut place_span) = (None, None, Vec::new(), whole.clone());
         let mut problems = Vec::new();
         let columns = std::mem::take(&mut self.columns);
@@ -283,6 +286,10 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
                 Column::At => at = Some(number("at", 0.0, 1e9)),
                 Column::Delay => delay = number("delay", 0.0, 1e9),
                 Column::Level => level = Some(number("level", 0.0, 100.0)),
+                Column::Felt => {
+                    let value = number("felt", LEAST_FELT, MOST_FELT);
+                    felt = Some(Setting { name: "felt".into(), value, span });
+                }
                 Column::Duration => duration = Some(number("duration", 0.0, 1e6)),
                 Column::Place => match place_in(&cell) {
                     Ok(read) => (place, place_span) = (Some(read), span),
@@ -300,7 +307,18 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
         self.columns = columns;
         let action = match (voice, marker) {
             (Some((voice, span)), None) => {
-                Some(Action::Voice(Play { voice, span, place_span, level, duration, place, fields }))
+                let motion = None;
+                Some(Action::Voice(Play {
+                    voice,
+                    span,
+                    place_span,
+                    level,
+                    felt,
+                    duration,
+                    place,
+                    motion,
+                    fields,
+                }))
             }
             (None, Some((marker, _))) => Some(Action::Marker(marker)),
             (None, None) => {

@@ -160,7 +160,7 @@ impl Expr {
     }
 
     /// Its value where it reads no names and no event.
-    pub(crate) fn constant(&self) -> Option<f64> {
+    pub fn constant(&self) -> Option<f64> {
         self.value(&|_| None)
     }
 

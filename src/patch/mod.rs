@@ -13,6 +13,8 @@ mod cycle;
 pub(crate) mod event;
 pub(crate) mod events_file;
 pub(crate) mod expr;
+pub(crate) mod felt;
+pub mod motion;
 pub(crate) mod names;
 pub(crate) mod node;
 pub(crate) mod pattern;
@@ -20,14 +22,18 @@ pub(crate) mod place;
 pub mod reference;
 mod schema;
 pub(crate) mod scope;
+mod steered;
 pub(crate) mod trigger;
 pub(crate) mod voice;
+mod way;
 
 pub use bind::{Bind, Mover};
 pub use control::{Control, Curve};
 pub use event::{Action, Alternative, Event, Play, Repeat, Setting};
 pub use events_file::EventsFile;
 pub use expr::{Expr, Function, Operator};
+pub use felt::Pitch;
+pub use motion::Motion;
 pub use names::Names;
 pub use node::{Argument, Node, Value};
 pub use pattern::{Events, Jitter, Pattern, TimeBase};
@@ -36,6 +42,7 @@ pub use schema::schema;
 pub(crate) use scope::{Scope, Target};
 pub use trigger::{Source, Spread, Trigger};
 pub use voice::{Start, Voice};
+pub use way::Way;
 
 use crate::text::document;
 use crate::text::field::{Field, Form, Table};
@@ -245,22 +252,17 @@ impl Patch {
         for voice in &self.voices {
             voice.place.iter().for_each(|place| see(place, &voice.place_span));
         }
-        self.each_play(|play, _| play.place.iter().for_each(|place| see(place, &play.place_span)));
+        self.each_play(|play, _| play.places().for_each(|(place, span)| see(place, span)));
         for trigger in self.triggers.iter().filter(|t| matches!(t.on, Source::Start | Source::Node { .. })) {
             trigger.place.iter().for_each(|place| see(place, &trigger.span));
         }
     }
 
-    /// Every list of names that is a place in it, those of triggers by hand included.
-    pub(crate) fn each_list(&self, mut see: impl FnMut(&[String])) {
-        let mut look = |place: &Option<Place>| {
-            if let Some(Place::Names(names)) = place {
-                see(names);
-            }
-        };
-        self.voices.iter().for_each(|voice| look(&voice.place));
-        self.triggers.iter().for_each(|trigger| look(&trigger.place));
-        self.each_play(|play, _| look(&play.place));
+    /// Every place in it, those of triggers by hand included.
+    pub(crate) fn each_place_written(&self, mut see: impl FnMut(&Place)) {
+        self.voices.iter().filter_map(|voice| voice.place.as_ref()).for_each(&mut see);
+        self.triggers.iter().filter_map(|trigger| trigger.place.as_ref()).for_each(&mut see);
+        self.each_play(|play, _| play.places().for_each(|(place, _)| see(place)));
     }
 
     /// Every voice that an event in it plays, alternatives included, with its pattern; those of events files are not.

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::event::RESERVED;
+use super::steered;
 use super::{Action, Event, Patch, Pattern, Play, Setting, Start, Voice};
 use crate::text::nearest::suggest;
 use crate::text::{Problem, Span};
@@ -91,6 +92,9 @@ impl<'a> Names<'a> {
             let what = format!("voice `{}` is always on, so no event can start it", voice.name);
             problems.push(Problem::error(&play.span, what).help("leave out its `start`".to_string()));
         }
+        problems
+            .extend(play.places().filter_map(|(place, span)| steered::fits(voice, Some(place), span)).next());
+        super::felt::check_play(voice, play, problems);
         for setting in &play.fields {
             if voice.field(&setting.name).is_none() {
                 problems.push(no_field(voice, &setting.name, &setting.span));

@@ -66,7 +66,7 @@ pub enum TimeBase {
 
 impl TimeBase {
     /// Seconds in one unit of it.
-    pub(crate) fn seconds(self) -> f64 {
+    pub fn seconds(self) -> f64 {
         match self {
             Self::Seconds => 1.0,
             Self::Beats(tempo) => 60.0 / tempo,

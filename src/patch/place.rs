@@ -1,8 +1,9 @@
 //! Where on the body.
 
+use super::way::{self, Way};
 use crate::text::reader::{At, Reader};
 
-/// A place, as written: `"top"`, `3`, `[0.0, -0.2]`, `["left", "right"]`. A rig finds its tactors.
+/// A place, as written: `"top"`, `3`, `[0.0, -0.2]`, `["left", "right"]`, `{ path = [[0, 0], [0.1, 0]] }`. A rig finds its tactors.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Place {
     /// The tactor, or the group, of that name.
@@ -13,6 +14,8 @@ pub enum Place {
     Channel(u32),
     /// Metres; the tactors about it share it.
     Position([f64; 3]),
+    /// Along a path, shared by the tactors about it all the way.
+    Path(Box<Way>),
 }
 
 /// The highest channel that a place may name, and so the most that a device may have.
@@ -21,20 +24,28 @@ pub const MAX_CHANNELS: u32 = 4096;
 /// The most metres from the origin, along each axis.
 pub const MOST_METRES: f64 = 1000.0;
 
-const WANTED: &str = "it must be the name of a tactor or a group, a list of such names, a channel from 1 to 4096 or a position [x, y] or [x, y, z] in metres";
+const WANTED: &str = "it must be the name of a tactor or a group, a list of such names, a channel from 1 to 4096, a position [x, y] or [x, y, z] in metres or a path { path = [[x, y], ...] }";
 
 /// Reads the place at a key.
 pub(crate) fn read(reader: &Reader, key: &str) -> Option<Place> {
     let value = reader.at(key)?;
-    let place = match (value.text(), value.count()) {
-        (Some(name), _) if !name.is_empty() => Some(Place::Name(name.into())),
-        (_, Some(n)) => channel(n).map(Place::Channel),
-        _ => position_of(&value).map(Place::Position).or_else(|| names_of(&value).map(Place::Names)),
-    };
+    if let Some(table) = value.table() {
+        return way::read(table, &value, reader).map(|way| Place::Path(Box::new(way)));
+    }
+    let place = at_rest(&value);
     if place.is_none() {
         reader.wrong(key, &value, &wanted(&value, WANTED));
     }
     place
+}
+
+/// A place that does not move.
+pub(super) fn at_rest(value: &At) -> Option<Place> {
+    match (value.text(), value.count()) {
+        (Some(name), _) if !name.is_empty() => Some(Place::Name(name.into())),
+        (_, Some(n)) => channel(n).map(Place::Channel),
+        _ => position_of(value).map(Place::Position).or_else(|| names_of(value).map(Place::Names)),
+    }
 }
 
 /// Reads the position at a key: two or three coordinates.

@@ -1,12 +1,15 @@
 //! The patch format for people: its topics in the order in which one learns them.
 
-use super::{control, event, node, pattern, trigger, voice};
+use super::{control, event, motion, node, pattern, trigger, voice, way};
 use crate::text::reference::{Defined, Topic};
 
 /// What stands where a key refers to something with a topic of its own.
 pub const DEFINED: Defined = &[
     ("format", "\"pacinian-patch/1\""),
     ("place", "a place: \"top\", 3 or [0, -0.2]"),
+    ("points", "points in metres: [[0, 0], [0.1, 0]]"),
+    ("times", "a list of seconds, one for each point"),
+    ("places", "a list of places: [\"left\", 3, [0.1, 0]]"),
     ("range", "[least, most]"),
     ("notes", "two notes: [36, \"D#3\"]"),
     ("set", "a table of numbers and expressions"),
@@ -134,13 +137,53 @@ pub const TOPICS: &[Topic] = &[
                   felt = { type = \"multiply\", inputs = [\"tone\", \"edge\", \"min(1, event.level * 2)\"] }",
     },
     Topic {
+        name: "felt",
+        written: "felt = 20",
+        doc: "How strongly something is felt, in dB above the threshold, in place of a level.",
+        text: "An event, the defaults of a voice or `set` of a trigger say it in place of `level`: 0 is just felt, 20 is ten times that amplitude. Every tactor then \
+               gets what it takes of it: the displacement is that of the threshold at its site, under its contactor, at that frequency, and 20 dB more, by its \
+               calibration ([calibration.NAME] of the rig). So what is played on tactors that are unlike, on a fingertip and on an arm, is felt alike, as far as \
+               thresholds are known: within 5 dB on the hand and 10 dB elsewhere, and one person is off the average by as much again (a judgement).\n\n\
+               It holds at `felt_at` of the voice, else at the frequency of the event, which the voice must read then (event.frequency); and for a voice whose output is a sine of \
+               amplitude 1: what its nodes make of that, an envelope or half the amplitude, comes on top, and so do the gain of a pattern and jitter of \
+               `level`. Of what is no tone it is as true as its strongest part is.\n\n\
+               At a position that several tactors share, the law of the voice divides what is felt: with `energy` the sum of the squares stays, each as a ratio to its \
+               own threshold.\n\n\
+               What a tactor cannot give is capped: at 0.9 of its `max_level`, where the limiter still lets a tone pass as it is, and at what amplifier and \
+               actuator bear. `pacinian check` says by how many dB, and who was not measured. Between the points of a table it is straight in dB over the logarithm of \
+               the frequency; beyond them, and beyond 10 to 1000 Hz, an event is refused, and a frequency that wanders there (jitter) is felt as at the \
+               end.\n\n\
+               A tactor without a calibration is relative: a level of 1 at 250 Hz counts for 40 dB, whatever it really is, and other frequencies follow the threshold \
+               of its site and the model of its actuator; without a model it is taken to give the same acceleration for each volt at all of them.\n\n\
+               `felt` counts dB above the threshold, and no strength: how fast that grows depends on the frequency, and measurements disagree by more than \
+               an equal strength would gain.",
+        tables: &[],
+        example: "[voice.alert]\n\
+                  output = \"felt\"\n\
+                  felt_at = 250\n\
+                  defaults = { felt = 20, duration = 0.3 }\n\
+                  \n\
+                  [voice.alert.nodes]\n\
+                  tone = { type = \"sine\", frequency = 250 }\n\
+                  edge = { type = \"envelope\", attack = 0.02, release = 0.05 }\n\
+                  felt = { type = \"multiply\", inputs = [\"tone\", \"edge\"] }\n\
+                  \n\
+                  [pattern.two]\n\
+                  events = [\n\
+                  \x20 { at = 0, voice = \"alert\", place = \"t1\" },\n\
+                  \x20 { at = 1, voice = \"tap\", place = \"t2\", frequency = 80, felt = 12 },\n\
+                  ]",
+    },
+    Topic {
         name: "place",
-        written: "place = \"top\", place = 3, place = [0, -0.2] or place = [\"left\", \"right\"]",
+        written: "place = \"top\", place = 3, place = [0, -0.2], place = [\"left\", \"right\"] or place = { path = [[0, 0], [0.1, 0]] }",
         doc: "Where on the body.",
         text: "- a name: the tactor or the group of the rig that is called so; on each tactor of a group it has the whole level\n\
                - a whole number: what hangs on that channel of the device, from 1\n\
                - two or three numbers: a position in metres, which the tactors about it share\n\
-               - a list of names: all of those, each with the whole level\n\n\
+               - a list of names: all of those, each with the whole level\n\
+               - a path, { path = [[x, y], ...] }: the voice goes along it, shared all the way by the tactors about it. It takes as long as its \
+               event, or `over` seconds, whatever the pattern's time and rate; an event that is held, and says no `over`, takes one second\n\n\
                How a position is shared, the `law` and the `width` of the voice say. Of tactors in a line the two neighbours share it: the way from \
                one to the other is divided at β, and their weights are 1 − β and β. Of tactors in a plane, or a gently curved sheet, the corners of a \
                rectangle share what lies within by their parts of the way across and up, and elsewhere the corners of the triangles between them; of \
@@ -148,14 +191,52 @@ pub const TOPICS: &[Topic] = &[
                log₂(1 + w) (`logarithmic`), w (`linear`), or all for the nearest (`nearest`). A `width` is the standard deviation of a Gaussian about the \
                position; up to half of the tactors' spacing it goes over from the neighbours alone. What lies beside the tactors sounds at the nearest point \
                between them. Where no tactor is at a position that two share, it is felt in between: the phantom sensation.\n\n\
+               A node `place` moves its voice by what other nodes and controls say: `pacinian nodes place`.\n\n\
                Without a rig there is a line of tactors `t1`, `t2`, ... on channels 1, 2, ..., 40 mm apart: 8, or as many as the patch \
                names.",
-        tables: &[],
+        tables: &[&way::TABLE],
         example: "[pattern.around]\n\
                   events = [\n\
                   \x20 { at = 0.0, voice = \"tap\", place = \"t2\" },\n\
                   \x20 { at = 0.2, voice = \"tap\", place = 3 },\n\
                   \x20 { at = 0.4, voice = \"tap\", place = [0.12, 0.0] },\n\
+                  \x20 { at = 0.6, voice = \"tap\", place = { path = [[0.0, 0.0], [0.12, 0.0]], over = 0.5 } },\n\
+                  ]",
+    },
+    Topic {
+        name: "motion",
+        written: "stroke = { ... }, apparent = { ... } or saltation = { ... } in an event",
+        doc: "Illusions of motion: one event that is several bursts of its voice, timed so that something is felt to move.",
+        text: "In place of `place`, an event of a voice may have one of these. Each burst is the voice with all that the event says, at a place and for a time of its \
+               own:\n\n\
+               - `stroke`: something moves along a path, over a line or a grid of tactors (Tactile Brush; Israr and Poupyrev, 2011). Where the path crosses the \
+               edges between tactors, a burst is felt between them, and the next begins before it is over. It takes as long as the event, or `over`, or has `times`\n\
+               - `apparent`: bursts at two places or more, one after the other, from each to the next 0.32 of its duration and 47.3 ms. They take as long as the event, \
+               or each of them as long as `burst`\n\
+               - `saltation`: the cutaneous rabbit (Geldard and Sherrick, 1972), short taps that seem to hop where nothing touches. As reported: five of 2 ms at each place, \
+               50 ms apart, also where the place changes\n\n\
+               `pacinian check` says where a stroke is too fast for its tactors, and where bursts are shorter or longer than what was measured, 40 to 200 ms. \
+               Seconds are seconds at the tempo and the rate of their pattern; another pattern that plays it faster has all of it faster. `jitter` moves all bursts \
+               as one, and leaves their durations.\n\n\
+               Bursts that overlap on a tactor add up as waves do, and may weaken each other there. A voice that declares the fields `since` and `burst` hears in them \
+               how many seconds after the event a burst begins, and how many came before it: so its wave goes on from burst to burst, a quarter further each time, and \
+               powers add up.",
+        tables: &[&motion::APPARENT, &motion::SALTATION],
+        example: "[voice.brush]\n\
+                  voices = 16\n\
+                  output = \"felt\"\n\
+                  defaults = { frequency = 200, since = 0, burst = 0 }\n\
+                  \n\
+                  [voice.brush.nodes]\n\
+                  tone = { type = \"sine\", frequency = \"event.frequency\", phase = \"event.frequency * event.since + event.burst / 4\" }\n\
+                  edge = { type = \"envelope\", attack = 0.01, release = 0.02 }\n\
+                  felt = { type = \"multiply\", inputs = [\"tone\", \"edge\"] }\n\
+                  \n\
+                  [pattern.show]\n\
+                  events = [\n\
+                  \x20 { at = 0, voice = \"brush\", stroke = { path = [[0, 0], [0.1, 0]], over = 1.0 } },\n\
+                  \x20 { at = 2, voice = \"brush\", apparent = { places = [1, 2, 3], burst = 0.1 } },\n\
+                  \x20 { at = 3, voice = \"brush\", saltation = { places = [1, 3] } },\n\
                   ]",
     },
     Topic {
@@ -186,7 +267,7 @@ pub const TOPICS: &[Topic] = &[
         written: "{ at = 0.5, voice = \"tap\" } in the `events` of a pattern",
         doc: "Something that happens: a voice, another pattern, a marker, or a choice among them.",
         text: "It has exactly one of `voice`, `pattern`, `marker` and `choose`. What goes with them:\n\n\
-               - with `voice`: `level`, `duration`, `place`, `frequency` and any field that the voice declares\n\
+               - with `voice`: `level` or `felt`, `duration`, `place`, `frequency` and any field that the voice declares\n\
                - with `pattern`: `gain` and `rate`\n\
                - with `choose`: nothing; the alternatives have those keys themselves, and a `weight`\n\n\
                `delay` differs from `at` in one thing: a shuffle permutes what lands on the `at`s of a pattern, and the delay goes with what \

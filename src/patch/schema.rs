@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use super::event;
 use super::node::{MOST_SHAPE, POINT, SHAPES};
+use super::{event, way};
 use crate::node::REGISTRY;
 use crate::node::spec::{Kind, NodeSpec, Numeric, Param};
 use crate::text::schema::{number, of_file, refer};
@@ -12,7 +12,16 @@ use crate::text::schema::{number, of_file, refer};
 pub fn schema() -> Value {
     let mut defs = Map::new();
     defs.insert("format".into(), json!({ "type": "string", "pattern": "^pacinian-patch/1(\\.[0-9]+)?$" }));
-    defs.insert("place".into(), place());
+    let path = refer(&way::TABLE, &mut defs);
+    defs.insert("place".into(), place(path));
+    let point = json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3 });
+    defs.insert("points".into(), json!({ "type": "array", "items": point, "minItems": 2 }));
+    defs.insert(
+        "times".into(),
+        json!({ "type": "array", "items": { "type": "number", "minimum": 0 }, "minItems": 2 }),
+    );
+    let places = json!({ "type": "array", "items": { "$ref": "#/$defs/place" }, "minItems": 2 });
+    defs.insert("places".into(), places);
     defs.insert(
         "range".into(),
         json!({
@@ -62,9 +71,10 @@ pub fn schema() -> Value {
 }
 
 /// A place.
-pub(crate) fn place() -> Value {
+fn place(path: Value) -> Value {
     json!({
         "oneOf": [
+            path,
             { "type": "string", "minLength": 1, "description": "Name of a tactor or a group." },
             { "type": "integer", "minimum": 1, "maximum": super::place::MAX_CHANNELS, "description": "Channel, from 1." },
             { "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3, "description": "Position in metres." },

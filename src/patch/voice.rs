@@ -1,9 +1,10 @@
 //! A voice: a node graph that sounds once for every event.
 
 use super::Permissions;
-use super::event::RESERVED;
+use super::event::{LEAST_FELT, MOST_FELT, RESERVED, Setting};
 use super::node::{self, Node};
 use super::place::{self, Place};
+use crate::perception::threshold::RANGE;
 use crate::space::law::Law;
 use crate::text::Span;
 use crate::text::field::{Field, Form, Table};
@@ -36,6 +37,10 @@ pub struct Voice {
     pub place_span: Span,
     /// Level of an event that gives none.
     pub level: f64,
+    /// In place of that: decibels above the threshold; `None`: it has a level.
+    pub felt: Option<Setting>,
+    /// The frequency at which `felt` holds, Hz; `None`: that of the event.
+    pub felt_at: Option<f64>,
     /// Duration, in seconds, of an event that gives none.
     pub duration: f64,
     /// Further fields of its events with their defaults, in the order of the file; `frequency` is always the first.
@@ -73,6 +78,8 @@ impl Voice {
             width: 0.0,
             place_span: 0..0,
             level: 1.0,
+            felt: None,
+            felt_at: None,
             duration: 0.1,
             fields: vec![("frequency".into(), DEFAULT_FREQUENCY)],
             nodes: Vec::new(),
@@ -135,6 +142,12 @@ pub static TABLE: Table = Table {
             "How far a position spreads: the standard deviation of a Gaussian; 0: no farther than the tactors about it.",
         ),
         Field::new(
+            "felt_at",
+            Form::any_number(RANGE[0], RANGE[1]),
+            "Hz",
+            "At which frequency `felt` holds; at that of the event where nothing is said, if the voice reads event.frequency.",
+        ),
+        Field::new(
             "defaults",
             Form::One(&DEFAULTS),
             "",
@@ -151,6 +164,12 @@ pub static DEFAULTS: Table = Table {
     doc: "Fields of a voice's events with their defaults. Nodes read them as event.NAME.",
     fields: &[
         Field::new("level", Form::number(1.0, 0.0, 100.0), "", "Share of the actuator's rated vibration."),
+        Field::new(
+            "felt",
+            Form::any_number(LEAST_FELT, MOST_FELT),
+            "dB",
+            "In place of a level: so far above the threshold, on every tactor by its calibration.",
+        ),
         Field::new("duration", Form::number(0.1, 0.0, 1e6), "s", "From onset to release."),
         Field::new(
             "frequency",
@@ -172,9 +191,18 @@ pub(crate) fn read(name: &str, reader: &Reader, options: &Permissions, broken: &
     voice.place_span = reader.span_of("place");
     voice.law = LAWS[reader.word("law")].parse().unwrap_or_default();
     voice.width = reader.number_or_default("width");
+    voice.felt_at = reader.number("felt_at");
     voice.span = reader.span.clone();
     if let Some(defaults) = reader.one("defaults", format!("`defaults` of {}", reader.who)) {
         voice.level = defaults.number_or_default("level");
+        voice.felt = defaults.number("felt").map(|value| Setting {
+            name: "felt".into(),
+            value,
+            span: defaults.span_of("felt"),
+        });
+        if defaults.has("felt") && defaults.has("level") {
+            defaults.sink.push(super::felt::both(&defaults.span_of("felt"), &defaults.who));
+        }
         voice.duration = defaults.number_or_default("duration");
         voice.fields = vec![("frequency".into(), defaults.number_or_default("frequency"))];
         for (field, span, value) in defaults.others() {

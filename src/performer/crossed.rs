@@ -58,6 +58,7 @@ impl Performer {
             name,
             place: &play.place.name(|row| callings.places.get(row).map(|name| &**name)),
             level: play.level,
+            felt: play.felt,
             duration: play.duration,
             fields,
             own: &play.own,

@@ -4,6 +4,7 @@ use super::touch::Held;
 use super::{Note, Outlet, Performer, Touch, When, Whence};
 use crate::midi::{Channel, Expression, Gesture, Interpreter, Message, pitch};
 use crate::node::motion::Motion;
+use crate::patch::event::{LEAST_FELT, MOST_FELT};
 use crate::patch::{Mover, Place, Source, Spread, Trigger};
 use crate::text::Problem;
 
@@ -311,6 +312,7 @@ impl Performer {
                 let Some(value) = expr.value(&known) else { continue };
                 match field.as_str() {
                     "level" => note.level = Some(value),
+                    "felt" => note.felt = Some(value),
                     "duration" => note.duration = Some(value),
                     "gain" => gain = value,
                     "rate" => rate = value,
@@ -330,6 +332,16 @@ impl Performer {
                 note.duration = Some(f64::INFINITY);
             }
             // Whatever an expression makes of it: what the engine does with a voice must stay within what a file could ask for.
+            // What it is to be felt like goes before the velocity of a key.
+            let says = |wanted: &str| trigger.set.iter().any(|(field, ..)| field == wanted);
+            let by_default =
+                || self.voices.get(&trigger.play).is_some_and(|v| patch.voices[*v].felt.is_some());
+            if !says("level") && (note.felt.is_some() || by_default()) {
+                note.level = None;
+            }
+            note.felt = note
+                .felt
+                .map(|felt| if felt.is_finite() { felt.clamp(LEAST_FELT, MOST_FELT) } else { LEAST_FELT });
             note.level =
                 note.level.map(|level| if level.is_finite() { level.clamp(0.0, 100.0) } else { 0.0 });
             note.duration =

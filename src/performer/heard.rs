@@ -44,6 +44,8 @@ pub enum Happening<'a> {
         place: &'a str,
         /// Level, with the gains of all patterns around it.
         level: f64,
+        /// Decibels above the threshold that a level of 1 is felt like; `None`: by its level alone.
+        felt: Option<f64>,
         /// Seconds until its release; infinite for one that is held.
         duration: f64,
         /// Names of its own fields, `frequency` among them.

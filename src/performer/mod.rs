@@ -8,6 +8,7 @@ mod clocked;
 mod crossed;
 mod hands;
 mod heard;
+mod here;
 mod note;
 mod outlet;
 mod patterns;
@@ -29,7 +30,7 @@ use crate::engine::event::{Event, Move, Play, Source};
 use crate::graph::plan::Plan;
 use crate::graph::scene::Scene;
 use crate::midi::{Channel, Message};
-use crate::patch::{Patch, Place};
+use crate::patch::Patch;
 use crate::rig::{Finder, Rig};
 use crate::score::{EventStream, HORIZON, Root, Score};
 use crate::text::Problem;
@@ -38,6 +39,7 @@ use clocked::Clocked;
 pub use crossed::Callings;
 use hands::Hands;
 pub use heard::{Happening, Heard, Listener, Origin};
+use here::Here;
 pub use note::Note;
 pub use outlet::Outlet;
 pub use patterns::MOST_RUNS;
@@ -193,7 +195,7 @@ impl Performer {
 
     fn score(&self, roots: &[Root], seed: u64) -> Result<Score<'static>, Problem> {
         let (rig, finder) = (Arc::clone(&self.rig), Arc::clone(&self.finder));
-        let places = move |place: Option<&Place>| rig.resolve_by(&finder, place, &(0..0));
+        let places = Here { rig, finder, spread: self.plan.spread.clone() };
         let files = Arc::clone(&self.files);
         // Whoever panicked while a file was opened has left nothing half-done here.
         let open = move |path: &str| (files.lock().unwrap_or_else(PoisonError::into_inner))(path);
@@ -221,6 +223,7 @@ impl Performer {
                     })?;
                     match field.as_str() {
                         "level" => note.level = Some(value),
+                        "felt" => note.felt = Some(value),
                         "duration" => note.duration = Some(value),
                         _ => note.fields.push((field.clone(), value)),
                     }
@@ -327,14 +330,20 @@ impl Performer {
             return Err(Problem::of_file(format!("voice `{voice}` cannot be played")));
         };
         let voice = &patch.voices[index];
-        let (level, duration) = (note.level.unwrap_or(voice.level), note.duration.unwrap_or(voice.duration));
+        if note.level.is_some() && note.felt.is_some() {
+            let what = format!("voice `{}` cannot be played with `level` and `felt` at once", voice.name);
+            return Err(Problem::of_file(what).help("leave one of them out".to_string()));
+        }
+        let ((level, felt), duration) =
+            (voice.strength(note.level, note.felt), note.duration.unwrap_or(voice.duration));
         let mut fields = vec![("level", level), ("duration", duration)];
         fields.extend(note.fields.iter().map(|(name, value)| (name.as_str(), *value)));
         let own = self.plan.play(&voice.name, &fields)?.own;
         let place = note.place.as_ref().or(voice.place.as_ref());
         let place = self.rig.resolve_by(&self.finder, place, &(0..0))?;
         let id = whence.voice(self.played + 1);
-        let play = Play { instrument, place, level, duration, own, id };
+        let play = Play { instrument, place, level, felt, duration, own, id };
+        self.plan.check_felt(&play)?;
         if outlet.room(Source::Program) == 0 || !self.send(at, Source::Program, play, outlet) {
             return Err(full());
         }
@@ -468,6 +477,7 @@ impl Performer {
             name: &voice.name,
             place: &play.place.name(|row| finder.name_of(&rig, row)),
             level: play.level,
+            felt: play.felt,
             duration: play.duration,
             fields: &voice.fields,
             own: &play.own,

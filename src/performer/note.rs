@@ -7,6 +7,8 @@ use crate::patch::Place;
 pub struct Note {
     /// Share of the rated vibration.
     pub level: Option<f64>,
+    /// In place of a level: decibels above the threshold, on every tactor.
+    pub felt: Option<f64>,
     /// Seconds until the release; infinite to hold it.
     pub duration: Option<f64>,
     /// Where.
@@ -20,6 +22,12 @@ impl Note {
     #[must_use]
     pub fn level(mut self, level: f64) -> Self {
         self.level = Some(level);
+        self
+    }
+    /// The same so many decibels above the threshold, in place of a level.
+    #[must_use]
+    pub fn felt(mut self, decibels: f64) -> Self {
+        self.felt = Some(decibels);
         self
     }
     /// The same with so many seconds until the release; infinite to hold it.
@@ -59,7 +67,7 @@ mod tests {
             Note::default().frequency(50.0).level(0.5).at_place("left").field("bite", 2.0).frequency(90.0);
         let fields = vec![("bite".to_string(), 2.0), ("frequency".into(), 90.0)];
         let place = Some(Place::Name("left".into()));
-        assert_eq!(note, Note { level: Some(0.5), duration: None, place, fields });
+        assert_eq!(note, Note { level: Some(0.5), felt: None, duration: None, place, fields });
         assert_eq!(Note::default().duration(1.5).duration, Some(1.5));
     }
 }

@@ -285,8 +285,9 @@ impl Performer {
         match timed.what {
             What::Play(note) => {
                 let Some(instrument) = self.instruments[note.voice] else { return };
-                let (place, level, duration, own) = (note.place, note.level, note.duration, note.own);
-                let play = Play { instrument, place, level, duration, own, id };
+                let (place, level, felt) = (note.place, note.level, note.felt);
+                let play =
+                    Play { instrument, place, level, felt, duration: note.duration, own: note.own, id };
                 if self.send(at, Source::Pattern, play, outlet) {
                     self.tell_play(at, Some(from), &play);
                 }

@@ -7,6 +7,7 @@ pub mod decimate;
 mod hearing;
 pub mod measure;
 pub mod motion;
+mod moved;
 pub mod plot;
 mod reference;
 

@@ -10,6 +10,7 @@ use std::convert::Infallible;
 
 use super::decimate::Decimator;
 use super::hearing::hearing;
+use super::moved::Way;
 use crate::dsp::fade::{FADE, fade};
 use crate::dsp::random;
 use crate::engine::event::{Move, Play};
@@ -117,10 +118,22 @@ pub fn reference_watched<S>(
         let its = moves_of.get(&play.id).into_iter().flatten().filter(|(at, _)| *at >= onset);
         voice.moves = its.map(|(at, of)| (at - onset, *of)).collect();
         let mut within = |seconds: f64| share(done + seconds.clamp(0.0, own) * part);
+        voice.steered = instrument.steered;
+        let born = voice.born;
         let rendered = voice.render(lasts, &shared, length * over, instrument.tail + QUIET, &mut within)?;
-        let (first, samples, gain) = rendered;
+        let Rendered { first, samples, gain, steps } = rendered;
         done += own * part;
-        for &(channel, part) in places.of(play.instrument as usize, play.place) {
+        if instrument.steered || matches!(play.place, Spot::Path(_)) {
+            share(done)?;
+            let way = Way { plan, instrument, play: &play, born, steps: &steps };
+            for (channel, samples) in way.moved(first, fine, &samples) {
+                if let Some(low) = channels.get_mut(channel as usize) {
+                    decimator.add(&samples, first, gain, low);
+                }
+            }
+            continue;
+        }
+        for &(channel, part) in places.felt(play.instrument as usize, play.place, play.strength()) {
             if let Some(low) = channels.get_mut(channel as usize) {
                 share(done)?;
                 decimator.add(&samples, first, gain * part, low);
@@ -151,11 +164,11 @@ fn crossings(plan: &Plan, shared: &[Vec<f64>], over: usize, until: f64) -> Vec<(
                 if let Some(before) = before.filter(|_| ready) {
                     let at = n as f64 - 1.0 + before / (before - past) + LATENCY as f64;
                     if at >= free && at < until * rate {
-                        let &Watch { instrument, place: at_place, level, duration, own, .. } = watch;
+                        let &Watch { instrument, place: at_place, level, felt, duration, own, .. } = watch;
                         let id = id(place, number);
                         found.push((
                             at / rate,
-                            Play { instrument, place: at_place, level, duration, own, id },
+                            Play { instrument, place: at_place, level, felt, duration, own, id },
                         ));
                         number += 1;
                         free = at + watch.hold * rate;
@@ -196,6 +209,7 @@ fn shared<S>(
         instrument: 0,
         place: Spot::default(),
         level: 1.0,
+        felt: None,
         duration: f64::INFINITY,
         own: [0.0; FIELDS],
         id: u64::MAX,
@@ -235,6 +249,19 @@ struct Voice<'a> {
     over: f64,
     /// Onset in fine samples.
     born: f64,
+    /// Whether it says where it is.
+    steered: bool,
+}
+
+/// What a voice has come to.
+struct Rendered {
+    /// The number of its first fine sample.
+    first: i64,
+    samples: Vec<f64>,
+    /// What they all have.
+    gain: f64,
+    /// Where it was, and how much wider, if it says so.
+    steps: Vec<[f64; 4]>,
 }
 
 impl<'a> Voice<'a> {
@@ -275,6 +302,7 @@ impl<'a> Voice<'a> {
             fine,
             over,
             born,
+            steered: false,
         }
     }
 
@@ -320,7 +348,7 @@ impl<'a> Voice<'a> {
         }
     }
 
-    /// First fine sample, samples, and the gain they all have, of a voice that is released after `duration` seconds. `within` is told how many seconds are done.
+    /// All of a voice that is released after `duration` seconds. `within` is told how many seconds are done.
     fn render<S>(
         mut self,
         duration: f64,
@@ -328,13 +356,13 @@ impl<'a> Voice<'a> {
         length: usize,
         tail: f64,
         within: &mut dyn FnMut(f64) -> Result<(), S>,
-    ) -> Result<(i64, Vec<f64>, f64), S> {
+    ) -> Result<Rendered, S> {
         let enveloped = self.twins.iter().any(|t| t.sounding().is_some());
         // Noise is band-limited, so it begins before its first number, and so does what filters it. All else is 0 before the
         // onset where it is kept.
         let first = (self.born - (LEAD + NOISE_AHEAD) * self.over).floor() as i64 + 1;
         let released = self.born + duration * self.fine;
-        let (mut samples, mut quiet, mut is_released) = (Vec::new(), 0.0, false);
+        let (mut samples, mut steps, mut quiet, mut is_released) = (Vec::new(), Vec::new(), 0.0, false);
         for n in first..length as i64 {
             if samples.len().is_multiple_of(ASKED_EVERY) {
                 within((n - first) as f64 / self.fine)?;
@@ -363,11 +391,14 @@ impl<'a> Voice<'a> {
                 is_released && since > FADE
             };
             samples.push(value);
+            if self.steered {
+                steps.push([1, 2, 3, 4].map(|output| self.output(output, n, shared)));
+            }
             quiet = if ended && value.abs() < 1e-9 { quiet + 1.0 / self.fine } else { 0.0 };
             if quiet > tail {
                 break;
             }
         }
-        Ok((first, samples, self.gain))
+        Ok(Rendered { first, samples, gain: self.gain, steps })
     }
 }

@@ -1,7 +1,8 @@
 //! What the actuator on an output bears, in terms of what leaves the device there.
 
-use super::{Actuator, Model, Output, OutputKind, Rig};
+use super::{Actuator, Drive, Model, Output, OutputKind, Rig};
 use crate::actuator::protect::bounds::{Actuator as Moves, Bounds, Rms, Unit};
+use crate::actuator::protect::budget::Bears;
 use crate::actuator::thermal::{COPPER, Cooling};
 
 /// Seconds over which a mean square is held to what an actuator bears for long.
@@ -44,6 +45,17 @@ impl Rig {
         let nothing =
             Bounds { full_scale: bounds.full_scale, actuator: bounds.actuator, ..Bounds::default() };
         (bounds != nothing).then_some(bounds)
+    }
+
+    /// What the motor of a drive bears for long, where what leaves the device is no voltage at its terminals: behind a bridge or a rectifier, or at a
+    /// current. `None` for any other output, and where nothing is known of that.
+    pub fn bears(&self, output: &Output) -> Option<Bears> {
+        let OutputKind::Drive(_) = output.kind else { return None };
+        let amplifier = self.amplifier(output.amplifier.as_ref()?)?;
+        let actuator = self.actuator(output.actuator.as_ref()?)?;
+        let rms = actuator.value("max_rms_volts").map(|most| [most, LONG]);
+        let bears = Bears { heat: actuator.cooling(), rms };
+        (amplifier.drive != Drive::Voltage && bears != Bears::default()).then_some(bears)
     }
 }
 

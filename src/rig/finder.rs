@@ -2,7 +2,9 @@
 
 use super::{Output, OutputKind, Rig};
 use crate::patch::{Patch, Place};
+use crate::space::path::Route;
 use crate::space::spot::Spot;
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
 
 /// Where the outputs of a rig are found. It is that of the rig as it was when this was made.
@@ -21,6 +23,9 @@ pub struct Finder {
     called: Vec<String>,
     groups: HashMap<Box<str>, usize>,
     lists: HashMap<Vec<String>, usize>,
+    /// The paths in a patch, each once.
+    paths: Vec<Route>,
+    ways: HashMap<Vec<u64>, u32>,
     /// How many outputs there are.
     outputs: usize,
 }
@@ -29,6 +34,14 @@ pub struct Finder {
 struct Tactor {
     at: [f64; 3],
     output: usize,
+}
+
+/// What tells a path from others.
+fn bits(Route { path, stretched }: &Route) -> Vec<u64> {
+    let numbers = path.points().iter().flatten().chain(path.times());
+    let mut bits: Vec<u64> = numbers.map(|x| x.to_bits()).collect();
+    bits.extend([path.seconds().to_bits(), u64::from(path.is_smooth()), u64::from(*stretched)]);
+    bits
 }
 
 /// The output that is meant where nothing is said: the first tactor; of a rig of motors alone, the first motor.
@@ -41,7 +54,16 @@ impl Finder {
     /// That of a rig and of the lists of names in a patch.
     pub fn with(rig: &Rig, patch: &Patch) -> Self {
         let mut finder = Self::new(rig);
-        patch.each_list(|names| {
+        patch.each_place_written(|place| {
+            if let Place::Path(way) = place {
+                let number = finder.paths.len() as u32;
+                let entry = finder.ways.entry(bits(way.route()));
+                if let Entry::Vacant(vacant) = entry {
+                    vacant.insert(number);
+                    finder.paths.push(way.route().clone());
+                }
+            }
+            let Place::Names(names) = place else { return };
             if finder.lists.contains_key(names) {
                 return;
             }
@@ -96,6 +118,11 @@ impl Finder {
         self.called.iter().map(String::as_str)
     }
 
+    /// The paths that are places: what [`Spot::Path`] counts.
+    pub fn paths(&self) -> &[Route] {
+        &self.paths
+    }
+
     /// What a row is called.
     pub fn name_of<'a>(&'a self, rig: &'a Rig, row: usize) -> Option<&'a str> {
         let output = rig.outputs.get(row).map(|output| output.name.as_str());
@@ -105,7 +132,7 @@ impl Finder {
     /// The outputs that may sound where something was found.
     pub fn outputs(&self, spot: Spot) -> Vec<usize> {
         match spot {
-            Spot::Point(_) => self.along.iter().map(|tactor| tactor.output).collect(),
+            Spot::Point(_) | Spot::Path(_) => self.along.iter().map(|tactor| tactor.output).collect(),
             Spot::Row(row) if (row as usize) < self.outputs => vec![row as usize],
             Spot::Row(row) => self.together.get(row as usize - self.outputs).cloned().unwrap_or_default(),
         }
@@ -123,6 +150,8 @@ impl Finder {
         let together = |number: &usize| row(self.outputs + number);
         match place {
             Some(Place::Position(position)) => (!self.along.is_empty()).then_some(Spot::Point(*position)),
+            Some(Place::Path(_)) if self.along.is_empty() => None,
+            Some(Place::Path(way)) => self.ways.get(&bits(way.route())).copied().map(Spot::Path),
             Some(Place::Names(names)) => self.lists.get(names).map(together),
             Some(Place::Name(name)) if !self.names.contains_key(name.as_str()) => {
                 self.groups.get(name.as_str()).map(together)
@@ -138,7 +167,7 @@ impl Finder {
             Some(Place::Name(name)) => self.names.get(name.as_str()).copied(),
             Some(Place::Channel(channel)) => self.channels.get(channel).copied(),
             Some(Place::Position(position)) => self.nearest(position).map(|(_, output)| output),
-            Some(Place::Names(_)) => None,
+            Some(Place::Names(_) | Place::Path(_)) => None,
         }
     }
 

@@ -3,6 +3,7 @@
 pub(crate) mod actuator;
 mod amplifier;
 mod bounds;
+pub(crate) mod calibration;
 mod coil;
 pub(crate) mod device;
 mod even;
@@ -14,6 +15,7 @@ pub mod part;
 pub(crate) mod quantity;
 pub mod reference;
 mod resolve;
+pub mod rise;
 mod schema;
 pub(crate) mod terminals;
 mod way;
@@ -21,6 +23,7 @@ mod way;
 pub use crate::actuator::driver::setup::Shaping;
 pub use actuator::{Actuator, Model, Peak};
 pub use amplifier::{Amplifier, Drive};
+pub use calibration::Calibration;
 pub use device::{Coupling, Device, RATES, usual_ratio};
 pub use even::Even;
 pub use finder::Finder;
@@ -59,6 +62,8 @@ pub struct Rig {
     pub outputs: Vec<Output>,
     /// Groups of tactors, in the order of the file.
     pub groups: Vec<Group>,
+    /// Calibrations of tactors, in the order of the file.
+    pub calibrations: Vec<Calibration>,
 }
 
 /// The format that this version reads.
@@ -83,6 +88,12 @@ pub(crate) static TABLE: Table = Table {
         ),
         Field::new("output", Form::Many(&output::TABLE), "", "Outputs of any kind."),
         Field::new("group", Form::Named(&group::TABLE), "", "Tactors that go by one name, by that name."),
+        Field::new(
+            "calibration",
+            Form::Named(&calibration::TABLE),
+            "",
+            "What tactors were measured to give, by name.",
+        ),
     ],
     others: None,
 };
@@ -130,6 +141,7 @@ impl Rig {
             actuators: Vec::new(),
             outputs: line(channels),
             groups: Vec::new(),
+            calibrations: Vec::new(),
         }
     }
 
@@ -220,6 +232,8 @@ impl Rig {
         let told = |output: &&Output| !(is_draft && self.is_unfinished(output));
         let wired = self.outputs.iter().filter(told).filter_map(|output| self.wiring(output)?.err());
         problems.extend(wired.take(Sink::MOST));
+        let measured = self.outputs.iter().filter_map(|output| self.calibrated(output));
+        problems.extend(measured.take(Sink::MOST));
         let (mut names, mut channels) = (HashMap::new(), HashMap::new());
         let actuators: HashSet<&str> = self.actuators.iter().map(|a| a.name.as_str()).collect();
         let amplifiers: HashSet<&str> = self.amplifiers.iter().map(|a| a.name.as_str()).collect();
@@ -294,6 +308,7 @@ impl Rig {
         let tactors = reader.many("tactor", |n| format!("tactor {n}"));
         let outputs = reader.many("output", |n| format!("output {n}"));
         let groups = reader.named("group", "group");
+        let calibrations = reader.named("calibration", "calibration");
         Self {
             title: reader.text("title").unwrap_or("").into(),
             description: reader.text("description").unwrap_or("").into(),
@@ -306,6 +321,7 @@ impl Rig {
                 .chain(outputs.iter().map(|r| output::read(r, false)))
                 .collect(),
             groups: groups.iter().map(|(name, r)| group::read(name, r)).collect(),
+            calibrations: calibrations.iter().map(|(name, r)| calibration::read(name, r)).collect(),
         }
     }
 }

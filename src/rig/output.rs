@@ -4,6 +4,7 @@ use super::MAX_CHANNELS;
 use super::device::MAX_LEVEL;
 use crate::actuator::driver::setup::Shaping;
 use crate::patch::place;
+use crate::perception::site::Site;
 use crate::text::field::{Field, Form, Table};
 use crate::text::reader::Reader;
 use crate::text::{Problem, Span};
@@ -23,6 +24,10 @@ pub struct Output {
     pub actuator: Option<String>,
     /// Name of the amplifier.
     pub amplifier: Option<String>,
+    /// Name of the calibration; `None`: nobody has measured it.
+    pub calibration: Option<String>,
+    /// Where on the body, as its threshold goes; see [`super::Rig::site_of`].
+    pub site: Option<&'static Site>,
     /// Multiplies what goes out.
     pub gain: f64,
     /// Whether what goes out is turned upside down.
@@ -103,6 +108,8 @@ impl Output {
             position: Some(position),
             actuator: None,
             amplifier: None,
+            calibration: None,
+            site: None,
             gain: 1.0,
             inverted: false,
             max_level: 1.0,
@@ -123,6 +130,14 @@ const CHANNEL: Field = Field::new(
 .required();
 const ACTUATOR: Field = Field::new("actuator", Form::Text, "", "Name of the actuator.");
 const AMPLIFIER: Field = Field::new("amplifier", Form::Text, "", "Name of the amplifier.");
+const CALIBRATION: Field =
+    Field::new("calibration", Form::Text, "", "Name of its calibration, for what is played with `felt`.");
+const SITE: Field = Field::new(
+    "site",
+    Form::Defined("site"),
+    "",
+    "Where on the body, for what is played with `felt`; that of the calibration where nothing is said, else the thenar.",
+);
 const GAIN: Field = Field::new("gain", Form::number(1.0, 0.0, 1000.0), "", "Multiplies what goes out.");
 const POLARITY: Field = Field::new(
     "polarity",
@@ -144,7 +159,7 @@ const DC: Field = Field::new(
 pub static TACTOR: Table = Table {
     name: "tactor",
     doc: "An output for vibration.",
-    fields: &[NAME, CHANNEL, POSITION, ACTUATOR, AMPLIFIER, GAIN, POLARITY, MAX_LEVEL, DC],
+    fields: &[NAME, CHANNEL, POSITION, SITE, ACTUATOR, AMPLIFIER, CALIBRATION, GAIN, POLARITY, MAX_LEVEL, DC],
     others: None,
 };
 
@@ -163,8 +178,10 @@ pub static TABLE: Table = Table {
         NAME,
         CHANNEL,
         POSITION,
+        SITE,
         ACTUATOR,
         AMPLIFIER,
+        CALIBRATION,
         GAIN,
         POLARITY,
         MAX_LEVEL,
@@ -272,6 +289,8 @@ pub(crate) fn read(reader: &Reader, is_tactor: bool) -> Output {
         position: place::read_position(reader, "position"),
         actuator: reader.text("actuator").map(Into::into),
         amplifier: reader.text("amplifier").map(Into::into),
+        calibration: reader.text("calibration").map(Into::into),
+        site: super::calibration::read_site(reader),
         gain: reader.number_or_default("gain"),
         inverted,
         max_level: reader.number_or_default("max_level"),

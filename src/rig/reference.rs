@@ -1,6 +1,6 @@
 //! The rig format for people: its topics in the order in which one learns them.
 
-use super::{actuator, amplifier, device, even, group, output};
+use super::{actuator, amplifier, calibration, device, even, group, output};
 use crate::text::reference::{Defined, Topic};
 
 /// What stands where a key refers to something with a topic of its own.
@@ -9,6 +9,9 @@ pub const DEFINED: Defined = &[
     ("position", "[x, y] or [x, y, z]"),
     ("names", "[\"thumb\", \"index\"]"),
     ("polarity", "1, -1 or \"invert\""),
+    ("site", "`thenar`, `fingertip`, `palm`, `wrist`, `forearm`, `shoulder`, `torso` or `ankle`"),
+    ("date", "a day: 2026-03-14"),
+    ("table", "[[Hz, output], ...] or \"FILE.csv\""),
     ("coupling", "\"dc\" or { high_pass = 8.0 }"),
 ];
 
@@ -101,7 +104,11 @@ pub const TOPICS: &[Topic] = &[
                [amplifier.NAME]) or clicks alone are played: anything else is refused, with the reason. How late it is stands in `pacinian check`.\n\n\
                Where `full_scale_volts` and figures of the actuator are known, protection comes last: no more voltage, slew, power, heat or \
                travel than the actuator bears leaves the device, and what was held back is told. What it bears leaves as it is, to the bit. Motors behind \
-               a bridge or a rectifier, or at a current, are kept to their volts or amperes alone.\n\n\
+               a bridge or a rectifier, or at a current, are kept to their volts or amperes, and to the heat and the mean square that they bear (no slew is \
+               kept to there): what flows is what their model says, with what ripples about it, so it is not known of a motor that is blocked. The mean \
+               square is that of the volts that are given, as they would warm a motor that stands; at a current, that of the volts on the winding. \
+               Of a warm motor a click is as much weaker as a whole as its heat takes, so that it never loses its brake alone; what then would not turn the mass is \
+               not begun. Both are counted.\n\n\
                Of the device's `max_level` and the output's own, the lower one holds. No sample is ever beyond it, whatever a patch, a control \
                or what comes in may do (in a file of 16 or 24 bits the dither adds up to a step and a half). A rig that is saved with another \
                `max_level` while it plays takes over like anything else: raw outputs and pulses keep to it at once, and vibration glides \
@@ -202,5 +209,35 @@ pub const TOPICS: &[Topic] = &[
                   name = \"wrist\"\n\
                   channel = 1\n\
                   amplifier = \"board\"",
+    },
+    Topic {
+        name: "calibration",
+        written: "[calibration.NAME]",
+        doc: "What a tactor was measured to give.",
+        text: "A tactor names it with calibration = \"NAME\", and says with `site` where on the body it sits. Then an event may say how strongly it is to be \
+               felt, `felt = 20`, in dB above the threshold there, and every tactor is given what that takes of it (see `pacinian format felt`).\n\n\
+               Measure what the contactor does while it lies on the skin, with a laser vibrometer or an accelerometer, at several frequencies, and divide \
+               by the volts at the tactor, by the amperes, or by full scale of the device (then the volts need not be known, but the calibration holds \
+               for this card and this amplifier alone). An actuator's `equaliser` and `even_out`, the output's `gain` and known coupling are counted apart: \
+               measure without them.\n\n\
+               A file has a line of column names, two of them `frequency` (Hz) and `output`, and a line for each frequency; what is measured besides \
+               may stand in other columns. It lies in the rig's folder or below.",
+        tables: &[&calibration::TABLE],
+        example: "[device]\n\
+                  channels = 1\n\
+                  full_scale_volts = 1.0\n\
+                  \n\
+                  [calibration.left]\n\
+                  date = \"2026-03-14\"\n\
+                  method = \"laser vibrometer on the contactor, on the fingertip, 0.5 N\"\n\
+                  site = \"fingertip\"\n\
+                  area = 2e-5\n\
+                  unit = \"um/V\"\n\
+                  table = [[50, 31.0], [100, 28.5], [250, 22.1], [400, 6.0]]\n\
+                  \n\
+                  [[tactor]]\n\
+                  name = \"left\"\n\
+                  channel = 1\n\
+                  calibration = \"left\"",
     },
 ];

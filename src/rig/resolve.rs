@@ -78,7 +78,12 @@ impl Rig {
                 let help = format!("describe what hangs there: [[tactor]] with channel = {channel}");
                 Err(Problem::error(span, format!("the rig has no tactor on channel {channel}")).help(help))
             }
-            (None, Some(Place::Position(_))) => {
+            (None, Some(Place::Path(_))) if finder.nearest(&[0.0; 3]).is_some() => {
+                let what = "the path stands nowhere in the patch";
+                Err(Problem::error(span, what)
+                    .help("write it as the place of an event or a voice".to_string()))
+            }
+            (None, Some(Place::Position(_) | Place::Path(_))) => {
                 let help = "give the tactors a `position`".to_string();
                 Err(Problem::error(span, "no tactor of the rig has a position").help(help))
             }
@@ -124,16 +129,23 @@ impl Rig {
     pub fn advise(&self, patch: &Patch) -> Vec<Problem> {
         let (mut problems, finder) = (Vec::new(), Finder::new(self));
         patch.each_place(|place, span| {
-            let Place::Position(position) = place else { return };
-            let Some((far, output)) =
-                finder.nearest(position).and_then(|(far, i)| Some((far, self.outputs.get(i)?)))
+            let points = match place {
+                Place::Position(position) => std::slice::from_ref(position),
+                Place::Path(way) => way.route().path.points(),
+                _ => return,
+            };
+            let far = |point| finder.nearest(point).map(|(far, i)| (far, point, i));
+            let farthest = points.iter().filter_map(far).max_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((far, position, output)) =
+                farthest.and_then(|(far, point, i)| Some((far, point, self.outputs.get(i)?)))
             else {
                 return;
             };
             if far > ASTRAY && problems.len() < Sink::MOST {
                 let shown = position.map(|x| x.to_string()).join(", ");
                 let what = format!(
-                    "the place [{shown}] is {far:.2} m from the nearest tactor, `{}`: it sounds at the rim",
+                    "the {} [{shown}] is {far:.2} m from the nearest tactor, `{}`: it sounds at the rim",
+                    if points.len() > 1 { "path leaves the tactors:" } else { "place" },
                     output.name
                 );
                 let help = "positions are metres, of the patch as of the rig".to_string();

@@ -35,7 +35,13 @@ impl Instant {
 
     /// Samples from this instant to engine sample `sample`, negative where the instant lies later.
     pub fn until(self, sample: u64) -> f64 {
-        sample.wrapping_sub(self.sample) as i64 as f64 - f64::from(self.fraction) / ONE
+        let (whole, less) = self.apart(sample);
+        whole as f64 - less
+    }
+
+    /// The same as whole samples, and the share of one that is less.
+    pub fn apart(self, sample: u64) -> (i64, f64) {
+        (sample.wrapping_sub(self.sample) as i64, f64::from(self.fraction) / ONE)
     }
 
     /// Samples from `earlier` to this instant.

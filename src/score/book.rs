@@ -3,14 +3,16 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::sheet::{Content, Deed, Deviations, Item, Nested, Play, Sheet};
-use super::{EventStream, FIELDS, Root, length};
-use crate::patch::{self, Action, Event, Events, Patch, Pattern, Place, Repeat};
+use super::sheet::{Burst, Content, Deed, Deviations, Item, Nested, Play, Sheet};
+use super::{EventStream, FIELDS, Places, Root, length};
+use crate::patch::felt::strength;
+use crate::patch::{self, Action, Event, Events, Motion, Patch, Pattern, Place, Repeat, motion};
+use crate::space::law::Law;
 use crate::space::spot::Spot;
 use crate::text::{Problem, Span};
 
-/// Finds the output for a place.
-pub(super) type Places<'a> = Box<dyn FnMut(Option<&Place>) -> Result<Spot, Problem> + Send + 'a>;
+/// Finds where places are.
+pub(super) type Where<'a> = Box<dyn Places + Send + 'a>;
 
 /// Opens an events file.
 pub(super) type Files<'a> = Box<dyn FnMut(&str) -> Result<EventStream<'a>, Problem> + Send + 'a>;
@@ -19,12 +21,14 @@ pub(super) type Files<'a> = Box<dyn FnMut(&str) -> Result<EventStream<'a>, Probl
 struct Instrument {
     name: String,
     level: f64,
+    felt: Option<f64>,
     duration: f64,
     place: Option<Place>,
     /// The output for `place`, once it has been asked for.
     output: Option<Spot>,
     fields: Vec<String>,
     own: [f64; FIELDS],
+    law: Law,
 }
 
 /// Every pattern that may be played.
@@ -34,13 +38,13 @@ pub(super) struct Book<'a> {
     instruments: Vec<Instrument>,
     voices: HashMap<String, u32>,
     patterns: HashMap<String, usize>,
-    places: Places<'a>,
+    places: Where<'a>,
     files: Files<'a>,
 }
 
 impl<'a> Book<'a> {
     /// Of what can be reached from the roots.
-    pub fn new(patch: &Patch, roots: &[Root], places: Places<'a>, files: Files<'a>) -> Result<Self, Problem> {
+    pub fn new(patch: &Patch, roots: &[Root], places: Where<'a>, files: Files<'a>) -> Result<Self, Problem> {
         let instrument = |voice: &patch::Voice| {
             let mut own = [0.0; FIELDS];
             for (slot, (_, value)) in own.iter_mut().zip(&voice.fields) {
@@ -49,11 +53,13 @@ impl<'a> Book<'a> {
             Instrument {
                 name: voice.name.clone(),
                 level: voice.level,
+                felt: voice.felt.as_ref().map(|felt| felt.value),
                 duration: voice.duration,
                 place: voice.place.clone(),
                 output: None,
                 fields: voice.fields.iter().map(|(name, _)| name.clone()).collect(),
                 own,
+                law: voice.law,
             }
         };
         let mut book = Self {
@@ -157,7 +163,7 @@ impl<'a> Book<'a> {
             Events::Inline(events) => {
                 let mut items = Vec::with_capacity(events.len());
                 for (number, event) in (0..).zip(events) {
-                    let item = self.item(event, number);
+                    let item = self.item(event, number, sheet.unit / sheet.rate);
                     items.push(item.map_err(|what| place(what, &event.span, &pattern.name, number))?);
                 }
                 sheet.sort(&mut items);
@@ -170,8 +176,8 @@ impl<'a> Book<'a> {
         Ok(sheet)
     }
 
-    /// An event with its names resolved.
-    pub fn item(&mut self, event: &Event, number: u64) -> Result<Item, Problem> {
+    /// An event with its names resolved, in a pattern of which a unit of time is so many seconds.
+    pub fn item(&mut self, event: &Event, number: u64, unit: f64) -> Result<Item, Problem> {
         let says = |what: &str| Problem::error(&event.span, what);
         if !(event.at >= 0.0 && event.at.is_finite()) {
             return Err(says(&format!("`at` is {}, and must be at least 0", event.at)));
@@ -189,23 +195,26 @@ impl<'a> Book<'a> {
                         return Err(says(&format!("a weight is {weight}, and must be above 0")));
                     }
                     sum += weight;
-                    all.push((sum, self.deed(&alternative.action, &event.span)?));
+                    all.push((sum, self.deed(&alternative.action, &event.span, unit)?));
                 }
                 if !(sum > 0.0 && sum.is_finite()) {
                     return Err(says("a choice needs alternatives whose weights add up to more than 0"));
                 }
                 Deed::Choose(all.into())
             }
-            action => self.deed(action, &event.span)?,
+            action => self.deed(action, &event.span, unit)?,
         };
         let repeat = event.repeat.filter(|r| r.times != Some(1)).map(Box::new);
         Ok(Item { at: event.at, delay: event.delay, repeat, number, deed })
     }
 
-    fn deed(&mut self, action: &Action, span: &Span) -> Result<Deed, Problem> {
+    fn deed(&mut self, action: &Action, span: &Span, unit: f64) -> Result<Deed, Problem> {
         let says = |what: String| Problem::error(span, what);
         match action {
-            Action::Voice(play) => self.play(play, span).map(Deed::Play),
+            Action::Voice(play) => match &play.motion {
+                Some(motion) => self.motion(play, motion, span, unit),
+                None => self.play(play, span).map(Deed::Play),
+            },
             Action::Pattern { pattern, gain, rate, .. } => {
                 let sheet = self.patterns.get(pattern).copied();
                 let sheet = sheet.ok_or_else(|| says(format!("there is no pattern `{pattern}`")))?;
@@ -219,6 +228,31 @@ impl<'a> Book<'a> {
             Action::Marker(name) => Ok(Deed::Marker(name.as_str().into())),
             Action::Choose(_) => Err(says("an alternative of a choice cannot be a choice".into())),
         }
+    }
+
+    /// A voice in several bursts; a unit of time is so many seconds.
+    fn motion(
+        &mut self,
+        play: &patch::Play,
+        motion: &Motion,
+        span: &Span,
+        unit: f64,
+    ) -> Result<Deed, Problem> {
+        // Where there is no such voice, that is said first.
+        let first = patch::Play { place: motion.places.first().cloned(), ..play.clone() };
+        let plain = self.play(&first, span)?;
+        let law =
+            self.instruments.get(plain.voice as usize).map(|instrument| instrument.law).unwrap_or_default();
+        let bursts = motion.bursts(plain.duration * unit, self.places.array(), law);
+        let bursts = bursts.map_err(|fault| {
+            Problem::error(&motion.span, format!("`{}` of voice `{}`: {fault}", motion.key(), play.voice))
+        })?;
+        let burst = |burst: &motion::Burst| {
+            let place = self.places.spot(Some(&burst.place))?;
+            let play = Play { place, duration: burst.seconds / unit, ..plain.clone() };
+            Ok(Burst { start: burst.start / unit, play })
+        };
+        Ok(Deed::Motion(bursts.list.iter().map(burst).collect::<Result<_, Problem>>()?))
     }
 
     fn play(&mut self, play: &patch::Play, span: &Span) -> Result<Play, Problem> {
@@ -239,21 +273,26 @@ impl<'a> Book<'a> {
                 place.ok_or_else(|| says(format!("voice `{}` has no field `{name}`", instrument.name)))?;
             own.push((place, *value));
         }
-        let level = play.level.unwrap_or(instrument.level);
+        let said = play.felt.as_ref().map(|felt| felt.value);
+        let (level, felt) = strength(play.level, said, (instrument.level, instrument.felt));
         let duration = play.duration.unwrap_or(instrument.duration);
-        if level.is_nan() || duration.is_nan() || own.iter().any(|(_, v)| v.is_nan()) {
+        if level.is_nan()
+            || felt.is_some_and(f64::is_nan)
+            || duration.is_nan()
+            || own.iter().any(|(_, v)| v.is_nan())
+        {
             return Err(says(format!("a field of an event of voice `{}` is not a number", instrument.name)));
         }
         let output = match (&play.place, instrument.output) {
             (None, Some(output)) => output,
             (None, None) => {
-                let output = (self.places)(instrument.place.as_ref())?;
+                let output = self.places.spot(instrument.place.as_ref())?;
                 instrument.output = Some(output);
                 output
             }
-            (Some(place), _) => (self.places)(Some(place))?,
+            (Some(place), _) => self.places.spot(Some(place))?,
         };
-        Ok(Play { voice, place: output, level, duration, own: own.into() })
+        Ok(Play { voice, place: output, level, felt, duration, own: own.into() })
     }
 }
 

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::sync::Arc;
 
 use super::playing::{Leaf, Playing, order};
-use super::sheet::Item;
+use super::sheet::{Burst, Item};
 use super::walk::Walk;
 
 /// An event: one of those that a sheet holds, or one from a long file.
@@ -26,6 +26,19 @@ pub(super) enum Task<'a> {
     Draw { which: Which, at: f64 },
     /// An event happens. The slot's `at` goes with it.
     Happen { which: Which, at: f64 },
+    /// A burst of an event sounds.
+    Burst(Bursts),
+}
+
+/// What is left of the bursts of an event.
+pub(super) struct Bursts {
+    pub list: Arc<[Burst]>,
+    /// Which is next.
+    pub next: usize,
+    /// Seconds: when the event happened.
+    pub begin: f64,
+    /// Which of the alternatives of a choice it was.
+    pub drawn: Option<u32>,
 }
 
 /// Something to do at a time.
@@ -44,7 +57,7 @@ impl Entry<'_> {
     /// What only prepares goes before all that happens at its time.
     fn happens(&self) -> bool {
         match self.task {
-            Task::Round | Task::Happen { .. } | Task::Walk { exact: true, .. } => true,
+            Task::Round | Task::Happen { .. } | Task::Burst(_) | Task::Walk { exact: true, .. } => true,
             Task::Draw { .. } | Task::Walk { exact: false, .. } => false,
         }
     }

@@ -11,7 +11,7 @@ pub(super) fn nested(deed: &Deed) -> Vec<usize> {
     match deed {
         Deed::Pattern(nested) => vec![nested.sheet],
         Deed::Choose(all) => all.iter().flat_map(|(_, deed)| nested(deed)).collect(),
-        Deed::Play(_) | Deed::Marker(_) => Vec::new(),
+        Deed::Play(_) | Deed::Motion(_) | Deed::Marker(_) => Vec::new(),
     }
 }
 
@@ -20,7 +20,7 @@ pub(super) fn is_barren(sheets: &[Option<Sheet>], deed: &Deed) -> bool {
     match deed {
         Deed::Pattern(nested) => sheets.get(nested.sheet).and_then(Option::as_ref).is_none_or(|s| s.barren),
         Deed::Choose(all) => all.iter().all(|(_, deed)| is_barren(sheets, deed)),
-        Deed::Play(_) | Deed::Marker(_) => false,
+        Deed::Play(_) | Deed::Motion(_) | Deed::Marker(_) => false,
     }
 }
 
@@ -129,6 +129,10 @@ fn length(sheets: &[Option<Sheet>], sheet: &Sheet) -> Option<f64> {
         let onset = scale * item.onset(item.at, item.times() - 1);
         match &item.deed {
             Deed::Play(play) => Some(onset + scale * play.duration),
+            Deed::Motion(bursts) => {
+                let ends = bursts.iter().map(|burst| burst.start + burst.play.duration);
+                Some(onset + scale * ends.fold(0.0, f64::max))
+            }
             Deed::Marker(_) => Some(onset),
             Deed::Pattern(nested) => {
                 let inner = sheets.get(nested.sheet)?.as_ref()?.length?;

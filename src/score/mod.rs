@@ -19,6 +19,7 @@ mod walk;
 use std::sync::Arc;
 
 use crate::patch::{Event, Patch, Place};
+use crate::space::array::Array;
 use crate::space::spot::Spot;
 use crate::text::Problem;
 
@@ -40,6 +41,26 @@ pub const MOST_HELD: usize = 1 << 16;
 /// The events of a file, in the order of its lines. Its problems should name file and line: they come out as they are, at
 /// the place where the patch names the file, after what stands before them if the file is long, else when it is opened.
 pub type EventStream<'a> = Box<dyn Iterator<Item = Result<Event, Problem>> + Send + 'a>;
+
+/// Finds where the places of a patch are.
+pub trait Places {
+    /// The output for a place; of nothing it is asked for the rig's first tactor.
+    ///
+    /// # Errors
+    /// What the rig lacks.
+    fn spot(&mut self, place: Option<&Place>) -> Result<Spot, Problem>;
+
+    /// The tactors that share points, which say where a stroke passes between them; `None`: then a stroke is one burst as long as all of it.
+    fn array(&self) -> Option<&Array> {
+        None
+    }
+}
+
+impl<F: FnMut(Option<&Place>) -> Result<Spot, Problem>> Places for F {
+    fn spot(&mut self, place: Option<&Place>) -> Result<Spot, Problem> {
+        self(place)
+    }
+}
 
 /// What happens, and when.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,6 +98,8 @@ pub struct Note {
     pub voice: usize,
     /// Level: the event's or the voice's, times the gains of all patterns around it. Finite.
     pub level: f64,
+    /// Decibels above the threshold that the level multiplies; `None`: by its level alone.
+    pub felt: Option<f64>,
     /// Seconds from onset to release, from 0 to [`HORIZON`].
     pub duration: f64,
     /// Where, as the resolver of places said.
@@ -114,7 +137,7 @@ pub struct Score<'a>(unroll::Unroll<'a>);
 impl<'a> Score<'a> {
     /// Of the patterns `roots` (by their place in [`Patch::patterns`]), each from its start in seconds.
     ///
-    /// `places` finds the output for a place; of nothing it is asked for the rig's first tactor. `files` opens an events
+    /// `places` finds the output for a place. `files` opens an events
     /// file by its path as written in the patch, and may be called again for every playing.
     /// Both are called while the score is read, where an events file says so.
     ///
@@ -138,7 +161,7 @@ impl<'a> Score<'a> {
     /// As [`Score::new`].
     pub fn of(
         patch: &Patch,
-        places: impl FnMut(Option<&Place>) -> Result<Spot, Problem> + Send + 'a,
+        places: impl Places + Send + 'a,
         roots: &[Root],
         seed: u64,
         files: impl FnMut(&str) -> Result<EventStream<'a>, Problem> + Send + 'a,

@@ -93,12 +93,23 @@ impl Item {
 pub(super) enum Deed {
     /// A voice sounds.
     Play(Play),
+    /// It sounds in several bursts.
+    Motion(Arc<[Burst]>),
     /// A pattern plays.
     Pattern(Nested),
     /// A name goes into the log.
     Marker(Arc<str>),
     /// One of several: each with the sum of the weights up to it.
     Choose(Box<[(f64, Deed)]>),
+}
+
+/// One of several times that a voice sounds in one event.
+#[derive(Debug, Clone)]
+pub(super) struct Burst {
+    /// When, after the event, in the pattern's time; none is before the one that comes before it.
+    pub start: f64,
+    /// How.
+    pub play: Play,
 }
 
 /// A voice sounds.
@@ -110,6 +121,8 @@ pub(super) struct Play {
     pub place: Spot,
     /// Level.
     pub level: f64,
+    /// Decibels above the threshold in place of that; `None`: by its level.
+    pub felt: Option<f64>,
     /// Duration in the pattern's time.
     pub duration: f64,
     /// Fields that differ from the voice's defaults, by their place among them.

@@ -4,11 +4,13 @@ use std::collections::BinaryHeap;
 use std::sync::Arc;
 
 use super::book::Book;
-use super::entry::{Entry, Task, Which};
+use super::entry::{Bursts, Entry, Task, Which};
 use super::playing::{Leaf, Playing};
 use super::sheet::{Content, Deed, Deviations, Item, Nested, Play, Sheet};
 use super::walk::Walk;
 use super::{HORIZON, MOST_AT_ONCE, MOST_DEEP, Note, Root, Timed, What, keys};
+use crate::patch::event::{LEAST_FELT, MOST_FELT};
+use crate::patch::motion::{BURST, SINCE};
 use crate::text::Problem;
 
 /// At what a score gives up.
@@ -217,7 +219,46 @@ impl<'a> Unroll<'a> {
                 Ok(None)
             }
             Task::Happen { which, at } => self.happen(playing, which, at, k, time),
+            Task::Burst(bursts) => self.burst(playing, leaf.unwrap_or_default(), bursts, time),
         }
+    }
+
+    /// A burst of an event sounds, and the next one is put on the heap.
+    fn burst(
+        &mut self,
+        playing: Arc<Playing>,
+        leaf: Leaf,
+        bursts: Bursts,
+        time: f64,
+    ) -> Result<Option<Timed>, Problem> {
+        let (root, pattern, drawn) = (playing.root, playing.sheet, bursts.drawn);
+        let Some(burst) = bursts.list.get(bursts.next) else { return Ok(None) };
+        let key = keys::occurrence(playing.key, leaf.event, leaf.k);
+        let jitter = self.book.sheet(pattern)?.jitter.as_ref();
+        // How long its bursts are is what makes the illusion.
+        let mut note = Note {
+            duration: bounded(burst.play.duration.clamp(0.0, EXTREME) * playing.scale, HORIZON).max(0.0),
+            ..self.note(&playing, &burst.play, jitter, key)
+        };
+        let (_, names) = self.book.fields(burst.play.voice);
+        for (slot, name) in note.own.iter_mut().zip(names) {
+            match name.as_str() {
+                SINCE => *slot = time - bursts.begin,
+                BURST => *slot = bursts.next as f64,
+                _ => {}
+            }
+        }
+        self.wait(playing, leaf, Bursts { next: bursts.next + 1, ..bursts })?;
+        let id = self.next_id;
+        self.next_id += 1;
+        Ok(Some(Timed { at: time, id, root, pattern, event: leaf.event, drawn, what: What::Play(note) }))
+    }
+
+    /// Puts the next burst of an event on the heap.
+    fn wait(&mut self, playing: Arc<Playing>, leaf: Leaf, bursts: Bursts) -> Result<(), Problem> {
+        let Some(burst) = bursts.list.get(bursts.next) else { return Ok(()) };
+        let time = bursts.begin + burst.start * playing.scale;
+        self.push(Entry { time, playing, leaf: Some(leaf), task: Task::Burst(bursts) })
     }
 
     /// Puts a walk back before its next event.
@@ -330,12 +371,16 @@ impl<'a> Unroll<'a> {
             },
             deed => (deed, None),
         };
-        let mut nested = None;
+        let (mut nested, mut bursts) = (None, None);
         let what = match deed {
             Deed::Play(play) => Some(What::Play(self.note(&playing, play, sheet.jitter.as_ref(), key))),
             Deed::Marker(name) => Some(What::Marker(name.clone())),
             Deed::Pattern(pattern) => {
                 nested = Some(pattern.clone()).filter(|_| !self.book.is_barren(deed));
+                None
+            }
+            Deed::Motion(list) => {
+                bursts = Some(Bursts { list: Arc::clone(list), next: 0, begin: time, drawn });
                 None
             }
             Deed::Choose(_) => None,
@@ -347,7 +392,9 @@ impl<'a> Unroll<'a> {
             self.push(Entry { time, playing, leaf, task: Task::Happen { which, at } })?;
         }
         let (root, pattern) = (playing.root, playing.sheet);
-        if let Some(nested) = nested {
+        if let Some(bursts) = bursts {
+            self.wait(playing, leaf, bursts)?;
+        } else if let Some(nested) = nested {
             self.begin(root, Some(playing), leaf, key, &nested, time)?;
         }
         let Some(what) = what else { return Ok(None) };
@@ -381,6 +428,7 @@ impl<'a> Unroll<'a> {
         Note {
             voice: play.voice as usize,
             level: bounded(level, LOUDEST),
+            felt: play.felt.map(|felt| felt.clamp(LEAST_FELT, MOST_FELT)),
             duration: bounded(duration, HORIZON).max(0.0),
             place: play.place,
             own: own.map(|x| bounded(x, LOUDEST)),

@@ -38,11 +38,13 @@ impl<'a> Walk<'a> {
     /// Of a playing, from its first event. Reads as much of a file as may be held.
     pub fn new(book: &mut Book<'a>, playing: &Playing) -> Result<Self, Problem> {
         let mut file = None;
-        if let Content::File { path, span, long } = &book.sheet(playing.sheet)?.content {
+        let sheet = book.sheet(playing.sheet)?;
+        let unit = sheet.unit / sheet.rate;
+        if let Content::File { path, span, long } = &sheet.content {
             file = Some((path.clone(), span.clone(), *long));
         }
         if let Some((path, span, long)) = file {
-            let mut lines = Lines::open(book, path.clone(), span.clone())?;
+            let mut lines = Lines::open(book, path.clone(), span.clone(), unit)?;
             lines.fill(book);
             if long || lines.rest.is_some() {
                 let sheet = book.sheet(playing.sheet)?;
@@ -147,14 +149,17 @@ struct Lines<'a> {
     read: u64,
     /// The `at` that was taken last.
     last: f64,
+    /// Seconds in a unit of time of its pattern.
+    unit: f64,
     /// What is wrong with the line behind all in the window.
     failed: Option<Problem>,
 }
 
 impl<'a> Lines<'a> {
-    fn open(book: &mut Book<'a>, path: Arc<str>, span: Span) -> Result<Self, Problem> {
+    fn open(book: &mut Book<'a>, path: Arc<str>, span: Span, unit: f64) -> Result<Self, Problem> {
         let rest = book.open(&path).map_err(|p| Problem { span: Some(span.clone()), ..p })?;
-        Ok(Self { path, span, rest: Some(rest), window: BinaryHeap::new(), read: 0, last: 0.0, failed: None })
+        let window = BinaryHeap::new();
+        Ok(Self { path, span, rest: Some(rest), window, read: 0, last: 0.0, unit, failed: None })
     }
 
     /// Reads until the window is full.
@@ -183,7 +188,7 @@ impl<'a> Lines<'a> {
             let what = format!("{}, event {}: {}", self.path, self.read + 1, p.what);
             Problem { span: Some(self.span.clone()), what, ..p }
         };
-        let item = book.item(event, self.read).map_err(named)?;
+        let item = book.item(event, self.read, self.unit).map_err(named)?;
         if item.at < self.last {
             let what = format!("`at` is {}, but what is at {} has been played", item.at, self.last);
             let help = format!("sort the lines by `at`: none may come more than {MOST_HELD} lines late");

@@ -11,6 +11,7 @@ mod spread;
 mod surface;
 #[cfg(test)]
 mod tests;
+pub(super) mod tile;
 mod tiles;
 
 use super::fault::Fault;
@@ -22,6 +23,7 @@ use frame::Frame;
 use line::Line;
 use sites::Sites;
 use surface::Surface;
+use tile::Tile;
 
 /// Tactors of an array, at most.
 pub const MOST_TACTORS: usize = 4096;
@@ -178,6 +180,35 @@ impl Array {
         if self.places.len() < self.tactors {
             row.each(|share, row| self.give(share, row));
         }
+    }
+
+    /// The piece in which a row found its last point, if it is a tile of tactors.
+    #[inline]
+    pub(super) fn tile(&self, piece: u32) -> Option<Tile> {
+        if self.places.len() < self.tactors {
+            return None;
+        }
+        let rates = &self.frame.rates;
+        match &self.form {
+            Form::One | Form::Cloud(_) => None,
+            Form::Line(line) => {
+                let (rate, [a, b]) = line.tile(piece)?;
+                let u = rates[0].map(|x| x * rate);
+                let origin = *self.positions.get(a as usize)?;
+                Some(Tile { form: tile::Form::Segment, origin, u, v: [0.0; 3], corners: [a, b, 0, 0] })
+            }
+            Form::Surface(surface) => {
+                let (form, [u, v], corners) = surface.tile(piece)?;
+                let of = |g: [f64; 2]| [0, 1, 2].map(|k| g[0] * rates[0][k] + g[1] * rates[1][k]);
+                let origin = *self.positions.get(corners[0] as usize)?;
+                Some(Tile { form, origin, u: of(u), v: of(v), corners })
+            }
+        }
+    }
+
+    /// Whether weights of a width have no corners to speak of.
+    pub(super) fn is_smooth(&self, width: f64) -> bool {
+        width > 0.0 && (2.0 * width >= self.spacing || matches!(self.form, Form::Cloud(_)))
     }
 
     /// How far outside the array a point lies, in metres: from where it counts as being. For points off a line or a plane, along it.

@@ -56,7 +56,8 @@ impl fmt::Display for Fault {
                 index + 1
             ),
             Self::FewPoints(count) => {
-                write!(f, "a path has {count} points, but needs two: for a place that stays, give a point")
+                let points = if *count == 1 { "point" } else { "points" };
+                write!(f, "a path has {count} {points}, but needs two: for a place that stays, give a point")
             }
             Self::PathPoint(index, point) => write!(
                 f,

@@ -47,6 +47,22 @@ impl Law {
             Self::Energy => w.sqrt(),
         }
     }
+
+    /// The mean gain while a weight goes straight from one to another, both within 0 and 1. For the audio thread.
+    ///
+    /// (a + b) / 2; of √w (2/3) (a + √(ab) + b) / (√a + √b); of log₂(1 + w) by Simpson's rule, within 1e-3 for all of it and 1e-7 for a tenth.
+    #[inline]
+    pub fn mean(self, from: f64, to: f64) -> f64 {
+        let middle = 0.5 * (from + to);
+        match self {
+            Self::Nearest | Self::Linear => middle,
+            Self::Logarithmic => (self.gain(from) + 4.0 * self.gain(middle) + self.gain(to)) / 6.0,
+            Self::Energy => {
+                let (a, b) = (self.gain(from), self.gain(to));
+                if a + b > 0.0 { (a * a + a * b + b * b) / (1.5 * (a + b)) } else { 0.0 }
+            }
+        }
+    }
 }
 
 impl FromStr for Law {

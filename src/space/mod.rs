@@ -23,6 +23,7 @@ pub mod brush;
 pub mod fault;
 pub mod law;
 pub mod layout;
+pub mod moving;
 pub mod path;
 pub mod point;
 pub mod row;

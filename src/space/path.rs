@@ -76,6 +76,16 @@ impl Path {
         self.seconds
     }
 
+    /// When it is at each of its points, where that was said.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Whether it goes from rest to rest.
+    pub fn is_smooth(&self) -> bool {
+        self.smooth
+    }
+
     /// Its points.
     pub fn points(&self) -> &[Point] {
         &self.points
@@ -84,17 +94,66 @@ impl Path {
     /// Where it is after some seconds; before 0 at its beginning, as for what is not a number, and at its end after it is over. For the audio
     /// thread.
     pub fn at(&self, seconds: f64) -> Point {
-        if self.times.is_empty() {
+        self.follow(seconds, &mut 0)
+    }
+
+    /// The same, where it was found on a piece shortly before; the piece only tells where to look first. For the audio thread.
+    #[inline(always)]
+    pub fn follow(&self, seconds: f64, piece: &mut usize) -> Point {
+        let share = if self.times.is_empty() {
             let x = if seconds > 0.0 { (seconds / self.seconds).min(1.0) } else { 0.0 };
-            return self.point(self.length() * if self.smooth { eased(x) } else { x });
+            place(&self.along, self.length() * if self.smooth { eased(x) } else { x }, piece)
+        } else {
+            place(&self.times, seconds, piece)
+        };
+        match self.points.get(*piece..) {
+            Some([from, to, ..]) => between(*from, *to, share),
+            _ => [0.0; 3],
         }
-        let (piece, share) = place(&self.times, seconds);
-        between(self.points[piece], self.points[piece + 1], share)
+    }
+
+    /// The same for many instants, rising, coordinate by coordinate: those of [`Path::follow`], to the bit. Whether they go straight on, at one speed.
+    /// For the audio thread.
+    #[inline(always)]
+    pub(super) fn trace<const N: usize>(
+        &self,
+        seconds: &[f64; N],
+        piece: &mut usize,
+        to: &mut [[f64; N]; 3],
+    ) -> bool {
+        let mut values = *seconds;
+        let marks = if self.times.is_empty() { &self.along } else { &self.times };
+        if self.times.is_empty() {
+            let length = self.length();
+            for value in &mut values {
+                let x = if *value > 0.0 { (*value / self.seconds).min(1.0) } else { 0.0 };
+                *value = length * if self.smooth { eased(x) } else { x };
+            }
+        }
+        let _ = place(marks, values[0], piece);
+        if let (Some([begin, end, ..]), Some([from, next, ..])) =
+            (marks.get(*piece..), self.points.get(*piece..))
+            && values.iter().fold(true, |all, value| all & (*begin <= *value) & (*value < *end))
+        {
+            let [x, y, z] = to;
+            for k in 0..N {
+                let share = (values[k] - begin) / (end - begin);
+                [x[k], y[k], z[k]] = between(*from, *next, held(share));
+            }
+            // Before its beginning it rests.
+            return !self.smooth && seconds[0] >= 0.0;
+        }
+        for (k, seconds) in seconds.iter().enumerate() {
+            let point = self.follow(*seconds, piece);
+            (0..3).for_each(|axis| to[axis][k] = point[axis]);
+        }
+        false
     }
 
     /// The point a way along it, in metres; before 0 its beginning, beyond its length its end. For the audio thread.
     pub fn point(&self, along: f64) -> Point {
-        let (piece, share) = place(&self.along, along);
+        let mut piece = 0;
+        let share = place(&self.along, along, &mut piece);
         between(self.points[piece], self.points[piece + 1], share)
     }
 
@@ -109,6 +168,28 @@ impl Path {
         let (from, to) = (self.along[after - 1], self.along[after]);
         let share = if to > from { ((along - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
         (1.0 - share) * self.times[after - 1] + share * self.times[after]
+    }
+}
+
+/// A path that a voice goes along.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Route {
+    /// The path.
+    pub path: Path,
+    /// Whether it is gone through in the time of the event that names it, whatever that is; else in its own.
+    pub stretched: bool,
+}
+
+impl Route {
+    /// Seconds of the path for each of a voice whose event lasts so long. One that is held takes the path's own time.
+    pub fn pace(&self, event: f64) -> f64 {
+        let within = self.stretched && event.is_finite() && event > 0.0;
+        if within { self.path.seconds / event } else { 1.0 }
+    }
+
+    /// Where a voice is some seconds after its onset, whose event lasts so long. For the audio thread.
+    pub fn at(&self, seconds: f64, event: f64) -> Point {
+        self.path.at(seconds * self.pace(event))
     }
 }
 
@@ -127,22 +208,31 @@ fn rising(times: &[f64], points: usize) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The piece of rising marks that holds a value, and the share of it; held within their ends.
-fn place(marks: &[f64], value: f64) -> (usize, f64) {
-    let piece = marks.partition_point(|mark| *mark <= value).clamp(1, marks.len() - 1) - 1;
-    let (from, to) = (marks[piece], marks[piece + 1]);
-    let share = (value - from) / (to - from);
-    // Neither holds for what is not a number, nor for a piece of no length.
-    (
-        piece,
-        if share >= 1.0 {
-            1.0
-        } else if share > 0.0 {
-            share
-        } else {
-            0.0
-        },
-    )
+/// The share of the piece of rising marks that holds a value, held within their ends; it is looked for about `piece`, which then is it.
+#[inline(always)]
+fn place(marks: &[f64], value: f64, piece: &mut usize) -> f64 {
+    let last = marks.len().saturating_sub(2);
+    let is_it = match marks.get(*piece..) {
+        Some([from, to, ..]) => *from <= value && value < *to,
+        _ => false,
+    };
+    if !is_it {
+        *piece = marks.partition_point(|mark| *mark <= value).saturating_sub(1).min(last);
+    }
+    let Some([from, to, ..]) = marks.get(*piece..) else { return 0.0 };
+    held((value - from) / (to - from))
+}
+
+/// A share from 0 to 1; 0 for what is not a number, as for a piece of no length.
+#[inline(always)]
+fn held(share: f64) -> f64 {
+    if share >= 1.0 {
+        1.0
+    } else if share > 0.0 {
+        share
+    } else {
+        0.0
+    }
 }
 
 /// Hermite's cubic from 0 to 1, symmetric to the bit about the middle but for rounding.

@@ -44,6 +44,35 @@ impl Row {
         self.shares.get(..self.len).unwrap_or_default()
     }
 
+    /// What the tactor has.
+    pub(super) fn weight_of(&self, tactor: u32) -> f64 {
+        self.shares().iter().find(|share| share.tactor == tactor).map_or(0.0, |share| share.weight)
+    }
+
+    /// Whether the same tactors have something, in the same order.
+    pub(super) fn is_of_those_in(&self, other: &Self) -> bool {
+        let same = |(a, b): (&Share, &Share)| a.tactor == b.tactor;
+        self.len == other.len && self.shares().iter().zip(other.shares()).all(same)
+    }
+
+    /// Whether a weight to speak of comes from nearly nothing or goes there, in the row of a later instant with the same tactors: so
+    /// near to 0 it may go otherwise than straight.
+    pub(super) fn falls(&self, other: &Self) -> bool {
+        self.shares().iter().zip(other.shares()).any(|(a, b)| {
+            let (least, most) = (a.weight.min(b.weight), a.weight.max(b.weight));
+            most > 1e-5 && least < 0.4 * most
+        })
+    }
+
+    /// Whether each weight is half way between those of two other rows with the same tactors.
+    pub(super) fn is_between(&self, one: &Self, other: &Self) -> bool {
+        let half = |((own, a), b): ((&Share, &Share), &Share)| {
+            (2.0 * own.weight - a.weight - b.weight).abs() <= 0.005 * a.weight.max(b.weight)
+        };
+        let rows = self.shares().iter().zip(one.shares()).zip(other.shares());
+        self.is_of_those_in(one) && self.is_of_those_in(other) && rows.into_iter().all(half)
+    }
+
     /// Empties it.
     #[inline(always)]
     pub(super) fn clear(&mut self) {

@@ -16,6 +16,10 @@ pub const INTERVAL: f64 = 0.05;
 pub const REPORTED: (f64, f64) = (0.04, 0.08);
 /// Intervals at which taps are still felt out of their places, in seconds (Geldard, "Cutaneous stimuli, vibratory and saltatory", 1977).
 pub const WIDEST: (f64, f64) = (0.02, 0.26);
+/// The most taps at each site.
+pub const MOST_TAPS: usize = 100;
+/// The shortest tap, in seconds.
+pub const SHORTEST: f64 = 1e-4;
 /// The distance of the first report's sites, in metres.
 pub const DISTANCE: f64 = 0.1;
 
@@ -45,9 +49,9 @@ impl Saltation {
         if sites < 2 {
             return Err(Fault::FewPlaces(sites));
         }
-        within("taps", taps as f64, 1.0, 100.0)?;
+        within("taps", taps as f64, 1.0, MOST_TAPS as f64)?;
         within("interval", interval, WIDEST.0, WIDEST.1)?;
-        within("tap", tap, 1e-4, interval)?;
+        within("tap", tap, SHORTEST, interval)?;
         Ok(Self { sites, taps, interval, tap })
     }
 

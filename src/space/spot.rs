@@ -14,6 +14,8 @@ pub enum Spot {
     Row(u32),
     /// A point in metres, which tactors share.
     Point(Point),
+    /// Along a path, by its place in a list that goes with the rig.
+    Path(u32),
 }
 
 impl Default for Spot {
@@ -23,16 +25,21 @@ impl Default for Spot {
 }
 
 impl Spot {
-    /// What it is called, where rows have names: a point by its coordinates, `[0.1, -0.2, 0.0]`. A row without a name is called nothing.
+    /// What it is called, where rows have names: a point by its coordinates, `[0.1, -0.2, 0.0]`, a path by its number, `path 1`. A row without
+    /// a name is called nothing.
     pub fn name<'a>(self, row: impl FnOnce(usize) -> Option<&'a str>) -> Cow<'a, str> {
         match self {
             Self::Row(number) => row(number as usize).unwrap_or_default().into(),
             Self::Point(point) => format!("{point:?}").into(),
+            Self::Path(number) => format!("path {}", u64::from(number) + 1).into(),
         }
     }
 
-    /// The point of that name.
-    pub fn point(name: &str) -> Option<Self> {
+    /// The point or the path of that name.
+    pub fn unnamed(name: &str) -> Option<Self> {
+        if let Some(number) = name.strip_prefix("path ") {
+            return number.parse().ok().and_then(|n: u32| n.checked_sub(1)).map(Self::Path);
+        }
         let numbers: Result<Vec<f64>, _> =
             name.strip_prefix('[')?.strip_suffix(']')?.split(',').map(|x| x.trim().parse()).collect();
         let point: Point = numbers.ok()?.try_into().ok()?;

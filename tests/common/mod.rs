@@ -35,7 +35,7 @@ pub fn compiled(text: &str, channels: u32, rate: f64) -> Scene {
 pub fn play(instrument: u32, place: u32, frequency: f64, duration: f64, id: u64) -> Play {
     let mut own = [0.0; FIELDS];
     own[0] = frequency;
-    Play { instrument, place: Spot::Row(place), level: 1.0, duration, own, id }
+    Play { instrument, place: Spot::Row(place), level: 1.0, felt: None, duration, own, id }
 }
 
 /// Schedules voices at engine samples.

@@ -8,6 +8,7 @@
 //! | [`coast`] | how it comes to rest by itself, where nothing brakes it |
 //! | [`order`], [`book`] | clicks, spins and brakes; clicks worked out for every level |
 //! | [`homing`] | the way to where gravity catches the mass |
+//! | [`warmth`] | how warm it becomes, and what of it all is held back for that |
 //! | [`turner`] | all of it, one engine sample at a time |
 //!
 //! What is sent is worked out on the motor's own model, which runs beside it where that is needed: nothing is measured on the motor.
@@ -21,3 +22,4 @@ pub mod order;
 pub mod reach;
 pub mod setup;
 pub mod turner;
+pub mod warmth;

@@ -4,10 +4,14 @@ use super::ahead::Ahead;
 use super::law::{Follow, Seek};
 use super::order::{Agenda, Entry, Order, PIECES, Pieces};
 use super::setup::{Setup, Shaping};
+use super::warmth::{Before, Warmth};
 use crate::actuator::fault::Fault;
 use crate::actuator::link::carrier::Rectifier;
 use crate::actuator::link::diodes::Diodes;
+use crate::actuator::link::effective::Effective;
 use crate::actuator::motor::{Level, Motor, Plan};
+use crate::actuator::protect::budget::Bears;
+use crate::actuator::protect::counts;
 
 /// Share of the full speed below which a motor counts as standing.
 const STANDS: f64 = 1e-4;
@@ -39,8 +43,10 @@ pub struct Turner {
     before: Option<Box<Motor>>,
     /// Whether the last sample moved the model.
     moved: bool,
-    /// Whether something of the click that is under way did not arrive.
+    /// Whether something of the click that is under way did not arrive, or was not sent.
     cut: bool,
+    /// What keeps it as cool as it must be; nothing where nothing is known of that.
+    warmth: Option<Box<Warmth>>,
     agenda: Agenda,
     mode: Mode,
     /// Whose order is under way.
@@ -84,6 +90,10 @@ pub struct Counts {
     pub unplayed: u64,
     /// Clicks of which some did not arrive, and which so turn the mass less far.
     pub cut: u64,
+    /// Clicks that began weaker than they were ordered, as the motor had become warm, and so turn the mass less far.
+    pub weakened: u64,
+    /// Clicks that were not begun, as the motor was too warm for what would turn it.
+    pub refused: u64,
 }
 
 impl Turner {
@@ -96,10 +106,8 @@ impl Turner {
         let tracks = setup.ordered
             || setup.one_way
             || matches!(setup.shaping, Shaping::Overdrive | Shaping::Switching);
-        let plan =
-            Plan { casing: false, gravity: setup.parameters.gravity > 0.0, ..Plan::whole(Level::Default) };
         let loses = setup.shaping == Shaping::Clicks;
-        let model = || Motor::new(&setup.parameters, &plan, setup.rate).map(Box::new);
+        let model = || model(setup);
         Ok(Self {
             setup: *setup,
             ahead: Ahead::new(setup, late),
@@ -110,6 +118,7 @@ impl Turner {
             before: if tracks && loses { Some(model()?) } else { None },
             moved: false,
             cut: false,
+            warmth: None,
             agenda: Agenda::default(),
             mode: Mode::Level,
             voice: None,
@@ -119,6 +128,28 @@ impl Turner {
             clock: 0,
             counts: Counts::default(),
         })
+    }
+
+    /// The same, of a motor that bears no more than that for long, when its drives amount to this.
+    ///
+    /// # Errors
+    /// A number beyond its limits.
+    pub fn bearing(mut self, bears: &Bears, effective: Effective) -> Result<Self, Fault> {
+        self.warmth = Some(Box::new(Warmth::new(&self.setup, bears, effective)?));
+        if self.motor.is_none() {
+            self.motor = Some(model(&self.setup)?);
+        }
+        Ok(self)
+    }
+
+    /// What was held back so that the motor bears it; `None` where nothing would be. Samples are those of the device.
+    pub fn held_back(&self) -> Option<counts::Counts> {
+        self.warmth.as_ref().map(|warmth| warmth.counts())
+    }
+
+    /// The motor's winding, kelvins above the air; `None` where its heat is not watched.
+    pub fn temperature(&self) -> Option<f64> {
+        self.warmth.as_ref()?.temperature()
     }
 
     /// What it turns, and how.
@@ -175,6 +206,9 @@ impl Turner {
     /// Takes the level of this sample, and gives what is sent: its mean over each of so many equal parts of the sample. Of a motor that turns
     /// one way it is what is sent beyond [`Turner::emf`], R i on average, and 0 where nothing is to flow.
     pub fn step(&mut self, level: f64, parts: &mut [f64]) {
+        if let Some(warmth) = &mut self.warmth {
+            warmth.pass(parts.len());
+        }
         self.counts.masked += u64::from(!level.is_finite());
         let level = if level.is_finite() { level } else { 0.0 };
         let backward = self.setup.one_way && level < -NOTHING;
@@ -205,6 +239,7 @@ impl Turner {
             }
             self.arrive(begin + done, &speeds);
             let given = self.given(&speeds, done == 0.0);
+            let given = self.held(given);
             let mut until = 1.0;
             if let Mode::Click(_, _, ends) = self.mode {
                 until = (ends - begin).min(until);
@@ -236,6 +271,14 @@ impl Turner {
         if matches!(self.mode, Mode::Click(..)) && !self.cut {
             self.cut = true;
             self.counts.cut += 1;
+        }
+    }
+
+    /// What of the sample that was taken last flows, of a current, in equal parts: where that may be something else than what was sent. The model does not
+    /// move by it.
+    pub fn flowed(&mut self, parts: &[f64]) {
+        if let Some(warmth) = &mut self.warmth {
+            warmth.flowed(parts);
         }
     }
 
@@ -306,10 +349,11 @@ impl Turner {
         if let Mode::Speed(0.0, click, since) = self.mode {
             let waited = (self.clock - since) as f64 > PATIENCE * self.setup.rate;
             if self.voice.is_none() && (self.stands() || waited) {
-                self.cut = false;
                 self.mode = match click {
-                    Some(pieces) => Mode::Click(pieces, 0, now + pieces.list[0].0 * self.setup.rate),
-                    None => Mode::Level,
+                    Some(pieces) if self.begins(&pieces) => {
+                        Mode::Click(pieces, 0, now + pieces.list[0].0 * self.setup.rate)
+                    }
+                    _ => Mode::Level,
                 };
             }
         }
@@ -325,6 +369,29 @@ impl Turner {
                 _ => Mode::Level,
             };
         }
+    }
+
+    /// Whether a click is begun. One that is weaker than it was ordered is slower than its pieces have it: it ends as one of which some did not arrive.
+    fn begins(&mut self, click: &Pieces) -> bool {
+        self.cut = false;
+        let Some(warmth) = &mut self.warmth else { return true };
+        let share = warmth.click(click);
+        self.cut = share < 1.0;
+        self.counts.weakened += u64::from(share > 0.0 && share < 1.0);
+        self.counts.refused += u64::from(share == 0.0);
+        share > 0.0
+    }
+
+    /// What of that the motor bears.
+    fn held(&mut self, given: f64) -> f64 {
+        let Some(warmth) = &mut self.warmth else { return given };
+        if !matches!(self.mode, Mode::Click(..) | Mode::Speed(0.0, ..)) {
+            warmth.no_click();
+        }
+        let held = warmth.hold(given);
+        // The inverse knows nothing of it, and would take the motor to be where it should be.
+        self.away |= held != given && self.mode == Mode::Level;
+        held
     }
 
     /// What is sent from now on; `whole`: at the beginning of a sample.
@@ -388,7 +455,7 @@ impl Turner {
     /// Moves the model on, and says what is sent meanwhile.
     fn move_model(&mut self, given: f64, share: f64) -> f64 {
         let Some(motor) = &mut self.motor else { return given };
-        let (gain, before) = (self.setup.parameters.gain, motor.speed());
+        let (gain, before, was) = (self.setup.parameters.gain, motor.speed(), Before::of(motor));
         // So close above what the motor makes itself, what flows is nothing, and the carrier for it would be all but none.
         let blocked = self.setup.one_way && given <= gain * before.max(0.0) + OPENS * self.setup.limit;
         if blocked {
@@ -400,12 +467,22 @@ impl Turner {
         }
         let emf = 0.5 * gain * (before + motor.speed());
         self.emf += share * emf;
+        if let Some(warmth) = &mut self.warmth {
+            warmth.note(given, share, was, motor, blocked);
+        }
         match self.setup.one_way {
             true if blocked => 0.0,
             true => (given - emf).max(0.0),
             false => given,
         }
     }
+}
+
+/// What is known of how it moves.
+fn model(setup: &Setup) -> Result<Box<Motor>, Fault> {
+    let gravity = setup.parameters.gravity > 0.0;
+    let plan = Plan { casing: false, gravity, ..Plan::whole(Level::Default) };
+    Motor::new(&setup.parameters, &plan, setup.rate).map(Box::new)
 }
 
 /// Adds what holds between two shares of a sample to the means over its parts.

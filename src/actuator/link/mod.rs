@@ -7,6 +7,7 @@ pub mod conduction;
 pub mod converter;
 pub mod coupling;
 pub mod diodes;
+pub mod effective;
 pub mod fineness;
 pub mod pulse;
 pub mod pwm;

@@ -1,5 +1,6 @@
 //! Pulse-width modulation into a bridge: one signal for the direction, one for on and off. While it is off, the bridge shorts the motor.
 
+use crate::actuator::elementary::exp_m1;
 use crate::actuator::fault::{Fault, Limit, check, positive};
 
 /// How a bridge is switched.
@@ -20,6 +21,16 @@ impl Switching {
     /// The smallest difference of a period's mean, volts: the supply over the samples of a period.
     pub fn resolution(&self) -> f64 {
         self.supply / f64::from(self.period)
+    }
+
+    /// The mean square of what a coil of a time constant L/R (s) lets through of pulses so many samples wide, of `rate` a second, on its resistance, V²: of a
+    /// motor that stands, S² (d − (τ/T) (1 − e^(−dT/τ)) (1 − e^(−(1−d)T/τ)) / (1 − e^(−T/τ))), which is S² d without inductance.
+    pub fn square(&self, width: u32, rate: f64, time: f64) -> f64 {
+        let share = f64::from(width.min(self.period)) / f64::from(self.period);
+        let turns = time * self.hertz(rate);
+        let lost = |share: f64| exp_m1(-share / turns);
+        let smoothed = if turns > 0.0 { -turns * lost(share) * lost(1.0 - share) / lost(1.0) } else { 0.0 };
+        self.supply * self.supply * (share - smoothed).max(0.0)
     }
 
     /// The steps from no voltage to the supply, in bits: log₂ of the samples of a period.

@@ -100,9 +100,15 @@ impl Governor {
     /// Takes note of a sample: volts wanted, volts let out, amperes.
     #[inline(always)]
     pub fn note(&mut self, wanted: f64, left: f64, current: f64) {
-        self.wanted += wanted * wanted;
-        self.left += left * left;
-        self.current += current * current;
+        self.note_squares(wanted * wanted, left * left, current * current);
+    }
+
+    /// The same by their mean squares over the time of a sample.
+    #[inline(always)]
+    pub fn note_squares(&mut self, wanted: f64, left: f64, current: f64) {
+        self.wanted += wanted;
+        self.left += left;
+        self.current += current;
     }
 
     /// Takes note of samples (volts for each unit of them) that all left as they came.
@@ -120,6 +126,21 @@ impl Governor {
     /// Kelvins above the air, or the mean square.
     pub fn level(&self) -> f64 {
         self.store.level()
+    }
+
+    /// The mean square that may be driven for so many seconds from within a tick on, of which so many samples have passed: what brings the store
+    /// to no more than [`Store::hard`] lets it, V².
+    pub fn spare(&self, seconds: f64, passed: u32) -> f64 {
+        let sample = self.tick / self.samples;
+        let whole = f64::from(passed) * sample + seconds;
+        // What has passed of the tick is not known to the store yet.
+        (self.store.hard(whole) / self.admits * whole - self.left * sample).max(0.0) / seconds
+    }
+
+    /// No magnitude above this may leave in the rest of a tick of which so many samples have passed, whatever left in them, volts.
+    pub fn rest(&self, passed: u32) -> f64 {
+        let left = (self.cap * self.cap * self.samples - self.left).max(0.0);
+        (left / (self.samples - f64::from(passed)).max(1.0)).sqrt().min(self.cap)
     }
 
     /// At the end of a tick.

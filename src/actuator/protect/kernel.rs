@@ -8,6 +8,7 @@ use super::motion::Motion;
 mod setup;
 
 pub use setup::RATES;
+pub(super) use setup::tick_of;
 
 /// Corner of the mean that is taken off where steady voltages are bounded, Hz: a steady voltage is down to 1/e of what it is too much by
 /// after 0.16 s.

@@ -5,6 +5,7 @@
 //! | [`bounds`] | what an actuator bears, and what is known of it |
 //! | [`counts`] | what protection did |
 //! | [`kernel`] | [`Protection`](kernel::Protection): a block of samples in place, at the device's rate |
+//! | [`budget`] | [`Budget`](budget::Budget): heat and mean square of a motor whose samples are not its volts, at the engine's rate |
 //!
 //! **Where nothing acts, every bit stays.** Otherwise, in this order, for each sample:
 //!
@@ -54,6 +55,7 @@
 //! 40 % at a Q of 0.7.
 
 pub mod bounds;
+pub mod budget;
 pub mod counts;
 mod governor;
 pub mod kernel;

@@ -61,7 +61,7 @@ impl Store {
         }
     }
 
-    /// The mean square that, for a whole tick, brings it to no more than its limit and [`EXCESS`].
+    /// The mean square that, for a whole tick (s), brings it to no more than its limit and [`EXCESS`].
     pub fn hard(&self, tick: f64) -> f64 {
         match self {
             Self::Heat { cooling: c, thermal } => {
@@ -73,7 +73,8 @@ impl Store {
                 let watts = ((most - t) * c.winding_time / tick + (t - h)) / c.to_housing;
                 (watts / (c.resistance * (1.0 + c.rise * most))).max(0.0)
             }
-            Self::Mean { level, most, share, .. } => {
+            Self::Mean { level, most, time, .. } => {
+                let share = -exp_m1(-tick / time);
                 (level + (most * (1.0 + EXCESS) - level) / share).max(0.0)
             }
         }

@@ -54,9 +54,14 @@ impl Happened {
     pub fn heard(heard: &Heard<'_>) -> Self {
         let mut text = String::new();
         let _ = match heard.what {
-            Happening::Voice { name, place, level, duration, fields, own } => {
+            Happening::Voice { name, place, level, felt, duration, fields, own } => {
                 let frequency = fields.iter().zip(own).find(|((name, _), _)| name == "frequency");
-                write!(text, "{name} on {place} at {}", short(level))
+                let how = match felt {
+                    None => short(level),
+                    Some(felt) if level == 1.0 => format!("{} dB felt", short(felt)),
+                    Some(felt) => format!("{} of {} dB felt", short(level), short(felt)),
+                };
+                write!(text, "{name} on {place} at {how}")
                     .and_then(|()| match frequency {
                         Some((_, hertz)) => write!(text, ", {} Hz", short(*hertz)),
                         None => Ok(()),
@@ -174,6 +179,7 @@ mod tests {
         let what = |duration| Happening::Voice {
             name: "pulse",
             place: "chest",
+            felt: None,
             level: 0.8,
             duration,
             fields: &fields,

@@ -258,7 +258,15 @@ mod tests {
         let (at, instant) = (sample as f64 / 8000.0, Due { sample, fraction: 0 });
         let place = "t1";
         let what = match voice {
-            true => Happening::Voice { name: "tap", place, level: 1.0, duration: 0.1, fields: &[], own: &[] },
+            true => Happening::Voice {
+                name: "tap",
+                place,
+                level: 1.0,
+                felt: None,
+                duration: 0.1,
+                fields: &[],
+                own: &[],
+            },
             false => Happening::Marker("m"),
         };
         post.hear(&Heard { at, instant, origin: None, id: None, what });

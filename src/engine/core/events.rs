@@ -72,7 +72,7 @@ impl<R: Real> Core<R> {
     }
 
     pub(super) fn play(&mut self, play: &Play, at: Instant) {
-        let place = self.places.of(play.instrument as usize, play.place);
+        let place = self.places.felt(play.instrument as usize, play.place, play.strength());
         let Some(bank) = self.banks.get_mut(play.instrument as usize) else { return };
         self.stage.open(self.clock);
         self.counters.started += 1;

@@ -5,6 +5,7 @@ use super::super::workspace::BLOCK;
 use crate::actuator::driver::turner::Turner;
 use crate::actuator::fault::Fault;
 use crate::actuator::link::compensator::Compensator;
+use crate::actuator::link::effective::Effective;
 use crate::actuator::link::pwm::Modulator;
 use crate::actuator::link::wave::Wave;
 use crate::graph::plan::{Drive, Modulation, Plan};
@@ -70,9 +71,20 @@ impl Line {
             })
         };
         let of = |fault: Fault| (drive.channel, fault);
+        let turner = || -> Result<Turner, Fault> {
+            let turner = Turner::new(&drive.setup, late)?;
+            let Some(bears) = &drive.bears else { return Ok(turner) };
+            let time = drive.setup.parameters.electrical_time();
+            let effective = match &drive.modulation {
+                Modulation::Straight | Modulation::Coupled(_) => Effective::steady(),
+                Modulation::Bridge { switching, .. } => Effective::pulses(switching, plan.device_rate, time)?,
+                Modulation::Carrier(carrier) => Effective::carrier(carrier, time)?,
+            };
+            turner.bearing(bears, effective)
+        };
         Ok(Self {
             channel: drive.channel as usize,
-            turner: Turner::new(&drive.setup, late).map_err(of)?,
+            turner: turner().map_err(of)?,
             output: output(drive).map_err(of)?,
             most: plan.max_levels().get(drive.channel as usize).map_or(1.0, |level| single(*level)),
             levels: [0.0; BLOCK],

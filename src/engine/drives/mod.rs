@@ -10,6 +10,7 @@ use super::vibration::{Counts, Row, Vibration};
 use crate::actuator::driver::order::Order;
 use crate::actuator::driver::turner;
 use crate::actuator::fault::Fault;
+use crate::actuator::protect::counts;
 use crate::dsp::lanes::LANES;
 use crate::graph::plan::Plan;
 use line::Line;
@@ -45,6 +46,22 @@ impl Drives {
     /// What happened to the motor of a channel (from 0).
     pub fn counts_of(&self, channel: usize) -> Option<turner::Counts> {
         self.lines.iter().find(|line| line.channel == channel).map(|line| line.turner.counts())
+    }
+
+    /// What was held back of what turns the motor of a channel (from 0) so that it bears it; `None` where nothing is known that would be, or where
+    /// it is held back behind it ([`Protections`](super::protection::Protections)). Of volts or amperes at the motor.
+    pub fn held_back(&self, channel: usize) -> Option<counts::Counts> {
+        self.lines.iter().find(|line| line.channel == channel)?.turner.held_back()
+    }
+
+    /// Samples of the device in which that was so, of all channels.
+    pub fn changed(&self) -> u64 {
+        self.lines.iter().filter_map(|line| line.turner.held_back()).map(|counts| counts.changed).sum()
+    }
+
+    /// The winding of the motor of a channel (from 0), kelvins above the air, where its heat is watched here.
+    pub fn temperature(&self, channel: usize) -> Option<f64> {
+        self.lines.iter().find(|line| line.channel == channel)?.turner.temperature()
     }
 
     /// Whether nothing is sent and nothing waits.
@@ -104,7 +121,7 @@ impl Drives {
                 line.turner.step(f64::from(*level), &mut line.parts);
                 let emf = line.turner.emf();
                 let rests = line.turner.rests();
-                let mut short = false;
+                let (mut short, mut may_differ) = (false, false);
                 for n in 0..line.parts.len() {
                     let (sent, Some(frame)) = (line.parts[n], frames.next()) else { break };
                     let sent = (sent != 0.0 || !rests).then_some(sent);
@@ -112,11 +129,14 @@ impl Drives {
                     self.counts.clamped += u64::from(!within);
                     if let Some((arriving, is_short)) = line.arrives() {
                         line.arriving[n] = arriving;
-                        short |= is_short;
+                        (short, may_differ) = (short || is_short, true);
                     }
                 }
                 if short {
                     line.turner.arrived(&line.arriving);
+                }
+                if may_differ {
+                    line.turner.flowed(&line.arriving);
                 }
             }
         }

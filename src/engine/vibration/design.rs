@@ -3,16 +3,14 @@
 use super::limiter::Limits;
 use super::{Options, Refusal, Row};
 use crate::dsp::blocker::{Blocker, CORNER};
-use crate::dsp::elliptic::Elliptic;
+use crate::dsp::elliptic::{BAND_SECTIONS, Elliptic};
 use crate::dsp::interpolator::Interpolator;
 use crate::dsp::lanes::LANES;
 
 /// Sections of the band limit.
-pub(super) const SECTIONS: usize = 4;
+pub(super) const SECTIONS: usize = BAND_SECTIONS;
 /// Longest up-sampling filter, taps a phase.
 pub(super) const MAX_TAPS: usize = 12;
-/// Pass band: ripple (dB) to the edge (Hz); least loss of the stop band (dB), which begins just below 1 kHz.
-const BAND: (f64, f64, f64) = (0.3, 850.0, 66.0);
 /// Rate the engine aims at, Hz.
 const ENGINE: f64 = 8000.0;
 
@@ -69,7 +67,7 @@ impl Design {
         if !ENGINE_RATES.contains(&rate) {
             return Err(Refusal::EngineRate(rate));
         }
-        let band_limit = Elliptic::low_pass(SECTIONS, BAND.0, BAND.2, BAND.1, rate);
+        let band_limit = Elliptic::band_limit(rate);
         let fir = Interpolator::design(options.taps, ratio, rate);
         let mut sections = [Section { zeros: 0.0, poles: 0.0, pull: 0.0 }; SECTIONS];
         for (section, exact) in sections.iter_mut().zip(&band_limit.sections) {

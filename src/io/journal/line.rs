@@ -33,6 +33,9 @@ pub struct Line {
     /// 1 for a full voice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
+    /// Decibels above the threshold that a level of 1 is felt like, where that was said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub felt: Option<f64>,
     /// Seconds until the release of a voice, `None` for one that is held; seconds in which a control goes there, `None` for its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration: Option<f64>,
@@ -77,7 +80,7 @@ pub struct Line {
 }
 
 /// Names of the columns of a table.
-pub const COLUMNS: [&str; 21] = [
+pub const COLUMNS: [&str; 22] = [
     "kind",
     "frame",
     "source",
@@ -86,6 +89,7 @@ pub const COLUMNS: [&str; 21] = [
     "place",
     "gains",
     "level",
+    "felt",
     "duration",
     "fields",
     "value",
@@ -113,6 +117,7 @@ impl Line {
             place: None,
             gains: None,
             level: None,
+            felt: None,
             duration: None,
             fields: BTreeMap::new(),
             value: None,
@@ -130,7 +135,7 @@ impl Line {
     }
 
     /// The cells of a table, in the order of [`COLUMNS`]. Control characters, which would break its lines, are spaces.
-    pub fn cells(&self) -> [String; 21] {
+    pub fn cells(&self) -> [String; 22] {
         fn number<T: ToString>(value: Option<T>) -> String {
             value.map(|value| value.to_string()).unwrap_or_default()
         }
@@ -152,6 +157,7 @@ impl Line {
             text(self.place.as_ref()),
             text(self.gains.as_ref()),
             number(self.level),
+            number(self.felt),
             number(self.duration),
             fields,
             number(self.value),
@@ -203,6 +209,7 @@ impl Line {
             place: text("place"),
             gains: text("gains"),
             level: real("level")?,
+            felt: real("felt")?,
             duration: real("duration")?,
             fields,
             value: real("value")?,

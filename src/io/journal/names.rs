@@ -72,7 +72,7 @@ impl Names {
 
     fn voice(&mut self, play: &Play) -> Line {
         let mut gains = String::new();
-        for (channel, gain) in self.places.of(play.instrument as usize, play.place) {
+        for (channel, gain) in self.places.felt(play.instrument as usize, play.place, play.strength()) {
             let between = if gains.is_empty() { "" } else { ";" };
             // A string takes whatever it is given.
             let _ = write!(gains, "{between}{}={gain}", channel + 1);
@@ -87,6 +87,7 @@ impl Names {
             place: Some(place.into_owned()).filter(|name| !name.is_empty()),
             gains: Some(gains),
             level: Some(play.level),
+            felt: play.felt,
             duration: Some(play.duration).filter(|duration| duration.is_finite()),
             fields,
             ..Line::new(Kind::Voice)

@@ -6,10 +6,10 @@ use super::digest;
 use crate::graph::scene::{Options, Scene, scene};
 use crate::io::assets::{Folder, recordings_rate};
 use crate::io::error::{FileError, FileErrorKind};
-use crate::live::provenance::{Provenance, RigText};
+use crate::live::provenance::{Provenance, RigText, Text};
 use crate::patch::{Patch, Permissions};
 use crate::rig::Rig;
-use crate::text::{Problem, Problems};
+use crate::text::{Origin, Problem, Problems};
 
 /// Where the recordings are that a session's patches name, and whether they may be there. Of that a journal is not believed.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -71,7 +71,8 @@ pub fn remake(made_of: &Provenance, recordings: &Recordings) -> Result<Scene, Re
         RigText::Line { line } => Rig::default_for(*line),
         RigText::Text(text) => {
             same(&text.text, &text.sha256, &text.name)?;
-            Rig::parse(&text.name, text.text.as_bytes()).map_err(RemakeError::Scene)?.value
+            let parsed = Rig::parse(&text.name, text.text.as_bytes()).map_err(RemakeError::Scene)?;
+            tabled(parsed.value, &made_of.tables)?
         }
     };
     let options = Options::from(&made_of.options);
@@ -96,6 +97,24 @@ pub fn remake(made_of: &Provenance, recordings: &Recordings) -> Result<Scene, Re
         }
     }
     scene(&patch, &rig, &options, &folder).map_err(RemakeError::Scene)
+}
+
+/// A rig with the tables of its calibrations that stood in files.
+fn tabled(mut rig: Rig, tables: &[Text]) -> Result<Rig, RemakeError> {
+    for calibration in &mut rig.calibrations {
+        let Some(path) = &calibration.file else { continue };
+        let table = tables.iter().find(|table| table.name == *path).ok_or_else(|| {
+            malformed(format!(
+                "the journal has no text of `{path}`, which its rig names: somebody has changed it"
+            ))
+        })?;
+        same(&table.text, &table.sha256, &table.name)?;
+        calibration.take(&table.text).map_err(|list| {
+            let origin = Origin { file: table.name.as_str().into(), source: table.text.as_str().into() };
+            RemakeError::Scene(origin.problems(list))
+        })?;
+    }
+    Ok(rig)
 }
 
 fn is_recording(patch: &Patch, path: &str) -> bool {

@@ -375,10 +375,11 @@ impl<R: BufRead> Replay<R> {
             ("level", line.level.ok_or("a voice must have a level")?),
             ("duration", line.duration.unwrap_or(f64::INFINITY)),
         ];
+        fields.extend(line.felt.map(|felt| ("felt", felt)));
         fields.extend(line.fields.iter().map(|(name, value)| (name.as_str(), *value)));
         let play = self.names.plan.play(name, &fields).map_err(|problem| problem.to_string())?;
         let place = line.place.as_deref().unwrap_or_default();
-        let named = self.names.places.get(place).copied().or_else(|| Spot::point(place));
+        let named = self.names.places.get(place).copied().or_else(|| Spot::unnamed(place));
         let place = named.ok_or_else(|| format!("there is no output `{place}`"))?;
         Ok(Play { place, id: line.id.ok_or("a voice must have an id")?, ..play })
     }

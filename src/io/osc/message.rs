@@ -142,6 +142,7 @@ fn play(voice: &str, args: &[OscType]) -> Result<Ask, Wrong> {
         };
         match name {
             "level" => note.level = Some(finite(value)?),
+            "felt" => note.felt = Some(finite(value)?),
             "duration" => note.duration = Some(number(value).filter(|x| !x.is_nan()).ok_or(Wrong)?),
             "place" => note.place = Some(place(value)?),
             "id" => id = Some(whole(value)?),

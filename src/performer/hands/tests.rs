@@ -102,6 +102,43 @@ fn what_is_said_goes_before_what_is_played() {
     assert_eq!(kept.0.len(), 1);
 }
 
+/// How strongly something is felt goes before the velocity of a key, whether a trigger says it or the voice does.
+#[test]
+fn what_is_felt_goes_before_velocity() {
+    let (mut performer, mut kept) = performer(
+        "[voice.q]\noutput = \"s\"\ndefaults = { felt = 15 }\nnodes.s = { type = \"sine\", frequency = \"event.frequency\" }\n\
+         [[trigger]]\non = \"midi.note\"\nchannel = 1\nplay = \"q\"\nset = { felt = \"10 + 40 * velocity\" }\n\
+         [[trigger]]\non = \"midi.note\"\nchannel = 2\nplay = \"q\"\n\
+         [[trigger]]\non = \"midi.note\"\nchannel = 3\nplay = \"q\"\nset = { level = \"velocity\" }\n\
+         [[trigger]]\non = \"osc./f\"\nplay = \"q\"\nset = { felt = \"value\" }\n",
+    );
+    for channel in 0..3 {
+        send(&mut performer, &mut kept, 0.0, on(channel, 60, 127));
+    }
+    let at = |seconds| When::of_seconds(seconds, 8000.0);
+    for value in [22.0, 1e9, f64::NAN] {
+        let _ = performer.osc(at(1.0), "/f", &[value], &mut kept);
+    }
+    let strengths: Vec<(f64, Option<f64>)> = kept
+        .0
+        .iter()
+        .filter_map(
+            |(_, event)| if let Event::Play(play) = event { Some((play.level, play.felt)) } else { None },
+        )
+        .collect();
+    assert_eq!(
+        strengths,
+        [
+            (1.0, Some(50.0)),
+            (1.0, Some(15.0)),
+            (1.0, None),
+            (1.0, Some(22.0)),
+            (1.0, Some(120.0)),
+            (1.0, Some(-60.0))
+        ]
+    );
+}
+
 #[test]
 fn controllers_move_controls_from_where_they_stand() {
     let (mut performer, mut kept) = performer(

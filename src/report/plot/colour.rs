@@ -19,6 +19,8 @@ pub(super) enum Ink {
     Limit,
     /// The curve of the spectrum.
     Curve,
+    /// What shakes on a map.
+    Heat,
     /// The row or series `index` of `of`.
     Row {
         /// Counted from 0.
@@ -49,6 +51,7 @@ impl Ink {
             Self::Shade => "h".into(),
             Self::Limit => "l".into(),
             Self::Curve => "c".into(),
+            Self::Heat => "e".into(),
             Self::Row { index, .. } => index.to_string(),
             Self::Kind { index } => format!("k{index}"),
         }
@@ -65,6 +68,7 @@ impl Ink {
             Self::Shade => "#f6f4f1".into(),
             Self::Limit => "#b3402e".into(),
             Self::Curve => hex(0.45, 0.125, hue(0.2)),
+            Self::Heat => hex(0.55, 0.21, 30.0),
             Self::Row { index, of } => {
                 let t = share(index, of);
                 hex(0.40 + 0.25 * t, 0.125, hue(t))
@@ -87,6 +91,7 @@ impl Ink {
             Self::Shade => "#171614".into(),
             Self::Limit => "#f08a75".into(),
             Self::Curve => hex(0.70, 0.12, hue(0.2)),
+            Self::Heat => hex(0.80, 0.16, 65.0),
             Self::Row { index, of } => {
                 let t = share(index, of);
                 hex(0.62 + 0.20 * t, 0.12, hue(t))

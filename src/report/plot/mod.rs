@@ -8,6 +8,7 @@ mod chart;
 mod collector;
 mod colour;
 mod extremes;
+mod map;
 mod panel;
 mod path;
 mod picture;
@@ -19,5 +20,6 @@ mod wave;
 
 pub use chart::{Axis, Chart, Point, Series};
 pub use collector::{Collector, ROWS};
+pub use map::{Map, Site};
 pub use picture::Style;
 pub use strips::{Column, Curve, Panel, Strips};

@@ -27,7 +27,7 @@ impl Style {
     }
 }
 
-const MARGIN: f64 = 28.0;
+pub(super) const MARGIN: f64 = 28.0;
 /// Height of the spectrum.
 const PANEL: f64 = 210.0;
 /// Room at the right of the rows, for the peaks.
@@ -215,7 +215,7 @@ impl Collector {
 }
 
 /// The width of a picture in pixels.
-fn wide(style: &Style) -> f64 {
+pub(super) fn wide(style: &Style) -> f64 {
     if style.width.is_finite() { style.width.clamp(500.0, 4000.0).round() } else { 1200.0 }
 }
 

@@ -70,6 +70,27 @@ impl Svg {
             writeln!(self.body, "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"{paint}/>");
     }
 
+    /// The same that something is animated in.
+    pub fn bar(&mut self, [x, y, width, height]: [f64; 4], ink: Ink, inside: &str) {
+        let paint = self.fill(ink);
+        let [x, y, width, height] = [x, y, width.max(0.0), height.max(0.0)].map(number);
+        let _ = writeln!(
+            self.body,
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"{paint}>{inside}</rect>"
+        );
+    }
+
+    /// A filled disc, with an opacity; `inside` may animate it.
+    pub fn disc(&mut self, [x, y]: [f64; 2], radius: f64, ink: Ink, opacity: f64, inside: &str) {
+        let paint = self.fill(ink);
+        let [x, y, radius, opacity] = [x, y, radius, opacity.clamp(0.0, 1.0)].map(hundredths);
+        let end = if inside.is_empty() { "/>".into() } else { format!(">{inside}</circle>") };
+        let _ = writeln!(
+            self.body,
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{paint} fill-opacity=\"{opacity}\"{end}"
+        );
+    }
+
     /// A straight line; `dash` is the length of its dashes, 0 for none.
     pub fn line(&mut self, [x1, y1, x2, y2]: [f64; 4], ink: Ink, width: f64, dash: f64) {
         let paint = self.paint(ink, "stroke", "");
@@ -187,6 +208,12 @@ impl Svg {
         out.push_str("</svg>\n");
         out
     }
+}
+
+/// A number to two digits.
+fn hundredths(x: f64) -> String {
+    let text = format!("{x:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 /// A text for the inside of an element or attribute. What XML cannot hold becomes U+FFFD; breaks become spaces.

@@ -3,6 +3,7 @@
 mod draws;
 mod files;
 mod hostile;
+mod motions;
 mod naive;
 mod stop;
 mod time;
@@ -39,9 +40,11 @@ fn voice(name: &str, level: Option<f64>, duration: Option<f64>, fields: &[(&str,
         voice: name.into(),
         span: 0..0,
         level,
+        felt: None,
         duration,
         place: None,
         place_span: 0..0,
+        motion: None,
         fields,
     })
 }

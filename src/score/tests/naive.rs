@@ -53,7 +53,8 @@ impl Naive<'_> {
                             };
                             let level = play.level.unwrap_or(v.level) * gain;
                             let duration = play.duration.unwrap_or(v.duration) * unit / rate;
-                            let note = Note { voice, level, duration, place: Spot::Row(place), own };
+                            let note =
+                                Note { voice, level, felt: None, duration, place: Spot::Row(place), own };
                             self.out.push((at, path, index, What::Play(note)));
                         }
                         Action::Choose(_) => unreachable!(),

@@ -2,11 +2,12 @@
 
 use super::super::point::{Flat, cross, inner, less, size};
 use super::super::row::Row;
+use super::tile::Form;
 
 /// A polygon has no more corners; one with more stays in triangles.
 pub(super) const MOST_CORNERS: usize = 64;
 /// A point counts as within a tile up to this far outside, in shares of the tile.
-const ON_THE_EDGE: f64 = -1e-13;
+pub(super) const ON_THE_EDGE: f64 = -1e-13;
 /// Only so far within a tile, no other can hold the point as well.
 pub(super) const WELL_WITHIN: f64 = 1e-9;
 
@@ -121,6 +122,17 @@ impl Cell {
             Kind::Polygon(polygon) => polygon.depth(p),
         };
         (depth, [u, v])
+    }
+
+    /// As a tile, if its weights are products of coordinates and its corners are its own.
+    #[inline]
+    pub(super) fn tile(&self) -> Option<(Form, [Flat; 2], [u32; 4])> {
+        let form = match self.kind {
+            Kind::Triangle => Form::Triangle,
+            Kind::Rectangle => Form::Rectangle,
+            Kind::Polygon(_) | Kind::Margin(_) => return None,
+        };
+        Some((form, [self.u, self.v], self.corners))
     }
 
     /// Whether a depth is that of a point within, or on the edge.

@@ -19,7 +19,7 @@ pub(super) struct Frame {
     /// From the lowest to the highest along the last axis, in units.
     pub(super) deep: f64,
     /// Axes from the widest spread to the narrowest, at right angles; each as long as there are units in a metre.
-    rates: [Point; 3],
+    pub(super) rates: [Point; 3],
 }
 
 impl Frame {

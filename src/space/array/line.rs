@@ -39,6 +39,14 @@ impl Line {
         t
     }
 
+    /// A segment: one over its length, and the sites at its ends.
+    #[inline]
+    pub(super) fn tile(&self, segment: u32) -> Option<(f64, [u32; 2])> {
+        let segment = segment as usize;
+        let [a, b] = self.at.get(segment..segment.checked_add(2)?)? else { return None };
+        Some((1.0 / (b - a), [self.sites[segment], self.sites[segment + 1]]))
+    }
+
     /// The segment that holds a place within the ends: the one of last time, or by halving.
     #[inline(always)]
     fn segment(&self, t: f64, hint: usize) -> usize {

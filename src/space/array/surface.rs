@@ -5,6 +5,7 @@ use super::super::row::Row;
 use super::cell::{Cell, Kind, WELL_WITHIN};
 use super::mesh::Mesh;
 use super::rim::Rim;
+use super::tile::Form;
 use super::tiles::tiles;
 
 /// Neighbours whose distance off the plane is more than this share of that in it lie on no surface.
@@ -100,6 +101,12 @@ impl Surface {
     fn field(&self, p: Flat) -> [usize; 2] {
         // The cast holds what is below 0 at 0.
         [0, 1].map(|k| (((p[k] - self.corner[k]) * self.rate[k]) as usize).min(self.fields[k] - 1))
+    }
+
+    /// A cell as a tile.
+    #[inline]
+    pub(super) fn tile(&self, cell: u32) -> Option<(Form, [Flat; 2], [u32; 4])> {
+        self.cells.get(cell as usize)?.tile()
     }
 
     /// The cell that holds a point: the one of last time if it lies well within, else the one in which it lies deepest.

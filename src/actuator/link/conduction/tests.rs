@@ -174,3 +174,44 @@ fn what_cannot_be_is_refused() {
     assert_eq!(field(carrier(true, -0.1), 0.0), "diode_drop");
     assert_eq!(field(carrier(true, 0.0), f64::NAN), "inductance");
 }
+
+/// The root mean square that is looked up is that of the circuit itself, and the mean whose it is comes back: for every lag, and on both sides of where the current
+/// begins never to cease.
+#[test]
+fn a_current_warms_as_that_of_the_circuit() {
+    for full_wave in [true, false] {
+        for lag in [0.0, 0.02, 0.25, 0.6, 2.0, 10.0] {
+            let conduction = Conduction::new(&carrier(full_wave, 0.7), lag / TAU / 4000.0).unwrap();
+            for share in [0.01, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95] {
+                let (mean, against) = (3.0 * share, 3.0 * (1.0 - share));
+                let amplitude = conduction.amplitude(mean, against - 0.7);
+                let (count, turns) = (4000, 4 + (8.0 * lag) as i32);
+                let step = TAU / f64::from(count);
+                let source = |n: i32| {
+                    let x = (step * f64::from(n)).sin() * amplitude;
+                    (if full_wave { x.abs() } else { x }) - against
+                };
+                let (mut current, mut sum) = (0.0_f64, 0.0);
+                for n in 0..count * turns {
+                    sum = if n == count * (turns - 1) { 0.0 } else { sum };
+                    let (now, then) = (source(n % count), source(n % count + 1));
+                    let half = 0.5 * step / lag.max(1e-9);
+                    let next = if lag == 0.0 {
+                        then
+                    } else {
+                        (current * (1.0 - half) + half * (now + then)) / (1.0 + half)
+                    };
+                    let next = next.max(0.0);
+                    sum += (current * current + current * next + next * next) / 3.0 / f64::from(count);
+                    current = next;
+                }
+                let is = conduction.root(mean, against - 0.7);
+                assert!(
+                    (is / sum.sqrt() - 1.0).abs() < 0.003,
+                    "{full_wave} {lag} {share}: {is} {}",
+                    sum.sqrt()
+                );
+            }
+        }
+    }
+}

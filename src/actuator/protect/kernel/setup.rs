@@ -15,7 +15,13 @@ pub const RATES: (f64, f64) = (6e3, 1e6);
 /// The longest tick, seconds; its share of the shortest time of a budget; its least samples.
 const TICK: f64 = 0.01;
 const TICKS: f64 = 400.0;
-const LEAST_TICK: f64 = 8.0;
+const LEAST_TICK: u32 = 8;
+
+/// Samples of a tick for the shortest of these times of budgets, s; 0 where that is less than half a sample.
+pub(in crate::actuator::protect) fn tick_of(times: impl Iterator<Item = f64>, rate: f64) -> u32 {
+    let tick = times.fold(TICK, |tick, time| tick.min(time / TICKS));
+    (tick * rate).round() as u32
+}
 
 impl Protection {
     /// At rest and cold, at a device's rate, 6 kHz to 1 MHz.
@@ -30,7 +36,6 @@ impl Protection {
             bounds.rms.map(|rms| rms.seconds),
             bounds.alternating.map(|a| a.seconds),
         ];
-        let tick = times.into_iter().flatten().fold(TICK, |tick, time| tick.min(time / TICKS));
         let mut it = Self {
             bounds: *bounds,
             rate,
@@ -44,7 +49,7 @@ impl Protection {
             steady: bounds.steady.map(|most| Steady { most, mean: 0.0, pull: pull(CORNER, rate) }),
             motion: None,
             last: 0.0,
-            tick: (tick * rate).round().max(LEAST_TICK) as u32,
+            tick: tick_of(times.into_iter().flatten(), rate).max(LEAST_TICK),
             left: 0,
             plain: false,
             pass: 0.0,

@@ -1,0 +1,372 @@
+//! What tactors were measured to give, as a rig says it.
+
+use super::{Drive, Output, OutputKind, Rig};
+use crate::perception::calibration::{Per, Table, UNITS, Unit};
+use crate::perception::fault::Fault;
+use crate::perception::site::{self, Site, THENAR};
+use crate::text::field::{Field, Form, Table as Keys};
+use crate::text::nearest::suggest;
+use crate::text::reader::Reader;
+use crate::text::{Problem, Span};
+use toml::de::DeValue;
+
+/// A calibration, `[calibration.NAME]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    /// Its name.
+    pub name: String,
+    /// When it was measured, as written: a year, a month and a day.
+    pub date: String,
+    /// How, and on what.
+    pub method: String,
+    /// Area of the contactor, m².
+    pub area: f64,
+    /// Where on the body it was measured; `None`: on no skin.
+    pub site: Option<&'static Site>,
+    /// What the numbers of `points` are.
+    pub unit: Unit,
+    /// The word for that.
+    pub unit_word: &'static str,
+    /// Frequencies (Hz) and outputs; empty where they stand in a file that was not read.
+    pub points: Vec<[f64; 2]>,
+    /// The file in which they stand, relative to that of the rig; `None`: in the rig.
+    pub file: Option<String>,
+    /// Where it stands.
+    pub span: Span,
+    /// Where its table, or the name of its file, stands.
+    pub table_span: Span,
+}
+
+/// Its keys.
+pub(crate) static TABLE: Keys = Keys {
+    name: "calibration",
+    doc: "What a tactor was measured to give.",
+    fields: &[
+        Field::new("date", Form::Defined("date"), "", "When it was measured.").required(),
+        Field::new(
+            "method",
+            Form::Text,
+            "",
+            "How it was measured, on what, and how hard that was pressed: whoever doubts it reads this.",
+        )
+        .required(),
+        Field::new(
+            "unit",
+            Form::Word(UNITS),
+            "",
+            "What the numbers of the table are: displacement, velocity or acceleration, for each volt at the tactor, each ampere, or full scale \
+             of the device (FS). Peak over peak, or rms over rms.",
+        )
+        .required(),
+        Field::new("area", Form::any_number(1e-8, 1e-2), "m2", "Area of the contactor: 2e-5 for one of 5 mm.").required(),
+        Field::new(
+            "site",
+            Form::Defined("site"),
+            "",
+            "Where on the body it was measured, as skin loads a tactor; leave it out where it was measured on no skin.",
+        ),
+        Field::new(
+            "table",
+            Form::Defined("table"),
+            "",
+            "Frequency (Hz) and output at each: [[50, 31.0], [250, 12.5]], or a file beside the rig, \"left.csv\". Straight in dB over the logarithm \
+             of the frequency in between; beyond the first and the last nothing is known.",
+        )
+        .required(),
+    ],
+    others: None,
+};
+
+pub(crate) fn read(name: &str, reader: &Reader) -> Calibration {
+    let place = reader.word("unit");
+    let unit_word = UNITS.get(place).copied().unwrap_or("m/V");
+    let unit = Unit::find(unit_word).unwrap_or(METRES);
+    let mut calibration = Calibration {
+        name: name.into(),
+        date: date(reader).unwrap_or_default(),
+        method: reader.text("method").unwrap_or_default().trim().into(),
+        area: reader.number("area").unwrap_or(1e-4),
+        site: read_site(reader),
+        unit,
+        unit_word,
+        points: Vec::new(),
+        file: None,
+        span: reader.span.clone(),
+        table_span: reader.span_of("table"),
+    };
+    if reader.has("method") && calibration.method.is_empty() {
+        let help = "say it in words: method = \"laser vibrometer, on the fingertip, 0.5 N\"".to_string();
+        let what = format!("the method of {} says nothing", reader.who);
+        reader.sink.push(Problem::error(&reader.span_of("method"), what).help(help));
+    }
+    calibration.table(reader);
+    calibration
+}
+
+const METRES: Unit =
+    Unit { quantity: crate::perception::calibration::Quantity::Displacement, scale: 1.0, per: Per::Volt };
+
+/// Reads the site at `site`.
+pub(super) fn read_site(reader: &Reader) -> Option<&'static Site> {
+    let value = reader.at("site")?;
+    reader.word_of("site", &value, site::WORDS).and_then(|place| site::SITES.get(place))
+}
+
+impl Calibration {
+    /// Reads `table`.
+    fn table(&mut self, reader: &Reader) {
+        let Some(value) = reader.at("table") else { return };
+        if let Some(file) = value.text().filter(|file| !file.is_empty()) {
+            self.file = Some(file.into());
+            return;
+        }
+        let Some(list) = value.list() else {
+            reader.mistaken(
+                "table",
+                &value,
+                "a list of pairs, [[50, 31.0], [250, 12.5]], or the name of a file",
+            );
+            return;
+        };
+        let mut spans = Vec::new();
+        for point in list {
+            let pair: Option<Vec<f64>> = point.list().and_then(|pair| pair.map(|x| x.number()).collect());
+            let Some([hertz, output]) = pair.as_deref().and_then(|pair| <[f64; 2]>::try_from(pair).ok())
+            else {
+                let what = format!(
+                    "a point of {} is {}; it must be a pair, [Hz, output]",
+                    reader.who,
+                    point.shown()
+                );
+                reader.sink.error(&point.span(), what);
+                return;
+            };
+            self.points.push([hertz, output]);
+            spans.push(point.span());
+        }
+        if let Err(fault) = Table::new(&self.points, self.unit) {
+            let span = fault.point().and_then(|n| spans.get(n)).unwrap_or(&self.table_span);
+            reader.sink.error(span, format!("{}: {fault}", reader.who));
+        }
+    }
+
+    /// What it says of the frequency; `None` where it stands in a file that was not read.
+    ///
+    /// # Errors
+    /// What is wrong with its points, where they were made or changed in code.
+    pub fn response(&self) -> Option<Result<Table, Fault>> {
+        (self.file.is_none() || !self.points.is_empty()).then(|| Table::new(&self.points, self.unit))
+    }
+
+    /// Takes the points from the text of its file: a line of column names with `frequency` and `output`, and a line for each point. Other columns
+    /// are passed over.
+    ///
+    /// # Errors
+    /// What is wrong, each with its place in the text.
+    pub fn take(&mut self, text: &str) -> Result<(), Vec<Problem>> {
+        let mut problems = Vec::new();
+        let (mut columns, mut places): (Option<[usize; 2]>, Vec<Span>) = (None, Vec::new());
+        let mut from = 0;
+        self.points.clear();
+        for line in text.split_inclusive('\n') {
+            let span = from..from + line.trim_end().len();
+            from += line.len();
+            let line = line.trim_start_matches('\u{feff}').trim();
+            if line.is_empty() || line.starts_with('#') {
+                continue;
+            }
+            let cells: Vec<&str> = line.split(',').map(|cell| cell.trim().trim_matches('"')).collect();
+            let Some([hertz, output]) = columns else {
+                let find = |wanted: &str| cells.iter().position(|cell| *cell == wanted);
+                let (Some(hertz), Some(output)) = (find("frequency"), find("output")) else {
+                    let what =
+                        "the first line names the columns, and two of them must be `frequency` and `output`";
+                    let help = "write frequency,output; cells are divided by commas".to_string();
+                    return Err(vec![Problem::error(&span, what).help(help)]);
+                };
+                columns = Some([hertz, output]);
+                continue;
+            };
+            let number = |place: usize| cells.get(place).and_then(|cell| cell.parse::<f64>().ok());
+            match (number(hertz), number(output)) {
+                (Some(hertz), Some(output)) => {
+                    self.points.push([hertz, output]);
+                    places.push(span);
+                }
+                _ => problems
+                    .push(Problem::error(&span, format!("`{line}` has no number for frequency or output"))),
+            }
+            if problems.len() >= MOST_WRONG {
+                break;
+            }
+        }
+        if problems.is_empty()
+            && let Err(fault) = Table::new(&self.points, self.unit)
+        {
+            let problem = Problem::of_file(fault.to_string());
+            let span = fault.point().and_then(|n| places.get(n)).cloned();
+            problems.push(Problem { span, ..problem });
+        }
+        if problems.is_empty() {
+            return Ok(());
+        }
+        self.points.clear();
+        Err(problems)
+    }
+}
+
+/// So many lines that say no numbers are told.
+const MOST_WRONG: usize = 20;
+
+/// A year, a month and a day, in quotes or as TOML has dates.
+fn date(reader: &Reader) -> Option<String> {
+    let value = reader.at("date")?;
+    let said = match value.value {
+        DeValue::Datetime(date) => date.to_string(),
+        _ => value.text().unwrap_or_default().to_string(),
+    };
+    if is_date(&said) {
+        return Some(said);
+    }
+    let shown = if matches!(value.value, DeValue::Datetime(_)) { said } else { value.shown() };
+    let what = format!("`date` of {} is {shown}; it must be a day: 2026-03-14", reader.who);
+    reader.sink.error(&value.span(), what);
+    None
+}
+
+fn is_date(said: &str) -> bool {
+    let parts: Vec<&str> = said.split('-').collect();
+    let [year, month, day] = parts[..] else { return false };
+    let number = |part: &str, digits: usize| {
+        let all = part.len() == digits && part.bytes().all(|b| b.is_ascii_digit());
+        part.parse::<u32>().ok().filter(|_| all)
+    };
+    let Some((year, month, day)) =
+        number(year, 4).zip(number(month, 2)).zip(number(day, 2)).map(|((y, m), d)| (y, m, d))
+    else {
+        return false;
+    };
+    let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let days = match month {
+        2 => 28 + u32::from(leap),
+        4 | 6 | 9 | 11 => 30,
+        1..=12 => 31,
+        _ => 0,
+    };
+    (1..=days).contains(&day)
+}
+
+impl Rig {
+    /// The calibration of that name.
+    pub fn calibration(&self, name: &str) -> Option<&Calibration> {
+        self.calibrations.iter().find(|calibration| calibration.name == name)
+    }
+
+    /// The calibration of an output.
+    pub fn calibration_of(&self, output: &Output) -> Option<&Calibration> {
+        self.calibration(output.calibration.as_ref()?)
+    }
+
+    /// Where on the body an output sits: as it says, else as its calibration does, else on the thenar.
+    pub fn site_of(&self, output: &Output) -> &'static Site {
+        output.site.or_else(|| self.calibration_of(output)?.site).unwrap_or(THENAR)
+    }
+
+    /// Volts, amperes or full scales at the tactor of an output for a sample of 1.0, as its calibration counts them.
+    ///
+    /// # Errors
+    /// Why that is not known.
+    pub fn per_sample(&self, output: &Output, calibration: &Calibration) -> Result<f64, Problem> {
+        let per = calibration.unit.per;
+        let amplifier = output.amplifier.as_ref().and_then(|name| self.amplifier(name));
+        let gain = match (per, amplifier.map(|amplifier| (amplifier.drive, amplifier.gain))) {
+            (Per::FullScale, _) => return Ok(1.0),
+            (Per::Volt, None) => 1.0,
+            (Per::Volt, Some((Drive::Voltage, gain))) | (Per::Ampere, Some((Drive::Current, gain))) => gain,
+            _ => {
+                let what = format!(
+                    "calibration `{}` of `{}` is in {}, which its amplifier does not impose",
+                    calibration.name, output.name, calibration.unit_word
+                );
+                let help = match per {
+                    Per::Ampere => "amperes come from an amplifier with drive = \"current\"",
+                    _ => "volts come from an amplifier with drive = \"voltage\", or from none",
+                };
+                return Err(Problem::error(&output.span, what).help(help.to_string()));
+            }
+        };
+        let Some(volts) = self.device.full_scale_volts else {
+            let what = format!(
+                "calibration `{}` of `{}` is in {}, and nothing says how many volts full scale is",
+                calibration.name, output.name, calibration.unit_word
+            );
+            let help =
+                "measure `full_scale_volts` of the device, or calibrate over full scale: um/FS".to_string();
+            return Err(Problem::error(&output.span, what).help(help));
+        };
+        let amount = (volts * gain).abs();
+        if amount > 0.0 {
+            return Ok(amount);
+        }
+        let what = format!("nothing gets through the amplifier to `{}`, which is calibrated", output.name);
+        Err(Problem::error(&output.span, what).help("give the amplifier a `gain` above 0".to_string()))
+    }
+
+    /// What is wrong with the calibration of an output, and what is doubtful.
+    pub(super) fn calibrated(&self, output: &Output) -> Option<Problem> {
+        let name = output.calibration.as_ref()?;
+        let Some(calibration) = self.calibration(name) else {
+            let what = format!("output `{}` has a calibration `{name}`, which is not there", output.name);
+            let help = suggest(name, self.calibrations.iter().map(|calibration| calibration.name.as_str()))
+                .unwrap_or_else(|| format!("describe it under [calibration.{name}]"));
+            return Some(Problem::error(&output.span, what).help(help));
+        };
+        if !matches!(output.kind, OutputKind::Vibration | OutputKind::Raw) {
+            let what = format!(
+                "output `{}` is of kind {}; what vibrates is calibrated",
+                output.name,
+                output.kind.word()
+            );
+            return Some(Problem::error(&output.span, what).help("leave `calibration` out".to_string()));
+        }
+        if let Err(problem) = self.per_sample(output, calibration) {
+            return Some(problem);
+        }
+        let (sits, measured) = (output.site?, calibration.site?);
+        (sits != measured).then(|| {
+            let what = format!(
+                "`{}` sits on the {} and was calibrated on the {}: other skin loads a tactor otherwise",
+                output.name, sits.word, measured.word
+            );
+            Problem::warning(&output.span, what).help(format!("calibrate it on the {}", sits.word))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_date;
+
+    #[test]
+    fn dates_are_days_that_there_were() {
+        for good in ["2026-03-14", "2024-02-29", "2000-02-29", "1999-12-31"] {
+            assert!(is_date(good), "{good}");
+        }
+        let bad = [
+            "",
+            "2026",
+            "2026-3-14",
+            "26-03-14",
+            "2026-13-01",
+            "2026-00-01",
+            "2026-04-31",
+            "2025-02-29",
+            "1900-02-29",
+            "2026-03-14T10:00:00",
+            "+026-03-14",
+        ];
+        for bad in bad {
+            assert!(!is_date(bad), "{bad}");
+        }
+    }
+}
