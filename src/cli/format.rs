@@ -149,6 +149,11 @@ fn key(field: &Field) -> &'static str {
     if field.key.is_empty() { "any other" } else { field.key }
 }
 
+/// What names the picture leads to it.
+fn linked(text: &str) -> String {
+    text.replace("docs/body.svg", "[docs/body.svg](body.svg)")
+}
+
 fn as_above(fields: &[&Field]) -> String {
     let keys: Vec<&str> = fields.iter().map(|f| key(f)).collect();
     format!("and, as above, {}", keys.join(", "))
@@ -171,7 +176,7 @@ fn book(part: &Part) -> String {
         if !topic.written.is_empty() {
             text += &format!(" Written `{}`.", topic.written.replace('`', ""));
         }
-        text += &format!("\n\n```toml\n{}\n```\n\n{}\n", topic.example, prose(topic.text));
+        text += &format!("\n\n```toml\n{}\n```\n\n{}\n", topic.example, linked(&prose(topic.text)));
         for (i, table) in topic.tables.iter().enumerate() {
             let head =
                 if table.name == topic.name { "key".into() } else { format!("key of `{}`", table.name) };

@@ -118,6 +118,15 @@ impl Finder {
         self.called.iter().map(String::as_str)
     }
 
+    /// How far tactors lie apart along the axis along which they do most, m; 0 with fewer than two.
+    pub(super) fn extent(&self) -> f64 {
+        let at = |tactor: &Tactor| tactor.at[self.axis];
+        match (self.along.first(), self.along.last()) {
+            (Some(first), Some(last)) => at(last) - at(first),
+            _ => 0.0,
+        }
+    }
+
     /// The paths that are places: what [`Spot::Path`] counts.
     pub fn paths(&self) -> &[Route] {
         &self.paths

@@ -65,7 +65,8 @@ pub const TOPICS: &[Topic] = &[
         name: "tactor",
         written: "[[tactor]]",
         doc: "An output for vibration.",
-        text: "Events find it by its `name`, by its `channel` or by that of a [group.NAME] it is in. What is played at a position, in metres from wherever the origin was put, is shared by the tactors about it that have a `position`. What is done to what \
+        text: "Events find it by its `name`, by its `channel` or by that of a [group.NAME] it is in. What is played at a position, in metres from wherever the origin was put, is shared by the tactors about it that have a `position`. On a body, x goes to the wearer's right, y up and z ahead: docs/body.svg \
+               draws it, with the tactors of `pacinian rig new`. What is done to what \
                goes out, and in which order, stands at [[output]].",
         tables: &[&output::TACTOR],
         example: "[device]\n\

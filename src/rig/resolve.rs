@@ -128,6 +128,7 @@ impl Rig {
     /// What a patch says of places that plays, but hardly where it was meant: warnings. Those of events files are left out.
     pub fn advise(&self, patch: &Patch) -> Vec<Problem> {
         let (mut problems, finder) = (Vec::new(), Finder::new(self));
+        let astray = finder.extent().clamp(ASTRAY[0], ASTRAY[1]);
         patch.each_place(|place, span| {
             let points = match place {
                 Place::Position(position) => std::slice::from_ref(position),
@@ -141,7 +142,7 @@ impl Rig {
             else {
                 return;
             };
-            if far > ASTRAY && problems.len() < Sink::MOST {
+            if far > astray && problems.len() < Sink::MOST {
                 let shown = position.map(|x| x.to_string()).join(", ");
                 let what = format!(
                     "the {} [{shown}] is {far:.2} m from the nearest tactor, `{}`: it sounds at the rim",
@@ -156,8 +157,8 @@ impl Rig {
     }
 }
 
-/// A place so many metres from every tactor was hardly meant.
-const ASTRAY: f64 = 0.5;
+/// A place farther from every tactor than they lie apart was hardly meant; metres, at least and at most.
+const ASTRAY: [f64; 2] = [0.1, 0.5];
 
 #[cfg(test)]
 mod tests {
@@ -179,15 +180,31 @@ mod tests {
     fn a_place_far_from_every_tactor_is_a_warning() {
         let text = "format = \"pacinian-patch/1\"\ntitle = \"T\"\n[voice.v]\noutput = \"n\"\n\
                     nodes.n = { type = \"white\" }\n[pattern.p]\nevents = [\n\
-                    { at = 0, voice = \"v\", place = [0.1, 0.4] },\n{ at = 1, voice = \"v\", place = [0, 20] },\n]\n";
+                    { at = 0, voice = \"v\", place = [0, 0.09] },\n{ at = 1, voice = \"v\", place = [0, 0.2] },\n\
+                    { at = 2, voice = \"v\", place = [0, 0.4] },\n{ at = 3, voice = \"v\", place = [0, 20] },\n]\n";
         let patch = Patch::parse("p.toml", text.as_bytes()).unwrap().value;
-        let list = Rig::default_for(8).advise(&patch);
-        assert_eq!(list.len(), 1, "{list:?}");
-        assert!(
-            !list[0].is_error() && list[0].what.contains("20.00 m from the nearest tactor, `t1`"),
-            "{list:?}"
-        );
-        assert!(text[list[0].span.clone().unwrap()].contains("[0, 20]"));
+        // Farther off than the array is wide, from 0.1 m on; 0.5 m is too far from any.
+        for (wide, wanted) in [
+            (0.0, &["[0, 0.2]", "[0, 0.4]", "[0, 20]"][..]),
+            (0.19, &["[0, 0.2]", "[0, 0.4]", "[0, 20]"]),
+            (0.21, &["[0, 0.4]", "[0, 20]"]),
+            (0.41, &["[0, 20]"]),
+            (25.0, &["[0, 20]"]),
+        ] {
+            let mut rig = Rig::default_for(8);
+            for (n, output) in rig.outputs.iter_mut().enumerate() {
+                output.position = Some([wide * n as f64 / 7.0, 0.0, 0.0]);
+            }
+            let list = rig.advise(&patch);
+            assert_eq!(list.len(), wanted.len(), "{wide}: {list:?}");
+            for (warning, wanted) in list.iter().zip(wanted) {
+                assert!(
+                    !warning.is_error() && text[warning.span.clone().unwrap()].contains(wanted),
+                    "{wide}: {list:?}"
+                );
+            }
+            assert!(list[list.len() - 1].what.contains("20.00 m from the nearest tactor, `t1`"), "{list:?}");
+        }
     }
 
     #[test]
