@@ -208,7 +208,7 @@ impl Array {
 
     /// Whether weights of a width have no corners to speak of.
     pub(super) fn is_smooth(&self, width: f64) -> bool {
-        width > 0.0 && (2.0 * width >= self.spacing || matches!(self.form, Form::Cloud(_)))
+        width > 0.0 && 2.0 * width >= self.spacing
     }
 
     /// How far outside the array a point lies, in metres: from where it counts as being. For points off a line or a plane, along it.

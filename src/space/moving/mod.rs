@@ -15,7 +15,7 @@ use super::point::{Point, distance, tamed};
 use super::row::Row;
 use super::spot::Spread;
 use boxes::{Boxes, Sums};
-use kernel::{COARSE, FINE, Kernel, QUICK, SLOW};
+use kernel::{COARSE, FINE, Kernel, QUICK, SLOW, SLOW_OF_WIDTH};
 pub use stretch::Age;
 use stretch::Stretch;
 pub use trail::Trail;
@@ -106,10 +106,11 @@ impl Mover {
         let bent = turns(ends, here, spacing);
         let tile = self.tile(width, law, *piece);
         let stays = tile.is_some_and(|tile| stays_in(&tile, ends, here, spacing));
-        let plain = rests || stays || array.is_smooth(width);
-        let way = if plain { 0.0 } else { distance(ends[0], here) + distance(here, ends[1]) };
-        let speed = way / (2 * SEEN) as f64;
-        let slow = speed < SLOW * spacing;
+        let plain = rests || stays || array.is_smooth(width) && !bent;
+        // Of the two halves, the one in which it does not turn back.
+        let way = if plain { 0.0 } else { distance(ends[0], here).max(distance(here, ends[1])) };
+        let speed = way / SEEN as f64;
+        let slow = speed < SLOW * spacing && (width == 0.0 || speed < SLOW_OF_WIDTH * width);
         // In a cloud a weight may have a corner anywhere, but none so sharp that it counts while the point is slow.
         let cloud = array.shape() == Shape::Cloud && law != Law::Nearest;
         let crosses = !(plain || cloud && slow)
@@ -192,7 +193,9 @@ impl Mover {
     fn halved<A: Fn(i64, f64) -> Point>(&self, way: &Way<A>, span: &Span) -> usize {
         let array = self.spread.array();
         match array.shape() {
-            Shape::One | Shape::Line => 0,
+            Shape::One => 0,
+            _ if way.width > 0.0 && !way.slow => 2,
+            Shape::Line => 0,
             _ if way.slow => 0,
             Shape::Cloud => 2,
             Shape::Surface => {
