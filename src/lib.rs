@@ -53,8 +53,8 @@
 //! | [`midi`] | bytes of MIDI into messages, messages into gestures; with the feature `midi` files too |
 //! | [`text`] | problems that point at their line, schemas |
 //! | [`node`] | the node library, one file a node; with the feature `fundsp-nodes` a few units of `fundsp` too |
-//! | [`actuator`] | models of what moves, and which drive makes it do what is wanted, and what it bears |
 //! | [`perception`] | what the skin feels: thresholds by site and contactor, and what a calibrated tactor needs for them |
+//! | [`actuator`] | models of what moves, and which drive makes it do what is wanted, and what it bears |
 //! | [`space`] | where on the body: tactors that share a point, paths, strokes, common arrays |
 //! | [`schedule`] | the sample clock |
 //! | [`dsp`] | blocks that several rooms share |

@@ -597,6 +597,12 @@ fn check_tells_of_events_that_are_too_short_to_rise() {
     assert!(said.matches("takes 63 ms").count() == 1 && said.contains("even_out = {}"), "{said}");
     let long = events.replace("0.04", "0.13").replace("0.1 }", "0.2 }");
     assert!(!scratch.check(&long).1.contains("takes"), "long enough");
+    // Of an events file, at its first line that is too short.
+    std::fs::write(scratch.0.join("e.csv"), "at,voice,duration\n0,v,0.2\n1,v,0.1\n2,v,0.05\n").unwrap();
+    let (code, said) = scratch.check("[pattern.p]\ntime = \"beats\"\ntempo = 120\nevents = \"e.csv\"\n");
+    let wanted = "an event of voice `v` on `a` lasts 50.0 ms; its actuator `lra` takes 63 ms";
+    assert!(code == Some(0) && said.contains(wanted) && said.contains("e.csv:3:"), "{said}");
+    assert_eq!(said.matches("takes 63 ms").count(), 1, "{said}");
     std::fs::write(
         scratch.0.join("rig.toml"),
         lra.replace("resistance = 25.0\n", "resistance = 25.0\neven_out = {}\n"),

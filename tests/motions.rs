@@ -12,7 +12,6 @@ use pacinian::player::Player;
 use pacinian::rig::Rig;
 use pacinian::space::array::Array;
 use pacinian::space::brush::Stroke;
-use pacinian::space::law::Law;
 use pacinian::space::path::{Path, Timing};
 
 /// Rows and columns, 50 mm apart, row by row.
@@ -52,7 +51,7 @@ fn rendered(text: &str, rig: &Rig, seconds: f64, live: bool) -> Vec<f32> {
 fn an_event_is_its_bursts() {
     let rig = grid(3, 4);
     let path = Path::new(&[[0.0, 0.02, 0.0], [0.14, 0.09, 0.0]], 0.7, Timing::Smooth).unwrap();
-    let stroke = Stroke::new(&array(&rig), &path, Law::Logarithmic).unwrap();
+    let stroke = Stroke::new(&array(&rig), &path).unwrap();
     assert!(stroke.bursts.len() > 3);
     let burst = |at: f64, seconds: f64, place: &str| {
         format!("{{ at = {at:?}, voice = \"v\", level = 0.7, duration = {seconds:?}, place = {place} }}")
@@ -106,7 +105,8 @@ fn powers_of_bursts_that_overlap_add_up() {
         turned(f64::sin).hypot(turned(f64::cos))
     };
     let (quarter, three) = (0.25_f64.sqrt(), 0.75_f64.sqrt());
-    let goes_on = ("event.since * 200 + event.burst / 4", "defaults = { since = 0, burst = 0 }");
+    let goes_on =
+        ("event.since * 200 + event.burst * event.burst / 4", "defaults = { since = 0, burst = 0 }");
     for (c, first, second) in [(0, three, quarter), (1, quarter, three)] {
         let alone = strength(goes_on.0, goes_on.1, 0.03, onset - 0.01, c);
         let both = strength(goes_on.0, goes_on.1, onset + 0.02, 0.145, c);
@@ -114,6 +114,32 @@ fn powers_of_bursts_that_overlap_add_up() {
         // The path out passes 200 Hz as it is, within its ripple.
         assert!((alone / share(first, 1.0) - 1.0).abs() < 0.02, "{c}: {alone}");
         assert!((both / wanted - 1.0).abs() < 0.02, "{c}: {both} {wanted}");
+    }
+}
+
+/// Of three that overlap on one tactor, the first and the last are in step: the more sound, the stronger it is, and none takes another away.
+#[test]
+fn no_burst_takes_another_away() {
+    let rig = grid(1, 1);
+    let event = "{ at = 0, voice = \"v\", apparent = { places = [1, 1, 1], burst = 0.6 } }";
+    let onset = 0.32 * 0.6 + 0.0473;
+    let phase = "event.since * 200 + event.burst * event.burst / 4";
+    let frames = rendered(&text("defaults = { since = 0, burst = 0 }", phase, event), &rig, 1.2, false);
+    let strength = |begin: f64, end: f64| {
+        let range = (begin * 48_000.0) as usize..(end * 48_000.0) as usize;
+        let count = range.len() as f64;
+        (2.0 * frames[range].iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / count).sqrt()
+    };
+    let edge = 0.03;
+    for (begin, end, wanted) in [
+        (0.0, onset, 1.0),
+        (onset, 2.0 * onset, 2.0_f64.sqrt()),
+        (2.0 * onset, 0.6, 5.0_f64.sqrt()),
+        (0.6, onset + 0.6, 2.0_f64.sqrt()),
+        (onset + 0.6, 2.0 * onset + 0.6, 1.0),
+    ] {
+        let strength = strength(begin + edge, end - edge) / 0.2;
+        assert!((strength / wanted - 1.0).abs() < 0.03, "{begin}: {strength} {wanted}");
     }
 }
 
@@ -145,7 +171,7 @@ fn what_is_too_fast_is_refused_at_its_line_and_what_is_unusual_is_told() {
     assert_eq!(stroke("[[0, 0.025], [0.15, 0.025]]", 0.35), "");
     assert!(
         stroke("[[0, 0.025], [0.15, 0.025]]", 5.0)
-            .contains("outside what the law of onsets was measured for")
+            .contains("outside what the law of onsets is told to be measured for")
     );
     assert!(stroke("[[0, 0], [0.15, 0.1]]", 0.12).contains("too fast for"));
     assert!(stroke("[[0, 0.025], [0.3, 0.025]]", 0.6).contains("leaves the tactors by 0.150 m"));

@@ -4,6 +4,7 @@ use super::by_default;
 use super::failure::Failure;
 use super::felt::Felt;
 use super::named::{Codes, Watched, named, unreadable};
+use super::rise;
 use super::setting::{self, Setting};
 use clap::{Args, ValueEnum};
 use pacinian::graph::motions;
@@ -303,9 +304,10 @@ impl Scene {
         let live = Options { live: true, ..options.clone() };
         let (mut listened, mut unheard, mut short) = (Vec::new(), None, None);
         let compiled = scene(&patch, &rig, if all { &live } else { &options }, &watched);
-        let mut felt = None;
+        let (mut felt, mut rises) = (None, None);
         match &compiled {
             Ok(scene) => {
+                rises = Some(rise::search(&patch, &rig, scene));
                 felt = Some(Felt::new(&patch, &rig, scene));
                 listened = scene.plan.inputs();
                 unheard = setting::unheard(&patch, &self.settings, &scene.plan.left_out);
@@ -326,7 +328,10 @@ impl Scene {
                 continue;
             }
             let resolve = |place: &patch::Place| rig.resolve(Some(place), &(0..0)).err();
-            let feel = |play: &patch::Play| felt.as_mut().and_then(|felt| felt.event(play));
+            let feel = |play: &patch::Play| {
+                let capped = felt.as_mut().and_then(|felt| felt.event(play));
+                capped.or_else(|| rises.as_mut()?.row(play, pattern))
+            };
             match events::survey_with(&folder, path, &patch, resolve, feel) {
                 Ok(mut survey) => {
                     surveyed.push((path.clone(), survey.events));
@@ -359,7 +364,7 @@ impl Scene {
         }
         let codes = seen.codes(&patch);
         let capped = felt.and_then(Felt::advice);
-        let unrisen = compiled.as_ref().ok().and_then(|scene| super::rise::short(&patch, &rig, scene));
+        let unrisen = rises.and_then(rise::Search::advice);
         let moves = compiled.as_ref().ok().map(|scene| {
             let array = scene.plan.spread.as_ref().map(Spread::array);
             patch.origin.problems(motions::remarks(&patch, array))

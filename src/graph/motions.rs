@@ -1,7 +1,7 @@
 //! Illusions of motion in a patch, on the tactors that there are: which cannot be, and what there is to know of the others.
 
 use crate::patch::motion::Bursts;
-use crate::patch::{Action, Events, Motion, Patch, Play, Voice};
+use crate::patch::{Motion, Patch, Play, Voice};
 use crate::space::array::Array;
 use crate::space::fault::Fault;
 use crate::text::Problem;
@@ -13,19 +13,14 @@ pub fn each<'a>(
     array: Option<&Array>,
     mut see: impl FnMut(&'a Voice, &'a Play, &'a Motion, Result<Bursts, Fault>),
 ) {
-    for pattern in &patch.patterns {
-        let Events::Inline(events) = &pattern.events else { continue };
-        let unit = pattern.time.seconds() / pattern.rate;
-        for action in events.iter().flat_map(|event| event.action.each()) {
-            if let Action::Voice(play) = action
-                && let Some(motion) = &play.motion
-                && let Some(voice) = patch.voices.iter().find(|voice| voice.name == play.voice)
-            {
-                let seconds = play.duration.unwrap_or(voice.duration) * unit;
-                see(voice, play, motion, motion.bursts(seconds, array, voice.law));
-            }
+    patch.each_play(|play, pattern| {
+        if let Some(motion) = &play.motion
+            && let Some(voice) = patch.voices.iter().find(|voice| voice.name == play.voice)
+        {
+            let seconds = play.duration.unwrap_or(voice.duration) * pattern.time.seconds() / pattern.rate;
+            see(voice, play, motion, motion.bursts(seconds, array));
         }
-    }
+    });
 }
 
 /// What cannot be: too fast, or in no time.

@@ -266,7 +266,7 @@ impl Patch {
     }
 
     /// Every voice that an event in it plays, alternatives included, with its pattern; those of events files are not.
-    pub(crate) fn each_play<'a>(&'a self, mut see: impl FnMut(&'a Play, &'a Pattern)) {
+    pub fn each_play<'a>(&'a self, mut see: impl FnMut(&'a Play, &'a Pattern)) {
         for pattern in &self.patterns {
             let Events::Inline(events) = &pattern.events else { continue };
             let actions = events.iter().flat_map(|event| match &event.action {

@@ -19,7 +19,6 @@ use crate::space::apparent::{self, Apparent};
 use crate::space::array::Array;
 use crate::space::brush::{MEASURED, Stroke};
 use crate::space::fault::Fault;
-use crate::space::law::Law;
 use crate::space::path::{Path, Timing};
 use crate::space::saltation::{self, REPORTED, Saltation};
 use crate::text::Span;
@@ -38,7 +37,7 @@ const PLACES: Field = Field::new(
     "places",
     Form::Defined("places"),
     "",
-    "Where, one after another, two or more: names, channels or positions.",
+    "Where, one after another, two or more: names, channels, positions or lists of names.",
 )
 .required();
 
@@ -158,17 +157,17 @@ impl Motion {
 
     /// The longest that one of its bursts may be, s, for an event of some seconds.
     pub(super) fn longest(&self, seconds: f64) -> f64 {
-        let bursts = self.bursts(seconds, None, Law::default());
+        let bursts = self.bursts(seconds, None);
         bursts.map_or(seconds, |bursts| bursts.list.iter().map(|burst| burst.seconds).fold(0.0, f64::max))
     }
 
-    /// Its bursts, for an event of some seconds, on an array whose tactors share points by a law.
+    /// Its bursts, for an event of some seconds, on an array.
     ///
     /// Where no array is known, a stroke is one burst as long as all of it, at the first point of its path.
     ///
     /// # Errors
     /// What is too fast, or takes too little time for so many places.
-    pub fn bursts(&self, seconds: f64, array: Option<&Array>, law: Law) -> Result<Bursts, Fault> {
+    pub fn bursts(&self, seconds: f64, array: Option<&Array>) -> Result<Bursts, Fault> {
         match &self.kind {
             Kind::Stroke(way) => {
                 let route = way.route();
@@ -179,7 +178,7 @@ impl Motion {
                     let list = vec![Burst { place, start: 0.0, seconds: path.seconds() }];
                     return Ok(Bursts { list, remarks: Vec::new() });
                 };
-                let stroke = Stroke::new(array, &path, law)?;
+                let stroke = Stroke::new(array, &path)?;
                 let burst = |burst: &crate::space::brush::Burst| Burst {
                     place: Place::Position(burst.place),
                     start: burst.start,
@@ -255,7 +254,7 @@ fn unmeasured(so_many: usize, of_all: usize, (least, most): (f64, f64)) -> Optio
             format!("{} to {}", shown(least), shown(most))
         };
         format!(
-            "{so_many} of {of_all} bursts {} outside what the law of onsets was measured for, {} to {} ms: here they are {range} ms",
+            "{so_many} of {of_all} bursts {} outside what the law of onsets is told to be measured for, about {} to {} ms: here they are {range} ms",
             if so_many == 1 { "is" } else { "are" },
             shown(MEASURED.0),
             shown(MEASURED.1)
@@ -309,7 +308,7 @@ pub(super) fn read(reader: &Reader) -> Option<Motion> {
     // What no array can mend is said where it stands; an event's duration is known later.
     let settled = match motion.kind {
         Kind::Apparent(None) => Apparent::new(motion.places.len(), MEASURED.1).err(),
-        _ => motion.bursts(1.0, None, Law::default()).err(),
+        _ => motion.bursts(1.0, None).err(),
     };
     if let Some(fault) = settled {
         let span = if matches!(fault, Fault::FewPlaces(_)) { value.span() } else { motion.span };
@@ -408,8 +407,7 @@ mod tests {
 
     #[test]
     fn what_was_measured_otherwise_is_remarked() {
-        let remarks =
-            |written: &str| motion(written).unwrap().bursts(1.0, None, Default::default()).unwrap().remarks;
+        let remarks = |written: &str| motion(written).unwrap().bursts(1.0, None).unwrap().remarks;
         assert_eq!(remarks("apparent = { places = [1, 2], burst = 0.2 }"), Vec::<String>::new());
         let long = remarks("apparent = { places = [1, 2], burst = 0.5 }");
         assert!(

@@ -81,7 +81,8 @@ fn names_of(value: &At) -> Option<Vec<String>> {
     (!names.is_empty()).then_some(names)
 }
 
-fn position_of(value: &At) -> Option<[f64; 3]> {
+/// Two or three coordinates as they stand in a file.
+pub(super) fn position_of(value: &At) -> Option<[f64; 3]> {
     let numbers: Option<Vec<f64>> = value.list()?.map(|v| v.number()).collect();
     position(&numbers?)
 }

@@ -6,10 +6,10 @@ use crate::text::reference::{Defined, Topic};
 /// What stands where a key refers to something with a topic of its own.
 pub const DEFINED: Defined = &[
     ("format", "\"pacinian-patch/1\""),
-    ("place", "a place: \"top\", 3 or [0, -0.2]"),
+    ("place", "a place: \"top\", 3, [0, -0.2], [\"a\", \"b\"] or a path"),
     ("points", "points in metres: [[0, 0], [0.1, 0]]"),
     ("times", "a list of seconds, one for each point"),
-    ("places", "a list of places: [\"left\", 3, [0.1, 0]]"),
+    ("places", "a list of places: [\"left\", 3, [0.1, 0], [\"a\", \"b\"]]"),
     ("range", "[least, most]"),
     ("notes", "two notes: [36, \"D#3\"]"),
     ("set", "a table of numbers and expressions"),
@@ -188,8 +188,8 @@ pub const TOPICS: &[Topic] = &[
                one to the other is divided at β, and their weights are 1 − β and β. Of tactors in a plane, or a gently curved sheet, the corners of a \
                rectangle share what lies within by their parts of the way across and up, and elsewhere the corners of the triangles between them; of \
                any others those nearby, the nearer the more. The law makes gains of weights: √w (`energy`, which keeps the power), \
-               log₂(1 + w) (`logarithmic`), w (`linear`), or all for the nearest (`nearest`). A `width` is the standard deviation of a Gaussian about the \
-               position; up to half of the tactors' spacing it goes over from the neighbours alone. What lies beside the tactors sounds at the nearest point \
+               log₂(1 + w) (`logarithmic`), w (`linear`), or all for the nearest (`nearest`). A `width` is the standard deviation of a Gaussian of weights about \
+               the position (so of the power by the energy law, whose gains reach 1.4 times as far); up to half of the tactors' spacing it goes over from the neighbours alone. What lies beside the tactors sounds at the nearest point \
                between them. Where no tactor is at a position that two share, it is felt in between: the phantom sensation.\n\n\
                A node `place` moves its voice by what other nodes and controls say: `pacinian nodes place`.\n\n\
                Without a rig there is a line of tactors `t1`, `t2`, ... on channels 1, 2, ..., 40 mm apart: 8, or as many as the patch \
@@ -213,14 +213,14 @@ pub const TOPICS: &[Topic] = &[
                edges between tactors, a burst is felt between them, and the next begins before it is over. It takes as long as the event, or `over`, or has `times`\n\
                - `apparent`: bursts at two places or more, one after the other, from each to the next 0.32 of its duration and 47.3 ms. They take as long as the event, \
                or each of them as long as `burst`\n\
-               - `saltation`: the cutaneous rabbit (Geldard and Sherrick, 1972), short taps that seem to hop where nothing touches. As reported: five of 2 ms at each place, \
-               50 ms apart, also where the place changes\n\n\
-               `pacinian check` says where a stroke is too fast for its tactors, and where bursts are shorter or longer than what was measured, 40 to 200 ms. \
+               - `saltation`: the cutaneous rabbit (Geldard and Sherrick, 1972), short taps that seem to hop where nothing touches. Where nothing is said, five of 2 ms at each place, \
+               50 ms apart (40 to 80 ms as reported), also where the place changes\n\n\
+               `pacinian check` says where a stroke is too fast for its tactors, and where bursts are shorter or longer than what the law of onsets is told to be measured for, about 40 to 200 ms. \
                Seconds are seconds at the tempo and the rate of their pattern; another pattern that plays it faster has all of it faster. `jitter` moves all bursts \
                as one, and leaves their durations.\n\n\
                Bursts that overlap on a tactor add up as waves do, and may weaken each other there. A voice that declares the fields `since` and `burst` hears in them \
-               how many seconds after the event a burst begins, and how many came before it: so its wave goes on from burst to burst, a quarter further each time, and \
-               powers add up.",
+               how many seconds after the event a burst begins, and how many came before it. With `burst * burst / 4` in its phase, every other burst is a quarter of a \
+               wave further: then two that follow each other add up as powers, the first and the third, where so many overlap, as waves in step, and none cancel.",
         tables: &[&motion::APPARENT, &motion::SALTATION],
         example: "[voice.brush]\n\
                   voices = 16\n\
@@ -228,7 +228,7 @@ pub const TOPICS: &[Topic] = &[
                   defaults = { frequency = 200, since = 0, burst = 0 }\n\
                   \n\
                   [voice.brush.nodes]\n\
-                  tone = { type = \"sine\", frequency = \"event.frequency\", phase = \"event.frequency * event.since + event.burst / 4\" }\n\
+                  tone = { type = \"sine\", frequency = \"event.frequency\", phase = \"event.frequency * event.since + event.burst * event.burst / 4\" }\n\
                   edge = { type = \"envelope\", attack = 0.01, release = 0.02 }\n\
                   felt = { type = \"multiply\", inputs = [\"tone\", \"edge\"] }\n\
                   \n\

@@ -139,7 +139,7 @@ pub static TABLE: Table = Table {
             "width",
             Form::number(0.0, 0.0, 10.0),
             "m",
-            "How far a position spreads: the standard deviation of a Gaussian; 0: no farther than the tactors about it.",
+            "How far a position spreads: the standard deviation of a Gaussian of weights; 0: no farther than the tactors about it.",
         ),
         Field::new(
             "felt_at",

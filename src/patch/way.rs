@@ -1,6 +1,6 @@
 //! A path in a patch: points, and how long it takes to go along them.
 
-use super::place::position;
+use super::place::position_of;
 use crate::space::path::{Path, Route, Timing};
 use crate::text::field::{Field, Form, Table};
 use crate::text::reader::{At, Reader};
@@ -74,7 +74,8 @@ pub(super) fn read(table: &DeTable, at: &At, reader: &Reader) -> Option<Way> {
     let of = format!("the path of {}", reader.who);
     let keys = Reader::new(&TABLE, table, at.span(), of, reader.sink);
     let value = keys.at("path")?;
-    let points: Option<Vec<[f64; 3]>> = value.list().and_then(|list| list.map(point).collect());
+    let points: Option<Vec<[f64; 3]>> =
+        value.list().and_then(|list| list.map(|at| position_of(&at)).collect());
     let Some(points) = points else {
         keys.wrong(
             "path",
@@ -117,11 +118,6 @@ pub(super) fn read(table: &DeTable, at: &At, reader: &Reader) -> Option<Way> {
             None
         }
     }
-}
-
-fn point(value: At) -> Option<[f64; 3]> {
-    let numbers: Option<Vec<f64>> = value.list()?.map(|x| x.number()).collect();
-    position(&numbers?)
 }
 
 #[cfg(test)]

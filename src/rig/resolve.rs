@@ -6,6 +6,7 @@ use crate::space::spot::Spot;
 use crate::text::nearest::suggest;
 use crate::text::sink::Sink;
 use crate::text::{Problem, Span};
+use std::collections::HashSet;
 
 fn sounds(output: &Output) -> bool {
     !matches!(output.kind, OutputKind::Trigger { .. })
@@ -129,8 +130,14 @@ impl Rig {
     pub fn advise(&self, patch: &Patch) -> Vec<Problem> {
         let (mut problems, finder) = (Vec::new(), Finder::new(self));
         let astray = finder.extent().clamp(ASTRAY[0], ASTRAY[1]);
+        // How far a stroke leaves the tactors is told with what else there is to know of it.
+        let mut strokes = HashSet::new();
+        patch.each_play(|play, _| {
+            strokes.extend(play.motion.iter().filter(|m| m.key() == "stroke").map(|m| m.span.clone()));
+        });
         patch.each_place(|place, span| {
             let points = match place {
+                _ if strokes.contains(span) => return,
                 Place::Position(position) => std::slice::from_ref(position),
                 Place::Path(way) => way.route().path.points(),
                 _ => return,

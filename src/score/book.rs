@@ -7,7 +7,6 @@ use super::sheet::{Burst, Content, Deed, Deviations, Item, Nested, Play, Sheet};
 use super::{EventStream, FIELDS, Places, Root, length};
 use crate::patch::felt::strength;
 use crate::patch::{self, Action, Event, Events, Motion, Patch, Pattern, Place, Repeat, motion};
-use crate::space::law::Law;
 use crate::space::spot::Spot;
 use crate::text::{Problem, Span};
 
@@ -28,7 +27,6 @@ struct Instrument {
     output: Option<Spot>,
     fields: Vec<String>,
     own: [f64; FIELDS],
-    law: Law,
 }
 
 /// Every pattern that may be played.
@@ -59,7 +57,6 @@ impl<'a> Book<'a> {
                 output: None,
                 fields: voice.fields.iter().map(|(name, _)| name.clone()).collect(),
                 own,
-                law: voice.law,
             }
         };
         let mut book = Self {
@@ -241,10 +238,7 @@ impl<'a> Book<'a> {
         // Where there is no such voice, that is said first.
         let first = patch::Play { place: motion.places.first().cloned(), ..play.clone() };
         let plain = self.play(&first, span)?;
-        let law =
-            self.instruments.get(plain.voice as usize).map(|instrument| instrument.law).unwrap_or_default();
-        let bursts = motion.bursts(plain.duration * unit, self.places.array(), law);
-        let bursts = bursts.map_err(|fault| {
+        let bursts = motion.bursts(plain.duration * unit, self.places.array()).map_err(|fault| {
             Problem::error(&motion.span, format!("`{}` of voice `{}`: {fault}", motion.key(), play.voice))
         })?;
         let burst = |burst: &motion::Burst| {

@@ -40,9 +40,13 @@ impl Apparent {
     /// Bursts so long that the whole motion takes some seconds.
     ///
     /// # Errors
-    /// As [`Self::new`]; too little time for so many places is a duration that is too short.
+    /// As [`Self::new`]; [`Fault::TooShort`] where onsets alone take longer.
     pub fn lasting(places: usize, seconds: f64) -> Result<Self, Fault> {
         let steps = places.saturating_sub(1) as f64;
+        let least = steps * FIXED + (1.0 + steps * SLOPE) * DURATIONS.0;
+        if places >= 2 && seconds < least {
+            return Err(Fault::TooShort(places, seconds, least));
+        }
         Self::new(places, (seconds - steps * FIXED) / (1.0 + steps * SLOPE))
     }
 
@@ -92,7 +96,19 @@ mod tests {
             assert!((motion.seconds() - 3.0).abs() < 1e-12, "{places}");
         }
         // 100 places need 99 × 47.3 ms for onsets alone.
-        assert!(matches!(Apparent::lasting(100, 3.0), Err(Fault::Range("duration", ..))));
+        let short = Apparent::lasting(100, 3.0);
+        assert!(
+            matches!(short, Err(Fault::TooShort(100, _, least)) if (4.6827..4.8).contains(&least)),
+            "{short:?}"
+        );
+        // What is told to be enough is enough, and no more than enough.
+        for places in 2..40 {
+            let Err(Fault::TooShort(_, _, least)) = Apparent::lasting(places, 0.0) else {
+                panic!("{places}")
+            };
+            assert!(Apparent::lasting(places, least * (1.0 + 1e-12)).is_ok(), "{places}");
+            assert!(Apparent::lasting(places, least * 0.99).is_err(), "{places}");
+        }
     }
 
     #[test]

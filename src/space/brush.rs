@@ -19,10 +19,8 @@
 use super::apparent::{FIXED, SLOPE, onset};
 use super::array::Array;
 use super::fault::Fault;
-use super::law::Law;
 use super::path::Path;
 use super::point::Point;
-use super::row::Share;
 
 /// Durations of a burst, in seconds, for which the law of onsets is held to be measured.
 ///
@@ -41,22 +39,23 @@ const MOST_POINTS: f64 = 4096.0;
 pub struct Burst {
     /// Its point.
     pub place: Point,
-    /// When the stroke is there, in seconds from its beginning: where the rise ends.
-    pub arrival: f64,
     /// When it begins, in seconds.
     pub start: f64,
     /// How long it rises, in seconds; 0 for the first.
     pub rise: f64,
     /// How long it falls, in seconds; 0 for the last.
     pub fall: f64,
-    /// Tactors with their weights, and by the law of the stroke their gains.
-    pub gains: Vec<(Share, f64)>,
 }
 
 impl Burst {
     /// What it lasts, in seconds.
     pub fn seconds(&self) -> f64 {
         self.rise + self.fall
+    }
+
+    /// When the stroke is at its point, in seconds from its beginning: where the rise ends.
+    pub fn arrival(&self) -> f64 {
+        self.start + self.rise
     }
 }
 
@@ -79,22 +78,18 @@ impl Stroke {
     ///
     /// # Errors
     /// [`Fault::TooFast`] where not even the two ends remain, which is at 47.3 ms.
-    pub fn new(array: &Array, path: &Path, law: Law) -> Result<Self, Fault> {
+    pub fn new(array: &Array, path: &Path) -> Result<Self, Fault> {
         let along = virtual_points(array, path);
         let times: Vec<f64> = along.iter().map(|way| path.when(*way)).collect();
         let (kept, left_out) = thinned(&times)?;
-        let mut row = array.row();
         let mut bursts: Vec<Burst> = Vec::with_capacity(kept.len());
         let (mut start, mut rise) = (0.0, 0.0);
         let begin = times[0];
         for (k, &number) in kept.iter().enumerate() {
-            let arrival = times[number] - begin;
             let next = kept.get(k + 1).map(|&next| times[next] - begin);
             let fall = next.map_or(0.0, |next| next - start - soa(rise, next - start));
             let place = path.point(along[number]);
-            array.weights(place, 0.0, law, &mut row);
-            let gains = row.shares().iter().map(|share| (*share, law.gain(share.weight))).collect();
-            bursts.push(Burst { place, arrival: begin + arrival, start: begin + start, rise, fall, gains });
+            bursts.push(Burst { place, start: begin + start, rise, fall });
             start += next.map_or(0.0, |next| soa(rise, next - start));
             rise = fall;
         }
@@ -119,11 +114,6 @@ impl Stroke {
         let (least, most) = MEASURED;
         self.bursts.iter().filter(|burst| !(least..=most).contains(&burst.seconds())).count()
     }
-}
-
-/// Two gains of one tactor at one time: their powers add, up to a gain of 1. For phantoms that share a tactor, whose bursts overlap.
-pub fn together(one: f64, other: f64) -> f64 {
-    (one * one + other * other).sqrt().min(1.0)
 }
 
 /// From an onset to the next, for a burst that rises for `rise`; the next arrival is so long after its own onset.

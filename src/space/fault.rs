@@ -28,6 +28,8 @@ pub enum Fault {
     TimeOrder(usize, f64, f64),
     /// A stroke that is over before its second burst may begin: its seconds, and what it must be longer than.
     TooFast(f64, f64),
+    /// Motion over so many places in so many seconds, which takes at least so many.
+    TooShort(usize, f64, f64),
     /// An illusion of motion over fewer than two places.
     FewPlaces(usize),
     /// A quantity outside its range: its name, what it was, the least and the most it may be.
@@ -85,6 +87,14 @@ impl fmt::Display for Fault {
                 "a stroke of {:.1} ms is over before its second burst may begin: let it last more than {:.1} ms",
                 seconds * 1e3,
                 least * 1e3
+            ),
+            Self::TooShort(places, seconds, least) => write!(
+                f,
+                "bursts at {places} places one after another take at least {:.1} ms, but have {:.1} ms: let it last longer, or \
+                 take fewer places",
+                // Rounded up, so that what is told is enough.
+                (least * 1e4).ceil() / 10.0,
+                seconds * 1e3
             ),
             Self::FewPlaces(count) => write!(f, "motion needs two places or more, but has {count}: add one"),
             Self::Range(name, value, least, most) => {

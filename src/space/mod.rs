@@ -6,6 +6,7 @@
 //! | [`array`](mod@array) | tactors at their positions, and how much of a point each of them has |
 //! | [`row`] | the weights of one point, tactor by tactor |
 //! | [`path`] | a point that moves, with its time law |
+//! | [`moving`] | what tactors have of a point that moves, at every engine sample, so that nothing folds back |
 //! | [`brush`] | Tactile Brush: a stroke as overlapping bursts |
 //! | [`apparent`], [`saltation`] | apparent motion over a list of places; the cutaneous rabbit |
 //! | [`layout`] | tactors of common arrays, named and in metres |
@@ -14,7 +15,7 @@
 //!
 //! Lengths are metres, times are seconds. Of the body, x points to the wearer's right, y up and z ahead.
 //!
-//! [`Array::weights`](array::Array::weights), [`Law::gain`](law::Law::gain) and [`Path::at`](path::Path::at) are for the audio thread:
+//! [`Array::weights`](array::Array::weights), [`Law::gain`](law::Law::gain), [`Path::at`](path::Path::at) and what [`Mover`](moving::Mover) does are for the audio thread:
 //! they neither allocate nor panic, every loop in them ends, and they give the same bits on every machine.
 
 pub mod apparent;

@@ -20,8 +20,6 @@ pub const WIDEST: (f64, f64) = (0.02, 0.26);
 pub const MOST_TAPS: usize = 100;
 /// The shortest tap, in seconds.
 pub const SHORTEST: f64 = 1e-4;
-/// The distance of the first report's sites, in metres.
-pub const DISTANCE: f64 = 0.1;
 
 /// Taps at sites one after another, evenly in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,14 +31,6 @@ pub struct Saltation {
 }
 
 impl Saltation {
-    /// As first reported, at some sites.
-    ///
-    /// # Errors
-    /// Fewer than two sites.
-    pub fn new(sites: usize) -> Result<Self, Fault> {
-        Self::with(sites, TAPS, INTERVAL, TAP)
-    }
-
     /// With taps at each site, an interval and the duration of a tap in seconds.
     ///
     /// # Errors
@@ -79,12 +69,12 @@ impl Saltation {
 
 #[cfg(test)]
 mod tests {
-    use super::{Saltation, WIDEST};
+    use super::{INTERVAL, Saltation, TAP, TAPS, WIDEST};
     use crate::space::fault::Fault;
 
     #[test]
     fn taps_are_even_and_change_their_site_after_five() {
-        let rabbit = Saltation::new(3).unwrap();
+        let rabbit = Saltation::with(3, TAPS, INTERVAL, TAP).unwrap();
         let taps: Vec<(usize, f64)> = rabbit.taps().collect();
         assert_eq!(taps.len(), 15);
         for (k, (site, start)) in taps.iter().enumerate() {
@@ -98,7 +88,7 @@ mod tests {
 
     #[test]
     fn what_does_not_hop_is_refused() {
-        assert_eq!(Saltation::new(1).unwrap_err(), Fault::FewPlaces(1));
+        assert_eq!(Saltation::with(1, TAPS, INTERVAL, TAP).unwrap_err(), Fault::FewPlaces(1));
         let name = |fault: Result<Saltation, Fault>| match fault {
             Err(Fault::Range(name, ..)) => name,
             other => panic!("{other:?}"),

@@ -16,6 +16,8 @@ use super::line::Line;
 #[derive(Debug, Clone)]
 pub struct Names {
     instruments: Vec<(Arc<str>, Vec<Arc<str>>)>,
+    /// Whether the node of an instrument moves its voices.
+    steered: Vec<bool>,
     rows: Vec<Arc<str>>,
     /// What tells the gains.
     places: Places,
@@ -30,6 +32,7 @@ impl Names {
     pub fn of(plan: &Plan) -> Self {
         Self {
             instruments: plan.instruments.iter().map(|i| (Arc::clone(&i.name), i.fields.clone())).collect(),
+            steered: plan.instruments.iter().map(|i| i.steered).collect(),
             rows: plan.outputs.iter().map(|output| &output.name).chain(&plan.together).cloned().collect(),
             places: Places::new(plan),
             controls: plan.controls.iter().map(|control| Arc::clone(&control.name)).collect(),
@@ -72,7 +75,11 @@ impl Names {
 
     fn voice(&mut self, play: &Play) -> Line {
         let mut gains = String::new();
-        for (channel, gain) in self.places.felt(play.instrument as usize, play.place, play.strength()) {
+        let number = play.instrument as usize;
+        // Those of what moves are others at every sample.
+        let still = !self.steered.get(number).is_some_and(|steered| *steered);
+        let felt = still.then(|| self.places.felt(number, play.place, play.strength()));
+        for (channel, gain) in felt.into_iter().flatten() {
             let between = if gains.is_empty() { "" } else { ";" };
             // A string takes whatever it is given.
             let _ = write!(gains, "{between}{}={gain}", channel + 1);

@@ -5,7 +5,6 @@ use super::{choice, jitter, no_files, note, pattern};
 use crate::patch::{Action, Event, Events, Patch, Pattern, Place, TimeBase};
 use crate::space::array::Array;
 use crate::space::brush::Stroke;
-use crate::space::law::Law;
 use crate::space::path::{Path, Timing};
 use crate::space::spot::Spot;
 use crate::text::Problem;
@@ -218,7 +217,7 @@ fn a_stroke_is_that_of_the_brush() {
         [([[0.1, 0.2, 0.0], [4.4, 2.9, 0.0]], 0.8), ([[4.5, 3.0, 0.0], [-1.0, 0.0, 0.0]], 3.0)]
     {
         let path = Path::new(&points, seconds, Timing::Linear).unwrap();
-        let stroke = Stroke::new(&array, &path, Law::Energy).unwrap();
+        let stroke = Stroke::new(&array, &path).unwrap();
         let [a, b] = points.map(|[x, y, _]| format!("[{x}, {y}]"));
         let written =
             format!("{{ at = 0, voice = \"a\", stroke = {{ path = [{a}, {b}], over = {seconds:?} }} }}");

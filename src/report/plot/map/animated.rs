@@ -33,13 +33,7 @@ impl Map {
         let top = 104.0;
         let height = top + scale.labels + scale.height + 44.0;
 
-        let mut svg = Svg::new(style.dark);
-        svg.rect([0.0, 0.0, width, height], Ink::Page);
-        let title = Type { bold: true, ..Type::new(21.0, Anchor::Start, Ink::Text) };
-        svg.text_within(MARGIN, 40.0, title, &style.title, inner);
-        for (line, below) in head.iter().zip([62.0, 80.0]) {
-            svg.text_within(MARGIN, below, Type::new(13.0, Anchor::Start, Ink::Dim), line, inner);
-        }
+        let mut svg = page(style, [width, height], &head);
         let at = [MARGIN + 0.5 * (inner - scale.width).max(0.0), top];
         scale.backs(&mut svg, &views, at);
         let lasts = format!("dur=\"{}s\" repeatCount=\"indefinite\"", plain(seconds));

@@ -35,13 +35,7 @@ impl Map {
         let row = scale.height + LABEL + GAP + scale.labels;
         let height = top + row * count.div_ceil(columns) as f64 + 10.0;
 
-        let mut svg = Svg::new(style.dark);
-        svg.rect([0.0, 0.0, width, height], Ink::Page);
-        let title = Type { bold: true, ..Type::new(21.0, Anchor::Start, Ink::Text) };
-        svg.text_within(MARGIN, 40.0, title, &style.title, inner);
-        for (line, below) in head.iter().zip([62.0, 80.0]) {
-            svg.text_within(MARGIN, below, Type::new(13.0, Anchor::Start, Ink::Dim), line, inner);
-        }
+        let mut svg = page(style, [width, height], &head);
         for (k, strengths) in strengths.iter().enumerate() {
             let left = MARGIN + (k % columns) as f64 * (scale.width + GAP);
             let upper = top + (k / columns) as f64 * row;

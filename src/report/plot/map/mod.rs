@@ -7,7 +7,9 @@ mod tests;
 mod view;
 
 use super::axis::short;
-use super::picture::Style;
+use super::colour::Ink;
+use super::picture::{MARGIN, Style};
+use super::svg::{Anchor, Svg, Type};
 
 /// A tactor on a map.
 #[derive(Debug, Clone, PartialEq)]
@@ -180,4 +182,17 @@ impl Map {
         }
         [parts.join("  ·  "), said + "."]
     }
+}
+
+/// A page with its title and what stands below that.
+fn page(style: &Style, [width, height]: [f64; 2], head: &[String; 2]) -> Svg {
+    let inner = width - 2.0 * MARGIN;
+    let mut svg = Svg::new(style.dark);
+    svg.rect([0.0, 0.0, width, height], Ink::Page);
+    let title = Type { bold: true, ..Type::new(21.0, Anchor::Start, Ink::Text) };
+    svg.text_within(MARGIN, 40.0, title, &style.title, inner);
+    for (line, below) in head.iter().zip([62.0, 80.0]) {
+        svg.text_within(MARGIN, below, Type::new(13.0, Anchor::Start, Ink::Dim), line, inner);
+    }
+    svg
 }
