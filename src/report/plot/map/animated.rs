@@ -5,10 +5,10 @@ use std::fmt::Write;
 use super::super::axis::short;
 use super::super::colour::Ink;
 use super::super::picture::{MARGIN, Style, wide};
-use super::super::svg::{Anchor, Svg, Type};
-use super::Map;
+use super::super::svg::{Anchor, Type};
 use super::frames::Scale;
 use super::view::Views;
+use super::{Map, page};
 
 /// Frames a second, and the most in all.
 const SMOOTH: f64 = 30.0;

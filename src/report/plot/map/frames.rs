@@ -4,8 +4,8 @@ use super::super::axis::short;
 use super::super::colour::Ink;
 use super::super::picture::{MARGIN, Style, wide};
 use super::super::svg::{Anchor, Svg, Type};
-use super::Map;
 use super::view::Views;
+use super::{Map, page};
 
 /// Room below each frame for its time, and between frames.
 const LABEL: f64 = 18.0;
