@@ -45,6 +45,7 @@ fn gauge(rig: &Rig, output: &rig::Output, planned: &Output, rate: f64) -> Result
         filters: filters(output, planned, rate),
         rate,
         most: most(rig, output),
+        limited: (output.kind == rig::OutputKind::Vibration).then(|| rig.max_level(output)),
     };
     let site = rig.site_of(output);
     let Some(calibration) = rig.calibration_of(output) else {
@@ -87,10 +88,7 @@ fn filters(output: &rig::Output, planned: &Output, rate: f64) -> Vec<Biquad> {
     filters
 }
 
-/// The share of `max_level` up to which the limiter lets a steady tone pass as it is. Above 500 Hz that becomes less, to 0.7 at 800 Hz.
-const STEADY: f64 = 0.9;
-
-/// The largest sample of a tone that leaves an output as it is, by its `max_level` and by what amplifier and actuator bear.
+/// The largest sample that leaves an output as it is, by its `max_level` and by what amplifier and actuator bear.
 fn most(rig: &Rig, output: &rig::Output) -> f64 {
     let amplifier = output.amplifier.as_ref().and_then(|name| rig.amplifier(name));
     let actuator = output.actuator.as_ref().and_then(|name| rig.actuator(name));
@@ -100,7 +98,6 @@ fn most(rig: &Rig, output: &rig::Output) -> f64 {
         }
         _ => (rig.volts_per_sample(output), None),
     };
-    let passes = if output.kind == rig::OutputKind::Vibration { STEADY } else { 1.0 };
     let share = |bears: Option<f64>, scale: Option<f64>| Some(bears? / scale?);
     [
         share(actuator.and_then(rig::Actuator::most_volts), volts),
@@ -110,7 +107,7 @@ fn most(rig: &Rig, output: &rig::Output) -> f64 {
     ]
     .into_iter()
     .flatten()
-    .fold(passes * rig.max_level(output), f64::min)
+    .fold(rig.max_level(output), f64::min)
 }
 
 /// Frequencies at which a model is asked, evenly spaced on a logarithm.
