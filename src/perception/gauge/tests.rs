@@ -1,6 +1,6 @@
 use super::{FULL, Gauge, Path, REFERENCE, amplitude, magnitude};
 use crate::dsp::biquad::Biquad;
-use crate::perception::calibration::{Table, Unit};
+use crate::perception::calibration::{Table, UNITS, Unit};
 use crate::perception::site::find;
 use crate::perception::threshold::{Threshold, decibels};
 
@@ -11,7 +11,7 @@ fn path(gain: f64, per_sample: f64) -> Path {
 }
 
 fn table(points: &[[f64; 2]]) -> Table {
-    Table::new(points, Unit::find("um/V").unwrap()).unwrap()
+    Table::new(points, Unit::at(UNITS.iter().position(|word| *word == "um/V").unwrap()).1).unwrap()
 }
 
 /// By the definition: volts at the terminals times what was measured, over the threshold, both in metres.
