@@ -123,7 +123,7 @@ fn sections_are_what_their_response_says() {
     }
 }
 
-/// Of a tone at 800 Hz the limiter leaves 0.71 of its level, at 100 Hz 0.9; what amplifier and actuator bear does not depend on that.
+/// Of a tone at 800 Hz the limiter leaves 0.69 of its level, at 100 Hz 0.9; what amplifier and actuator bear does not depend on that.
 #[test]
 fn the_limiter_leaves_less_of_high_tones() {
     let threshold = Threshold::new(find("thenar").unwrap(), 1e-4);
@@ -132,7 +132,7 @@ fn the_limiter_leaves_less_of_high_tones() {
         Gauge::calibrated(threshold, table(&[[50.0, 1.0], [1000.0, 1.0]]), way)
     };
     let free = gauge(1.0, None);
-    for (hertz, share) in [(100.0, 0.9), (500.0, 0.9), (600.0, 0.875), (800.0, 0.709)] {
+    for (hertz, share) in [(100.0, 0.9), (400.0, 0.9), (600.0, 0.85), (800.0, 0.688)] {
         let less = free.most(hertz) - gauge(1.0, Some(1.0)).most(hertz);
         assert!((less + decibels(share)).abs() < 1e-9, "{hertz}: {less}");
         assert!((gauge(0.3, Some(1.0)).most(hertz) - gauge(0.3, None).most(hertz)).abs() < 1e-9);
