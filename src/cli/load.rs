@@ -326,7 +326,8 @@ impl Scene {
                 continue;
             }
             let resolve = |place: &patch::Place| rig.resolve(Some(place), &(0..0)).err();
-            let feel = |play: &patch::Play| felt.as_mut().and_then(|felt| felt.event(play));
+            let unit = pattern.time.seconds() / pattern.rate;
+            let feel = |play: &patch::Play| felt.as_mut().and_then(|felt| felt.event(play, unit));
             match events::survey_with(&folder, path, &patch, resolve, feel) {
                 Ok(mut survey) => {
                     surveyed.push((path.clone(), survey.events));

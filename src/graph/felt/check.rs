@@ -16,7 +16,7 @@ pub fn check(
     gauges: &[Option<Gauge>],
     problems: &mut Vec<Problem>,
 ) {
-    for used in uses(patch) {
+    for used in uses(patch, None) {
         if problems.len() >= Sink::MOST {
             return;
         }
@@ -27,12 +27,12 @@ pub fn check(
 impl Use<'_> {
     /// Why it cannot be felt so strongly where it is played: a motor is there, or its frequency is beyond what is known.
     pub fn check(&self, rig: &Rig, finder: &Finder, gauges: &[Option<Gauge>]) -> Option<Problem> {
-        // A place that is not there is told elsewhere.
-        let spot = rig.resolve_by(finder, self.place, self.span).ok()?;
-        let outputs = finder.outputs(spot).into_iter().filter_map(|output| rig.outputs.get(output));
-        let wrong = outputs.into_iter().find_map(|output| {
-            let gauge = gauges.get(output.channel.saturating_sub(1) as usize).and_then(Option::as_ref);
-            unfelt(&output.name, gauge, self.hertz)
+        let wrong = self.spots(rig, finder).into_iter().find_map(|spot| {
+            let outputs = finder.outputs(spot).into_iter().filter_map(|output| rig.outputs.get(output));
+            outputs.into_iter().find_map(|output| {
+                let gauge = gauges.get(output.channel.saturating_sub(1) as usize).and_then(Option::as_ref);
+                unfelt(&output.name, gauge, self.hertz)
+            })
         });
         wrong.map(|(what, help)| Problem::error(self.span, what).help(help))
     }
@@ -50,13 +50,11 @@ pub(crate) fn unfelt(name: &str, gauge: Option<&Gauge>, hertz: f64) -> Option<(S
     }
     let [low, high] = gauge.range();
     let whose = if gauge.is_calibrated() && gauge.range() != RANGE {
-        "its calibration goes"
+        format!("its calibration goes from {low:.0} to {high:.0} Hz, and nothing is extrapolated")
     } else {
-        "thresholds are known"
+        format!("thresholds are given from {low:.0} to {high:.0} Hz")
     };
-    let what = format!(
-        "`felt` cannot be had on `{name}` at {hertz} Hz: {whose} from {low:.0} to {high:.0} Hz, and nothing is extrapolated"
-    );
+    let what = format!("`felt` cannot be had on `{name}` at {hertz} Hz: {whose}");
     let help = match gauge.is_calibrated() && (RANGE[0]..=RANGE[1]).contains(&hertz) {
         true => "measure it there as well, play another frequency, or give the event a `level`",
         false => "play another frequency, or give the event a `level`",

@@ -1,8 +1,12 @@
 //! What of a patch is played in decibels above the threshold.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
-use crate::patch::{self, Patch, Place, Voice};
+use crate::patch::{self, Patch, Place, Source, Voice};
+use crate::rig::{Finder, Rig};
+use crate::space::array::Array;
+use crate::space::spot::Spot;
 use crate::text::Span;
 
 /// A voice that a patch plays in decibels above the threshold, where both are known beforehand.
@@ -14,8 +18,10 @@ pub struct Use<'a> {
     pub felt: f64,
     /// The frequency at which that holds, Hz.
     pub hertz: f64,
-    /// Where; `None`: on the first tactor.
-    pub place: Option<&'a Place>,
+    /// Where: one place, or those of its bursts. None: on the first tactor.
+    pub places: Vec<Cow<'a, Place>>,
+    /// How long, or how long its shortest burst is, s; `None`: as long as it is held.
+    pub seconds: Option<f64>,
     /// Where it stands in the patch.
     pub span: &'a Span,
 }
@@ -27,12 +33,15 @@ pub fn is_felt(patch: &Patch) -> bool {
     felt || patch.triggers.iter().any(|trigger| trigger.set.iter().any(|(field, ..)| field == "felt"))
 }
 
-/// Everything in a patch that is, where its strength and frequency are numbers; what is always on is among it.
-pub fn uses(patch: &Patch) -> Vec<Use<'_>> {
+/// Everything in a patch that is, where its strength and frequency are numbers; what is always on is among it. Bursts of a stroke are known where
+/// the array is.
+pub fn uses<'a>(patch: &'a Patch, array: Option<&Array>) -> Vec<Use<'a>> {
     let voices: HashMap<&str, &Voice> =
         patch.voices.iter().map(|voice| (voice.name.as_str(), voice)).collect();
     let mut uses = Vec::new();
-    patch.each_play(|play, _| uses.extend(Use::each(&voices, play)));
+    patch.each_play(|play, pattern| {
+        uses.extend(Use::of(&voices, play, pattern.time.seconds() / pattern.rate, array));
+    });
     for trigger in &patch.triggers {
         let Some(voice) = voices.get(trigger.play.as_str()) else { continue };
         let set = |wanted: &str| trigger.set.iter().find(|(field, ..)| field == wanted);
@@ -44,19 +53,27 @@ pub fn uses(patch: &Patch) -> Vec<Use<'_>> {
             continue;
         }
         let span = set("felt").map_or(&trigger.play_span, |(.., span)| span);
-        let place = trigger.place.as_ref();
+        let seconds = match (set("duration"), &trigger.on) {
+            (Some((_, expr, _)), _) => expr.constant(),
+            // A key holds what has no duration of its own.
+            (None, Source::MidiNote) => None,
+            (None, _) => Some(voice.duration),
+        };
         let said = Said {
             level: level.flatten(),
             felt: felt.flatten(),
             frequency: frequency.flatten(),
-            place,
+            place: trigger.place.as_ref(),
+            seconds,
             span,
         };
         uses.extend(said.of(voice));
     }
     for voice in patch.voices.iter().filter(|voice| voice.start == crate::patch::Start::Always) {
         let span = voice.felt.as_ref().map_or(&voice.span, |felt| &felt.span);
-        uses.extend(Said { level: None, felt: None, frequency: None, place: None, span }.of(voice));
+        uses.extend(
+            Said { span, level: None, felt: None, frequency: None, place: None, seconds: None }.of(voice),
+        );
     }
     uses
 }
@@ -67,6 +84,7 @@ struct Said<'a> {
     felt: Option<f64>,
     frequency: Option<f64>,
     place: Option<&'a Place>,
+    seconds: Option<f64>,
     span: &'a Span,
 }
 
@@ -76,24 +94,47 @@ impl<'a> Said<'a> {
         let felt = voice.strength(self.level, self.felt).1?;
         let frequency = self.frequency.or_else(|| voice.field("frequency"))?;
         let hertz = voice.pitch().hertz(frequency)?;
-        Some(Use { voice, felt, hertz, place: self.place.or(voice.place.as_ref()), span: self.span })
+        let places = self.place.or(voice.place.as_ref()).into_iter().map(Cow::Borrowed).collect();
+        Some(Use { voice, felt, hertz, places, seconds: self.seconds, span: self.span })
     }
 }
 
 impl<'a> Use<'a> {
-    /// An event of an events file, where it is played in decibels above the threshold.
-    pub fn of(voices: &HashMap<&str, &'a Voice>, play: &'a patch::Play) -> Option<Self> {
+    /// An event of a pattern in which a unit of time takes so many seconds, where it is played in decibels above the threshold.
+    pub fn of(
+        voices: &HashMap<&str, &'a Voice>,
+        play: &'a patch::Play,
+        unit: f64,
+        array: Option<&Array>,
+    ) -> Option<Self> {
         let voice = voices.get(play.voice.as_str())?;
         let felt = play.felt.as_ref().map(|felt| felt.value);
         let span = play.felt.as_ref().map_or(&play.span, |felt| &felt.span);
         let frequency = play.fields.iter().find(|field| field.name == "frequency").map(|field| field.value);
-        Said { level: play.level, felt, frequency, place: play.place.as_ref(), span }.of(voice)
+        let seconds = play.duration.unwrap_or(voice.duration) * unit;
+        let place = play.place.as_ref();
+        let said = Said { level: play.level, felt, frequency, place, seconds: Some(seconds), span };
+        let one = said.of(voice)?;
+        let Some(motion) = &play.motion else { return Some(one) };
+        Some(match motion.bursts(seconds, array, voice.law) {
+            Ok(bursts) => {
+                let shortest = bursts.list.iter().map(|burst| burst.seconds).reduce(f64::min);
+                let mut places: Vec<_> =
+                    bursts.list.into_iter().map(|burst| Cow::Owned(burst.place)).collect();
+                places.dedup();
+                Self { places, seconds: shortest, ..one }
+            }
+            // Why it cannot be is told elsewhere.
+            Err(_) => Self { places: motion.places.iter().map(Cow::Borrowed).collect(), ..one },
+        })
     }
 
-    /// The same at each place of an event, which may be several bursts.
-    fn each(voices: &HashMap<&str, &'a Voice>, play: &'a patch::Play) -> Vec<Self> {
-        let Some(one) = Self::of(voices, play) else { return Vec::new() };
-        let Some(motion) = &play.motion else { return vec![one] };
-        motion.places.iter().map(|place| Self { place: Some(place), ..one.clone() }).collect()
+    /// Where it is on a rig. Places that are not there are left out: they are told elsewhere.
+    pub(super) fn spots(&self, rig: &Rig, finder: &Finder) -> Vec<Spot> {
+        let find = |place| rig.resolve_by(finder, place, self.span).ok();
+        if self.places.is_empty() {
+            return find(None).into_iter().collect();
+        }
+        self.places.iter().filter_map(|place| find(Some(&**place))).collect()
     }
 }
