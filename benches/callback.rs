@@ -66,7 +66,7 @@ fn callback(board: &Arc<Board>) -> Callback {
 
 /// Microseconds of each of so many calls, after a pause of so long before each, rising; what the clock itself takes is taken off.
 fn times(calls: usize, pause: Duration, mut call: impl FnMut()) -> Vec<f64> {
-    let mut timed = |call: &mut dyn FnMut()| {
+    let timed = |call: &mut dyn FnMut()| {
         if !pause.is_zero() {
             std::thread::sleep(pause);
         }
