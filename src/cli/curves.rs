@@ -3,7 +3,7 @@
 use pacinian::perception::loudness::{EXPONENTS, as_strong};
 use pacinian::perception::site::{SITES, Site};
 use pacinian::perception::summation::{ABOVE, CONSTANT, LEAST, WHOLE, least_loss, loss};
-use pacinian::perception::threshold::{CONTACTOR, FAR, MICRO, RANGE, SUMMED, Threshold};
+use pacinian::perception::threshold::{CONTACTOR, FAR, MICRO, QUOTED, RANGE, SUMMED, Threshold};
 
 /// Frequencies that are told, Hz.
 const TOLD: [f64; 10] = [10.0, 25.0, 40.0, 63.0, 100.0, 160.0, 250.0, 400.0, 630.0, 1000.0];
@@ -53,8 +53,8 @@ pub fn markdown() -> String {
     );
     text += &format!(
         "Displacement (peak), dB above 1 µm, under a contactor of {:.1} cm², for an average of adults; ± is by how much that may be off. One person differs from the \
-         average by some 5 to 10 dB, and the old by more (a judgement). They are given from {} to {} Hz. Of the hand the slopes are quoted up to 250 Hz; above the \
-         corner of a site they are a judgement, and from {FAR} Hz on they only go on, as no threshold above that was at hand: there ± is wider.\n\n",
+         average by some 5 to 10 dB, and the old by more (a judgement). They are given from {} to {} Hz. Slopes are quoted up to {QUOTED} Hz; above, \
+         those of the hand are a judgement, and from {FAR} Hz on all only go on, as no threshold above that was at hand: there ± is wider.\n\n",
         1e4 * CONTACTOR,
         RANGE[0],
         RANGE[1]
@@ -90,7 +90,7 @@ pub fn markdown() -> String {
          {}\
          \nAt most is the rule of 3 dB for each halving, 10 log10(1 s / duration): a judgement. At least is an exponential of time constant {CONSTANT} s, after Zwislocki's theory \
          (1960), which Gescheider and others (1994) found to predict thresholds at 250 and 500 Hz; the theory was not at hand, and its constant is a judgement, too. What is \
-         true lies from one to the other, as far as one knows. From 100 to 750 Hz it does not depend on the frequency (Bosphorus). Durations of less than \
+         true lies from one to the other, as far as one knows. From 100 to 750 Hz it does not depend on the frequency (Boğaziçi). Durations of less than \
          {LEAST} s are taken for that.\n\n\
          ## Strength\n\n\
          Above the threshold the sensation grows as a power of the amplitude, and so curves of equal strength are L(f) = T(f) + S / β(f). Stevens lists β \
@@ -105,7 +105,7 @@ pub fn markdown() -> String {
          - Gescheider, G. A. (1976), Evidence in support of the duplex theory of mechanoreception, Sensory Processes 1, 68, \
          <https://scilit.com/publications/9d46da30a9848a29033f023fafe80e55> (abstract)\n\
          - Gescheider, G. A. and others (1994), The effects of masking on vibrotactile temporal summation in the detection of sinusoidal and noise signals, J. Acoust. Soc. Am. 95, 1006 (abstract)\n\
-         - Bosphorus University, a thesis on temporal summation in the Pacinian channel, 10 subjects, 10 to 1000 ms at 100 to 750 Hz, <http://digitalarchive.boun.edu.tr/handle/123456789/18892> (abstract)\n\
+         - Boğaziçi University, a thesis on temporal summation in the Pacinian channel, 10 subjects, 10 to 1000 ms at 100 to 750 Hz, <http://digitalarchive.boun.edu.tr/handle/123456789/18892> (abstract)\n\
          - google/audio-to-tactile, perceptual measurements, <https://github.com/google/audio-to-tactile/tree/main/extras/doc/perceptual_measurements>: one person\n\
          - Stevens, S. S. (1968), Tactile vibration: change of exponent with frequency, Perception & Psychophysics 3, 223, <https://doi.org/10.3758/BF03212732> (abstract); his list of exponents as quoted in <https://en.wikipedia.org/wiki/Stevens%27s_power_law>\n\
          - Verrillo, R. T. (1970), Subjective magnitude functions for vibrotaction (abstract)\n",

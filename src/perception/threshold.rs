@@ -3,14 +3,17 @@
 use super::site::Site;
 use crate::actuator::elementary::ln;
 
-/// The frequencies between which thresholds are given, Hz. On the hand the slopes were measured up to 250 Hz; above, they are a judgement, and above
-/// [`FAR`] an extrapolation.
+/// The frequencies between which thresholds are given, Hz. Slopes are quoted up to [`QUOTED`]; above, they are a judgement on the hand, and
+/// above [`FAR`] an extrapolation everywhere.
 pub const RANGE: [f64; 2] = [10.0, 1000.0];
+
+/// Up to here slopes are quoted, Hz.
+pub const QUOTED: f64 = 250.0;
 
 /// No threshold above this was at hand, Hz: from here on slopes only go on.
 pub const FAR: f64 = 600.0;
 
-/// By how much more a threshold may be off for each octave above the corner, dB: by as much as slopes of 9 and 12 dB differ, which were both given.
+/// By how much more a threshold may be off for each octave above [`QUOTED`], dB: by as much as slopes of 9 and 12 dB differ, which were both given.
 const STEEPER: f64 = 3.0;
 
 /// By how much more it may be off above [`FAR`], dB.
@@ -72,13 +75,13 @@ impl Threshold {
 
     /// By how much that may be off there, dB either way, for an average of adults.
     pub fn error(&self, hertz: f64) -> f64 {
+        let octaves = (ln(hertz / QUOTED) / std::f64::consts::LN_2).max(0.0);
+        let above = STEEPER * octaves + if hertz > FAR { FARTHER } else { 0.0 };
         if self.pacinian(hertz) >= self.site.other {
-            return self.site.other_error;
+            return self.site.other_error + above;
         }
         let summed = (SUMMED[0]..=SUMMED[1]).contains(&self.area);
-        let octaves = (ln(hertz / self.site.corner) / std::f64::consts::LN_2).max(0.0);
-        let slope = STEEPER * octaves + if hertz > FAR { FARTHER } else { 0.0 };
-        self.site.pacinian_error + slope + if summed { 0.0 } else { UNSUMMED }
+        self.site.pacinian_error + above + if summed { 0.0 } else { UNSUMMED }
     }
 }
 
@@ -155,13 +158,17 @@ mod tests {
         assert_eq!(error(1e-4), THENAR.pacinian_error);
     }
 
-    /// Above the corner slopes are a judgement, and above 600 Hz they only go on.
+    /// Above 250 Hz slopes are a judgement, and above 600 Hz they only go on, for all channels.
     #[test]
     fn errors_grow_where_less_was_measured() {
         let error = |hertz: f64| Threshold::new(THENAR, CONTACTOR).error(hertz);
         assert_eq!((error(20.0), error(100.0), error(250.0)), (5.0, 5.0, 5.0));
         // The slopes of 9 and 12 dB differ by 3 dB at 500 and 6 dB at 1000 Hz.
         assert!((error(500.0) - 8.0).abs() < 1e-9 && (error(1000.0) - (5.0 + 6.0 + 3.0)).abs() < 1e-9);
+        for site in &SITES {
+            let error = |hertz: f64| Threshold::new(site, CONTACTOR).error(hertz);
+            assert!(error(1000.0) >= error(250.0) + 6.9, "{}", site.word);
+        }
         assert!(error(601.0) - error(600.0) > 2.9, "{} {}", error(600.0), error(601.0));
     }
 
