@@ -348,6 +348,18 @@ fn levels_scale_and_limits_cap() {
         let capped = at(&[("frequency", 100.0), ("felt", felt)]);
         assert!((20.0 * (capped / most).log10()).abs() < 0.1, "{capped} {most}");
     }
+    // Above 475 Hz that is less; `whole` was measured from the card on.
+    for (hertz, share) in [(600.0, 0.85), (700.0, 0.765), (800.0, 0.688), (850.0, 0.67)] {
+        let fields = [("frequency", hertz), ("felt", 120.0)];
+        let play = Play { place: Spot::Row(3), id: 1, duration: 0.8, ..plan.play("v", &fields).unwrap() };
+        let signal = channel(&rendered(&plan, &[(0.0, play)], 0.0).1, 5, 3);
+        let own = metres(3, hertz) / threshold(hertz, AREAS[3]);
+        let capped = amplitude(&signal[(0.2 * RATE) as usize..(0.75 * RATE) as usize], hertz) * own;
+        let most = share * own;
+        assert!((20.0 * (capped / most).log10()).abs() < 0.1, "{hertz}: {capped} {most}");
+        let told = plan.gauges[3].as_ref().unwrap().most(hertz);
+        assert!((20.0 * most.log10() - told).abs() < 0.01, "{hertz}: {told}");
+    }
     let by_level = plan.play("v", &[("level", 0.3)]).unwrap();
     assert_eq!((by_level.felt, by_level.level), (None, 0.3));
 }
@@ -412,8 +424,8 @@ fn every_mistake_is_told_at_its_line() {
         (event("felt = 500"), 7, "a number from -60 to 120"),
         (event("felt = nan"), 7, "a number from -60 to 120"),
         (event("felt = 20, frequency = 39.9, place = \"finger\""), 7, "its calibration goes from 40 to 400 Hz"),
-        (event("felt = 20, frequency = 1500, place = \"nobody\""), 7, "thresholds are known from 10 to 1000 Hz"),
-        (event("felt = 20, frequency = -3, place = \"nobody\""), 7, "thresholds are known"),
+        (event("felt = 20, frequency = 1500, place = \"nobody\""), 7, "thresholds are given from 10 to 1000 Hz"),
+        (event("felt = 20, frequency = -3, place = \"nobody\""), 7, "thresholds are given"),
         (format!("{fixed}[pattern.p]\nevents = [{{ at = 0, voice = \"f\", felt = 3 }}]\n"), 10, "felt_at = 80"),
         (format!("{fixed}defaults = {{ felt = 3 }}\n"), 9, "felt_at = 80"),
         ("[voice.d]\noutput = \"s\"\ndefaults = { felt = 3, level = 1 }\nnodes.s = { type = \"sine\", frequency = \"event.frequency\" }\n".into(), 8, "at once"),
@@ -559,6 +571,99 @@ fn check_tells_what_is_capped_and_who_was_not_measured() {
     );
     let (_, said) = scratch.check("[pattern.p]\nevents = [{ at = 0, voice = \"v\" }]\n");
     assert!(!said.contains("warning"), "{said}");
+}
+
+/// Three in a row, 40 mm apart, of which the middle one is weak.
+fn weak_in_the_middle(middle: &str) -> String {
+    let mut rig = "format = \"pacinian-rig/1\"\n[device]\nchannels = 3\n".to_string();
+    for (name, micrometres) in [("strong", 1000), ("weak", 1)] {
+        rig += &format!(
+            "[calibration.{name}]\ndate = 2026-03-14\nmethod = \"laser\"\narea = 1e-4\nunit = \"um/FS\"\ntable = [[20, {micrometres}], [1000, {micrometres}]]\n"
+        );
+    }
+    for (n, (name, calibration)) in [("a", "strong"), ("b", middle), ("c", "strong")].into_iter().enumerate()
+    {
+        let calibration =
+            if calibration.is_empty() { String::new() } else { format!("calibration = \"{calibration}\"\n") };
+        rig += &format!(
+            "[[tactor]]\nname = \"{name}\"\nchannel = {}\nposition = [{}, 0]\n{calibration}",
+            n + 1,
+            0.04 * n as f64
+        );
+    }
+    rig
+}
+
+/// Along a path, and in the bursts of a stroke, a tactor that is passed counts with the share that it has there, not with that of the ends.
+#[test]
+fn check_tells_what_is_capped_on_the_way() {
+    let scratch = Scratch::new("way");
+    std::fs::write(scratch.0.join("rig.toml"), weak_in_the_middle("weak")).unwrap();
+    let most = 20.0 * (0.9e-6 / threshold(250.0, 1e-4)).log10();
+    // At the ends it has half the power, 3 dB less.
+    let event = |felt: f64, keys: &str| {
+        format!("[pattern.p]\nevents = [{{ at = 0, voice = \"v\", felt = {felt:.3}, {keys} }}]\n")
+    };
+    for (keys, share) in [
+        ("duration = 1, place = { path = [[0.02, 0], [0.06, 0]] }", "share of the path"),
+        ("stroke = { path = [[0.02, 0], [0.06, 0]], over = 2.0 }", "share of the place"),
+        ("apparent = { places = [\"a\", \"b\"], burst = 0.6 }", "dB more than `b` can give:"),
+        ("saltation = { places = [\"a\", \"b\"] }", "dB more than `b` can give:"),
+    ] {
+        let (code, said) = scratch.check(&event(most + 2.0, keys));
+        let wanted = format!("it gives {most:.1} dB at most");
+        assert!(code == Some(0) && said.contains("2.0 dB more than `b` can give"), "{keys}: {said}");
+        assert!(said.contains(&wanted) && said.contains(share), "{keys}: {said}");
+        assert_eq!(said.matches("can give").count(), 1, "once for an event: {said}");
+        let (_, said) = scratch.check(&event(most - 0.2, keys));
+        assert!(!said.contains("can give"), "{keys}: {said}");
+    }
+    // Who is passed and was not measured is told.
+    std::fs::write(scratch.0.join("rig.toml"), weak_in_the_middle("")).unwrap();
+    for keys in [
+        "duration = 1, place = { path = [[0.02, 0], [0.06, 0]] }",
+        "stroke = { path = [[0.02, 0], [0.06, 0]], over = 2.0 }",
+    ] {
+        let (_, said) = scratch.check(&event(10.0, keys));
+        assert!(
+            said.contains("b is not calibrated") || said.contains("`b` is not calibrated"),
+            "{keys}: {said}"
+        );
+    }
+}
+
+/// Short events above 60 Hz are told in one line, with what they are likely felt weaker by: 10 log10 of 1 s over their duration at most.
+#[test]
+fn check_tells_once_that_short_events_are_felt_weaker() {
+    let scratch = Scratch::new("short");
+    let event = |at: u32, seconds: f64, hertz: u32| {
+        format!(
+            "{{ at = {at}, voice = \"v\", felt = 10, duration = {seconds}, frequency = {hertz}, place = \"finger\" }},\n"
+        )
+    };
+    let long = format!("[pattern.p]\nevents = [\n{}{}]\n", event(0, 0.1, 60), event(1, 0.5, 250));
+    let (code, said) = scratch.check(&long);
+    assert!(code == Some(0) && !said.contains("warning"), "{said}");
+    let events: String = [(0.1, 250), (0.3, 250), (0.1, 50), (0.9, 250)]
+        .iter()
+        .zip(0..)
+        .map(|(&(seconds, hertz), at)| event(at, seconds, hertz))
+        .collect();
+    let (code, said) = scratch.check(&format!("[pattern.p]\nevents = [\n{events}]\n"));
+    assert!(code == Some(0) && said.matches("felt weaker than said").count() == 1, "{said}");
+    assert!(
+        said.contains("2 events with `felt` above 60 Hz, shorter than 0.5 s")
+            && said.contains("by 4 to 10 dB at the shortest (voice `v`, 0.100 s at 250 Hz)"),
+        "{said}"
+    );
+    // In beats, and in a file: 0.2 beats at 120 a minute.
+    std::fs::write(
+        scratch.0.join("e.csv"),
+        "at,voice,felt,duration,place\n0,v,10,0.2,finger\n1,v,10,2,finger\n",
+    )
+    .unwrap();
+    let (_, said) = scratch.check("[pattern.p]\ntime = \"beats\"\ntempo = 120\nevents = \"e.csv\"\n");
+    assert!(said.contains("1 event with `felt` above 60 Hz") && said.contains("0.100 s at 250 Hz"), "{said}");
 }
 
 /// Without any calibration it is relative: a level of 1 at 250 Hz counts for 40 dB.

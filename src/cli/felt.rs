@@ -7,8 +7,10 @@ use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::Scene;
 use pacinian::patch::{Patch, Place, Play, Voice};
 use pacinian::perception::gauge::{FULL, Gauge, REFERENCE};
+use pacinian::perception::summation::{ABOVE, WHOLE, least_loss, loss};
 use pacinian::perception::threshold::MICRO;
 use pacinian::rig::Rig;
+use pacinian::space::spot::Spread;
 use pacinian::text::{Problem, Problems, Severity, Sink};
 use serde::Serialize;
 use std::collections::{BTreeSet, HashMap};
@@ -25,6 +27,44 @@ pub struct Felt<'a> {
     /// Channels on which something is to be felt so strongly and which nobody has measured.
     unmeasured: BTreeSet<u32>,
     measured: bool,
+    short: Short,
+}
+
+/// Events that are shorter than what thresholds were measured with.
+#[derive(Default)]
+struct Short {
+    events: u64,
+    /// Of the one that loses most: how much, dB, at most and at least, its voice, and seconds and hertz.
+    worst: Option<([f64; 2], String, [f64; 2])>,
+}
+
+/// Events that last as long lose less than what one person differs from another, s.
+const LONG: f64 = 0.5;
+
+impl Short {
+    fn see(&mut self, used: &Use) {
+        let Some(seconds) = used.seconds.filter(|seconds| *seconds < LONG) else { return };
+        let lost = [loss(seconds, used.hertz), least_loss(seconds, used.hertz)];
+        if lost[0] > 0.0 {
+            self.events += 1;
+            if self.worst.as_ref().is_none_or(|(worst, ..)| lost[0] > worst[0]) {
+                self.worst = Some((lost, used.voice.name.clone(), [seconds, used.hertz]));
+            }
+        }
+    }
+
+    fn told(&self) -> Option<Problem> {
+        let ([most, least], voice, [seconds, hertz]) = self.worst.as_ref()?;
+        let (is, them) = if self.events == 1 { ("event", "it is") } else { ("events", "they are") };
+        let what = format!(
+            "{} {is} with `felt` above {ABOVE:.0} Hz, shorter than {LONG} s: {them} likely felt weaker than said, by {least:.0} to {most:.0} dB at the shortest (voice \
+             `{voice}`, {:.3} s at {hertz} Hz), as thresholds hold for {WHOLE:.0} s",
+            self.events, seconds
+        );
+        let help = "make such events longer, or ask for more; `pacinian format --markdown felt` has a table"
+            .to_string();
+        Some(Problem { severity: Severity::Warning, ..Problem::of_file(what).help(help) })
+    }
 }
 
 impl<'a> Felt<'a> {
@@ -37,13 +77,14 @@ impl<'a> Felt<'a> {
             plan: &scene.plan,
             unmeasured: BTreeSet::new(),
             measured: false,
+            short: Short::default(),
         }
     }
 
-    /// What is wrong with an event of an events file, or doubtful.
-    pub fn event(&mut self, play: &Play) -> Option<Problem> {
+    /// What is wrong with an event of an events file, or doubtful, in a pattern in which a unit of time takes so many seconds.
+    pub fn event(&mut self, play: &Play, unit: f64) -> Option<Problem> {
         let voices = std::mem::take(&mut self.voices);
-        let used = Use::of(&voices, play);
+        let used = Use::of(&voices, play, unit, self.plan.spread.as_ref().map(Spread::array));
         let told = used.as_ref().and_then(|used| self.judge.check(used).or_else(|| self.capped(used)));
         self.voices = voices;
         told
@@ -52,19 +93,23 @@ impl<'a> Felt<'a> {
     /// Warnings of the patch itself, and which tactors nobody has measured, events files included; `None` where there are none.
     pub fn advice(mut self) -> Option<Problems> {
         let mut list = Vec::new();
-        for used in uses(self.patch) {
+        for used in uses(self.patch, self.plan.spread.as_ref().map(Spread::array)) {
             let told = self.capped(&used);
             if list.len() < Sink::MOST {
                 list.extend(told);
             }
         }
         list.extend(self.relative());
+        list.extend(self.short.told());
         (!list.is_empty()).then(|| self.patch.origin.problems(list))
     }
 
     /// That a tactor cannot give so much.
     fn capped(&mut self, used: &Use) -> Option<Problem> {
         let verdicts = self.judge.of(used);
+        if !verdicts.is_empty() {
+            self.short.see(used);
+        }
         for verdict in &verdicts {
             self.measured |= verdict.is_calibrated;
             if !verdict.is_calibrated {
@@ -79,8 +124,9 @@ impl<'a> Felt<'a> {
             1 => ", and another tactor falls short, too".into(),
             more => format!(", and {more} more tactors fall short, too"),
         };
-        let place = match used.place {
-            Some(Place::Position(_) | Place::Path(_)) => " with its share of the place",
+        let place = match used.places.first().map(|place| &**place) {
+            Some(Place::Position(_)) => " with its share of the place",
+            Some(Place::Path(_)) => " with its share of the path",
             _ => "",
         };
         let what = format!(

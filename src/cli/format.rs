@@ -149,9 +149,11 @@ fn key(field: &Field) -> &'static str {
     if field.key.is_empty() { "any other" } else { field.key }
 }
 
-/// What names the picture leads to it.
+/// What names a picture or a page leads to it.
 fn linked(text: &str) -> String {
-    text.replace("docs/body.svg", "[docs/body.svg](body.svg)")
+    ["body.svg", "felt.md"].iter().fold(text.to_string(), |text, page| {
+        text.replace(&format!("docs/{page}"), &format!("[docs/{page}]({page})"))
+    })
 }
 
 fn as_above(fields: &[&Field]) -> String {

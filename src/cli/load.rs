@@ -328,8 +328,9 @@ impl Scene {
                 continue;
             }
             let resolve = |place: &patch::Place| rig.resolve(Some(place), &(0..0)).err();
+            let unit = pattern.time.seconds() / pattern.rate;
             let feel = |play: &patch::Play| {
-                let capped = felt.as_mut().and_then(|felt| felt.event(play));
+                let capped = felt.as_mut().and_then(|felt| felt.event(play, unit));
                 capped.or_else(|| rises.as_mut()?.row(play, pattern))
             };
             match events::survey_with(&folder, path, &patch, resolve, feel) {

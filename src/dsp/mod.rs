@@ -18,6 +18,7 @@ pub(crate) mod random;
 pub(crate) mod recording;
 pub(crate) mod sinc;
 pub(crate) mod sine;
+pub(crate) mod steady;
 pub(crate) mod svf;
 #[cfg(feature = "live")]
 pub(crate) mod varispeed;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::lane::Lane;
 use super::workspace::Bus;
 use crate::dsp::lanes::Real;
-use crate::graph::places::Strength;
+use crate::graph::places::Needs;
 use crate::graph::plan::Instrument;
 use crate::graph::program::Feed;
 use crate::node::kernel::LEAD;
@@ -117,9 +117,7 @@ impl Journeys {
     ) {
         let Self { routes, gauges, pitch, steers, law, width, rate, list } = self;
         let Some(journey) = list.get_mut(number) else { return };
-        let strength = voice.play.strength();
-        let needs =
-            Needs { gauges, strength, hertz: pitch.hertz(strength.frequency).unwrap_or(strength.frequency) };
+        let needs = Needs::new(gauges, voice.play.strength(), *pitch);
         let route = if let Spot::Path(path) = journey.from { routes.get(path as usize) } else { None };
         let way = Way {
             route,
@@ -253,23 +251,6 @@ impl Way<'_> {
         let begin = self.known(clock.wrapping_add_signed(whole), share, &mut near);
         piece.set(near);
         if self.steered { plus(begin, trail.at(whole as f64 + share)) } else { begin }
-    }
-}
-
-/// What is said in decibels above the threshold is as much on every channel as that one needs.
-struct Needs<'a> {
-    gauges: &'a [Option<Gauge>],
-    strength: Strength,
-    hertz: f64,
-}
-
-impl Needs<'_> {
-    /// The gain of a channel that would have this one.
-    #[inline(always)]
-    fn of(&self, channel: u32, gain: f64) -> f64 {
-        let Strength { level, felt: Some(felt), .. } = self.strength else { return gain };
-        let gauge = self.gauges.get(channel as usize).and_then(Option::as_ref);
-        gauge.map_or(0.0, |gauge| gauge.gain(gain, level, felt, self.hertz))
     }
 }
 

@@ -34,6 +34,31 @@ pub struct Strength {
     pub frequency: f64,
 }
 
+/// What is said in decibels above the threshold is as much on every channel as that one needs.
+#[derive(Debug, Clone, Copy)]
+pub struct Needs<'a> {
+    gauges: &'a [Option<Gauge>],
+    strength: Strength,
+    /// The frequency at which it holds, Hz.
+    hertz: f64,
+}
+
+impl<'a> Needs<'a> {
+    /// Of a voice, where channels are felt by these gauges.
+    pub fn new(gauges: &'a [Option<Gauge>], strength: Strength, pitch: Pitch) -> Self {
+        Self { gauges, strength, hertz: pitch.hertz(strength.frequency).unwrap_or(strength.frequency) }
+    }
+
+    /// The gain of a channel that would have this one. A channel of which nothing is known that could be felt, as a motor's, gets nothing. For the
+    /// audio thread.
+    #[inline(always)]
+    pub fn of(&self, channel: u32, gain: f64) -> f64 {
+        let Strength { level, felt: Some(felt), .. } = self.strength else { return gain };
+        let gauge = self.gauges.get(channel as usize).and_then(Option::as_ref);
+        gauge.map_or(0.0, |gauge| gauge.gain(gain, level, felt, self.hertz))
+    }
+}
+
 impl Places {
     /// Those of a plan.
     pub fn new(plan: &Plan) -> Self {
@@ -67,9 +92,11 @@ impl Places {
     }
 
     /// The same for a voice of a strength: where that is said in decibels above the threshold, with the gains that its level needs for them on each of
-    /// the channels, within what they bear. A channel of which nothing is known that could be felt, as a motor's, gets nothing. For the audio thread.
+    /// the channels, within what they bear. For the audio thread.
     pub fn felt(&mut self, instrument: usize, spot: Spot, strength: Strength) -> &[(u32, f64)] {
-        let Some(felt) = strength.felt else { return self.of(instrument, spot) };
+        if strength.felt.is_none() {
+            return self.of(instrument, spot);
+        }
         match spot {
             Spot::Row(row) => {
                 self.found.clear();
@@ -82,11 +109,10 @@ impl Places {
             }
             Spot::Path(_) => self.found.clear(),
         }
-        let hertz = self.pitches.get(instrument).and_then(|pitch| pitch.hertz(strength.frequency));
-        let hertz = hertz.unwrap_or(strength.frequency);
+        let pitch = self.pitches.get(instrument).copied().unwrap_or(Pitch::OfEvent);
+        let needs = Needs::new(&self.gauges, strength, pitch);
         for (channel, gain) in &mut self.found {
-            let gauge = self.gauges.get(*channel as usize).and_then(Option::as_ref);
-            *gain = gauge.map_or(0.0, |gauge| gauge.gain(*gain, strength.level, felt, hertz));
+            *gain = needs.of(*channel, *gain);
         }
         &self.found
     }

@@ -11,6 +11,7 @@ use std::io::{BufRead, Read};
 use super::event::{Action, Event, LEAST_FELT, MOST_FELT, Play, Setting};
 use super::names::Names;
 use super::place::{self, Place};
+use crate::text::cells::{Cell, cells};
 use crate::text::nearest::suggest;
 use crate::text::reader::range;
 use crate::text::{Problem, Span, measure};
@@ -50,13 +51,6 @@ struct Kept {
 const SHOWN: usize = 1 << 19;
 /// Where so many bytes are kept, no more are: problems behind it are told by the number of their line.
 const MOST_KEPT: usize = 16 << 20;
-
-/// A cell of a line, and where it stands in it.
-#[derive(Debug, Clone, PartialEq)]
-struct Cell {
-    text: String,
-    span: Span,
-}
 
 #[derive(Debug, Clone, PartialEq)]
 enum Column {
@@ -402,52 +396,9 @@ impl<R: BufRead> Iterator for EventsFile<'_, R> {
     }
 }
 
-/// The cells of a line.
-fn cells(line: &str) -> Result<Vec<Cell>, String> {
-    let mut cells = Vec::new();
-    let mut rest = line;
-    loop {
-        rest = rest.trim_start();
-        let start = line.len() - rest.len();
-        let mut cell = String::new();
-        if let Some(mut quoted) = rest.strip_prefix('"') {
-            loop {
-                let Some((text, behind)) = quoted.split_once('"') else {
-                    return Err("a quote does not end on its line".into());
-                };
-                cell.push_str(text);
-                match behind.strip_prefix('"') {
-                    Some(more) => {
-                        cell.push('"');
-                        quoted = more;
-                    }
-                    None => {
-                        rest = behind.trim_start();
-                        break;
-                    }
-                }
-            }
-            if !rest.is_empty() && !rest.starts_with(',') {
-                return Err("a comma is missing behind a quote".into());
-            }
-        } else {
-            let end = rest.find(',').unwrap_or(rest.len());
-            let (text, behind) = rest.split_at(end);
-            cell.push_str(text.trim_end());
-            rest = behind;
-        }
-        let end = start + line[start..line.len() - rest.len()].trim_end().len();
-        cells.push(Cell { text: cell, span: start..end });
-        match rest.strip_prefix(',') {
-            Some(more) => rest = more,
-            None => return Ok(cells),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{EventsFile, cells};
+    use super::EventsFile;
     use crate::patch::{Action, Event, Place};
     use crate::text::Problem;
 
@@ -525,15 +476,5 @@ mod tests {
         assert!(read("at,voice\n0,\u{0}\n1,x\n").iter().all(Result::is_ok));
         let long = format!("at,voice\n0,{}\n", "x".repeat(70_000));
         assert!(read(&long)[0].as_ref().unwrap_err().what.contains("longer than"));
-    }
-
-    #[test]
-    fn quotes_are_taken_off() {
-        let line = "a,\"b,\"\"c\"\" \" , d,";
-        let read = cells(line).unwrap();
-        assert_eq!(read.iter().map(|c| c.text.as_str()).collect::<Vec<_>>(), ["a", "b,\"c\" ", "d", ""]);
-        let stand: Vec<&str> = read.iter().map(|c| &line[c.span.clone()]).collect();
-        assert_eq!(stand, ["a", "\"b,\"\"c\"\" \"", "d", ""]);
-        assert!(cells("\"a\"b").is_err());
     }
 }

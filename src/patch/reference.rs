@@ -143,14 +143,18 @@ pub const TOPICS: &[Topic] = &[
         text: "An event, the defaults of a voice or `set` of a trigger say it in place of `level`: 0 is just felt, 20 is ten times that amplitude. Every tactor then \
                gets what it takes of it: the displacement is that of the threshold at its site, under its contactor, at that frequency, and 20 dB more, by its \
                calibration ([calibration.NAME] of the rig). So what is played on tactors that are unlike, on a fingertip and on an arm, is felt alike, as far as \
-               thresholds are known: within 5 dB on the hand and 10 dB elsewhere, and one person is off the average by as much again (a judgement).\n\n\
+               thresholds are known: for an average of adults up to 250 Hz within 6 dB on the hand and 12 dB elsewhere, 3 dB more under a contactor below 0.02 or above 5 cm², and \
+               9 dB more at 1000 Hz, as slopes above 250 Hz are a judgement and nothing was at hand above 600 Hz. One person differs by some 5 to 10 dB (a judgement). \
+               Curves, sources and errors: docs/felt.md.\n\n\
+               Thresholds hold for tones of about 1 s. Above some 60 Hz shorter ones are felt weaker, and `felt` does not make up for it: one of 0.1 s likely by 4 to 10 dB. \
+               `pacinian check` says by how much, where an event is shorter than 0.5 s.\n\n\
                It holds at `felt_at` of the voice, else at the frequency of the event, which the voice must read then (event.frequency); and for a voice whose output is a sine of \
                amplitude 1: what its nodes make of that, an envelope or half the amplitude, comes on top, and so do the gain of a pattern and jitter of \
                `level`. Of what is no tone it is as true as its strongest part is.\n\n\
                At a position that several tactors share, the law of the voice divides what is felt: with `energy` the sum of the squares stays, each as a ratio to its \
                own threshold.\n\n\
-               What a tactor cannot give is capped: at 0.9 of its `max_level`, where the limiter still lets a tone pass as it is, and at what amplifier and \
-               actuator bear. `pacinian check` says by how many dB, and who was not measured. Between the points of a table it is straight in dB over the logarithm of \
+               What a tactor cannot give is capped: where the limiter still lets a tone pass as it is (0.9 of its `max_level` up to 475 Hz, 0.69 at 800 Hz, nearly nothing at 950 Hz), and at what amplifier and \
+               actuator bear. `pacinian check` says by how many dB, of paths and bursts too, and who was not measured. Between the points of a table it is straight in dB over the logarithm of \
                the frequency; beyond them, and beyond 10 to 1000 Hz, an event is refused, and a frequency that wanders there (jitter) is felt as at the \
                end.\n\n\
                A tactor without a calibration is relative: a level of 1 at 250 Hz counts for 40 dB, whatever it really is, and other frequencies follow the threshold \

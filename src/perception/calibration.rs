@@ -49,12 +49,15 @@ pub const UNITS: &[&str] = &[
 ];
 
 impl Unit {
-    /// The unit of a word.
-    pub fn find(word: &str) -> Option<Self> {
-        if !UNITS.contains(&word) {
-            return None;
-        }
-        let (above, below) = word.rsplit_once('/')?;
+    /// The word at a place in [`UNITS`], and its unit; beyond them, the first.
+    pub fn at(place: usize) -> (&'static str, Self) {
+        let word = UNITS.get(place).unwrap_or(&UNITS[0]);
+        (word, Self::of(word))
+    }
+
+    /// The unit of one of [`UNITS`].
+    fn of(word: &str) -> Self {
+        let (above, below) = word.rsplit_once('/').unwrap_or((word, "V"));
         let per = match below {
             "V" => Per::Volt,
             "A" => Per::Ampere,
@@ -69,7 +72,7 @@ impl Unit {
             "g" => (Quantity::Acceleration, G),
             _ => (Quantity::Acceleration, 1.0),
         };
-        Some(Self { quantity, scale, per })
+        Self { quantity, scale, per }
     }
 }
 
@@ -156,7 +159,7 @@ mod tests {
     use super::{Fault, MOST_POINTS, Per, Quantity, Table, UNITS, Unit};
 
     fn of(points: &[[f64; 2]]) -> Result<Table, Fault> {
-        Table::new(points, Unit::find("m/V").unwrap())
+        Table::new(points, Unit::at(0).1)
     }
 
     #[test]
@@ -177,8 +180,9 @@ mod tests {
 
     #[test]
     fn every_unit_is_what_its_word_says() {
-        for word in UNITS {
-            let unit = Unit::find(word).unwrap_or_else(|| panic!("{word}"));
+        for (place, word) in UNITS.iter().enumerate() {
+            let (said, unit) = Unit::at(place);
+            assert_eq!(said, *word);
             assert_eq!(unit.per == Per::Ampere, word.ends_with("/A"), "{word}");
             assert_eq!(unit.per == Per::FullScale, word.ends_with("/FS"), "{word}");
             let times = match unit.quantity {
@@ -197,8 +201,8 @@ mod tests {
             let table = Table::new(&[[100.0, amount], [200.0, amount]], unit).unwrap();
             assert!((table.metres(100.0).unwrap() + 120.0).abs() < 1e-9, "{word}");
         }
-        assert_eq!((Unit::find("km/V"), Unit::find("m"), Unit::find("")), (None, None, None));
-        assert_eq!(Unit::find("g/V").unwrap().scale, 9.80665);
+        assert_eq!((Unit::at(UNITS.len()), Unit::at(0).0), (Unit::at(0), "m/V"));
+        assert_eq!(Unit::of("g/V").scale, 9.80665);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::actuator::elementary::{cosine, exp, sine};
 use crate::actuator::link::coupling::Corners;
 use crate::dsp::biquad::Biquad;
 use crate::dsp::complex::Complex;
+use crate::dsp::steady::steady;
 
 /// Where nobody has measured a tactor, its full level at [`REFERENCE`] counts for so many decibels, whatever they really are.
 pub const FULL: f64 = 40.0;
@@ -28,6 +29,8 @@ pub struct Path {
     pub rate: f64,
     /// The largest sample that may leave, above 0.
     pub most: f64,
+    /// `max_level`, to which a limiter keeps it, if one does: of a steady tone it leaves less.
+    pub limited: Option<f64>,
 }
 
 impl Path {
@@ -133,14 +136,15 @@ impl Gauge {
     /// The largest amplitude of a voice that leaves as it is.
     fn limit(&self, hertz: f64) -> f64 {
         let raised = self.path.gain * self.path.response(hertz)[1];
-        (self.path.most / raised.max(f64::MIN_POSITIVE)).max(f64::MIN_POSITIVE)
+        let most = self.path.limited.map_or(f64::INFINITY, |level| level * steady(hertz)).min(self.path.most);
+        (most / raised.max(f64::MIN_POSITIVE)).max(f64::MIN_POSITIVE)
     }
 
     /// The amplitude that a voice of amplitude 1 needs for so many decibels above the threshold at a frequency (Hz): 1 is a level of 1. Of it the tactor
     /// takes the share `share`, and no more than its limit leaves. For the audio thread.
     ///
     /// What is no number needs nothing. Beyond [`Gauge::range`] what is at its end holds.
-    pub fn level(&self, felt: f64, share: f64, hertz: f64) -> f64 {
+    fn level(&self, felt: f64, share: f64, hertz: f64) -> f64 {
         let hertz = self.within(hertz);
         let wanted = share * amplitude(felt - self.full(hertz));
         // A tactor that is turned down to nothing gives nothing.

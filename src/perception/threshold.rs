@@ -3,8 +3,21 @@
 use super::site::Site;
 use crate::actuator::elementary::ln;
 
-/// The frequencies between which thresholds are known, Hz.
+/// The frequencies between which thresholds are given, Hz. Slopes are quoted up to [`QUOTED`]; above, they are a judgement on the hand, and
+/// above [`FAR`] an extrapolation everywhere.
 pub const RANGE: [f64; 2] = [10.0, 1000.0];
+
+/// Up to here slopes are quoted, Hz.
+pub const QUOTED: f64 = 250.0;
+
+/// No threshold above this was at hand, Hz: from here on slopes only go on.
+pub const FAR: f64 = 600.0;
+
+/// By how much more a threshold may be off for each octave above [`QUOTED`], dB: by as much as slopes of 9 and 12 dB differ, which were both given.
+const STEEPER: f64 = 3.0;
+
+/// By how much more it may be off above [`FAR`], dB.
+const FARTHER: f64 = 3.0;
 
 /// The area of the contactor for which the figures of sites are, m².
 pub const CONTACTOR: f64 = 2.9e-4;
@@ -62,11 +75,13 @@ impl Threshold {
 
     /// By how much that may be off there, dB either way, for an average of adults.
     pub fn error(&self, hertz: f64) -> f64 {
+        let octaves = (ln(hertz / QUOTED) / std::f64::consts::LN_2).max(0.0);
+        let above = STEEPER * octaves + if hertz > FAR { FARTHER } else { 0.0 };
         if self.pacinian(hertz) >= self.site.other {
-            return self.site.other_error;
+            return self.site.other_error + above;
         }
         let summed = (SUMMED[0]..=SUMMED[1]).contains(&self.area);
-        self.site.pacinian_error + if summed { 0.0 } else { UNSUMMED }
+        self.site.pacinian_error + above + if summed { 0.0 } else { UNSUMMED }
     }
 }
 
@@ -141,6 +156,20 @@ mod tests {
         let error = |area: f64| Threshold::new(THENAR, area).error(250.0);
         assert!(error(1.0) > error(1e-4) && error(1e-9) > error(1e-4));
         assert_eq!(error(1e-4), THENAR.pacinian_error);
+    }
+
+    /// Above 250 Hz slopes are a judgement, and above 600 Hz they only go on, for all channels.
+    #[test]
+    fn errors_grow_where_less_was_measured() {
+        let error = |hertz: f64| Threshold::new(THENAR, CONTACTOR).error(hertz);
+        assert_eq!((error(20.0), error(100.0), error(250.0)), (5.0, 5.0, 5.0));
+        // The slopes of 9 and 12 dB differ by 3 dB at 500 and 6 dB at 1000 Hz.
+        assert!((error(500.0) - 8.0).abs() < 1e-9 && (error(1000.0) - (5.0 + 6.0 + 3.0)).abs() < 1e-9);
+        for site in &SITES {
+            let error = |hertz: f64| Threshold::new(site, CONTACTOR).error(hertz);
+            assert!(error(1000.0) >= error(250.0) + 6.9, "{}", site.word);
+        }
+        assert!(error(601.0) - error(600.0) > 2.9, "{} {}", error(600.0), error(601.0));
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::{Drive, Output, OutputKind, Rig};
 use crate::perception::calibration::{Per, Table, UNITS, Unit};
 use crate::perception::fault::Fault;
 use crate::perception::site::{self, Site, THENAR};
+use crate::text::cells::cells;
 use crate::text::field::{Field, Form, Table as Keys};
 use crate::text::nearest::suggest;
 use crate::text::reader::Reader;
@@ -78,9 +79,7 @@ pub(crate) static TABLE: Keys = Keys {
 };
 
 pub(crate) fn read(name: &str, reader: &Reader) -> Calibration {
-    let place = reader.word("unit");
-    let unit_word = UNITS.get(place).copied().unwrap_or("m/V");
-    let unit = Unit::find(unit_word).unwrap_or(METRES);
+    let (unit_word, unit) = Unit::at(reader.word("unit"));
     let mut calibration = Calibration {
         name: name.into(),
         date: date(reader).unwrap_or_default(),
@@ -102,9 +101,6 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Calibration {
     calibration.table(reader);
     calibration
 }
-
-const METRES: Unit =
-    Unit { quantity: crate::perception::calibration::Quantity::Displacement, scale: 1.0, per: Per::Volt };
 
 /// Reads the site at `site`.
 pub(super) fn read_site(reader: &Reader) -> Option<&'static Site> {
@@ -159,7 +155,7 @@ impl Calibration {
     }
 
     /// Takes the points from the text of its file: a line of column names with `frequency` and `output`, and a line for each point. Other columns
-    /// are passed over.
+    /// are passed over, and cells may stand in double quotes.
     ///
     /// # Errors
     /// What is wrong, each with its place in the text.
@@ -175,7 +171,16 @@ impl Calibration {
             if line.is_empty() || line.starts_with('#') {
                 continue;
             }
-            let cells: Vec<&str> = line.split(',').map(|cell| cell.trim().trim_matches('"')).collect();
+            let cells: Vec<String> = match cells(line) {
+                Ok(cells) => cells.into_iter().map(|cell| cell.text).collect(),
+                Err(what) => {
+                    problems.push(Problem::error(&span, what));
+                    if columns.is_none() || problems.len() >= MOST_WRONG {
+                        break;
+                    }
+                    continue;
+                }
+            };
             let Some([hertz, output]) = columns else {
                 let find = |wanted: &str| cells.iter().position(|cell| *cell == wanted);
                 let (Some(hertz), Some(output)) = (find("frequency"), find("output")) else {
@@ -187,7 +192,7 @@ impl Calibration {
                 columns = Some([hertz, output]);
                 continue;
             };
-            let number = |place: usize| cells.get(place).and_then(|cell| cell.parse::<f64>().ok());
+            let number = |place: usize| cells.get(place).and_then(|cell| cell.trim().parse::<f64>().ok());
             match (number(hertz), number(output)) {
                 (Some(hertz), Some(output)) => {
                     self.points.push([hertz, output]);
@@ -345,7 +350,40 @@ impl Rig {
 
 #[cfg(test)]
 mod tests {
-    use super::is_date;
+    use super::{Calibration, Unit, is_date};
+
+    fn blank() -> Calibration {
+        let (unit_word, unit) = Unit::at(0);
+        Calibration {
+            name: "c".into(),
+            date: "2026-03-14".into(),
+            method: "laser".into(),
+            area: 1e-4,
+            site: None,
+            unit,
+            unit_word,
+            points: Vec::new(),
+            file: Some("c.csv".into()),
+            span: 0..0,
+            table_span: 0..0,
+        }
+    }
+
+    /// As in events files: a comma within quotes divides nothing.
+    #[test]
+    fn tables_may_quote_cells() {
+        let mut calibration = blank();
+        let text = "\u{feff}\"remark, if any\", frequency ,\"output\"\n\"loose, then \"\"tight\"\"\",50,\"1e-6\"\n# none\n,60, 2e-6\n";
+        assert_eq!(calibration.take(text), Ok(()));
+        assert_eq!(calibration.points, [[50.0, 1e-6], [60.0, 2e-6]]);
+        for (text, span) in
+            [("frequency,output\n50,\"1\n60,2\n", 17..22), ("\"frequency,output\n50,1\n", 0..17)]
+        {
+            let problems = calibration.take(text).unwrap_err();
+            assert_eq!(problems.len(), 1, "{problems:?}");
+            assert_eq!((problems[0].span.clone(), calibration.points.len()), (Some(span), 0), "{text}");
+        }
+    }
 
     #[test]
     fn dates_are_days_that_there_were() {

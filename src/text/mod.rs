@@ -3,6 +3,7 @@
 //! [`crate::patch`] and [`crate::rig`] stand on it. A file is parsed into a tree that keeps its places;
 //! typed fields are taken out of a table by its description ([`field::Table`]), from which the JSON Schema is made as well.
 
+pub(crate) mod cells;
 pub(crate) mod document;
 pub mod field;
 pub(crate) mod measure;

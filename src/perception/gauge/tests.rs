@@ -1,17 +1,17 @@
 use super::{FULL, Gauge, Path, REFERENCE, amplitude, magnitude};
 use crate::dsp::biquad::Biquad;
-use crate::perception::calibration::{Table, Unit};
+use crate::perception::calibration::{Table, UNITS, Unit};
 use crate::perception::site::find;
 use crate::perception::threshold::{Threshold, decibels};
 
 const RATE: f64 = 8000.0;
 
 fn path(gain: f64, per_sample: f64) -> Path {
-    Path { gain, per_sample, corners: Vec::new(), filters: Vec::new(), rate: RATE, most: 1.0 }
+    Path { gain, per_sample, corners: Vec::new(), filters: Vec::new(), rate: RATE, most: 1.0, limited: None }
 }
 
 fn table(points: &[[f64; 2]]) -> Table {
-    Table::new(points, Unit::find("um/V").unwrap()).unwrap()
+    Table::new(points, Unit::at(UNITS.iter().position(|word| *word == "um/V").unwrap()).1).unwrap()
 }
 
 /// By the definition: volts at the terminals times what was measured, over the threshold, both in metres.
@@ -120,5 +120,22 @@ fn sections_are_what_their_response_says() {
             let due = section.response(hertz, RATE).abs();
             assert!((magnitude(&section, hertz / RATE) / due - 1.0).abs() < 1e-9, "{section:?} {hertz}");
         }
+    }
+}
+
+/// Of a tone at 800 Hz the limiter leaves 0.69 of its level, at 100 Hz 0.9; what amplifier and actuator bear does not depend on that.
+#[test]
+fn the_limiter_leaves_less_of_high_tones() {
+    let threshold = Threshold::new(find("thenar").unwrap(), 1e-4);
+    let gauge = |most: f64, limited: Option<f64>| {
+        let way = Path { most, limited, ..path(1.0, 1.0) };
+        Gauge::calibrated(threshold, table(&[[50.0, 1.0], [1000.0, 1.0]]), way)
+    };
+    let free = gauge(1.0, None);
+    for (hertz, share) in [(100.0, 0.9), (400.0, 0.9), (600.0, 0.85), (800.0, 0.688)] {
+        let less = free.most(hertz) - gauge(1.0, Some(1.0)).most(hertz);
+        assert!((less + decibels(share)).abs() < 1e-9, "{hertz}: {less}");
+        assert!((gauge(0.3, Some(1.0)).most(hertz) - gauge(0.3, None).most(hertz)).abs() < 1e-9);
+        assert!((gauge(1.0, Some(0.5)).level(300.0, 1.0, hertz) - 0.5 * share).abs() < 1e-9);
     }
 }
