@@ -61,7 +61,7 @@ impl RigCommand {
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let What::New(new) = &self.what;
         let layout = new.made()?;
-        let text = text(&layout, &new.words());
+        let text = text(&layout, &new.words(), new.layout == "sleeve");
         match &new.output {
             None => terminal.print(&text),
             Some(path) if path.exists() => {
@@ -155,14 +155,14 @@ impl New {
     }
 }
 
-/// The rig of a layout as a file.
-fn text(layout: &Layout, made_by: &str) -> String {
+/// The rig of a layout as a file; `unrolled`: of what goes around a limb.
+fn text(layout: &Layout, made_by: &str, unrolled: bool) -> String {
     let channels = layout.tactors.len();
     let mut text = format!("format = \"pacinian-rig/1\"\ntitle = \"{}\"\n\n", layout.title);
     for line in layout.notes.iter().flat_map(|note| lines(note)) {
         text += &format!("# {line}\n");
     }
-    for line in picture(layout, made_by.contains(" sleeve")) {
+    for line in picture(layout, unrolled) {
         text += format!("#{line}").trim_end();
         text.push('\n');
     }
