@@ -432,15 +432,17 @@ impl<R: Real> Bank<R> {
         let steers = journeys.steers();
         for l in (0..LANES).filter(|l| moving[group] & (1 << l) != 0) {
             let lane = group * LANES + l;
-            let steer = |frame: usize| {
-                let read = |feed| match feed {
-                    Feed::Buffer(b) => buffers[b as usize].at(frame)[l].wide(),
-                    Feed::Shared(s) => shared[s as usize].at(frame)[l].wide(),
-                    // What stays is known better than to the lanes: on the edge of a cell a nanometre is heard.
-                    Feed::Steady(row) => ops.base(lane, row),
-                    Feed::Late(_) => 0.0,
+            let steer = |which: usize, first: usize, to: &mut [f64]| {
+                let mut from = |buffer: &Buffer<R>| {
+                    to.iter_mut().enumerate().for_each(|(k, to)| *to = buffer.at(first + k)[l].wide());
                 };
-                steers.map_or([0.0; 4], |feeds| feeds.map(read))
+                match steers.map_or(Feed::Late(0), |feeds| feeds[which]) {
+                    Feed::Buffer(b) => from(&buffers[b as usize]),
+                    Feed::Shared(s) => from(&shared[s as usize]),
+                    // What stays is known better than to the lanes: on the edge of a cell a nanometre is heard.
+                    Feed::Steady(row) => to.fill(ops.base(lane, row)),
+                    Feed::Late(_) => to.fill(0.0),
+                }
             };
             let value = |frame: usize| buffers[at].rows[frame][l];
             journeys.travel(lane, &lanes[lane], (mover, bus, offset), frames.clone(), value, steer);

@@ -15,7 +15,7 @@ use crate::patch::Pitch;
 use crate::perception::gauge::Gauge;
 use crate::schedule::Instant;
 use crate::space::law::Law;
-use crate::space::moving::{Age, Mover, SEEN, Trail};
+use crate::space::moving::{Age, Mover, Steps, Trail};
 use crate::space::path::Route;
 use crate::space::point::Point;
 use crate::space::spot::Spot;
@@ -103,8 +103,8 @@ impl Journeys {
         self.steers
     }
 
-    /// Adds a voice to the channels over some frames, in a mix whose row for the first is `offset`. `value` gives its signal in a frame, and `steer` where its
-    /// program says it is.
+    /// Adds a voice to the channels over some frames, in a mix whose row for the first is `offset`. `value` gives its signal in a frame; `steer`
+    /// fills in what its program says of x, y, z or its width in a row of frames from a first one.
     #[inline(always)]
     pub fn travel<R: Real>(
         &mut self,
@@ -113,7 +113,7 @@ impl Journeys {
         (mover, bus, offset): (&mut Mover, &mut Bus<'_, R>, usize),
         frames: Range<u64>,
         value: impl Fn(usize) -> R,
-        steer: impl Fn(usize) -> [f64; 4],
+        steer: impl Fn(usize, usize, &mut [f64]),
     ) {
         let Self { routes, gauges, pitch, steers, law, width, rate, list } = self;
         let Some(journey) = list.get_mut(number) else { return };
@@ -138,24 +138,20 @@ impl Journeys {
             let mut values = [R::ZERO; Mover::STRETCH];
             (0..samples).for_each(|k| values[k] = value(first + k));
             let mut widths = [*width; Mover::STRETCH];
-            // Follows as far as it is asked for.
-            let (mut trail, mut piece) = (journey.trail, near.get());
-            if way.steered {
-                let mut ahead = journey.trail;
-                for (k, width) in widths.iter_mut().enumerate().take(samples) {
-                    let [x, y, z, wider] = steer(first + k);
-                    ahead.push([x, y, z]);
-                    *width = (*width + wider).max(0.0);
-                    let at = |far: i64, piece: &mut usize| {
-                        let begin = way.known((clock + k as u64).wrapping_add_signed(far), 0.0, piece);
-                        plus(begin, ahead.at(far as f64))
-                    };
-                    mover.set(k, [-SEEN, 0, SEEN].map(|far| at(far, &mut piece)));
+            let mut piece = near.get();
+            let beside = way.route.map(|route| (&route.path, way.age(clock), way.pace));
+            let steps = if way.steered {
+                steer(3, first, &mut widths[..samples]);
+                widths.iter_mut().take(samples).for_each(|wider| *wider = (*width + *wider).max(0.0));
+                let steps = journey.trail.take(samples, |axis, to| steer(axis, first, to));
+                mover.follow(&steps, (way.still, beside), &mut piece);
+                Some(steps)
+            } else {
+                if let Some((path, age, pace)) = beside {
+                    mover.take(path, age, pace, &mut piece);
                 }
-                journey.trail = ahead;
-            } else if let Some(route) = route {
-                mover.take(&route.path, way.age(clock), way.pace, &mut piece);
-            }
+                None
+            };
             near.set(piece);
             let row = offset + first;
             let narrow = widths.iter().take(samples).all(|width| *width == 0.0);
@@ -164,7 +160,7 @@ impl Journeys {
                 if values.iter().take(samples).all(|value| *value == R::ZERO) {
                     continue;
                 }
-                let at = |whole, share| way.at(clock, (whole, share), &journey.trail, &near);
+                let at = |whole, share| way.at(clock, (0, whole, share), steps.as_ref(), &near);
                 mover.gains(at, None, (widths[0], *law), &mut journey.piece, |channel, gain| {
                     let gain = R::of(needs.of(channel, gain) * journey.gain);
                     let (rows, lane) = bus.run(channel as usize, row, samples);
@@ -175,7 +171,7 @@ impl Journeys {
                 continue;
             }
             let mut held_here = if narrow { mover.held(*law, journey.piece) } else { 0 };
-            let (mut k, mut followed) = (0, 0);
+            let mut k = 0;
             while k < samples {
                 let run = ((!(u64::from(held_here) >> k)).trailing_zeros() as usize).min(samples - k);
                 if run > 0 {
@@ -194,18 +190,18 @@ impl Journeys {
                 }
                 let value = values[k];
                 if value != R::ZERO {
-                    while way.steered && followed <= k {
-                        let [x, y, z, _] = steer(first + followed);
-                        trail.push([x, y, z]);
-                        followed += 1;
-                    }
                     let piece = journey.piece;
-                    let at = |whole, share| way.at(clock + k as u64, (whole, share), &trail, &near);
-                    let known = (!way.steered).then_some(clock + k as u64);
-                    mover.gains(at, known, (widths[k], *law), &mut journey.piece, |channel, gain| {
-                        let gain = R::of(needs.of(channel, gain) * journey.gain);
-                        bus.add(channel as usize, row + k, value * gain);
-                    });
+                    let at = |whole, share| way.at(clock, (k, whole, share), steps.as_ref(), &near);
+                    mover.gains(
+                        at,
+                        Some(clock + k as u64),
+                        (widths[k], *law),
+                        &mut journey.piece,
+                        |channel, gain| {
+                            let gain = R::of(needs.of(channel, gain) * journey.gain);
+                            bus.add(channel as usize, row + k, value * gain);
+                        },
+                    );
                     if piece != journey.piece && narrow {
                         held_here = mover.held(*law, journey.piece);
                     }
@@ -244,13 +240,19 @@ impl Way<'_> {
         Age { samples, less: [less, LEAD] }
     }
 
-    /// Where it is some whole samples and a share of one from a sample, of which the trail's last is.
+    /// Where it is some whole samples and a share of one from one sample of a stretch that begins at `clock`.
     #[inline(always)]
-    fn at(&self, clock: u64, (whole, share): (i64, f64), trail: &Trail, piece: &Cell<usize>) -> Point {
+    fn at(
+        &self,
+        clock: u64,
+        (sample, whole, share): (usize, i64, f64),
+        steps: Option<&Steps>,
+        piece: &Cell<usize>,
+    ) -> Point {
         let mut near = piece.get();
-        let begin = self.known(clock.wrapping_add_signed(whole), share, &mut near);
+        let begin = self.known(clock.wrapping_add_signed(sample as i64 + whole), share, &mut near);
         piece.set(near);
-        if self.steered { plus(begin, trail.at(whole as f64 + share)) } else { begin }
+        steps.map_or(begin, |steps| plus(begin, steps.at(sample, whole, share)))
     }
 }
 

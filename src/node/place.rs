@@ -13,8 +13,9 @@ pub static SPEC: NodeSpec = NodeSpec {
     summary: "Where the voice is felt.",
     detail: "It moves the voice that has it: x, y and z are added to the position of its event, or along the path of it; where an event has none, \
              they are the position. The tactors about it share it at every engine sample by the voice's law, whatever reads this node; as a signal it is \
-             silence. A voice has one at most, and plays at no tactor by name then. What jumps farther than 12 mm from one engine sample to the next is there \
-             at once; up to some 30 metres a second what moves smoothly is as exact as a path.",
+             silence. A voice has one at most, and plays at no tactor by name then. It is there five engine samples (0.6 ms) after \
+             its nodes say so, since what crosses from tactor to tactor has to be known from both sides; what moves smoothly then is as exact as a path. What jumps \
+             farther than 12 mm from one engine sample to the next is there at once.",
     params: &[
         Param { name: "x", kind: Kind::Signal(METRES), unit: "m", doc: "Along x: of a body, to the wearer's right." },
         Param { name: "y", kind: Kind::Signal(METRES), unit: "m", doc: "Along y: up." },

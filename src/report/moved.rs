@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::engine::event::Play;
 use crate::graph::plan::{Instrument, Plan};
+use crate::space::moving::LATE;
 use crate::space::point::Point;
 use crate::space::spot::Spot;
 
@@ -30,12 +31,13 @@ impl Way<'_> {
     pub fn moved(&self, first: i64, fine: f64, samples: &[f64]) -> BTreeMap<u32, Vec<f64>> {
         let mut channels = BTreeMap::new();
         let Some(mut spread) = self.plan.spread.clone() else { return channels };
+        let late = (LATE as f64 * fine * self.plan.ratio as f64 / self.plan.device_rate).round() as usize;
         let mut gains = Vec::with_capacity(spread.channels().len());
         for (n, sample) in samples.iter().enumerate().filter(|(_, sample)| **sample != 0.0) {
             for k in 0..PLACES {
                 let off = (k as f64 + 0.5) / PLACES as f64 - 0.5;
                 let seconds = (first as f64 + n as f64 + off - self.born) / fine;
-                let (point, wider) = self.at(n, off, seconds);
+                let (point, wider) = self.at([n, n.saturating_sub(late)], off, seconds);
                 gains.clear();
                 let width = (self.instrument.width + wider).max(0.0);
                 spread.gains(point, width, self.instrument.law, &mut gains);
@@ -58,8 +60,8 @@ impl Way<'_> {
         gauge.map_or(0.0, |gauge| gauge.gain(gain, self.play.level, felt, hertz))
     }
 
-    /// Where it is, and how much wider, `off` from a fine sample, so many seconds after its onset.
-    fn at(&self, n: usize, off: f64, seconds: f64) -> (Point, f64) {
+    /// Where it is, and how much wider, `off` from a fine sample, so many seconds after its onset: where it was told to be at an earlier one.
+    fn at(&self, [now, told]: [usize; 2], off: f64, seconds: f64) -> (Point, f64) {
         let from = match self.play.place {
             Spot::Point(point) => point,
             Spot::Path(path) => match self.plan.paths.get(path as usize) {
@@ -68,10 +70,13 @@ impl Way<'_> {
             },
             Spot::Row(_) => [0.0; 3],
         };
-        let Some(here) = self.steps.get(n) else { return (from, 0.0) };
-        let beside = if off < 0.0 { n.saturating_sub(1) } else { n + 1 };
-        let there = self.steps.get(beside).unwrap_or(here);
-        let step = |k: usize| here[k] + off.abs() * (there[k] - here[k]);
-        ([from[0] + step(0), from[1] + step(1), from[2] + step(2)], step(3))
+        let step = |n: usize, axis: usize| {
+            let beside = if off < 0.0 { n.saturating_sub(1) } else { n + 1 };
+            let here = self.steps.get(n)?;
+            let there = self.steps.get(beside).unwrap_or(here);
+            Some(here[axis] + off.abs() * (there[axis] - here[axis]))
+        };
+        let Some(wider) = step(now, 3) else { return (from, 0.0) };
+        ([0, 1, 2].map(|axis| from[axis] + step(told, axis).unwrap_or(0.0)), wider)
     }
 }

@@ -80,6 +80,8 @@ pub struct Array {
     /// Places of the sites in the frame, and by coordinate without what the shape leaves aside.
     places: Vec<Point>,
     columns: [Vec<f64>; 3],
+    /// Its pieces that are tiles, by number.
+    tiles: Box<[Option<Tile>]>,
 }
 
 #[derive(Debug, Clone)]
@@ -118,7 +120,7 @@ impl Array {
         };
         let columns = [0, 1, 2].map(|k| places.iter().map(|p| if k < kept { p[k] } else { 0.0 }).collect());
         let spacing = sites.spacing();
-        Ok(Self {
+        let mut array = Self {
             positions: positions.to_vec(),
             sites,
             tactors: positions.len(),
@@ -127,7 +129,10 @@ impl Array {
             spacing,
             places,
             columns,
-        })
+            tiles: Box::default(),
+        };
+        array.tiles = (0..array.pieces() as u32).map(|piece| array.as_tile(piece)).collect();
+        Ok(array)
     }
 
     /// How many tactors it has; at least one.
@@ -183,11 +188,21 @@ impl Array {
     }
 
     /// The piece in which a row found its last point, if it is a tile of tactors.
-    #[inline]
-    pub(super) fn tile(&self, piece: u32) -> Option<Tile> {
-        if self.places.len() < self.tactors {
-            return None;
+    #[inline(always)]
+    pub(super) fn tile(&self, piece: u32) -> Option<&Tile> {
+        self.tiles.get(piece as usize)?.as_ref()
+    }
+
+    /// Pieces that may be tiles: where several tactors are at one place, none.
+    fn pieces(&self) -> usize {
+        match &self.form {
+            Form::Line(line) if self.places.len() == self.tactors => line.at.len() - 1,
+            Form::Surface(surface) if self.places.len() == self.tactors => surface.cells(),
+            _ => 0,
         }
+    }
+
+    fn as_tile(&self, piece: u32) -> Option<Tile> {
         let rates = &self.frame.rates;
         match &self.form {
             Form::One | Form::Cloud(_) => None,

@@ -20,7 +20,8 @@ pub(super) fn dot(a: Point, b: Point) -> f64 {
 /// `share` of the way from `a` to `b`; 0 and 1 give them exactly.
 #[inline(always)]
 pub(super) fn between(a: Point, b: Point, share: f64) -> Point {
-    [0, 1, 2].map(|k| (1.0 - share) * a[k] + share * b[k])
+    let at = |k: usize| (1.0 - share) * a[k] + share * b[k];
+    [at(0), at(1), at(2)]
 }
 
 /// The distance of two points.
@@ -33,7 +34,8 @@ pub(super) fn distance(a: Point, b: Point) -> f64 {
 /// Every coordinate within ±1e30; what is not a number becomes 0.
 #[inline(always)]
 pub(super) fn tamed(point: Point) -> Point {
-    point.map(finite)
+    let [x, y, z] = point;
+    [finite(x), finite(y), finite(z)]
 }
 
 /// A place in the plane of an array.

@@ -103,6 +103,11 @@ impl Surface {
         [0, 1].map(|k| (((p[k] - self.corner[k]) * self.rate[k]) as usize).min(self.fields[k] - 1))
     }
 
+    /// How many cells there are.
+    pub(super) fn cells(&self) -> usize {
+        self.cells.len()
+    }
+
     /// A cell as a tile.
     #[inline]
     pub(super) fn tile(&self, cell: u32) -> Option<(Form, [Flat; 2], [u32; 4])> {

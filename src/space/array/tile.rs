@@ -3,7 +3,7 @@
 use super::super::law::Law;
 use super::super::point::Point;
 use super::super::row::NOTHING;
-use super::cell::ON_THE_EDGE;
+use super::cell::{ON_THE_EDGE, WELL_WITHIN};
 use std::ops::Range;
 
 /// Samples of a point that are shared at once, at most.
@@ -73,6 +73,78 @@ impl Formed for Rectangle {
     }
 }
 
+impl Form {
+    #[inline(always)]
+    fn depth(self, at: [f64; 2]) -> f64 {
+        match self {
+            Self::Segment => Segment::depth(at),
+            Self::Triangle => Triangle::depth(at),
+            Self::Rectangle => Rectangle::depth(at),
+        }
+    }
+
+    #[inline(always)]
+    fn weights(self, at: [f64; 2]) -> [f64; 4] {
+        match self {
+            Self::Segment => Segment::weights(at),
+            Self::Triangle => Triangle::weights(at),
+            Self::Rectangle => Rectangle::weights(at),
+        }
+    }
+}
+
+/// A straight way in the coordinates of a tile.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::space) struct Along {
+    form: Form,
+    from: [f64; 2],
+    goes: [f64; 2],
+}
+
+impl Along {
+    /// The share of the way after which it leaves the tile, at most 1; below that of a point where it is in it, if it is not.
+    #[inline(always)]
+    pub(in crate::space) fn leaves(&self) -> f64 {
+        let ([u, v], [along_u, along_v]) = (self.from, self.goes);
+        let out = |left: f64, goes: f64| if goes < 0.0 { left / -goes } else { f64::INFINITY };
+        let both = match self.form {
+            Form::Segment => out(u, along_u).min(out(1.0 - u, -along_u)),
+            Form::Triangle => out(u, along_u).min(out(v, along_v)).min(out(1.0 - u - v, -along_u - along_v)),
+            Form::Rectangle => {
+                let [u, v] =
+                    [(u, along_u), (v, along_v)].map(|(u, goes)| out(u, goes).min(out(1.0 - u, -goes)));
+                u.min(v)
+            }
+        };
+        both.min(1.0)
+    }
+
+    /// How deep within the tile it is at a share of the way; below 0 outside.
+    #[inline(always)]
+    pub(in crate::space) fn depth(&self, share: f64) -> f64 {
+        self.form.depth(self.at(share))
+    }
+
+    #[inline(always)]
+    fn at(&self, share: f64) -> [f64; 2] {
+        [self.from[0] + share * self.goes[0], self.from[1] + share * self.goes[1]]
+    }
+
+    /// The mean gains of the corners between two shares of the way, in the tile.
+    #[inline(always)]
+    pub(in crate::space) fn means(&self, [from, to]: [f64; 2], law: Law) -> [f64; 4] {
+        let (near, far) = (self.form.weights(self.at(from)), self.form.weights(self.at(to)));
+        let (part, [u, v]) = (to - from, self.goes);
+        let mut bend = if self.form == Form::Rectangle { u * v * part * part } else { 0.0 };
+        let mut means = [0.0; 4];
+        for (k, mean) in means.iter_mut().enumerate() {
+            *mean = law.mean(borne(near[k]), borne(far[k]), bend);
+            bend = -bend;
+        }
+        means
+    }
+}
+
 /// A piece of an array.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::space) struct Tile {
@@ -103,6 +175,19 @@ impl Tile {
         [dot(self.u), dot(self.v)]
     }
 
+    /// Whether a point lies so far within that nothing else holds it.
+    #[inline(always)]
+    pub(in crate::space) fn holds_well(&self, p: Point) -> bool {
+        self.form.depth(self.at(p)) > WELL_WITHIN
+    }
+
+    /// A straight way from one point to another, by what it has of the tile.
+    #[inline(always)]
+    pub(in crate::space) fn along(&self, from: Point, to: Point) -> Along {
+        let ([a, b], [c, d]) = (self.at(from), self.at(to));
+        Along { form: self.form, from: [a, b], goes: [c - a, d - b] }
+    }
+
     /// Whether a point lies within or on the edge.
     #[inline(always)]
     pub(in crate::space) fn holds<F: Formed>(&self, p: Point) -> bool {
@@ -112,20 +197,14 @@ impl Tile {
     /// The gains of its corners of a point within.
     #[inline(always)]
     pub(in crate::space) fn gains(&self, p: Point, law: Law) -> [f64; 4] {
-        let at = self.at(p);
-        let weights = match self.form {
-            Form::Segment => Segment::weights(at),
-            Form::Triangle => Triangle::weights(at),
-            Form::Rectangle => Rectangle::weights(at),
-        };
-        weights.map(|weight| law.gain(borne(weight)))
+        self.form.weights(self.at(p)).map(|weight| law.gain(borne(weight)))
     }
 
     /// The same for many points, by coordinate.
     #[inline(always)]
     pub(in crate::space) fn fill<F: Formed>(
         &self,
-        [x, y, z]: &[[f64; STRETCH]; 3],
+        [x, y, z]: [&[f64; STRETCH]; 3],
         range: Range<usize>,
         law: Law,
         gains: &mut [[f64; STRETCH]; 4],

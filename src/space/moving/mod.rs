@@ -5,6 +5,7 @@ mod kernel;
 mod stretch;
 #[cfg(test)]
 mod tests;
+mod tour;
 mod trail;
 mod way;
 
@@ -18,7 +19,7 @@ use boxes::{Boxes, Sums};
 use kernel::{COARSE, FINE, Kernel, QUICK, SLOW, SLOW_OF_WIDTH};
 pub use stretch::Age;
 use stretch::Stretch;
-pub use trail::Trail;
+pub use trail::{LATE, Steps, Trail};
 use way::{Span, Way, stays_in, turns};
 
 /// How far a point is looked at before and after now, in engine samples.
@@ -84,7 +85,7 @@ impl Mover {
         // What rests has the gains of a fixed point, to the bit.
         if ends != [here; 2]
             && let Some(tile) = self.tile(width, law, *piece)
-            && stays_in(&tile, ends, here, spacing)
+            && stays_in(tile, ends, here, spacing)
         {
             let gains = tile.gains(here, law);
             for (tactor, share) in tile.corners().iter().zip(gains) {
@@ -97,7 +98,7 @@ impl Mover {
             return;
         }
         let at = |whole: i64, share: f64| tamed(at(whole, share));
-        let (here, ends) = (tamed(here), ends.map(tamed));
+        let (here, ends) = (tamed(here), [tamed(ends[0]), tamed(ends[1])]);
         let rests = ends == [here; 2];
         let array = self.spread.array();
         self.now.hint = *piece;
@@ -105,7 +106,8 @@ impl Mover {
         *piece = self.now.hint;
         let bent = turns(ends, here, spacing);
         let tile = self.tile(width, law, *piece);
-        let stays = tile.is_some_and(|tile| stays_in(&tile, ends, here, spacing));
+        let (stays, has_tile) =
+            (tile.is_some_and(|tile| stays_in(tile, ends, here, spacing)), tile.is_some());
         let plain = rests || stays || array.is_smooth(width) && !bent;
         // Of the two halves, the one in which it does not turn back.
         let way = if plain { 0.0 } else { distance(ends[0], here).max(distance(here, ends[1])) };
@@ -114,7 +116,7 @@ impl Mover {
         // In a cloud a weight may have a corner anywhere, but none so sharp that it counts while the point is slow.
         let cloud = array.shape() == Shape::Cloud && law != Law::Nearest;
         let crosses = !(plain || cloud && slow)
-            && (cloud || bent || width > 0.0 || tile.is_some() || self.crosses(ends, law));
+            && (cloud || bent || width > 0.0 || has_tile || self.crosses(ends, law));
         let channels = self.spread.channels();
         if !crosses {
             for share in self.now.shares() {
@@ -142,7 +144,7 @@ impl Mover {
 
     /// The piece by itself, if that is where gains are those of the law at every instant.
     #[inline(always)]
-    fn tile(&self, width: f64, law: Law, piece: u32) -> Option<Tile> {
+    fn tile(&self, width: f64, law: Law, piece: u32) -> Option<&Tile> {
         if width > 0.0 || law == Law::Nearest { None } else { self.spread.array().tile(piece) }
     }
 
@@ -169,15 +171,17 @@ impl Mover {
                 continue;
             }
             let [from, to] = [kernel.edge(k), kernel.edge(k + 1)];
-            if looked != Some(k) {
-                self.look(near, from, way);
-            }
-            self.look(far, to, way);
-            looked = Some(k + 1);
             let span = Span { base: from.0, from: from.1, to: (to.0 - from.0) as f64 + to.1 };
-            let halved = self.halved(way, &span);
-            self.span(way, &span, [near, far], 1.0, [HALVED, halved]);
-            std::mem::swap(&mut near, &mut far);
+            if !self.tour(way, &span) {
+                if looked != Some(k) {
+                    self.look(near, from, way);
+                }
+                self.look(far, to, way);
+                looked = Some(k + 1);
+                let halved = self.halved(way, &span);
+                self.span(way, &span, [near, far], 1.0, [HALVED, halved]);
+                std::mem::swap(&mut near, &mut far);
+            }
             let Self { part, sum, boxes, .. } = self;
             let mut kept = which.and_then(|which| boxes.keep(which));
             part.drain(|tactor, share| {
@@ -204,6 +208,14 @@ impl Mover {
                 if speed < QUICK * array.spacing() { 1 } else { 2 }
             }
         }
+    }
+
+    /// Finds the piece of a point.
+    fn find(&mut self, at: Point, law: Law) {
+        let [_, _, row, ..] = &mut self.rows;
+        row.hint = self.now.hint;
+        self.spread.array().weights(at, 0.0, law, row);
+        self.now.hint = row.hint;
     }
 
     /// Fills a row with the shares of an instant.
@@ -254,7 +266,11 @@ impl Mover {
     /// Adds mean gains between one row and the other, of weights that go straight; of a cloud, whose weights begin and end as squares, of gains that do.
     fn add<A>(&mut self, [near, far]: [usize; 2], way: &Way<A>, weight: f64) {
         let mean = |from: f64, to: f64| {
-            if way.cloud { 0.5 * (way.law.gain(from) + way.law.gain(to)) } else { way.law.mean(from, to) }
+            if way.cloud {
+                0.5 * (way.law.gain(from) + way.law.gain(to))
+            } else {
+                way.law.mean(from, to, 0.0)
+            }
         };
         let Self { rows, part, .. } = self;
         let mut add = |tactor: u32, gain: f64| part.add(tactor, weight * gain);

@@ -8,10 +8,13 @@ use super::super::path::Path;
 use super::super::point::Point;
 
 use super::way::stays;
-use super::{Mover, SEEN};
+use super::{Mover, SEEN, Steps};
 
 /// Samples before and after each that are looked at.
 const AROUND: usize = SEEN as usize;
+
+/// In place of a stretch that is not there.
+const NOWHERE: [f64; STRETCH] = [0.0; STRETCH];
 
 /// Tactors farther apart than this, m, see no corner in what rounding makes of a straight way.
 const COARSE_ENOUGH: f64 = 1e-4;
@@ -34,19 +37,14 @@ impl Age {
     }
 }
 
-/// Coordinates by axis and sample, m.
-type Points = [[f64; STRETCH]; 3];
-/// The same with what is before the first and after the last.
+/// Coordinates by axis (m) of the samples, of what is before the first, and of what is after the last.
 pub(super) type Course = [[f64; STRETCH + 2 * AROUND]; 3];
 
 /// Where a point is over some samples, and shortly before and after each of them.
 #[derive(Debug, Clone)]
 pub(super) struct Stretch {
-    pub(super) before: Points,
-    pub(super) here: Points,
-    pub(super) after: Points,
-    /// All of them in a row, where they go straight on at one speed; then there is no corner in them.
-    course: Course,
+    pub(super) course: Course,
+    /// Whether it goes so straight on that there is no corner in it.
     pub(super) straight: bool,
     /// The gains at the corners of the piece.
     gains: [[f64; STRETCH]; 4],
@@ -54,17 +52,16 @@ pub(super) struct Stretch {
 
 impl Default for Stretch {
     fn default() -> Self {
-        let nothing = [[0.0; STRETCH]; 3];
-        let course = [[0.0; STRETCH + 2 * AROUND]; 3];
-        let gains = [[0.0; STRETCH]; 4];
-        Self { before: nothing, here: nothing, after: nothing, course, straight: false, gains }
+        Self { course: [[0.0; STRETCH + 2 * AROUND]; 3], straight: false, gains: [[0.0; STRETCH]; 4] }
     }
 }
 
 impl Stretch {
+    /// Where it is at a sample, so many of them later; the first is `AROUND` before the first of the stretch.
     #[inline(always)]
-    fn point(of: &Points, sample: usize) -> Point {
-        [of[0][sample], of[1][sample], of[2][sample]]
+    fn point(&self, instant: usize) -> Point {
+        let [x, y, z] = &self.course;
+        [x[instant], y[instant], z[instant]]
     }
 
     /// A bit for each sample that a piece holds, with some before it and after, and that does not rest.
@@ -75,8 +72,8 @@ impl Stretch {
         }
         let mut held = [0_u32; STRETCH];
         for k in 0..STRETCH {
-            let here = Self::point(&self.here, k);
-            let ends = [Self::point(&self.before, k), Self::point(&self.after, k)];
+            let here = self.point(k + AROUND);
+            let ends = [self.point(k), self.point(k + 2 * AROUND)];
             let rests = (ends[0] == here) & (ends[1] == here);
             held[k] = u32::from(stays::<F>(tile, ends, here, spacing) & !rests) << k;
         }
@@ -102,6 +99,12 @@ impl Stretch {
     }
 }
 
+/// When a stretch, and what is around it, is on a path.
+#[inline(always)]
+fn instants(age: Age, pace: f64) -> [f64; STRETCH + 2 * AROUND] {
+    std::array::from_fn(|k| age.after(k as i32 - SEEN as i32) * pace)
+}
+
 impl Mover {
     /// Samples that a stretch holds.
     pub const STRETCH: usize = STRETCH;
@@ -110,51 +113,32 @@ impl Mover {
     /// on a piece of it shortly before. The same as where [`Path::follow`] has it, to the bit. For the audio thread.
     #[inline(always)]
     pub fn take(&mut self, path: &Path, age: Age, pace: f64, piece: &mut usize) {
-        let mut seconds = [0.0; STRETCH + 2 * AROUND];
-        for (k, seconds) in seconds.iter_mut().enumerate() {
-            *seconds = age.after(k as i32 - SEEN as i32) * pace;
-        }
-        let mut course = [[0.0; STRETCH + 2 * AROUND]; 3];
-        let straight = path.trace(&seconds, piece, &mut course);
-        self.fill(&course, straight);
+        self.stretch.straight = path.trace(&instants(age, pace), piece, &mut self.stretch.course);
     }
 
-    /// Takes a stretch, and what is around it, by coordinate; whether it goes straight on at one speed.
+    /// Takes a stretch of a point that is told its positions, beside a point that rests, or beside one on a path as [`Mover::take`] has it. For the audio thread.
     #[inline(always)]
-    pub(super) fn fill(&mut self, course: &Course, straight: bool) {
-        let stretch = &mut *self.stretch;
-        for (axis, way) in course.iter().enumerate() {
-            stretch.before[axis].copy_from_slice(&way[..STRETCH]);
-            stretch.here[axis].copy_from_slice(&way[AROUND..][..STRETCH]);
-            stretch.after[axis].copy_from_slice(&way[2 * AROUND..]);
+    pub fn follow(&mut self, steps: &Steps, beside: (Point, Option<(&Path, Age, f64)>), piece: &mut usize) {
+        let (still, route) = beside;
+        let spacing = self.spread.array().spacing();
+        let Stretch { course, straight, .. } = &mut *self.stretch;
+        *straight = true;
+        match route {
+            Some((path, age, pace)) => *straight = path.trace(&instants(age, pace), piece, course),
+            None => *course = still.map(|x| [x; STRETCH + 2 * AROUND]),
         }
-        stretch.straight = straight;
-        if straight {
-            stretch.course = *course;
+        for (to, told) in course.iter_mut().zip(steps.told()) {
+            to.iter_mut().zip(told).for_each(|(to, told)| *to += told);
         }
-    }
-
-    /// Takes one sample of a stretch: where the point is [`SEEN`] samples before it, then, and as many after it. For the audio thread.
-    #[inline(always)]
-    pub fn set(&mut self, sample: usize, [before, here, after]: [Point; 3]) {
-        if sample < STRETCH {
-            let stretch = &mut *self.stretch;
-            stretch.straight = false;
-            for axis in 0..3 {
-                stretch.before[axis][sample] = before[axis];
-                stretch.here[axis][sample] = here[axis];
-                stretch.after[axis][sample] = after[axis];
-            }
-        }
+        // Over twice four steps a way turns by sixteen times as much at most; a ten thousandth of the spacing is no corner.
+        *straight &= steps.bends_less(0.5e-8 / 256.0 * spacing * spacing);
     }
 
     /// Whether the point rests at one place through the first samples of a stretch.
     #[inline]
     pub fn rests(&self, samples: usize) -> bool {
-        let Stretch { before, here, after, .. } = &*self.stretch;
-        [before, here, after].into_iter().all(|points| {
-            points.iter().zip(here).all(|(axis, here)| axis.iter().take(samples).all(|x| *x == here[0]))
-        })
+        let count = samples + 2 * AROUND;
+        self.stretch.course.iter().all(|axis| axis.iter().take(count).all(|x| *x == axis[0]))
     }
 
     /// A bit for each sample of a stretch, the lowest for its first, of which [`Mover::glide`] can tell the gains: all those well within the piece of the array
@@ -164,9 +148,9 @@ impl Mover {
         let Some(tile) = self.tile(0.0, law, piece) else { return 0 };
         let spacing = self.spread.array().spacing();
         match tile.form {
-            Form::Segment => self.stretch.held::<Segment>(&tile, spacing),
-            Form::Triangle => self.stretch.held::<Triangle>(&tile, spacing),
-            Form::Rectangle => self.stretch.held::<Rectangle>(&tile, spacing),
+            Form::Segment => self.stretch.held::<Segment>(tile, spacing),
+            Form::Triangle => self.stretch.held::<Triangle>(tile, spacing),
+            Form::Rectangle => self.stretch.held::<Rectangle>(tile, spacing),
         }
     }
 
@@ -179,9 +163,10 @@ impl Mover {
         law: Law,
         piece: u32,
     ) -> impl Iterator<Item = (u32, f64, &[f64])> {
-        let tile = self.tile(0.0, law, piece);
+        let tile = self.tile(0.0, law, piece).copied();
         let Self { stretch, spread, .. } = self;
-        let Stretch { here, gains, .. } = &mut **stretch;
+        let Stretch { course, gains, .. } = &mut **stretch;
+        let here = [0, 1, 2].map(|axis| course[axis][AROUND..].first_chunk().unwrap_or(&NOWHERE));
         if let Some(tile) = &tile {
             match tile.form {
                 Form::Segment => tile.fill::<Segment>(here, range.clone(), law, gains),
