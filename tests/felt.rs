@@ -666,6 +666,23 @@ fn check_tells_once_that_short_events_are_felt_weaker() {
     assert!(said.contains("1 event with `felt` above 60 Hz") && said.contains("0.100 s at 250 Hz"), "{said}");
 }
 
+/// What nothing comes through to is not felt, calibrated or not.
+#[test]
+fn an_output_without_gain_is_refused() {
+    let text = format!(
+        "format = \"pacinian-patch/1\"\ntitle = \"T\"\n{VOICE}[pattern.p]\nevents = [{{ at = 0, voice = \"v\", felt = 10 }}]\n"
+    );
+    let patch = Patch::parse("p", text.as_bytes()).unwrap().value;
+    let mut rig = Rig::default_for(2);
+    rig.outputs[1].gain = 0.0;
+    let options = Options { rate: Some(RATE), live: true, ..Options::default() };
+    let said = scene(&patch, &rig, &options, &NoAssets)
+        .err()
+        .map(|problems| problems.to_string())
+        .unwrap_or_default();
+    assert!(said.contains("output `t2` has a `gain` of 0"), "{said}");
+}
+
 /// Without any calibration it is relative: a level of 1 at 250 Hz counts for 40 dB.
 #[test]
 fn without_a_calibration_it_keeps_the_shape_alone() {

@@ -5,8 +5,8 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::{channel, patch};
-use pacinian::graph::motions;
 use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::{motions, quick};
 use pacinian::node::asset::NoAssets;
 use pacinian::player::Player;
 use pacinian::rig::Rig;
@@ -175,6 +175,75 @@ fn what_is_too_fast_is_refused_at_its_line_and_what_is_unusual_is_told() {
     );
     assert!(stroke("[[0, 0], [0.15, 0.1]]", 0.12).contains("too fast for"));
     assert!(stroke("[[0, 0.025], [0.3, 0.025]]", 0.6).contains("leaves the tactors by 0.150 m"));
+}
+
+/// Bursts that are cut off, and attacks that no burst is long enough for.
+#[test]
+fn voices_that_cannot_play_a_stroke_are_told() {
+    let rig = grid(3, 4);
+    let told = |voices: u32, attack: f64| {
+        let event = "{ at = 0, voice = \"v\", stroke = { path = [[0, 0], [0.15, 0.1]], over = 0.6 } }";
+        let text = text("", "0", event)
+            .replace("voices = 32", &format!("voices = {voices}"))
+            .replace("attack = 0.005", &format!("attack = {attack}"));
+        let list = motions::remarks(&patch(&text), Some(&array(&rig)));
+        list.into_iter()
+            .map(|problem| problem.what)
+            .filter(|what| !what.contains("measured"))
+            .collect::<Vec<_>>()
+    };
+    let path = Path::new(&[[0.0; 3], [0.15, 0.1, 0.0]], 0.6, Timing::Linear).unwrap();
+    let bursts = Stroke::new(&array(&rig), &path).unwrap().bursts;
+    let at_once = |t: f64| bursts.iter().filter(|b| b.start <= t && t < b.start + b.seconds()).count();
+    let most = bursts.iter().map(|burst| at_once(burst.start)).max().unwrap() as u32;
+    let longest = bursts.iter().map(|burst| burst.seconds()).fold(0.0, f64::max);
+    assert!(most > 1 && told(most, longest).is_empty(), "{:?}", told(most, longest));
+    let crowded = told(most - 1, 0.005);
+    assert!(crowded.len() == 1 && crowded[0].contains(&format!("{most} of its bursts sound")), "{crowded:?}");
+    let slow = told(most, longest + 1e-3);
+    assert!(slow.len() == 1 && slow[0].contains("`attack` of node `edge`"), "{slow:?}");
+}
+
+/// Paths that pass tactors faster than the band lets them sound, or that have hardly begun when the event is over.
+#[test]
+fn paths_that_are_not_felt_as_written_are_told() {
+    let rig = grid(1, 4);
+    let told = |event: &str| {
+        let patch = patch(&text("", "0", &format!("{{ at = 0, voice = \"v\", {event} }}")));
+        quick::advice(&patch, Some(&array(&rig))).into_iter().map(|problem| problem.what).collect::<String>()
+    };
+    // 0.15 m over tactors 50 mm apart: 2000 of them a second are passed at 100 m/s.
+    assert_eq!(told("place = { path = [[0, 0], [0.15, 0]], over = 0.00151 }"), "");
+    assert!(told("place = { path = [[0, 0], [0.15, 0]], over = 0.00149 }").contains("at up to 100.671 m/s"));
+    assert_eq!(told("place = { path = [[0, 0], [0.15, 0]], over = 0.0023, timing = \"smooth\" }"), "");
+    assert!(
+        told("place = { path = [[0, 0], [0.15, 0]], over = 0.0022, timing = \"smooth\" }")
+            .contains("passes 2045")
+    );
+    assert!(told("duration = 0.0014, place = { path = [[0, 0], [0.15, 0]] }").contains("felt weaker"));
+    let times = |from: f64| {
+        format!("duration = 1, place = {{ path = [[0, 0], [0.15, 0]], times = [{from}, {}] }}", from + 5.0)
+    };
+    assert_eq!(told(&times(0.9)), "");
+    assert!(
+        told(&times(0.96)).contains("hardly moves") && told(&times(5.0)).contains("takes from 5 to 10 s")
+    );
+    assert_eq!(told("place = { path = [[0, 0], [0.15, 0]], over = 10 }, duration = 0.2"), "");
+    assert!(told("place = { path = [[0, 0], [0.15, 0]], over = 1000 }, duration = 0.2").contains("hardly"));
+}
+
+/// A patch of millions of bursts is refused where it passes the limit, not when memory is gone.
+#[test]
+fn too_many_bursts_are_refused_at_their_line() {
+    let event = format!("saltation = {{ places = [{}], taps = 100 }}", ["1, 2"; 20].join(", "));
+    let events: String = (0..251).map(|at| format!("{{ at = {at}, voice = \"v\", {event} }},\n")).collect();
+    let rig = grid(1, 2);
+    let problems = scene(&patch(&text("", "0", &events)), &rig, &Options::default(), &NoAssets);
+    let built = problems.and_then(|_| {
+        Player::new(&patch(&text("", "0", &events)), &rig, &Options::default(), &NoAssets).map(drop)
+    });
+    let said = built.unwrap_err().to_string();
+    assert!(said.contains("more than 1000000 bursts, up to here"), "{said}");
 }
 
 /// No tactor has a position: a stroke is nowhere, steps from one to the other are somewhere.

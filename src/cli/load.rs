@@ -7,9 +7,9 @@ use super::named::{Codes, Watched, named, unreadable};
 use super::rise;
 use super::setting::{self, Setting};
 use clap::{Args, ValueEnum};
-use pacinian::graph::motions;
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::{motions, quick};
 use pacinian::io::{
     assets::{Folder, recordings_rate},
     calibrations,
@@ -368,7 +368,9 @@ impl Scene {
         let unrisen = rises.and_then(rise::Search::advice);
         let moves = compiled.as_ref().ok().map(|scene| {
             let array = scene.plan.spread.as_ref().map(Spread::array);
-            patch.origin.problems(motions::remarks(&patch, array))
+            let mut told = motions::remarks(&patch, array);
+            told.extend(quick::advice(&patch, array));
+            patch.origin.problems(told)
         });
         let mut files = seen.paths;
         files.extend(named(&patch).filter_map(|(path, _)| folder.resolve(path).ok()));

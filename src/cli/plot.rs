@@ -39,7 +39,7 @@ pub struct Plot {
     #[arg(long)]
     map: bool,
     /// Frames of a map
-    #[arg(long, value_name = "N", default_value_t = 24, requires = "map", conflicts_with = "animated", value_parser = clap::value_parser!(u16).range(1..=400))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 24, requires = "map", conflicts_with = "animated", value_parser = clap::value_parser!(u16).range(1..=400))]
     frames: u16,
     /// One map that plays in a browser, as fast as it is felt
     #[arg(long, requires = "map")]
@@ -139,7 +139,7 @@ impl Plot {
             .rig
             .outputs
             .iter()
-            .filter(|output| !matches!(output.kind, OutputKind::Trigger { .. }))
+            .filter(|output| !matches!(output.kind, OutputKind::Trigger { .. } | OutputKind::Torque))
             .filter_map(|output| {
                 let channel = (output.channel as usize).checked_sub(1)?;
                 Some(Site { name: output.name.clone(), channel, position: output.position? })

@@ -35,12 +35,13 @@ struct New {
     /// line, grid, ring, belt, vest, sleeve or hand
     layout: String,
     /// How many: 8, or rows by columns, 4x5; of a hand, left or right
+    #[arg(allow_negative_numbers = true)]
     size: Option<String>,
     /// Of a line or a grid: metres from one tactor to the next [default: 0.04]
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     spacing: Option<f64>,
     /// Of a ring: its radius in metres [default: 0.05]
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     radius: Option<f64>,
     /// Writes it into this file, which must not be there yet
     #[arg(short, long, value_name = "FILE")]

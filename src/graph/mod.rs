@@ -17,6 +17,7 @@ pub mod places;
 pub mod plan;
 pub mod program;
 mod prune;
+pub mod quick;
 pub mod scene;
 pub mod start;
 pub mod watch;

@@ -1,6 +1,7 @@
 //! What a patch says that will not be felt as it was meant: warnings.
 
 use super::expr::Reads;
+use super::node::Argument;
 use super::{Action, Event, Events, Expr, Node, Patch, Play, Source, Start, Trigger, Value, Voice};
 use crate::node::spec::{Family, Kind};
 use crate::text::sink::Sink;
@@ -178,16 +179,10 @@ impl<'a> Advice<'a> {
 
     /// Envelopes that take longer to rise than any event lasts.
     fn rises(&mut self, voice: &Voice, longest: f64) {
-        for node in &voice.nodes {
-            let spec = node.kind.spec();
-            let Some((_, key)) = RISES.iter().find(|(name, _)| *name == spec.name) else { continue };
-            let argument = spec.param(key).and_then(|(i, _)| node.arguments.get(i));
-            let Some(argument) = argument else { continue };
-            let Value::Expr(expr) = &argument.value else { continue };
+        for (node, key, argument, seconds) in rises(voice).filter(|(.., seconds)| *seconds > longest) {
             if self.problems.len() >= Sink::MOST {
                 return;
             }
-            let Some(seconds) = expr.constant().filter(|seconds| *seconds > longest) else { continue };
             let what = format!(
                 "`{key}` of node `{}` of voice `{}` is {seconds} s, and its events last {longest} s at most: they end before \
                  it has risen",
@@ -196,6 +191,25 @@ impl<'a> Advice<'a> {
             let help = format!("write a shorter `{key}`, or a `duration` that is longer");
             self.problems.push(Problem::warning(&argument.span, what).help(help));
         }
+    }
+}
+
+/// Nodes of a voice that rise for a time that is a number: which, by which key, where it stands, and for how long, s.
+fn rises(voice: &Voice) -> impl Iterator<Item = (&Node, &'static str, &Argument, f64)> {
+    voice.nodes.iter().filter_map(|node| {
+        let spec = node.kind.spec();
+        let (_, key) = RISES.iter().find(|(name, _)| *name == spec.name)?;
+        let argument = spec.param(key).and_then(|(i, _)| node.arguments.get(i))?;
+        let Value::Expr(expr) = &argument.value else { return None };
+        Some((node, *key, argument, expr.constant()?))
+    })
+}
+
+impl Voice {
+    /// The longest time for which one of its nodes rises, s, by which key of which node.
+    pub(crate) fn rises(&self) -> Option<(f64, &'static str, &str)> {
+        let all = rises(self).map(|(node, key, _, seconds)| (seconds, key, node.name.as_str()));
+        all.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
 

@@ -380,7 +380,7 @@ fn place_in(cell: &str) -> Result<Place, String> {
     let Ok(numbers) = numbers else { return Ok(Place::Name(cell.into())) };
     place::position(&numbers)
         .map(Place::Position)
-        .ok_or_else(|| format!("`place` is \"{cell}\"; a position is two or three coordinates in metres"))
+        .ok_or_else(|| format!("`place` is \"{cell}\"; a position is two or three coordinates in metres, none farther than {} m from 0", place::MOST_METRES))
 }
 
 impl<R: BufRead> Iterator for EventsFile<'_, R> {

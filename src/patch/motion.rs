@@ -157,8 +157,15 @@ impl Motion {
 
     /// The longest that one of its bursts may be, s, for an event of some seconds.
     pub(super) fn longest(&self, seconds: f64) -> f64 {
-        let bursts = self.bursts(seconds, None);
-        bursts.map_or(seconds, |bursts| bursts.list.iter().map(|burst| burst.seconds).fold(0.0, f64::max))
+        match &self.kind {
+            Kind::Stroke(way) if way.route().stretched => seconds,
+            Kind::Stroke(way) => way.route().path.seconds(),
+            Kind::Apparent(Some(burst)) => *burst,
+            Kind::Apparent(None) => {
+                Apparent::lasting(self.places.len(), seconds).map_or(seconds, |motion| motion.duration())
+            }
+            Kind::Saltation { tap, .. } => *tap,
+        }
     }
 
     /// Its bursts, for an event of some seconds, on an array.
@@ -307,8 +314,11 @@ pub(super) fn read(reader: &Reader) -> Option<Motion> {
     let motion = Motion { kind, places, span };
     // What no array can mend is said where it stands; an event's duration is known later.
     let settled = match motion.kind {
-        Kind::Apparent(None) => Apparent::new(motion.places.len(), MEASURED.1).err(),
-        _ => motion.bursts(1.0, None).err(),
+        Kind::Stroke(_) => None,
+        Kind::Apparent(burst) => Apparent::new(motion.places.len(), burst.unwrap_or(MEASURED.1)).err(),
+        Kind::Saltation { taps, interval, tap } => {
+            Saltation::with(motion.places.len(), taps, interval, tap).err()
+        }
     };
     if let Some(fault) = settled {
         let span = if matches!(fault, Fault::FewPlaces(_)) { value.span() } else { motion.span };
@@ -390,6 +400,14 @@ mod tests {
             ("saltation = { places = [1, 2], interval = 0.05, tap = 0.06 }", "tap"),
             ("saltation = { places = [1, 2] }, duration = 1", "leave `duration` out: `interval`"),
             ("saltation = 3", "saltation"),
+            (
+                &format!("saltation = {{ places = [{}], taps = 100 }}", "1, 2, ".repeat(21)),
+                "one event of 4200 bursts: it may have 4096",
+            ),
+            (&format!("apparent = {{ places = [{}] }}", "1, 2, ".repeat(2049)), "4098 bursts"),
+            ("stroke = { path = [[0, 0], [1, 0]], times = [0, 1e7] }", "time 2 of `times` is 10000000.0 s"),
+            ("stroke = { path = [[0, 0], [1, 0]], times = [0, 5e-324] }", "5e-324"),
+            ("stroke = { path = [[0, 0], [1, 0]], times = [3, 3.0009] }", "0.001 s"),
             ("strok = { path = [[0, 0], [1, 0]] }", "stroke"),
         ] {
             let said = motion(written).unwrap_err();

@@ -62,9 +62,11 @@ pub(crate) fn read_position(reader: &Reader, key: &str) -> Option<[f64; 3]> {
 fn wanted(value: &At, otherwise: &str) -> String {
     let numbers: Option<Vec<f64>> = value.list().and_then(|list| list.map(|v| v.number()).collect());
     match numbers.as_deref() {
-        Some([_, _] | [_, _, _]) => {
+        Some([]) => otherwise.into(),
+        Some(list @ ([_, _] | [_, _, _])) if list.iter().all(|x| x.is_finite()) => {
             format!("no coordinate may be further than {MOST_METRES} m from 0")
         }
+        Some([_, _] | [_, _, _]) => "every coordinate must be a number of metres".into(),
         Some(other) => format!(
             "a position has two or three coordinates, [x, y] or [x, y, z] in metres; here {} {}",
             if other.len() == 1 { "is" } else { "are" },

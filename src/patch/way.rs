@@ -9,6 +9,9 @@ use toml::de::DeTable;
 /// The words of the time laws, the usual one first.
 const TIMINGS: [&str; 2] = ["linear", "smooth"];
 
+/// Seconds that a path takes, at least and at most.
+const LASTS: (f64, f64) = (1e-3, 1e6);
+
 /// Its keys.
 pub static TABLE: Table = Table {
     name: "path",
@@ -23,7 +26,7 @@ pub static TABLE: Table = Table {
         .required(),
         Field::new(
             "over",
-            Form::any_number(1e-3, 1e6),
+            Form::any_number(LASTS.0, LASTS.1),
             "s",
             "How long it takes; as long as the event, from onset to release, where nothing is said.",
         ),
@@ -92,6 +95,22 @@ pub(super) fn read(table: &DeTable, at: &At, reader: &Reader) -> Option<Way> {
             let times: Option<Vec<f64>> = value.list().and_then(|list| list.map(|x| x.number()).collect());
             if times.is_none() {
                 keys.wrong("times", &value, "it must be a list of seconds, one for each point");
+                return None;
+            }
+            let bad = times.iter().flatten().enumerate().find(|(_, time)| !(0.0..=LASTS.1).contains(*time));
+            if let Some((n, time)) = bad {
+                let what =
+                    format!("time {} of `times` is {time:?} s, but must be within 0 and {}", n + 1, LASTS.1);
+                keys.sink.error(&value.span(), format!("{}: {what}", keys.who));
+                return None;
+            }
+            if let Some([first, .., last]) = times.as_deref()
+                && last > first
+                && last - first < LASTS.0
+            {
+                let what =
+                    format!("it is gone along within {:?} s, and takes {} s at least", last - first, LASTS.0);
+                keys.sink.error(&value.span(), format!("{}: {what}", keys.who));
                 return None;
             }
             if let Some(other) = ["over", "timing"].into_iter().find(|key| keys.has(key)) {

@@ -339,11 +339,20 @@ impl Performer {
             if !says("level") && (note.felt.is_some() || by_default()) {
                 note.level = None;
             }
-            note.felt = note
-                .felt
-                .map(|felt| if felt.is_finite() { felt.clamp(LEAST_FELT, MOST_FELT) } else { LEAST_FELT });
-            note.level =
-                note.level.map(|level| if level.is_finite() { level.clamp(0.0, 100.0) } else { 0.0 });
+            if let Some((field, value)) = [("felt", note.felt), ("level", note.level)]
+                .into_iter()
+                .find_map(|(field, value)| Some((field, value.filter(|value| !value.is_finite())?)))
+            {
+                let what = format!(
+                    "`{field}` of a trigger of `{}` comes to {value}: nothing is played",
+                    trigger.play
+                );
+                let help = "hold what divides in its expression above 0".to_string();
+                result = result.and(Err(told(Problem::of_file(what).help(help))));
+                continue;
+            }
+            note.felt = note.felt.map(|felt| felt.clamp(LEAST_FELT, MOST_FELT));
+            note.level = note.level.map(|level| level.clamp(0.0, 100.0));
             note.duration =
                 note.duration.map(|seconds| if seconds.is_nan() { 0.0 } else { seconds.max(0.0) });
             for (_, value) in &mut note.fields {

@@ -189,6 +189,14 @@ impl Calibration {
                     let help = "write frequency,output; cells are divided by commas".to_string();
                     return Err(vec![Problem::error(&span, what).help(help)]);
                 };
+                if let Some(twice) = ["frequency", "output"]
+                    .into_iter()
+                    .find(|name| cells.iter().filter(|cell| cell == name).count() > 1)
+                {
+                    let what = format!("two columns are called `{twice}`");
+                    let help = "leave the one that counts, and call the other something else".to_string();
+                    return Err(vec![Problem::error(&span, what).help(help)]);
+                }
                 columns = Some([hertz, output]);
                 continue;
             };

@@ -38,7 +38,12 @@ pub(super) struct Book<'a> {
     patterns: HashMap<String, usize>,
     places: Where<'a>,
     files: Files<'a>,
+    /// Bursts of motions, up to here.
+    bursts: usize,
 }
+
+/// All motions of a patch have no more bursts: that is some hundred megabytes of them.
+const MOST_BURSTS: usize = 1_000_000;
 
 impl<'a> Book<'a> {
     /// Of what can be reached from the roots.
@@ -66,6 +71,7 @@ impl<'a> Book<'a> {
             patterns: patch.patterns.iter().enumerate().map(|(i, p)| (p.name.clone(), i)).collect(),
             places,
             files,
+            bursts: 0,
         };
         let mut ahead: Vec<usize> = roots.iter().map(|root| root.pattern).collect();
         while let Some(index) = ahead.pop() {
@@ -241,6 +247,12 @@ impl<'a> Book<'a> {
         let bursts = motion.bursts(plain.duration * unit, self.places.array()).map_err(|fault| {
             Problem::error(&motion.span, format!("`{}` of voice `{}`: {fault}", motion.key(), play.voice))
         })?;
+        self.bursts += bursts.list.len();
+        if self.bursts > MOST_BURSTS {
+            let what = format!("the motions of the patch come to more than {MOST_BURSTS} bursts, up to here");
+            let help = "write one that recurs once, in a pattern that others play".to_string();
+            return Err(Problem::error(&motion.span, what).help(help));
+        }
         let burst = |burst: &motion::Burst| {
             let place = self.places.spot(Some(&burst.place))?;
             let play = Play { place, duration: burst.seconds / unit, ..plain.clone() };

@@ -3,7 +3,7 @@
 //! Sherrick & Rogers, "Apparent haptic movement", 1966, found that the best time from onset to onset grows with the bursts' duration. The
 //! straight line used here is that of Israr & Poupyrev ("Tactile Brush", CHI 2011): SOA = 0.32 d + 47.3 ms.
 
-use super::fault::{Fault, within};
+use super::fault::{Fault, bursts, within};
 
 /// Of a burst's duration, what the onset distance grows by.
 pub const SLOPE: f64 = 0.32;
@@ -33,6 +33,7 @@ impl Apparent {
         if places < 2 {
             return Err(Fault::FewPlaces(places));
         }
+        bursts(places)?;
         within("duration", duration, DURATIONS.0, DURATIONS.1)?;
         Ok(Self { places, duration })
     }

@@ -49,8 +49,8 @@ pub enum Shape {
 
 /// Tactors at their positions.
 ///
-/// Tactors within a nanometre of each other, or 1e-9 of an array of more than a metre, are at one place: they share its weight equally, so
-/// that the power stays. The size of an array is twice the distance of the farthest place from the mean of all. Of the places,
+/// Tactors within a nanometre of each other, or 1e-9 of an array of more than a metre, are at one place: they share its weight equally,
+/// so that by the energy law the power stays; by [`Law::Nearest`] the first of them has it all. The size of an array is twice the distance of the farthest place from the mean of all. Of the places,
 ///
 /// * those within a line no thicker than 2 % of the array's size are a **line**, if neighbours are no farther apart beside it than half
 ///   of what they are along it. A point goes to the nearest point of the line between its ends. The two neighbours have 1 − β and β of
@@ -183,7 +183,7 @@ impl Array {
         }
         // Where no two are at one place, sites are tactors.
         if self.places.len() < self.tactors {
-            row.each(|share, row| self.give(share, row));
+            row.each(|share, row| self.give(share, law, row));
         }
     }
 
@@ -319,9 +319,12 @@ impl Array {
         }
     }
 
-    /// The tactors at a site share its weight equally.
-    fn give(&self, site: Share, row: &mut Row) {
-        let tactors = self.sites.at(site.tactor);
+    /// The tactors at a site share its weight equally; to the nearest one goes all of it, and to the first of several.
+    fn give(&self, site: Share, law: Law, row: &mut Row) {
+        let mut tactors = self.sites.at(site.tactor);
+        if law == Law::Nearest {
+            tactors = &tactors[..tactors.len().min(1)];
+        }
         let each = site.weight / tactors.len().max(1) as f64;
         tactors.iter().for_each(|tactor| row.push(*tactor, each));
     }

@@ -18,7 +18,7 @@
 
 use super::apparent::{FIXED, SLOPE, onset};
 use super::array::Array;
-use super::fault::Fault;
+use super::fault::{Fault, MOST_BURSTS, bursts};
 use super::path::Path;
 use super::point::Point;
 
@@ -31,8 +31,8 @@ pub const MEASURED: (f64, f64) = (0.04, 0.2);
 pub const SHORTEST_FLANK: f64 = 0.02;
 /// Virtual points nearer along the path than this share of it are one.
 const ONE_POINT: f64 = 1e-9;
-/// A stroke over a cloud has no more virtual points.
-const MOST_POINTS: f64 = 4096.0;
+/// A stroke over a cloud has no more steps.
+const MOST_STEPS: f64 = 2048.0;
 
 /// One burst of a stroke, at one virtual point.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +66,7 @@ pub struct Stroke {
     pub bursts: Vec<Burst>,
     /// Virtual points that were left out, as the stroke is too fast for them.
     pub left_out: Vec<Point>,
-    /// The farthest that the path leaves the array at a virtual point, in metres. What is outside counts as on the rim.
+    /// The farthest that a point of the path lies outside the array, in metres. What is outside counts as on the rim.
     pub outside: f64,
 }
 
@@ -77,9 +77,9 @@ impl Stroke {
     /// the hull outside of it, over a cloud at even steps of at most its spacing.
     ///
     /// # Errors
-    /// [`Fault::TooFast`] where not even the two ends remain, which is at 47.3 ms.
+    /// [`Fault::TooFast`] where not even the two ends remain, which is at 47.3 ms; [`Fault::TooManyBursts`] where it passes between tactors too often.
     pub fn new(array: &Array, path: &Path) -> Result<Self, Fault> {
-        let along = virtual_points(array, path);
+        let along = virtual_points(array, path)?;
         let times: Vec<f64> = along.iter().map(|way| path.when(*way)).collect();
         let (kept, left_out) = thinned(&times)?;
         let mut bursts: Vec<Burst> = Vec::with_capacity(kept.len());
@@ -94,7 +94,7 @@ impl Stroke {
             rise = fall;
         }
         let place = |number: usize| path.point(along[number]);
-        let outside = along.iter().map(|way| array.outside(path.point(*way))).fold(0.0, f64::max);
+        let outside = path.points().iter().map(|point| array.outside(*point)).fold(0.0, f64::max);
         Ok(Self { bursts, left_out: left_out.into_iter().map(place).collect(), outside })
     }
 
@@ -122,11 +122,11 @@ fn soa(rise: f64, to_the_next_arrival: f64) -> f64 {
 }
 
 /// Ways along the path, rising, of its ends and of the edges it crosses.
-fn virtual_points(array: &Array, path: &Path) -> Vec<f64> {
+fn virtual_points(array: &Array, path: &Path) -> Result<Vec<f64>, Fault> {
     let length = path.length();
     let mut all = Vec::new();
     if array.shape() == super::array::Shape::Cloud {
-        let steps = (length / array.spacing()).ceil().clamp(1.0, MOST_POINTS);
+        let steps = (length / array.spacing()).ceil().clamp(1.0, MOST_STEPS);
         all.extend((1..steps as usize).map(|k| length * k as f64 / steps));
     }
     let mut way = 0.0;
@@ -136,6 +136,10 @@ fn virtual_points(array: &Array, path: &Path) -> Vec<f64> {
         array.crossings(pair[0], pair[1], &mut shares);
         all.extend(shares.into_iter().map(|share| way + share * piece));
         way += piece;
+        // Where cells meet, an edge is told once for each of them.
+        if all.len() > 8 * MOST_BURSTS {
+            return Err(Fault::TooManyBursts(all.len(), MOST_BURSTS));
+        }
     }
     let near = ONE_POINT * length;
     all.retain(|way| *way > near && *way < length - near);
@@ -143,7 +147,8 @@ fn virtual_points(array: &Array, path: &Path) -> Vec<f64> {
     all.dedup_by(|next, last| *next - *last < near);
     all.insert(0, 0.0);
     all.push(length);
-    all
+    bursts(all.len())?;
+    Ok(all)
 }
 
 /// Which of the virtual points the law of onsets leaves time for, and which not: the first and the last, and of the others each that

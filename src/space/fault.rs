@@ -32,6 +32,10 @@ pub enum Fault {
     TooShort(usize, f64, f64),
     /// An illusion of motion over fewer than two places.
     FewPlaces(usize),
+    /// An illusion of motion of too many bursts: how many, and how many it may have.
+    TooManyBursts(usize, usize),
+    /// Two tactors of a layout at one place: their numbers, counted from 0, and the place.
+    OnePlace(usize, usize, Point),
     /// A quantity outside its range: its name, what it was, the least and the most it may be.
     Range(&'static str, f64, f64, f64),
 }
@@ -72,15 +76,19 @@ impl fmt::Display for Fault {
                 "every point of a path lies at {}: for a place that stays, give a point",
                 Shown(*point)
             ),
-            Self::NoTime(seconds) => write!(f, "a path takes {seconds} s, but must take more than 0"),
+            Self::NoTime(seconds) => {
+                write!(f, "a path takes {} s, but must take more than 0", Number(*seconds))
+            }
             Self::Times(times, points) => {
                 write!(f, "a path of {points} points has {times} times: give each point one")
             }
             Self::TimeOrder(index, time, least) => write!(
                 f,
-                "time {} of a path is {time} s, but must be {} {least}: times rise from point to point",
+                "time {} of a path is {} s, but must be {} {}: times rise from point to point",
                 index + 1,
-                if *index == 0 { "at least" } else { "above" }
+                Number(*time),
+                if *index == 0 { "at least" } else { "above" },
+                Number(*least)
             ),
             Self::TooFast(seconds, least) => write!(
                 f,
@@ -97,8 +105,18 @@ impl fmt::Display for Fault {
                 seconds * 1e3
             ),
             Self::FewPlaces(count) => write!(f, "motion needs two places or more, but has {count}: add one"),
+            Self::OnePlace(one, other, point) => write!(
+                f,
+                "tactors {} and {} would both be at {}, to a tenth of a millimetre: set them farther apart",
+                one + 1,
+                other + 1,
+                Shown(*point)
+            ),
+            Self::TooManyBursts(count, most) => {
+                write!(f, "one event of {count} bursts: it may have {most}; make several events of it")
+            }
             Self::Range(name, value, least, most) => {
-                write!(f, "`{name}` is {value}, but must be within {least} and {most}")
+                write!(f, "`{name}` is {}, but must be within {least} and {most}", Number(*value))
             }
         }
     }
@@ -106,14 +124,39 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
+/// A number that can be read, however large or small.
+struct Number(f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let size = self.0.abs();
+        if size == 0.0 || (1e-6..1e9).contains(&size) || !size.is_finite() {
+            write!(f, "{}", self.0)
+        } else {
+            write!(f, "{:e}", self.0)
+        }
+    }
+}
+
 /// A point as a file has it.
 struct Shown(Point);
 
 impl fmt::Display for Shown {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let [x, y, z] = self.0;
-        write!(f, "[{x}, {y}, {z}]")
+        write!(f, "[{}, {}, {}]", Number(x), Number(y), Number(z))
     }
+}
+
+/// An illusion of motion has no more bursts: at 50 ms from one to the next they are felt for three minutes.
+pub const MOST_BURSTS: usize = 4096;
+
+/// Refuses an illusion of more bursts.
+///
+/// # Errors
+/// How many, and how many it may have.
+pub(super) fn bursts(count: usize) -> Result<(), Fault> {
+    if count <= MOST_BURSTS { Ok(()) } else { Err(Fault::TooManyBursts(count, MOST_BURSTS)) }
 }
 
 /// Refuses what is outside a range, or no number.
@@ -144,6 +187,8 @@ mod tests {
         );
         let text = within("spacing", f64::NAN, 0.001, 1.0).unwrap_err().to_string();
         assert_eq!(text, "`spacing` is NaN, but must be within 0.001 and 1");
+        let tiny = Fault::TimeOrder(1, 5e-324, 1e300).to_string();
+        assert!(tiny.starts_with("time 2 of a path is 5e-324 s, but must be above 1e300"), "{tiny}");
         assert!(within("x", 0.0, 0.0, 1.0).is_ok() && within("x", 1.0, 0.0, 1.0).is_ok());
         assert!(within("x", -1e-9, 0.0, 1.0).is_err() && within("x", f64::INFINITY, 0.0, 1.0).is_err());
     }

@@ -32,6 +32,8 @@ use super::point::Point;
 
 /// Least and greatest distance of neighbours, or radius, in metres.
 pub const SIZES: (f64, f64) = (1e-3, 10.0);
+/// No coordinate of a rig is farther from 0, in metres.
+const REACH: f64 = 1000.0;
 /// A layout has no more tactors.
 pub const MOST: usize = 1024;
 /// Positions are rounded to as many parts of a metre: no tape measures finer, and so every machine writes the same file.
@@ -91,6 +93,23 @@ impl Layout {
         // Adding 0 takes the sign from −0.
         let position = position.map(|x| (x * GRAINS).round() / GRAINS + 0.0);
         self.tactors.push(Placed { name, position });
+    }
+
+    /// As it is, if a rig can hold it.
+    ///
+    /// # Errors
+    /// A position beyond [`REACH`], or two tactors that rounding puts at one place.
+    fn checked(self) -> Result<Self, Fault> {
+        let mut places = std::collections::BTreeMap::new();
+        for (n, tactor) in self.tactors.iter().enumerate() {
+            if let Some(far) = tactor.position.iter().find(|x| x.abs() > REACH) {
+                return Err(Fault::Range("position", *far, -REACH, REACH));
+            }
+            if let Some(other) = places.insert(tactor.position.map(|x| (x * GRAINS).round() as i64), n) {
+                return Err(Fault::OnePlace(other, n, tactor.position));
+            }
+        }
+        Ok(self)
     }
 
     /// Adds a group of the tactors that belong to it; none where there are none.

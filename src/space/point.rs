@@ -26,7 +26,7 @@ pub(super) fn between(a: Point, b: Point, share: f64) -> Point {
 
 /// The distance of two points.
 #[inline(always)]
-pub(super) fn distance(a: Point, b: Point) -> f64 {
+pub(crate) fn distance(a: Point, b: Point) -> f64 {
     let d = minus(a, b);
     dot(d, d).sqrt()
 }

@@ -4,7 +4,7 @@
 //! of the forearm, 10 cm apart, 40 to 80 ms from tap to tap, with no longer gap where the site changes (as told by Brooks & Trojan, "The
 //! Cutaneous Rabbit Effect", Scholarpedia 12(12):52363, 2017).
 
-use super::fault::{Fault, within};
+use super::fault::{Fault, bursts, within};
 
 /// What a tap lasts, in seconds.
 pub const TAP: f64 = 2e-3;
@@ -42,6 +42,7 @@ impl Saltation {
         within("taps", taps as f64, 1.0, MOST_TAPS as f64)?;
         within("interval", interval, WIDEST.0, WIDEST.1)?;
         within("tap", tap, SHORTEST, interval)?;
+        bursts(sites.saturating_mul(taps))?;
         Ok(Self { sites, taps, interval, tap })
     }
 
@@ -99,6 +100,7 @@ mod tests {
         for bad in [0.0, f64::NAN, 0.051, -1.0] {
             assert_eq!(name(Saltation::with(2, 5, 0.05, bad)), "tap");
         }
+        assert_eq!(Saltation::with(60, 100, 0.05, 0.002).unwrap_err(), Fault::TooManyBursts(6000, 4096));
         assert_eq!(
             (name(Saltation::with(2, 0, 0.05, 0.002)), name(Saltation::with(2, 101, 0.05, 0.002))),
             ("taps", "taps")

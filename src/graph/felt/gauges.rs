@@ -47,6 +47,10 @@ fn gauge(rig: &Rig, output: &rig::Output, planned: &Output, rate: f64) -> Result
         most: most(rig, output),
         limited: (output.kind == rig::OutputKind::Vibration).then(|| rig.max_level(output)),
     };
+    if output.gain == 0.0 {
+        let what = format!("output `{}` has a `gain` of 0: nothing is felt on it", output.name);
+        return Err(Problem::error(&output.span, what).help("give it a `gain` above 0".to_string()));
+    }
     let site = rig.site_of(output);
     let Some(calibration) = rig.calibration_of(output) else {
         let threshold = Threshold::new(site, CONTACTOR);

@@ -32,5 +32,5 @@ pub fn grid(rows: usize, columns: usize, spacing: f64) -> Result<Layout, Fault> 
     (0..columns).for_each(|column| layout.gather(format!("c{}", column + 1), |n, _| n % columns == column));
     layout.halve(0, "left", "right");
     layout.halve(1, "lower", "upper");
-    Ok(layout)
+    layout.checked()
 }

@@ -21,5 +21,5 @@ pub fn line(tactors: usize, spacing: f64) -> Result<Layout, Fault> {
         layout.add(format!("t{}", n + 1), [(n as f64 - 0.5 * (tactors - 1) as f64) * spacing, 0.0, 0.0]);
     }
     layout.halve(0, "left", "right");
-    Ok(layout)
+    layout.checked()
 }

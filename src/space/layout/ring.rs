@@ -52,5 +52,5 @@ fn around(tactors: usize, (wide, deep): (f64, f64), title: String, notes: &[&str
     }
     layout.halve(0, "left-half", "right-half");
     layout.halve(2, "back-half", "front-half");
-    Ok(layout)
+    layout.checked()
 }

@@ -48,5 +48,5 @@ pub fn sleeve(rows: usize, around: usize) -> Result<Layout, Fault> {
     layout.halve(0, "left", "right");
     layout.halve(1, "under", "top");
     layout.halve(2, "elbow-side", "hand-side");
-    Ok(layout)
+    layout.checked()
 }

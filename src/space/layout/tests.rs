@@ -173,6 +173,15 @@ fn hands_are_mirrors_of_each_other() {
     assert_eq!(right.group("index").unwrap().tactors.len(), 2);
 }
 
+/// Nothing is printed that a rig cannot hold.
+#[test]
+fn what_no_rig_can_hold_is_refused() {
+    assert!(matches!(line(1024, 10.0), Err(Fault::Range("position", ..))));
+    assert!(line(200, 10.0).is_ok());
+    assert!(matches!(ring(1024, 0.001), Err(Fault::OnePlace(..))));
+    assert!(ring(8, 0.001).is_ok());
+}
+
 #[test]
 fn what_cannot_be_built_is_refused() {
     let name = |layout: Result<Layout, Fault>| match layout {

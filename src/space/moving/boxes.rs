@@ -5,7 +5,7 @@ use super::super::row::Share;
 /// Boxes that are kept: those of one sample, and some more.
 const KEPT: usize = 32;
 /// Tactors that a kept box may have gains of.
-const MOST: usize = 16;
+const MOST: usize = 32;
 
 /// Gains by tactor, most of them 0.
 #[derive(Debug, Clone)]
@@ -37,6 +37,12 @@ impl Sums {
         }
     }
 
+    /// The sum of their squares.
+    #[inline]
+    pub(super) fn power(&self) -> f64 {
+        self.touched.iter().map(|tactor| self.gains[*tactor as usize]).map(|gain| gain * gain).sum()
+    }
+
     /// Empties it, and tells what was in it, in the order in which it came.
     #[inline]
     pub(super) fn drain(&mut self, mut each: impl FnMut(u32, f64)) {
@@ -48,8 +54,8 @@ impl Sums {
     }
 }
 
-/// Which one it is: how many of its kind there are to a sample, and its number among them.
-type Which = (usize, u64);
+/// Which one it is: how many of its kind there are to a sample, its number among them, and the bits of the width of the point.
+type Which = (usize, u64, u64);
 
 /// Boxes by their time, the last that were worked out.
 #[derive(Debug, Clone)]

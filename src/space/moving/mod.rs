@@ -25,6 +25,10 @@ use way::{Span, Way, stays_in, turns};
 /// How far a point is looked at before and after now, in engine samples.
 pub const SEEN: i64 = 4;
 
+/// The share of what a low pass takes from the power of the energy law that is given back: that is no band-limited gain, and at 50 m/s over 50 mm each
+/// hundredth costs a tenth of a decibel of error.
+const PULL: f64 = 0.04;
+
 /// How often a box is halved where something is crossed within it.
 const HALVED: usize = 5;
 /// Rows for the two ends of a box, and the middle of each half.
@@ -127,12 +131,12 @@ impl Mover {
             return;
         }
         let kernel = if slow { COARSE } else { FINE };
-        let sample = sample.filter(|_| width == 0.0);
         self.smooth(kernel, sample, &Way { at, width, law, cloud, slow, bent: bent || sample.is_some() });
         let Self { sum, spread, .. } = self;
+        let pulled = if law == Law::Energy { 1.0 + 0.5 * PULL * (1.0 - sum.power()) } else { 1.0 };
         sum.drain(|tactor, share| {
             if let Some((channel, gain)) = spread.channels().get(tactor as usize) {
-                to(*channel, gain * share);
+                to(*channel, gain * (share * pulled));
             }
         });
     }
@@ -165,7 +169,7 @@ impl Mover {
         let (mut near, mut far, mut looked) = (0, 1, None);
         for (k, weight) in kernel.weights.iter().enumerate() {
             let number = |sample: u64| sample.wrapping_mul(kernel.boxes as u64).wrapping_add(k as u64);
-            let which = sample.map(|sample| (kernel.boxes, number(sample)));
+            let which = sample.map(|sample| (kernel.boxes, number(sample), way.width.to_bits()));
             if let Some(found) = which.and_then(|which| self.boxes.find(which)) {
                 found.iter().for_each(|share| self.sum.add(share.tactor, weight * share.weight));
                 continue;

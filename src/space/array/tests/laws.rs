@@ -227,3 +227,23 @@ fn power_stays_the_same_along_every_motion() {
         }
     }
 }
+
+/// Tactors at one place: the nearest is one of them, the first, at its whole gain; by the energy law they share the power.
+#[test]
+fn tactors_at_one_place() {
+    for count in [2, 8, 64] {
+        let mut points = vec![[0.1, 0.0, 0.0]];
+        points.extend(vec![[0.0; 3]; count]);
+        let array = Array::new(&points).unwrap();
+        for width in [0.0, 0.01] {
+            let power = |law: Law| {
+                let all = filled(&array, [0.0; 3], width, law, &mut array.row());
+                all.iter().map(|weight| law.gain(*weight).powi(2)).sum::<f64>()
+            };
+            assert!((power(Law::Energy) - 1.0).abs() < 1e-12, "{count} {width}");
+            assert!((power(Law::Nearest) - 1.0).abs() < 1e-6, "{count} {width}: {}", power(Law::Nearest));
+        }
+        let all = filled(&array, [0.01, 0.0, 0.0], 0.0, Law::Nearest, &mut array.row());
+        assert_eq!((all[1], all.iter().sum::<f64>()), (1.0, 1.0));
+    }
+}
