@@ -54,6 +54,7 @@
 //! | [`text`] | problems that point at their line, schemas |
 //! | [`node`] | the node library, one file a node; with the feature `fundsp-nodes` a few units of `fundsp` too |
 //! | [`perception`] | what the skin feels: thresholds by site and contactor, and what a calibrated tactor needs for them |
+//! | [`knob`] | a force-feedback knob: the simulated plant |
 //! | [`actuator`] | models of what moves, and which drive makes it do what is wanted, and what it bears |
 //! | [`space`] | where on the body: tactors that share a point, paths, strokes, common arrays |
 //! | [`schedule`] | the sample clock |
@@ -68,6 +69,7 @@ pub mod feel;
 pub mod graph;
 #[cfg(feature = "io")]
 pub mod io;
+pub mod knob;
 #[cfg(feature = "live")]
 pub mod live;
 pub mod midi;
