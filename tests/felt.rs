@@ -559,6 +559,10 @@ fn check_tells_what_is_capped_and_who_was_not_measured() {
         said.contains("`nobody` is not calibrated: `felt` is relative there, and not to be compared"),
         "{said}"
     );
+    // So it is where only whoever sets it off knows how strong it is.
+    let (_, said) = scratch
+        .check("[[trigger]]\non = \"midi.note\"\nplay = \"v\"\nplace = \"nobody\"\nset = { felt = \"10 + 20 * velocity\" }\n");
+    assert!(said.contains("`nobody` is not calibrated") && !said.contains("more than"), "{said}");
     std::fs::write(
         scratch.0.join("e.csv"),
         "at,voice,felt,place\n0,v,20,finger\n1,v,70,finger\n2,v,80,finger\n",

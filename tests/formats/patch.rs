@@ -318,7 +318,7 @@ fn every_mistake_is_told_at_its_line() {
         ),
         (
             "events = [{ at = 0, voice = \"beat\", place = [0, inf] }]",
-            &[(10, "no coordinate may be further than 1000 m")],
+            &[(10, "every coordinate must be a number of metres")],
         ),
         (
             "events = [{ at = 0, voice = \"beat\", marker = \"m\" }]",

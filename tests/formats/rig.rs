@@ -105,7 +105,7 @@ fn every_mistake_is_told_at_its_line() {
             &[(4, "did you mean `class-d`?")],
         ),
         (format!("{tactor}postion = [0, 0]"), &[(7, "did you mean `position`?")]),
-        (format!("{tactor}position = [0, nan]"), &[(7, "no coordinate may be further")]),
+        (format!("{tactor}position = [0, nan]"), &[(7, "every coordinate must be a number")]),
         (format!("{tactor}polarity = 2"), &[(7, "it must be 1, -1 or \"invert\"")]),
         (format!("{tactor}gain = inf"), &[(7, "is inf; it must be")]),
         ("[actuator.x]\nmodel = \"voice coil\"".into(), &[(5, "did you mean `voice-coil`?")]),

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
+use crate::patch::event::LEAST_FELT;
 use crate::patch::{self, Patch, Place, Source, Voice};
 use crate::rig::{Finder, Rig};
 use crate::space::array::Array;
@@ -47,10 +48,13 @@ pub fn uses<'a>(patch: &'a Patch, array: Option<&Array>) -> Vec<Use<'a>> {
         let set = |wanted: &str| trigger.set.iter().find(|(field, ..)| field == wanted);
         let number =
             |wanted: &str| set(wanted).map(|(_, expr, _)| expr.value(&|name| trigger.on.known(name)));
-        // Of what is worked out as it is set off, only whoever does so knows.
-        let (level, felt, frequency) = (number("level"), number("felt"), number("frequency"));
-        if [level, felt, frequency].contains(&Some(None)) {
+        // Of what is worked out as it is set off, only whoever does so knows; however weak it is, it is played on these tactors.
+        let (level, mut felt, frequency) = (number("level"), number("felt"), number("frequency"));
+        if [level, frequency].contains(&Some(None)) {
             continue;
+        }
+        if felt == Some(None) {
+            felt = Some(Some(LEAST_FELT));
         }
         let span = set("felt").map_or(&trigger.play_span, |(.., span)| span);
         let seconds = match (set("duration"), &trigger.on) {

@@ -374,6 +374,29 @@ fn a_stretch_is_its_samples() {
     }
 }
 
+/// What is kept from sample to sample is what would be worked out anew, also where the width changes.
+#[test]
+fn what_is_kept_is_what_it_was() {
+    let way = across(9.0, [0.2, 0.15, 0.0]);
+    for widths in [[0.0, 0.0, 0.0], [0.012, 0.012, 0.012], [0.012, 0.02, 0.0]] {
+        let mut movers = [Mover::new(&spread(&grid())), Mover::new(&spread(&grid()))];
+        let mut pieces = [0, 0];
+        for k in 0..2000_u64 {
+            let at = |whole: i64, share: f64| way(((k as i64 + whole) as f64 + share) / RATE);
+            let width = widths[k as usize / 5 % 3];
+            let mut found = [Vec::new(), Vec::new()];
+            movers[1].forget();
+            for ((mover, piece), found) in movers.iter_mut().zip(&mut pieces).zip(&mut found) {
+                mover.gains(at, Some(k), (width, Law::Energy), piece, |channel, gain| {
+                    found.push((channel, gain))
+                });
+                found.sort_by_key(|(channel, _)| *channel);
+            }
+            assert_eq!(found[0], found[1], "{k} {width}");
+        }
+    }
+}
+
 /// Whatever moves how, gains are numbers, and no larger than a low pass lets a step become.
 #[test]
 fn wild_ways_give_gains_within_bounds() {

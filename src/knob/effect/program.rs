@@ -1,0 +1,186 @@
+//! The effects of a knob, in the order they were named.
+
+use super::events::Events;
+use super::{Bound, Effect, Modulation, Reading};
+use super::{
+    constant, damper, detent, friction, hertz, inertia, magnet, snap, spin, spring, table, texture,
+    transient, wall,
+};
+use crate::actuator::fault::{Fault, Limit, check};
+
+/// Effects of one knob, at most.
+pub const MOST_EFFECTS: usize = 64;
+
+macro_rules! effects {
+    ($($name:ident: $of:ty,)*) => {
+        /// Any effect.
+        #[derive(Debug, Clone, PartialEq)]
+        pub enum Any {
+            $(#[doc = concat!("See [`", stringify!($of), "`].")] $name($of),)*
+        }
+
+        /// An effect and what it remembers.
+        #[derive(Debug, Clone)]
+        enum Running {
+            $($name($of, <$of as Effect>::State),)*
+        }
+
+        impl Any {
+            /// Refuses what cannot be.
+            ///
+            /// # Errors
+            /// The first figure that breaks its limit.
+            pub fn check(&self) -> Result<(), Fault> {
+                match self { $(Self::$name(e) => e.check(),)* }
+            }
+
+            /// How stiff and how viscous it is at most.
+            pub fn bound(&self) -> Bound {
+                match self { $(Self::$name(e) => e.bound(),)* }
+            }
+
+            fn started(self) -> Running {
+                match self { $(Self::$name(e) => Running::$name(e, Default::default()),)* }
+            }
+        }
+
+        impl Running {
+            #[inline(always)]
+            fn torque(&mut self, r: &Reading, m: &Modulation, events: &mut Events) -> f64 {
+                match self { $(Self::$name(e, state) => e.torque(state, r, m, events),)* }
+            }
+
+            fn reset(&mut self) {
+                match self { $(Self::$name(_, state) => *state = Default::default(),)* }
+            }
+
+            fn energy(&self, angle: f64) -> Option<f64> {
+                match self { $(Self::$name(e, _) => e.energy(angle),)* }
+            }
+        }
+
+        $(impl From<$of> for Any {
+            fn from(e: $of) -> Self { Self::$name(e) }
+        })*
+    };
+}
+
+effects! {
+    Spring: spring::Spring,
+    Damper: damper::Damper,
+    Wall: wall::Wall,
+    Stops: wall::Stops,
+    Detent: detent::Detent,
+    Snap: snap::Snap,
+    Magnet: magnet::Magnet,
+    Friction: friction::Friction,
+    Inertia: inertia::Inertia,
+    Constant: constant::Constant,
+    Spin: spin::Spin,
+    Ripple: texture::Ripple,
+    Fed: texture::Fed,
+    Table: table::Table,
+    Hertz: hertz::Hertz,
+    Transient: transient::Transient,
+}
+
+/// What scales an effect from outside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Control {
+    /// Factor of its torque.
+    pub gain: f64,
+    /// A signal for those that take one.
+    pub fed: f64,
+}
+
+impl Default for Control {
+    fn default() -> Self {
+        Self { gain: 1.0, fed: 0.0 }
+    }
+}
+
+/// Effects that run.
+#[derive(Debug, Clone)]
+pub struct Program {
+    effects: Box<[Running]>,
+    bounds: Box<[Bound]>,
+    controls: Box<[Control]>,
+    /// Effects whose torque was not a number, ever.
+    masked: u64,
+}
+
+impl Program {
+    /// Of the effects named.
+    ///
+    /// # Errors
+    /// The number of the effect and its fault; `effects` if there are more than [`MOST_EFFECTS`].
+    pub fn new(effects: Vec<Any>) -> Result<Self, (usize, Fault)> {
+        check("effects", effects.len() as f64, Limit::Most(MOST_EFFECTS as f64))
+            .map_err(|fault| (MOST_EFFECTS, fault))?;
+        effects.iter().enumerate().try_for_each(|(k, e)| e.check().map_err(|fault| (k, fault)))?;
+        let bounds = effects.iter().map(Any::bound).collect();
+        let controls = vec![Control::default(); effects.len()].into();
+        Ok(Self { effects: effects.into_iter().map(Any::started).collect(), bounds, controls, masked: 0 })
+    }
+
+    /// What scales each effect, in their order.
+    pub fn controls(&mut self) -> &mut [Control] {
+        &mut self.controls
+    }
+
+    /// How stiff and how viscous all are together at most, at their gains: what the governor is asked for.
+    #[inline(always)]
+    pub fn demand(&self) -> Bound {
+        let mut sum = Bound::default();
+        for (bound, control) in self.bounds.iter().zip(&self.controls) {
+            let gain = control.gain.abs();
+            sum.stiffness += gain * bound.stiffness;
+            sum.damping += gain * bound.damping;
+        }
+        sum
+    }
+
+    /// One tick: the sum of all torques (N m), with the shares of stiffness and damping that the governor leaves. An effect whose torque is
+    /// not a number adds nothing and is counted;
+    /// with a reading that is none, nothing runs.
+    #[inline]
+    pub fn tick(&mut self, reading: &Reading, stiffness: f64, damping: f64, events: &mut Events) -> f64 {
+        events.clear();
+        // No effect may remember what is not a number.
+        if !(reading.angle.is_finite()
+            && reading.velocity.is_finite()
+            && reading.dt > 0.0
+            && reading.dt < 1.0)
+        {
+            self.masked += 1;
+            return 0.0;
+        }
+        let mut sum = 0.0;
+        for (k, (effect, control)) in self.effects.iter_mut().zip(&self.controls).enumerate() {
+            events.effect = k;
+            let m = Modulation { gain: control.gain, fed: control.fed, stiffness, damping };
+            let torque = effect.torque(reading, &m, events);
+            if torque.is_finite() {
+                sum += torque;
+            } else {
+                self.masked += 1;
+            }
+        }
+        sum
+    }
+
+    /// How often an effect's torque was not a number.
+    pub fn masked(&self) -> u64 {
+        self.masked
+    }
+
+    /// Potential energy of those effects that have one, at a gain of 1, joules.
+    pub fn energy(&self, angle: f64) -> f64 {
+        self.effects.iter().filter_map(|e| e.energy(angle)).sum()
+    }
+
+    /// Everything as if it had not been read yet.
+    pub fn reset(&mut self) {
+        self.effects.iter_mut().for_each(Running::reset);
+    }
+}

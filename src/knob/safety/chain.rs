@@ -1,0 +1,289 @@
+//! The stages, in order.
+
+use super::budget::Budget;
+use crate::actuator::fault::{Fault, Limit, check, not_negative, positive};
+use crate::knob::low_pass::LowPass;
+
+/// What the chain keeps to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Seconds from tick to tick.
+    pub period: f64,
+    /// Fastest change of torque, N m/s.
+    pub slew: f64,
+    /// Corner of the reconstruction low-pass, hertz, if there is one.
+    pub low_pass: Option<f64>,
+    /// Continuous torque, N m.
+    pub continuous: f64,
+    /// The winding's time constant, seconds.
+    pub winding: f64,
+    /// Peak torque, N m.
+    pub peak: f64,
+    /// Seconds over which torque rises once armed.
+    pub soft_start: f64,
+    /// Ticks without a new reading that pass before torque falls.
+    pub stale: u32,
+    /// Seconds over which it falls then; 0 for at once.
+    pub release: f64,
+    /// Speed that no hand turns, rad/s; 60 is common.
+    pub over_speed: f64,
+}
+
+/// A stage, as its place in the counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// What was not a number became 0.
+    NonFinite,
+    /// The governor granted less than was asked.
+    Governor,
+    /// Torque changed as fast as it may.
+    Slew,
+    /// Torque was held to the budget.
+    Budget,
+    /// Torque was held to the peak.
+    Peak,
+    /// Torque was still rising after arming.
+    SoftStart,
+    /// No new reading, or a missed deadline: torque was falling or gone.
+    Stale,
+    /// The knob was too fast.
+    OverSpeed,
+    /// A fault kept torque at 0.
+    Latch,
+}
+
+/// What is left of a torque that has ended, N m: below it, nothing.
+const SILENCE: f64 = 1e-12;
+
+/// Stages that are counted.
+pub const STAGES: usize = 9;
+
+/// Why torque is latched at 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Trip {
+    /// The angle or the speed was not a number.
+    Reading,
+    /// Readings or deadlines failed for longer than torque takes to fall.
+    Lost,
+    /// The knob was too fast.
+    OverSpeed,
+    /// Somebody asked for it.
+    Panic,
+}
+
+/// What a tick brings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Input {
+    /// Sum of the effects, N m.
+    pub torque: f64,
+    /// Radians.
+    pub angle: f64,
+    /// Radians a second.
+    pub velocity: f64,
+    /// Whether the reading is new.
+    pub fresh: bool,
+    /// Whether the tick came in time.
+    pub in_time: bool,
+    /// Whether the governor granted less than was asked.
+    pub governed: bool,
+}
+
+/// What a tick gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Output {
+    /// N m.
+    pub torque: f64,
+    /// A bit for each [`Stage`] that acted.
+    pub acted: u16,
+}
+
+impl Output {
+    /// Whether a stage acted.
+    pub fn acted(&self, stage: Stage) -> bool {
+        self.acted & (1 << stage as u16) != 0
+    }
+}
+
+/// The chain and its state: disarmed, armed or tripped.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chain {
+    limits: Limits,
+    low_pass: Option<LowPass>,
+    budget: Budget,
+    /// The largest change a tick.
+    step: f64,
+    /// What the slew stage gave last.
+    slewed: f64,
+    armed: bool,
+    /// How far torque has risen since it was armed, 0 to 1, and by how much a tick.
+    risen: f64,
+    rise: f64,
+    /// How far it has fallen for want of readings, 1 to 0, and by how much a tick.
+    held: f64,
+    fall: f64,
+    missing: u32,
+    trip: Option<Trip>,
+    counts: [u64; STAGES],
+}
+
+impl Chain {
+    /// Disarmed, cold.
+    ///
+    /// # Errors
+    /// A limit that cannot be.
+    pub fn new(limits: &Limits) -> Result<Self, Fault> {
+        let l = limits;
+        positive("period", l.period)?;
+        positive("slew", l.slew)?;
+        positive("peak", l.peak)?;
+        check("continuous", l.continuous, Limit::Most(l.peak))?;
+        not_negative("soft_start", l.soft_start)?;
+        not_negative("release", l.release)?;
+        positive("over_speed", l.over_speed)?;
+        check("winding", l.winding, Limit::Least(100.0 * l.period))?;
+        let low_pass = l.low_pass.map(|hertz| LowPass::new(hertz, l.period)).transpose()?;
+        let per_tick = |time: f64| if time > l.period { l.period / time } else { 1.0 };
+        positive("continuous", l.continuous)?;
+        // The peak is there until half of the load is reached, and falls from then on.
+        let over = 2.0 * ((l.peak / l.continuous).powi(2) - 1.0);
+        let release = (l.winding / f64::max(over, 1.0)).max(2.0 * l.period);
+        let budget = Budget::new(l.continuous, l.winding, release, l.period)?;
+        Ok(Self {
+            limits: *l,
+            low_pass,
+            budget,
+            step: l.slew * l.period,
+            slewed: 0.0,
+            armed: false,
+            risen: 0.0,
+            rise: per_tick(l.soft_start),
+            held: 1.0,
+            fall: per_tick(l.release),
+            missing: 0,
+            trip: None,
+            counts: [0; STAGES],
+        })
+    }
+
+    /// Lets torque rise from 0. `false` while a fault is latched.
+    pub fn arm(&mut self) -> bool {
+        if self.trip.is_none() && !self.armed {
+            self.rest();
+            self.armed = true;
+        }
+        self.armed
+    }
+
+    /// Torque is 0 from the next tick on.
+    pub fn disarm(&mut self) {
+        self.armed = false;
+        self.rest();
+    }
+
+    /// Latches torque at 0.
+    pub fn panic(&mut self) {
+        self.latch(Trip::Panic);
+    }
+
+    /// Forgets a latched fault. The chain stays disarmed.
+    pub fn acknowledge(&mut self) {
+        self.trip = None;
+    }
+
+    /// Whether torque may flow.
+    pub fn armed(&self) -> bool {
+        self.armed
+    }
+
+    /// The fault that is latched.
+    pub fn trip(&self) -> Option<Trip> {
+        self.trip
+    }
+
+    /// In how many ticks a stage acted.
+    pub fn count(&self, stage: Stage) -> u64 {
+        self.counts[stage as usize]
+    }
+
+    /// The winding's load, 0 to 1.
+    pub fn load(&self) -> f64 {
+        self.budget.load()
+    }
+
+    fn rest(&mut self) {
+        (self.slewed, self.risen, self.held, self.missing) = (0.0, 0.0, 1.0, 0);
+        if let Some(low_pass) = &mut self.low_pass {
+            low_pass.reset(0.0);
+        }
+    }
+
+    #[cold]
+    fn latch(&mut self, trip: Trip) {
+        // The first fault is the one to know.
+        self.trip = self.trip.or(Some(trip));
+        self.armed = false;
+        self.rest();
+    }
+
+    /// One tick: what the amplifier gets. Call it even if there is nothing to read, with `fresh` false.
+    #[inline]
+    pub fn tick(&mut self, input: &Input) -> Output {
+        let mut acted = 0u16;
+        let mut act = |stage: Stage, on: bool| acted |= u16::from(on) << stage as u16;
+        let asked = if input.torque.is_finite() { input.torque } else { 0.0 };
+        act(Stage::NonFinite, !input.torque.is_finite());
+        act(Stage::Governor, input.governed);
+        let lost = !(input.fresh && input.in_time);
+        let mut torque = 0.0;
+        if !(input.angle.is_finite() && input.velocity.is_finite()) {
+            act(Stage::NonFinite, true);
+            self.latch(Trip::Reading);
+        } else if input.velocity.abs() > self.limits.over_speed {
+            act(Stage::OverSpeed, true);
+            self.latch(Trip::OverSpeed);
+        } else if self.armed {
+            let change = (asked - self.slewed).clamp(-self.step, self.step);
+            act(Stage::Slew, change != asked - self.slewed);
+            // Landed on exactly, so that rounding leaves nothing behind.
+            self.slewed = if change == asked - self.slewed { asked } else { self.slewed + change };
+            torque = self.slewed;
+            if let Some(low_pass) = &mut self.low_pass {
+                torque = low_pass.step(torque);
+                if self.slewed == 0.0 && low_pass.faded(SILENCE) {
+                    low_pass.reset(0.0);
+                    torque = 0.0;
+                }
+            }
+            // The root is taken only where the budget acts.
+            if !self.budget.allows(torque) {
+                act(Stage::Budget, true);
+                torque = self.budget.allowed().copysign(torque);
+            }
+            if torque.abs() > self.limits.peak {
+                act(Stage::Peak, true);
+                torque = self.limits.peak.copysign(torque);
+            }
+            self.risen = f64::min(self.risen + self.rise, 1.0);
+            act(Stage::SoftStart, self.risen < 1.0);
+            self.missing = if lost { self.missing.saturating_add(1) } else { 0 };
+            // A missed deadline counts at once; a reading may be late by a few ticks.
+            let falls = !input.in_time || self.missing > self.limits.stale;
+            self.held = if falls { self.held - self.fall } else { f64::min(self.held + self.rise, 1.0) };
+            act(Stage::Stale, self.held < 1.0);
+            if self.held <= 0.0 {
+                self.latch(Trip::Lost);
+                torque = 0.0;
+            } else {
+                torque *= self.risen * self.held;
+            }
+        }
+        act(Stage::Latch, self.trip.is_some());
+        self.budget.spend(torque);
+        let mut left = acted;
+        while left != 0 {
+            self.counts[left.trailing_zeros() as usize] += 1;
+            left &= left - 1;
+        }
+        Output { torque, acted }
+    }
+}
