@@ -481,3 +481,108 @@ fn what_is_felt_takes_no_memory() {
     assert_eq!(total, 0, "allocations and frees");
     assert!(feel.felt().iter().all(|felt| felt.figures().peak > 1.0));
 }
+
+/// A knob of every build and its servo, with readings and torques that are no numbers among them.
+#[test]
+fn a_knob_and_its_servo_take_no_memory() {
+    use pacinian::knob::effect::events::Events;
+    use pacinian::knob::effect::program::Program;
+    use pacinian::knob::effect::{Reading, detent, friction, inertia, transient, wall};
+    use pacinian::knob::governor::device::{Delay, Device};
+    use pacinian::knob::governor::{Governor, MARGIN};
+    use pacinian::knob::plant::Plant;
+    use pacinian::knob::plant::encoder::Encoder;
+    use pacinian::knob::plant::parameters::Parameters;
+    use pacinian::knob::plant::parts::{Build, Drive, Grasp, Hand, Shaft, Winding};
+    use pacinian::knob::plant::stops::Stops;
+    use pacinian::knob::plant::wave::Wave;
+    use pacinian::knob::safety::chain::{Chain, Input, Limits};
+    use pacinian::knob::velocity::{Estimator, adaptive, kalman};
+
+    let (rate, encoder) = (10_000.0, Encoder::new(1000.0).unwrap());
+    let (dt, count) = (1.0 / rate, encoder.quantum());
+    let stops = Some(Stops { low: -1.0, high: 1.0, stiffness: 40.0, damping: 1e-3 });
+    let plain = Parameters { coulomb: 1e-3, stiction: 1.3e-3, stops, ..Parameters::default() };
+    let winding = Winding { resistance: 1.26, inductance: 0.15e-3, gain: 16.3e-3, supply: 18.0 };
+    let whole = Build {
+        parameters: plain,
+        shaft: Some(Shaft { inertia: 5e-6, viscous: 1e-6, stiffness: 13.5, damping: 6e-5 }),
+        drive: Drive::Current { winding, bandwidth: 6e3, peak: 7.0 },
+        grasp: Some(Grasp { stiffness: 0.3, damping: 2e-3 }),
+        cogging: Wave::detent(1e-3, 7.0).unwrap(),
+        ..Build::default()
+    };
+    let device = Device {
+        inertia: 6e-6,
+        damping: 2e-5,
+        friction: Some(1e-3),
+        count,
+        period: dt,
+        delay: Delay::ticks(1.0),
+        resonance: None,
+        low_pass: None,
+        peak: 0.175,
+    };
+    let governor = Governor::new(&device, MARGIN).unwrap();
+    let limits = Limits {
+        period: dt,
+        slew: 100.0,
+        low_pass: Some(2000.0),
+        continuous: 0.023,
+        winding: 12.0,
+        peak: 0.175,
+        soft_start: 0.1,
+        stale: 3,
+        release: 0.02,
+        over_speed: 60.0,
+    };
+    for build in [Build { parameters: plain, ..Build::default() }, whole] {
+        let mut plant = Plant::new(&build, rate).unwrap();
+        let mut program = Program::new(vec![
+            wall::Stops { low: -0.8, high: 0.8, stiffness: 1.0, damping: 1e-3 }.into(),
+            detent::Detent::with_stiffness(24.0, 0.1).into(),
+            friction::Friction { torque: 2e-3, stretch: 0.01, law: friction::Law::Dahl }.into(),
+            inertia::Inertia { inertia: 1e-4, stiffness: 1.0, damping: 1e-3 }.into(),
+            transient::Transient { strength: 1e-3, hertz: 120.0, decay: 0.02, least: 0.01, most: 0.05 }
+                .into(),
+        ])
+        .unwrap();
+        let mut chain = Chain::new(&limits).unwrap();
+        let mut estimators: [Box<dyn Estimator>; 2] = [
+            Box::new(kalman::Kalman::new(50.0, count, dt).unwrap()),
+            Box::new(adaptive::Adaptive::new(adaptive::Fit::Best, 32, count, dt).unwrap()),
+        ];
+        let (mut events, mut happened) = (Events::default(), 0);
+        let total = counted(|| {
+            for tick in 0..20_000_u32 {
+                if tick % 3000 == 0 {
+                    chain.acknowledge();
+                    chain.arm();
+                }
+                let angle = if tick % 2999 == 2998 { f64::NAN } else { encoder.read(plant.angle()) };
+                let velocity = estimators[tick as usize / 10_000].push(angle);
+                let allowed = governor.allow(&program.demand());
+                let reading = Reading { angle, velocity, dt };
+                let torque = program.tick(&reading, allowed.stiffness, allowed.damping, &mut events);
+                happened += events.list().len();
+                let governed = allowed.acted();
+                let input = Input {
+                    torque,
+                    angle,
+                    velocity,
+                    fresh: tick % 7 != 0,
+                    in_time: tick % 5000 != 4999,
+                    governed,
+                };
+                let command = chain.tick(&input).torque;
+                let push =
+                    if tick % 1013 == 1012 { f64::INFINITY } else { 0.01 * (f64::from(tick) * 1e-3).sin() };
+                let (target, target_speed) =
+                    (1.1 * (f64::from(tick) * 2e-3).sin(), 22.0 * (f64::from(tick) * 2e-3).cos());
+                plant.step(command, &Hand { torque: push, target, target_speed });
+            }
+        });
+        assert_eq!(total, 0, "allocations and frees");
+        assert!(happened > 10 && plant.counts().masked > 10 && plant.angle().is_finite(), "{happened}");
+    }
+}
