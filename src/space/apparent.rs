@@ -91,6 +91,12 @@ mod tests {
     }
 
     #[test]
+    fn it_has_an_end() {
+        assert!(Apparent::new(4096, 0.1).is_ok());
+        assert_eq!(Apparent::new(4097, 0.1).unwrap_err(), Fault::TooManyBursts(4097, 4096));
+    }
+
+    #[test]
     fn a_time_for_all_gives_the_duration_of_each() {
         for places in 2..40 {
             let motion = Apparent::lasting(places, 3.0).unwrap();

@@ -161,3 +161,17 @@ fn a_path_that_rests_and_begins_late_keeps_its_times() {
     assert!(arrivals.iter().zip([0.5, 1.0, 3.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{arrivals:?}");
     assert!((stroke.bursts[0].start - 0.5).abs() < 1e-15 && (stroke.seconds() - 3.0).abs() < 1e-12);
 }
+
+/// To and fro over a line so often that it passes more tactors than a stroke may have bursts.
+#[test]
+fn it_has_an_end() {
+    let line: Vec<Point> = (0..5).map(|k| [0.05 * f64::from(k), 0.0, 0.0]).collect();
+    let array = Array::new(&line).unwrap();
+    let of = |times: usize| {
+        let points: Vec<Point> = (0..=times).map(|n| [0.2 * (n % 2) as f64, 0.0, 0.0]).collect();
+        Stroke::new(&array, &Path::new(&points, times as f64, Timing::Linear).unwrap())
+    };
+    assert!(of(1000).is_ok_and(|stroke| stroke.bursts.len() > 3000));
+    assert!(matches!(of(1100), Err(Fault::TooManyBursts(4401, 4096))), "{:?}", of(1100).err());
+    assert!(matches!(of(9000), Err(Fault::TooManyBursts(..))));
+}
