@@ -10,6 +10,7 @@
 //! | [`governor`] | what a device bears of what effects ask, what binds, and what would lift it |
 //! | [`passivity`] | energy booked, and damping for what came out in excess |
 //! | [`safety`] | between the sum of the effects and the amplifier |
+//! | [`servo`] | all of them in one tick; a simulated knob around it |
 //! | [`low_pass`] | the filter that velocity estimates and torque reconstruction share |
 //!
 //! It is here for programs: nothing of a patch or a rig reaches it yet.
@@ -60,6 +61,7 @@ pub mod low_pass;
 pub mod passivity;
 pub mod plant;
 pub mod safety;
+pub mod servo;
 pub mod stability;
 #[cfg(test)]
 #[allow(dead_code)] // Each test asks another part of it.

@@ -91,11 +91,13 @@ pub struct Control {
     pub gain: f64,
     /// A signal for those that take one.
     pub fed: f64,
+    /// By how much it is turned, radians: it is at an angle as it would be that much before.
+    pub shift: f64,
 }
 
 impl Default for Control {
     fn default() -> Self {
-        Self { gain: 1.0, fed: 0.0 }
+        Self { gain: 1.0, fed: 0.0, shift: 0.0 }
     }
 }
 
@@ -159,7 +161,8 @@ impl Program {
         for (k, (effect, control)) in self.effects.iter_mut().zip(&self.controls).enumerate() {
             events.effect = k;
             let m = Modulation { gain: control.gain, fed: control.fed, stiffness, damping };
-            let torque = effect.torque(reading, &m, events);
+            let turned = Reading { angle: reading.angle - control.shift, ..*reading };
+            let torque = effect.torque(&turned, &m, events);
             if torque.is_finite() {
                 sum += torque;
             } else {

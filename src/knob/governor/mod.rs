@@ -33,6 +33,12 @@ pub struct Allowed {
     pub damping: f64,
 }
 
+impl Default for Allowed {
+    fn default() -> Self {
+        Self { stiffness: 1.0, damping: 1.0 }
+    }
+}
+
 impl Allowed {
     /// Whether less was granted than asked.
     pub fn acted(&self) -> bool {

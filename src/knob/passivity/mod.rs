@@ -119,6 +119,11 @@ impl Controller {
         &mut self.observer
     }
 
+    /// The books, to read.
+    pub fn books(&self) -> &Observer {
+        &self.observer
+    }
+
     /// In how many ticks it braked.
     pub fn acted(&self) -> u64 {
         self.acted

@@ -11,10 +11,11 @@
 //! | [`kalman`] | a bound on acceleration | the least error where the bound holds |
 //! | [`edges`] | nothing | rates far above those of counts |
 //!
-//! [`decimated`] runs any of them at a fraction of the rate. None allocates once it is made, and each refuses what is not a number by
+//! [`decimated`] runs any of them at a fraction of the rate, [`choice`] is any of them. None allocates once it is made, and each refuses what is not a number by
 //! saying what it said before.
 
 pub mod adaptive;
+pub mod choice;
 pub mod decimated;
 pub mod difference;
 pub mod edges;

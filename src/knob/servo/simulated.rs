@@ -1,0 +1,105 @@
+//! A knob that is not there: a plant with its encoder and its delay, and a servo around it.
+
+use super::setup::{Setup, Unfit};
+use super::tick::{Given, Servo};
+use crate::actuator::fault::Fault;
+use crate::knob::plant::Plant;
+use crate::knob::plant::encoder::{Delay, Encoder, MOST_DELAY};
+use crate::knob::plant::parts::{Build, Hand};
+
+/// What a simulated knob is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// What turns, what turns it, and how a hand holds it.
+    pub build: Build,
+    /// What sees the angle; `None`: it is seen as it is.
+    pub encoder: Option<Encoder>,
+    /// Ticks by which what is seen is late.
+    pub delay: usize,
+}
+
+/// A simulated knob at work.
+#[derive(Debug, Clone)]
+pub struct Simulated {
+    plant: Plant,
+    encoder: Option<Encoder>,
+    delay: Delay,
+    /// Work that the hand and the motor did, joules.
+    by_hand: f64,
+    by_motor: f64,
+}
+
+impl Simulated {
+    /// At rest at 0 rad, for ticks every `period` seconds.
+    ///
+    /// # Errors
+    /// A figure that cannot be.
+    pub fn new(model: &Model, period: f64) -> Result<Self, Fault> {
+        Ok(Self {
+            plant: Plant::new(&model.build, 1.0 / period)?,
+            encoder: model.encoder,
+            delay: Delay::new(model.delay.min(MOST_DELAY), 0.0)?,
+            by_hand: 0.0,
+            by_motor: 0.0,
+        })
+    }
+
+    /// Puts it at an angle (radians), at rest.
+    ///
+    /// # Errors
+    /// An angle beyond the plant's limits.
+    pub fn place(&mut self, angle: f64) -> Result<(), Fault> {
+        self.plant.place(angle, 0.0)?;
+        self.delay.reset(self.seen());
+        Ok(())
+    }
+
+    fn seen(&self) -> f64 {
+        let angle = self.plant.angle();
+        self.encoder.as_ref().map_or(angle, |encoder| encoder.read(angle))
+    }
+
+    /// What is read at this tick: late, and in counts.
+    pub fn read(&mut self) -> f64 {
+        self.delay.pass(self.seen())
+    }
+
+    /// Passes a tick with a torque (N m) held over it, and a hand.
+    pub fn pass(&mut self, torque: f64, hand: &Hand) {
+        let (knob, motor) = (self.plant.knob_angle(), self.plant.angle());
+        self.plant.step(torque, hand);
+        self.by_hand += hand.torque * (self.plant.knob_angle() - knob);
+        self.by_motor += torque * (self.plant.angle() - motor);
+    }
+
+    /// A whole tick: reading, servo, plant.
+    pub fn tick(&mut self, servo: &mut Servo, hand: &Hand) -> Given {
+        let angle = self.read();
+        let given = servo.tick(Some(angle), true);
+        self.pass(given.torque, hand);
+        given
+    }
+
+    /// What turns.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Work that a hand's torque did on the knob so far, joules; that of its grasp is not among it.
+    pub fn by_hand(&self) -> f64 {
+        self.by_hand
+    }
+
+    /// Work of the torque that was asked of the motor, joules.
+    pub fn by_motor(&self) -> f64 {
+        self.by_motor
+    }
+}
+
+/// A simulated knob and its servo.
+///
+/// # Errors
+/// What of either cannot be.
+pub fn both(model: &Model, setup: &Setup) -> Result<(Simulated, Servo), Unfit> {
+    Ok((Simulated::new(model, setup.period())?, Servo::new(setup)?))
+}

@@ -1,0 +1,240 @@
+//! The servo.
+
+use super::setup::{Setup, Unfit};
+use crate::knob::effect::events::Events;
+use crate::knob::effect::program::{Control, Program};
+use crate::knob::effect::{Bound, Reading};
+use crate::knob::governor::{Allowed, Governor};
+use crate::knob::local_model::follower::Follower;
+use crate::knob::local_model::pending::Message;
+use crate::knob::passivity::{Controller, Observer};
+use crate::knob::plant::encoder::{Delay, MOST_DELAY};
+use crate::knob::plant::wave::Wave;
+use crate::knob::safety::chain::{Chain, Input};
+use crate::knob::velocity::Estimator;
+use crate::knob::velocity::choice::Any;
+
+/// What a tick gave.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Given {
+    /// What the amplifier gets, N m.
+    pub torque: f64,
+    /// What the effects asked for, N m.
+    pub asked: f64,
+    /// The last angle read, radians.
+    pub angle: f64,
+    /// Speed as estimated, rad/s.
+    pub velocity: f64,
+    /// What the governor granted.
+    pub allowed: Allowed,
+    /// A bit for each [`Stage`](crate::knob::safety::chain::Stage) of the chain that acted.
+    pub acted: u16,
+}
+
+/// Energy that went into the virtual world, and out of it.
+#[derive(Debug, Clone, PartialEq)]
+enum Books {
+    Watched(Observer),
+    Braked(Controller),
+}
+
+/// Ticks over which a new local model takes over, and after which one is too old, seconds.
+const TAKE_OVER: f64 = 0.02;
+const TOO_OLD: f64 = 0.25;
+
+/// A servo at work. Nothing that ticks allocates, locks or panics.
+#[derive(Debug, Clone)]
+pub struct Servo {
+    period: f64,
+    estimator: Any,
+    governor: Governor,
+    program: Program,
+    books: Books,
+    chain: Chain,
+    cogging: Wave,
+    ripple: Wave,
+    follower: Follower,
+    message: Option<Message>,
+    impulse: f64,
+    /// Torques given and not yet acting.
+    way: Delay,
+    acting: f64,
+    last: Given,
+    ticks: u64,
+    events: Events,
+}
+
+impl Servo {
+    /// Disarmed, at rest at an angle not yet known.
+    ///
+    /// # Errors
+    /// What of the setup cannot be, and which effect it is of.
+    pub fn new(setup: &Setup) -> Result<Self, Unfit> {
+        let program = Program::new(setup.effects.clone())
+            .map_err(|(effect, fault)| Unfit { effect: Some(effect), fault })?;
+        let period = setup.period();
+        let books = match &setup.passivity {
+            Some(cap) => Books::Braked(Controller::new(cap, period)?),
+            None => Books::Watched(Observer::default()),
+        };
+        let ticks = |seconds: f64| (seconds / period).round().clamp(1.0, 1e9);
+        Ok(Self {
+            period,
+            estimator: setup.velocity.started(setup.device.count, period)?,
+            governor: Governor::new(&setup.device, setup.margin)?,
+            program,
+            books,
+            chain: Chain::new(&setup.limits)?,
+            cogging: setup.cogging,
+            ripple: setup.ripple,
+            follower: Follower::new(ticks(TAKE_OVER) as u32, ticks(TOO_OLD) as u64)?,
+            message: None,
+            impulse: 0.0,
+            way: Delay::new(setup.late().min(MOST_DELAY), 0.0)?,
+            acting: 0.0,
+            last: Given::default(),
+            ticks: 0,
+            events: Events::default(),
+        })
+    }
+
+    /// What scales each effect, in their order.
+    pub fn controls(&mut self) -> &mut [Control] {
+        self.program.controls()
+    }
+
+    /// A world that a slow thread sends, from the next tick on.
+    pub fn follow(&mut self, message: &Message) {
+        self.message = Some(self.message.map_or(*message, |before| before.then(message)));
+    }
+
+    /// Lets torque rise from 0. `false` while a fault is latched.
+    pub fn arm(&mut self) -> bool {
+        self.chain.arm()
+    }
+
+    /// Torque is 0 from the next tick on.
+    pub fn disarm(&mut self) {
+        self.chain.disarm();
+    }
+
+    /// Latches torque at 0 until [`Servo::acknowledge`].
+    pub fn panic(&mut self) {
+        self.chain.panic();
+    }
+
+    /// Forgets a latched fault, and what effects remember; it stays disarmed.
+    pub fn acknowledge(&mut self) {
+        self.chain.acknowledge();
+        self.program.reset();
+    }
+
+    /// The chain of safety: whether it is armed, what it latched, what it counted.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
+    }
+
+    /// What the device bears.
+    pub fn governor(&self) -> &Governor {
+        &self.governor
+    }
+
+    /// How stiff and how viscous effects and the local model are together at most, as they are scaled now.
+    pub fn demand(&self) -> Bound {
+        let mut ask = self.program.demand();
+        ask.stiffness += self.follower.model().most_stiffness();
+        ask
+    }
+
+    /// Energy booked so far.
+    pub fn energy(&self) -> &Observer {
+        match &self.books {
+            Books::Watched(observer) => observer,
+            Books::Braked(controller) => controller.books(),
+        }
+    }
+
+    /// Effects whose torque was not a number, ever.
+    pub fn masked(&self) -> u64 {
+        self.program.masked()
+    }
+
+    /// The world that a slow thread sent.
+    pub fn follower(&self) -> &Follower {
+        &self.follower
+    }
+
+    /// What happened in the last tick.
+    pub fn events(&self) -> &Events {
+        &self.events
+    }
+
+    /// What the last tick gave.
+    pub fn last(&self) -> &Given {
+        &self.last
+    }
+
+    /// Ticks so far.
+    pub fn ticks(&self) -> u64 {
+        self.ticks
+    }
+
+    /// One tick, `in_time` or late, with an angle (radians) or without one.
+    ///
+    /// Without a reading nothing is felt anew: the torque before stays until the chain lets it go. An angle that is no number is a fault, and
+    /// torque is 0 with this tick.
+    #[inline]
+    pub fn tick(&mut self, angle: Option<f64>, in_time: bool) -> Given {
+        self.ticks += 1;
+        let Some(angle) = angle else { return self.blind(in_time) };
+        let velocity = self.estimator.push(angle);
+        let velocity = if angle.is_finite() { velocity } else { f64::NAN };
+        let message = self.message.take();
+        let model = message.as_ref().map(|message| &message.model);
+        let followed = self.follower.tick(self.ticks, angle, model);
+        if let Some(message) = &message {
+            // A kick is as strong as it is short: it is given within one tick, as far as the chain lets it.
+            self.impulse += message.impulse;
+        }
+        let ask = self.demand();
+        let allowed = self.governor.allow(&ask);
+        let reading = Reading { angle, velocity, dt: self.period };
+        let mut torque = self.program.tick(&reading, allowed.stiffness, allowed.damping, &mut self.events);
+        torque += followed.torque * allowed.stiffness + std::mem::take(&mut self.impulse) / self.period;
+        torque = match &mut self.books {
+            Books::Watched(observer) => {
+                observer.book(followed.injected);
+                observer.observe(angle, self.acting);
+                torque
+            }
+            Books::Braked(controller) => {
+                controller.observer().book(followed.injected);
+                controller.tick(angle, velocity, self.acting, torque)
+            }
+        };
+        let asked = torque;
+        if !self.cogging.is_flat() {
+            torque -= self.cogging.at(angle);
+        }
+        if !self.ripple.is_flat() {
+            // No motor's constant falls below half of its mean; what a table says beyond that is not made up for.
+            torque /= f64::max(1.0 + self.ripple.at(angle), 0.5);
+        }
+        let input = Input { torque, angle, velocity, fresh: true, in_time, governed: allowed.acted() };
+        let given = self.chain.tick(&input);
+        self.acting = self.way.pass(given.torque);
+        self.last = Given { torque: given.torque, asked, angle, velocity, allowed, acted: given.acted };
+        self.last
+    }
+
+    /// A tick without a reading.
+    fn blind(&mut self, in_time: bool) -> Given {
+        self.events.clear();
+        let Given { asked, angle, velocity, allowed, .. } = self.last;
+        let input = Input { torque: asked, angle, velocity, fresh: false, in_time, governed: false };
+        let given = self.chain.tick(&input);
+        self.acting = self.way.pass(given.torque);
+        self.last = Given { torque: given.torque, asked, angle, velocity, allowed, acted: given.acted };
+        self.last
+    }
+}
