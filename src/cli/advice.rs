@@ -2,7 +2,7 @@
 
 use super::load::Loaded;
 use super::patterns::playing;
-use pacinian::patch::{Patch, Place, Source, Start};
+use pacinian::patch::{Patch, Place, Start};
 use pacinian::text::{Problem, Problems, Severity, Span};
 use std::collections::HashSet;
 
@@ -38,7 +38,7 @@ fn whole(what: &str, help: &str) -> Problem {
 /// Whether anything sounds or is marked without somebody to play it.
 fn plays(loaded: &Loaded) -> bool {
     let patch = &loaded.patch;
-    let starts = patch.triggers.iter().filter(|t| matches!(t.on, Source::Start | Source::Node { .. }));
+    let starts = patch.triggers.iter().filter(|t| !t.on.is_live());
     let started: HashSet<&str> = starts.map(|t| t.play.as_str()).collect();
     let voice = patch.voices.iter().any(|v| v.start == Start::Always || started.contains(v.name.as_str()));
     voice || !playing(loaded).is_empty()

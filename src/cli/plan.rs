@@ -383,7 +383,7 @@ fn kind(kind: OutputKind) -> &'static str {
         OutputKind::Vibration => "vibration",
         OutputKind::Raw => "raw: no limiter, no band limit",
         OutputKind::Drive => "turns a motor",
-        OutputKind::Silent => "not rendered, stays at zero",
+        OutputKind::Silent => "torque",
         OutputKind::Trigger { .. } => "trigger",
     }
 }

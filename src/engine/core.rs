@@ -5,6 +5,7 @@ use super::commander::Commander;
 use super::control::Ramp;
 use super::declick::Declick;
 use super::event::{Event, Source};
+use super::knob::Knob;
 use super::ops::Ops;
 use super::refusal::Refusal;
 use super::roster::Roster;
@@ -70,6 +71,7 @@ pub struct Core<R: Real> {
     watcher: Watcher,
     declick: Declick<R>,
     stage: Stage,
+    knob: Option<Box<Knob>>,
     tasks: Roster,
     counters: Counters,
     /// The clock of the last housekeeping.
@@ -89,7 +91,8 @@ impl<R: Real> Core<R> {
         let bank = |i: &Instrument| Bank::new(i, (&paths, &plan.gauges), rate, plan.seed, groups, isa);
         let banks: Vec<_> = plan.instruments.iter().map(bank).collect();
         let shared = &plan.shared_program;
-        let shared = (!shared.ops.is_empty()).then(|| Ops::new(shared, 1, rate, plan.seed, isa));
+        // A program of no ops may still hand on what a control says.
+        let shared = (!shared.outputs.is_empty()).then(|| Ops::new(shared, 1, rate, plan.seed, isa));
         let controls =
             plan.controls.iter().map(|c| Ramp::new(c.default, c.least, c.most, c.smoothing * rate)).collect();
         let programs = plan.instruments.iter().map(|i| &i.program).chain([&plan.shared_program]);
@@ -117,6 +120,7 @@ impl<R: Real> Core<R> {
             watcher: Watcher::new(plan, rate),
             declick: Declick::new(groups),
             stage: Stage::new(plan, isa)?,
+            knob: Knob::new(plan)?.map(Box::new),
             tasks: Roster::default(),
             counters: Counters::default(),
             settled: None,
@@ -178,6 +182,11 @@ impl<R: Real> Core<R> {
         &self.stage
     }
 
+    /// The knob.
+    pub fn knob(&self) -> Option<&Knob> {
+        self.knob.as_deref()
+    }
+
     /// Voices that sound.
     pub fn sounding(&self) -> usize {
         self.banks.iter().map(Bank::sounding).sum()
@@ -235,9 +244,17 @@ impl<R: Real> Core<R> {
                 old.settle();
             }
             let left = (samples - done) as u64;
+            let mut stretch = u64::MAX;
+            if let Some(knob) = &mut self.knob {
+                // Ahead of what is computed next, and no further than what came in.
+                stretch = Knob::until(self.clock);
+                knob.run(stretch.min(self.clock + left), &mut self.queue, &mut self.watcher);
+                self.counters.dropped += knob.take_dropped();
+                self.run_events();
+            }
             let end = self.ends.next().map_or(u64::MAX, Instant::ceiling);
             let next = self.queue.next().unwrap_or(u64::MAX).min(end).min((self.clock / GRID + 1) * GRID);
-            let mut next = next.min(self.tasks.next(self.clock + 1));
+            let mut next = next.min(self.tasks.next(self.clock + 1)).min(stretch);
             if !self.watcher.is_idle() {
                 let start = self.watcher.next().map_or(u64::MAX, Instant::ceiling);
                 next = next.min(start).min(self.clock + watch::STRETCH);
@@ -251,6 +268,9 @@ impl<R: Real> Core<R> {
             for (latest, signal) in self.latest.iter_mut().zip(&self.work.shared) {
                 *latest = signal.at(frames - 1)[0];
             }
+            if let Some(knob) = &mut self.knob {
+                knob.note(&mut self.work, frames, done, self.clock);
+            }
             self.clock += frames as u64;
             done += frames;
         }
@@ -259,6 +279,9 @@ impl<R: Real> Core<R> {
         }
         self.declick.apply(&mut self.work, samples, begin, self.rate);
         self.stage.process(&mut self.work.mix, &self.work.fed, samples, begin, output, rest);
+        if let Some(knob) = &self.knob {
+            knob.write(samples, self.stage.vibration().channels(), output, rest);
+        }
     }
 
     /// Housekeeping, on its grid.
@@ -313,6 +336,19 @@ impl<R: Real> Core<R> {
                             for (row, value) in signal.rows.iter_mut().zip(values) {
                                 let value = if value.is_finite() { *value } else { 0.0 };
                                 *row = [R::of(f64::from(value)); LANES];
+                            }
+                        }
+                        None => signal.hold(R::ZERO),
+                    }
+                }
+                Shared::Knob(reading) => {
+                    let signal = &mut self.work.shared[i];
+                    match &self.knob {
+                        Some(knob) => {
+                            signal.still = false;
+                            for (frame, row) in signal.rows.iter_mut().take(frames).enumerate() {
+                                let value = knob.reading(reading, self.clock + frame as u64);
+                                *row = [R::of(value); LANES];
                             }
                         }
                         None => signal.hold(R::ZERO),

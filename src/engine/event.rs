@@ -77,6 +77,10 @@ pub enum Event {
     Marker(u32),
     /// Let the periodic tasks above this rank rest, and the others run: 255 for all.
     Shed(u8),
+    /// Let a hand push the simulated knob with so many newton metres from here on.
+    Push(f64),
+    /// Let torque of the knob rise from 0, after a fault as well, or let it go at once.
+    Arm(bool),
 }
 
 /// Where events come from: ties in time go in this order, after the ends of voices that have sounded their time.
@@ -87,4 +91,6 @@ pub enum Source {
     Pattern = 1,
     /// The program.
     Program = 2,
+    /// The knob.
+    Knob = 3,
 }

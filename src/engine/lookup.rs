@@ -134,7 +134,7 @@ impl Plan {
     fn name_of(&self, shared: Shared) -> &str {
         match shared {
             Shared::Control(c) => self.controls.get(c as usize).map_or("", |c| &c.name),
-            Shared::Input(_) => "",
+            Shared::Input(_) | Shared::Knob(_) => "",
             Shared::Node(output) => match self.shared_program.outputs.get(output as usize) {
                 Some(Feed::Buffer(b)) => {
                     let last = self.shared_program.ops.iter().rev().find(|op| op.output == *b);

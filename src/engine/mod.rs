@@ -13,6 +13,7 @@ pub mod guard;
 pub mod handover;
 mod hush;
 mod journey;
+pub mod knob;
 mod lane;
 mod listener;
 mod lookup;
@@ -267,6 +268,11 @@ impl Engine {
     #[cfg_attr(not(feature = "report"), allow(dead_code))]
     pub(crate) fn watch_until(&mut self, until: Instant) {
         each!(mut self, core => core.watcher().end_at(until));
+    }
+
+    /// The knob, if the plan has one.
+    pub fn knob(&self) -> Option<&knob::Knob> {
+        each!(self, core => core.knob())
     }
 
     /// Makes room to take over the voices of another engine. It allocates.

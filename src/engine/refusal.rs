@@ -6,6 +6,7 @@ use super::vibration;
 use crate::actuator::fault::Fault;
 use crate::graph::budget::Need;
 use crate::graph::plan::{Plan, Shared};
+use crate::knob::servo::setup::Unfit;
 
 /// Why no engine can be built for a plan.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +38,8 @@ pub enum Refusal {
         /// What of it.
         fault: Fault,
     },
+    /// The knob cannot be.
+    Knob(Unfit),
     /// An instrument (by its number) of which no voice may sound.
     Voices(usize),
     /// A control (by its number) without a range, or whose default is no number.
@@ -89,6 +92,12 @@ impl Refusal {
     }
 }
 
+impl From<Unfit> for Refusal {
+    fn from(why: Unfit) -> Self {
+        Self::Knob(why)
+    }
+}
+
 impl From<vibration::Refusal> for Refusal {
     fn from(why: vibration::Refusal) -> Self {
         Self::Stage(why)
@@ -108,6 +117,7 @@ impl fmt::Display for Refusal {
                     u64::from(*channel) + 1
                 );
             }
+            Self::Knob(why) => return write!(f, "the knob of the plan cannot be: {why}"),
             Self::Voices(i) => {
                 return write!(f, "instrument {} of the plan has no voices; give it at least 1", i + 1);
             }

@@ -17,12 +17,12 @@ const WAITING: usize = (LATENCY + STRETCH) as usize / 2 + 1;
 /// What has been set off and nobody has asked for yet, at most.
 const KEPT: usize = 4096;
 
-/// A signal has set off a voice, by itself.
+/// A signal, or the knob, has set off a voice, by itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
     /// The voice's onset.
     pub at: Instant,
-    /// What watched the signal, by its place in [`Plan::watches`].
+    /// What watched the signal, by its place in [`Plan::watches`]; those of the knob are counted on behind them.
     pub watch: u32,
     /// How many voices watches of that place had set off before.
     pub number: u64,
@@ -153,13 +153,14 @@ impl Watcher {
     pub fn new(plan: &Plan, rate: f64) -> Self {
         let watches: Vec<Rising> = plan.watches.iter().map(|watch| Rising::new(watch, rate)).collect();
         let count = watches.len();
+        let knob = plan.knob.as_ref().is_some_and(|knob| !knob.starts.is_empty());
         Self {
             // What was before the beginning is nothing.
             seen: vec![Seen::new(LEAD as u64); count],
             waiting: Queue::new(WAITING * count),
             until: Instant::NEVER,
             stretch: (0, 0),
-            begun: Vec::with_capacity(if count > 0 { KEPT } else { 0 }),
+            begun: Vec::with_capacity(if count > 0 || knob { KEPT } else { 0 }),
             unkept: 0,
             watches,
         }
@@ -226,12 +227,17 @@ impl Watcher {
         self.stretch.1 += 1;
         let Some(rising) = self.watches.get(watch as usize) else { return Some((entry.at, None)) };
         let play = Play { id: id(watch as usize, number), ..rising.play };
-        if self.begun.len() < KEPT {
-            self.begun.push(Crossing { at: entry.at, watch, number, play });
+        self.keep(Crossing { at: entry.at, watch, number, play });
+        Some((entry.at, Some(play)))
+    }
+
+    /// Keeps what has been set off, until somebody asks.
+    pub fn keep(&mut self, crossing: Crossing) {
+        if self.begun.len() < self.begun.capacity() {
+            self.begun.push(crossing);
         } else {
             self.unkept += 1;
         }
-        Some((entry.at, Some(play)))
     }
 
     /// What has begun since this was asked last, in its order.
@@ -272,11 +278,7 @@ impl Watcher {
         (self.stretch, self.until, self.unkept) = (old.stretch, old.until, old.unkept);
         // What has begun is told of by those who know its plan.
         for crossing in old.begun.drain(..) {
-            if self.begun.len() < self.begun.capacity() {
-                self.begun.push(crossing);
-            } else {
-                self.unkept += 1;
-            }
+            self.keep(crossing);
         }
         lost
     }

@@ -13,6 +13,7 @@ use crate::node::kernel::INPUTS;
 use crate::node::motion::Motion;
 use crate::node::spec::Kind;
 use crate::node::touch::SMOOTHING;
+use crate::patch::knob::Reading;
 use crate::patch::{self, Patch, Scope, Value, Voice};
 use crate::text::{Problem, Span};
 use expression::Term;
@@ -39,6 +40,8 @@ pub enum Want {
     Node(usize),
     /// An input channel, from 0.
     Input(u32),
+    /// What the knob does.
+    Knob(Reading),
 }
 
 impl Wanted {

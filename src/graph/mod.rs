@@ -7,6 +7,7 @@ mod build;
 pub mod command;
 pub mod felt;
 mod fold;
+pub mod knob;
 mod late;
 pub mod motions;
 mod motors;

@@ -9,6 +9,7 @@ use crate::node::NodeKind;
 use crate::node::motion::Motion;
 
 use crate::patch::Pitch;
+use crate::patch::knob::Reading;
 use crate::perception::gauge::Gauge;
 use crate::space::law::Law;
 use crate::space::path::Route;
@@ -24,6 +25,7 @@ use crate::actuator::protect::bounds::Bounds;
 use crate::actuator::protect::budget::Bears;
 
 use super::command::Command;
+use super::knob::Knob;
 use super::order::depth_first;
 use super::program::{Program, program};
 use super::watch::Watch;
@@ -90,6 +92,8 @@ pub struct Plan {
     pub clicks: Vec<Clicks>,
     /// The way home of motors that voices may send there, by their places in [`Plan::drives`].
     pub homes: Vec<(usize, Homing)>,
+    /// The force-feedback knob; `None`: the patch has none, and nothing of one is built.
+    pub knob: Option<Knob>,
     /// Names of the markers that some output listens to.
     pub markers: Vec<Arc<str>>,
     /// What was left out, and why.
@@ -127,6 +131,7 @@ impl Plan {
             output.kind = OutputKind::Silent;
         }
         (plan.drives, plan.clicks, plan.homes, plan.protections) = Default::default();
+        plan.knob = None;
         plan
     }
 
@@ -163,6 +168,8 @@ pub enum Shared {
     Node(u32),
     /// A channel of the input, from 0.
     Input(u32),
+    /// What the knob does.
+    Knob(Reading),
 }
 
 /// A live parameter.
@@ -354,10 +361,10 @@ pub enum Why {
     NoMotor,
     /// It orders something of a motor that is there for clicks alone.
     ClicksAlone,
+    /// The rig has a knob, and the patch says nothing of how it feels.
+    NoKnob,
     /// It is read and checked, and nothing acts on it yet.
     NotYet,
-    /// Outputs of this kind are not rendered yet.
-    NotRendered,
 }
 
 impl fmt::Display for Why {
@@ -371,8 +378,8 @@ impl fmt::Display for Why {
             Self::NeverCrosses => "its node never moves, so it never crosses",
             Self::NoMotor => "the rig has no motor: no output of kind drive",
             Self::ClicksAlone => "clicks alone get through to that motor: shaping = \"clicks\"",
+            Self::NoKnob => "the patch has no [knob]",
             Self::NotYet => "nothing acts on it yet",
-            Self::NotRendered => "outputs of its kind are not rendered yet; it stays at zero",
         })
     }
 }

@@ -147,6 +147,15 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
             Err(why) => problems.push(Problem::error(&voice.span, format!("voice `{}`: {why}", voice.name))),
         }
     }
+    let knob = super::knob::knob(
+        patch,
+        rig,
+        &finder,
+        &of_voice,
+        [device_rate / ratio as f64, device_rate],
+        &mut wanted,
+        &mut problems,
+    );
     let watches = watches(patch, rig, &finder, &watched, &of_voice, &mut wanted, &mut problems);
     left_out.extend(still.iter().filter_map(|place| {
         let trigger = patch.triggers.get(*place)?;
@@ -185,8 +194,8 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     if !problems.is_empty() {
         return Err(patch.origin.problems(problems));
     }
-    let silent = rig.outputs.iter().filter(|o| is_not_rendered(o));
-    left_out.extend(silent.map(|o| LeftOut { what: format!("output `{}`", o.name), why: Why::NotRendered }));
+    let silent = rig.outputs.iter().filter(|o| o.kind == rig::OutputKind::Torque && knob.is_none());
+    left_out.extend(silent.map(|o| LeftOut { what: format!("output `{}`", o.name), why: Why::NoKnob }));
     if !options.live {
         left_out.extend(never_fed(patch, rig, &voices));
     }
@@ -194,7 +203,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         left_out.extend(motors::for_nobody(&instruments));
     }
     left_out.extend(motors::for_clicks_alone(rig, &drives, &instruments));
-    left_out.extend(not_yet(patch, rig));
+    left_out.extend(not_yet(rig));
     let plan = Plan {
         device_rate,
         ratio,
@@ -207,7 +216,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         controls,
         watches,
         instruments,
-        places: places_of(rig, &finder),
+        places: places_of(rig, &finder, knob.is_some()),
         together: finder.called().map(Arc::from).collect(),
         spread,
         paths: finder.paths().to_vec(),
@@ -218,6 +227,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         clicks,
         homes,
         markers,
+        knob,
         left_out,
     };
     let need = Need::of(&plan);
@@ -245,7 +255,9 @@ fn nowhere(voice: &Voice) -> Option<Problem> {
 }
 
 /// Each output, and then what sounds together.
-fn places_of(rig: &Rig, finder: &Finder) -> Vec<Vec<(u32, f64)>> {
+fn places_of(rig: &Rig, finder: &Finder, has_knob: bool) -> Vec<Vec<(u32, f64)>> {
+    // What is played on a knob is for its effects, and goes nowhere where there is none.
+    let place = if has_knob { place_of } else { place };
     let of =
         |all: &Vec<usize>| all.iter().filter_map(|output| rig.outputs.get(*output)).flat_map(place).collect();
     rig.outputs.iter().map(place).chain(finder.together().iter().map(of)).collect()
@@ -271,15 +283,15 @@ fn spread(rig: &Rig, problems: &mut Vec<Problem>) -> Option<Spread> {
 }
 
 fn place(output: &rig::Output) -> Vec<(u32, f64)> {
-    if is_not_rendered(output) {
+    if output.kind == rig::OutputKind::Torque {
         return Vec::new();
     }
-    let gain = if output.inverted { -output.gain } else { output.gain };
-    vec![(output.channel.saturating_sub(1), gain)]
+    place_of(output)
 }
 
-fn is_not_rendered(output: &rig::Output) -> bool {
-    output.kind == rig::OutputKind::Torque
+fn place_of(output: &rig::Output) -> Vec<(u32, f64)> {
+    let gain = if output.inverted { -output.gain } else { output.gain };
+    vec![(output.channel.saturating_sub(1), gain)]
 }
 
 fn output(
@@ -385,7 +397,7 @@ fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Ve
         patch.triggers.iter().filter(|t| t.on == Source::Start).filter_map(|t| find(&t.play)).collect();
     let any_start = patch.triggers.iter().any(|t| t.on == Source::Start);
     // Where keys and messages play, patterns wait for them. What a node sets off is a voice.
-    let sets_off = |trigger: &Trigger| !matches!(trigger.on, Source::Node { .. });
+    let sets_off = |trigger: &Trigger| !matches!(trigger.on, Source::Node { .. } | Source::Knob { .. });
     let waits = options.live && patch.triggers.iter().any(sets_off);
     let mut playing = if any_start || waits || patch.patterns.is_empty() { started } else { vec![0] };
     // What a clock starts is ready for it.
@@ -420,6 +432,8 @@ fn voices(
         open.extend(0..patch.patterns.len());
     }
     found.extend(patch.triggers.iter().filter(|t| t.on == Source::Start).filter_map(|t| voice(&t.play)));
+    let by_knob = |trigger: &&Trigger| matches!(trigger.on, Source::Knob { .. });
+    found.extend(patch.triggers.iter().filter(by_knob).filter_map(|t| voice(&t.play)));
     found.extend(watched.iter().filter_map(|place| voice(&patch.triggers.get(*place)?.play)));
     while let Some(p) = open.pop() {
         if !played.insert(p) {
@@ -575,6 +589,7 @@ fn controls(patch: &Patch, wanted: Vec<Want>, left_out: &mut Vec<LeftOut>) -> (V
                 Shared::Node(output - 1)
             }
             Want::Input(channel) => Shared::Input(channel),
+            Want::Knob(reading) => Shared::Knob(reading),
         })
         .collect();
     let names: HashSet<&str> = controls.iter().map(|c| &*c.name).collect();

@@ -2,7 +2,7 @@
 
 use super::expr::Reads;
 use super::node::Argument;
-use super::{Action, Event, Events, Expr, Node, Patch, Play, Source, Start, Trigger, Value, Voice};
+use super::{Action, Event, Events, Expr, Node, Patch, Play, Start, Trigger, Value, Voice};
 use crate::node::spec::{Family, Kind};
 use crate::text::sink::Sink;
 use crate::text::{Problem, Span};
@@ -243,7 +243,7 @@ fn longest(patch: &Patch) -> HashMap<&str, f64> {
         let known = |name: &str| trigger.on.known(name);
         let seconds = said.map_or(Some(*default), |(_, expr, _)| expr.value(&known));
         // Whoever sets it off may hold it.
-        let holds = !matches!(trigger.on, Source::Start | Source::Node { .. });
+        let holds = trigger.on.is_live();
         let seconds = seconds.filter(|_| !holds).unwrap_or(f64::INFINITY);
         longest.entry(&trigger.play).and_modify(|l| *l = l.max(seconds)).or_insert(seconds);
     }
@@ -267,7 +267,7 @@ pub(super) fn frequency(node: &Node) -> Option<&Expr> {
 fn value(expr: &Expr, of: &dyn Fn(&str) -> Option<f64>) -> Option<f64> {
     match expr {
         Expr::Number(x) => Some(*x),
-        Expr::Name(..) => None,
+        Expr::Name(..) | Expr::Knob(..) => None,
         Expr::Event(field, _) => of(field),
         Expr::Touch(motion, _) => Some(motion.rest()),
         Expr::Negate(a) => value(a, of).map(|a| -a),

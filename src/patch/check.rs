@@ -22,7 +22,8 @@ use crate::text::{Problem, Span};
 impl Patch {
     /// `broken` are names that are in the file although they are not in the patch.
     pub(super) fn problems(&self, broken: &[String]) -> Vec<Problem> {
-        let mut check = Check { problems: Vec::new(), broken: broken.iter().map(String::as_str).collect() };
+        let broken_names = broken.iter().map(String::as_str).collect();
+        let mut check = Check { problems: Vec::new(), broken: broken_names, has_knob: self.knob.is_some() };
         check.names(self);
         self.controls.iter().for_each(|control| check.control(control));
         let shared = Scope::new(self, None);
@@ -53,6 +54,7 @@ impl Patch {
 struct Check<'a> {
     problems: Vec<Problem>,
     broken: HashSet<&'a str>,
+    has_knob: bool,
 }
 
 impl Check<'_> {
@@ -192,6 +194,18 @@ impl Check<'_> {
                             self.touch(span, &who, (starts || voice.is_none()).then_some(param.name), voice);
                             continue;
                         }
+                        Reads::Knob => {
+                            if starts {
+                                let what = format!(
+                                    "`{}` of {who} cannot follow the knob: it is read once, when the voice starts",
+                                    param.name
+                                );
+                                let help = "let a trigger `knob.detent` set a field of the event".to_string();
+                                self.error(span, what, help);
+                            }
+                            self.no_knob(span, &who);
+                            continue;
+                        }
                         Reads::Name(name) => name,
                     };
                     let target = scope.find(name);
@@ -235,6 +249,15 @@ impl Check<'_> {
             let what = format!("nodes of {of} read each other in a circle: {}", chain(&cycle, name));
             let help = "let the loop pass through the input of a `delay`".to_string();
             self.error(&first.span, what, help);
+        }
+    }
+
+    /// That there is no knob that could be read.
+    fn no_knob(&mut self, span: &Span, who: &str) {
+        if !self.has_knob {
+            let what = format!("{who} reads the knob, and the patch has none");
+            let help = "describe what it feels like: [knob.effects] notches = { type = \"detents\", count = 24, torque = 0.02 }";
+            self.error(span, what, help.to_string());
         }
     }
 
@@ -396,6 +419,9 @@ impl Check<'_> {
             let help = self.suggest(node, shared.names());
             self.error(&trigger.on_span, what, help);
         }
+        if let Source::Knob { .. } = &trigger.on {
+            self.no_knob(&trigger.on_span, "this trigger");
+        }
         let of_pattern = voice.is_none() && names.pattern(&trigger.play).is_some();
         crossing::check(trigger, of_pattern, &mut self.problems);
         if let Some(voice) = voice {
@@ -447,6 +473,7 @@ impl Check<'_> {
                 Reads::Name(name) if known.contains(&name) => {}
                 Reads::Name(name) | Reads::Event(name) => unknown.push((name, span)),
                 Reads::Touch(_) => unknown.push(("touch", span)),
+                Reads::Knob => unknown.push(("knob", span)),
             });
             for (name, span) in unknown {
                 let help = if matches!(shared.find(name), Some(Target::Shared(_) | Target::Control(_))) {

@@ -7,6 +7,14 @@ use crate::text::Problem;
 pub(super) fn check(trigger: &Trigger, of_pattern: bool, problems: &mut Vec<Problem>) {
     let Source::Node { rises, threshold, .. } = trigger.on else {
         let said = [(trigger.hold != 0.0, "hold"), (trigger.rearm.is_some(), "rearm")];
+        if of_pattern && let Source::Knob { .. } = trigger.on {
+            let what = format!(
+                "a knob cannot set off pattern `{}`: patterns are worked out ahead of time, and a knob is known only as it is turned",
+                trigger.play
+            );
+            let help = "let it play a voice, one trigger for each that is to sound; what comes later comes out of a node `delay`";
+            problems.push(Problem::error(&trigger.play_span, what).help(help.to_string()));
+        }
         for (_, key) in said.into_iter().filter(|(is, _)| *is) {
             let what = format!("`{key}` goes with nodes, and this trigger is set off by something else");
             let help = "set it off by on = \"node.NAME rises 0.3\"".to_string();

@@ -1,5 +1,6 @@
 //! Short expressions, by which nodes are wired: `"tone"`, `"60 + 20 * wobble"`, `"min(1, event.level * 2)"`.
 
+use super::knob::Reading;
 use crate::node::motion::Motion;
 use crate::text::nearest::suggest;
 use crate::text::{Problem, Span};
@@ -15,6 +16,8 @@ pub enum Expr {
     Event(String, Span),
     /// What the hand does that holds the voice: `touch.pressure`, `touch.timbre`; `touch.bend` is read as `1 + detune`.
     Touch(Motion, Span),
+    /// What the knob does: `knob.angle`, `knob.speed`, `knob.torque`.
+    Knob(Reading, Span),
     /// Minus.
     Negate(Box<Expr>),
     /// Two operands.
@@ -32,6 +35,8 @@ pub(crate) enum Reads<'a> {
     Event(&'a str),
     /// What the hand does.
     Touch(Motion),
+    /// What the knob does.
+    Knob,
 }
 
 /// Between two operands.
@@ -169,7 +174,7 @@ impl Expr {
         match self {
             Self::Number(x) => Some(*x),
             Self::Name(name, _) => known(name),
-            Self::Event(..) | Self::Touch(..) => None,
+            Self::Event(..) | Self::Touch(..) | Self::Knob(..) => None,
             Self::Negate(a) => a.value(known).map(|a| -a),
             Self::Binary(op, a, b) => Some(op.apply(a.value(known)?, b.value(known)?)),
             Self::Call(function, values) => {
@@ -186,6 +191,7 @@ impl Expr {
             Self::Name(name, span) => see(Reads::Name(name), span),
             Self::Event(field, span) => see(Reads::Event(field), span),
             Self::Touch(motion, span) => see(Reads::Touch(*motion), span),
+            Self::Knob(_, span) => see(Reads::Knob, span),
             Self::Negate(a) => a.visit(see),
             Self::Binary(_, a, b) => {
                 a.visit(see);
@@ -325,6 +331,9 @@ impl Parser<'_> {
         if name == "touch" && self.take('.') {
             return self.touch(start);
         }
+        if name == "knob" && self.take('.') {
+            return self.knob(start);
+        }
         let function = Function::find(&name);
         if self.peek() != Some('(') {
             return match function {
@@ -381,6 +390,21 @@ impl Parser<'_> {
             _ => {
                 let what = format!("`touch.{word}` is nothing that a hand does");
                 Err(self.wrong(at, word.len(), what).help(suggest(&word, TOUCHES)))
+            }
+        }
+    }
+}
+
+impl Parser<'_> {
+    /// What stands after `knob.`, which begins at `start`.
+    fn knob(&mut self, start: usize) -> Result<Expr, Problem> {
+        let (at, word) = self.word();
+        let place = self.place(start, self.at - start);
+        match Reading::of_word(&word) {
+            Some(reading) => Ok(Expr::Knob(reading, place)),
+            None => {
+                let what = format!("`knob.{word}` is nothing that is known of a knob");
+                Err(self.wrong(at, word.len(), what).help(suggest(&word, Reading::WORDS)))
             }
         }
     }

@@ -14,6 +14,7 @@ pub(crate) mod event;
 pub(crate) mod events_file;
 pub(crate) mod expr;
 pub(crate) mod felt;
+pub mod knob;
 pub mod motion;
 pub(crate) mod names;
 pub(crate) mod node;
@@ -33,6 +34,7 @@ pub use event::{Action, Alternative, Event, Play, Repeat, Setting};
 pub use events_file::EventsFile;
 pub use expr::{Expr, Function, Operator};
 pub use felt::Pitch;
+pub use knob::Knob;
 pub use motion::Motion;
 pub use names::Names;
 pub use node::{Argument, Node, Value};
@@ -40,7 +42,7 @@ pub use pattern::{Events, Jitter, Pattern, TimeBase};
 pub use place::Place;
 pub use schema::schema;
 pub(crate) use scope::{Scope, Target};
-pub use trigger::{Source, Spread, Trigger};
+pub use trigger::{Happening, Source, Spread, Trigger};
 pub use voice::{Start, Voice};
 pub use way::Way;
 
@@ -69,6 +71,8 @@ pub struct Patch {
     pub triggers: Vec<Trigger>,
     /// What moves controls.
     pub binds: Vec<Bind>,
+    /// What a force-feedback knob feels like.
+    pub knob: Option<Knob>,
     /// How to render it where the person says nothing else.
     pub render: Render,
     /// The file that it was read from.
@@ -135,6 +139,7 @@ pub(crate) static TABLE: Table = Table {
         Field::new("pattern", Form::Named(&pattern::TABLE), "", "Patterns, by name."),
         Field::new("trigger", Form::Many(&trigger::TABLE), "", "What starts voices and patterns."),
         Field::new("bind", Form::Many(&bind::TABLE), "", "What moves controls from outside."),
+        Field::new("knob", Form::One(&knob::TABLE), "", "What a force-feedback knob feels like."),
         Field::new("render", Form::One(&RENDER), "", "How to render it where the person says nothing else."),
     ],
     others: None,
@@ -253,7 +258,7 @@ impl Patch {
             voice.place.iter().for_each(|place| see(place, &voice.place_span));
         }
         self.each_play(|play, _| play.places().for_each(|(place, span)| see(place, span)));
-        for trigger in self.triggers.iter().filter(|t| matches!(t.on, Source::Start | Source::Node { .. })) {
+        for trigger in self.triggers.iter().filter(|t| t.on.is_known()) {
             trigger.place.iter().for_each(|place| see(place, &trigger.span));
         }
     }
@@ -300,6 +305,12 @@ impl Patch {
         }
         if let Some((nodes, _)) = reader.one("shared", "`shared`").and_then(|r| r.table("nodes")) {
             patch.shared = voice::read_nodes(nodes, "the shared nodes", &options, reader.sink, &mut broken);
+        }
+        if let Some(knob) = reader.one("knob", "the knob") {
+            patch.knob = Some(knob::read(&knob, &mut patch.shared));
+            if !patch.controls.iter().any(|control| control.name == knob::HAND) {
+                patch.controls.push(knob::hand(&knob.span));
+            }
         }
         for (name, reader) in reader.named("pattern", "pattern") {
             patch.patterns.push(pattern::read(&name, &reader, &options));

@@ -76,8 +76,13 @@ pub enum Source {
     },
     /// An OSC message to this address.
     Osc(String),
-    /// The knob passes a detent.
-    KnobDetent,
+    /// Something happens at the knob.
+    Knob {
+        /// What.
+        what: Happening,
+        /// The effect that it happens to; `None`: any.
+        effect: Option<String>,
+    },
     /// A shared node, or a control, passes a threshold.
     Node {
         /// The shared node or control.
@@ -89,6 +94,34 @@ pub enum Source {
     },
 }
 
+/// What happens at a knob.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Happening {
+    /// It passes a detent.
+    Detent,
+    /// It runs into a wall.
+    Wall,
+}
+
+impl Happening {
+    /// The words for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Detent => "knob.detent",
+            Self::Wall => "knob.wall",
+        }
+    }
+
+    /// What expressions may read of it, in this order: where the knob is (rad), how fast (rad/s, without a sign), and, 1 or -1, which way it
+    /// turns; of a detent also its number, counted from the one at rest.
+    pub fn names(self) -> &'static [&'static str] {
+        match self {
+            Self::Detent => &["angle", "speed", "way", "index"],
+            Self::Wall => &["angle", "speed", "way"],
+        }
+    }
+}
+
 /// Its keys.
 pub static TABLE: Table = Table {
     name: "trigger",
@@ -98,8 +131,8 @@ pub static TABLE: Table = Table {
             "on",
             Form::Text,
             "",
-            "start, key.1, midi.note, midi.program 3, midi.controller 64 rises 0.5, osc./address, knob.detent, or node.NAME rises 0.3 \
-             (or falls).",
+            "start, key.1, midi.note, midi.program 3, midi.controller 64 rises 0.5, osc./address, knob.detent or knob.wall (of any effect, or \
+             of one: knob.wall ENDS), or node.NAME rises 0.3 (or falls).",
         )
         .required(),
         Field::new("play", Form::Text, "", "The voice or pattern it plays.").required(),
@@ -148,6 +181,7 @@ const SOURCES: &[&str] = &[
     "midi.controller 64 rises 0.5",
     "osc./address",
     "knob.detent",
+    "knob.wall",
     "node.NAME rises 0.3",
 ];
 
@@ -160,8 +194,16 @@ impl Source {
         match text {
             "start" => return Ok(Self::Start),
             "midi.note" => return Ok(Self::MidiNote),
-            "knob.detent" => return Ok(Self::KnobDetent),
             _ => {}
+        }
+        for what in [Happening::Detent, Happening::Wall] {
+            match text.strip_prefix(what.word()) {
+                Some("") => return Ok(Self::Knob { what, effect: None }),
+                Some(effect) if effect.starts_with(' ') => {
+                    return Ok(Self::Knob { what, effect: Some(effect.trim().into()) });
+                }
+                _ => {}
+            }
         }
         if let Some(key) = text.strip_prefix("key.") {
             return match key.parse() {
@@ -217,8 +259,13 @@ impl Source {
             | Self::MidiProgram(_)
             | Self::MidiController { .. }
             | Self::Osc(_) => true,
-            Self::Start | Self::KnobDetent | Self::Node { .. } => false,
+            Self::Start | Self::Knob { .. } | Self::Node { .. } => false,
         }
+    }
+
+    /// Whether it is known before anything plays, or worked out as it plays, so that nobody need be there.
+    pub(crate) fn is_known(&self) -> bool {
+        !self.is_live()
     }
 
     /// What the expressions in `set` may read.
@@ -228,7 +275,8 @@ impl Source {
             Self::MidiProgram(_) => &["program", "channel"],
             Self::MidiController { .. } => &["value", "channel"],
             Self::Osc(_) | Self::Node { .. } => &["value"],
-            Self::Start | Self::Key(_) | Self::KnobDetent => &[],
+            Self::Knob { what, .. } => what.names(),
+            Self::Start | Self::Key(_) => &[],
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::schedule::Instant;
 /// A voice by its name, and its fields with their defaults.
 type Voice = (Arc<str>, Vec<(String, f64)>);
 
-/// What a plan calls what its watches set off.
+/// What a plan calls what its watches and its knob set off.
 #[derive(Debug, Clone)]
 pub struct Callings {
     /// By instrument.
@@ -23,7 +23,8 @@ pub struct Callings {
 impl Callings {
     /// Those of a plan.
     pub fn of(plan: &Plan) -> Self {
-        if plan.watches.is_empty() {
+        let starts = plan.knob.iter().flat_map(|knob| &knob.starts);
+        if plan.watches.is_empty() && starts.clone().next().is_none() {
             return Self { voices: vec![], places: vec![], watches: vec![], rate: plan.engine_rate() };
         }
         let voices = plan.instruments.iter().map(|instrument| {
@@ -37,7 +38,14 @@ impl Callings {
         Self {
             voices: voices.collect(),
             places: plan.outputs.iter().map(|output| &output.name).chain(&plan.together).cloned().collect(),
-            watches: plan.watches.iter().map(|watch| Arc::clone(&watch.name)).collect(),
+            // As their ids count: the knob's stand behind.
+            watches: plan
+                .watches
+                .iter()
+                .map(|watch| &watch.name)
+                .chain(starts.map(|start| &start.name))
+                .cloned()
+                .collect(),
             rate: plan.engine_rate(),
         }
     }

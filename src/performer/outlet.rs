@@ -30,7 +30,7 @@ impl Outlet for Engine {
     fn room(&self, source: Source) -> usize {
         let left = match source {
             Source::Pattern => FOR_PROGRAM,
-            Source::Program => FOR_PATTERNS,
+            Source::Program | Source::Knob => FOR_PATTERNS,
         };
         Engine::room(self).saturating_sub(left)
     }

@@ -199,7 +199,8 @@ fn shared<S>(
         .map(|source| match *source {
             Shared::Control(c) => vec![plan.controls[c as usize].default; length],
             Shared::Input(c) => heard.get_mut(c as usize).map(std::mem::take).unwrap_or(vec![0.0; length]),
-            Shared::Node(_) => vec![0.0; length],
+            // Of what vibrates alone, nobody turns a knob.
+            Shared::Node(_) | Shared::Knob(_) => vec![0.0; length],
         })
         .collect();
     if plan.shared_program.ops.is_empty() {

@@ -25,6 +25,9 @@ impl<R: Real> Core<R> {
                 ramp.follow(from);
             }
         }
+        if let (Some(new), Some(old)) = (&mut self.knob, &mut old.knob) {
+            new.adopt(old);
+        }
         if let (Some(new), Some(old)) = (&mut self.shared, &mut old.shared) {
             new.take_states(old, &inheritance.shared);
         }
@@ -70,6 +73,8 @@ impl<R: Real> Core<R> {
                 | Event::Silence(..)
                 | Event::Touch(..)
                 | Event::Marker(_)
+                | Event::Push(_)
+                | Event::Arm(_)
                 | Event::Shed(_) => Some(()),
             };
             counters.dropped += u64::from(kept.is_none() && matches!(event, Event::Play(_)));

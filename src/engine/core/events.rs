@@ -68,6 +68,8 @@ impl<R: Real> Core<R> {
             }
             Event::Marker(name) => self.stage.mark(name, at),
             Event::Shed(above) => self.tasks.shed(above),
+            Event::Push(torque) => self.knob.iter_mut().for_each(|knob| knob.push(torque)),
+            Event::Arm(arms) => self.knob.iter_mut().for_each(|knob| knob.arm(arms)),
         }
     }
 
@@ -75,6 +77,7 @@ impl<R: Real> Core<R> {
         let place = self.places.felt(play.instrument as usize, play.place, play.strength());
         let Some(bank) = self.banks.get_mut(play.instrument as usize) else { return };
         self.stage.open(self.clock);
+        self.knob.iter_mut().for_each(|knob| knob.open());
         self.counters.started += 1;
         let serial = self.counters.started;
         let (lane, stolen) = bank.start(play, at, self.clock, place, serial);
@@ -120,6 +123,7 @@ impl<R: Real> Core<R> {
         self.queue.edit(|event| !matches!(event, Event::Play(play) if play.is_of(id, bits)));
         if self.banks.iter().all(|bank| bank.only_sounds(|play| play.is_of(id, bits))) {
             self.stage.shut(self.clock);
+            self.knob.iter_mut().for_each(|knob| knob.shut());
         }
     }
 }

@@ -46,7 +46,7 @@ fn terms(expr: &Expr) -> usize {
 fn is_steady(expr: &Expr) -> bool {
     match expr {
         Expr::Number(_) | Expr::Event(..) => true,
-        Expr::Name(..) | Expr::Touch(..) => false,
+        Expr::Name(..) | Expr::Touch(..) | Expr::Knob(..) => false,
         Expr::Negate(a) => is_steady(a),
         Expr::Binary(_, a, b) => is_steady(a) && is_steady(b),
         Expr::Call(_, arguments) => arguments.iter().all(is_steady),
@@ -140,6 +140,7 @@ impl Builder<'_> {
                 }
             },
             Expr::Touch(motion, _) => Term::Moving(self.touch(*motion)),
+            Expr::Knob(reading, _) => Term::Moving(Signal::Shared(self.wanted.number(Want::Knob(*reading)))),
             Expr::Negate(a) => match self.term(owner, a) {
                 Term::Known(mut steps) => {
                     steps.push(Step::Unary(Unary::Negate));

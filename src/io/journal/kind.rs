@@ -22,6 +22,10 @@ pub enum Kind {
     Marker,
     /// Periodic tasks above the rank `value` rest, and the others run.
     Shed,
+    /// A hand pushes the simulated knob with `value` newton metres.
+    Push,
+    /// The knob's torque may rise (`value` 1) or goes (0).
+    Arm,
     /// The gate was told something.
     Gate,
     /// The plan that was written down last and has not played yet takes over.
@@ -42,7 +46,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 18] = [
         Self::Voice,
         Self::Release,
         Self::ReleaseAll,
@@ -51,6 +55,8 @@ impl Kind {
         Self::Control,
         Self::Marker,
         Self::Shed,
+        Self::Push,
+        Self::Arm,
         Self::Gate,
         Self::Swap,
         Self::In,
@@ -72,6 +78,8 @@ impl Kind {
             Self::Control => "control",
             Self::Marker => "marker",
             Self::Shed => "shed",
+            Self::Push => "push",
+            Self::Arm => "arm",
             Self::Gate => "gate",
             Self::Swap => "swap",
             Self::In => "in",
@@ -95,6 +103,8 @@ impl Kind {
                 | Self::Control
                 | Self::Marker
                 | Self::Shed
+                | Self::Push
+                | Self::Arm
                 | Self::Gate
                 | Self::Swap
         )

@@ -69,6 +69,8 @@ impl Names {
                 Line { name, value: Some(*value), ..Line::new(Kind::Control) }
             }
             Event::Shed(above) => Line { value: Some(f64::from(*above)), ..Line::new(Kind::Shed) },
+            Event::Push(torque) => Line { value: Some(*torque), ..Line::new(Kind::Push) },
+            Event::Arm(arms) => Line { value: Some(f64::from(u8::from(*arms))), ..Line::new(Kind::Arm) },
             Event::Marker(marker) => Line { name: named(&self.markers, *marker), ..Line::new(Kind::Marker) },
         }
     }

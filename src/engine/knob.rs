@@ -1,0 +1,355 @@
+//! A knob at work: its servo on the engine's clock, what nodes read of it, and what it sets off.
+//!
+//! The servo runs ahead of the graph by the stretch of samples that is computed next, so that nodes read its angle without delay and what it
+//! sets off begins at its tick. What the patch sends the other way is [`CELL`] engine samples late, whatever the stretches are.
+
+use super::event::{Event, Play, Source};
+use super::watch::{Crossing, Watcher};
+use super::workspace::{BLOCK, Workspace};
+use crate::dsp::lanes::{LANES, Real};
+use crate::graph::knob::{CELL, Feed, Start};
+use crate::graph::plan::{Plan, Shared};
+use crate::graph::{knob, watch};
+use crate::knob::effect::events::What;
+use crate::knob::local_model::pending::Message;
+use crate::knob::plant::parts::Hand;
+use crate::knob::servo::setup::Unfit;
+use crate::knob::servo::simulated::Simulated;
+use crate::knob::servo::tick::{Given, Servo};
+use crate::patch::Happening;
+use crate::patch::knob::Reading;
+use crate::schedule::{Instant, Queue};
+
+const CELLS: usize = CELL as usize;
+
+/// A knob at work.
+#[derive(Debug)]
+pub struct Knob {
+    plan: knob::Knob,
+    servo: Servo,
+    simulated: Option<Simulated>,
+    /// The sample before which it has run.
+    ran: u64,
+    rate: f64,
+    ratio: usize,
+    /// What nodes read, by reading and by sample of a cell.
+    read: [[f64; CELLS]; Reading::ALL.len()],
+    /// Torques of the ticks of a cell, as samples of the device.
+    torques: Vec<f32>,
+    /// What leaves, of the samples of a block.
+    leaving: Vec<f32>,
+    most: f32,
+    /// What scales effects: where it comes from, and its values a cell ago.
+    feeds: Vec<Feed>,
+    past: Vec<[f64; CELLS]>,
+    /// By effect: where its gain, its shift and its signal are among the feeds.
+    wires: Vec<[usize; 3]>,
+    /// Where the hand is among the feeds, and where it was at the last sample.
+    hand: Option<usize>,
+    held_at: f64,
+    /// Torque of a hand that pushes, N m.
+    push: f64,
+    /// An angle from outside, once.
+    outside: Option<f64>,
+    /// Voices set off so far, by what set them off.
+    numbers: Vec<u64>,
+    first_watch: usize,
+    dropped: u64,
+}
+
+impl Knob {
+    /// That of a plan, if it has one.
+    ///
+    /// # Errors
+    /// What of it cannot be.
+    pub fn new(plan: &Plan) -> Result<Option<Self>, Unfit> {
+        let Some(of) = &plan.knob else { return Ok(None) };
+        let mut servo = Servo::new(&of.setup)?;
+        let mut simulated =
+            of.model.as_ref().map(|model| Simulated::new(model, of.setup.period())).transpose()?;
+        let (mut feeds, mut past, mut wires) = (Vec::new(), Vec::new(), Vec::new());
+        let mut feed = |from: Feed, first: f64| {
+            let found = feeds.iter().position(|other| *other == from);
+            found.unwrap_or_else(|| {
+                feeds.push(from);
+                past.push([if let Feed::Constant(x) = from { x } else { first }; CELLS]);
+                feeds.len() - 1
+            })
+        };
+        for scales in &of.scales {
+            wires.push([feed(scales.gain, 0.0), feed(scales.shift, 0.0), feed(scales.signal, 0.0)]);
+        }
+        let control = of.hand.and_then(|signal| match plan.shared.get(signal as usize)? {
+            Shared::Control(control) => plan.controls.get(*control as usize),
+            _ => None,
+        });
+        let held_at = control.map_or(0.0, |control| control.default);
+        let hand = of.hand.filter(|_| simulated.is_some()).map(|signal| feed(Feed::Signal(signal), held_at));
+        if let Some(simulated) = &mut simulated {
+            simulated.place(held_at)?;
+        }
+        if of.armed {
+            servo.arm();
+        }
+        let ticks = of.ticks.max(1) as usize;
+        let level = of.output.and_then(|(channel, _)| plan.max_levels().get(channel as usize).copied());
+        Ok(Some(Self {
+            servo,
+            simulated,
+            ran: 0,
+            rate: plan.engine_rate(),
+            ratio: plan.ratio,
+            read: [[0.0; CELLS]; Reading::ALL.len()],
+            torques: vec![0.0; CELLS * ticks],
+            leaving: vec![0.0; BLOCK * plan.ratio],
+            most: level.map_or(1.0, super::vibration::single),
+            feeds,
+            past,
+            wires,
+            hand,
+            held_at,
+            push: 0.0,
+            outside: None,
+            numbers: vec![0; of.starts.len()],
+            first_watch: plan.watches.len(),
+            dropped: 0,
+            plan: of.clone(),
+        }))
+    }
+
+    /// The servo.
+    pub fn servo(&self) -> &Servo {
+        &self.servo
+    }
+
+    /// The knob that is not there.
+    pub fn simulated(&self) -> Option<&Simulated> {
+        self.simulated.as_ref()
+    }
+
+    /// The effects' names.
+    pub fn names(&self) -> &[std::sync::Arc<str>] {
+        &self.plan.names
+    }
+
+    /// What the last tick gave.
+    pub fn last(&self) -> &Given {
+        self.servo.last()
+    }
+
+    /// A world that a slow thread sends.
+    pub(super) fn follow(&mut self, message: &Message) {
+        self.servo.follow(message);
+    }
+
+    /// A hand pushes with so many newton metres from here on; what is no number is no hand.
+    pub(super) fn push(&mut self, torque: f64) {
+        self.push = if torque.is_finite() { torque } else { 0.0 };
+    }
+
+    /// Lets torque rise, or lets it go.
+    pub(super) fn arm(&mut self, arms: bool) {
+        if arms {
+            self.servo.acknowledge();
+            self.servo.arm();
+        } else {
+            self.servo.disarm();
+        }
+    }
+
+    /// Torque is 0 from the next tick on.
+    pub(super) fn shut(&mut self) {
+        self.servo.disarm();
+    }
+
+    /// Something sounds again.
+    pub(super) fn open(&mut self) {
+        if self.plan.armed && !self.servo.chain().armed() {
+            self.servo.arm();
+        }
+    }
+
+    /// Goes on where the knob of another plan is: a simulated one stays where it is turned to, and the same effects go on.
+    pub(super) fn adopt(&mut self, old: &mut Self) {
+        self.ran = old.ran;
+        self.push = old.push;
+        self.held_at = old.held_at;
+        self.read = old.read;
+        // So that no id comes again.
+        let number = old.numbers.iter().copied().max().unwrap_or(0);
+        self.numbers.fill(number);
+        if self.plan.model == old.plan.model {
+            std::mem::swap(&mut self.simulated, &mut old.simulated);
+        }
+        if self.plan.setup == old.plan.setup {
+            std::mem::swap(&mut self.servo, &mut old.servo);
+            std::mem::swap(&mut self.torques, &mut old.torques);
+            if self.feeds.len() == old.feeds.len() {
+                std::mem::swap(&mut self.past, &mut old.past);
+            }
+        } else if !old.servo.chain().armed() {
+            self.servo.disarm();
+        }
+        if let (Some(hand), Some(from)) = (self.hand, old.hand)
+            && let (Some(past), Some(from)) = (self.past.get_mut(hand), old.past.get(from))
+        {
+            *past = *from;
+        }
+    }
+
+    /// The last sample before which it may run, from `clock` on.
+    pub(super) fn until(clock: u64) -> u64 {
+        (clock / CELL + 1) * CELL
+    }
+
+    /// Runs up to sample `until`, and puts what it sets off into a queue.
+    pub(super) fn run(&mut self, until: u64, queue: &mut Queue<Event>, watcher: &mut Watcher) {
+        while self.ran < until {
+            let sample = self.ran;
+            self.ran += 1;
+            self.sample(sample, queue, watcher);
+        }
+    }
+
+    fn sample(&mut self, sample: u64, queue: &mut Queue<Event>, watcher: &mut Watcher) {
+        let at = (sample % CELL) as usize;
+        let value = |past: &[[f64; CELLS]], feed: usize| past.get(feed).map_or(0.0, |values| values[at]);
+        for (control, wires) in self.servo.controls().iter_mut().zip(&self.wires) {
+            control.gain = value(&self.past, wires[0]);
+            control.shift = value(&self.past, wires[1]);
+            control.fed = value(&self.past, wires[2]);
+        }
+        let target = self.hand.map_or(self.held_at, |hand| value(&self.past, hand));
+        let speed = (target - self.held_at) * self.rate;
+        let ticks = self.plan.ticks.max(1);
+        for tick in 0..ticks {
+            let share = f64::from(tick) / f64::from(ticks);
+            let hand = Hand {
+                torque: self.push,
+                target: self.held_at + (target - self.held_at) * share,
+                target_speed: speed,
+            };
+            let given = match &mut self.simulated {
+                Some(knob) => knob.tick(&mut self.servo, &hand),
+                None => self.servo.tick(self.outside.take(), true),
+            };
+            if !self.servo.events().list().is_empty() {
+                let fraction = (u64::from(tick) << 32) / u64::from(ticks);
+                self.happened(Instant { sample, fraction: fraction as u32 }, queue, watcher);
+            }
+            let torque = self.plan.output.map_or(0.0, |(_, per)| given.torque * per);
+            if let Some(slot) = self.torques.get_mut(at * ticks as usize + tick as usize) {
+                *slot = (torque as f32).clamp(-self.most, self.most);
+            }
+        }
+        self.held_at = target;
+        let Given { angle, velocity, torque, .. } = *self.servo.last();
+        for (read, value) in self.read.iter_mut().zip([angle, velocity, torque]) {
+            read[at] = if value.is_finite() { value } else { 0.0 };
+        }
+    }
+
+    /// Sets off what waits for what happened in the last tick.
+    #[cold]
+    fn happened(&mut self, at: Instant, queue: &mut Queue<Event>, watcher: &mut Watcher) {
+        let Given { angle, velocity, .. } = *self.servo.last();
+        for event in self.servo.events().list() {
+            let (what, values) = match event.what {
+                What::Detent { index, passed } => {
+                    let way = if passed < 0 { -1.0 } else { 1.0 };
+                    (Happening::Detent, [angle, velocity.abs(), way, index as f64])
+                }
+                What::Wall { speed, side } => (Happening::Wall, [angle, speed, f64::from(side), 0.0]),
+            };
+            let waits = |start: &Start| {
+                start.what == what && start.effect.is_none_or(|effect| effect as usize == event.effect)
+            };
+            for (place, start) in self.plan.starts.iter().enumerate().filter(|(_, start)| waits(start)) {
+                let Some(number) = self.numbers.get_mut(place) else { continue };
+                let values = start.values(&values);
+                let watch = (self.first_watch + place) as u32;
+                let play = Play {
+                    instrument: start.instrument,
+                    place: start.place,
+                    level: values.level,
+                    felt: values.felt,
+                    duration: values.duration,
+                    own: values.own,
+                    id: watch::id(self.first_watch + place, *number),
+                };
+                let crossing = Crossing { at, watch, number: *number, play };
+                *number += 1;
+                match queue.push(at, Source::Knob as u16, Event::Play(play)) {
+                    Ok(()) => watcher.keep(crossing),
+                    Err(_) => self.dropped += 1,
+                }
+            }
+        }
+    }
+
+    /// Voices that found no room, since this was asked last.
+    pub(super) fn take_dropped(&mut self) -> u64 {
+        std::mem::take(&mut self.dropped)
+    }
+
+    /// The value of a reading at a sample that it has run.
+    pub(super) fn reading(&self, reading: Reading, sample: u64) -> f64 {
+        self.read[reading as usize][(sample % CELL) as usize]
+    }
+
+    /// Notes what the patch sends, of `frames` samples from `clock` on that lie from `offset` on in the block; and what leaves meanwhile.
+    pub(super) fn note<R: Real>(
+        &mut self,
+        work: &mut Workspace<R>,
+        frames: usize,
+        offset: usize,
+        clock: u64,
+    ) {
+        for (feed, past) in self.feeds.iter().zip(&mut self.past) {
+            match *feed {
+                Feed::Constant(_) => {}
+                Feed::Signal(signal) => {
+                    let Some(signal) = work.shared.get(signal as usize) else { continue };
+                    for frame in 0..frames {
+                        past[((clock + frame as u64) % CELL) as usize] = signal.at(frame)[0].wide();
+                    }
+                }
+                Feed::Voices => {
+                    let Some((channel, _)) = self.plan.output else { continue };
+                    let (group, lane) = (channel as usize / LANES, channel as usize % LANES);
+                    let fed = work.fed.get(group) == Some(&true);
+                    let first = group * work.stride + offset;
+                    for frame in 0..frames {
+                        let row = work.mix.get(first + frame).filter(|_| fed);
+                        past[((clock + frame as u64) % CELL) as usize] =
+                            row.map_or(0.0, |row| row[lane].wide());
+                    }
+                }
+            }
+        }
+        if self.plan.output.is_none() {
+            return;
+        }
+        let ticks = self.plan.ticks.max(1) as usize;
+        for frame in 0..frames {
+            let at = ((clock + frame as u64) % CELL) as usize * ticks;
+            let leaving = self.leaving.iter_mut().skip((offset + frame) * self.ratio).take(self.ratio);
+            for (n, slot) in leaving.enumerate() {
+                *slot = self.torques.get(at + n * ticks / self.ratio).copied().unwrap_or(0.0);
+            }
+        }
+    }
+
+    /// Writes the frames of the `samples` samples of the block; those of the last one lie in `rest` where `frames` has no room.
+    pub(super) fn write(&self, samples: usize, channels: usize, frames: &mut [f32], rest: &mut [f32]) {
+        let Some((channel, _)) = self.plan.output else { return };
+        let whole = frames.len() / (self.ratio * channels).max(1) * self.ratio;
+        let before = frames.chunks_exact_mut(channels.max(1)).take(whole);
+        let frames = before.chain(rest.chunks_exact_mut(channels.max(1)));
+        for (frame, torque) in frames.zip(&self.leaving[..(samples * self.ratio).min(self.leaving.len())]) {
+            if let Some(slot) = frame.get_mut(channel as usize) {
+                *slot = *torque;
+            }
+        }
+    }
+}

@@ -1,0 +1,371 @@
+//! The knob of a patch on a rig: what its servo runs, what moves it, what it sets off.
+
+use std::sync::Arc;
+
+use super::build::{Want, Wanted};
+use super::start::{Binary, FIELDS, Fields, StartProgram, Step, Unary};
+use crate::knob::servo::setup::Setup;
+use crate::knob::servo::simulated::Model;
+use crate::knob::servo::tick::Servo;
+use crate::patch::knob::{HAND, Scaled, VOICES};
+use crate::patch::{Expr, Function, Happening, Operator, Patch, Source, Trigger, Voice};
+use crate::rig::{Finder, Rig};
+use crate::space::spot::Spot;
+use crate::text::Problem;
+
+/// Engine samples by which signals of the patch reach the knob late: always as many, however a run is cut into calls. The knob itself is read
+/// and felt at every tick.
+pub const CELL: u64 = 4;
+
+/// A knob.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Knob {
+    /// What the servo is made of, at its rate.
+    pub setup: Setup,
+    /// Ticks of the servo in an engine sample, 1 or more.
+    pub ticks: u32,
+    /// What is turned where none is there; `None`: angles come from outside.
+    pub model: Option<Model>,
+    /// The control that turns it, by its place in [`super::plan::Plan::shared`].
+    pub hand: Option<u32>,
+    /// Whether torque flows from the beginning; else it waits to be asked.
+    pub armed: bool,
+    /// Names of the effects.
+    pub names: Vec<Arc<str>>,
+    /// What scales each effect.
+    pub scales: Vec<Scales>,
+    /// What it sets off.
+    pub starts: Vec<Start>,
+    /// The channel (from 0) that torque leaves by, and the sample for 1 N m.
+    pub output: Option<(u32, f64)>,
+}
+
+/// What scales an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scales {
+    /// Factor of its torque.
+    pub gain: Feed,
+    /// By how much it is turned, radians.
+    pub shift: Feed,
+    /// What a texture plays.
+    pub signal: Feed,
+}
+
+/// Where a value comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Feed {
+    /// It never changes.
+    Constant(f64),
+    /// An engine-wide signal, by its place in [`super::plan::Plan::shared`].
+    Signal(u32),
+    /// What voices play on the knob's output.
+    Voices,
+}
+
+/// A voice that the knob sets off.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Start {
+    /// What sets it off, as the patch has it: `knob.detent notches`.
+    pub name: Arc<str>,
+    /// What must happen.
+    pub what: Happening,
+    /// To which effect, by its place; `None`: any.
+    pub effect: Option<u32>,
+    /// The voice's instrument, by its place in the plan.
+    pub instrument: u32,
+    /// Where it sounds.
+    pub place: Spot,
+    /// What the voice is where the trigger says nothing: level, decibels above the threshold, seconds, fields.
+    pub level: f64,
+    /// See [`super::watch::Watch::felt`].
+    pub felt: Option<f64>,
+    /// Seconds until its release.
+    pub duration: f64,
+    /// Its own fields.
+    pub own: [f64; FIELDS],
+    /// What the trigger says, to be worked out of what happened: that has the fields of [`Happening::names`].
+    pub set: Vec<(Slot, StartProgram)>,
+}
+
+/// What a trigger says of a voice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slot {
+    /// Its level, 0 to 100.
+    Level,
+    /// Decibels above the threshold.
+    Felt,
+    /// Seconds until its release, 0 to 1e6.
+    Duration,
+    /// One of its own fields, ±1e9.
+    Own(u8),
+}
+
+impl Start {
+    /// What `happened` sets off, by the values of [`Happening::names`].
+    pub(crate) fn values(&self, happened: &[f64]) -> Values {
+        let mut own = [0.0; FIELDS];
+        own.iter_mut().zip(happened).for_each(|(to, from)| *to = *from);
+        let fields = Fields { level: 0.0, duration: 0.0, own };
+        let mut values =
+            Values { level: self.level, felt: self.felt, duration: self.duration, own: self.own };
+        for (slot, program) in &self.set {
+            let value = program.value(&fields);
+            match slot {
+                Slot::Level => (values.level, values.felt) = (value.clamp(0.0, 100.0), None),
+                Slot::Felt => (values.level, values.felt) = (1.0, Some(value)),
+                Slot::Duration => values.duration = value.clamp(0.0, 1e6),
+                Slot::Own(slot) => {
+                    if let Some(to) = values.own.get_mut(usize::from(*slot)) {
+                        *to = value.clamp(-1e9, 1e9);
+                    }
+                }
+            }
+        }
+        values
+    }
+}
+
+/// What a voice is that was set off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Values {
+    pub level: f64,
+    pub felt: Option<f64>,
+    pub duration: f64,
+    pub own: [f64; FIELDS],
+}
+
+/// The knob of a patch on a rig, if the patch has one. `of_voice`: the instruments of voices; `rates`: the engine's and the device's, Hz.
+pub(super) fn knob(
+    patch: &Patch,
+    rig: &Rig,
+    finder: &Finder,
+    of_voice: &[Option<u32>],
+    rates: [f64; 2],
+    wanted: &mut Wanted,
+    problems: &mut Vec<Problem>,
+) -> Option<Knob> {
+    let felt = patch.knob.as_ref()?;
+    let ratio = (rates[1] / rates[0]).round() as u32;
+    let described = Described::of(rig);
+    let ticks = ticks(described.rate / rates[0], ratio);
+    let device = described.device(rates[0] * f64::from(ticks));
+    let effects = felt.effects.iter().map(|effect| effect.figures.clone()).collect();
+    let limits = described.limits(device.period);
+    let setup = Setup { velocity: described.velocity, ..Setup::new(effects, device, limits) };
+    if let Err(why) = Servo::new(&setup) {
+        let effect = why.effect.and_then(|effect| felt.effects.get(effect));
+        let span = effect.map_or(&felt.span, |effect| &effect.span);
+        let what = match effect {
+            Some(effect) => format!("effect `{}` of the knob: {}", effect.name, why.fault),
+            None => format!("the knob: {}", why.fault),
+        };
+        problems.push(Problem::error(span, what));
+        return None;
+    }
+    let scales = scales(patch, wanted);
+    let model = described.model(&setup);
+    let hand = model.as_ref().and_then(|_| hand(patch, wanted));
+    let voice = |name: &str| patch.voices.iter().position(|voice| voice.name == name);
+    let mut starts = Vec::new();
+    for trigger in patch.triggers.iter().filter(|t| matches!(t.on, Source::Knob { .. })) {
+        let Some(number) = voice(&trigger.play) else { continue };
+        let (Some(voice), Some(instrument)) =
+            (patch.voices.get(number), of_voice.get(number).copied().flatten())
+        else {
+            continue;
+        };
+        let (place, span) = match &trigger.place {
+            Some(place) => (Some(place), &trigger.span),
+            None => (voice.place.as_ref(), &voice.place_span),
+        };
+        match rig.resolve_by(finder, place, span) {
+            Ok(place) => starts.extend(start(trigger, patch, voice, instrument, place)),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    Some(Knob {
+        setup,
+        ticks,
+        armed: model.is_some(),
+        model,
+        hand,
+        names: felt.effects.iter().map(|effect| effect.name.as_str().into()).collect(),
+        scales,
+        starts,
+        output: described.output,
+    })
+}
+
+/// Ticks of the servo in an engine sample: of the divisors of `ratio` the one nearest to what is wanted.
+fn ticks(wanted: f64, ratio: u32) -> u32 {
+    let off = |ticks: u32| (f64::from(ticks) / wanted).ln().abs();
+    let divisors = (1..=ratio.max(1)).filter(|ticks| ratio.is_multiple_of(*ticks));
+    divisors.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(1)
+}
+
+/// What scales the effects of a patch's knob; asks for the signals it takes.
+fn scales(patch: &Patch, wanted: &mut Wanted) -> Vec<Scales> {
+    let Some(knob) = &patch.knob else { return Vec::new() };
+    let mut feed = |scaled: &Scaled| match scaled {
+        Scaled::Constant(x) => Feed::Constant(*x),
+        Scaled::Node(name) if name == VOICES => Feed::Voices,
+        Scaled::Node(name) => match patch.shared.iter().position(|node| node.name == *name) {
+            Some(node) => Feed::Signal(wanted.number(Want::Node(node))),
+            // A patch that was made in code and names no node.
+            None => Feed::Constant(0.0),
+        },
+    };
+    knob.effects
+        .iter()
+        .map(|e| Scales { gain: feed(&e.gain), shift: feed(&e.shift), signal: feed(&e.signal) })
+        .collect()
+}
+
+/// The control that turns a simulated knob.
+fn hand(patch: &Patch, wanted: &mut Wanted) -> Option<u32> {
+    let control = patch.controls.iter().position(|control| control.name == HAND)?;
+    Some(wanted.number(Want::Control(control)))
+}
+
+/// The start of a voice by a trigger, if a knob sets that off; `place`: where it sounds.
+fn start(trigger: &Trigger, patch: &Patch, voice: &Voice, instrument: u32, place: Spot) -> Option<Start> {
+    let Source::Knob { what, effect } = &trigger.on else { return None };
+    let effects = patch.knob.iter().flat_map(|knob| &knob.effects);
+    let effect = match effect {
+        Some(name) => Some(effects.into_iter().position(|e| e.name == *name)? as u32),
+        None => None,
+    };
+    let mut own = [0.0; FIELDS];
+    own.iter_mut().zip(&voice.fields).for_each(|(value, (_, default))| *value = *default);
+    let slot = |field: &str| match field {
+        "level" => Some(Slot::Level),
+        "felt" => Some(Slot::Felt),
+        "duration" => Some(Slot::Duration),
+        own => voice.fields.iter().position(|(name, _)| name == own).map(|slot| Slot::Own(slot as u8)),
+    };
+    let program = |expr: &Expr| {
+        let mut steps = Vec::new();
+        push(expr, what.names(), &mut steps);
+        StartProgram::new(steps).ok()
+    };
+    let set =
+        trigger.set.iter().filter_map(|(field, expr, _)| Some((slot(field)?, program(expr)?))).collect();
+    let (level, felt) = voice.strength(None, None);
+    let name = [Some(what.word()), effect_name(trigger)].into_iter().flatten().collect::<Vec<_>>().join(" ");
+    let duration = voice.duration;
+    Some(Start { name: name.into(), what: *what, effect, instrument, place, level, felt, duration, own, set })
+}
+
+fn effect_name(trigger: &Trigger) -> Option<&str> {
+    if let Source::Knob { effect, .. } = &trigger.on { effect.as_deref() } else { None }
+}
+
+/// An expression of named values as steps, the values in their order.
+fn push(expr: &Expr, names: &[&str], steps: &mut Vec<Step>) {
+    match expr {
+        Expr::Number(x) => steps.push(Step::Number(*x)),
+        Expr::Name(name, _) => match names.iter().position(|n| n == name) {
+            Some(place) => steps.push(Step::Own(place as u8)),
+            None => steps.push(Step::Number(0.0)),
+        },
+        Expr::Event(..) | Expr::Touch(..) | Expr::Knob(..) => steps.push(Step::Number(0.0)),
+        Expr::Negate(a) => {
+            push(a, names, steps);
+            steps.push(Step::Unary(Unary::Negate));
+        }
+        Expr::Binary(operator, a, b) => {
+            push(a, names, steps);
+            push(b, names, steps);
+            steps.push(Step::Binary(match operator {
+                Operator::Add => Binary::Add,
+                Operator::Subtract => Binary::Subtract,
+                Operator::Multiply => Binary::Multiply,
+                Operator::Divide => Binary::Divide,
+            }));
+        }
+        Expr::Call(function, arguments) => {
+            let after = match function {
+                Function::Abs => Step::Unary(Unary::Abs),
+                Function::Sqrt => Step::Unary(Unary::Sqrt),
+                Function::Exp => Step::Unary(Unary::Exp),
+                Function::Log => Step::Unary(Unary::Log),
+                Function::Sin => Step::Unary(Unary::Sin),
+                Function::Floor => Step::Unary(Unary::Floor),
+                Function::Min => Step::Binary(Binary::Min),
+                Function::Max | Function::Clamp => Step::Binary(Binary::Max),
+                Function::Pow => Step::Binary(Binary::Power),
+            };
+            for (place, argument) in arguments.iter().enumerate() {
+                push(argument, names, steps);
+                match (function, place) {
+                    (Function::Clamp, 2) => steps.push(Step::Binary(Binary::Min)),
+                    (_, last) if last + 1 == function.arity().min(2) => steps.push(after),
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
+/// PLACEHOLDER until rigs say what a knob is.
+struct Described {
+    rate: f64,
+    velocity: crate::knob::velocity::choice::Choice,
+    output: Option<(u32, f64)>,
+}
+
+impl Described {
+    fn of(rig: &Rig) -> Self {
+        let output = rig.outputs.iter().find(|o| o.kind == crate::rig::OutputKind::Torque);
+        Self {
+            rate: 8000.0,
+            velocity: crate::knob::velocity::choice::Choice::Adaptive(0.01),
+            output: output.map(|o| (o.channel - 1, 5.0)),
+        }
+    }
+    fn device(&self, rate: f64) -> crate::knob::governor::device::Device {
+        crate::knob::governor::device::Device {
+            inertia: 8e-6,
+            damping: 1e-4,
+            friction: Some(1e-3),
+            count: std::f64::consts::TAU / 4000.0,
+            period: 1.0 / rate,
+            delay: crate::knob::governor::device::Delay::ticks(1.0),
+            resonance: None,
+            low_pass: None,
+            peak: 0.15,
+        }
+    }
+    fn limits(&self, period: f64) -> crate::knob::safety::chain::Limits {
+        crate::knob::safety::chain::Limits {
+            period,
+            slew: 1000.0,
+            low_pass: None,
+            continuous: 0.03,
+            winding: 12.0,
+            peak: 0.15,
+            soft_start: 0.3,
+            stale: 40,
+            release: 0.05,
+            over_speed: 300.0,
+        }
+    }
+    fn model(&self, setup: &Setup) -> Option<Model> {
+        use crate::knob::plant::{
+            encoder::Encoder,
+            parameters::Parameters,
+            parts::{Build, Grasp},
+        };
+        let parameters =
+            Parameters { inertia: 8e-6, viscous: 1e-4, coulomb: 1e-3, stiction: 1.2e-3, stops: None };
+        Some(Model {
+            build: Build {
+                parameters,
+                grasp: Some(Grasp { stiffness: 0.3, damping: 2e-3 }),
+                ..Build::default()
+            },
+            encoder: Encoder::of_counts(4000.0).ok(),
+            delay: setup.late(),
+        })
+    }
+}

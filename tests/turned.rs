@@ -1,0 +1,260 @@
+//! A knob in the engine: on its clock, read by nodes, moved by the patch, setting off voices.
+
+use pacinian::engine::Engine;
+use pacinian::engine::event::{Event, Source};
+use pacinian::graph::knob::CELL;
+use pacinian::graph::plan::{Plan, Why};
+use pacinian::graph::scene::{Options, scene};
+use pacinian::node::asset::NoAssets;
+use pacinian::patch::Patch;
+use pacinian::rig::Rig;
+use pacinian::schedule::Instant;
+
+const RIG: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 3\nrate = 48000\n\
+    [[tactor]]\nname = \"a\"\nchannel = 1\n[[tactor]]\nname = \"b\"\nchannel = 2\n\
+    [[output]]\nkind = \"torque\"\nname = \"knob\"\nchannel = 3\n";
+
+fn plan(text: &str) -> Plan {
+    let text = format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{text}");
+    let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let rig = Rig::parse("r", RIG.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    scene(&patch, &rig, &Options { live: true, ..Options::default() }, &NoAssets)
+        .unwrap_or_else(|p| panic!("{p}"))
+        .plan
+}
+
+const NOTCHES: &str = r#"
+[control.strength]
+default = 1.0
+smoothing = 0
+[knob.effects]
+notches = { type = "detents", count = 24, torque = 0.01, gain = "strength" }
+ends = { type = "end-stops", low = -1.5, high = 1.5, stiffness = 0.2 }
+grain = { type = "texture", torque = 0.004, signal = "voices" }
+[voice.click]
+voices = 8
+output = "o"
+place = "a"
+defaults = { sharp = 0 }
+nodes.o = { type = "sine", frequency = "200 + 10 * event.sharp", amplitude = "decay" }
+nodes.decay = { type = "envelope", attack = 0.001, decay = 0.01, sustain = 0 }
+[voice.hum]
+output = "o"
+place = "b"
+start = "always"
+nodes.o = { type = "sine", frequency = 150, amplitude = "0.2 * min(1, abs(knob.speed) / 10) + 0.05 * knob.angle" }
+[voice.rub]
+output = "o"
+place = "knob"
+start = "always"
+nodes.o = { type = "sine", frequency = 90, amplitude = 0.5 }
+[[trigger]]
+on = "knob.detent"
+play = "click"
+set = { level = "min(1, speed / 10)", sharp = "index" }
+[[trigger]]
+on = "knob.wall ends"
+play = "click"
+set = { level = "clamp(speed / 20, 0.1, 1)", duration = 0.05 }
+place = "b"
+"#;
+
+/// Seconds and angles of a hand that turns to and fro.
+const TURNS: [(f64, f64); 4] = [(0.4, 1.0), (0.8, -0.7), (1.3, 2.0), (1.8, 0.0)];
+
+/// All frames of two seconds with a hand that turns, in calls of these lengths, again and again.
+fn turned(plan: &Plan, lengths: &[usize]) -> (Vec<f32>, Engine) {
+    let mut engine = Engine::new(plan).unwrap();
+    let hand = plan.control("hand").unwrap();
+    let mut begin = 0.05;
+    for (end, angle) in TURNS {
+        let at = Instant { sample: (begin * plan.engine_rate()) as u64, fraction: 0 };
+        assert!(engine.schedule(at, Source::Program, Event::Glide(hand, angle, end - begin)));
+        begin = end;
+    }
+    let mut out = vec![0.0; 3 * 96_000];
+    let (mut rest, mut n) = (out.as_mut_slice(), 0);
+    while !rest.is_empty() {
+        let length = (3 * lengths[n % lengths.len()]).min(rest.len());
+        let (now, later) = rest.split_at_mut(length);
+        engine.process(now);
+        (rest, n) = (later, n + 1);
+    }
+    (out, engine)
+}
+
+fn channel(frames: &[f32], channel: usize) -> Vec<f32> {
+    frames.chunks_exact(3).map(|frame| frame[channel]).collect()
+}
+
+fn peak(samples: &[f32]) -> f32 {
+    samples.iter().fold(0.0, |peak, x| peak.max(x.abs()))
+}
+
+#[test]
+fn a_knob_is_the_same_however_a_run_is_cut_into_calls() {
+    let plan = plan(NOTCHES);
+    let (whole, engine) = turned(&plan, &[96_000]);
+    let strongest = channel(&whole, 2).iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+    // Notches alone come to 0.05, at 5 samples a N m; a stop pushes back harder.
+    assert!(strongest > 0.15, "{strongest}");
+    assert!(engine.counters().started > 20 && engine.counters().dropped == 0, "{:?}", engine.counters());
+    assert!((0..3).all(|c| peak(&channel(&whole, c)) > 0.01));
+    for lengths in [&[1][..], &[5], &[16], &[64], &[7, 480, 1, 33], &[512]] {
+        let (cut, _) = turned(&plan, lengths);
+        let same = whole.iter().zip(&cut).position(|(a, b)| a.to_bits() != b.to_bits());
+        assert_eq!(same, None, "{lengths:?}");
+    }
+}
+
+/// What is heard of notches: as many as were passed, each with the number that it has.
+#[test]
+fn a_click_begins_at_the_tick_that_passes_the_notch() {
+    let plan = plan(NOTCHES);
+    let mut engine = Engine::new(&plan).unwrap();
+    let hand = plan.control("hand").unwrap();
+    engine.schedule(Instant::default(), Source::Program, Event::Glide(hand, 1.2, 1.0));
+    let (mut frame, mut index, mut heard) = ([0.0; 18], 0.0, 0);
+    for sample in 0..12_000_u64 {
+        engine.process(&mut frame);
+        // The knob runs ahead of what it is asked for by no more than the sample that was computed.
+        let knob = engine.knob().unwrap();
+        let now = knob.servo().ticks();
+        assert_eq!(now, sample + 1, "a tick a sample, and none too early");
+        for crossing in engine.crossings() {
+            assert_eq!(crossing.at, Instant { sample, fraction: 0 });
+            let own = crossing.play.own;
+            assert_eq!(own.iter().filter(|x| **x == index + 1.0).count(), 1, "{own:?}");
+            index += 1.0;
+            heard += 1;
+        }
+        let angle = engine.knob().unwrap().last().angle;
+        // Crests lie between notches, and are passed with a hysteresis of a twentieth.
+        let pitch = std::f64::consts::TAU / 24.0;
+        assert!(angle < (index + 0.55) * pitch + 1e-9 && angle > (index - 0.55) * pitch, "{sample} {angle}");
+    }
+    assert_eq!(heard, 5, "1.2 rad are 4.6 pitches");
+}
+
+#[test]
+fn nodes_read_the_knob_without_delay_and_the_patch_moves_it_a_cell_later() {
+    let text = r#"
+[control.pull]
+default = 0
+range = [-1, 1]
+smoothing = 0
+[knob.effects]
+pull = { type = "constant", torque = 0.01, gain = "pull" }
+[voice.v]
+output = "o"
+place = "a"
+start = "always"
+nodes.o = { type = "multiply", inputs = ["knob.torque", 50] }
+"#;
+    let plan = plan(text);
+    let mut engine = Engine::new(&plan).unwrap();
+    let pull = plan.control("pull").unwrap();
+    let at = 2000 + CELL + 1;
+    engine.schedule(Instant { sample: at, fraction: 0 }, Source::Program, Event::Control(pull, 1.0));
+    let mut frame = [0.0; 18];
+    let torques: Vec<f64> = (0..4000)
+        .map(|_| {
+            engine.process(&mut frame);
+            engine.knob().unwrap().last().torque
+        })
+        .collect();
+    let first = torques.iter().position(|t| *t != 0.0).unwrap() as u64;
+    // Signals lag behind events by the engine's lead.
+    let lead = (engine.delay().lead * plan.engine_rate()).round() as u64;
+    assert_eq!(first, at + lead + CELL);
+    assert_eq!(torques[3999], 0.01);
+}
+
+#[test]
+fn what_voices_play_on_the_knob_is_felt_as_its_texture() {
+    let plan = plan(NOTCHES);
+    let mut engine = Engine::new(&plan).unwrap();
+    let mut frame = [0.0; 18];
+    let torques: Vec<f64> = (0..16_000)
+        .map(|_| {
+            engine.process(&mut frame);
+            engine.knob().unwrap().servo().last().asked
+        })
+        .collect();
+    // 4 mN m times 0.5 at 90 Hz, on top of a notch at rest.
+    let tail = &torques[8000..];
+    let (s, c) = tail.iter().enumerate().fold((0.0, 0.0), |(s, c), (n, torque)| {
+        let phase = std::f64::consts::TAU * 90.0 * n as f64 / 8000.0;
+        (s + torque * phase.sin(), c + torque * phase.cos())
+    });
+    let amplitude = 2.0 * f64::hypot(s, c) / 8000.0;
+    assert!((amplitude - 2e-3).abs() < 2e-4, "{amplitude}");
+}
+
+#[test]
+fn a_wall_sets_off_as_hard_as_it_is_hit_and_where_it_is_told() {
+    let plan = plan(NOTCHES);
+    let starts = &plan.knob.as_ref().unwrap().starts;
+    assert_eq!(starts.iter().map(|s| &*s.name).collect::<Vec<_>>(), ["knob.detent", "knob.wall ends"]);
+    let mut engine = Engine::new(&plan).unwrap();
+    let hand = plan.control("hand").unwrap();
+    engine.schedule(Instant::default(), Source::Program, Event::Glide(hand, 3.0, 0.3));
+    let mut frames = vec![0.0; 3 * 24_000];
+    engine.process(&mut frames);
+    let walls: Vec<_> = engine.crossings().filter(|c| c.watch as usize == 1).collect();
+    assert_eq!(walls[0].play.duration, 0.05);
+    // The hand goes with 10 rad/s, and the knob about as fast.
+    assert!(walls[0].play.level > 0.3 && walls[0].play.level < 0.7, "{}", walls[0].play.level);
+    assert!(engine.knob().unwrap().simulated().unwrap().plant().angle() > 1.5);
+}
+
+#[test]
+fn a_hand_that_pushes_and_one_that_is_no_number() {
+    let plan = plan("[knob.effects]\ns = { type = \"spring\", stiffness = 0.1 }\n");
+    let mut engine = Engine::new(&plan).unwrap();
+    let mut frames = vec![0.0; 3 * 48_000];
+    engine.schedule(Instant::default(), Source::Program, Event::Push(0.02));
+    engine.process(&mut frames);
+    // The spring and the hand's grasp, 0.1 and 0.3 N m/rad, less what friction keeps.
+    let angle = engine.knob().unwrap().simulated().unwrap().plant().angle();
+    assert!((angle - 0.05).abs() < 0.004, "{angle}");
+    for push in [f64::NAN, f64::INFINITY] {
+        engine.schedule(Instant { sample: engine.clock(), fraction: 0 }, Source::Program, Event::Push(push));
+        engine.process(&mut frames);
+        let angle = engine.knob().unwrap().simulated().unwrap().plant().angle();
+        assert!(angle.abs() < 0.004, "{angle}");
+    }
+}
+
+#[test]
+fn torque_waits_to_be_asked_after_silence_and_can_be_let_go() {
+    let plan = plan("[knob.effects]\nc = { type = \"constant\", torque = 0.01 }\n");
+    let mut engine = Engine::new(&plan).unwrap();
+    let mut frames = vec![0.0; 3 * 24_000];
+    let mut last = |engine: &mut Engine, event: Option<Event>| {
+        let now = Instant { sample: engine.clock(), fraction: 0 };
+        event.into_iter().for_each(|event| assert!(engine.schedule(now, Source::Program, event)));
+        engine.process(&mut frames);
+        (engine.knob().unwrap().last().torque, frames[3 * 6 * CELL as usize + 2], frames[3 * 23_999 + 2])
+    };
+    // A third of a second of soft start.
+    let (torque, _, sample) = last(&mut engine, None);
+    assert!(torque == 0.01 && sample > 0.0, "{torque} {sample}");
+    assert_eq!(last(&mut engine, Some(Event::Silence(0, 64))), (0.0, 0.0, 0.0));
+    assert_eq!(last(&mut engine, None), (0.0, 0.0, 0.0));
+    assert_eq!(last(&mut engine, Some(Event::Arm(true))).0, 0.01);
+    assert_eq!(last(&mut engine, Some(Event::Arm(false))), (0.0, 0.0, 0.0));
+}
+
+#[test]
+fn a_scene_without_a_knob_has_nothing_of_one() {
+    let voice =
+        "[voice.v]\noutput = \"o\"\nstart = \"always\"\nnodes.o = { type = \"sine\", frequency = 100 }\n";
+    let plan = plan(voice);
+    assert!(plan.knob.is_none() && plan.shared.is_empty() && plan.controls.is_empty());
+    assert!(plan.left_out.iter().any(|l| l.why == Why::NoKnob && l.what == "output `knob`"));
+    let mut engine = Engine::new(&plan).unwrap();
+    let mut frames = vec![1.0; 3 * 960];
+    engine.process(&mut frames);
+    assert!(engine.knob().is_none() && channel(&frames, 2).iter().all(|x| *x == 0.0));
+}
