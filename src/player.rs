@@ -4,7 +4,8 @@ pub(crate) mod stretch;
 
 use std::sync::Arc;
 
-use crate::engine::event::{Move, Play};
+use crate::engine::event::{Event, Move, Play, Source};
+use crate::engine::knob::Knob;
 use crate::engine::{Counters, Engine};
 use crate::graph::plan::Plan;
 use crate::graph::scene::{Options, scene};
@@ -13,6 +14,7 @@ use crate::node::asset::Assets;
 use crate::patch::Patch;
 use crate::performer::{Callings, Performer, When};
 use crate::rig::Rig;
+use crate::schedule::Instant;
 use crate::text::{Problem, Problems};
 
 pub use crate::performer::{Happening, Heard, Listener, Note, OpenEvents, Origin, Touch};
@@ -198,6 +200,40 @@ impl Player {
     pub fn set(&mut self, control: &str, value: f64) -> Result<(), Problem> {
         let now = self.now();
         self.performer.set(now, control, value, &mut self.engine)
+    }
+
+    /// Sends a control to a value in a straight line, from `at` seconds on and within so many seconds. The control's range holds.
+    ///
+    /// # Errors
+    /// As [`Player::set`], or a time that cannot be.
+    pub fn glide_at(&mut self, at: f64, control: &str, value: f64, seconds: f64) -> Result<(), Problem> {
+        let index = self.plan().control(control)?;
+        let fine = at.is_finite() && at >= 0.0 && value.is_finite() && seconds >= 0.0;
+        if !fine {
+            let what = format!("control `{control}` cannot go to {value} in {seconds} s from {at} s on");
+            return Err(Problem::of_file(what).help("give finite numbers, times from 0 on".to_string()));
+        }
+        let at = When::of_seconds(at, self.plan().engine_rate()).instant;
+        let taken = self.engine.schedule(at, Source::Program, Event::Glide(index, value, seconds));
+        let full = || Problem::of_file("no room for more events").help("play what waits first".to_string());
+        taken.then_some(()).ok_or_else(full)
+    }
+
+    /// Lets a hand push the simulated knob with a torque (N m) from `at` seconds on. Says whether there was room in the engine's queue.
+    pub fn push_at(&mut self, at: f64, torque: f64) -> bool {
+        let at = When::of_seconds(at, self.plan().engine_rate());
+        self.engine.schedule(at.instant, Source::Program, Event::Push(torque))
+    }
+
+    /// Lets torque of the knob rise from 0, after a fault as well, or lets it go at once. Says whether there was room in the engine's queue.
+    pub fn arm(&mut self, arms: bool) -> bool {
+        let now = Instant { sample: self.engine.clock(), fraction: 0 };
+        self.engine.schedule(now, Source::Program, Event::Arm(arms))
+    }
+
+    /// The knob, if the patch has one.
+    pub fn knob(&self) -> Option<&Knob> {
+        self.engine.knob()
     }
 
     /// Fills `output`, interleaved frames of all channels.

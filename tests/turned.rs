@@ -166,7 +166,7 @@ nodes.o = { type = "multiply", inputs = ["knob.torque", 50] }
     let first = torques.iter().position(|t| *t != 0.0).unwrap() as u64;
     // Signals lag behind events by the engine's lead.
     let lead = (engine.delay().lead * plan.engine_rate()).round() as u64;
-    assert_eq!(first, at + lead + CELL);
+    assert_eq!(first, at + lead + CELL + 1, "a control goes there within a sample");
     assert_eq!(torques[3999], 0.01);
 }
 

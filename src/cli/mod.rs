@@ -23,6 +23,7 @@ mod held_back;
 mod identify;
 mod input;
 mod keep;
+mod knob;
 mod latency;
 mod learn;
 mod left_out;
@@ -81,7 +82,8 @@ use terminal::{Terminal, When};
         pacinian nodes                  the nodes that voices are made of\n  \
         pacinian rig new vest 40        the rig of a common array\n  \
         pacinian motor PART             what a motor does; pacinian parts lists those that are known\n  \
-        pacinian identify RECORDING     what a recording tells of an actuator\n\n\
+        pacinian knob PATCH             what a force-feedback knob feels like and bears, simulated
+          pacinian identify RECORDING     what a recording tells of an actuator\n\n\
         Exit codes: 0 all is well, 1 a replay that differs from its recording, 2 the command line, 65 the patch,\n\
         66 a file that is not there, 69 a device, port or address that is not there or does not fit, 70 a bug in pacinian,\n\
         71 what the system does not give (a thread, signals), 73 and 74 a file that cannot be written, a device that fails,\n\
@@ -115,6 +117,7 @@ enum Command {
     Plot(plot::Plot),
     Error(error::Error),
     Motor(motor::Motor),
+    Knob(knob::KnobCommand),
     Identify(identify::Identify),
     Parts(parts::Parts),
     Rig(rig::RigCommand),
@@ -141,6 +144,7 @@ fn run() -> u8 {
         Command::Plot(plot) => plot.run(&terminal),
         Command::Error(error) => error.run(&terminal),
         Command::Motor(motor) => motor.run(&terminal),
+        Command::Knob(knob) => knob.run(&terminal),
         Command::Identify(identify) => identify.run(&terminal),
         Command::Parts(parts) => parts.run(&terminal),
         Command::Rig(rig) => rig.run(&terminal),

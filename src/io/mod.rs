@@ -6,6 +6,8 @@ pub mod calibrations;
 pub mod device;
 pub mod error;
 pub mod events;
+#[cfg(feature = "live")]
+pub mod gesture;
 pub mod input;
 #[cfg(feature = "live")]
 pub mod journal;

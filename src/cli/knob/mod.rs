@@ -1,0 +1,81 @@
+//! `pacinian knob`.
+
+mod answer;
+mod course;
+mod turn;
+
+use super::check::json;
+use super::failure::Failure;
+use super::load::Scene;
+use super::place::{check_made, check_sound};
+use super::problems;
+use super::render::seconds;
+use super::terminal::Terminal;
+use answer::Answer;
+use clap::Args;
+use pacinian::io::gesture::Gesture;
+use std::path::PathBuf;
+use turn::Turn;
+
+/// Turns a simulated force-feedback knob under a patch, and says what it did
+#[derive(Debug, Args)]
+#[command(
+    name = "knob",
+    after_help = "Examples:\n  pacinian knob patches/35-knob.toml\n  \
+    pacinian knob patches/35-knob.toml --rig rigs/knob.toml --plot knob.svg --csv knob.csv\n  \
+    pacinian knob patches/35-knob.toml --hand knob.csv -o turned.wav\n\n\
+    The patch says what the knob feels like, [knob]; the rig says what it is, and where it says nothing a small one is taken. A hand\n\
+    that holds it turns it: --hand names a table with the columns time (s) and hand_angle (rad) or hand_torque (N m), such as --csv writes;\n\
+    without one it goes a turn forth and back in three seconds. To turn it by keys, play the patch: pacinian play PATCH, Tab, arrows."
+)]
+pub struct KnobCommand {
+    #[command(flatten)]
+    scene: Scene,
+    /// What the hand does, a table: time, and hand_angle or hand_torque or both [default: a turn forth and back]
+    #[arg(long, value_name = "FILE.csv")]
+    hand: Option<PathBuf>,
+    /// Seconds [default: until the hand is done, and half a second]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    duration: Option<f64>,
+    /// Writes angle, speed, torque and energy of every engine sample as a table; one that is there is replaced
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Writes what leaves the channels meanwhile
+    #[arg(short, long, value_name = "FILE.wav")]
+    output: Option<PathBuf>,
+    /// As JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl KnobCommand {
+    /// Runs it.
+    pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
+        let loaded = self.scene.load(false, self.duration)?;
+        for warnings in &loaded.warnings {
+            terminal.note(&problems::shown(warnings, terminal));
+        }
+        let Some(knob) = &loaded.patch.knob else {
+            let what = format!("`{}` has no knob", loaded.name());
+            let help = "say what it feels like: [knob.effects] notches = { type = \"detents\", count = 24, torque = 0.02 }";
+            return Err(Failure::usage(what, help).with_code(65));
+        };
+        let mut own = loaded.files.clone();
+        own.extend(self.hand.clone());
+        self.csv.as_ref().map_or(Ok(()), |path| check_made(path, "--csv", "csv", &own))?;
+        self.output.as_ref().map_or(Ok(()), |path| check_sound(path, "--output", &own))?;
+        let gesture = self.hand.as_deref().map(Gesture::open).transpose()?;
+        let turn = Turn {
+            gesture: gesture.unwrap_or_else(turn::forth_and_back),
+            seconds: self.duration,
+            output: self.output.as_deref(),
+        };
+        let turned = turn.run(&loaded, terminal)?;
+        if let Some(path) = &self.csv {
+            course::write(path, &turned.course)?;
+        }
+        let answer = Answer::new(&loaded, knob, &turned);
+        terminal.print(&if self.json { json(&answer) } else { answer.text(terminal.out) })?;
+        turned.ending
+    }
+}
