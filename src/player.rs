@@ -9,6 +9,7 @@ use crate::engine::knob::Knob;
 use crate::engine::{Counters, Engine};
 use crate::graph::plan::Plan;
 use crate::graph::scene::{Options, scene};
+use crate::knob::local_model::link::Slow;
 use crate::midi::Message;
 use crate::node::asset::Assets;
 use crate::patch::Patch;
@@ -229,6 +230,11 @@ impl Player {
     pub fn arm(&mut self, arms: bool) -> bool {
         let now = Instant { sample: self.engine.clock(), fraction: 0 };
         self.engine.schedule(now, Source::Program, Event::Arm(arms))
+    }
+
+    /// An end by which a slow thread sends local models to the knob and sees it; `None` where the patch has none.
+    pub fn link_knob(&mut self) -> Option<Slow> {
+        self.engine.link_knob()
     }
 
     /// The knob, if the patch has one.

@@ -5,6 +5,8 @@ use pacinian::engine::event::{Event, Source};
 use pacinian::graph::knob::CELL;
 use pacinian::graph::plan::{Plan, Why};
 use pacinian::graph::scene::{Options, scene};
+use pacinian::knob::local_model::model::{Contact, LocalModel};
+use pacinian::knob::local_model::pending::Message;
 use pacinian::node::asset::NoAssets;
 use pacinian::patch::Patch;
 use pacinian::rig::Rig;
@@ -244,6 +246,39 @@ fn torque_waits_to_be_asked_after_silence_and_can_be_let_go() {
     assert_eq!(last(&mut engine, None), (0.0, 0.0, 0.0));
     assert_eq!(last(&mut engine, Some(Event::Arm(true))).0, 0.01);
     assert_eq!(last(&mut engine, Some(Event::Arm(false))), (0.0, 0.0, 0.0));
+}
+
+/// A slow thread that looks 30 times a second makes a wall where there is none in the patch.
+#[test]
+fn a_slow_thread_sends_a_wall_that_is_felt_at_every_tick() {
+    let plan = plan("[knob.effects]\nf = { type = \"friction\", torque = 0.0005 }\n");
+    let mut engine = Engine::new(&plan).unwrap();
+    let mut slow = engine.link_knob().unwrap();
+    let hand = plan.control("hand").unwrap();
+    engine.schedule(Instant { sample: 4000, fraction: 0 }, Source::Program, Event::Glide(hand, 1.0, 0.5));
+    let mut frames = vec![0.0; 3 * 1602];
+    let mut seen = Vec::new();
+    for _ in 0..60 {
+        let look = slow.look();
+        seen.push(look);
+        let contact = Contact { angle: 0.5, below: false, stiffness: 0.5 };
+        let range = (look.angle - 1.0, look.angle + 1.0);
+        let model = LocalModel { stamp: look.tick, contact: Some(contact), range, ..LocalModel::FREE };
+        assert!(slow.send(Message::new(model, 0.0)), "there is always room");
+        engine.process(&mut frames);
+    }
+    assert!(seen.windows(2).all(|w| w[0].tick + 267 == w[1].tick || w[0].tick == 0), "{seen:?}");
+    let angle = engine.knob().unwrap().simulated().unwrap().plant().angle();
+    // The hand holds with 0.3 N m/rad at 1 rad, the wall with 0.5 beyond 0.5: they meet at 0.6875, less friction.
+    assert!((angle - 0.6875).abs() < 0.005, "{angle}");
+    assert!((seen.last().unwrap().torque + 0.094).abs() < 0.005, "{:?}", seen.last());
+    assert!(plan_without_knob().link_knob().is_none());
+}
+
+fn plan_without_knob() -> Engine {
+    let voice =
+        "[voice.v]\noutput = \"o\"\nstart = \"always\"\nnodes.o = { type = \"sine\", frequency = 100 }\n";
+    Engine::new(&plan(voice)).unwrap()
 }
 
 #[test]

@@ -19,6 +19,7 @@ use crate::graph::places::Places;
 use crate::graph::plan::{Instrument, Plan, Shared};
 use crate::graph::program::Feed;
 use crate::graph::start::{FIELDS, Fields};
+use crate::knob::local_model::link::Fast;
 use crate::node::kernel::LEAD;
 use crate::schedule::{Deadlines, Instant, Queue};
 use crate::space::moving::Mover;
@@ -185,6 +186,13 @@ impl<R: Real> Core<R> {
     /// The knob.
     pub fn knob(&self) -> Option<&Knob> {
         self.knob.as_deref()
+    }
+
+    /// Lets a slow thread send worlds to the knob; `false` where there is none.
+    pub fn link_knob(&mut self, link: Fast) -> bool {
+        let Some(knob) = &mut self.knob else { return false };
+        knob.listen(link);
+        true
     }
 
     /// Voices that sound.

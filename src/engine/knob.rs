@@ -11,7 +11,7 @@ use crate::graph::knob::{CELL, Feed, Start};
 use crate::graph::plan::{Plan, Shared};
 use crate::graph::{knob, watch};
 use crate::knob::effect::events::What;
-use crate::knob::local_model::pending::Message;
+use crate::knob::local_model::link::{Fast, Seen};
 use crate::knob::plant::parts::Hand;
 use crate::knob::servo::setup::Unfit;
 use crate::knob::servo::simulated::Simulated;
@@ -55,6 +55,7 @@ pub struct Knob {
     numbers: Vec<u64>,
     first_watch: usize,
     dropped: u64,
+    link: Option<Fast>,
 }
 
 impl Knob {
@@ -113,6 +114,7 @@ impl Knob {
             numbers: vec![0; of.starts.len()],
             first_watch: plan.watches.len(),
             dropped: 0,
+            link: None,
             plan: of.clone(),
         }))
     }
@@ -137,9 +139,9 @@ impl Knob {
         self.servo.last()
     }
 
-    /// A world that a slow thread sends.
-    pub(super) fn follow(&mut self, message: &Message) {
-        self.servo.follow(message);
+    /// A slow thread sends worlds from here on, and sees the knob.
+    pub(super) fn listen(&mut self, link: Fast) {
+        self.link = Some(link);
     }
 
     /// A hand pushes with so many newton metres from here on; what is no number is no hand.
@@ -173,6 +175,7 @@ impl Knob {
     pub(super) fn adopt(&mut self, old: &mut Self) {
         self.ran = old.ran;
         self.push = old.push;
+        self.link = old.link.take().or(self.link.take());
         self.held_at = old.held_at;
         self.read = old.read;
         // So that no id comes again.
@@ -219,6 +222,9 @@ impl Knob {
             control.shift = value(&self.past, wires[1]);
             control.fed = value(&self.past, wires[2]);
         }
+        if let Some(message) = self.link.as_mut().and_then(Fast::take) {
+            self.servo.follow(&message);
+        }
         let target = self.hand.map_or(self.held_at, |hand| value(&self.past, hand));
         let speed = (target - self.held_at) * self.rate;
         let ticks = self.plan.ticks.max(1);
@@ -244,6 +250,9 @@ impl Knob {
         }
         self.held_at = target;
         let Given { angle, velocity, torque, .. } = *self.servo.last();
+        if let Some(link) = &self.link {
+            link.put(&Seen { tick: self.servo.ticks(), angle, velocity, torque });
+        }
         for (read, value) in self.read.iter_mut().zip([angle, velocity, torque]) {
             read[at] = if value.is_finite() { value } else { 0.0 };
         }

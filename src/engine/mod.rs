@@ -38,6 +38,7 @@ use std::sync::Arc;
 use crate::dsp::isa::Isa;
 use crate::graph::plan::{Plan, Precision};
 use crate::graph::watch::LATENCY;
+use crate::knob::local_model::link::{Slow, link};
 use crate::node::kernel::LEAD;
 use crate::schedule::Instant;
 use core::Core;
@@ -273,6 +274,13 @@ impl Engine {
     /// The knob, if the plan has one.
     pub fn knob(&self) -> Option<&knob::Knob> {
         each!(self, core => core.knob())
+    }
+
+    /// Lets a slow thread send local models to the knob and see it: that thread gets the end that is returned; `None` where the plan has no
+    /// knob. An end that was given out before is then heard no more. It allocates.
+    pub fn link_knob(&mut self) -> Option<Slow> {
+        let (slow, fast) = link();
+        each!(mut self, core => core.link_knob(fast)).then_some(slow)
     }
 
     /// Makes room to take over the voices of another engine. It allocates.

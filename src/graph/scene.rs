@@ -516,7 +516,8 @@ fn tail(program: &Program) -> f64 {
 
 fn note(owner: &str, pruned: &[Arc<str>], folded: &[Arc<str>], left_out: &mut Vec<LeftOut>) {
     for (names, why) in [(pruned, Why::Pruned), (folded, Why::Folded)] {
-        let names: BTreeSet<&str> = names.iter().map(|n| &**n).collect();
+        // What expressions of a knob have become is nobody's node.
+        let names: BTreeSet<&str> = names.iter().map(|n| &**n).filter(|n| !n.starts_with("knob.")).collect();
         left_out.extend(
             names.into_iter().map(|name| LeftOut { what: format!("node `{name}` of `{owner}`"), why }),
         );

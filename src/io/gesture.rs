@@ -44,18 +44,40 @@ impl Gesture {
     /// # Errors
     /// As [`Gesture::open`].
     pub fn read(from: impl std::io::Read) -> Result<Self, (u64, String)> {
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).flexible(true).from_reader(from);
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .flexible(true)
+            .from_reader(from);
         let headers = reader.headers().map_err(|error| (1, told(&error)))?.clone();
-        let column = |names: [&str; 2]| names.iter().find_map(|name| headers.iter().position(|header| header == *name));
+        let column = |names: [&str; 2]| {
+            names.iter().find_map(|name| headers.iter().position(|header| header == *name))
+        };
         let Some(time) = headers.iter().position(|header| header == "time") else {
             let found: Vec<&str> = headers.iter().collect();
-            return Err((1, format!("no column `time` among {}: the first line names time, hand_angle, hand_torque", found.join(", "))));
+            return Err((
+                1,
+                format!(
+                    "no column `time` among {}: the first line names time, hand_angle, hand_torque",
+                    found.join(", ")
+                ),
+            ));
         };
         let columns = [column(["hand_angle", "angle"]), column(["hand_torque", "torque"])];
         // What a knob did is no gesture of the hand.
         let columns = match columns {
-            [Some(a), t] if headers.get(a) == Some("hand_angle") && t.and_then(|t| headers.get(t)) == Some("torque") => [Some(a), None],
-            [a, Some(t)] if headers.get(t) == Some("hand_torque") && a.and_then(|a| headers.get(a)) == Some("angle") => [None, Some(t)],
+            [Some(a), t]
+                if headers.get(a) == Some("hand_angle")
+                    && t.and_then(|t| headers.get(t)) == Some("torque") =>
+            {
+                [Some(a), None]
+            }
+            [a, Some(t)]
+                if headers.get(t) == Some("hand_torque")
+                    && a.and_then(|a| headers.get(a)) == Some("angle") =>
+            {
+                [None, Some(t)]
+            }
             columns => columns,
         };
         if columns == [None, None] {
@@ -83,7 +105,9 @@ impl Gesture {
                 return Err((at, format!("{seconds} s comes after {last} s: times must rise")));
             }
             last = seconds;
-            for (k, (column, list)) in columns.iter().zip([&mut gesture.angles, &mut gesture.torques]).enumerate() {
+            for (k, (column, list)) in
+                columns.iter().zip([&mut gesture.angles, &mut gesture.torques]).enumerate()
+            {
                 let Some(value) = column.map_or(Ok(None), number)? else { continue };
                 if !(value.abs() <= MOST[k]) {
                     let unit = ["rad", "N m"][k];
@@ -121,7 +145,8 @@ mod tests {
 
     #[test]
     fn columns_go_by_their_names_and_empty_cells_go_on() {
-        let gesture = read("# made by hand\ntime, hand_torque, hand_angle\n0, 0.01, 0\n0.5,, 1\n1, -0.02,\n").unwrap();
+        let gesture =
+            read("# made by hand\ntime, hand_torque, hand_angle\n0, 0.01, 0\n0.5,, 1\n1, -0.02,\n").unwrap();
         assert_eq!(gesture.angles, [(0.0, 0.0), (0.5, 1.0)]);
         assert_eq!(gesture.torques, [(0.0, 0.01), (1.0, -0.02)]);
         assert_eq!(gesture.seconds, 1.0);

@@ -110,7 +110,11 @@ impl Answer {
             most_torque: most(&|n| samples[n].torque[1].abs()),
             absorbed: samples.last().map_or(0.0, |s| s.absorbed),
             created: most(&|n| -samples[n].absorbed).max(0.0),
-            held_back: STAGES.iter().map(|(stage, word)| (*word, held(*stage))).filter(|(_, n)| *n > 0).collect(),
+            held_back: STAGES
+                .iter()
+                .map(|(stage, word)| (*word, held(*stage)))
+                .filter(|(_, n)| *n > 0)
+                .collect(),
             tripped: chain.and_then(|chain| chain.trip()).map(|trip| match trip {
                 Trip::Reading => "the angle was no number",
                 Trip::Lost => "readings failed",
@@ -195,7 +199,11 @@ fn short(x: f64) -> String {
         () if (1e-3..1e4).contains(&size) => {
             let digits = (2 - size.log10().floor() as i32).max(0) as usize;
             let text = format!("{x:.digits$}");
-            if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+            if text.contains('.') {
+                text.trim_end_matches('0').trim_end_matches('.').to_string()
+            } else {
+                text
+            }
         }
         () => format!("{x:.2e}"),
     }

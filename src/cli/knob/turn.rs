@@ -31,7 +31,15 @@ const LONGEST: f64 = 3600.0;
 /// A turn forth and back, after half a second in which torque rises.
 pub fn forth_and_back() -> Gesture {
     let turn = std::f64::consts::TAU;
-    let angles = vec![(0.0, 0.0), (0.5, 0.0), (1.75, 0.5 * turn), (2.25, 0.5 * turn), (4.75, -0.5 * turn), (5.0, -0.5 * turn), (6.25, 0.0)];
+    let angles = vec![
+        (0.0, 0.0),
+        (0.5, 0.0),
+        (1.75, 0.5 * turn),
+        (2.25, 0.5 * turn),
+        (4.75, -0.5 * turn),
+        (5.0, -0.5 * turn),
+        (6.25, 0.0),
+    ];
     Gesture { angles, torques: Vec::new(), seconds: 6.25 }
 }
 
@@ -74,7 +82,8 @@ impl Turn<'_> {
                 heard.lock().unwrap_or_else(PoisonError::into_inner).push(set);
             }
         }));
-        let (rate, ratio, channels) = (player.plan().engine_rate(), player.plan().ratio, player.plan().channels);
+        let (rate, ratio, channels) =
+            (player.plan().engine_rate(), player.plan().ratio, player.plan().channels);
         let simulated = player.plan().knob.as_ref().is_some_and(|knob| knob.model.is_some());
         if !simulated {
             let what = "the rig's knob is a real one".to_string();
@@ -130,9 +139,13 @@ impl Turn<'_> {
         let Some(control) = player.plan().controls.iter().find(|control| *control.name == *HAND) else {
             return Ok(());
         };
-        let beyond = self.gesture.angles.iter().find(|(_, angle)| *angle < control.least || *angle > control.most);
+        let beyond =
+            self.gesture.angles.iter().find(|(_, angle)| *angle < control.least || *angle > control.most);
         let Some((at, angle)) = beyond else { return Ok(()) };
-        let what = format!("the hand goes to {angle} rad at {at} s, and its control from {} to {} rad", control.least, control.most);
+        let what = format!(
+            "the hand goes to {angle} rad at {at} s, and its control from {} to {} rad",
+            control.least, control.most
+        );
         let help = "let it go further, in the patch: [control.hand] default = 0, range = [-100, 100], unit = \"rad\"";
         Err(Failure::usage(what, help))
     }
@@ -186,7 +199,8 @@ impl<'a> Hand<'a> {
             _ => 0.0,
         };
         let torques = &self.gesture.torques;
-        let torque = torques.partition_point(|(at, _)| *at <= now).checked_sub(1).and_then(|n| torques.get(n));
+        let torque =
+            torques.partition_point(|(at, _)| *at <= now).checked_sub(1).and_then(|n| torques.get(n));
         [angle, torque.map_or(0.0, |(_, torque)| *torque)]
     }
 }

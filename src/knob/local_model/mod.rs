@@ -9,8 +9,10 @@
 //! | [`model`] | a model, and where and until when it holds |
 //! | [`follower`] | what the servo makes of models that come one after another |
 //! | [`pending`] | models on their way: bounded, coalesced when full, never dropped silently |
+//! | [`link`] | the two ends: a lossless queue one way, the newest reading the other |
 
 pub mod follower;
+pub mod link;
 pub mod model;
 pub mod pending;
 #[cfg(test)]
