@@ -15,6 +15,9 @@ pub const DEFINED: Defined = &[
     ("set", "a table of numbers and expressions"),
     ("events", "a list of events, or \"FILE.csv\""),
     ("nodes", "nodes by name"),
+    ("signal", "a number, or an expression of shared nodes, controls and `knob.speed`"),
+    ("numbers", "a list of numbers"),
+    ("curve", "pairs of an angle and a torque: [[-0.5, 0.02], [0.5, -0.02]]"),
     ("shape", "`linear`, `slow`, `fast`, `exponential` or a number, -20 to 20"),
 ];
 
@@ -109,7 +112,7 @@ pub const TOPICS: &[Topic] = &[
         doc: "A short sum in quotes wherever a parameter of a node may stand.",
         text: "It has numbers, + - * / and parentheses, names of nodes and controls, fields of the event (event.level, event.duration, \
                event.frequency and those that the voice declares under `defaults`), what the hand does that holds the voice (touch.bend, \
-               touch.pressure, touch.timbre), and these functions:\n\n\
+               touch.pressure, touch.timbre), what the knob does (knob.angle in rad, knob.speed in rad/s, knob.torque in N m), and these functions:\n\n\
                - `min(a, b)`: the lesser of two\n\
                - `max(a, b)`: the greater of two\n\
                - `clamp(x, least, most)`: x, but no less and no more than those\n\
@@ -340,7 +343,9 @@ pub const TOPICS: &[Topic] = &[
                - midi.controller 64 rises 0.5, or falls: a controller passes a position from 0 to 1; `set` may read `value` and `channel`\n\
                - osc./address: a message to that address; `set` may read `value`, its first number\n\
                - key.1: a key of the computer, from 1\n\
-               - knob.detent: a knob passes a notch\n\n\
+               - knob.detent, knob.wall: a knob passes a notch, runs into a wall; knob.wall ENDS for that effect alone. `set` may read `angle` \
+               (rad), `speed` (rad/s, without a sign), `way` (1 or -1) and, of a notch, `index`, counted from the one at rest. It plays a voice, no \
+               pattern, which begins at the tick of the servo that felt it\n\n\
                A note sounds as long as its key or the pedal holds it, unless `set` gives it a `duration`; its velocity is its level, unless \
                `set` gives it a `level`. Of a pattern, `set` gives `gain` and `rate`. A pattern that ends plays to its end; one that repeats \
                without `times` plays as long as the key or the pedal holds it, and where no key does, the next hit begins it anew. At most \
@@ -357,8 +362,7 @@ pub const TOPICS: &[Topic] = &[
                patch takes over, sets nothing off. A value that is no number sets nothing off, and a node that never moves is left out. \
                More than 1024 voices in 8 ms are not set off: the rest is counted as dropped.\n\n\
                In `pacinian play` and with `--midi`, no pattern begins by \
-               itself in a patch that has triggers, but those with start, unless all of them are set off by nodes.\n\n\
-               Knobs set nothing off yet; they are read and checked.",
+               itself in a patch that has triggers, but those with start, unless all of them are set off by nodes or a knob.",
         tables: &[&trigger::TABLE],
         example: "[shared.nodes]\n\
                   breath = { type = \"lfo\", rate = 0.5 }\n\
@@ -387,6 +391,45 @@ pub const TOPICS: &[Topic] = &[
                   from = \"midi.controller 7\"\n\
                   control = \"strength\"\n\
                   range = [0.1, 1]",
+    },
+    Topic {
+        name: "knob",
+        written: "[knob.effects]",
+        doc: "What a force-feedback knob feels like: effects whose torques add up.",
+        text: "Each effect has a `type`, and the keys of that type; `gain` and `shift` go with any:\n\n\
+               - spring: -K (angle - centre). stiffness, centre\n\
+               - damper: -B times the speed. damping\n\
+               - wall: pushes where the angle is beyond `angle`, and never pulls. angle, side, stiffness, damping\n\
+               - end-stops: two walls. low, high, stiffness, damping\n\
+               - detents: so many notches a turn. count, torque (the strongest pull), centre, shape or table, hysteresis\n\
+               - snap: a spring to the nearest of places `width` apart. width, stiffness, torque (the most), point, centre\n\
+               - magnet: a pull to an angle, smooth everywhere. centre, stiffness, reach\n\
+               - friction: dry friction, of displacement alone. torque, stretch, law\n\
+               - inertia: a flywheel behind a spring and a damper. inertia, stiffness, damping (critical where nothing is said)\n\
+               - constant: a torque. torque\n\
+               - spin: a pull to a speed, so that it turns by itself. speed, damping, torque (the most)\n\
+               - ripple: a sine over the angle. torque, wavelength\n\
+               - texture: a signal times a torque. torque, signal\n\
+               - table: torque over angle, point by point. points\n\
+               - contact: a round body in the way (Hertz). angle, side, factor, torque (the most)\n\
+               - transient: a ringing as a wall is hit, as strong as that was fast. strength, frequency, decay, least, torque (the most)\n\n\
+               Angles are in rad, positive torques turn to larger angles. The servo runs at some 8 kHz on the engine's clock, whatever the card's \
+               blocks are, and nodes read knob.angle, knob.speed and knob.torque of that very sample. What the patch sends the other way, `gain`, \
+               `shift` and `signal`, is expressions of shared nodes and controls, and half a millisecond late (4 samples of the engine). The signal \
+               \"voices\" is what is played at the knob's output: a voice with place = \"NAME\" of an output of kind torque is felt in the fingers.\n\n\
+               However stiff it is written, a governor lets the knob have no more than it bears at its rate, delay, friction and encoder: half of what makes it swing. \
+               `pacinian knob PATCH` says how much that is, what binds, and what would lift it.\n\n\
+               The rig says what the knob is. Where it says nothing, a small one is simulated, and the control `hand`, which such a patch has by \
+               itself, is the angle of the hand that holds it: move it by keys, MIDI or OSC.",
+        tables: &[&super::knob::TABLE, &super::knob::EFFECT],
+        example: "[knob.effects]\n\
+                  notches = { type = \"detents\", count = 24, torque = 0.01 }\n\
+                  ends = { type = \"end-stops\", low = -2.5, high = 2.5, stiffness = 0.3 }\n\
+                  \n\
+                  [[trigger]]\n\
+                  on = \"knob.detent notches\"\n\
+                  play = \"tap\"\n\
+                  set = { level = \"min(1, speed / 10)\" }",
     },
     Topic {
         name: "render",

@@ -47,6 +47,13 @@ pub fn schema() -> Value {
             "additionalProperties": { "oneOf": [{ "type": "number" }, { "$ref": "#/$defs/expression" }] },
         }),
     );
+    defs.insert(
+        "signal".into(),
+        json!({ "oneOf": [{ "type": "number" }, { "$ref": "#/$defs/expression" }] }),
+    );
+    defs.insert("numbers".into(), json!({ "type": "array", "items": { "type": "number" }, "minItems": 2 }));
+    let pair = json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
+    defs.insert("curve".into(), json!({ "type": "array", "items": pair, "minItems": 2 }));
     let events = refer(&event::TABLE, &mut defs);
     defs.insert("events".into(), json!({
         "oneOf": [{ "type": "array", "items": events, "minItems": 1 }, { "type": "string", "minLength": 1 }],
