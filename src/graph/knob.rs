@@ -9,7 +9,7 @@ use crate::knob::servo::simulated::Model;
 use crate::knob::servo::tick::Servo;
 use crate::patch::knob::{HAND, Scaled, VOICES};
 use crate::patch::{Expr, Function, Happening, Operator, Patch, Source, Trigger, Voice};
-use crate::rig::{Finder, Rig};
+use crate::rig::{self, Finder, Rig};
 use crate::space::spot::Spot;
 use crate::text::Problem;
 
@@ -146,12 +146,12 @@ pub(super) fn knob(
 ) -> Option<Knob> {
     let felt = patch.knob.as_ref()?;
     let ratio = (rates[1] / rates[0]).round() as u32;
-    let described = Described::of(rig);
-    let ticks = ticks(described.rate / rates[0], ratio);
-    let device = described.device(rates[0] * f64::from(ticks));
+    let plain = rig::Knob::default();
+    let of_rig = rig.knob.as_ref().unwrap_or(&plain);
+    let ticks = ticks(of_rig.rate / rates[0], ratio);
+    let rate = rates[0] * f64::from(ticks);
     let effects = felt.effects.iter().map(|effect| effect.figures.clone()).collect();
-    let limits = described.limits(device.period);
-    let setup = Setup { velocity: described.velocity, ..Setup::new(effects, device, limits) };
+    let setup = Setup { effects, ..of_rig.servo(rate) };
     if let Err(why) = Servo::new(&setup) {
         let effect = why.effect.and_then(|effect| felt.effects.get(effect));
         let span = effect.map_or(&felt.span, |effect| &effect.span);
@@ -163,7 +163,7 @@ pub(super) fn knob(
         return None;
     }
     let scales = scales(patch, wanted);
-    let model = described.model(&setup);
+    let model = Some(of_rig.model(rate));
     let hand = model.as_ref().and_then(|_| hand(patch, wanted));
     let voice = |name: &str| patch.voices.iter().position(|voice| voice.name == name);
     let mut starts = Vec::new();
@@ -192,7 +192,7 @@ pub(super) fn knob(
         names: felt.effects.iter().map(|effect| effect.name.as_str().into()).collect(),
         scales,
         starts,
-        output: described.output,
+        output: rig.torque_output(of_rig),
     })
 }
 
@@ -304,68 +304,5 @@ fn push(expr: &Expr, names: &[&str], steps: &mut Vec<Step>) {
                 }
             }
         }
-    }
-}
-
-/// PLACEHOLDER until rigs say what a knob is.
-struct Described {
-    rate: f64,
-    velocity: crate::knob::velocity::choice::Choice,
-    output: Option<(u32, f64)>,
-}
-
-impl Described {
-    fn of(rig: &Rig) -> Self {
-        let output = rig.outputs.iter().find(|o| o.kind == crate::rig::OutputKind::Torque);
-        Self {
-            rate: 8000.0,
-            velocity: crate::knob::velocity::choice::Choice::Adaptive(0.01),
-            output: output.map(|o| (o.channel - 1, 5.0)),
-        }
-    }
-    fn device(&self, rate: f64) -> crate::knob::governor::device::Device {
-        crate::knob::governor::device::Device {
-            inertia: 8e-6,
-            damping: 1e-4,
-            friction: Some(1e-3),
-            count: std::f64::consts::TAU / 4000.0,
-            period: 1.0 / rate,
-            delay: crate::knob::governor::device::Delay::ticks(1.0),
-            resonance: None,
-            low_pass: None,
-            peak: 0.15,
-        }
-    }
-    fn limits(&self, period: f64) -> crate::knob::safety::chain::Limits {
-        crate::knob::safety::chain::Limits {
-            period,
-            slew: 1000.0,
-            low_pass: None,
-            continuous: 0.03,
-            winding: 12.0,
-            peak: 0.15,
-            soft_start: 0.3,
-            stale: 40,
-            release: 0.05,
-            over_speed: 300.0,
-        }
-    }
-    fn model(&self, setup: &Setup) -> Option<Model> {
-        use crate::knob::plant::{
-            encoder::Encoder,
-            parameters::Parameters,
-            parts::{Build, Grasp},
-        };
-        let parameters =
-            Parameters { inertia: 8e-6, viscous: 1e-4, coulomb: 1e-3, stiction: 1.2e-3, stops: None };
-        Some(Model {
-            build: Build {
-                parameters,
-                grasp: Some(Grasp { stiffness: 0.3, damping: 2e-3 }),
-                ..Build::default()
-            },
-            encoder: Encoder::of_counts(4000.0).ok(),
-            delay: setup.late(),
-        })
     }
 }

@@ -9,6 +9,7 @@ pub(crate) mod device;
 mod even;
 mod finder;
 pub(crate) mod group;
+pub mod knob;
 mod motor;
 pub(crate) mod output;
 pub mod part;
@@ -28,6 +29,7 @@ pub use device::{Coupling, Device, RATES, usual_ratio};
 pub use even::Even;
 pub use finder::Finder;
 pub use group::Group;
+pub use knob::Knob;
 pub use motor::{Lack, Wiring};
 pub use output::{Output, OutputKind, Turning};
 pub use schema::schema;
@@ -64,6 +66,8 @@ pub struct Rig {
     pub groups: Vec<Group>,
     /// Calibrations of tactors, in the order of the file.
     pub calibrations: Vec<Calibration>,
+    /// The force-feedback knob; `None`: a patch that wants one is given a small one, simulated.
+    pub knob: Option<Knob>,
 }
 
 /// The format that this version reads.
@@ -94,6 +98,7 @@ pub(crate) static TABLE: Table = Table {
             "",
             "What tactors were measured to give, by name.",
         ),
+        Field::new("knob", Form::One(&knob::table::TABLE), "", "The force-feedback knob."),
     ],
     others: None,
 };
@@ -142,6 +147,7 @@ impl Rig {
             outputs: line(channels),
             groups: Vec::new(),
             calibrations: Vec::new(),
+            knob: None,
         }
     }
 
@@ -229,6 +235,7 @@ impl Rig {
         problems.extend(self.rectified());
         problems.extend(self.out_of_scale());
         problems.extend(self.check_groups());
+        problems.extend(self.torque_way());
         let told = |output: &&Output| !(is_draft && self.is_unfinished(output));
         let wired = self.outputs.iter().filter(told).filter_map(|output| self.wiring(output)?.err());
         problems.extend(wired.take(Sink::MOST));
@@ -322,6 +329,7 @@ impl Rig {
                 .collect(),
             groups: groups.iter().map(|(name, r)| group::read(name, r)).collect(),
             calibrations: calibrations.iter().map(|(name, r)| calibration::read(name, r)).collect(),
+            knob: reader.one("knob", "the knob").map(|r| knob::read(&r)),
         }
     }
 }

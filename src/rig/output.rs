@@ -250,14 +250,6 @@ pub(crate) fn read(reader: &Reader, is_tactor: bool) -> Output {
             }
         }
     }
-    if kind == OutputKind::Torque {
-        let what = format!(
-            "{} is of kind {}, which is not rendered yet: its channel stays silent",
-            reader.who,
-            kind.word()
-        );
-        reader.sink.push(Problem::warning(&reader.span_of("kind"), what));
-    }
     if kind != OutputKind::Vibration && reader.has("dc") {
         let what = format!("{} is of kind {}; only vibration has `dc`", reader.who, kind.word());
         let help = match kind {

@@ -1,6 +1,6 @@
 //! The rig format for people: its topics in the order in which one learns them.
 
-use super::{actuator, amplifier, calibration, device, even, group, output};
+use super::{actuator, amplifier, calibration, device, even, group, knob, output};
 use crate::text::reference::{Defined, Topic};
 
 /// What stands where a key refers to something with a topic of its own.
@@ -13,6 +13,8 @@ pub const DEFINED: Defined = &[
     ("date", "a day: 2026-03-14"),
     ("table", "[[Hz, output], ...] or \"FILE.csv\""),
     ("coupling", "\"dc\" or { high_pass = 8.0 }"),
+    ("harmonics", "a list: [{ periods = 7, amplitude = 0.002, phase = 0 }]"),
+    ("torque output", "{ name = \"knob\", newton_metres = 0.15 }"),
 ];
 
 /// All topics.
@@ -91,7 +93,7 @@ pub const TOPICS: &[Topic] = &[
                - `raw`: what is played there as it comes, without equaliser, limiter and band limit, cut at `max_level`; for measuring, \
                not for skin\n\
                - `drive`: a rumble motor is turned by what is played: see below\n\
-               - `torque`: a knob's torque; not rendered yet, its channel stays at zero\n\n\
+               - `torque`: the torque of the [knob], in shares of its peak where `output` of that says nothing else\n\n\
                What is played on an output for vibration goes, in this order, through its `gain` and `polarity`, the high-pass that keeps \
                steady voltages off (if the device's coupling is \"dc\" and the output does not say dc = true), the actuator's equaliser, the \
                limiter, which acts at `max_level` and lets what stays below pass as it is, and the band limit. When it is played live, \
@@ -240,5 +242,36 @@ pub const TOPICS: &[Topic] = &[
                   name = \"left\"\n\
                   channel = 1\n\
                   calibration = \"left\"",
+    },
+    Topic {
+        name: "knob",
+        written: "[knob]",
+        doc: "A force-feedback knob: its motor, its encoder, its amplifier, and what it must keep to.",
+        text: "What it feels like stands in the patch (see there, [knob.effects]); here stands what it is. Two motors ship with pacinian, and every \
+               figure may be said otherwise. `pacinian knob PATCH --rig RIG` turns it, simulated, and says what it bears: how stiff effects may \
+               be at its rate, delay, friction and encoder, what binds, and what would lift it.\n\n\
+               Peak torque over friction is its dynamic range. A motor that a current drives has no short-circuit damping: what data sheets \
+               call viscous damping with shorted terminals is `viscous_shorted` here, and counts under drive = \"voltage\" alone. A knob in which \
+               little damps bears little stiffness: some 1e-4 N m s/rad of bearings or grease are worth more than a faster servo.\n\n\
+               Torque passes, in this order: what is no number becomes 0, the governor, the slew, the low-pass, a budget of torque squared \
+               that spares the winding, the peak, a soft start, a stale reading, over-speed, and a latch that stays until somebody asks for torque again.",
+        tables: &[&knob::table::TABLE, &knob::table::HARMONIC, &knob::table::OUTPUT],
+        example: "[device]\n\
+                  channels = 2\n\
+                  coupling = \"dc\"\n\
+                  \n\
+                  [[output]]\n\
+                  kind = \"torque\"\n\
+                  name = \"knob\"\n\
+                  channel = 2\n\
+                  \n\
+                  [knob]\n\
+                  motor = \"pittman-8693\"\n\
+                  drive = \"current\"\n\
+                  knob_inertia = 4e-6\n\
+                  viscous = 1e-4\n\
+                  cogging = [{ periods = 14, amplitude = 0.0005 }]\n\
+                  compensate = true\n\
+                  output = { name = \"knob\", newton_metres = 0.15 }",
     },
 ];

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::device::COUPLING;
+use super::knob::table::{HARMONIC, OUTPUT};
 use crate::perception::site;
 use crate::text::schema::{of_file, refer};
 
@@ -27,5 +28,9 @@ pub fn schema() -> Value {
     defs.insert("polarity".into(), json!({ "enum": [1, -1, "invert"], "default": 1 }));
     let coupling = refer(&COUPLING, &mut defs);
     defs.insert("coupling".into(), json!({ "oneOf": [{ "const": "dc" }, coupling] }));
+    let harmonic = refer(&HARMONIC, &mut defs);
+    defs.insert("harmonics".into(), json!({ "type": "array", "items": harmonic }));
+    let output = refer(&OUTPUT, &mut defs);
+    defs.insert("torque output".into(), output);
     of_file("A pacinian rig", &super::TABLE, defs)
 }

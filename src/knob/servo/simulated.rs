@@ -16,6 +16,8 @@ pub struct Model {
     pub encoder: Option<Encoder>,
     /// Ticks by which what is seen is late.
     pub delay: usize,
+    /// Volts for 1 N m at a standstill, of a motor that is driven by a voltage.
+    pub volts: Option<f64>,
 }
 
 /// A simulated knob at work.
@@ -24,6 +26,8 @@ pub struct Simulated {
     plant: Plant,
     encoder: Option<Encoder>,
     delay: Delay,
+    /// The plant's command for 1 N m.
+    command: f64,
     /// Work that the hand and the motor did, joules.
     by_hand: f64,
     by_motor: f64,
@@ -39,6 +43,7 @@ impl Simulated {
             plant: Plant::new(&model.build, 1.0 / period)?,
             encoder: model.encoder,
             delay: Delay::new(model.delay.min(MOST_DELAY), 0.0)?,
+            command: model.volts.unwrap_or(1.0),
             by_hand: 0.0,
             by_motor: 0.0,
         })
@@ -67,7 +72,7 @@ impl Simulated {
     /// Passes a tick with a torque (N m) held over it, and a hand.
     pub fn pass(&mut self, torque: f64, hand: &Hand) {
         let (knob, motor) = (self.plant.knob_angle(), self.plant.angle());
-        self.plant.step(torque, hand);
+        self.plant.step(torque * self.command, hand);
         self.by_hand += hand.torque * (self.plant.knob_angle() - knob);
         self.by_motor += torque * (self.plant.angle() - motor);
     }

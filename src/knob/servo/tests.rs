@@ -41,7 +41,7 @@ fn setup(effects: Vec<Any>, delay: usize) -> Setup {
 }
 
 fn model(build: Build, delay: usize) -> Model {
-    Model { build, encoder: None, delay }
+    Model { build, encoder: None, delay, volts: None }
 }
 
 fn plain() -> Build {
