@@ -9,6 +9,8 @@ pub mod events;
 pub mod input;
 #[cfg(feature = "live")]
 pub mod journal;
+#[cfg(feature = "serial")]
+pub mod knob;
 #[cfg(feature = "live")]
 pub mod latency;
 pub mod load;

@@ -1,0 +1,682 @@
+//! The session: settle, set up, drive, and let go.
+
+use std::f64::consts::TAU;
+
+use super::lines::{Lines, Piece};
+use super::settings::Settings;
+use super::setup::{ERRORS, Errors, Missing, Property, Step, WATCHED};
+use super::text::{self, command};
+use crate::actuator::fault::Fault;
+use crate::io::knob::budget::Budget;
+use crate::io::knob::lost::Lost;
+use crate::io::knob::servo::{News, Reading, Servo};
+use crate::io::knob::session::{Counts, Session, Turn};
+use crate::io::knob::trip::{RoundTrip, Trips};
+
+/// Closed loop, as the board counts its states, and idle.
+const CLOSED: i64 = 8;
+const IDLE: i64 = 1;
+
+/// So long the line is quiet before set-up begins, and before a lost thread is taken up, seconds.
+const SETTLED: f64 = 0.02;
+const QUIET: f64 = 0.005;
+
+/// So long an answer may take in set-up, and so often it is asked again.
+const SLOW: f64 = 0.25;
+const TRIES: u8 = 3;
+
+/// So long a loop may take to close, and so long it may go on talking before it is asked anything.
+const CLOSING: f64 = 2.0;
+
+/// So often it is asked for its state while it is driven, seconds.
+const GLANCE: f64 = 0.1;
+
+/// Bytes a second that nobody asked for.
+const SURPLUS: usize = 4096;
+
+/// Where it stands.
+#[derive(Debug, Clone, PartialEq)]
+enum Stage {
+    /// Nothing has begun.
+    Off,
+    /// Waits until what was said before has been said.
+    Settling { since: f64 },
+    /// A step of set-up.
+    Setup(Setup),
+    /// Exchange by exchange.
+    Driven,
+    /// Why did it leave closed loop?
+    Diagnosing { state: i64 },
+    /// Torque falls.
+    Falling { since: f64, from: f64 },
+    /// It was let go.
+    Done,
+    /// It is lost.
+    Lost(Lost),
+}
+
+/// A step of set-up, under way.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Setup {
+    /// Which.
+    at: usize,
+    /// By which of its names.
+    name: usize,
+    /// Whether it was asked, and is now set.
+    set: bool,
+    /// How often it was tried.
+    tries: u8,
+    /// Whether it said what it is.
+    named: bool,
+    /// Since when a loop closes.
+    since: Option<f64>,
+    /// Not before.
+    after: f64,
+}
+
+/// What was asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Question {
+    /// Where the knob is.
+    Feedback,
+    /// In which state the axis is.
+    State,
+    /// Anything else.
+    Other,
+}
+
+/// A session with an ODrive.
+#[derive(Debug)]
+pub struct ODrive {
+    settings: Settings,
+    stage: Stage,
+    lines: Lines,
+    surplus: Budget,
+    trips: Trips,
+    counts: Counts,
+    /// The last write, to know it again where it is echoed.
+    sent: Vec<u8>,
+    /// The question that was asked last, and when, while it has no answer.
+    awaited: Option<(Question, f64)>,
+    /// Since when the thread is lost, and whether torque is to be taken away at once.
+    drain: Option<f64>,
+    release: bool,
+    heard: f64,
+    /// When it gave an answer last, a reading last, and was last asked for its state.
+    answered: f64,
+    read: Option<f64>,
+    glanced: f64,
+    /// When the next exchange is due.
+    next: f64,
+    /// When its watchdog was fed last.
+    fed: f64,
+    torque: f64,
+    /// What it is, how it tells its errors and whether it tells its state.
+    identity: Vec<String>,
+    errors: Option<Errors>,
+    tells_state: bool,
+}
+
+impl ODrive {
+    /// With these settings.
+    ///
+    /// # Errors
+    /// The first setting beyond its limits.
+    pub fn new(settings: Settings) -> Result<Self, Fault> {
+        settings.check()?;
+        Ok(Self {
+            settings,
+            stage: Stage::Off,
+            lines: Lines::new(),
+            surplus: Budget::new(SURPLUS),
+            trips: Trips::new(),
+            counts: Counts::default(),
+            sent: Vec::with_capacity(256),
+            awaited: None,
+            drain: None,
+            release: false,
+            heard: 0.0,
+            answered: 0.0,
+            read: None,
+            glanced: 0.0,
+            next: 0.0,
+            fed: 0.0,
+            torque: 0.0,
+            identity: Vec::new(),
+            errors: None,
+            tells_state: false,
+        })
+    }
+
+    fn period(&self) -> f64 {
+        1.0 / self.settings.rate
+    }
+
+    /// Whether its watchdog runs, or may.
+    fn is_watched(&self) -> bool {
+        match &self.stage {
+            Stage::Setup(setup) => setup.at >= WATCHED,
+            Stage::Driven | Stage::Diagnosing { .. } | Stage::Falling { .. } => true,
+            _ => false,
+        }
+    }
+
+    fn lose(&mut self, why: Lost) {
+        if !matches!(self.stage, Stage::Lost(_) | Stage::Done | Stage::Off) {
+            // Where its motor may be on it is told, in case it hears; its watchdog does the rest.
+            self.release = self.is_watched();
+            self.stage = Stage::Lost(why);
+            self.counts.lost += 1;
+            (self.torque, self.awaited, self.drain) = (0.0, None, None);
+        }
+    }
+
+    /// The thread is lost: no torque until the next reading, and no question until the line is quiet.
+    fn drop_thread(&mut self, now: f64) {
+        (self.torque, self.awaited, self.drain, self.release) = (0.0, None, Some(now), true);
+    }
+
+    // What comes.
+
+    fn line(&mut self, line: &[u8], now: f64, servo: &mut dyn Servo) {
+        if self.sent.split(|byte| *byte == b'\n').any(|sent| sent == line) {
+            return self.lose(Lost::Echo(shown(line)));
+        }
+        let Some(text) = text::answer(line) else {
+            if !matches!(self.stage, Stage::Settling { .. }) {
+                self.counts.bad_checksum += 1;
+                self.puzzled(line, now);
+            }
+            return;
+        };
+        let Some((question, asked)) = self.awaited else {
+            // What another program had asked says nothing.
+            if !matches!(self.stage, Stage::Settling { .. }) {
+                let late = self.drain.is_some() && text::feedback(text).is_some();
+                *(if late { &mut self.counts.late } else { &mut self.counts.unexpected }) += 1;
+            }
+            return;
+        };
+        match self.stage.clone() {
+            Stage::Setup(setup) => {
+                self.surplus.credit(line.len() + 2);
+                self.setup_answer(setup, text, now, servo);
+            }
+            Stage::Diagnosing { state } => self.diagnosed(state, text::value(text).unwrap_or(0.0) as u64),
+            _ => match (question, text::feedback(text), text::value(text)) {
+                (Question::Feedback, Some((turns, speed)), _) => {
+                    self.surplus.credit(line.len() + 2);
+                    self.reading(turns * TAU, speed * TAU, now, asked, servo);
+                }
+                (Question::State, None, Some(state)) => {
+                    self.surplus.credit(line.len() + 2);
+                    (self.awaited, self.answered) = (None, now);
+                    if state as i64 != CLOSED {
+                        self.left(state as i64);
+                    }
+                }
+                _ => {
+                    self.counts.unexpected += 1;
+                    self.puzzled(line, now);
+                }
+            },
+        }
+    }
+
+    /// It said what cannot be understood.
+    fn puzzled(&mut self, line: &[u8], now: f64) {
+        match &mut self.stage {
+            Stage::Setup(setup) => {
+                setup.tries += 1;
+                setup.after = now + SETTLED;
+                self.awaited = None;
+                if setup.tries >= TRIES {
+                    self.lose(Lost::Dialect(shown(line)));
+                }
+            }
+            Stage::Driven | Stage::Falling { .. } => self.drop_thread(now),
+            _ => {}
+        }
+    }
+
+    fn reading(&mut self, angle: f64, velocity: f64, now: f64, asked: f64, servo: &mut dyn Servo) {
+        self.trips.push(now - asked);
+        let dt = self.read.map_or(self.period(), |last| now - last);
+        (self.awaited, self.answered, self.read) = (None, now, Some(now));
+        self.counts.readings += 1;
+        if let Stage::Falling { since, from } = self.stage {
+            let left = 1.0 - (now - since) / self.settings.ramp.max(1e-9);
+            self.torque = from * left.max(0.0);
+            return;
+        }
+        let round_trip = self.trips.sum_up();
+        let asked = servo.tick(&Reading { angle, velocity: Some(velocity), dt, round_trip });
+        let most = self.settings.most_torque;
+        self.torque = if !asked.is_finite() {
+            self.counts.not_finite += 1;
+            0.0
+        } else {
+            self.counts.clipped += u64::from(asked.abs() > most);
+            asked.clamp(-most, most)
+        };
+    }
+
+    /// It is no longer in closed loop.
+    fn left(&mut self, state: i64) {
+        (self.torque, self.release) = (0.0, true);
+        match self.errors {
+            Some(_) => self.stage = Stage::Diagnosing { state },
+            None => self.diagnosed(state, 0),
+        }
+    }
+
+    fn diagnosed(&mut self, state: i64, errors: u64) {
+        let kind = self.errors.unwrap_or(Errors::Old);
+        let watchdog = errors == kind.watchdog();
+        self.lose(Lost::Axis { state: Some(state), errors, names: kind.names(errors), watchdog });
+    }
+
+    // Set-up.
+
+    fn setup_answer(&mut self, mut setup: Setup, text: &str, now: f64, servo: &mut dyn Servo) {
+        self.answered = now;
+        let value = text::value(text);
+        let unknown = text == "invalid property";
+        match Step::ALL[setup.at] {
+            Step::Identify => {
+                let says = ["Hardware version", "Firmware version", "Serial number"];
+                if says.iter().any(|prefix| text.starts_with(prefix)) && self.identity.len() < says.len() {
+                    self.identity.push(text.into());
+                    setup.named = true;
+                    self.stage = Stage::Setup(setup);
+                    if text.starts_with(says[2]) {
+                        self.next_step(setup);
+                    }
+                } else if text == "unknown command" {
+                    servo.news(&News::Note("it does not say what it is".into()));
+                    self.next_step(setup);
+                } else {
+                    self.counts.unexpected += 1;
+                    self.puzzled(text.as_bytes(), now);
+                }
+            }
+            Step::Errors if unknown && setup.name + 1 < ERRORS.len() => {
+                self.go_on(Setup { name: setup.name + 1, ..setup });
+            }
+            Step::Errors => match value {
+                Some(bits) => {
+                    let kind = if setup.name == 0 { Errors::Old } else { Errors::New };
+                    self.errors = Some(kind);
+                    let errors = bits as u64;
+                    let watchdog = errors == kind.watchdog();
+                    if errors == 0 {
+                        self.next_step(setup);
+                    } else if watchdog && !setup.set {
+                        servo.news(&News::Note("its watchdog had stopped it; that is cleared".into()));
+                        self.go_on(Setup { set: true, ..setup });
+                    } else {
+                        self.lose(Lost::Axis { state: None, errors, names: kind.names(errors), watchdog });
+                    }
+                }
+                None => {
+                    servo.news(&News::Note(format!("its errors cannot be read ({text})")));
+                    self.next_step(setup);
+                }
+            },
+            Step::Set(property) => self.property_answer(setup, property, text, now, servo),
+            Step::Close if unknown => {
+                servo.news(&News::Note("it does not say whether its loop is closed".into()));
+                self.drive(now, servo);
+            }
+            Step::Close => match value {
+                Some(state) if state as i64 == CLOSED => {
+                    self.tells_state = true;
+                    self.drive(now, servo);
+                }
+                Some(state) => {
+                    let since = setup.since.unwrap_or(now);
+                    if now - since > CLOSING {
+                        self.awaited = None;
+                        self.left(state as i64);
+                    } else {
+                        self.go_on(Setup { set: true, since: Some(since), after: now + QUIET, ..setup });
+                    }
+                }
+                None => self.lose(Lost::Dialect(format!(
+                    "to close its loop is `{text}`; firmware 0.5.4 or later can be told so"
+                ))),
+            },
+        }
+    }
+
+    fn property_answer(
+        &mut self,
+        setup: Setup,
+        property: &Property,
+        text: &str,
+        now: f64,
+        servo: &mut dyn Servo,
+    ) {
+        let wanted = (property.value)(&self.settings);
+        let near = |there: f64| (there - wanted).abs() <= 1e-3 * wanted.abs() + 1e-6;
+        let name = property.names[setup.name];
+        match (text::value(text), setup.set) {
+            (Some(there), false) if (property.stays)(there, wanted) => {
+                if !near(there) {
+                    servo.news(&News::Note(format!("{name} is {there} and stays so, below {wanted:.6}")));
+                }
+                self.next_step(setup);
+            }
+            (Some(_), false) => self.go_on(Setup { set: true, ..setup }),
+            (Some(there), true) if near(there) => self.next_step(setup),
+            (None, false) if setup.name + 1 < property.names.len() => {
+                self.go_on(Setup { name: setup.name + 1, ..setup });
+            }
+            (there, _) => {
+                let there = there.map_or(text.into(), |there| format!("{there}, not {wanted:.6}"));
+                let said = format!("{name}: {there}");
+                match property.missing {
+                    Missing::Nothing => {}
+                    Missing::Note(meaning) => servo.news(&News::Note(format!("{said}; {meaning}"))),
+                    Missing::Watchdog if self.settings.unwatched => {
+                        servo.news(&News::Note(format!("{said}; no watchdog, as was allowed")));
+                    }
+                    Missing::Watchdog => return self.lose(Lost::Unwatched(said)),
+                }
+                // What was set and failed may have been answered twice.
+                self.next_step(setup);
+                if let Stage::Setup(next) = &mut self.stage {
+                    next.after = now + if setup.set { SETTLED } else { 0.0 };
+                }
+            }
+        }
+    }
+
+    /// Asks the next of this step.
+    fn go_on(&mut self, setup: Setup) {
+        self.awaited = None;
+        self.stage = Stage::Setup(Setup { tries: 0, ..setup });
+    }
+
+    fn next_step(&mut self, setup: Setup) {
+        self.go_on(Setup { at: setup.at + 1, ..Setup::default() });
+    }
+
+    fn drive(&mut self, now: f64, servo: &mut dyn Servo) {
+        self.stage = Stage::Driven;
+        (self.awaited, self.read, self.torque) = (None, None, 0.0);
+        (self.answered, self.next, self.glanced) = (now, now, now);
+        servo.news(&News::Ready(if self.identity.is_empty() {
+            "ODrive".into()
+        } else {
+            format!("ODrive, {}", self.identity.join(", "))
+        }));
+    }
+
+    /// What is asked in a step.
+    fn ask(&mut self, setup: Setup, out: &mut Vec<u8>) {
+        let axis = self.settings.axis;
+        if setup.at >= WATCHED {
+            command(out, format_args!("u {axis}"));
+        }
+        match Step::ALL[setup.at] {
+            Step::Identify => {
+                self.identity.clear();
+                command(out, format_args!("i"));
+            }
+            Step::Errors => {
+                if setup.set {
+                    // Else it would expire again before it is fed.
+                    command(out, format_args!("w axis{axis}.config.enable_watchdog 0"));
+                    command(out, format_args!("sc"));
+                }
+                command(out, format_args!("r axis{axis}.{}", ERRORS[setup.name]));
+            }
+            Step::Set(property) => {
+                let name = property.names[setup.name];
+                if setup.set {
+                    let value = (property.value)(&self.settings);
+                    let value = (value * 1e6).round() / 1e6;
+                    command(out, format_args!("w axis{axis}.{name} {value}"));
+                }
+                command(out, format_args!("r axis{axis}.{name}"));
+            }
+            Step::Close => {
+                command(out, format_args!("c {axis} 0"));
+                if !setup.set {
+                    command(out, format_args!("w axis{axis}.requested_state {CLOSED}"));
+                }
+                command(out, format_args!("r axis{axis}.current_state"));
+            }
+        }
+    }
+
+    fn turn_setup(&mut self, mut setup: Setup, now: f64, out: &mut Vec<u8>) -> Turn {
+        let axis = self.settings.axis;
+        let feed = self.settings.watchdog / 3.0;
+        if let Some((_, asked)) = self.awaited {
+            if now - asked > SLOW {
+                self.awaited = None;
+                if setup.named {
+                    // The rest of what it says it is does not come.
+                    self.next_step(setup);
+                    return self.step(now, out);
+                }
+                self.counts.dropped += 1;
+                setup.tries += 1;
+                setup.after = now;
+                self.stage = Stage::Setup(setup);
+                if setup.tries >= TRIES {
+                    let mut asked = Vec::new();
+                    self.ask(setup, &mut asked);
+                    let asked = String::from_utf8_lossy(&asked).trim_end().replace('\n', ", ");
+                    self.lose(Lost::Silent(format!("`{asked}`")));
+                    return self.step(now, out);
+                }
+            } else if setup.at >= WATCHED && now - self.fed > feed {
+                command(out, format_args!("u {axis}"));
+                self.fed = now;
+            }
+        }
+        if self.awaited.is_none() && now >= setup.after {
+            self.lines.forget();
+            self.ask(setup, out);
+            (self.awaited, self.fed) = (Some((Question::Other, now)), now);
+        }
+        let due = self.awaited.map_or(setup.after, |(_, asked)| asked + SLOW);
+        let time = if setup.at >= WATCHED { due.min(self.fed + feed) } else { due };
+        Turn::Until { time: time.max(now + 1e-4), awaits: true }
+    }
+
+    // Driving.
+
+    fn turn_driven(&mut self, now: f64, out: &mut Vec<u8>) -> Turn {
+        let Settings { axis, patience, watchdog, ramp, .. } = self.settings;
+        if let Some((_, asked)) = self.awaited
+            && now - asked > patience
+        {
+            self.counts.dropped += 1;
+            self.drop_thread(now);
+        }
+        if let Stage::Falling { since, .. } = self.stage
+            && (now - since >= ramp || self.drain.is_some())
+        {
+            self.let_go(out);
+            self.stage = Stage::Done;
+            return Turn::Done;
+        }
+        if now - self.answered > watchdog {
+            self.lose(Lost::Stalled(now - self.answered));
+            return self.step(now, out);
+        }
+        if std::mem::take(&mut self.release) {
+            command(out, format_args!("c {axis} 0"));
+        }
+        if let Some(since) = self.drain {
+            let quiet = since.max(self.heard) + QUIET;
+            if now < quiet {
+                return Turn::Until { time: quiet, awaits: true };
+            }
+            self.lines.forget();
+            self.drain = None;
+        }
+        if self.awaited.is_none() && now >= self.next {
+            let period = self.period();
+            self.next = if now - self.next > period { now + period } else { self.next + period };
+            command(out, format_args!("c {axis} {}", text::torque(self.torque)));
+            let question = if self.tells_state && now - self.glanced > GLANCE {
+                self.glanced = now;
+                command(out, format_args!("r axis{axis}.current_state"));
+                Question::State
+            } else {
+                command(out, format_args!("f {axis}"));
+                Question::Feedback
+            };
+            self.awaited = Some((question, now));
+        }
+        let fall = if let Stage::Falling { since, .. } = self.stage { since + ramp } else { f64::INFINITY };
+        let (time, awaits) = match self.awaited {
+            Some((_, asked)) => (asked + patience, true),
+            None => (self.next, false),
+        };
+        Turn::Until { time: time.min(fall), awaits }
+    }
+
+    /// No torque, idle, and no watchdog that would call it an error.
+    fn let_go(&self, out: &mut Vec<u8>) {
+        let axis = self.settings.axis;
+        command(out, format_args!("c {axis} 0"));
+        command(out, format_args!("w axis{axis}.requested_state {IDLE}"));
+        command(out, format_args!("w axis{axis}.config.enable_watchdog 0"));
+    }
+
+    fn turn_diagnosing(&mut self, state: i64, now: f64, out: &mut Vec<u8>) -> Turn {
+        let axis = self.settings.axis;
+        match (self.awaited, self.errors) {
+            (Some((_, asked)), _) if now - asked > SLOW => {
+                self.diagnosed(state, 0);
+                return self.step(now, out);
+            }
+            (None, Some(kind)) => {
+                let name = ERRORS[kind as usize];
+                command(out, format_args!("c {axis} 0"));
+                command(out, format_args!("r axis{axis}.{name}"));
+                self.awaited = Some((Question::Other, now));
+            }
+            _ => {}
+        }
+        Turn::Until { time: now + QUIET, awaits: true }
+    }
+
+    fn step(&mut self, now: f64, out: &mut Vec<u8>) -> Turn {
+        match self.stage.clone() {
+            Stage::Off | Stage::Done => Turn::Done,
+            Stage::Settling { since } => {
+                let quiet = since.max(self.heard) + SETTLED;
+                if self.sent.is_empty() {
+                    // Ends what another program may have begun.
+                    out.push(b'\n');
+                } else if now - since > CLOSING {
+                    self.lose(Lost::Dialect("it never stops to talk".into()));
+                    return self.step(now, out);
+                } else if now >= quiet {
+                    self.lines.forget();
+                    self.stage = Stage::Setup(Setup::default());
+                    return self.step(now, out);
+                }
+                Turn::Until { time: quiet, awaits: true }
+            }
+            Stage::Setup(setup) => self.turn_setup(setup, now, out),
+            Stage::Driven | Stage::Falling { .. } => self.turn_driven(now, out),
+            Stage::Diagnosing { state } => self.turn_diagnosing(state, now, out),
+            Stage::Lost(why) => {
+                if std::mem::take(&mut self.release) {
+                    let axis = self.settings.axis;
+                    command(out, format_args!("c {axis} 0"));
+                    command(out, format_args!("w axis{axis}.requested_state {IDLE}"));
+                }
+                Turn::Lost(why)
+            }
+        }
+    }
+}
+
+/// A line as it can be shown.
+fn shown(line: &[u8]) -> String {
+    let text: String = String::from_utf8_lossy(line).chars().take(40).collect();
+    format!("`{}`", text.escape_debug())
+}
+
+impl Session for ODrive {
+    fn begin(&mut self, now: f64) {
+        self.stage = Stage::Settling { since: now };
+        self.lines.forget();
+        self.sent.clear();
+        self.identity.clear();
+        self.surplus = Budget::new(SURPLUS);
+        (self.awaited, self.drain, self.release, self.read) = (None, None, false, None);
+        (self.errors, self.tells_state, self.torque) = (None, false, 0.0);
+        (self.heard, self.answered, self.fed) = (now, now, now);
+    }
+
+    fn hear(&mut self, bytes: &[u8], now: f64, servo: &mut dyn Servo) {
+        if bytes.is_empty() || matches!(self.stage, Stage::Off | Stage::Done | Stage::Lost(_)) {
+            return;
+        }
+        self.heard = now;
+        for byte in bytes {
+            if let Some(spent) = self.surplus.spend(1, now) {
+                self.lose(Lost::Flood(spent));
+            }
+            if matches!(self.stage, Stage::Lost(_)) {
+                return;
+            }
+            match self.lines.push(*byte) {
+                Some(Piece::Line(line)) => self.line(&line, now, servo),
+                Some(Piece::TooLong) => {
+                    self.counts.unexpected += 1;
+                    self.puzzled(b"a line without end", now);
+                }
+                None => {}
+            }
+        }
+    }
+
+    fn turn(&mut self, now: f64, _servo: &mut dyn Servo, out: &mut Vec<u8>) -> Turn {
+        let before = out.len();
+        let turn = self.step(now, out);
+        if out.len() > before {
+            self.sent.clear();
+            self.sent.extend_from_slice(&out[before..]);
+        }
+        turn
+    }
+
+    fn stop(&mut self, now: f64) {
+        match self.stage {
+            Stage::Driven => self.stage = Stage::Falling { since: now, from: self.torque },
+            Stage::Lost(_) | Stage::Done | Stage::Off | Stage::Falling { .. } => {}
+            // Torque is 0; its loop may be closing.
+            Stage::Setup(setup) if setup.at >= WATCHED => {
+                self.stage = Stage::Falling { since: f64::NEG_INFINITY, from: 0.0 };
+            }
+            _ => self.stage = Stage::Done,
+        }
+    }
+
+    fn torque(&self) -> f64 {
+        self.torque
+    }
+
+    fn is_ready(&self) -> bool {
+        self.stage == Stage::Driven && self.read.is_some()
+    }
+
+    fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    fn round_trip(&self) -> RoundTrip {
+        self.trips.sum_up()
+    }
+}
