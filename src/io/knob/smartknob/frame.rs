@@ -83,7 +83,7 @@ mod tests {
     fn damage_is_seen_and_what_follows_is_whole() {
         let mut frames = Frames::default();
         let mut frame = pack(&[8, 1, 16, 7]);
-        frame[2] ^= 1;
+        frame[2] ^= 2;
         frame.extend(pack(&[8, 1]));
         frame.extend([5, 0, 0, 1, 2, 3, 0]);
         frame.extend([1; 2000]);
