@@ -45,9 +45,4 @@ impl Hand {
     pub fn notes(&self, words: &str) -> usize {
         self.news.iter().filter(|news| matches!(news, News::Note(note) if note.contains(words))).count()
     }
-
-    /// Whether it was said to be ready.
-    pub fn is_ready(&self) -> bool {
-        self.news.iter().any(|news| matches!(news, News::Ready(_)))
-    }
 }

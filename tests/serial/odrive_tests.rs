@@ -228,6 +228,24 @@ fn what_is_broken_is_counted_and_the_thread_is_taken_up() {
 }
 
 #[test]
+fn a_late_answer_is_not_taken_for_the_next() {
+    let mut line = running(Names::Old);
+    // The knob turns, so that an old angle is a wrong one.
+    (line.hand.stiffness, line.hand.damping, line.device.hand) = (0.0, 1e-3, 0.01);
+    line.device.mischief.late = 50;
+    for _ in 0..20_000 {
+        let ticks = line.hand.ticks;
+        assert_eq!(line.step(), None);
+        if line.hand.ticks > ticks {
+            let (read, angle) = (line.hand.last.unwrap().angle, line.device.plant.angle());
+            let age = (angle - read) / line.device.plant.speed();
+            assert!(age < 1.2e-3, "{age} s old at {}", line.now);
+        }
+    }
+    assert!(line.session.counts().late > 10);
+}
+
+#[test]
 fn pieces_and_clumps_are_the_same_to_it() {
     for (pieces, merged) in [(1, 0.0), (3, 0.0), (0, 2e-3), (5, 1e-3)] {
         let mut line = plugged(Names::Old, Settings::default());

@@ -128,6 +128,7 @@ impl Driver {
             let now = self.now();
             self.session.begin(now);
             let Some(why) = self.converse() else { break None };
+            self.session.lose(&why);
             self.servo.lost(&why);
             self.tell(Some(&why), false);
             if why.is_final() || !self.come_back(matches!(why, Lost::Vanished(_))) {

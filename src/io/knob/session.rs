@@ -52,6 +52,9 @@ pub trait Session: Send {
     /// Does what is due, and appends what is to be written.
     fn turn(&mut self, now: f64, servo: &mut dyn Servo, out: &mut Vec<u8>) -> Turn;
 
+    /// The line is gone: torque ends.
+    fn lose(&mut self, why: &Lost);
+
     /// Ends in good order; [`Turn::Done`] tells when that is done.
     fn stop(&mut self, now: f64);
 

@@ -31,6 +31,9 @@ const CLOSING: f64 = 2.0;
 /// So often it is asked for its state while it is driven, seconds.
 const GLANCE: f64 = 0.1;
 
+/// The least time between two readings, seconds.
+const LEAST: f64 = 1e-6;
+
 /// Bytes a second that nobody asked for.
 const SURPLUS: usize = 4096;
 
@@ -101,6 +104,9 @@ pub struct ODrive {
     /// Since when the thread is lost, and whether torque is to be taken away at once.
     drain: Option<f64>,
     release: bool,
+    /// What is asked next, so that its answer cannot be a late one; and whether that was asked.
+    probe: Option<Question>,
+    flushing: bool,
     heard: f64,
     /// When it gave an answer last, a reading last, and was last asked for its state.
     answered: f64,
@@ -135,6 +141,8 @@ impl ODrive {
             awaited: None,
             drain: None,
             release: false,
+            probe: None,
+            flushing: false,
             heard: 0.0,
             answered: 0.0,
             read: None,
@@ -161,7 +169,7 @@ impl ODrive {
         }
     }
 
-    fn lose(&mut self, why: Lost) {
+    fn end(&mut self, why: Lost) {
         if !matches!(self.stage, Stage::Lost(_) | Stage::Done | Stage::Off) {
             // Where its motor may be on it is told, in case it hears; its watchdog does the rest.
             self.release = self.is_watched();
@@ -173,6 +181,8 @@ impl ODrive {
 
     /// The thread is lost: no torque until the next reading, and no question until the line is quiet.
     fn drop_thread(&mut self, now: f64) {
+        // Readings that are still on their way come before the answer to this, and an old state does no harm.
+        self.probe = Some(if self.tells_state { Question::State } else { Question::Feedback });
         (self.torque, self.awaited, self.drain, self.release) = (0.0, None, Some(now), true);
     }
 
@@ -180,7 +190,7 @@ impl ODrive {
 
     fn line(&mut self, line: &[u8], now: f64, servo: &mut dyn Servo) {
         if self.sent.split(|byte| *byte == b'\n').any(|sent| sent == line) {
-            return self.lose(Lost::Echo(shown(line)));
+            return self.end(Lost::Echo(shown(line)));
         }
         let Some(text) = text::answer(line) else {
             if !matches!(self.stage, Stage::Settling { .. }) {
@@ -210,11 +220,12 @@ impl ODrive {
                 }
                 (Question::State, None, Some(state)) => {
                     self.surplus.credit(line.len() + 2);
-                    (self.awaited, self.answered) = (None, now);
+                    (self.awaited, self.answered, self.flushing) = (None, now, false);
                     if state as i64 != CLOSED {
                         self.left(state as i64);
                     }
                 }
+                (_, Some(_), _) | (_, _, Some(_)) if self.flushing => self.counts.late += 1,
                 _ => {
                     self.counts.unexpected += 1;
                     self.puzzled(line, now);
@@ -231,7 +242,7 @@ impl ODrive {
                 setup.after = now + SETTLED;
                 self.awaited = None;
                 if setup.tries >= TRIES {
-                    self.lose(Lost::Dialect(shown(line)));
+                    self.end(Lost::Dialect(shown(line)));
                 }
             }
             Stage::Driven | Stage::Falling { .. } => self.drop_thread(now),
@@ -241,8 +252,8 @@ impl ODrive {
 
     fn reading(&mut self, angle: f64, velocity: f64, now: f64, asked: f64, servo: &mut dyn Servo) {
         self.trips.push(now - asked);
-        let dt = self.read.map_or(self.period(), |last| now - last);
-        (self.awaited, self.answered, self.read) = (None, now, Some(now));
+        let dt = self.read.map_or(self.period(), |last| (now - last).max(LEAST));
+        (self.awaited, self.answered, self.read, self.flushing) = (None, now, Some(now), false);
         self.counts.readings += 1;
         if let Stage::Falling { since, from } = self.stage {
             let left = 1.0 - (now - since) / self.settings.ramp.max(1e-9);
@@ -273,7 +284,7 @@ impl ODrive {
     fn diagnosed(&mut self, state: i64, errors: u64) {
         let kind = self.errors.unwrap_or(Errors::Old);
         let watchdog = errors == kind.watchdog();
-        self.lose(Lost::Axis { state: Some(state), errors, names: kind.names(errors), watchdog });
+        self.end(Lost::Axis { state: Some(state), errors, names: kind.names(errors), watchdog });
     }
 
     // Set-up.
@@ -315,7 +326,7 @@ impl ODrive {
                         servo.news(&News::Note("its watchdog had stopped it; that is cleared".into()));
                         self.go_on(Setup { set: true, ..setup });
                     } else {
-                        self.lose(Lost::Axis { state: None, errors, names: kind.names(errors), watchdog });
+                        self.end(Lost::Axis { state: None, errors, names: kind.names(errors), watchdog });
                     }
                 }
                 None => {
@@ -342,7 +353,7 @@ impl ODrive {
                         self.go_on(Setup { set: true, since: Some(since), after: now + QUIET, ..setup });
                     }
                 }
-                None => self.lose(Lost::Dialect(format!(
+                None => self.end(Lost::Dialect(format!(
                     "to close its loop is `{text}`; firmware 0.5.4 or later can be told so"
                 ))),
             },
@@ -381,7 +392,7 @@ impl ODrive {
                     Missing::Watchdog if self.settings.unwatched => {
                         servo.news(&News::Note(format!("{said}; no watchdog, as was allowed")));
                     }
-                    Missing::Watchdog => return self.lose(Lost::Unwatched(said)),
+                    Missing::Watchdog => return self.end(Lost::Unwatched(said)),
                 }
                 // What was set and failed may have been answered twice.
                 self.next_step(setup);
@@ -405,6 +416,7 @@ impl ODrive {
     fn drive(&mut self, now: f64, servo: &mut dyn Servo) {
         self.stage = Stage::Driven;
         (self.awaited, self.read, self.torque) = (None, None, 0.0);
+        (self.probe, self.flushing) = (None, false);
         (self.answered, self.next, self.glanced) = (now, now, now);
         servo.news(&News::Ready(if self.identity.is_empty() {
             "ODrive".into()
@@ -470,7 +482,7 @@ impl ODrive {
                     let mut asked = Vec::new();
                     self.ask(setup, &mut asked);
                     let asked = String::from_utf8_lossy(&asked).trim_end().replace('\n', ", ");
-                    self.lose(Lost::Silent(format!("`{asked}`")));
+                    self.end(Lost::Silent(format!("`{asked}`")));
                     return self.step(now, out);
                 }
             } else if setup.at >= WATCHED && now - self.fed > feed {
@@ -506,7 +518,7 @@ impl ODrive {
             return Turn::Done;
         }
         if now - self.answered > watchdog {
-            self.lose(Lost::Stalled(now - self.answered));
+            self.end(Lost::Stalled(now - self.answered));
             return self.step(now, out);
         }
         if std::mem::take(&mut self.release) {
@@ -524,14 +536,16 @@ impl ODrive {
             let period = self.period();
             self.next = if now - self.next > period { now + period } else { self.next + period };
             command(out, format_args!("c {axis} {}", text::torque(self.torque)));
-            let question = if self.tells_state && now - self.glanced > GLANCE {
+            let glance = self.tells_state && now - self.glanced > GLANCE;
+            self.flushing = self.probe.is_some();
+            let question =
+                self.probe.take().unwrap_or(if glance { Question::State } else { Question::Feedback });
+            if question == Question::State {
                 self.glanced = now;
                 command(out, format_args!("r axis{axis}.current_state"));
-                Question::State
             } else {
                 command(out, format_args!("f {axis}"));
-                Question::Feedback
-            };
+            }
             self.awaited = Some((question, now));
         }
         let fall = if let Stage::Falling { since, .. } = self.stage { since + ramp } else { f64::INFINITY };
@@ -577,7 +591,7 @@ impl ODrive {
                     // Ends what another program may have begun.
                     out.push(b'\n');
                 } else if now - since > CLOSING {
-                    self.lose(Lost::Dialect("it never stops to talk".into()));
+                    self.end(Lost::Dialect("it never stops to talk".into()));
                     return self.step(now, out);
                 } else if now >= quiet {
                     self.lines.forget();
@@ -626,7 +640,7 @@ impl Session for ODrive {
         self.heard = now;
         for byte in bytes {
             if let Some(spent) = self.surplus.spend(1, now) {
-                self.lose(Lost::Flood(spent));
+                self.end(Lost::Flood(spent));
             }
             if matches!(self.stage, Stage::Lost(_)) {
                 return;
@@ -652,14 +666,16 @@ impl Session for ODrive {
         turn
     }
 
+    fn lose(&mut self, why: &Lost) {
+        self.end(why.clone());
+    }
+
     fn stop(&mut self, now: f64) {
         match self.stage {
             Stage::Driven => self.stage = Stage::Falling { since: now, from: self.torque },
             Stage::Lost(_) | Stage::Done | Stage::Off | Stage::Falling { .. } => {}
             // Torque is 0; its loop may be closing.
-            Stage::Setup(setup) if setup.at >= WATCHED => {
-                self.stage = Stage::Falling { since: f64::NEG_INFINITY, from: 0.0 };
-            }
+            _ if self.is_watched() => self.stage = Stage::Falling { since: f64::NEG_INFINITY, from: 0.0 },
             _ => self.stage = Stage::Done,
         }
     }

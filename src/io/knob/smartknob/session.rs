@@ -30,6 +30,9 @@ const SILENT: f64 = 2.0;
 /// So long what it was told to be may take until it says it back, seconds.
 const IN_FORCE: f64 = 1.5;
 
+/// The least time between two readings, seconds.
+const LEAST: f64 = 1e-6;
+
 /// States that should pass in a second, and messages and damaged bytes that may.
 const RATE: f64 = 200.0;
 const MOST_MESSAGES: usize = 2_000;
@@ -141,6 +144,8 @@ pub struct SmartKnob {
     press: Option<u8>,
     log: String,
     alive: f64,
+    /// The newest angle that the servo has not got yet, and when it got one last.
+    angle: Option<f64>,
     read: Option<f64>,
 }
 
@@ -172,6 +177,7 @@ impl SmartKnob {
             press: None,
             log: String::new(),
             alive: f64::NEG_INFINITY,
+            angle: None,
             read: None,
         };
         Ok((session, remote))
@@ -195,7 +201,7 @@ impl SmartKnob {
         Flight { nonce, message: ToKnob::State.encode(nonce), sent: now, tries: 1 }
     }
 
-    fn lose(&mut self, why: Lost) {
+    fn end(&mut self, why: Lost) {
         if !matches!(self.stage, Stage::Lost(_) | Stage::Done | Stage::Off) {
             self.stage = Stage::Lost(why);
             self.counts.lost += 1;
@@ -212,14 +218,14 @@ impl SmartKnob {
         let asked = self.ping.as_ref().is_some_and(|ping| ping.message == bytes);
         let told = self.telling.as_ref().is_some_and(|telling| telling.flight.message == bytes);
         if asked || told {
-            return self.lose(Lost::Echo("a frame".into()));
+            return self.end(Lost::Echo("a frame".into()));
         }
         if let Stage::Waking { frames, .. } = &mut self.stage {
             *frames += 1;
             let Some(ping) = &self.ping else { return };
             let Some(found) = dialect(bytes, ping.nonce) else {
                 if let Ok(FromKnob::Version(version)) = FromKnob::decode(bytes, Dialect::Original) {
-                    self.lose(Lost::Dialect(format!("frames of version {version}, and 1 is known")));
+                    self.end(Lost::Dialect(format!("frames of version {version}, and 1 is known")));
                 }
                 return;
             };
@@ -235,7 +241,7 @@ impl SmartKnob {
         match FromKnob::decode(bytes, known) {
             Err(_) => return self.counts.unexpected += 1,
             Ok(FromKnob::Version(version)) => {
-                return self.lose(Lost::Dialect(format!("frames of version {version}, and 1 is known")));
+                return self.end(Lost::Dialect(format!("frames of version {version}, and 1 is known")));
             }
             Ok(FromKnob::Ack(nonce)) => self.acknowledged(nonce, now),
             Ok(FromKnob::Log(line)) => self.log = line,
@@ -286,13 +292,17 @@ impl SmartKnob {
             self.counts.unexpected += 1;
             return;
         };
-        let origin = self.current.as_ref().map_or(0.0, |feel| feel.origin);
-        let dt = self.read.map_or(1.0 / RATE, |last| now - last);
+        self.angle = Some(self.current.as_ref().map_or(0.0, |feel| feel.origin) + angle);
+    }
+
+    /// Hands the newest angle on. Of states that come together only the last one says anything.
+    fn reading(&mut self, now: f64, servo: &mut dyn Servo) {
+        let Some(angle) = self.angle.take() else { return };
+        let dt = self.read.map_or(1.0 / RATE, |last| (now - last).max(LEAST));
         self.read = Some(now);
         self.counts.readings += 1;
-        let round_trip = self.trips.sum_up();
         // The knob makes its own torque.
-        servo.tick(&Reading { angle: origin + angle, velocity: None, dt, round_trip });
+        servo.tick(&Reading { angle, velocity: None, dt, round_trip: self.trips.sum_up() });
     }
 
     // What goes.
@@ -371,7 +381,7 @@ impl SmartKnob {
             servo.news(&News::Refused(telling.feel.config.text, why));
         }
         if self.ask_again(TRIES, now, out) {
-            self.lose(Lost::Stalled(now - self.alive));
+            self.end(Lost::Stalled(now - self.alive));
             return self.step(now, servo, out);
         }
         let owes = self.telling.as_ref().is_some_and(|telling| match telling.acknowledged {
@@ -407,7 +417,7 @@ impl SmartKnob {
                     }
                     self.ask(now, out);
                 } else if self.ask_again(WAKE_TRIES, now, out) {
-                    self.lose(match frames {
+                    self.end(match frames {
                         0 => Lost::Silent("eight zeros and a question for its state".into()),
                         _ => Lost::Dialect("frames, of which none acknowledges a question".into()),
                     });
@@ -437,7 +447,8 @@ impl Session for SmartKnob {
         // What it was, it is to be again.
         let telling = self.telling.take().map(|telling| telling.feel);
         self.waiting = self.waiting.take().or(telling).or(self.current.clone());
-        (self.ping, self.dialect, self.read, self.press, self.strays) = (None, None, None, None, None);
+        (self.ping, self.dialect, self.press, self.strays) = (None, None, None, None);
+        (self.angle, self.read) = (None, None);
         (self.surplus, self.messages) = (Budget::new(SURPLUS), Budget::new(MOST_MESSAGES));
         self.alive = f64::NEG_INFINITY;
     }
@@ -448,7 +459,7 @@ impl Session for SmartKnob {
                 return;
             }
             if let Some(spent) = self.surplus.spend(1, now) {
-                return self.lose(Lost::Flood(spent));
+                return self.end(Lost::Flood(spent));
             }
             if let Stage::Waking { zero, .. } = &mut self.stage
                 && !*zero
@@ -460,7 +471,7 @@ impl Session for SmartKnob {
                 Some(Ok(message)) => {
                     self.surplus.credit(message.len() + 8);
                     if let Some(spent) = self.messages.spend(1, now) {
-                        return self.lose(Lost::Flood(spent * message.len()));
+                        return self.end(Lost::Flood(spent * message.len()));
                     }
                     self.message(&message, now, servo);
                 }
@@ -468,10 +479,15 @@ impl Session for SmartKnob {
                 None => {}
             }
         }
+        self.reading(now, servo);
     }
 
     fn turn(&mut self, now: f64, servo: &mut dyn Servo, out: &mut Vec<u8>) -> Turn {
         self.step(now, servo, out)
+    }
+
+    fn lose(&mut self, why: &Lost) {
+        self.end(why.clone());
     }
 
     fn stop(&mut self, now: f64) {
