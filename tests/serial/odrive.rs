@@ -168,7 +168,7 @@ impl FakeODrive {
 
     fn answer(&mut self, now: f64, text: &str, summed: bool) {
         self.answers += 1;
-        let every = |n: u64, k: u64| n != 0 && k % n == 0;
+        let every = |n: u64, k: u64| n != 0 && k.is_multiple_of(n);
         let text = self.mischief.says.unwrap_or(text);
         let mut bytes: Vec<u8> = text.bytes().take(64).collect();
         if every(self.mischief.odd, self.answers) {

@@ -134,7 +134,7 @@ impl FakeSmartKnob {
 
     fn put(&mut self, message: &[u8]) {
         self.frames += 1;
-        let every = |n: u64, k: u64| n != 0 && k % n == 0;
+        let every = |n: u64, k: u64| n != 0 && k.is_multiple_of(n);
         let mut bytes = frame(&[number(1, self.mischief.version), message.to_vec()].concat());
         if every(self.mischief.damaged, self.frames) {
             let at = bytes.len() / 2;
@@ -340,10 +340,10 @@ impl Device for FakeSmartKnob {
             self.steps += 1;
             let torque = self.volts() * PER_VOLT;
             self.plant.step(torque, &Hand { torque: self.hand, ..Hand::default() });
-            if self.steps % 5 == 0 && !self.plain {
+            if self.steps.is_multiple_of(5) && !self.plain {
                 self.state();
             }
-            if self.steps % 400 == 0 && self.plain {
+            if self.steps.is_multiple_of(400) && self.plain {
                 self.says.extend(b"Position: 0\r\n");
             }
         }
