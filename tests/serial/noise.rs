@@ -137,3 +137,29 @@ fn megabytes_of_noise_take_no_memory() {
         }
     }
 }
+
+#[test]
+fn what_never_ends_takes_no_memory() {
+    for (mut session, chunk) in sessions().into_iter().zip([vec![b'x'; 400], vec![0x55; 1_500]]) {
+        let (mut hand, mut now, mut most) = (Hand::default(), 0.0, 0);
+        let mut out = Vec::with_capacity(4096);
+        hand.news.reserve(64);
+        session.begin(now);
+        session.turn(now, &mut hand, &mut out);
+        session.hear(&[0, b'\n'], now, &mut hand);
+        now += 0.03;
+        session.turn(now, &mut hand, &mut out);
+        let before = HELD.with(Cell::get);
+        for _ in 0..400 {
+            now += 0.1;
+            session.hear(&chunk, now, &mut hand);
+            out.clear();
+            if let Turn::Lost(_) = session.turn(now, &mut hand, &mut out) {
+                session.begin(now);
+                session.hear(&[0], now, &mut hand);
+            }
+            most = most.max(HELD.with(Cell::get) - before);
+        }
+        assert!(most < 2_048, "{most}");
+    }
+}

@@ -88,6 +88,8 @@ pub struct FakeSmartKnob {
     frames: u64,
     spilled: f64,
     awake: f64,
+    /// So many bytes are still lost when it has booted.
+    deaf: usize,
     began: bool,
 }
 
@@ -118,6 +120,7 @@ impl FakeSmartKnob {
             frames: 0,
             spilled: 0.0,
             awake: 0.0,
+            deaf: 0,
             began: false,
         };
         knob.demonstrate();
@@ -301,7 +304,9 @@ impl Device for FakeSmartKnob {
         if self.mischief.echo {
             self.says.extend(bytes);
         }
-        for byte in bytes {
+        let lost = self.deaf.min(bytes.len());
+        self.deaf -= lost;
+        for byte in &bytes[lost..] {
             if !self.began {
                 self.began = *byte != 0;
                 self.zeros += usize::from(*byte == 0);

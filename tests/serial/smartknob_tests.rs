@@ -183,6 +183,9 @@ fn silence_is_a_loss_and_what_it_was_it_is_again() {
         "{why:?}"
     );
     assert!(line.now - from < 4.5 && line.session.torque() == 0.0);
+    // Each question begins as the first did.
+    let asked: Vec<_> = line.said.iter().filter(|(at, _)| *at > from).collect();
+    assert!(asked.len() == 8 && asked.iter().all(|(_, bytes)| bytes.starts_with(&[0; 8])), "{asked:?}");
     line.device.mischief.stall = None;
     line.begin();
     line.lives(1.0);
@@ -199,8 +202,8 @@ fn one_that_starts_anew_is_woken_and_told_again_without_a_letter() {
         let at = line.now + 0.1;
         line.device.mischief.reset = Some(at);
         // Told to be something else while nobody hears.
-        line.lives(0.02 * f64::from(offset));
-        if line.now > at + 0.05 || line.now < at - 0.05 {
+        line.lives(0.1 * f64::from(offset));
+        if (line.now - at).abs() > 0.05 {
             remote.set(feel("S C other")).unwrap();
         }
         let mut ended = None;
@@ -224,6 +227,18 @@ fn one_that_starts_anew_is_woken_and_told_again_without_a_letter() {
             })
         );
     }
+}
+
+#[test]
+fn what_is_sent_again_does_not_run_into_one_that_starts_anew() {
+    let (mut line, remote) = running(false);
+    line.device.mischief.deaf = true;
+    remote.set(feel("CSC SC")).unwrap();
+    line.lives(0.1);
+    (line.device.mischief.reset, line.device.mischief.deaf) = (Some(line.now + 0.01), false);
+    line.lives(4.0);
+    assert!(!line.device.calibrated, "{:?}", String::from_utf8_lossy(&line.device.commands));
+    assert_eq!(in_force(&line, "CSC SC"), 1, "{:?}", line.hand.news);
 }
 
 #[test]

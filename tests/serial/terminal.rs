@@ -60,8 +60,6 @@ impl<D: Device + Send + 'static> Terminal<D> {
         grantpt(&master).unwrap();
         unlockpt(&master).unwrap();
         let name = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
-        let _ = std::fs::remove_file(&self.path);
-        symlink(&name, &self.path).unwrap();
         // Held, or the master hangs up as soon as the other side closes for a moment.
         let slave = OpenOptions::new().read(true).write(true).open(&name).unwrap();
         let mut mode = tcgetattr(&slave).unwrap();
@@ -89,15 +87,17 @@ impl<D: Device + Send + 'static> Terminal<D> {
                 }
             }
         });
+        symlink(&name, &self.path).unwrap();
         self.plugged = Some(Plugged { stop, thread });
     }
 
     /// Pulls it out.
     pub fn pull(&mut self) {
         if let Some(plugged) = self.plugged.take() {
+            // Its name first: the system gives the number of a terminal that is gone to the next one.
+            std::fs::remove_file(&self.path).unwrap();
             plugged.stop.store(true, Ordering::Release);
             plugged.thread.join().unwrap();
-            let _ = std::fs::remove_file(&self.path);
         }
     }
 }
