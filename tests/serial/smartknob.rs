@@ -335,7 +335,7 @@ impl Device for FakeSmartKnob {
     fn pass(&mut self, now: f64) -> Vec<u8> {
         if self.mischief.reset.take_if(|at| *at <= now).is_some() {
             self.demonstrate();
-            (self.plain, self.last, self.awake) = (true, None, now + 1.0);
+            (self.plain, self.last, self.awake, self.deaf) = (true, None, now + 1.0, 12);
             self.held.clear();
             self.says.clear();
             self.says
