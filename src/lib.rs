@@ -40,7 +40,7 @@
 //!
 //! | room | holds |
 //! |---|---|
-//! | `io` | files: WAV, recordings, texts, logs; live also devices, ports of MIDI, OSC, journals, sessions; with the feature `io` |
+//! | `io` | files: WAV, recordings, texts, logs; live also devices, ports of MIDI, OSC, journals, sessions; with the feature `serial` knobs on serial ports; with the feature `io` |
 //! | `live` | what a session is made of but for its devices: signals, the thread that leads it, its callback; with the feature `live` |
 //! | `report` | the scene reference, error against run time, what actuators do under drives, pictures; with the feature `report` |
 //! | [`player`] | performer and engine together |

@@ -11,6 +11,8 @@ pub mod gesture;
 pub mod input;
 #[cfg(feature = "live")]
 pub mod journal;
+#[cfg(feature = "serial")]
+pub mod knob;
 #[cfg(feature = "live")]
 pub mod latency;
 pub mod load;
