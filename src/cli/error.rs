@@ -301,7 +301,7 @@ fn chart(answer: &Answer, loaded: &Loaded) -> Chart {
         {
             let name = format!("{}: {what}", row.precision);
             let at = series.iter().position(|one| one.name == name).unwrap_or_else(|| {
-                series.push(Series { name, points: Vec::new() });
+                series.push(Series { name, ..Series::default() });
                 series.len() - 1
             });
             // Of nothing at all, the chart says that it leaves a point out.

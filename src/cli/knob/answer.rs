@@ -1,6 +1,6 @@
 //! What a knob is, what it bears and what it did.
 
-use super::turn::Turned;
+use super::turn::{Set, Turned};
 use crate::cli::load::Loaded;
 use crate::cli::paint::Paint;
 use crate::cli::table::{Table, many};
@@ -33,6 +33,8 @@ pub struct Answer {
     seconds: f64,
     /// How often each trigger set off its voice.
     set_off: BTreeMap<String, usize>,
+    /// Each of them, with its seconds.
+    events: Vec<Set>,
     /// Of the knob, rad.
     least_angle: f64,
     most_angle: f64,
@@ -103,6 +105,7 @@ impl Answer {
             binds: explained.map(|explained| explained.to_string()),
             seconds: samples.len() as f64 / turned.course.rate,
             set_off,
+            events: turned.set_off.clone(),
             least_angle: -most(&|n| -samples[n].angle),
             most_angle: most(&|n| samples[n].angle),
             most_speed: most(&|n| samples[n].speed.abs()),

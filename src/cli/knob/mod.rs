@@ -2,6 +2,7 @@
 
 mod answer;
 mod course;
+mod picture;
 mod turn;
 
 use super::check::json;
@@ -13,9 +14,13 @@ use super::render::seconds;
 use super::terminal::Terminal;
 use answer::Answer;
 use clap::Args;
+use pacinian::actuator::fault::Fault;
 use pacinian::io::gesture::Gesture;
+use pacinian::io::out;
+use pacinian::report::knob::curve::Sweep;
+use pacinian::report::knob::map::Map;
 use std::path::PathBuf;
-use turn::Turn;
+use turn::{Turn, Turned};
 
 /// Turns a simulated force-feedback knob under a patch, and says what it did
 #[derive(Debug, Args)]
@@ -40,6 +45,18 @@ pub struct KnobCommand {
     /// Writes angle, speed, torque and energy of every engine sample as a table; one that is there is replaced
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
+    /// Draws angle, speed, torque and energy over time into this file
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    /// Draws speed over angle
+    #[arg(long, value_name = "FILE.svg")]
+    phase: Option<PathBuf>,
+    /// Draws torque over angle, of a slow turn up and down again
+    #[arg(long, value_name = "FILE.svg")]
+    curve: Option<PathBuf>,
+    /// Draws the stability map: stiffness over damping, the edge beyond which it swings by itself, what the governor grants, and the effects
+    #[arg(long, value_name = "FILE.svg")]
+    map: Option<PathBuf>,
     /// Writes what leaves the channels meanwhile
     #[arg(short, long, value_name = "FILE.wav")]
     output: Option<PathBuf>,
@@ -62,7 +79,23 @@ impl KnobCommand {
         };
         let mut own = loaded.files.clone();
         own.extend(self.hand.clone());
-        self.csv.as_ref().map_or(Ok(()), |path| check_made(path, "--csv", "csv", &own))?;
+        let made = [
+            (&self.csv, "--csv", "csv"),
+            (&self.plot, "--plot", "svg"),
+            (&self.phase, "--phase", "svg"),
+            (&self.curve, "--curve", "svg"),
+            (&self.map, "--map", "svg"),
+        ];
+        let mut named: Vec<&PathBuf> = Vec::new();
+        for (path, option, extension) in made {
+            let Some(path) = path else { continue };
+            check_made(path, option, extension, &own)?;
+            if named.contains(&path) {
+                let what = format!("`{}` is named twice", path.display());
+                return Err(Failure::usage(what, format!("choose another file for {option}")));
+            }
+            named.push(path);
+        }
         self.output.as_ref().map_or(Ok(()), |path| check_sound(path, "--output", &own))?;
         let gesture = self.hand.as_deref().map(Gesture::open).transpose()?;
         let turn = Turn {
@@ -74,8 +107,34 @@ impl KnobCommand {
         if let Some(path) = &self.csv {
             course::write(path, &turned.course)?;
         }
+        self.draw(&loaded.patch.title, &turned)?;
         let answer = Answer::new(&loaded, knob, &turned);
         terminal.print(&if self.json { json(&answer) } else { answer.text(terminal.out) })?;
         turned.ending
+    }
+
+    /// Pictures that were asked for.
+    fn draw(&self, title: &str, turned: &Turned) -> Result<(), Failure> {
+        if let Some(path) = &self.plot {
+            out::write(path, picture::strips(title, turned).svg().as_bytes())?;
+        }
+        if let Some(path) = &self.phase {
+            out::write(path, picture::phase(title, &turned.course).svg().as_bytes())?;
+        }
+        let Some(setup) = turned.player.plan().knob.as_ref().map(|knob| &knob.setup) else { return Ok(()) };
+        let impossible = |fault: Fault| Failure::said(78, fault.to_string());
+        if let Some(path) = &self.curve {
+            let least = turned.course.samples.iter().map(|s| s.angle).fold(0.0, f64::min);
+            let most = turned.course.samples.iter().map(|s| s.angle).fold(0.0, f64::max);
+            let range = if most > least { [least, most] } else { [-1.0, 1.0] };
+            let sweep = Sweep::new(&setup.effects, range).map_err(|(_, fault)| impossible(fault))?;
+            out::write(path, sweep.chart(title).svg().as_bytes())?;
+        }
+        if let Some(path) = &self.map {
+            let ask = turned.player.knob().map(|knob| knob.servo().demand());
+            let map = Map::new(&setup.device, setup.margin, ask.as_ref()).map_err(impossible)?;
+            out::write(path, map.chart(title).svg().as_bytes())?;
+        }
+        Ok(())
     }
 }

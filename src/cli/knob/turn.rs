@@ -10,6 +10,7 @@ use pacinian::io::gesture::Gesture;
 use pacinian::io::wav::{Encoding, WavSpec, WavWriter};
 use pacinian::patch::knob::HAND;
 use pacinian::player::{Happening, Player};
+use serde::Serialize;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -44,7 +45,7 @@ pub fn forth_and_back() -> Gesture {
 }
 
 /// Something that the knob set off.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Set {
     /// Seconds.
     pub at: f64,

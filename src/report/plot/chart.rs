@@ -34,6 +34,8 @@ pub struct Series {
     pub name: String,
     /// Its points.
     pub points: Vec<Point>,
+    /// Whether it is a curve, marked where a point has a label and nowhere else.
+    pub smooth: bool,
 }
 
 /// A chart of one or more series.
@@ -97,7 +99,7 @@ impl Chart {
                 let [a, b] = [pair[0], pair[1]].map(|p| (x.at(p.x), y.at(p.y)));
                 taken.extend(along(a, b));
             }
-            for point in points {
+            for point in points.iter().filter(|point| !series.smooth || !point.label.is_empty()) {
                 let (px, py) = (x.at(point.x), y.at(point.y));
                 mark(&mut svg, index, ink, px, py);
                 taken.push([px - 5.0, py - 5.0, px + 5.0, py + 5.0]);
@@ -240,7 +242,7 @@ mod tests {
             title: "Error <against> run time".into(),
             x: Axis { label: "run time (s)".into(), log, least: 0.0 },
             y: Axis { label: "error & more".into(), log, least: 0.0 },
-            series: vec![Series { name: "a \"b\"".into(), points }],
+            series: vec![Series { name: "a \"b\"".into(), points, smooth: false }],
             notes: Vec::new(),
         }
     }
