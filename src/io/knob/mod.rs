@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`ports`] | which ports there are, and which of them may be a knob |
-//! | [`line`], [`port`] | a line of bytes; the serial port |
+//! | [`mod@line`], [`port`] | a line of bytes; the serial port |
 //! | [`session`], [`servo`], [`lost`] | what talks over a line, what it moves, and why it no longer does |
 //! | [`driver`] | the thread that owns all three |
 //! | [`odrive`] | an ODrive, by its ASCII lines: the torque is computed here |
