@@ -54,7 +54,7 @@
 //! | [`text`] | problems that point at their line, schemas |
 //! | [`node`] | the node library, one file a node; with the feature `fundsp-nodes` a few units of `fundsp` too |
 //! | [`perception`] | what the skin feels: thresholds by site and contactor, and what a calibrated tactor needs for them |
-//! | [`knob`] | a force-feedback knob: the simulated plant |
+//! | [`knob`] | a force-feedback knob: its effects, its servo, what it bears, and a simulated one |
 //! | [`actuator`] | models of what moves, and which drive makes it do what is wanted, and what it bears |
 //! | [`space`] | where on the body: tactors that share a point, paths, strokes, common arrays |
 //! | [`schedule`] | the sample clock |

@@ -72,7 +72,11 @@ fn what_works_and_was_hardly_meant_is_a_warning_in_the_first_line() {
             &["`t22` makes the line 22 tactors long; without a rig there are 8", "--rig"],
         ),
         ("", &["nothing in this patch plays by itself", "give it a [pattern]"]),
-        ("[[trigger]]\non = \"knob.detent\"\nplay = \"tap\"", &["nothing in this patch plays by itself"]),
+        (
+            "[knob.effects]\nring = { type = \"transient\", strength = 0.01, frequency = 90, decay = 0.02 }\n[pattern.p]\n\
+             events = [{ at = 0, voice = \"tap\" }]",
+            &["effect `ring` rings as a wall is hit, and the knob has none", "add an effect of type wall"],
+        ),
         (
             "[voice.ear]\noutput = \"e\"\nstart = \"always\"\nnodes.e = { type = \"input\" }",
             &["the patch listens, and hears silence", "--input FILE.wav"],

@@ -586,3 +586,53 @@ fn a_knob_and_its_servo_take_no_memory() {
         assert!(happened > 10 && plant.counts().masked > 10 && plant.angle().is_finite(), "{happened}");
     }
 }
+
+/// A scene with a knob: turned, pushed by what is no number, silenced, armed, sent worlds, and swapped for another while it turns.
+#[test]
+fn a_knob_in_the_engine_takes_no_memory() {
+    use pacinian::knob::local_model::model::LocalModel;
+    use pacinian::knob::local_model::pending::Message;
+
+    let text = |torque: f64| {
+        format!(
+            "[knob.effects]\n\
+             notches = {{ type = \"detents\", count = 24, torque = {torque}, gain = \"1 + 0.2 * slow\" }}\n\
+             ends = {{ type = \"end-stops\", low = -1, high = 1, stiffness = 0.3 }}\n\
+             [shared.nodes]\nslow = {{ type = \"lfo\", rate = 3 }}\n\
+             [voice.v]\nvoices = 4\noutput = \"o\"\nnodes.o = {{ type = \"sine\", frequency = \"200 + knob.angle\" }}\n\
+             [[trigger]]\non = \"knob.detent\"\nplay = \"v\"\nset = {{ level = \"min(1, speed / 9)\" }}\n\
+             [[trigger]]\non = \"knob.wall ends\"\nplay = \"v\"\n"
+        )
+    };
+    let plans = [0.01, 0.02].map(|torque| compiled(&text(torque), 4, 48_000.0).plan);
+    let hand = plans[0].control("hand").unwrap();
+    let (mut director, mut stagehand) = exchange(&plans[0]).unwrap();
+    let mut slow = stagehand.engine().link_knob().unwrap();
+    let mut frames = vec![0.0; 480 * 4];
+    let (mut total, mut started) = (0, 0);
+    for n in 0..300_u64 {
+        let model = LocalModel { stamp: n, stiffness: 0.05, ..LocalModel::FREE };
+        slow.send(Message::new(model, 1e-6));
+        if n % 40 == 39 {
+            assert!(director.send(&plans[(n / 40 % 2) as usize]).unwrap());
+        }
+        total += counted(|| {
+            stagehand.take_over();
+            let engine = stagehand.engine();
+            let now = Instant { sample: engine.clock(), fraction: 0 };
+            let angle = 1.4 * (n as f64 * 0.2).sin();
+            engine.schedule(now, Source::Program, Event::Glide(hand, angle, 0.01));
+            match n % 50 {
+                17 => drop(engine.schedule(now, Source::Program, Event::Push(f64::NAN))),
+                23 => drop(engine.schedule(now, Source::Program, Event::Silence(0, 64))),
+                31 => drop(engine.schedule(now, Source::Program, Event::Arm(true))),
+                _ => {}
+            }
+            stagehand.process(&[], &mut frames);
+        });
+        started = stagehand.engine().counters().started;
+        director.collect();
+    }
+    assert_eq!(total, 0, "allocations and frees");
+    assert!(started > 100 && slow.look().tick > 20_000, "{started} {:?}", slow.look());
+}

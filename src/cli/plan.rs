@@ -4,6 +4,7 @@ use super::coupled::Coupled;
 use super::even::EvenReport;
 use super::felt::FeltReport;
 use super::input::InputReport;
+use super::knob::figures::Figures;
 use super::left_out::{Left, left_out, left_out_text};
 use super::load::Loaded;
 use super::paint::Paint;
@@ -39,6 +40,8 @@ pub struct PlanReport {
     input: Option<InputReport>,
     channels: usize,
     outputs: Vec<OutputReport>,
+    /// The force-feedback knob; null where the patch has none.
+    knob: Option<Figures>,
     patterns: Vec<PatternReport>,
     /// Until the last event has ended; null where that is not known beforehand.
     seconds: Option<f64>,
@@ -248,6 +251,7 @@ impl PlanReport {
                     equaliser: if o.equaliser.is_empty() { Vec::new() } else { peaks(loaded, &o.name) },
                 })
                 .collect(),
+            knob: player.knob().and_then(|knob| Figures::new(plan, knob)),
             patterns: patterns(loaded),
             seconds: player.length(),
             left_out: left_out(&plan.left_out),
@@ -283,6 +287,9 @@ impl PlanReport {
         };
         section("voices", self.voice_lines());
         section("controls", self.control_lines());
+        let mut knob = Table::default();
+        self.knob.iter().for_each(|figures| figures.rows(&mut knob));
+        section("knob", knob.text());
         section("patterns", lines(&self.patterns));
         section("set off by nodes", self.watch_lines());
         section("channels", self.channel_lines());

@@ -93,7 +93,7 @@ impl Knob {
             servo.arm();
         }
         let ticks = of.ticks.max(1) as usize;
-        let level = of.output.and_then(|(channel, _)| plan.max_levels().get(channel as usize).copied());
+        let level = of.channel.and_then(|channel| plan.max_levels().get(channel as usize).copied());
         Ok(Some(Self {
             servo,
             simulated,
@@ -190,8 +190,11 @@ impl Knob {
             if self.feeds.len() == old.feeds.len() {
                 std::mem::swap(&mut self.past, &mut old.past);
             }
-        } else if !old.servo.chain().armed() {
-            self.servo.disarm();
+        } else {
+            self.servo.continue_from(&old.servo);
+            if !old.servo.chain().armed() {
+                self.servo.disarm();
+            }
         }
         if let (Some(hand), Some(from)) = (self.hand, old.hand)
             && let (Some(past), Some(from)) = (self.past.get_mut(hand), old.past.get(from))
@@ -243,7 +246,7 @@ impl Knob {
                 let fraction = (u64::from(tick) << 32) / u64::from(ticks);
                 self.happened(Instant { sample, fraction: fraction as u32 }, queue, watcher);
             }
-            let torque = self.plan.output.map_or(0.0, |(_, per)| given.torque * per);
+            let torque = self.plan.per_newton_metre.map_or(0.0, |per| given.torque * per);
             if let Some(slot) = self.torques.get_mut(at * ticks as usize + tick as usize) {
                 *slot = (torque as f32).clamp(-self.most, self.most);
             }
@@ -324,7 +327,7 @@ impl Knob {
                     }
                 }
                 Feed::Voices => {
-                    let Some((channel, _)) = self.plan.output else { continue };
+                    let Some(channel) = self.plan.channel else { continue };
                     let (group, lane) = (channel as usize / LANES, channel as usize % LANES);
                     let fed = work.fed.get(group) == Some(&true);
                     let first = group * work.stride + offset;
@@ -336,7 +339,15 @@ impl Knob {
                 }
             }
         }
-        if self.plan.output.is_none() {
+        if let Some(channel) = self.plan.channel {
+            // What is played there is for the effects, and vibrates nothing.
+            let (group, lane) = (channel as usize / LANES, channel as usize % LANES);
+            let first = group * work.stride + offset;
+            if work.fed.get(group) == Some(&true) {
+                work.mix.iter_mut().skip(first).take(frames).for_each(|row| row[lane] = R::ZERO);
+            }
+        }
+        if self.plan.per_newton_metre.is_none() {
             return;
         }
         let ticks = self.plan.ticks.max(1) as usize;
@@ -351,7 +362,7 @@ impl Knob {
 
     /// Writes the frames of the `samples` samples of the block; those of the last one lie in `rest` where `frames` has no room.
     pub(super) fn write(&self, samples: usize, channels: usize, frames: &mut [f32], rest: &mut [f32]) {
-        let Some((channel, _)) = self.plan.output else { return };
+        let (Some(channel), Some(_)) = (self.plan.channel, self.plan.per_newton_metre) else { return };
         let whole = frames.len() / (self.ratio * channels).max(1) * self.ratio;
         let before = frames.chunks_exact_mut(channels.max(1)).take(whole);
         let frames = before.chain(rest.chunks_exact_mut(channels.max(1)));

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::build::{Want, Wanted};
 use super::start::{Binary, FIELDS, Fields, StartProgram, Step, Unary};
+use crate::knob::effect::Bound;
 use crate::knob::servo::setup::Setup;
 use crate::knob::servo::simulated::Model;
 use crate::knob::servo::tick::Servo;
@@ -36,8 +37,25 @@ pub struct Knob {
     pub scales: Vec<Scales>,
     /// What it sets off.
     pub starts: Vec<Start>,
-    /// The channel (from 0) that torque leaves by, and the sample for 1 N m.
-    pub output: Option<(u32, f64)>,
+    /// The channel (from 0) on which voices play for it.
+    pub channel: Option<u32>,
+    /// The sample for 1 N m on that channel; `None`: no torque leaves, as that of a simulated knob that is turned live: what hangs there would be
+    /// driven by what another knob feels.
+    pub per_newton_metre: Option<f64>,
+}
+
+impl Knob {
+    /// How stiff and how viscous all effects are together at most, those whose gain moves at a gain of 1.
+    pub fn bound(&self) -> Bound {
+        let mut sum = Bound::default();
+        for (effect, scales) in self.setup.effects.iter().zip(&self.scales) {
+            let gain = if let Feed::Constant(gain) = scales.gain { gain.abs() } else { 1.0 };
+            let bound = effect.bound();
+            sum.stiffness += gain * bound.stiffness;
+            sum.damping += gain * bound.damping;
+        }
+        sum
+    }
 }
 
 /// What scales an effect.
@@ -141,6 +159,7 @@ pub(super) fn knob(
     finder: &Finder,
     of_voice: &[Option<u32>],
     rates: [f64; 2],
+    is_live: bool,
     wanted: &mut Wanted,
     problems: &mut Vec<Problem>,
 ) -> Option<Knob> {
@@ -164,6 +183,7 @@ pub(super) fn knob(
     }
     let scales = scales(patch, wanted);
     let model = Some(of_rig.model(rate));
+    let (way, is_simulated) = (rig.torque_output(of_rig), model.is_some());
     let hand = model.as_ref().and_then(|_| hand(patch, wanted));
     let voice = |name: &str| patch.voices.iter().position(|voice| voice.name == name);
     let mut starts = Vec::new();
@@ -192,7 +212,8 @@ pub(super) fn knob(
         names: felt.effects.iter().map(|effect| effect.name.as_str().into()).collect(),
         scales,
         starts,
-        output: rig.torque_output(of_rig),
+        channel: way.map(|(channel, _)| channel),
+        per_newton_metre: way.filter(|_| !(is_live && is_simulated)).map(|(_, per)| per),
     })
 }
 

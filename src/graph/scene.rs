@@ -153,6 +153,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         &finder,
         &of_voice,
         [device_rate / ratio as f64, device_rate],
+        options.live,
         &mut wanted,
         &mut problems,
     );

@@ -13,8 +13,6 @@
 //! | [`servo`] | all of them in one tick; a simulated knob around it |
 //! | [`low_pass`] | the filter that velocity estimates and torque reconstruction share |
 //!
-//! It is here for programs: nothing of a patch or a rig reaches it yet.
-//!
 //! A servo's tick: an [`Estimator`](velocity::Estimator) gives the speed; [`Program::demand`](effect::program::Program::demand) says how stiff and
 //! viscous the effects are together, [`Governor::allow`](governor::Governor::allow) what is left of that;
 //! [`Program::tick`](effect::program::Program::tick) gives their sum and what happened; [`Chain::tick`](safety::chain::Chain::tick) what the amplifier gets.

@@ -154,11 +154,67 @@ fn every_mistake_is_told_at_its_line() {
     }
 }
 
+fn knob_told(keys: &str) -> String {
+    let source = format!("{HEAD}[[output]]\nname = \"a\"\nchannel = 1\nkind = \"torque\"\n[knob]\n{keys}\n");
+    match Rig::parse("k.toml", source.as_bytes()) {
+        Ok(checked) => format!("fine {}", checked.warnings),
+        Err(problems) => problems.to_string(),
+    }
+}
+
 #[test]
-fn kinds_that_are_not_rendered_are_a_warning() {
-    let source = format!("{HEAD}[[output]]\nname = \"a\"\nchannel = 1\nkind = \"torque\"\n");
-    let checked = Rig::parse("w.toml", source.as_bytes()).unwrap();
-    assert_told(&source, &checked.warnings, &[(7, "which is not rendered yet")]);
+fn a_knob_is_read_and_contradictions_are_told_with_their_keys() {
+    assert!(knob_told("motor = \"pittman-8693\"").starts_with("fine"));
+    assert!(
+        knob_told("motor = \"maxon-re25\"\ndrive = \"voltage\"\nrate = 48000\nknob_inertia = 5e-6")
+            .starts_with("fine")
+    );
+    let own = "inertia = 5e-6\npeak_torque = 0.1\n";
+    assert_eq!(knob_told(own), "fine ");
+    for (keys, told) in [
+        ("motor = \"pitman-8693\"", "did you mean `pittman-8693`"),
+        ("inertia = 1e-6", "lacks `peak_torque`"),
+        ("peak_torque = 1", "lacks `inertia`"),
+        (
+            "motor = \"maxon-re25\"\ncontinuous_torque = 1",
+            "`continuous_torque` 1 N m is more than `peak_torque`",
+        ),
+        ("inertia = 1e-6\npeak_torque = 0.1\nfriction = 0.2", "nothing would be felt"),
+        (
+            "inertia = 1e-6\npeak_torque = 0.1\nfriction = 0.02\nstiction = 0.01",
+            "`stiction` 0.01 N m is less",
+        ),
+        ("inertia = 1e-6\npeak_torque = 0.1\ncounts = 0", "counts"),
+        ("inertia = 1e-6\npeak_torque = 0.1\ncounts = 4000\nlines = 1000", "say the same"),
+        ("inertia = 1e-6\npeak_torque = 0.1\ndrive = \"current\"", "needs the winding"),
+        ("inertia = 1e-6\npeak_torque = 0.1\nlow = 1\nhigh = -1", "`high` is not above `low`"),
+        ("inertia = 1e-6\npeak_torque = 0.1\nstop_stiffness = 3", "`stop_stiffness` goes with"),
+        ("inertia = 1e-6\npeak_torque = 0.1\nvelocity_corner = 3", "goes with velocity = \"filtered\""),
+        ("inertia = 1e-6\npeak_torque = 0.1\ncompensate = true", "goes with `cogging`"),
+        ("inertia = -1\npeak_torque = 0.1", "inertia"),
+        ("inertia = nan\npeak_torque = 0.1", "inertia"),
+        ("inertia = 1e-6\npeak_torque = 0.1\nmargin = 2", "margin"),
+        ("inertia = 1e-6\npeak_torque = 0.1\nrate = 10", "rate"),
+        ("inertia = 1e-6\npeak_torque = 0.1\ncogging = 3", "a list of harmonics"),
+        ("inertia = 1e-6\npeak_torque = 0.1\ncogging = [{ periods = 0, amplitude = 1 }]", "periods"),
+        (
+            "inertia = 1e-6\npeak_torque = 0.1\noutput = { name = \"b\", newton_metres = 1 }",
+            "none of kind torque called so",
+        ),
+        ("inertia = 1e-6\npeak_torque = 0.1\noutput = \"a\"", "an output and its torque"),
+        ("inertia = 1e-6\npeak_torque = 0.1\nfrictoin = 0.1", "friction"),
+        ("motor = \"maxon-re25\"\npeak_torque = 0.5\ndrive = \"current\"", "0.233 N m at a standstill"),
+        ("motor = \"maxon-re25\"\ndrive = \"voltage\"\nrate = 1000", "does not see that"),
+    ] {
+        let what = knob_told(keys);
+        assert!(what.contains(told), "{keys}: {what}");
+    }
+    let capacitors = format!(
+        "{}\ncoupling = {{ high_pass = 5 }}\n[[output]]\nname = \"a\"\nchannel = 1\nkind = \"torque\"\n",
+        HEAD.trim_end()
+    );
+    let told = Rig::parse("k.toml", capacitors.as_bytes()).unwrap_err().to_string();
+    assert!(told.contains("lets nothing steady through"), "{told}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod answer;
 mod course;
+pub mod figures;
 mod picture;
 mod turn;
 
@@ -72,11 +73,11 @@ impl KnobCommand {
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
-        let Some(knob) = &loaded.patch.knob else {
+        if loaded.patch.knob.is_none() {
             let what = format!("`{}` has no knob", loaded.name());
             let help = "say what it feels like: [knob.effects] notches = { type = \"detents\", count = 24, torque = 0.02 }";
             return Err(Failure::usage(what, help).with_code(65));
-        };
+        }
         let mut own = loaded.files.clone();
         own.extend(self.hand.clone());
         let made = [
@@ -108,7 +109,7 @@ impl KnobCommand {
             course::write(path, &turned.course)?;
         }
         self.draw(&loaded.patch.title, &turned)?;
-        let answer = Answer::new(&loaded, knob, &turned);
+        let answer = Answer::new(&loaded, &turned);
         terminal.print(&if self.json { json(&answer) } else { answer.text(terminal.out) })?;
         turned.ending
     }

@@ -108,6 +108,14 @@ impl Servo {
         self.message = Some(self.message.map_or(*message, |before| before.then(message)));
     }
 
+    /// Goes on where another servo is: ticks are counted on, the knob is where it was, and what acts acts.
+    pub fn continue_from(&mut self, before: &Self) {
+        self.ticks = before.ticks;
+        self.acting = before.acting;
+        self.last = before.last;
+        self.estimator.reset(before.last.angle);
+    }
+
     /// Lets torque rise from 0. `false` while a fault is latched.
     pub fn arm(&mut self) -> bool {
         self.chain.arm()
