@@ -80,6 +80,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         homes: Vec::new(),
         protections: Vec::new(),
         markers: Vec::new(),
+        knob: None,
         left_out: Vec::new(),
     };
 

@@ -152,17 +152,21 @@ pub(crate) struct Values {
     pub own: [f64; FIELDS],
 }
 
-/// The knob of a patch on a rig, if the patch has one. `of_voice`: the instruments of voices; `rates`: the engine's and the device's, Hz.
-pub(super) fn knob(
-    patch: &Patch,
-    rig: &Rig,
-    finder: &Finder,
-    of_voice: &[Option<u32>],
-    rates: [f64; 2],
-    is_live: bool,
-    wanted: &mut Wanted,
-    problems: &mut Vec<Problem>,
-) -> Option<Knob> {
+/// What a knob is made from.
+pub(super) struct Made<'a> {
+    pub patch: &'a Patch,
+    pub rig: &'a Rig,
+    pub finder: &'a Finder,
+    /// The instruments of voices.
+    pub of_voice: &'a [Option<u32>],
+    /// The engine's and the device's, Hz.
+    pub rates: [f64; 2],
+    pub is_live: bool,
+}
+
+/// The knob of a patch on a rig, if the patch has one.
+pub(super) fn knob(from: &Made, wanted: &mut Wanted, problems: &mut Vec<Problem>) -> Option<Knob> {
+    let &Made { patch, rig, finder, of_voice, rates, is_live } = from;
     let felt = patch.knob.as_ref()?;
     let ratio = (rates[1] / rates[0]).round() as u32;
     let plain = rig::Knob::default();

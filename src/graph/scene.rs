@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::budget::Need;
 use super::build::{self, Want, Wanted};
+use super::knob::{Made, knob};
 use super::not_yet::{never_fed, not_yet};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
@@ -147,16 +148,15 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
             Err(why) => problems.push(Problem::error(&voice.span, format!("voice `{}`: {why}", voice.name))),
         }
     }
-    let knob = super::knob::knob(
+    let made = Made {
         patch,
         rig,
-        &finder,
-        &of_voice,
-        [device_rate / ratio as f64, device_rate],
-        options.live,
-        &mut wanted,
-        &mut problems,
-    );
+        finder: &finder,
+        of_voice: &of_voice,
+        rates: [device_rate / ratio as f64, device_rate],
+        is_live: options.live,
+    };
+    let knob = knob(&made, &mut wanted, &mut problems);
     let watches = watches(patch, rig, &finder, &watched, &of_voice, &mut wanted, &mut problems);
     left_out.extend(still.iter().filter_map(|place| {
         let trigger = patch.triggers.get(*place)?;

@@ -109,7 +109,7 @@ impl Gesture {
                 columns.iter().zip([&mut gesture.angles, &mut gesture.torques]).enumerate()
             {
                 let Some(value) = column.map_or(Ok(None), number)? else { continue };
-                if !(value.abs() <= MOST[k]) {
+                if value.is_nan() || value.abs() > MOST[k] {
                     let unit = ["rad", "N m"][k];
                     return Err((at, format!("{value} {unit}; it must be within ±{} {unit}", MOST[k])));
                 }

@@ -10,8 +10,8 @@ use super::names::{Names, no_field};
 use super::steered;
 use super::voice::MOST_VOICES;
 use super::{
-    Action, Bind, Control, Curve, Events, Expr, Node, Patch, Pattern, Scope, Source, Spread, Start, Target,
-    Trigger, Value, Voice,
+    Action, Bind, Control, Curve, Events, Expr, Knob, Node, Patch, Pattern, Scope, Source, Spread, Start,
+    Target, Trigger, Value, Voice,
 };
 use crate::node::NodeKind;
 use crate::node::spec::Kind;
@@ -37,7 +37,7 @@ impl Patch {
         }
         check.nesting(self);
         for trigger in &self.triggers {
-            check.trigger(trigger, &names, &shared);
+            check.trigger(trigger, &names, &shared, self.knob.as_ref());
             check.midi(trigger);
         }
         for bind in &self.binds {
@@ -398,7 +398,7 @@ impl Check<'_> {
         }
     }
 
-    fn trigger(&mut self, trigger: &Trigger, names: &Names, shared: &Scope) {
+    fn trigger(&mut self, trigger: &Trigger, names: &Names, shared: &Scope, knob: Option<&Knob>) {
         let voice = names.voice(&trigger.play);
         if voice.is_none() && names.pattern(&trigger.play).is_none() {
             let all = names.voices.keys().chain(names.patterns.keys()).copied();
@@ -419,8 +419,10 @@ impl Check<'_> {
             let help = self.suggest(node, shared.names());
             self.error(&trigger.on_span, what, help);
         }
-        if let Source::Knob { .. } = &trigger.on {
+        if let Source::Knob { what, effect } = &trigger.on {
             self.no_knob(&trigger.on_span, "this trigger");
+            self.problems
+                .extend(knob.and_then(|knob| knob.never(*what, effect.as_deref(), &trigger.on_span)));
         }
         let of_pattern = voice.is_none() && names.pattern(&trigger.play).is_some();
         crossing::check(trigger, of_pattern, &mut self.problems);

@@ -3,6 +3,7 @@
 use super::control::{Control, Curve};
 use super::expr::Expr;
 use super::node::{Argument, Node, Value};
+use super::trigger::Happening;
 use crate::actuator::fault::Fault;
 use crate::knob::effect::program::{Any, MOST_EFFECTS};
 use crate::knob::effect::{
@@ -71,6 +72,43 @@ impl Reading {
     /// That of a word.
     pub(crate) fn of_word(word: &str) -> Option<Self> {
         Self::WORDS.iter().position(|w| *w == word).and_then(|place| Self::ALL.get(place)).copied()
+    }
+}
+
+impl Knob {
+    /// That a trigger waits for what never happens: an effect that is not there, or one to which it does not happen.
+    pub(super) fn never(&self, what: Happening, effect: Option<&str>, span: &Span) -> Option<Problem> {
+        let happens = |figures: &Any| match what {
+            Happening::Detent => matches!(figures, Any::Detent(_) | Any::Snap(_)),
+            Happening::Wall => matches!(figures, Any::Wall(_) | Any::Stops(_) | Any::Hertz(_)),
+        };
+        let able = || self.effects.iter().filter(|e| happens(&e.figures)).map(|e| e.name.as_str());
+        let word = what.word();
+        let told = match effect {
+            Some(name) => match self.effects.iter().find(|e| e.name == name) {
+                None => format!("`{word} {name}`: the knob has no effect `{name}`"),
+                Some(effect) if !happens(&effect.figures) => {
+                    format!("`{word}` never happens to effect `{name}`")
+                }
+                Some(_) => return None,
+            },
+            None if able().next().is_none() => {
+                format!("`{word}` never happens: no effect of the knob is such that it does")
+            }
+            None => return None,
+        };
+        let types = match what {
+            Happening::Detent => "detents or snap",
+            Happening::Wall => "wall, end-stops or contact",
+        };
+        let all: Vec<&str> = able().collect();
+        let help = effect.and_then(|name| suggest(name, all.iter().copied())).unwrap_or_else(|| {
+            match all.is_empty() {
+                true => format!("it happens to effects of type {types}"),
+                false => format!("it happens to {}", all.join(", ")),
+            }
+        });
+        Some(Problem::error(span, told).help(help))
     }
 }
 
@@ -635,6 +673,28 @@ mod tests {
         ] {
             let told = told(effects);
             assert!(told.contains(what), "{effects}: {told}");
+        }
+    }
+
+    #[test]
+    fn a_trigger_that_waits_for_what_never_happens_is_told() {
+        let more = |on: &str| {
+            format!(
+                "[voice.v]\noutput = \"o\"\nnodes.o = {{ type = \"sine\", frequency = 99 }}\n[[trigger]]\non = \"{on}\"\nplay = \"v\"\n"
+            )
+        };
+        let both = "a = { type = \"detents\", count = 4, torque = 0.1 }\nb = { type = \"wall\", angle = 1, stiffness = 1 }\n";
+        for on in ["knob.detent", "knob.detent a", "knob.wall", "knob.wall b"] {
+            assert!(patch(both, &more(on)).is_ok(), "{on}");
+        }
+        for (effects, on, told) in [
+            (both, "knob.wall a", "never happens to effect `a`"),
+            (both, "knob.detent c", "no effect `c`"),
+            ("d = { type = \"damper\", damping = 1 }", "knob.detent", "of type detents or snap"),
+            (both, "knob.bump", "nothing like that sets off a trigger"),
+        ] {
+            let what = patch(effects, &more(on)).unwrap_err();
+            assert!(what.contains(told), "{on}: {what}");
         }
     }
 

@@ -146,7 +146,7 @@ fn known_cogging_is_taken_back_and_known_ripple_made_up_for() {
     let build = Build { cogging, ..plain() };
     let wander = |known: Wave| {
         let setup = Setup { cogging: known, ..setup(vec![], 0) };
-        let (mut knob, mut servo) = both(&model(build.clone(), 0), &setup).unwrap();
+        let (mut knob, mut servo) = both(&model(build, 0), &setup).unwrap();
         knob.place(0.2).unwrap();
         servo.arm();
         for _ in 0..800 {
