@@ -2,6 +2,7 @@
 
 use crate::actuator::fault::{Fault, within};
 use crate::knob::plant::parameters::Parameters;
+use crate::knob::plant::wave::Wave;
 
 /// Rounds of the implicit ones: they halve what is left of a linear problem at once, and meet a corner in a few.
 const ROUNDS: usize = 40;
@@ -54,6 +55,8 @@ impl Method {
 #[derive(Debug, Clone)]
 pub struct Rival {
     parameters: Parameters,
+    /// Torque over the angle, where there is any.
+    cogging: Option<Wave>,
     method: Method,
     period: f64,
     angle: f64,
@@ -73,12 +76,19 @@ impl Rival {
         within("rate", rate, (1.0, 1e8), "steps a second")?;
         Ok(Self {
             parameters: *parameters,
+            cogging: None,
             method,
             period: 1.0 / rate,
             angle: 0.0,
             speed: 0.0,
             diverged: false,
         })
+    }
+
+    /// The same with a torque over the angle, N m.
+    #[must_use]
+    pub fn cogged(self, wave: &Wave) -> Self {
+        Self { cogging: (!wave.is_flat()).then_some(*wave), ..self }
     }
 
     /// Puts it at an angle (rad) with a speed (rad/s).
@@ -106,6 +116,10 @@ impl Rival {
         let p = &self.parameters;
         let rubs = if speed == 0.0 { 0.0 } else { p.coulomb.copysign(speed) };
         let (mut sum, mut by_angle, mut by_speed) = (torque - rubs - p.viscous * speed, 0.0, -p.viscous);
+        if let Some(wave) = &self.cogging {
+            sum += wave.at(angle);
+            by_angle += wave.slope(angle);
+        }
         if let Some(stops) = p.stops {
             for (side, place) in [(1.0, stops.high), (-1.0, stops.low)] {
                 let depth = side * (angle - place);
