@@ -152,7 +152,7 @@ impl Panel {
                 svg.text(at, bottom + 16.0, dim(Anchor::Middle), &label);
             }
         }
-        for (at, label) in self.y.ticks(&y, ((bottom - top) / 34.0).max(2.0) as usize) {
+        for (at, label) in self.y.ticks(&y, ((bottom - top) / 22.0).max(2.0) as usize) {
             let at = y.at(at);
             svg.line([left, at, right, at], Ink::Grid, 0.8, 0.0);
             svg.text(left - 7.0, at + 4.0, dim(Anchor::End), &label);
@@ -225,8 +225,10 @@ pub(in crate::report) fn span(values: impl IntoIterator<Item = f64>, held: &[f64
     if room > 1e-12 * most.abs().max(least.abs()) {
         [least - room, most + room]
     } else {
-        let half = 0.5 * most.abs().max(if most == 0.0 { 2.0 } else { 0.0 });
-        [least - half, most + half]
+        match most == 0.0 && least == 0.0 {
+            true => [0.0, 1.0],
+            false => [least - 0.5 * least.abs(), most + 0.5 * most.abs()],
+        }
     }
 }
 

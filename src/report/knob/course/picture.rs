@@ -94,7 +94,7 @@ impl Course {
         drawn.push(self.plane(&columns, kind(0)));
         Panels {
             title: title.into(),
-            about: vec![self.about()],
+            about: vec![self.about(step)],
             panels: drawn,
             notes: self.notes(&rows, more),
             width: LEFT + WIDE + BESIDE + PLANE + 28.0,
@@ -161,9 +161,9 @@ impl Course {
         (rows, self.events.len() - self.events.iter().filter(within).count())
     }
 
-    fn about(&self) -> String {
+    fn about(&self, step: f64) -> String {
         let mut about = format!("{} s, {} samples a second", short(self.seconds()), short(self.rate));
-        if self.each > 1 {
+        if step * self.rate > 1.5 {
             about += &format!(
                 "; a point stands for {} s, with the least and the greatest in it",
                 short(self.resolution())

@@ -23,7 +23,7 @@ fn keep(name: &str, svg: &str) {
 
 /// A knob that a hand turns through detents against a stop, and lets go.
 fn run(seconds: f64, rate: f64) -> Course {
-    let stop = Stops { low: -1.0, high: 1.2, stiffness: 0.4, damping: 1e-4 };
+    let stop = Stops { low: -1.0, high: 1.2, stiffness: 0.4, damping: 1e-3 };
     let mut effects = Program::new(vec![Detent::with_stiffness(24.0, 0.1).into(), stop.into()]).unwrap();
     let parameters = Parameters { coulomb: 2e-4, stiction: 2e-4, ..Parameters::default() };
     let mut knob = Plant::new(&Build { parameters, ..Build::default() }, rate).unwrap();
@@ -35,7 +35,7 @@ fn run(seconds: f64, rate: f64) -> Course {
         let velocity = estimator.push(encoder.read(knob.angle()));
         let reading = Reading { angle: encoder.read(knob.angle()), velocity, dt: 1.0 / rate };
         let asked = effects.tick(&reading, 1.0, 1.0, &mut events);
-        let given = asked.clamp(-6e-3, 6e-3);
+        let given = asked.clamp(-0.06, 0.06);
         events.list().iter().for_each(|event| course.event(time, kind(&event.what)));
         course.push(&Sample {
             angle: knob.angle(),
@@ -45,7 +45,7 @@ fn run(seconds: f64, rate: f64) -> Course {
             given,
             energy: knob.energy(),
         });
-        let torque = if time < 0.15 { 5e-3 } else { 0.0 };
+        let torque = if time < 0.1 { 4.6e-3 } else { 0.0 };
         knob.step(given, &Hand { torque, ..Hand::default() });
     }
     course

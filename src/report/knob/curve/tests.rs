@@ -53,11 +53,11 @@ fn what_remembers_is_another_on_the_way_back() {
     sound("Snap", &curve);
 }
 
-/// Sliding there and back over a range R takes 2 f_c (R − z_max): at each turn the point of adhesion stays for 2 z_max.
+/// Sliding there and back over a range R takes 2 f_c (R − 2 z_max): at each turn the point of adhesion stays for 2 z_max.
 #[test]
 fn friction_takes_its_torque_times_the_way() {
     let curve = of(vec![RUB.into()], [0.0, 1.0]);
-    assert!((curve.loss() / (2.0 * 2e-3 * (1.0 - 0.01)) - 1.0).abs() < 1e-3, "{}", curve.loss());
+    assert!((curve.loss() / (2.0 * 2e-3 * (1.0 - 0.02)) - 1.0).abs() < 1e-3, "{}", curve.loss());
     let middle = curve.points()[400];
     assert_eq!((middle.forward, middle.backward, middle.energy), (-2e-3, 2e-3, 0.0));
     let spring = Spring { stiffness: 0.02, centre: 0.5 };

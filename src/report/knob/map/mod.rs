@@ -35,7 +35,7 @@ use crate::knob::governor::{Allowed, Governor};
 use crate::knob::stability::edge::Edge;
 use crate::knob::stability::rules::gil;
 
-/// Points across, of which one is at no damping and one at the damping's edge if that is on the map.
+/// Points across, at most: one is at no damping, and one at the damping's edge if that is on the map.
 pub const POINTS: usize = 97;
 
 /// A point of the map.
@@ -58,7 +58,7 @@ pub struct Map {
     pub device: Device,
     /// The share of the edge that the governor grants.
     pub margin: f64,
-    /// From no damping on, [`POINTS`] of them.
+    /// From no damping on, [`POINTS`] of them, or one less where two fell together.
     pub points: Vec<Point>,
     /// The computed damping (N m s/rad) at which the knob swings without any spring, and its frequency there.
     pub damping_edge: Edge,
@@ -116,14 +116,18 @@ impl Map {
             governed: (damping <= governor.most_damping()).then(|| governor.most_stiffness(damping)),
             rule: gil(device.damping, damping, device.period, late),
         };
-        let mut dampings: Vec<f64> = (0..POINTS).map(|n| right * n as f64 / (POINTS - 1) as f64).collect();
+        // Closer together at both ends, where the edge is steep.
+        let share = |n: usize| 0.5 - 0.5 * (std::f64::consts::PI * n as f64 / (POINTS - 1) as f64).cos();
+        let mut dampings: Vec<f64> = (0..POINTS).map(|n| right * share(n)).collect();
         // Where the stable region ends, and where the governor does, whatever the steps are.
         for edge in [damping_edge.gain, governor.most_damping()] {
-            let nearest = ((edge / right * (POINTS - 1) as f64).round() as usize).max(1);
-            if edge > 0.0 && edge <= right && nearest < POINTS - 1 {
-                dampings[nearest] = edge;
+            if edge > 0.0 && edge < right {
+                let above = dampings.partition_point(|b| *b < edge).clamp(1, POINTS - 2);
+                dampings[above] = edge;
             }
         }
+        dampings.sort_by(f64::total_cmp);
+        dampings.dedup();
         let asked = asked.filter(|ask| number(ask.stiffness) && number(ask.damping));
         let allowed = asked.map_or(Allowed { stiffness: 0.0, damping: 0.0 }, |ask| governor.allow(&ask));
         let granted = asked.map(|ask| Bound {

@@ -45,7 +45,7 @@ impl Map {
             shape("comes to rest", Ink::Kind { index: 4 }, Form::Area(0.16), under(&edge)),
             shape("granted", Ink::Kind { index: 4 }, Form::Area(0.34), under(&governed)),
         ];
-        let rule = line(&|p| Some(p.rule));
+        let rule = line(&|p| Some(p.rule).filter(|k| *k <= range[1]));
         shapes.push(shape("(b + B) / (T / 2 + t_d)", Ink::Dim, Form::Dashed(1.4, "6 4"), rule));
         let level = |k: f64| vec![(0.0, k), (right, k)];
         let kind = |index| Ink::Kind { index };
@@ -85,7 +85,7 @@ impl Map {
     }
 
     /// Stiffnesses from the lower to the upper end.
-    fn range(&self) -> [f64; 2] {
+    pub(super) fn range(&self) -> [f64; 2] {
         let edges = || self.points.iter().map(|p| p.edge.gain);
         let governed = self.points.iter().filter_map(|p| p.governed);
         let bounds = [self.asked, self.granted].into_iter().flatten().map(|b| b.stiffness);
@@ -167,6 +167,14 @@ impl Map {
         } else {
             notes.push((format!("Beside B = {beside} N m s/rad no stiffness comes to rest."), true));
         }
+        for (remedy, times) in e.remedies.iter().take(TOLD) {
+            let what = match remedy {
+                Remedy::Damping(b) => format!("a damping of {} N m s/rad in the device", short(*b)),
+                Remedy::HalfDamping(b) => format!("a computed damping of {} N m s/rad", short(*b)),
+                other => other.to_string(),
+            };
+            notes.push((format!("– {what} would allow {} times that", short(*times)), false));
+        }
         if let (Some(asked), Some(granted)) = (self.asked, self.granted) {
             let percent = |share: f64| format!("{} %", short((1e3 * share).round() / 10.0));
             notes.push((
@@ -181,14 +189,6 @@ impl Map {
                 ),
                 self.allowed.acted(),
             ));
-        }
-        for (remedy, times) in e.remedies.iter().take(TOLD) {
-            let what = match remedy {
-                Remedy::Damping(b) => format!("a damping of {} N m s/rad in the device", short(*b)),
-                Remedy::HalfDamping(b) => format!("a computed damping of {} N m s/rad", short(*b)),
-                other => other.to_string(),
-            };
-            notes.push((format!("– {what} would allow {} times that", short(*times)), false));
         }
         for (name, limit) in [
             ("Dry friction covers a count up to", self.covered),

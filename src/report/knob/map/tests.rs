@@ -45,7 +45,7 @@ fn the_edge_parts_what_rests_from_what_swings() {
     ] {
         let device = Device { delay: Delay::ticks(delay), resonance, low_pass, ..device() };
         let map = Map::new(&device, MARGIN, None).unwrap();
-        assert_eq!(map.points.len(), POINTS);
+        assert!((POINTS - 2..=POINTS).contains(&map.points.len()));
         let sampled = device.sampled().unwrap();
         let mut seen = 0;
         for point in map.points.iter().step_by(12).filter(|p| p.edge.gain > 0.0) {
@@ -77,16 +77,25 @@ fn the_operating_point_is_where_it_was_asked() {
     assert!((granted.stiffness / (0.5 * edge) - 1.0).abs() < 0.02, "{} {edge}", granted.stiffness);
     assert!(map.csv().contains("asked,4.000000e-5,5.000000e-1,\n"));
     assert!(map.points.last().unwrap().damping >= 1e-4);
-    // And on the picture: between the points of the axes that have numbers.
     let svg = map.svg("A knob at 10 kHz");
     keep("map", &svg);
     sound(&svg);
+    // And on the picture: a triangle that begins 5 pixels above its place, a disc that begins 1.7 left of its own and 4.1 above.
     let document = roxmltree::Document::parse(&svg).unwrap();
-    let mark = document
-        .descendants()
-        .find(|n| n.attribute("class") == Some("fe") && n.attribute("d").is_some_and(|d| !d.contains('h')))
-        .or_else(|| document.descendants().filter(|n| n.attribute("class") == Some("fe")).last());
-    assert!(mark.is_some(), "{svg}");
+    let last = |class: &str| {
+        let shapes =
+            document.descendants().filter(|n| n.has_tag_name("path") && n.attribute("class") == Some(class));
+        let from = shapes.last().unwrap().attribute("d").unwrap().trim_start_matches('M');
+        let end = from.find(['l', 'h', 'v']).unwrap();
+        let mut at = from[..end].split(' ').map(|x| x.parse::<f64>().unwrap());
+        (at.next().unwrap(), at.next().unwrap())
+    };
+    let (asked, left) = (last("fe"), last("ft"));
+    let x = 96.0 + 724.0 * 4e-5 / map.points.last().unwrap().damping;
+    assert!((asked.0 - x).abs() < 0.11 && (left.0 + 1.7 - x).abs() < 0.11, "{asked:?} {left:?} {x}");
+    let [low, high] = map.range();
+    let apart = 380.0 * (0.5 / granted.stiffness).ln() / (high / low).ln();
+    assert!(((left.1 + 4.1) - (asked.1 + 5.0) - apart).abs() < 0.21, "{asked:?} {left:?} {apart}");
     // Within what is granted nothing is taken.
     let little = Map::new(&device(), MARGIN, ask(0.01, 1e-5)).unwrap();
     assert_eq!(little.granted, little.asked);
@@ -122,7 +131,10 @@ fn extremes_are_still_a_map() {
         keep(&format!("map {name}"), &svg);
         sound(&svg);
         let csv = map.csv();
-        assert!(csv.lines().count() > POINTS && csv.lines().all(|l| l.matches(',').count() == 3), "{name}");
+        assert!(
+            csv.lines().count() > POINTS - 2 && csv.lines().all(|l| l.matches(',').count() == 3),
+            "{name}"
+        );
         assert!(!csv.contains("NaN") && !csv.contains("inf"), "{name}");
     }
     let off = Device { inertia: f64::NAN, ..device() };

@@ -57,14 +57,16 @@ fn it_slips_where_the_closed_form_says() {
     let (b, h) = (p.viscous, 1.0 / rate);
     let decay = (-b / p.inertia * h).exp();
     let (mut speed, mut n) = (0.0, first);
-    while torques[n] > p.coulomb {
+    loop {
         speed = speed * decay + (torques[n] - p.coulomb) / b * (1.0 - decay);
+        if speed <= 0.0 {
+            break;
+        }
         assert!((truth[n].1 - speed).abs() < 1e-13, "{n} {} {speed}", truth[n].1);
         n += 1;
     }
-    let stops = p.inertia / b * (1.0 + b * speed / p.coulomb).ln();
-    let steps = (stops * rate).ceil() as usize;
-    assert!(truth[n + steps - 1].1 == 0.0 && truth[n + steps - 2].1 > 0.0, "{stops}");
+    // It breaks away within the last tenth of a tooth and stands soon after its end.
+    assert!(truth[n].1 == 0.0 && truth[n + 500] == truth[n] && n - first > 80, "{first} {n}");
     assert!(truth.iter().filter(|x| x.1 > 0.0).count() > 100, "four times");
 }
 
