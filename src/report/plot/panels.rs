@@ -218,7 +218,8 @@ impl Shape {
 pub(in crate::report) fn span(values: impl IntoIterator<Item = f64>, held: &[f64]) -> [f64; 2] {
     let all = values.into_iter().chain(held.iter().copied()).filter(|v| v.is_finite());
     let [least, most] = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
-    if !(least <= most) || !(most - least).is_finite() {
+    // Nothing at all is least above most.
+    if least > most || !(most - least).is_finite() {
         return [0.0, 1.0];
     }
     let room = 0.04 * (most - least);

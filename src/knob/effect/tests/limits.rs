@@ -5,7 +5,6 @@ use super::super::{
     constant, damper, detent, friction, hertz, inertia, magnet, snap, spin, spring, table, texture,
     transient, wall,
 };
-use crate::knob::test_plant::count;
 
 #[test]
 fn what_cannot_be_is_refused() {

@@ -1,7 +1,6 @@
 //! Effects that remember.
 
 use super::super::events::{Events, What};
-use super::super::program::Any;
 use super::super::{Effect, Modulation, Reading, detent, friction, inertia, snap};
 use super::{T, at};
 use crate::dsp::random::uniform;

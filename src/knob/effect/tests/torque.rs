@@ -8,7 +8,6 @@ use super::super::{
 };
 use super::{T, at};
 use crate::dsp::random::uniform;
-use crate::knob::test_plant::count;
 
 fn still<E: Effect>(e: &E, angle: f64) -> f64 {
     e.torque(&mut E::State::default(), &at(angle), &Modulation::PLAIN, &mut Events::default())

@@ -1,7 +1,6 @@
 //! Knobs that are simulated, and know nothing of eigenvalues.
 
 use super::super::sampled::{Loop, Rotor, Shaft};
-use super::rigid;
 use crate::knob::plant::Plant as Model;
 use crate::knob::plant::parameters::Parameters;
 use crate::knob::plant::parts::{self, Build, Hand};

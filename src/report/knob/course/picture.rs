@@ -164,10 +164,8 @@ impl Course {
     fn about(&self, step: f64) -> String {
         let mut about = format!("{} s, {} samples a second", short(self.seconds()), short(self.rate));
         if step * self.rate > 1.5 {
-            about += &format!(
-                "; a point stands for {} s, with the least and the greatest in it",
-                short(self.resolution())
-            );
+            about +=
+                &format!("; a point stands for {} s, with the least and the greatest in it", short(step));
         }
         about
     }

@@ -83,9 +83,9 @@ fn the_operating_point_is_where_it_was_asked() {
     // And on the picture: a triangle that begins 5 pixels above its place, a disc that begins 1.7 left of its own and 4.1 above.
     let document = roxmltree::Document::parse(&svg).unwrap();
     let last = |class: &str| {
-        let shapes =
+        let mut shapes =
             document.descendants().filter(|n| n.has_tag_name("path") && n.attribute("class") == Some(class));
-        let from = shapes.last().unwrap().attribute("d").unwrap().trim_start_matches('M');
+        let from = shapes.next_back().unwrap().attribute("d").unwrap().trim_start_matches('M');
         let end = from.find(['l', 'h', 'v']).unwrap();
         let mut at = from[..end].split(' ').map(|x| x.parse::<f64>().unwrap());
         (at.next().unwrap(), at.next().unwrap())

@@ -109,7 +109,7 @@ pub fn listed() -> Vec<Problem> {
         free.clone(),
         Problem {
             name: "stick-slip",
-            about: "a torque that rises to 1.5 mN m within 50 ms, four times; T_c 1 mN m, T_s 1.4 mN m",
+            about: "torque rises to 1.5 mN m in 50 ms, four times; T_c 1, T_s 1.4 mN m",
             parameters: Parameters { coulomb: 1e-3, stiction: 1.4e-3, ..KNOB },
             start: (0.0, 0.0),
             saw: Some((1.5e-3, 0.05)),

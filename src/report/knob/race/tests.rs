@@ -97,7 +97,7 @@ fn the_exact_one_is_exact_and_each_other_errs_as_its_order_says() {
         let slope = (coarse / fine).log(4.0);
         assert!((slope - order).abs() < 0.3, "{}: {coarse:e} {fine:e} {slope}", method.name());
     }
-    assert!(!(error("stiff wall", Method::ForwardEuler, 1e3) <= 2.0), "it runs away");
+    assert!(error("stiff wall", Method::ForwardEuler, 1e3) > 2.0, "it runs away");
 }
 
 #[test]
