@@ -50,7 +50,8 @@ impl Method {
 
 /// A knob of one inertia, stepped by a [`Method`].
 ///
-/// Dry friction is Coulomb's with the sense of turning of the moment; a knob whose speed would change its sign within a step, and which
+/// Dry friction is Coulomb's with the sense of turning of the moment, at rest against what pushes, and of the step's beginning where the
+/// step is implicit; a knob whose speed would change its sign within a step, and which
 /// friction could hold, stops. It is finite as long as the method is stable; beyond, angle and speed are kept within ±1e12 and [`Rival::diverged`] tells it.
 #[derive(Debug, Clone)]
 pub struct Rival {
