@@ -83,7 +83,7 @@ impl Map {
     /// # Errors
     /// A figure of the device that cannot be; `margin`.
     pub fn new(device: &Device, margin: f64, asked: Option<Bound>) -> Result<Self, Fault> {
-        let most = Governor::new(device, margin)?.most_damping() / margin;
+        let most = device.sampled()?.damping_edge().gain;
         let sound = asked.filter(|ask| number(ask.stiffness) && number(ask.damping));
         let wish = sound.map_or(0.0, |ask| ask.damping);
         let dome = 1.06 * most;
