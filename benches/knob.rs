@@ -1,6 +1,7 @@
 //! A simulated knob: what a step costs, and error against run time of its integrators and friction models, as CPU time of this thread.
 //!
-//! `cargo bench --bench knob` prints both; the second as CSV: problem, method, steps a second, relative error, ns a step.
+//! `cargo bench --bench knob` prints both; the second as CSV: problem, method, steps a second, relative error at the end, ns a step. Errors on
+//! the way, with tables and pictures, are those of `examples/knob_error.rs`.
 
 use std::hint::black_box;
 

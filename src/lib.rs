@@ -42,7 +42,7 @@
 //! |---|---|
 //! | `io` | files: WAV, recordings, texts, logs; live also devices, ports of MIDI, OSC, journals, sessions; with the feature `serial` knobs on serial ports; with the feature `io` |
 //! | `live` | what a session is made of but for its devices: signals, the thread that leads it, its callback; with the feature `live` |
-//! | `report` | the scene reference, error against run time, what actuators do under drives, pictures; with the feature `report` |
+//! | `report` | the scene reference, error against run time, what actuators do under drives, what a knob bears and does, pictures; with the feature `report` |
 //! | [`player`] | performer and engine together |
 //! | [`performer`] | patterns, keys and messages become events |
 //! | [`engine`] | voices, events, mix, output stage, hand-over of plans |

@@ -1,8 +1,10 @@
-//! Error against run time: what a scene should have been, and how far off it is; what actuators do under drives; what a knob bears; pictures.
+//! Error against run time: what a scene should have been, and how far off it is; what actuators do under drives; what
+//! a knob bears and does; pictures.
 
 pub mod actuators;
 pub mod align;
 mod compare;
+pub mod cost;
 pub mod decimate;
 mod hearing;
 pub mod knob;

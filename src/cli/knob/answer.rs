@@ -52,9 +52,7 @@ impl Answer {
     pub fn new(loaded: &Loaded, turned: &Turned) -> Self {
         let knob = turned.player.knob();
         let chain = knob.map(|knob| knob.servo().chain());
-        let samples = &turned.course.samples;
-        let most = |of: &dyn Fn(usize) -> f64| (0..samples.len()).map(of).fold(f64::NEG_INFINITY, f64::max);
-        let squares: f64 = samples.iter().map(|s| (s.read[1] - s.speed).powi(2)).sum();
+        let figures = &turned.record.figures;
         let mut set_off = BTreeMap::new();
         for set in &turned.set_off {
             *set_off.entry(format!("{} plays {}", set.by, set.voice)).or_insert(0) += 1;
@@ -63,16 +61,16 @@ impl Answer {
         Self {
             patch: loaded.name().into(),
             knob: knob.and_then(|knob| Figures::new(turned.player.plan(), knob)),
-            seconds: samples.len() as f64 / turned.course.rate,
+            seconds: turned.record.seconds(),
             set_off,
             events: turned.set_off.clone(),
-            least_angle: -most(&|n| -samples[n].angle),
-            most_angle: most(&|n| samples[n].angle),
-            most_speed: most(&|n| samples[n].speed.abs()),
-            speed_error: (squares / samples.len().max(1) as f64).sqrt(),
-            most_torque: most(&|n| samples[n].torque[1].abs()),
-            absorbed: samples.last().map_or(0.0, |s| s.absorbed),
-            created: most(&|n| -samples[n].absorbed).max(0.0),
+            least_angle: figures.angle[0],
+            most_angle: figures.angle[1],
+            most_speed: figures.most_speed,
+            speed_error: figures.speed_error(),
+            most_torque: figures.most_torque,
+            absorbed: figures.absorbed,
+            created: -figures.least_absorbed,
             held_back: STAGES
                 .iter()
                 .map(|(stage, word)| (*word, held(*stage)))

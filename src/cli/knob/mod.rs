@@ -1,9 +1,8 @@
 //! `pacinian knob`.
 
 mod answer;
-mod course;
 pub mod figures;
-mod picture;
+mod record;
 mod turn;
 
 use super::check::json;
@@ -18,7 +17,7 @@ use clap::Args;
 use pacinian::actuator::fault::Fault;
 use pacinian::io::gesture::Gesture;
 use pacinian::io::out;
-use pacinian::report::knob::curve::Sweep;
+use pacinian::report::knob::curve::Curve;
 use pacinian::report::knob::map::Map;
 use std::path::PathBuf;
 use turn::{Turn, Turned};
@@ -46,13 +45,10 @@ pub struct KnobCommand {
     /// Writes angle, speed, torque and energy of every engine sample as a table; one that is there is replaced
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
-    /// Draws angle, speed, torque and energy over time into this file
+    /// Draws angle, speed, torque and energy over time, speed over angle, and what the knob set off, into this file
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
-    /// Draws speed over angle
-    #[arg(long, value_name = "FILE.svg")]
-    phase: Option<PathBuf>,
-    /// Draws torque over angle, of a slow turn up and down again
+    /// Draws torque over angle of a slow turn forth and back, and the energy that its place holds
     #[arg(long, value_name = "FILE.svg")]
     curve: Option<PathBuf>,
     /// Draws the stability map: stiffness over damping, the edge beyond which it swings by itself, what the governor grants, and the effects
@@ -65,6 +61,9 @@ pub struct KnobCommand {
     #[arg(long)]
     json: bool,
 }
+
+/// Points of the curve of torque over angle.
+const CURVE: usize = 4001;
 
 impl KnobCommand {
     /// Runs it.
@@ -83,7 +82,6 @@ impl KnobCommand {
         let made = [
             (&self.csv, "--csv", "csv"),
             (&self.plot, "--plot", "svg"),
-            (&self.phase, "--phase", "svg"),
             (&self.curve, "--curve", "svg"),
             (&self.map, "--map", "svg"),
         ];
@@ -103,11 +101,9 @@ impl KnobCommand {
             gesture: gesture.unwrap_or_else(turn::forth_and_back),
             seconds: self.duration,
             output: self.output.as_deref(),
+            table: self.csv.as_deref(),
         };
         let turned = turn.run(&loaded, terminal)?;
-        if let Some(path) = &self.csv {
-            course::write(path, &turned.course)?;
-        }
         self.draw(&loaded.patch.title, &turned)?;
         let answer = Answer::new(&loaded, &turned);
         terminal.print(&if self.json { json(&answer) } else { answer.text(terminal.out) })?;
@@ -117,24 +113,21 @@ impl KnobCommand {
     /// Pictures that were asked for.
     fn draw(&self, title: &str, turned: &Turned) -> Result<(), Failure> {
         if let Some(path) = &self.plot {
-            out::write(path, picture::strips(title, turned).svg().as_bytes())?;
-        }
-        if let Some(path) = &self.phase {
-            out::write(path, picture::phase(title, &turned.course).svg().as_bytes())?;
+            out::write(path, turned.record.course.svg(title).as_bytes())?;
         }
         let Some(setup) = turned.player.plan().knob.as_ref().map(|knob| &knob.setup) else { return Ok(()) };
         let impossible = |fault: Fault| Failure::said(78, fault.to_string());
         if let Some(path) = &self.curve {
-            let least = turned.course.samples.iter().map(|s| s.angle).fold(0.0, f64::min);
-            let most = turned.course.samples.iter().map(|s| s.angle).fold(0.0, f64::max);
+            let [least, most] = turned.record.figures.angle;
             let range = if most > least { [least, most] } else { [-1.0, 1.0] };
-            let sweep = Sweep::new(&setup.effects, range).map_err(|(_, fault)| impossible(fault))?;
-            out::write(path, sweep.chart(title).svg().as_bytes())?;
+            let curve =
+                Curve::new(setup.effects.clone(), range, CURVE).map_err(|(_, fault)| impossible(fault))?;
+            out::write(path, curve.svg(title).as_bytes())?;
         }
         if let Some(path) = &self.map {
             let ask = turned.player.knob().map(|knob| knob.servo().demand());
-            let map = Map::new(&setup.device, setup.margin, ask.as_ref()).map_err(impossible)?;
-            out::write(path, map.chart(title).svg().as_bytes())?;
+            let map = Map::new(&setup.device, setup.margin, ask).map_err(impossible)?;
+            out::write(path, map.svg(title).as_bytes())?;
         }
         Ok(())
     }

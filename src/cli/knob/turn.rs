@@ -1,6 +1,6 @@
 //! A hand turns a simulated knob.
 
-use super::course::{Course, Sample};
+use super::record::{Record, Sample};
 use crate::cli::failure::Failure;
 use crate::cli::load::Loaded;
 use crate::cli::progress::Progress;
@@ -22,11 +22,13 @@ pub struct Turn<'a> {
     pub seconds: Option<f64>,
     /// Where what leaves the channels goes.
     pub output: Option<&'a Path>,
+    /// Where the table of every sample goes.
+    pub table: Option<&'a Path>,
 }
 
 /// Seconds that go on after the hand is done.
 const AFTER: f64 = 0.5;
-/// The longest course, seconds.
+/// The longest turn, seconds.
 const LONGEST: f64 = 3600.0;
 
 /// A turn forth and back, after half a second in which torque rises.
@@ -58,7 +60,7 @@ pub struct Set {
 /// What came of it.
 pub struct Turned {
     /// What the knob did.
-    pub course: Course,
+    pub record: Record,
     /// What it set off.
     pub set_off: Vec<Set>,
     /// The player at its end.
@@ -94,7 +96,7 @@ impl Turn<'_> {
         self.within_reach(&player)?;
         let seconds = self.seconds.unwrap_or(self.gesture.seconds + AFTER);
         if seconds > LONGEST {
-            let what = format!("{seconds} s are more than the {LONGEST} s that a course may have");
+            let what = format!("{seconds} s are more than the {LONGEST} s that a turn may take");
             return Err(Failure::usage(what, "give a shorter --duration"));
         }
         let mut writer = match self.output {
@@ -108,7 +110,7 @@ impl Turn<'_> {
         let stop = Stop::listen()?;
         let progress = Progress::new(terminal, Some(seconds));
         let samples = (seconds * rate).ceil() as usize;
-        let mut course = Course { rate, samples: Vec::with_capacity(samples) };
+        let mut record = Record::new(rate, self.table)?;
         let mut frames = vec![0.0; ratio * channels];
         let mut hand = Hand::new(&self.gesture);
         let mut stopped = None;
@@ -126,13 +128,24 @@ impl Turn<'_> {
             if let Some(writer) = &mut writer {
                 writer.write(&frames)?;
             }
-            course.samples.extend(sample(&player, hand.at(now)));
+            if let Some(sample) = sample(&player, hand.at(now)) {
+                record.push(&sample)?;
+            }
         }
         progress.ends();
+        record.finish()?;
         writer.map(WavWriter::finish).transpose()?;
         let ending = stopped.map_or(Ok(()), |code| Err(Failure::told(code)));
         let set_off = std::mem::take(&mut *set_off.lock().unwrap_or_else(PoisonError::into_inner));
-        Ok(Turned { course, set_off, player, ending })
+        // One notch may set off several voices.
+        let mut seen: Option<&Set> = None;
+        for set in &set_off {
+            if seen.is_none_or(|last| (last.at, &last.by) != (set.at, &set.by)) {
+                record.event(set.at, &set.by);
+            }
+            seen = Some(set);
+        }
+        Ok(Turned { record, set_off, player, ending })
     }
 
     /// Whether the hand's control goes as far as the gesture.
@@ -190,23 +203,23 @@ impl<'a> Hand<'a> {
         Ok(())
     }
 
-    /// Where the hand is, rad, and how it pushes, N m.
-    fn at(&self, now: f64) -> [f64; 2] {
+    /// Where the hand is, rad, if it holds the knob, and how it pushes, N m.
+    fn at(&self, now: f64) -> (Option<f64>, f64) {
         let angles = &self.gesture.angles;
         let after = angles.partition_point(|(at, _)| *at <= now);
         let angle = match (after.checked_sub(1).and_then(|n| angles.get(n)), angles.get(after)) {
-            (Some(&(from, a)), Some(&(to, b))) => a + (b - a) * (now - from) / (to - from),
-            (Some(&(_, a)), None) => a,
-            _ => 0.0,
+            (Some(&(from, a)), Some(&(to, b))) => Some(a + (b - a) * (now - from) / (to - from)),
+            (Some(&(_, a)), None) => Some(a),
+            _ => None,
         };
         let torques = &self.gesture.torques;
         let torque =
             torques.partition_point(|(at, _)| *at <= now).checked_sub(1).and_then(|n| torques.get(n));
-        [angle, torque.map_or(0.0, |(_, torque)| *torque)]
+        (angle, torque.map_or(0.0, |(_, torque)| *torque))
     }
 }
 
-fn sample(player: &Player, hand: [f64; 2]) -> Option<Sample> {
+fn sample(player: &Player, hand: (Option<f64>, f64)) -> Option<Sample> {
     let knob = player.knob()?;
     let (given, plant) = (knob.last(), knob.simulated()?.plant());
     Some(Sample {

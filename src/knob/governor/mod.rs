@@ -55,8 +55,10 @@ pub struct Governor {
     most_damping: f64,
     /// Steps of the table for a damping of 1.
     steps: f64,
-    /// Largest stiffness at equal steps of damping up to that.
+    /// Largest stiffness at equal steps of damping up to that, as far as the loop goes.
     stiffness: [f64; POINTS],
+    /// Largest stiffness by counts, friction and peak torque, N m/rad: no part of the table, which is straight between its points.
+    still: f64,
 }
 
 impl Governor {
@@ -75,13 +77,14 @@ impl Governor {
             let edge = sampled.edge_within(most_damping * k as f64 / (POINTS - 1) as f64).gain;
             // A loop without any damping of its own has no edge but 0.
             let edge = if k == 0 { sampled.edge(0.0).gain } else { edge };
-            *entry = f64::min(margin * edge, still);
+            // So that differences stay numbers where every stiffness is stable.
+            *entry = f64::min(margin * edge, 1e300);
         }
         if most_damping == 0.0 {
             stiffness = [stiffness[0]; POINTS];
         }
         let steps = if most_damping > 0.0 { (POINTS - 1) as f64 / most_damping } else { 0.0 };
-        Ok(Self { device: device.clone(), margin, most_damping, steps, stiffness })
+        Ok(Self { device: device.clone(), margin, most_damping, steps, stiffness, still })
     }
 
     /// The largest stiffness (N m/rad) beside a computed damping (N m s/rad).
@@ -89,7 +92,8 @@ impl Governor {
     pub fn most_stiffness(&self, damping: f64) -> f64 {
         let at = (damping * self.steps).clamp(0.0, (POINTS - 1) as f64);
         let k = (at as usize).min(POINTS - 2);
-        self.stiffness[k] + (self.stiffness[k + 1] - self.stiffness[k]) * (at - k as f64)
+        let stiffness = self.stiffness[k] + (self.stiffness[k + 1] - self.stiffness[k]) * (at - k as f64);
+        f64::min(stiffness, self.still)
     }
 
     /// The largest computed damping, N m s/rad.

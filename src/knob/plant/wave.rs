@@ -109,6 +109,17 @@ impl Wave {
             .sum()
     }
 
+    /// How fast it rises with the angle, 1/rad.
+    pub fn slope(&self, angle: f64) -> f64 {
+        self.harmonics()
+            .iter()
+            .map(|h| {
+                let [s, c] = phase(h.periods, angle);
+                h.periods * (h.sine * c - h.cosine * s)
+            })
+            .sum()
+    }
+
     /// Its energy if it is a torque: minus its integral from 0, J.
     pub fn energy(&self, angle: f64) -> f64 {
         self.harmonics()
@@ -172,6 +183,8 @@ mod tests {
             assert!((wave.at(angle + 1000.0 * TAU) - expected).abs() < 1e-12);
             let slope = (wave.energy(angle + 1e-6) - wave.energy(angle - 1e-6)) / 2e-6;
             assert!((slope + wave.at(angle)).abs() < 1e-9);
+            let slope = (wave.at(angle + 1e-6) - wave.at(angle - 1e-6)) / 2e-6;
+            assert!((slope - wave.slope(angle)).abs() < 1e-8);
         }
         assert!(!wave.is_flat() && Wave::default().is_flat());
     }

@@ -66,7 +66,12 @@ where
     };
     let (mut below, mut sign) = (LEAST, at(LEAST).0);
     for &phi in &grid {
-        let next = at(phi).0;
+        let (next, gain) = at(phi);
+        if next == 0.0 {
+            // A zero on the grid itself, as of an undamped knob at φ = π / 2: the sign goes on from before it.
+            offer(gain, phi);
+            continue;
+        }
         if sign * next < 0.0 {
             let (mut left, mut right) = (below, phi);
             for _ in 0..HALVINGS {

@@ -31,6 +31,8 @@ pub struct Equation {
     pub inductance: f64,
     /// B at rest: N m/A or N/A.
     pub gain: f64,
+    /// What the drive does at once, without a winding, N m or N a unit of it; 0: nothing.
+    pub direct: f64,
     /// m: kg m² or kg.
     pub inertia: f64,
     /// c: N m s or N s/m.
@@ -77,6 +79,11 @@ impl Equation {
             ..Self::bare()
         }
         .ready()
+    }
+
+    /// Of an inertia (kg m²) on a bearing (N m s/rad) that the drive turns at once, as a torque. What else acts on it is set afterwards.
+    pub fn turned(inertia: f64, damping: f64) -> Self {
+        Self { inductance: 1.0, direct: 1.0, inertia, damping, ..Self::bare() }.ready()
     }
 
     /// Of a tactor on a skin of one branch; a second branch is left out.
@@ -177,7 +184,8 @@ impl Equation {
     #[inline(always)]
     pub fn rates<const KIND: u8>(&self, [current, speed, place]: State, drive: f64) -> State {
         let gain = self.gain_at::<KIND>(place);
-        let force = gain * current - self.damping * speed + self.pull::<KIND>(speed, place);
+        let force =
+            gain * current - self.damping * speed + self.pull::<KIND>(speed, place) + self.direct * drive;
         let left = drive - self.resistance * current - gain * speed;
         [left * self.inverse[0], force * self.inverse[1], speed]
     }

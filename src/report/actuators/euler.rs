@@ -45,6 +45,7 @@ mod tests {
         resistance: 2.0,
         inductance: 0.5,
         gain: 0.3,
+        direct: 0.0,
         inertia: 0.2,
         damping: 0.1,
         stiffness: 1.5,

@@ -6,8 +6,7 @@
 //! | [`truth`] | what it comes to: Taylor series with events, no line in common with the models |
 //! | [`method`], [`ours`] | what a method is and which there are; the models of [`crate::actuator`] as such |
 //! | [`euler`], [`semi_implicit`], [`rk4`], [`trapezoidal`] | the plain methods |
-//! | [`mod@race`], [`row`] | all of them on all problems at all rates, and what comes of each |
-//! | [`table`], [`mod@picture`] | that as text, comma-separated values, and SVG |
+//! | [`mod@race`] | all of them on all problems at all rates: rows, which [`cost`](super::cost) writes and draws |
 //!
 //! A method is given one drive a sample, held over it, and is asked for current, speed and place at the end of each. So the error is the
 //! method's alone: the truth has the same held drive.
@@ -26,20 +25,21 @@ pub mod equation;
 pub mod euler;
 pub mod method;
 pub mod ours;
-pub mod picture;
 pub mod problem;
 pub mod race;
 pub mod rk4;
-pub mod row;
 pub mod semi_implicit;
 mod series;
-pub mod table;
 pub mod trapezoidal;
 pub mod truth;
 
+pub use super::cost::{Across, Outcome, Row, csv, text};
 pub use method::Method;
-pub use picture::{Across, picture};
 pub use problem::{Problem, listed};
 pub use race::{Course, Wish, race};
-pub use row::{Outcome, Row};
-pub use table::{csv, text};
+
+/// The picture of error against run time as SVG.
+pub fn picture(rows: &[Row], across: Across) -> String {
+    let of = "Errors: of a motor's speed as a share of the rated speed, of a coil's displacement as a share of its peak.";
+    super::cost::picture(rows, across, of)
+}

@@ -1,27 +1,20 @@
 //! All methods on all problems at all rates.
 
 use std::hint::black_box;
-use std::time::Duration;
-
-use cpu_time::ThreadTime;
 
 use super::equation::State;
 use super::method::{Contender, Method};
 use super::problem::{Problem, Subject, listed};
-use super::row::{Outcome, Row};
 use super::truth::truth;
 use crate::actuator::fault::{Fault, within};
+use crate::report::cost::clock::nanoseconds;
+use crate::report::cost::{Outcome, Row};
 
 /// The rates that errors are told at, Hz.
 pub const RATES: [f64; 6] = [1e3, 4e3, 8e3, 16e3, 48e3, 192e3];
 
 /// What has gone beyond so many times its scale has run away.
 const AWAY: f64 = 10.0;
-/// A measurement lasts this long at least; the least of so many counts, or of as many as fit into a time, but of some.
-const LEAST: Duration = Duration::from_micros(150);
-const MOST_RUNS: usize = 40;
-const ENOUGH: Duration = Duration::from_millis(15);
-const FEWEST_RUNS: usize = 5;
 
 /// What is raced.
 #[derive(Debug, Clone, PartialEq)]
@@ -132,26 +125,11 @@ impl Course {
 
     /// CPU nanoseconds a step, the least of several runs.
     pub fn time<M: Method>(&self, method: &mut M) -> f64 {
-        let mut run = |times: usize| {
-            let begin = ThreadTime::now();
-            for _ in 0..times {
-                method.restart();
-                method.run(black_box(&self.drives));
-                black_box(method.state());
-            }
-            begin.elapsed()
-        };
-        let first = run(1).max(Duration::from_nanos(100));
-        let times = (LEAST.as_nanos() / first.as_nanos()) as usize + 1;
-        let (mut least, mut all) = (Duration::MAX, Duration::ZERO);
-        for done in 0..MOST_RUNS {
-            if done >= FEWEST_RUNS && all > ENOUGH {
-                break;
-            }
-            let one = run(times);
-            (least, all) = (least.min(one), all + one);
-        }
-        least.as_nanos() as f64 / (times * self.drives.len()) as f64
+        nanoseconds(self.drives.len(), || {
+            method.restart();
+            method.run(black_box(&self.drives));
+            black_box(method.state());
+        })
     }
 
     /// A row of what was measured.
@@ -168,6 +146,10 @@ impl Course {
             method,
             own,
             rate: self.rate,
+            of: match self.problem.spins() {
+                true => "error of the speed, share of the rated speed",
+                false => "error of the displacement, share of its peak",
+            },
             error,
             angle: self.problem.spins().then_some(place),
             ns,

@@ -33,7 +33,7 @@ impl Series {
         let [mut i, mut v, mut y, mut square, mut gain, mut sine, mut cosine] = [zero; 7];
         (i[0], v[0], y[0]) = (current, if regime.sticks { 0.0 } else { speed }, place);
         (sine[0], cosine[0]) = place.sin_cos();
-        let mut steady = -regime.slips * e.coulomb;
+        let mut steady = e.direct * drive - regime.slips * e.coulomb;
         if regime.stop != 0.0 {
             steady += regime.stop * e.stop_stiffness * e.stroke;
         }

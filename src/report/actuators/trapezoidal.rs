@@ -125,6 +125,7 @@ mod tests {
         resistance: 2.0,
         inductance: 1e-3,
         gain: 0.5,
+        direct: 0.0,
         inertia: 1e-2,
         damping: 0.01,
         stiffness: 3.0,

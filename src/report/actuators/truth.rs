@@ -15,8 +15,13 @@ const MOST: usize = 2000;
 /// The states at the end of each sample. Not a number from where the motion is beyond the reach of the equation, or something happens
 /// without end.
 pub fn truth(problem: &Problem, rate: f64) -> Vec<State> {
-    let mut motion = Motion::new(problem.equation());
-    problem.drives(rate).into_iter().map(|drive| motion.sample(drive, 1.0 / rate)).collect()
+    from(&problem.equation(), [0.0; 3], &problem.drives(rate), rate)
+}
+
+/// The same of any equation, from a first state, with what is held over each sample.
+pub fn from(equation: &Equation, state: State, drives: &[f64], rate: f64) -> Vec<State> {
+    let mut motion = Motion::new(*equation, state);
+    drives.iter().map(|drive| motion.sample(*drive, 1.0 / rate)).collect()
 }
 
 /// What ends a regime.
@@ -32,7 +37,7 @@ enum End {
     Leaves,
 }
 
-/// A motion, from rest.
+/// A motion.
 #[derive(Debug, Clone)]
 struct Motion {
     equation: Equation,
@@ -40,17 +45,24 @@ struct Motion {
     /// What rounding took off it.
     lost: State,
     regime: Regime,
+    /// What is held.
+    drive: f64,
 }
 
 impl Motion {
-    fn new(equation: Equation) -> Self {
-        let mut new = Self { equation, state: [0.0; 3], lost: [0.0; 3], regime: Regime::default() };
-        new.grip();
+    fn new(equation: Equation, state: State) -> Self {
+        let mut new = Self { equation, state, lost: [0.0; 3], regime: Regime::default(), drive: 0.0 };
+        if state[1] == 0.0 {
+            new.grip();
+        } else if equation.coulomb > 0.0 {
+            new.regime.slips = 1f64.copysign(state[1]);
+        }
         new
     }
 
     /// Holds a drive for a time.
     fn sample(&mut self, drive: f64, seconds: f64) -> State {
+        self.drive = drive;
         let mut left = if self.state[2].is_nan() { f64::NAN } else { seconds };
         for _ in 0..MOST {
             // Not a number: it has left its reach before.
@@ -93,7 +105,7 @@ impl Motion {
             let (depth, along) = (side * x[2] - e.stroke, side * x[1]);
             depth > 0.0 && e.stop_stiffness * depth + e.stop_damping * along > 0.0
         };
-        if r.sticks && torque(e, x).abs() > e.stiction {
+        if r.sticks && self.torque(x).abs() > e.stiction {
             return Some(End::BreaksAway);
         }
         if r.slips * x[1] < 0.0 {
@@ -131,7 +143,7 @@ impl Motion {
                 self.grip();
             }
             End::BreaksAway => {
-                let slips = 1f64.copysign(torque(&self.equation, &self.state));
+                let slips = 1f64.copysign(self.torque(&self.state));
                 self.regime = Regime { sticks: false, slips, ..self.regime };
             }
             End::Meets(side) => self.regime.stop = side,
@@ -139,19 +151,20 @@ impl Motion {
         }
     }
 
+    /// What friction has to hold at rest.
+    fn torque(&self, x: &State) -> f64 {
+        let e = &self.equation;
+        e.gain * x[0] + e.direct * self.drive - e.weight * x[2].sin()
+    }
+
     /// At rest: whether friction holds it, or in which sense it slips.
     fn grip(&mut self) {
         if self.equation.stiction > 0.0 {
-            let torque = torque(&self.equation, &self.state);
+            let torque = self.torque(&self.state);
             self.regime.sticks = torque.abs() <= self.equation.stiction;
             self.regime.slips = if self.regime.sticks { 0.0 } else { 1f64.copysign(torque) };
         }
     }
-}
-
-/// What friction has to hold at rest.
-fn torque(e: &Equation, x: &State) -> f64 {
-    e.gain * x[0] - e.weight * x[2].sin()
 }
 
 #[cfg(test)]

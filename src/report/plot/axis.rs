@@ -2,7 +2,7 @@
 
 /// From values to pixels along one direction, linear or by decades.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scale {
+pub(in crate::report) struct Scale {
     from: f64,
     to: f64,
     low: f64,
@@ -95,7 +95,7 @@ fn steps(from: f64, to: f64, most: usize) -> Vec<(f64, String)> {
 }
 
 /// The least of 1, 2 and 5 times a power of ten that is not below `x`.
-pub(super) fn nice(x: f64) -> f64 {
+pub(in crate::report) fn nice(x: f64) -> f64 {
     if !(x > 0.0 && x.is_finite()) {
         return 1.0;
     }
@@ -110,7 +110,7 @@ pub(super) fn nice(x: f64) -> f64 {
 }
 
 /// A number as short as three digits allow: 50, 2k, 0.05, 1e−6.
-pub(super) fn short(v: f64) -> String {
+pub(in crate::report) fn short(v: f64) -> String {
     let size = v.abs();
     let text = if size == 0.0 {
         "0".to_string()
@@ -132,7 +132,7 @@ fn trimmed(v: f64) -> String {
 }
 
 /// With a true minus sign.
-pub(super) fn signed(text: String) -> String {
+pub(in crate::report) fn signed(text: String) -> String {
     text.replace('-', "−")
 }
 

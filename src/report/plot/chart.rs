@@ -167,7 +167,7 @@ pub(super) fn scale(axis: &Axis, values: impl Iterator<Item = f64>, [low, high]:
 }
 
 /// A mark whose shape tells the series where colour cannot.
-pub(super) fn mark(svg: &mut Svg, index: usize, ink: Ink, x: f64, y: f64) {
+pub(in crate::report) fn mark(svg: &mut Svg, index: usize, ink: Ink, x: f64, y: f64) {
     let around: &[(f64, f64)] = match index % 4 {
         0 => &[
             (-1.7, -4.1),

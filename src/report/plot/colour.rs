@@ -2,7 +2,7 @@
 
 /// What a mark is painted with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Ink {
+pub(in crate::report) enum Ink {
     /// The page.
     Page,
     /// Titles and names.

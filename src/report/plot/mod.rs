@@ -3,13 +3,14 @@
 //! A picture is text of a few hundred kilobytes, the same for the same input, with real text in it and, where the reader prefers
 //! it, light on dark.
 
-mod axis;
+pub(in crate::report) mod axis;
 mod chart;
 mod collector;
-mod colour;
+pub(in crate::report) mod colour;
 mod extremes;
 mod map;
 mod panel;
+pub(in crate::report) mod panels;
 mod path;
 mod picture;
 pub mod sheet;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 /// A path in steps of a tenth of a pixel, written relative, with straight runs joined.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Path {
+pub(in crate::report) struct Path {
     points: Vec<(i64, i64)>,
     /// Finished parts, each closed.
     done: String,
@@ -100,7 +100,7 @@ fn tenths(x: f64) -> i64 {
 }
 
 /// A coordinate as text, to a tenth.
-pub(super) fn number(x: f64) -> String {
+pub(in crate::report) fn number(x: f64) -> String {
     let mut text = String::new();
     push_tenths(&mut text, tenths(x), false);
     text

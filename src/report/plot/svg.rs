@@ -11,7 +11,7 @@ const FONTS: &str = "'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', 'Dej
 
 /// Which end of a text lies at its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Anchor {
+pub(in crate::report) enum Anchor {
     Start,
     Middle,
     End,
@@ -19,7 +19,7 @@ pub(super) enum Anchor {
 
 /// How a text is set.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Type {
+pub(in crate::report) struct Type {
     pub size: f64,
     pub anchor: Anchor,
     pub ink: Ink,
@@ -35,7 +35,7 @@ impl Type {
 /// An SVG document being written. Light colours stand in attributes, which every reader understands; where dark mode is
 /// followed, a style sheet overrides them.
 #[derive(Debug)]
-pub(super) struct Svg {
+pub(in crate::report) struct Svg {
     body: String,
     /// Colours in use, for the style sheet: by class, what the dark rule says.
     dark: Option<BTreeMap<String, String>>,
@@ -217,7 +217,7 @@ fn hundredths(x: f64) -> String {
 }
 
 /// A text for the inside of an element or attribute. What XML cannot hold becomes U+FFFD; breaks become spaces.
-pub(super) fn escape(text: &str) -> String {
+pub(in crate::report) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -234,7 +234,7 @@ pub(super) fn escape(text: &str) -> String {
 }
 
 /// About how wide a text is, in its own size: no font is at hand, so a guess on the wide side.
-pub(super) fn width(text: &str) -> f64 {
+pub(in crate::report) fn width(text: &str) -> f64 {
     text.chars().map(advance).sum()
 }
 

@@ -2,6 +2,7 @@
 
 use crate::actuator::fault::{Fault, within};
 use crate::knob::plant::parameters::Parameters;
+use crate::knob::plant::wave::Wave;
 
 /// Rounds of the implicit ones: they halve what is left of a linear problem at once, and meet a corner in a few.
 const ROUNDS: usize = 40;
@@ -49,11 +50,14 @@ impl Method {
 
 /// A knob of one inertia, stepped by a [`Method`].
 ///
-/// Dry friction is Coulomb's with the sense of turning of the moment; a knob whose speed would change its sign within a step, and which
+/// Dry friction is Coulomb's with the sense of turning of the moment, at rest against what pushes, and of the step's beginning where the
+/// step is implicit; a knob whose speed would change its sign within a step, and which
 /// friction could hold, stops. It is finite as long as the method is stable; beyond, angle and speed are kept within ±1e12 and [`Rival::diverged`] tells it.
 #[derive(Debug, Clone)]
 pub struct Rival {
     parameters: Parameters,
+    /// Torque over the angle, where there is any.
+    cogging: Option<Wave>,
     method: Method,
     period: f64,
     angle: f64,
@@ -73,12 +77,19 @@ impl Rival {
         within("rate", rate, (1.0, 1e8), "steps a second")?;
         Ok(Self {
             parameters: *parameters,
+            cogging: None,
             method,
             period: 1.0 / rate,
             angle: 0.0,
             speed: 0.0,
             diverged: false,
         })
+    }
+
+    /// The same with a torque over the angle, N m.
+    #[must_use]
+    pub fn cogged(self, wave: &Wave) -> Self {
+        Self { cogging: (!wave.is_flat()).then_some(*wave), ..self }
     }
 
     /// Puts it at an angle (rad) with a speed (rad/s).
@@ -101,11 +112,14 @@ impl Rival {
         self.diverged
     }
 
-    /// rad/s² at an angle and a speed, and its derivatives by them.
-    fn acceleration(&self, torque: f64, angle: f64, speed: f64) -> [f64; 3] {
+    /// The torque at an angle and a speed without dry friction, N m, and its derivatives by them.
+    fn push(&self, torque: f64, angle: f64, speed: f64) -> [f64; 3] {
         let p = &self.parameters;
-        let rubs = if speed == 0.0 { 0.0 } else { p.coulomb.copysign(speed) };
-        let (mut sum, mut by_angle, mut by_speed) = (torque - rubs - p.viscous * speed, 0.0, -p.viscous);
+        let (mut sum, mut by_angle, mut by_speed) = (torque - p.viscous * speed, 0.0, -p.viscous);
+        if let Some(wave) = &self.cogging {
+            sum += wave.at(angle);
+            by_angle += wave.slope(angle);
+        }
         if let Some(stops) = p.stops {
             for (side, place) in [(1.0, stops.high), (-1.0, stops.low)] {
                 let depth = side * (angle - place);
@@ -117,7 +131,19 @@ impl Rival {
                 }
             }
         }
-        [sum, by_angle, by_speed].map(|x| x / p.inertia)
+        [sum, by_angle, by_speed]
+    }
+
+    /// What friction does against a push, N m: at rest it goes against that.
+    fn rubs(&self, push: f64, speed: f64) -> f64 {
+        let coulomb = self.parameters.coulomb;
+        if speed == 0.0 { push.clamp(-coulomb, coulomb) } else { coulomb.copysign(speed) }
+    }
+
+    /// rad/s² at an angle and a speed.
+    fn acceleration(&self, torque: f64, angle: f64, speed: f64) -> f64 {
+        let push = self.push(torque, angle, speed)[0];
+        (push - self.rubs(push, speed)) / self.parameters.inertia
     }
 
     /// Passes one step with a torque (N m) held over it; what is no number counts as none.
@@ -127,7 +153,7 @@ impl Rival {
         if v == 0.0 && self.parameters.stiction > 0.0 && self.holds(torque, x) {
             return;
         }
-        let at = |x: f64, v: f64| self.acceleration(torque, x, v)[0];
+        let at = |x: f64, v: f64| self.acceleration(torque, x, v);
         let (angle, speed) = match self.method {
             Method::ForwardEuler => (x + h * v, v + h * at(x, v)),
             Method::SymplecticEuler => {
@@ -168,17 +194,18 @@ impl Rival {
     }
 
     fn holds(&self, torque: f64, angle: f64) -> bool {
-        let push = self.acceleration(torque, angle, 0.0)[0] * self.parameters.inertia;
-        push.abs() <= self.parameters.stiction
+        self.push(torque, angle, 0.0)[0].abs() <= self.parameters.stiction
     }
 
-    /// v with v = v0 + h a(x0 + h v, v), by Newton's method on what is linear in parts.
+    /// v with v = v0 + h a(x0 + h v, v), by Newton's method on what is linear in parts; dry friction keeps the sense that it has at the
+    /// step's beginning, or the rounds would go to and fro between both.
     fn implicit(&self, torque: f64, h: f64) -> f64 {
-        let mut v = self.speed;
+        let (mut v, inertia) = (self.speed, self.parameters.inertia);
+        let rubs = self.rubs(self.push(torque, self.angle, v)[0], v);
         for _ in 0..ROUNDS {
-            let [a, by_angle, by_speed] = self.acceleration(torque, self.angle + h * v, v);
-            let off = v - self.speed - h * a;
-            let change = off / (1.0 - h * (h * by_angle + by_speed));
+            let [push, by_angle, by_speed] = self.push(torque, self.angle + h * v, v);
+            let off = v - self.speed - h * (push - rubs) / inertia;
+            let change = off / (1.0 - h * (h * by_angle + by_speed) / inertia);
             v -= change;
             if change.abs() <= 1e-15 * v.abs() {
                 break;

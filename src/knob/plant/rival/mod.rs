@@ -4,4 +4,5 @@
 //! contact where they look, not at their instants.
 
 pub mod bristle;
+pub mod implicit_coulomb;
 pub mod integrator;

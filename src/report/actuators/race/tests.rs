@@ -6,10 +6,10 @@ use super::super::method::{Contender, Method};
 use super::super::ours::{Exact, Rumble, Split};
 use super::super::problem::{Problem, Subject, listed};
 use super::super::rk4::Rk4;
-use super::super::row::Outcome;
 use super::super::trapezoidal::Trapezoidal;
 use super::{Course, Measured, RATES, Wish, race};
 use crate::actuator::motor::Level;
+use crate::report::cost::Outcome;
 
 fn problem(model: &str, name: &str) -> Problem {
     listed().into_iter().find(|p| p.model == model && p.name == name).expect("one that is listed")

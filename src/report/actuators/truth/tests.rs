@@ -8,6 +8,7 @@ const BARE: Equation = Equation {
     resistance: 1.0,
     inductance: 1.0,
     gain: 0.0,
+    direct: 0.0,
     inertia: 2e-3,
     damping: 0.0,
     stiffness: 0.0,
@@ -26,7 +27,7 @@ const BARE: Equation = Equation {
 
 fn moving(equation: Equation, state: State, slips: f64) -> Motion {
     let regime = Regime { slips, ..Regime::default() };
-    Motion { equation, state, lost: [0.0; 3], regime }
+    Motion { equation, state, lost: [0.0; 3], regime, drive: 0.0 }
 }
 
 /// ω' = −(b ω + T_c)/J: it stops at (J/b) ln(1 + b ω₀/T_c), having turned (J/b) (ω₀ − (T_c/b) ln(1 + b ω₀/T_c)).

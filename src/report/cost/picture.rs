@@ -21,8 +21,8 @@ const COLUMNS: usize = 3;
 /// Letters of a note, at most.
 const NOTE: usize = 82;
 
-/// The picture as SVG.
-pub fn picture(rows: &[Row], across: Across) -> String {
+/// The picture as SVG. `of` says what the errors are of, in a sentence.
+pub fn picture(rows: &[Row], across: Across, of: &str) -> String {
     let mut rates: Vec<f64> = Vec::new();
     for row in rows {
         if !rates.contains(&row.rate) {
@@ -32,8 +32,7 @@ pub fn picture(rows: &[Row], across: Across) -> String {
     rates.sort_by(f64::total_cmp);
     let rates = rates.iter().map(|rate| kilohertz(*rate)).collect::<Vec<_>>().join(", ");
     let about = format!(
-        "A curve a method, a point a rate ({rates}), of which 48 kHz is large. Thick: the models; thin: plain methods. \
-         Errors: of a motor's speed as a share of the rated speed, of a coil's displacement as a share of its peak."
+        "A curve a method, a point a rate ({rates}), of which 48 kHz is large. Thick: the models; thin: plain methods. {of}"
     );
     let x = match across {
         Across::Step => "CPU time of a step (ns)",

@@ -12,6 +12,7 @@ fn row(method: &'static str, rate: f64, outcome: Outcome) -> Row {
         method,
         own: method == "exact",
         rate,
+        of: "error of the displacement, share of its peak",
         error: if held { 1e3 / (rate * rate) } else { f64::NAN },
         angle: None,
         ns: held.then_some(20.0),
@@ -40,11 +41,11 @@ fn it_says_what_it_does_not_show() {
     let notes = panel.notes.join("; ");
     assert_eq!(
         notes,
-        "Euler diverged at 1 kHz to 8 kHz; RK4 diverged at 1 kHz, 48 kHz; split refused at 1 kHz"
+        "Euler unstable at 1 kHz to 8 kHz; RK4 unstable at 1 kHz, 48 kHz; split refused at 1 kHz"
     );
     assert!(panel.curves[0].strong && !panel.curves[1].strong);
     assert_eq!(panel.curves.iter().map(|c| c.points.len()).collect::<Vec<_>>(), [4, 2, 2, 3]);
-    let svg = picture(&rows, Across::Second);
+    let svg = picture(&rows, Across::Second, "Errors: of something.");
     let document = roxmltree::Document::parse(&svg).unwrap();
     let texts: Vec<&str> =
         document.descendants().filter_map(|n| if n.is_text() { n.text() } else { None }).collect();
@@ -69,7 +70,7 @@ fn points_stand_at_cost_and_error() {
 
 #[test]
 fn no_rows_are_still_a_picture() {
-    roxmltree::Document::parse(&picture(&[], Across::Step)).unwrap();
+    roxmltree::Document::parse(&picture(&[], Across::Step, "")).unwrap();
     assert!(lines(&[]).is_empty());
     let long = vec!["x".repeat(50); 3];
     assert_eq!(lines(&long).len(), 3);

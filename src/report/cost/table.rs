@@ -4,15 +4,12 @@ use std::fmt::Write;
 
 use super::row::{Outcome, Row};
 
-/// A table for each problem: a line a method, a column a rate, in each the error and the nanoseconds a step; for motors another of the
-/// errors of the angle.
+/// A table for each problem: a line a method, a column a rate, in each the error and the nanoseconds a step; for what turns another of
+/// the errors of the angle.
 pub fn text(rows: &[Row]) -> String {
     let mut out = String::new();
     for (title, rows) in by_problem(rows) {
-        let what = match rows.first().is_some_and(|row| row.angle.is_some()) {
-            true => "error of the speed, share of the rated speed",
-            false => "error of the displacement, share of its peak",
-        };
+        let what = rows.first().map_or("error", |row| row.of);
         let _ = writeln!(out, "{title}: {what} | ns a step");
         block(&mut out, &rows, |row| format!("{} |{:>6}", power(row.error), nanoseconds(row.ns)));
         if rows.iter().any(|row| row.angle.is_some()) {

@@ -13,6 +13,11 @@ fn row(method: &'static str, rate: f64, error: f64, angle: Option<f64>, outcome:
         method,
         own: method == "fine",
         rate,
+        of: if angle.is_some() {
+            "error of the speed, share of the rated speed"
+        } else {
+            "error of the displacement, share of its peak"
+        },
         error,
         angle,
         ns: held.then_some(123.456),
@@ -38,7 +43,7 @@ fn a_table_has_every_figure_in_its_place() {
     assert_eq!(lines[1].split_whitespace().collect::<Vec<_>>(), ["1", "kHz", "44.1", "kHz"]);
     let cells = |line: &str| line.split_whitespace().map(String::from).collect::<Vec<_>>();
     assert_eq!(cells(lines[2]), ["fine", "2.4e-7", "|", "123", "0.0e0", "|", "123"]);
-    assert_eq!(cells(lines[3]), ["Euler", "diverged", "5.0e-1", "|", "123"]);
+    assert_eq!(cells(lines[3]), ["Euler", "unstable", "5.0e-1", "|", "123"]);
     assert_eq!(lines[5], "rumble motor, full: error of the angle, rad");
     assert_eq!(cells(lines[7]), ["fine", "3.0e-5", "0.0e0"]);
     assert!(text.contains("tactor, burst: error of the displacement, share of its peak"));
@@ -54,7 +59,7 @@ fn values_are_one_line_a_row_and_as_many_cells() {
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 6);
     assert_eq!(lines[1], "rumble motor,full,\"fine\",true,1000,2.440e-7,3.000e-5,123.46,held");
-    assert_eq!(lines[3], "rumble motor,full,\"Euler\",false,1000,,,,diverged");
+    assert_eq!(lines[3], "rumble motor,full,\"Euler\",false,1000,,,,unstable");
     assert_eq!(lines[5], "tactor,burst,\"split, 4 steps\",false,1000,1.000e0,,,refused");
     for line in &lines {
         // Commas between quotes do not part.

@@ -15,10 +15,11 @@ pub struct Row {
     pub own: bool,
     /// Samples a second.
     pub rate: f64,
-    /// The largest error of the speed as a share of the rated speed; for a coil, of the displacement as a share of its peak. Not a
-    /// number where it was not computed or ran away.
+    /// What the error is of: "error of the speed, share of the rated speed".
+    pub of: &'static str,
+    /// The largest error, a share. Not a number where it was not computed or ran away.
     pub error: f64,
-    /// The largest error of the angle, rad; `None` for a coil.
+    /// The largest error of the angle, rad; `None` of what does not turn.
     pub angle: Option<f64>,
     /// CPU time of a step, nanoseconds, the least of several runs, all that happens on the way included; `None` unless it held out.
     pub ns: Option<f64>,
@@ -31,7 +32,7 @@ pub struct Row {
 pub enum Outcome {
     /// To the end.
     Held,
-    /// It ran away: beyond ten times the rated speed or the peak displacement, or to what is no number.
+    /// It ran away: beyond a few times what the problem does at most, or to what is no number.
     Diverged,
     /// The method refuses the problem at this rate.
     Refused,
@@ -59,7 +60,7 @@ impl Outcome {
     pub fn word(self) -> &'static str {
         match self {
             Self::Held => "held",
-            Self::Diverged => "diverged",
+            Self::Diverged => "unstable",
             Self::Refused => "refused",
         }
     }
