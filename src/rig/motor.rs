@@ -43,6 +43,7 @@ impl Wiring {
                 Terminals::Carrier(carrier) => carrier.rectifier.drop,
                 Terminals::Straight | Terminals::Bridge(_) | Terminals::Coupled(_) => 0.0,
             },
+            half_wave: matches!(self.terminals, Terminals::Carrier(carrier) if !carrier.rectifier.full_wave),
             limit: self.limit,
             compliance: self.compliance,
             shaping: self.turning.shaping,

@@ -103,6 +103,7 @@ impl Turner {
     /// A number beyond its limits.
     pub fn new(setup: &Setup, late: usize) -> Result<Self, Fault> {
         setup.check()?;
+        let setup = &setup.on_average();
         let tracks = setup.ordered
             || setup.one_way
             || matches!(setup.shaping, Shaping::Overdrive | Shaping::Switching);
