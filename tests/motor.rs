@@ -249,6 +249,34 @@ fn a_rig_says_what_reaches_its_motor_and_how_it_is_held() {
     scratch.run(&["motor", "amperes.toml", "--coupling", "10"]).fails(2, &["impose a voltage"]);
 }
 
+/// At a current, clicks are those that it drives, within its volts; the bursts beside them are at a voltage, and that is said.
+#[test]
+fn a_motor_at_a_current_clicks_by_its_current() {
+    let scratch = Scratch::new("motor-current");
+    let amplifier = "gain = 0.2\ndrive = \"current\"\nmax_amperes = 0.25\n";
+    scratch.write("amperes.toml", format!("{RIG}{PALM}").replace("gain = 4\n", amplifier));
+    let run = scratch.run(&["motor", "amperes.toml", "--json"]);
+    assert!(
+        run.succeeds().err.contains("the bursts that are compared here are driven by voltage"),
+        "{}",
+        run.err
+    );
+    let said = run.json();
+    let rig = pacinian::rig::Rig::parse(
+        "amperes.toml",
+        std::fs::read(scratch.0.join("amperes.toml")).unwrap().as_slice(),
+    );
+    let rig = rig.unwrap_or_else(|p| panic!("{p}")).value;
+    let p = rig.actuators.iter().find(|a| a.name == "big").unwrap().rumble_motor().unwrap();
+    let rows = clicks(&bench(&p, 1e-4, false), 0.25, Drive::Current { amperes: 0.25, limit: 5.0 }).unwrap();
+    let ways = said["ways"].as_array().unwrap();
+    let of = |row: &Row| ways.iter().find(|said| said["way"] == row.way.word()).unwrap().clone();
+    rows.iter().for_each(|row| same_way(&of(row), row));
+    // At as many volts as those it may have, it would be another.
+    let volts = clicks(&bench(&p, 1e-4, false), 0.25, Drive::Voltage(5.0)).unwrap();
+    assert_ne!(of(&volts[0])["peak"].as_f64(), Some(volts[0].done.as_ref().unwrap().figures.peak));
+}
+
 /// A motor that is known from outside has no amperes and no joules, unless its resistance is known.
 #[test]
 fn what_is_not_known_is_not_told() {

@@ -44,7 +44,7 @@ impl Cooling {
     /// Refuses what cannot be.
     ///
     /// # Errors
-    /// The first figure that is not above 0 (`rise`: not below it); a housing faster than its winding.
+    /// The first figure that is not above 0 (`rise`: that is below it).
     pub fn check(&self) -> Result<(), Fault> {
         positive("resistance", self.resistance)?;
         not_negative("rise", self.rise)?;
@@ -276,6 +276,14 @@ mod tests {
         t.step(f64::NAN, 1.0);
         t.step(-3.0, 1.0);
         assert!(t.winding() < before.winding());
+        // What has no end is none either: a winding that would be no number stays one.
+        let mut cools = before;
+        cools.step(0.0, 1.0);
+        let mut t = before;
+        t.step(f64::INFINITY, 1.0);
+        assert_eq!(t, cools);
+        t.step(5.0, f64::INFINITY);
+        assert_eq!(t, cools);
         for (cooling, field) in [
             (Cooling { resistance: 0.0, ..motor() }, "resistance"),
             (Cooling { rise: -0.1, ..motor() }, "rise"),

@@ -304,10 +304,11 @@ impl Scene {
         let live = Options { live: true, ..options.clone() };
         let (mut listened, mut unheard, mut short) = (Vec::new(), None, None);
         let compiled = scene(&patch, &rig, if all { &live } else { &options }, &watched);
-        let (mut felt, mut rises) = (None, None);
+        let (mut felt, mut rises, mut unplayed) = (None, None, None);
         match &compiled {
             Ok(scene) => {
                 rises = Some(rise::search(&patch, &rig, scene));
+                unplayed = super::unplayed::search(&patch, &rig, scene);
                 felt = Some(Felt::new(&patch, &rig, scene));
                 listened = scene.plan.inputs();
                 unheard = setting::unheard(&patch, &self.settings, &scene.plan.left_out);
@@ -330,6 +331,7 @@ impl Scene {
             let resolve = |place: &patch::Place| rig.resolve(Some(place), &(0..0)).err();
             let unit = pattern.time.seconds() / pattern.rate;
             let feel = |play: &patch::Play| {
+                unplayed.iter_mut().for_each(|unplayed| unplayed.row(play));
                 let capped = felt.as_mut().and_then(|felt| felt.event(play, unit));
                 capped.or_else(|| rises.as_mut()?.row(play, pattern))
             };
@@ -366,6 +368,7 @@ impl Scene {
         let codes = seen.codes(&patch);
         let capped = felt.and_then(Felt::advice);
         let unrisen = rises.and_then(rise::Search::advice);
+        let unplayed = unplayed.and_then(super::unplayed::Search::advice);
         let moves = compiled.as_ref().ok().map(|scene| {
             let array = scene.plan.spread.as_ref().map(Spread::array);
             let mut told = motions::remarks(&patch, array);
@@ -403,6 +406,7 @@ impl Scene {
         loaded.warnings.extend(short);
         loaded.warnings.extend(capped);
         loaded.warnings.extend(unrisen);
+        loaded.warnings.extend(unplayed);
         loaded.warnings.extend(moves.filter(|told| !told.list.is_empty()));
         loaded.warnings.extend(unfelt);
         loaded.warnings.extend(super::advice::of(&loaded, by_default, deaf, self.live));

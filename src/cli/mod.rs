@@ -57,6 +57,7 @@ mod stop;
 mod summary;
 mod table;
 mod terminal;
+mod unplayed;
 mod walk;
 mod watch;
 

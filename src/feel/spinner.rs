@@ -187,3 +187,34 @@ impl Spinner {
         [self.limited, self.motor.counts().masked]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Level, Part, Plan, plan, with_coil};
+    use crate::actuator::motor::Parameters;
+
+    /// Of a coil that keeps its current for so short that nobody feels it at a steady voltage, the plan leaves the inductance out; behind diodes it is put
+    /// back, with a level that has one, and what else is left out stays so.
+    #[test]
+    fn behind_diodes_a_coil_is_never_left_out() {
+        let p = Parameters { inductance: 3e-7, ..Parameters::COIN };
+        let parts = |plan: &Plan| plan.left_out.iter().flatten().map(|left| left.part).collect::<Vec<_>>();
+        for error in [0.2, 1e-3] {
+            let (without, _) = plan(&p, 48_000.0, error, false);
+            assert!(!without.inductance && parts(&without).contains(&Part::Inductance), "{without:?}");
+            let with = with_coil(without);
+            assert!(with.inductance && with.level != Level::Economy, "{with:?}");
+            let others: Vec<Part> =
+                parts(&without).into_iter().filter(|part| *part != Part::Inductance).collect();
+            assert!(!others.is_empty() && parts(&with) == others, "{with:?}");
+            if without.level != Level::Economy {
+                assert_eq!(with.level, without.level);
+            }
+        }
+        assert_eq!(
+            plan(&p, 48_000.0, 0.2, false).0.level,
+            Level::Economy,
+            "one of them has the level that has none"
+        );
+    }
+}

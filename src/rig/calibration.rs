@@ -1,15 +1,17 @@
 //! What tactors were measured to give, as a rig says it.
 
-use super::{Drive, Output, OutputKind, Rig};
-use crate::perception::calibration::{Per, Table, UNITS, Unit};
+mod date;
+mod of_rig;
+
+use date::date;
+
+use crate::perception::calibration::{Table, UNITS, Unit};
 use crate::perception::fault::Fault;
-use crate::perception::site::{self, Site, THENAR};
+use crate::perception::site::{self, Site};
 use crate::text::cells::cells;
 use crate::text::field::{Field, Form, Table as Keys};
-use crate::text::nearest::suggest;
 use crate::text::reader::Reader;
 use crate::text::{Problem, Span};
-use toml::de::DeValue;
 
 /// A calibration, `[calibration.NAME]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -231,188 +233,5 @@ impl Calibration {
 /// So many lines that say no numbers are told.
 const MOST_WRONG: usize = 20;
 
-/// A year, a month and a day, in quotes or as TOML has dates.
-fn date(reader: &Reader) -> Option<String> {
-    let value = reader.at("date")?;
-    let said = match value.value {
-        DeValue::Datetime(date) => date.to_string(),
-        _ => value.text().unwrap_or_default().to_string(),
-    };
-    if is_date(&said) {
-        return Some(said);
-    }
-    let shown = if matches!(value.value, DeValue::Datetime(_)) { said } else { value.shown() };
-    let what = format!("`date` of {} is {shown}; it must be a day: 2026-03-14", reader.who);
-    reader.sink.error(&value.span(), what);
-    None
-}
-
-fn is_date(said: &str) -> bool {
-    let parts: Vec<&str> = said.split('-').collect();
-    let [year, month, day] = parts[..] else { return false };
-    let number = |part: &str, digits: usize| {
-        let all = part.len() == digits && part.bytes().all(|b| b.is_ascii_digit());
-        part.parse::<u32>().ok().filter(|_| all)
-    };
-    let Some((year, month, day)) =
-        number(year, 4).zip(number(month, 2)).zip(number(day, 2)).map(|((y, m), d)| (y, m, d))
-    else {
-        return false;
-    };
-    let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-    let days = match month {
-        2 => 28 + u32::from(leap),
-        4 | 6 | 9 | 11 => 30,
-        1..=12 => 31,
-        _ => 0,
-    };
-    (1..=days).contains(&day)
-}
-
-impl Rig {
-    /// The calibration of that name.
-    pub fn calibration(&self, name: &str) -> Option<&Calibration> {
-        self.calibrations.iter().find(|calibration| calibration.name == name)
-    }
-
-    /// The calibration of an output.
-    pub fn calibration_of(&self, output: &Output) -> Option<&Calibration> {
-        self.calibration(output.calibration.as_ref()?)
-    }
-
-    /// Where on the body an output sits: as it says, else as its calibration does, else on the thenar.
-    pub fn site_of(&self, output: &Output) -> &'static Site {
-        output.site.or_else(|| self.calibration_of(output)?.site).unwrap_or(THENAR)
-    }
-
-    /// Volts, amperes or full scales at the tactor of an output for a sample of 1.0, as its calibration counts them.
-    ///
-    /// # Errors
-    /// Why that is not known.
-    pub fn per_sample(&self, output: &Output, calibration: &Calibration) -> Result<f64, Problem> {
-        let per = calibration.unit.per;
-        let amplifier = output.amplifier.as_ref().and_then(|name| self.amplifier(name));
-        let gain = match (per, amplifier.map(|amplifier| (amplifier.drive, amplifier.gain))) {
-            (Per::FullScale, _) => return Ok(1.0),
-            (Per::Volt, None) => 1.0,
-            (Per::Volt, Some((Drive::Voltage, gain))) | (Per::Ampere, Some((Drive::Current, gain))) => gain,
-            _ => {
-                let what = format!(
-                    "calibration `{}` of `{}` is in {}, which its amplifier does not impose",
-                    calibration.name, output.name, calibration.unit_word
-                );
-                let help = match per {
-                    Per::Ampere => "amperes come from an amplifier with drive = \"current\"",
-                    _ => "volts come from an amplifier with drive = \"voltage\", or from none",
-                };
-                return Err(Problem::error(&output.span, what).help(help.to_string()));
-            }
-        };
-        let Some(volts) = self.device.full_scale_volts else {
-            let what = format!(
-                "calibration `{}` of `{}` is in {}, and nothing says how many volts full scale is",
-                calibration.name, output.name, calibration.unit_word
-            );
-            let help =
-                "measure `full_scale_volts` of the device, or calibrate over full scale: um/FS".to_string();
-            return Err(Problem::error(&output.span, what).help(help));
-        };
-        let amount = (volts * gain).abs();
-        if amount > 0.0 {
-            return Ok(amount);
-        }
-        let what = format!("nothing gets through the amplifier to `{}`, which is calibrated", output.name);
-        Err(Problem::error(&output.span, what).help("give the amplifier a `gain` above 0".to_string()))
-    }
-
-    /// What is wrong with the calibration of an output, and what is doubtful.
-    pub(super) fn calibrated(&self, output: &Output) -> Option<Problem> {
-        let name = output.calibration.as_ref()?;
-        let Some(calibration) = self.calibration(name) else {
-            let what = format!("output `{}` has a calibration `{name}`, which is not there", output.name);
-            let help = suggest(name, self.calibrations.iter().map(|calibration| calibration.name.as_str()))
-                .unwrap_or_else(|| format!("describe it under [calibration.{name}]"));
-            return Some(Problem::error(&output.span, what).help(help));
-        };
-        if !matches!(output.kind, OutputKind::Vibration | OutputKind::Raw) {
-            let what = format!(
-                "output `{}` is of kind {}; what vibrates is calibrated",
-                output.name,
-                output.kind.word()
-            );
-            return Some(Problem::error(&output.span, what).help("leave `calibration` out".to_string()));
-        }
-        if let Err(problem) = self.per_sample(output, calibration) {
-            return Some(problem);
-        }
-        let (sits, measured) = (output.site?, calibration.site?);
-        (sits != measured).then(|| {
-            let what = format!(
-                "`{}` sits on the {} and was calibrated on the {}: other skin loads a tactor otherwise",
-                output.name, sits.word, measured.word
-            );
-            Problem::warning(&output.span, what).help(format!("calibrate it on the {}", sits.word))
-        })
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::{Calibration, Unit, is_date};
-
-    fn blank() -> Calibration {
-        let (unit_word, unit) = Unit::at(0);
-        Calibration {
-            name: "c".into(),
-            date: "2026-03-14".into(),
-            method: "laser".into(),
-            area: 1e-4,
-            site: None,
-            unit,
-            unit_word,
-            points: Vec::new(),
-            file: Some("c.csv".into()),
-            span: 0..0,
-            table_span: 0..0,
-        }
-    }
-
-    /// As in events files: a comma within quotes divides nothing.
-    #[test]
-    fn tables_may_quote_cells() {
-        let mut calibration = blank();
-        let text = "\u{feff}\"remark, if any\", frequency ,\"output\"\n\"loose, then \"\"tight\"\"\",50,\"1e-6\"\n# none\n,60, 2e-6\n";
-        assert_eq!(calibration.take(text), Ok(()));
-        assert_eq!(calibration.points, [[50.0, 1e-6], [60.0, 2e-6]]);
-        for (text, span) in
-            [("frequency,output\n50,\"1\n60,2\n", 17..22), ("\"frequency,output\n50,1\n", 0..17)]
-        {
-            let problems = calibration.take(text).unwrap_err();
-            assert_eq!(problems.len(), 1, "{problems:?}");
-            assert_eq!((problems[0].span.clone(), calibration.points.len()), (Some(span), 0), "{text}");
-        }
-    }
-
-    #[test]
-    fn dates_are_days_that_there_were() {
-        for good in ["2026-03-14", "2024-02-29", "2000-02-29", "1999-12-31"] {
-            assert!(is_date(good), "{good}");
-        }
-        let bad = [
-            "",
-            "2026",
-            "2026-3-14",
-            "26-03-14",
-            "2026-13-01",
-            "2026-00-01",
-            "2026-04-31",
-            "2025-02-29",
-            "1900-02-29",
-            "2026-03-14T10:00:00",
-            "+026-03-14",
-        ];
-        for bad in bad {
-            assert!(!is_date(bad), "{bad}");
-        }
-    }
-}
+mod tests;

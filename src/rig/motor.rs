@@ -1,74 +1,19 @@
 //! A rumble motor as a rig describes it: what it is made of, and what of a card's samples reaches it.
 
-use std::fmt;
+mod lack;
+mod wiring;
+
+pub use lack::Lack;
+pub use wiring::Wiring;
 
 use super::device::Coupling;
 use super::output::Turning;
 use super::terminals::Terminals;
 use super::{Actuator, Amplifier, Drive, Model, Output, OutputKind, Rig};
-use crate::actuator::drive::Drive as Imposed;
-use crate::actuator::driver::setup::{Setup, Shaping};
+use crate::actuator::driver::setup::Shaping;
 use crate::actuator::fault::{Fault, Limit};
 use crate::actuator::motor::{Casing, GRAVITY, Parameters, Suspension};
 use crate::text::Problem;
-
-/// A motor on an output.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Wiring {
-    /// How it is turned.
-    pub turning: Turning,
-    /// The motor; its gravity is that of the tilt, 0 where that is unknown.
-    pub parameters: Parameters,
-    /// Whether the amplifier imposes a current: then figures of the drive are amperes.
-    pub is_current: bool,
-    /// Volts or amperes at the motor for a sample of 1.0, negative where the amplifier turns it upside down; behind a bridge, for a pulse that
-    /// never ends, and behind a rectifier the peak of a carrier.
-    pub per_sample: f64,
-    /// What makes the volts at its terminals.
-    pub terminals: Terminals,
-    /// The most that reaches the motor, volts or amperes; behind a rectifier, volts on average, whatever its speed.
-    pub limit: f64,
-    /// The most voltage that the amplifier gives, V; that of the motor's limit where it is not known.
-    pub compliance: f64,
-}
-
-impl Wiring {
-    /// What turns it, at so many samples a second.
-    pub fn setup(&self, rate: f64) -> Setup {
-        Setup {
-            parameters: self.parameters,
-            imposes: if self.is_current { Imposed::Current } else { Imposed::Voltage },
-            one_way: matches!(self.terminals, Terminals::Carrier(_)),
-            diode_drop: match self.terminals {
-                Terminals::Carrier(carrier) => carrier.rectifier.drop,
-                Terminals::Straight | Terminals::Bridge(_) | Terminals::Coupled(_) => 0.0,
-            },
-            limit: self.limit,
-            compliance: self.compliance,
-            shaping: self.turning.shaping,
-            look_ahead: self.turning.look_ahead,
-            // An order may come with any patch that takes over.
-            ordered: true,
-            rate,
-        }
-    }
-
-    /// The same, if there is enough to turn the motor at all.
-    pub(super) fn turns(self, output: &Output) -> Result<Self, Problem> {
-        let p = &self.parameters;
-        let starts = p.coulomb * if self.is_current { 1.0 } else { p.resistance } / p.gain;
-        if self.limit > starts {
-            return Ok(self);
-        }
-        let (unit, share) = (if self.is_current { "A" } else { "V" }, 100.0 * self.limit / starts);
-        let what = format!(
-            "at most {:.3} {unit} reach the motor of `{}`, {share:.0} % of what turns it at all",
-            self.limit, output.name
-        );
-        let help = "raise the amplifier's `gain`, `max_volts` or `max_level`, or the motor's `max_volts`";
-        Err(Problem::error(&output.span, what).help(help.to_string()))
-    }
-}
 
 impl Turning {
     /// What of gravity acts in the plane of the mass, m/s².
@@ -81,15 +26,6 @@ impl Turning {
 const QUICKEST: f64 = 1e-4;
 /// And seconds that none takes.
 const SLOWEST: f64 = 10.0;
-
-/// What is missing for a motor, or contradicts itself.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Lack {
-    /// A figure that nothing says.
-    Figure(&'static str),
-    /// A figure that cannot be.
-    Fault(Fault),
-}
 
 impl Actuator {
     /// A rumble motor, from what is known of it: gravity aside.
@@ -333,53 +269,5 @@ impl Rig {
             ),
         };
         Err(Problem::error(&output.span, what).help(help.to_string()))
-    }
-}
-
-impl fmt::Display for Lack {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Figure(key) => write!(f, "`{key}` is not known"),
-            Self::Fault(fault) => {
-                f.write_str(&fault.to_string().replacen(fault.field, key_of(fault.field), 1))
-            }
-        }
-    }
-}
-
-impl std::error::Error for Lack {}
-
-impl Lack {
-    pub(super) fn of(self, actuator: &Actuator) -> Problem {
-        let name = &actuator.name;
-        match self {
-            Self::Figure(key) => {
-                let what = format!("actuator `{name}` lacks `{key}`: how it moves is not known");
-                let help = match actuator.part {
-                    None => "give it, or name a part that ships: part = \"...\"; `pacinian parts` lists them",
-                    Some(_) => "its part does not say it; give it here",
-                };
-                Problem::error(&actuator.span, what).help(help.to_string())
-            }
-            Self::Fault(fault) => {
-                let what = format!("actuator `{name}` cannot be: {}", Self::Fault(fault));
-                Problem::error(&actuator.span, what)
-            }
-        }
-    }
-}
-
-/// The rig's key for a field of the model.
-fn key_of(field: &'static str) -> &'static str {
-    match field {
-        "gain" => "torque_constant",
-        "viscous" => "viscous_friction",
-        "coulomb" => "coulomb_friction",
-        "stiction" => "static_friction",
-        "eccentric" => "eccentric_moment",
-        "casing mass" => "mass",
-        "casing stiffness across" | "casing stiffness upright" => "mount_stiffness",
-        "casing damping across" | "casing damping upright" => "mount_damping",
-        other => other,
     }
 }

@@ -24,6 +24,7 @@ pub fn setup(parameters: Parameters, shaping: Shaping) -> Setup {
         imposes: Drive::Voltage,
         one_way: false,
         diode_drop: 0.0,
+        half_wave: false,
         limit,
         compliance: limit,
         shaping,

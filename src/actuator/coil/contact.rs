@@ -15,6 +15,10 @@ use super::readout::Readout;
 use crate::actuator::drive::Drive;
 use crate::actuator::fault::Fault;
 
+mod one_sided;
+
+use one_sided::OneSided;
+
 /// Halvings of a step.
 const LEVELS: usize = 40;
 const WHOLE: u64 = 1 << LEVELS;
@@ -26,36 +30,6 @@ const MOST_EVENTS: u32 = 8;
 /// Upper stop, lower stop, skin.
 const SPRINGS: usize = 3;
 const SKIN: usize = 2;
-
-/// A spring that only pushes.
-#[derive(Debug, Clone, Copy)]
-struct OneSided {
-    /// +1 where it is met upwards, −1 downwards.
-    side: f64,
-    /// Where it is met.
-    origin: f64,
-    stiffness: f64,
-    /// Damping over stiffness, seconds.
-    relaxation: f64,
-}
-
-impl OneSided {
-    fn new(side: f64, origin: f64, spring: Spring) -> Self {
-        Self { side, origin, stiffness: spring.stiffness, relaxation: spring.damping / spring.stiffness }
-    }
-
-    #[inline(always)]
-    fn depth(&self, y: f64) -> f64 {
-        self.side * (y - self.origin)
-    }
-
-    /// Above 0 where it pushes: the depth, and where it is left faster than it follows, the force over the stiffness.
-    #[inline(always)]
-    fn guard(&self, y: f64, velocity: f64) -> f64 {
-        let along = self.side * velocity;
-        self.depth(y) + self.relaxation * if along < 0.0 { along } else { 0.0 }
-    }
-}
 
 /// What holds while the same springs push.
 #[derive(Debug, Clone)]

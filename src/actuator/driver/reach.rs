@@ -111,6 +111,7 @@ mod tests {
             imposes: Drive::Voltage,
             one_way: true,
             diode_drop: 1.4,
+            half_wave: false,
             limit: 6.0,
             compliance: 6.0,
             shaping: Shaping::Inverse,
@@ -146,6 +147,29 @@ mod tests {
                     for is in [model, through] {
                         let off = (is / turns - 1.0).abs();
                         assert!(off < 0.02, "{inductance} {turns} {level}: {model} {through}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Through one diode too, where its half-waves are many: the coil keeps nothing from one of them to the next, be its own time a third of the carrier's or
+    /// eight times that.
+    #[test]
+    fn one_diode_keeps_nothing_from_one_half_wave_to_the_next() {
+        for inductance in [0.0, 1e-3, 4.2e-3, 2e-2] {
+            let setup = Setup { half_wave: true, ..setup(inductance) };
+            for turns in [0.25, 1.0] {
+                let book = Book::new(&setup, turns).unwrap();
+                for level in [0.3, book.weakest()] {
+                    let click = book.at(level).unwrap();
+                    for instant in [0.0, 0.4] {
+                        let way = Way { per_sample: 1e5, ..way(4000.0, false) };
+                        let through = way.turns(&setup, &click, instant).unwrap();
+                        assert!(
+                            (through / turns - 1.0).abs() < 0.025,
+                            "{inductance} {turns} {level}: {through}"
+                        );
                     }
                 }
             }

@@ -43,6 +43,8 @@ pub struct Setup {
     pub one_way: bool,
     /// What those diodes take, V, 0 to 1e6: the coil's current goes on against that when nothing is given any more. Of no account without them.
     pub diode_drop: f64,
+    /// Whether those are one diode, which lets every other half-wave through alone. Of no account without them.
+    pub half_wave: bool,
     /// The most it gives, volts or amperes: 1e-6 to 1e6.
     pub limit: f64,
     /// The most voltage with which it holds a current, 1e-6 to 1e6 V; of no account where it imposes a voltage.
@@ -74,6 +76,17 @@ impl Setup {
         within("compliance", self.compliance, (1e-6, 1e6), "V")?;
         within("rate", self.rate, (100.0, 1e6), "samples a second")?;
         within("look_ahead", self.look_ahead.unwrap_or(0.0), (0.0, 1.0), "s")
+    }
+
+    /// What it is to whom the means of a carrier alone are known. Through one diode the current begins anew with every half-wave, as it ceases before
+    /// the next: what the coil holds back and gives back is part of the mean of each, and nothing of it is carried on from one to the next. So on average
+    /// there is no inductance. Through a bridge there is one, as half-waves follow one another.
+    pub fn on_average(&self) -> Self {
+        let mut setup = *self;
+        if self.one_way && self.half_wave {
+            setup.parameters.inductance = 0.0;
+        }
+        setup
     }
 
     /// So many volts, or amperes, at its terminals.

@@ -1,17 +1,23 @@
 //! A motor that is turned, one sample at a time.
 
+mod counts;
+mod given;
+mod orders;
+
+pub use counts::Counts;
+
 use super::ahead::Ahead;
 use super::law::{Follow, Seek};
-use super::order::{Agenda, Entry, Order, PIECES, Pieces};
+use super::order::{Agenda, Pieces};
 use super::setup::{Setup, Shaping};
-use super::warmth::{Before, Warmth};
+use super::warmth::Warmth;
 use crate::actuator::fault::Fault;
 use crate::actuator::link::carrier::Rectifier;
 use crate::actuator::link::diodes::Diodes;
 use crate::actuator::link::effective::Effective;
 use crate::actuator::motor::{Level, Motor, Plan};
 use crate::actuator::protect::budget::Bears;
-use crate::actuator::protect::counts;
+use crate::actuator::protect::counts::Counts as HeldBack;
 
 /// Share of the full speed below which a motor counts as standing.
 const STANDS: f64 = 1e-4;
@@ -75,27 +81,6 @@ enum Mode {
     Roll,
 }
 
-/// What happened so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
-    /// Samples in which the limit kept the motor from what was played.
-    pub limited: u64,
-    /// Levels that were no numbers, and counted as 0.
-    pub masked: u64,
-    /// Orders that found no room.
-    pub dropped: u64,
-    /// Samples (of a level beyond 0.02) and orders that were for the way that diodes do not let, and are nothing.
-    pub backward: u64,
-    /// Of a motor that is there for clicks alone: samples of levels and orders that were none.
-    pub unplayed: u64,
-    /// Clicks of which some did not arrive, and which so turn the mass less far.
-    pub cut: u64,
-    /// Clicks that began weaker than they were ordered, as the motor had become warm, and so turn the mass less far.
-    pub weakened: u64,
-    /// Clicks that were not begun, as the motor was too warm for what would turn it.
-    pub refused: u64,
-}
-
 impl Turner {
     /// At rest, at least so many samples late.
     ///
@@ -103,6 +88,7 @@ impl Turner {
     /// A number beyond its limits.
     pub fn new(setup: &Setup, late: usize) -> Result<Self, Fault> {
         setup.check()?;
+        let setup = &setup.on_average();
         let tracks = setup.ordered
             || setup.one_way
             || matches!(setup.shaping, Shaping::Overdrive | Shaping::Switching);
@@ -143,7 +129,7 @@ impl Turner {
     }
 
     /// What was held back so that the motor bears it; `None` where nothing would be. Samples are those of the device.
-    pub fn held_back(&self) -> Option<counts::Counts> {
+    pub fn held_back(&self) -> Option<HeldBack> {
         self.warmth.as_ref().map(|warmth| warmth.counts())
     }
 
@@ -185,22 +171,6 @@ impl Turner {
     /// Whether nothing is sent and the motor stands, whatever waits.
     pub fn rests(&self) -> bool {
         self.mode == Mode::Level && self.ahead.is_still() && self.stands()
-    }
-
-    /// An order of a voice at an instant: samples since the beginning, the same in which levels are counted. The release of a voice that has
-    /// no order here is nothing.
-    pub fn order(&mut self, at: f64, voice: u64, order: Order) {
-        if order == Order::Release && self.voice != Some(voice) && !self.agenda.has(voice) {
-            return;
-        }
-        let at = if at.is_finite() { at.max(0.0) } else { self.clock as f64 } + self.late() as f64;
-        self.agenda.push(Entry { at, voice, order });
-    }
-
-    /// Forgets what waits, and brakes.
-    pub fn brake(&mut self) {
-        self.agenda.clear();
-        self.carry_out(Entry { at: self.clock as f64, voice: u64::MAX, order: Order::Brake });
     }
 
     /// Takes the level of this sample, and gives what is sent: its mean over each of so many equal parts of the sample. Of a motor that turns
@@ -282,106 +252,6 @@ impl Turner {
         }
     }
 
-    /// When the next order is due, in samples, if it is in this one. Releases of voices whose orders hold no longer are nothing, and are
-    /// forgotten: they must not part a sample either.
-    fn due(&mut self) -> Option<f64> {
-        let end = (self.clock + 1) as f64;
-        while let Some(first) = self.agenda.first().filter(|first| first.at < end) {
-            if self.heeds(first) {
-                return Some(first.at);
-            }
-            self.agenda.pop_before(end);
-        }
-        None
-    }
-
-    fn heeds(&self, entry: &Entry) -> bool {
-        entry.order != Order::Release || self.voice == Some(entry.voice)
-    }
-
-    fn carry_out(&mut self, entry: Entry) {
-        if !self.heeds(&entry) {
-            return;
-        }
-        let Entry { voice, order, .. } = entry;
-        if self.setup.one_way && order.is_backward() {
-            self.counts.backward += 1;
-            return;
-        }
-        if self.setup.shaping == Shaping::Clicks && matches!(order, Order::Spin(_) | Order::On(_)) {
-            self.counts.unplayed += 1;
-            return;
-        }
-        match order.sane(self.setup.full_speed(), self.setup.limit) {
-            Order::Click(pieces) => {
-                // At rest it begins at once.
-                self.mode = Mode::Speed(0.0, Some(pieces), self.clock);
-                self.voice = None;
-            }
-            Order::Spin(speed) => {
-                self.mode = Mode::Speed(speed, None, self.clock);
-                self.voice = Some(voice);
-            }
-            Order::On(drive) => {
-                self.mode = Mode::On(drive);
-                self.voice = Some(voice);
-            }
-            Order::Release => {
-                self.voice = None;
-                self.mode = match self.mode {
-                    Mode::On(_) => Mode::Roll,
-                    _ => Mode::Speed(0.0, None, self.clock),
-                };
-            }
-            Order::Brake => {
-                self.voice = None;
-                self.mode = Mode::Speed(0.0, None, self.clock);
-            }
-        }
-        self.away = true;
-    }
-
-    /// Goes on to what comes behind what has been reached, at this instant (samples).
-    fn arrive(&mut self, now: f64, speeds: &[f64; 3]) {
-        if self.mode == Mode::Roll && (*speeds != [0.0; 3] || self.stands()) {
-            self.mode = Mode::Level;
-        }
-        if let Mode::Speed(0.0, click, since) = self.mode {
-            let waited = (self.clock - since) as f64 > PATIENCE * self.setup.rate;
-            if self.voice.is_none() && (self.stands() || waited) {
-                self.mode = match click {
-                    Some(pieces) if self.begins(&pieces) => {
-                        Mode::Click(pieces, 0, now + pieces.list[0].0 * self.setup.rate)
-                    }
-                    _ => Mode::Level,
-                };
-            }
-        }
-        while let Mode::Click(pieces, piece, ends) = self.mode {
-            if ends > now {
-                break;
-            }
-            self.mode = match pieces.list.get(piece + 1) {
-                _ if self.cut => Mode::Speed(0.0, None, self.clock),
-                Some((seconds, _)) if piece + 1 < PIECES => {
-                    Mode::Click(pieces, piece + 1, ends + seconds * self.setup.rate)
-                }
-                _ => Mode::Level,
-            };
-        }
-    }
-
-    /// Whether a click is begun. One that is weaker than it was ordered is slower than its pieces have it: it ends as one of which some did not arrive.
-    fn begins(&mut self, click: &Pieces) -> bool {
-        self.cut = false;
-        let Some(warmth) = &mut self.warmth else { return true };
-        let share = warmth.click(click);
-        self.cut = share < 1.0;
-        self.counts.weakened += u64::from(share > 0.0 && share < 1.0);
-        self.counts.refused += u64::from(share == 0.0);
-        share > 0.0
-    }
-
     /// What of that the motor bears.
     fn held(&mut self, given: f64) -> f64 {
         let Some(warmth) = &mut self.warmth else { return given };
@@ -392,89 +262,6 @@ impl Turner {
         // The inverse knows nothing of it, and would take the motor to be where it should be.
         self.away |= held != given && self.mode == Mode::Level;
         held
-    }
-
-    /// What is sent from now on; `whole`: at the beginning of a sample.
-    fn given(&mut self, speeds: &[f64; 3], whole: bool) -> f64 {
-        let (speed, current) =
-            self.motor.as_ref().map_or((0.0, 0.0), |motor| (motor.speed(), motor.current()));
-        let (least, limit) = (self.setup.least(), self.setup.limit);
-        match self.mode {
-            Mode::Speed(wished, ..) => self.seek.step(speed, current, wished),
-            Mode::Click(pieces, piece, _) => pieces.list.get(piece).map_or(0.0, |piece| piece.1),
-            Mode::On(drive) => drive,
-            Mode::Roll => 0.0,
-            Mode::Level => match self.setup.shaping {
-                Shaping::Plain => self.setup.held_by(speeds[0]).clamp(least, limit),
-                Shaping::Overdrive => self.seek.step(speed, current, speeds[1]),
-                Shaping::Switching => self.switched(speed, current, speeds[1]),
-                Shaping::Clicks => self.seek.step(speed, current, 0.0),
-                _ if self.away && *speeds == [0.0; 3] && self.stands() => 0.0,
-                Shaping::Inverse if self.away => {
-                    // Also the current must have died away: the inverse would take it, and what it is still to do, at once.
-                    let off = self.seek.off(speed, current, speeds[0]).abs();
-                    let left = (speed - speeds[0]).abs();
-                    if off.max(left) < STANDS * self.setup.full_speed() && whole {
-                        self.away = false;
-                        self.follow.restart(current);
-                        return self.followed(speeds);
-                    }
-                    self.seek.step(speed, current, speeds[1])
-                }
-                Shaping::Inverse => self.followed(speeds),
-            },
-        }
-    }
-
-    fn followed(&mut self, speeds: &[f64; 3]) -> f64 {
-        let (given, limited) = self.follow.step(*speeds);
-        self.counts.limited += u64::from(limited);
-        given
-    }
-
-    fn switched(&mut self, speed: f64, current: f64, wished: f64) -> f64 {
-        let off = wished - speed;
-        // What is to stand is not kept swinging about rest.
-        if wished == 0.0 && off.abs() <= self.seek.most() {
-            return self.seek.step(speed, current, wished);
-        }
-        if off != 0.0 {
-            self.forward = off > 0.0;
-        }
-        if self.forward { self.setup.limit } else { self.setup.least() }
-    }
-
-    fn stands(&self) -> bool {
-        let Some(motor) = &self.motor else { return true };
-        motor.is_stuck()
-            && motor.current().abs() * self.setup.parameters.gain <= self.setup.parameters.stiction
-            || self.seek.off(motor.speed(), motor.current(), 0.0).abs() < STANDS * self.setup.full_speed()
-                && motor.speed().abs() < STANDS * self.setup.full_speed()
-    }
-
-    /// Moves the model on, and says what is sent meanwhile.
-    fn move_model(&mut self, given: f64, share: f64) -> f64 {
-        let Some(motor) = &mut self.motor else { return given };
-        let (gain, before, was) = (self.setup.parameters.gain, motor.speed(), Before::of(motor));
-        // So close above what the motor makes itself, what flows is nothing, and the carrier for it would be all but none.
-        let blocked = self.setup.one_way && given <= gain * before.max(0.0) + OPENS * self.setup.limit;
-        if blocked {
-            // What the coil still holds goes on through the diodes.
-            self.diodes.part(motor, 0.0, share, |_, _, _| {});
-        } else {
-            motor.drive(self.setup.drive(given));
-            if share == 1.0 { motor.step() } else { motor.part(share) }
-        }
-        let emf = 0.5 * gain * (before + motor.speed());
-        self.emf += share * emf;
-        if let Some(warmth) = &mut self.warmth {
-            warmth.note(given, share, was, motor, blocked);
-        }
-        match self.setup.one_way {
-            true if blocked => 0.0,
-            true => (given - emf).max(0.0),
-            false => given,
-        }
     }
 }
 

@@ -1,11 +1,12 @@
 //! Eight rumble motors side by side.
 
+mod lane;
+
 use super::drive::{Drive, MOST_DRIVE};
-use super::model::{Grip, Motor, NOTHING};
+use super::model::{Motor, NOTHING};
 use super::output::Reading;
 use super::parameters::Parameters;
 use super::plan::{Level, Plan};
-use super::swift::State as Kept;
 use super::table::Row;
 use crate::actuator::elementary::wrapped;
 use crate::actuator::fault::Fault;
@@ -279,29 +280,6 @@ impl Group {
         (self.steps.sense[0][lane], self.steps.sense[1][lane]) = swift.bounds.sense;
         self.lanes.volts[lane] = volts;
         self.voltage[lane] = matches!(motor.drive, Drive::Voltage(_)).then_some(motor.flows[0].dictates());
-    }
-}
-
-impl Motor {
-    /// Current, speed, angle and turns, and the voltage.
-    fn lane_state(&self) -> ([f64; 4], f64) {
-        let Kept { current, speed, phase, turns, .. } = self.state;
-        ([current, speed, phase, turns], self.volts)
-    }
-
-    fn set_lane(&mut self, [current, speed, phase, turns]: [f64; 4], volts: Option<f64>) {
-        self.state = Kept { current, speed, phase, turns, ..self.state };
-        if let Some(volts) = volts {
-            (self.drive, self.volts) = (Drive::Voltage(volts), volts);
-        }
-    }
-
-    /// Whether its steps are numbers times numbers, as long as nothing happens.
-    fn is_plain(&self) -> bool {
-        self.grip != Grip::Sticks
-            && !matches!(self.drive, Drive::Current { .. })
-            && self.mount.is_none()
-            && self.swift.bounds.sense != (0.0, 0.0)
     }
 }
 

@@ -97,7 +97,7 @@ impl Budget {
     pub fn hold(&self, drive: f64) -> (f64, bool) {
         let by = |budget: &Option<Governor>| {
             let Some(budget) = budget else { return drive };
-            let cap = if self.reserved { budget.rest(self.at) } else { budget.cap() };
+            let cap = if self.reserved { budget.rest(self.at - 1) } else { budget.cap() };
             (drive * budget.gain(self.at)).min(cap)
         };
         let (heat, rms) = (by(&self.heat), by(&self.rms));
@@ -109,7 +109,7 @@ impl Budget {
     pub fn share(&self, square: f64, seconds: f64) -> (f64, bool) {
         let by = |budget: &Option<Governor>| {
             let Some(budget) = budget else { return 1.0 };
-            let share = (budget.spare(seconds, self.at) / square).sqrt();
+            let share = (budget.spare(seconds, self.at - 1) / square).sqrt();
             // Of nothing everything is borne.
             budget.gain(self.at).min(if share.is_nan() { 1.0 } else { share })
         };
@@ -172,3 +172,6 @@ impl Budget {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -142,6 +142,39 @@ mod tests {
         }
     }
 
+    /// Where resistance does not rise and the housing stays cold, nothing of the cap is caution: a tick of it fills the winding to the excess.
+    #[test]
+    fn the_cap_makes_use_of_the_excess() {
+        let plain = Cooling { rise: 0.0, housing_time: 1e6, ..cooling() };
+        for before in [0.0, 0.5] {
+            let mut store = Store::heat(&plain).unwrap();
+            store.step(before, 1.0);
+            store.step(store.hard(1e-4), 1e-4);
+            assert!((store.level() / (80.0 * (1.0 + EXCESS)) - 1.0).abs() < 1e-4, "{}", store.level());
+        }
+    }
+
+    /// What a winding bears for ever it bears for a tick, also where the housing follows faster than ticks do.
+    #[test]
+    fn the_cap_is_no_less_than_what_is_borne_for_ever() {
+        for (winding_time, housing_time) in [(2.0, 100.0), (0.05, 1e-3), (0.05, 1e-6)] {
+            let cooling = Cooling { winding_time, housing_time, ..cooling() };
+            let mut store = Store::heat(&cooling).unwrap();
+            let steady = cooling.continuous_amperes().powi(2);
+            let tick = winding_time / 400.0;
+            for _ in 0..4000 {
+                assert!(store.hard(tick) >= steady, "{winding_time} {housing_time}: {store:?}");
+                store.step(steady, tick);
+            }
+        }
+    }
+
+    #[test]
+    fn it_follows_in_the_time_of_what_fills() {
+        assert_eq!(Store::heat(&cooling()).unwrap().time(), 2.0);
+        assert_eq!(Store::mean(1.0, 0.5, 1e-3).time(), 0.5);
+    }
+
     /// Driven by what it allows, the winding approaches its limit as e^(−8 t / τ), and what is left there is what it bears for ever.
     #[test]
     fn what_it_allows_approaches_the_limit_as_it_says() {

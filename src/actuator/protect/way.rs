@@ -95,12 +95,42 @@ pub(super) fn solve<const N: usize>(mut m: [[f64; N]; N], mut b: [f64; N]) -> Op
 
 #[cfg(test)]
 mod tests {
-    use super::solve;
+    use super::{Way, solve};
 
     #[test]
     fn a_system_is_solved_and_a_singular_one_refused() {
         let x = solve([[0.0, 2.0, 0.0], [1.0, 0.0, 1.0], [3.0, 0.0, -1.0]], [4.0, 4.0, 0.0]).unwrap();
         assert!(x.iter().zip([1.0, 2.0, 3.0]).all(|(is, should)| (is - should).abs() < 1e-15), "{x:?}");
         assert!(solve([[1.0, 2.0], [2.0, 4.0]], [1.0, 1.0]).is_none());
+    }
+
+    /// By the definition: in small steps from the safe drive to the one wanted, until one is not admitted; of either sign, and through none.
+    #[test]
+    fn the_farthest_is_the_last_that_is_admitted_on_the_way() {
+        let (mut through, mut short) = (0, 0);
+        for cost in [0.0, 0.2] {
+            let way = Way { keep: 0.5, rest: [0.8, 0.3], cost };
+            for free in [[-0.5, 0.0], [0.4, -0.3], [0.0, 0.0], [0.0, 0.95]] {
+                for safe in [-0.6, -0.2, 0.0, 0.3] {
+                    for wanted in [-4.0, -0.9, 1.1, 5.0] {
+                        if !way.admits(1.0, &free, safe) || way.admits(1.0, &free, wanted) {
+                            continue;
+                        }
+                        let step = (wanted - safe) / 200_000.0;
+                        let at = |n: u32| safe + step * f64::from(n);
+                        let last =
+                            (0..=200_000).take_while(|n| way.admits(1.0, &free, at(*n))).last().unwrap();
+                        let is = way.farthest(1.0, &free, safe, wanted);
+                        assert!(
+                            (is - at(last)).abs() <= 2.0 * step.abs() + 1e-9,
+                            "{free:?} {safe} {wanted}: {is}"
+                        );
+                        through += u32::from(is * safe < 0.0);
+                        short += u32::from(is * wanted < 0.0);
+                    }
+                }
+            }
+        }
+        assert!(through > 5, "{through} {short}");
     }
 }

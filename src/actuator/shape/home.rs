@@ -121,3 +121,28 @@ impl Home {
         Some(Homed { course, angle: first + 0.5 * (least + most), spread: 0.5 * (most - least) })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{CAUGHT, Drive, Home, Parameters, Trial, Unreachable};
+    use crate::actuator::motor::GRAVITY;
+
+    /// A flywheel takes longer to slow down than it is waited for, by whichever drive that it creeps with: nothing catches it, and it is not said to be caught.
+    #[test]
+    fn what_spins_on_is_adrift() {
+        let coin = Parameters { gravity: GRAVITY, ..Parameters::COIN };
+        let volts = 1.5 * coin.start_volts();
+        assert!(Home { volts }.solve(&coin).is_ok());
+        let wheel = Parameters { inertia: 100.0 * coin.inertia, ..coin };
+        assert_eq!(Home { volts }.solve(&wheel), Err(Unreachable::Adrift(CAUGHT)));
+        // The same by hand: a turn, then the least drive that the search tries, as long as it waits; it turns all the while.
+        let mut trial = Trial::new(&wheel, 0.0, 8000.0).unwrap();
+        let turn = trial.until(Drive::Voltage(volts), 10.0, |motor| std::f64::consts::TAU - motor.turned());
+        assert!(turn.is_some());
+        let torque = wheel.coulomb + 0.05 * wheel.weight();
+        trial.run(CAUGHT, Drive::Voltage(torque * wheel.resistance / wheel.gain));
+        assert!(trial.motor.speed() > 1.0, "{}", trial.motor.speed());
+        let told = Unreachable::Adrift(CAUGHT).to_string();
+        assert!(told.contains("within 4 s") && told.contains("tilt = 0.0"), "{told}");
+    }
+}

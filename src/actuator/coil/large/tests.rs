@@ -52,8 +52,13 @@ fn it_comes_to_rest_where_the_parabolas_say() {
         let compliance = plant.per_ampere(1e-9).displacement.re;
         let volts = 3e-4 / compliance * coil.resistance;
         let mut o = large.outputs();
-        for _ in 0..200_000 {
-            o = large.step(volts);
+        for _ in 0..50 {
+            let last = o;
+            (0..4000).for_each(|_| o = large.step(volts));
+            // As still as numbers can tell it, it stays so.
+            if o.displacement == last.displacement && o.current == last.current {
+                break;
+            }
         }
         let y = o.displacement;
         assert!(y > 1e-4 && y < 3e-4);
@@ -238,8 +243,12 @@ fn it_is_stable_wherever_it_is_admitted() {
                         most = most.max(large.energy());
                     }
                     assert!(most.is_finite() && most < 1e3, "{plant:?} {rate}: {most}");
-                    for _ in 0..(1.5 * rate) as u32 {
-                        large.step(0.0);
+                    // At rest it stays: what is left of it is looked at, not the time that it has.
+                    for _ in 0..150 {
+                        (0..(0.01 * rate) as u32).for_each(|_| _ = large.step(0.0));
+                        if large.energy() < 1e-12 * most {
+                            break;
+                        }
                     }
                     assert!(
                         large.energy() < 1e-9 * most,

@@ -1,0 +1,90 @@
+//! What is sent to a motor at an instant, and what its model makes of that.
+
+use super::{Mode, OPENS, STANDS, Turner};
+use crate::actuator::driver::setup::Shaping;
+use crate::actuator::driver::warmth::Before;
+
+impl Turner {
+    /// What is sent from now on; `whole`: at the beginning of a sample.
+    pub(super) fn given(&mut self, speeds: &[f64; 3], whole: bool) -> f64 {
+        let (speed, current) =
+            self.motor.as_ref().map_or((0.0, 0.0), |motor| (motor.speed(), motor.current()));
+        let (least, limit) = (self.setup.least(), self.setup.limit);
+        match self.mode {
+            Mode::Speed(wished, ..) => self.seek.step(speed, current, wished),
+            Mode::Click(pieces, piece, _) => pieces.list.get(piece).map_or(0.0, |piece| piece.1),
+            Mode::On(drive) => drive,
+            Mode::Roll => 0.0,
+            Mode::Level => match self.setup.shaping {
+                Shaping::Plain => self.setup.held_by(speeds[0]).clamp(least, limit),
+                Shaping::Overdrive => self.seek.step(speed, current, speeds[1]),
+                Shaping::Switching => self.switched(speed, current, speeds[1]),
+                Shaping::Clicks => self.seek.step(speed, current, 0.0),
+                _ if self.away && *speeds == [0.0; 3] && self.stands() => 0.0,
+                Shaping::Inverse if self.away => {
+                    // Also the current must have died away: the inverse would take it, and what it is still to do, at once.
+                    let off = self.seek.off(speed, current, speeds[0]).abs();
+                    let left = (speed - speeds[0]).abs();
+                    if off.max(left) < STANDS * self.setup.full_speed() && whole {
+                        self.away = false;
+                        self.follow.restart(current);
+                        return self.followed(speeds);
+                    }
+                    self.seek.step(speed, current, speeds[1])
+                }
+                Shaping::Inverse => self.followed(speeds),
+            },
+        }
+    }
+
+    fn followed(&mut self, speeds: &[f64; 3]) -> f64 {
+        let (given, limited) = self.follow.step(*speeds);
+        self.counts.limited += u64::from(limited);
+        given
+    }
+
+    fn switched(&mut self, speed: f64, current: f64, wished: f64) -> f64 {
+        let off = wished - speed;
+        // What is to stand is not kept swinging about rest.
+        if wished == 0.0 && off.abs() <= self.seek.most() {
+            return self.seek.step(speed, current, wished);
+        }
+        if off != 0.0 {
+            self.forward = off > 0.0;
+        }
+        if self.forward { self.setup.limit } else { self.setup.least() }
+    }
+
+    pub(super) fn stands(&self) -> bool {
+        let Some(motor) = &self.motor else { return true };
+        motor.is_stuck()
+            && motor.current().abs() * self.setup.parameters.gain <= self.setup.parameters.stiction
+            || self.seek.off(motor.speed(), motor.current(), 0.0).abs() < STANDS * self.setup.full_speed()
+                && motor.speed().abs() < STANDS * self.setup.full_speed()
+    }
+
+    /// Moves the model on, and says what is sent meanwhile.
+    pub(super) fn move_model(&mut self, given: f64, share: f64) -> f64 {
+        let Some(motor) = &mut self.motor else { return given };
+        let (gain, before, was) = (self.setup.parameters.gain, motor.speed(), Before::of(motor));
+        // So close above what the motor makes itself, what flows is nothing, and the carrier for it would be all but none.
+        let blocked = self.setup.one_way && given <= gain * before.max(0.0) + OPENS * self.setup.limit;
+        if blocked {
+            // What the coil still holds goes on through the diodes.
+            self.diodes.part(motor, 0.0, share, |_, _, _| {});
+        } else {
+            motor.drive(self.setup.drive(given));
+            if share == 1.0 { motor.step() } else { motor.part(share) }
+        }
+        let emf = 0.5 * gain * (before + motor.speed());
+        self.emf += share * emf;
+        if let Some(warmth) = &mut self.warmth {
+            warmth.note(given, share, was, motor, blocked);
+        }
+        match self.setup.one_way {
+            true if blocked => 0.0,
+            true => (given - emf).max(0.0),
+            false => given,
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! What becomes of orders: they wait, are carried out, and end.
+
+use super::{Mode, PATIENCE, Turner};
+use crate::actuator::driver::order::{Entry, Order, PIECES, Pieces};
+use crate::actuator::driver::setup::Shaping;
+
+impl Turner {
+    /// An order of a voice at an instant: samples since the beginning, the same in which levels are counted. The release of a voice that has
+    /// no order here is nothing.
+    pub fn order(&mut self, at: f64, voice: u64, order: Order) {
+        if order == Order::Release && self.voice != Some(voice) && !self.agenda.has(voice) {
+            return;
+        }
+        let at = if at.is_finite() { at.max(0.0) } else { self.clock as f64 } + self.late() as f64;
+        self.agenda.push(Entry { at, voice, order });
+    }
+
+    /// Forgets what waits, and brakes.
+    pub fn brake(&mut self) {
+        self.agenda.clear();
+        self.carry_out(Entry { at: self.clock as f64, voice: u64::MAX, order: Order::Brake });
+    }
+
+    /// When the next order is due, in samples, if it is in this one. Releases of voices whose orders hold no longer are nothing, and are
+    /// forgotten: they must not part a sample either.
+    pub(super) fn due(&mut self) -> Option<f64> {
+        let end = (self.clock + 1) as f64;
+        while let Some(first) = self.agenda.first().filter(|first| first.at < end) {
+            if self.heeds(first) {
+                return Some(first.at);
+            }
+            self.agenda.pop_before(end);
+        }
+        None
+    }
+
+    fn heeds(&self, entry: &Entry) -> bool {
+        entry.order != Order::Release || self.voice == Some(entry.voice)
+    }
+
+    pub(super) fn carry_out(&mut self, entry: Entry) {
+        if !self.heeds(&entry) {
+            return;
+        }
+        let Entry { voice, order, .. } = entry;
+        if self.setup.one_way && order.is_backward() {
+            self.counts.backward += 1;
+            return;
+        }
+        if self.setup.shaping == Shaping::Clicks && matches!(order, Order::Spin(_) | Order::On(_)) {
+            self.counts.unplayed += 1;
+            return;
+        }
+        match order.sane(self.setup.full_speed(), self.setup.limit) {
+            Order::Click(pieces) => {
+                // At rest it begins at once.
+                self.mode = Mode::Speed(0.0, Some(pieces), self.clock);
+                self.voice = None;
+            }
+            Order::Spin(speed) => {
+                self.mode = Mode::Speed(speed, None, self.clock);
+                self.voice = Some(voice);
+            }
+            Order::On(drive) => {
+                self.mode = Mode::On(drive);
+                self.voice = Some(voice);
+            }
+            Order::Release => {
+                self.voice = None;
+                self.mode = match self.mode {
+                    Mode::On(_) => Mode::Roll,
+                    _ => Mode::Speed(0.0, None, self.clock),
+                };
+            }
+            Order::Brake => {
+                self.voice = None;
+                self.mode = Mode::Speed(0.0, None, self.clock);
+            }
+        }
+        self.away = true;
+    }
+
+    /// Goes on to what comes behind what has been reached, at this instant (samples).
+    pub(super) fn arrive(&mut self, now: f64, speeds: &[f64; 3]) {
+        if self.mode == Mode::Roll && (*speeds != [0.0; 3] || self.stands()) {
+            self.mode = Mode::Level;
+        }
+        if let Mode::Speed(0.0, click, since) = self.mode {
+            let waited = (self.clock - since) as f64 > PATIENCE * self.setup.rate;
+            if self.voice.is_none() && (self.stands() || waited) {
+                self.mode = match click {
+                    Some(pieces) if self.begins(&pieces) => {
+                        Mode::Click(pieces, 0, now + pieces.list[0].0 * self.setup.rate)
+                    }
+                    _ => Mode::Level,
+                };
+            }
+        }
+        while let Mode::Click(pieces, piece, ends) = self.mode {
+            if ends > now {
+                break;
+            }
+            self.mode = match pieces.list.get(piece + 1) {
+                _ if self.cut => Mode::Speed(0.0, None, self.clock),
+                Some((seconds, _)) if piece + 1 < PIECES => {
+                    Mode::Click(pieces, piece + 1, ends + seconds * self.setup.rate)
+                }
+                _ => Mode::Level,
+            };
+        }
+    }
+
+    /// Whether a click is begun. One that is weaker than it was ordered is slower than its pieces have it: it ends as one of which some did not arrive.
+    fn begins(&mut self, click: &Pieces) -> bool {
+        self.cut = false;
+        let Some(warmth) = &mut self.warmth else { return true };
+        let share = warmth.click(click);
+        self.cut = share < 1.0;
+        self.counts.weakened += u64::from(share > 0.0 && share < 1.0);
+        self.counts.refused += u64::from(share == 0.0);
+        share > 0.0
+    }
+}
