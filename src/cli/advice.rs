@@ -20,6 +20,14 @@ pub fn of(loaded: &Loaded, by_default: bool, deaf: bool, live: bool) -> Option<P
         };
         list.push(whole("the patch listens, and hears silence", help));
     }
+    let sensed = live && !loaded.options.attached && loaded.patch.knob.is_some();
+    if sensed && loaded.rig.knob.as_ref().is_some_and(|knob| knob.sensor.is_some()) {
+        let help = "name the sound card that its sensor is plugged into: --input-device NAME, or [device] input = \"NAME\" in the rig";
+        list.push(whole(
+            "the rig reads a knob by a sound card's inputs, and none is named: it is simulated",
+            help,
+        ));
+    }
     // Whoever plays it live knows what to do.
     let waits = loaded.options.live && loaded.patch.triggers.iter().any(|t| t.on.is_live());
     if !plays(loaded) && !waits {

@@ -39,7 +39,10 @@ impl Listens {
             // Nobody knew the device's rate when it was read.
             let file = match loaded.options.rate == Some(f64::from(rate)) {
                 true => Arc::clone(input),
-                false => Arc::new(Input::open(path, f64::from(rate), channels)?),
+                false => {
+                    let file = Input::open(path, f64::from(rate), channels)?;
+                    Arc::new(file.marking(input.marked()))
+                }
             };
             let name = loaded.input_name.as_deref().unwrap_or("a file");
             let note = (!channels.is_empty()).then(|| {

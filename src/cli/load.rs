@@ -75,6 +75,12 @@ pub struct Scene {
     /// See `live`.
     #[arg(skip)]
     pub hears: bool,
+    /// Whether the knob is simulated, whatever the rig reads it by.
+    #[arg(skip)]
+    pub simulated: bool,
+    /// Frames of a device's block, where they are known.
+    #[arg(skip)]
+    pub block: Option<u32>,
     /// Recordings that need no disk.
     #[arg(skip)]
     pub held: &'static [(&'static str, &'static [u8])],
@@ -190,6 +196,8 @@ impl Scene {
             offered: Vec::new(),
             live: false,
             hears: false,
+            simulated: false,
+            block: None,
             held,
         };
         let text = |(name, text): (&str, &str)| Text { name: name.into(), bytes: Some(text.into()) };
@@ -287,6 +295,7 @@ impl Scene {
             .at_rate(recordings_rate(rate))
             .holding(self.held);
         let folder = Arc::new(folder);
+        let hears = self.hears || rig.device.input.is_some();
         let options = Options {
             rate: Some(rate),
             precision: match self.precision {
@@ -296,13 +305,16 @@ impl Scene {
             taps: usize::from(self.taps),
             seed: self.seed,
             pattern: self.pattern.clone(),
+            // What comes in by a file is what the sensor says.
+            attached: !self.simulated && (self.input.is_some() || (self.live && hears)),
+            block: self.block,
             live: self.midi.is_some() || (all && patch.triggers.iter().any(|t| t.on.is_live())),
             ..Options::default()
         };
         let watched = Watched::new(&folder);
         let mut problems = rig.check_places(&patch);
         let live = Options { live: true, ..options.clone() };
-        let (mut listened, mut unheard, mut short) = (Vec::new(), None, None);
+        let (mut listened, mut sensed, mut unheard, mut short) = (Vec::new(), Vec::new(), None, None);
         let compiled = scene(&patch, &rig, if all { &live } else { &options }, &watched);
         let (mut felt, mut rises, mut unplayed) = (None, None, None);
         match &compiled {
@@ -311,6 +323,7 @@ impl Scene {
                 unplayed = super::unplayed::search(&patch, &rig, scene);
                 felt = Some(Felt::new(&patch, &rig, scene));
                 listened = scene.plan.inputs();
+                sensed = scene.plan.sensor().map_or(Vec::new(), |sensor| sensor.channels.to_vec());
                 unheard = setting::unheard(&patch, &self.settings, &scene.plan.left_out);
                 short = super::coupled::short(&patch, &scene.plan);
             }
@@ -318,7 +331,9 @@ impl Scene {
         }
         // A comparison with the reference goes on for a moment.
         let needed = duration.or(patch.render.duration).map(|seconds| seconds + 1.0);
-        let heard = |path: &PathBuf| Input::open_for(path, rate, &listened, needed);
+        let heard = |path: &PathBuf| {
+            Input::open_for(path, rate, &listened, needed).map(|input| input.marking(&sensed))
+        };
         let heard = self.input.as_ref().map(heard).transpose();
 
         let (mut surveyed, mut unfelt, mut bad_tables) = (Vec::new(), Vec::new(), Vec::new());
@@ -400,7 +415,7 @@ impl Scene {
         let on_disk =
             |path: &PathBuf| if path.as_os_str() == "-" { "/dev/stdin".into() } else { path.clone() };
         loaded.files.extend(read.map(on_disk));
-        let hears = self.hears || (self.live && loaded.rig.device.input.is_some());
+        let hears = self.hears || (self.live && hears);
         let deaf = self.input.is_none() && !hears && !listened.is_empty();
         loaded.warnings.extend(unheard);
         loaded.warnings.extend(short);

@@ -37,7 +37,7 @@ use std::time::{Instant, SystemTime};
     With no device named, here or in the rig, it plays on the system's default, which may be headphones: at -20 dB until --arm. \
     With no sound card at all it plays on a virtual one, which keeps real time and is heard by nobody.\n\
     In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, space all of them, p or Escape shuts \
-    the output at once (c opens it again), a is full level or -20 dB, q ends it; Tab chooses a control, left and right move it (with \
+    the output at once (c opens it again), a is full level or -20 dB, q ends it; t lets a knob's torque rise or go; Tab chooses a control, left and right move it (with \
     Shift further), 0 or d resets it. Anywhere else, and with --plain, it writes a line for \
     everything that happens.\n\
     With --watch, what is saved takes over while it sounds: what still exists keeps sounding, controls keep their values, and of a file \
@@ -60,6 +60,9 @@ pub struct Play {
     /// Full level on a device that nobody has named
     #[arg(long)]
     arm: bool,
+    /// Lets the torque of a knob that the rig's `sensor` reads rise as soon as its angle is known; else `t` does, or OSC
+    #[arg(long)]
+    torque: bool,
     #[command(flatten)]
     osc: Osc,
     /// The ports of MIDI to listen to, by a part of their names; `none` for none [default: all, if the patch has use for MIDI]
@@ -94,7 +97,8 @@ impl Play {
             self.scene.check_watch()?;
         }
         let since = SystemTime::now();
-        let mut scene = Scene { live: true, hears: self.input_device.is_some(), ..self.scene.clone() };
+        let hears = self.input_device.is_some();
+        let mut scene = Scene { live: true, hears, block: self.block, ..self.scene.clone() };
         // Where no rig says which tactors there are, the device does.
         let mut device = None;
         if scene.rig.is_none() {
@@ -117,7 +121,9 @@ impl Play {
                 why.map_or("a virtual card".into(), |why| format!("a virtual card, since {why}"))
             }
         };
-        let options = Options { rate: Some(f64::from(rate)), live: true, ..loaded.options.clone() };
+        let block = self.block.or_else(|| device.usual_block());
+        scene.block = block;
+        let options = Options { rate: Some(f64::from(rate)), live: true, block, ..loaded.options.clone() };
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
         self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
@@ -199,6 +205,9 @@ impl Play {
         let watching = watching
             .transpose()
             .map_err(|error| Failure::said(71, format!("no thread to watch files: {error}")))?;
+        if self.torque {
+            let _ = session.handle().send(Signal::Torque(true));
+        }
         // Only now, so that a session that could not begin has touched nothing.
         let mut kept = self.keep.begin(sound, journal, &loaded)?;
         if let Err(failure) = show.begin() {

@@ -188,6 +188,11 @@ impl<R: Real> Core<R> {
         self.knob.as_deref()
     }
 
+    /// The angle of a knob that is there, of the next tick that has none yet; `None`: it is lost.
+    pub fn read_knob(&mut self, angle: Option<f64>) {
+        self.knob.iter_mut().for_each(|knob| knob.read(angle));
+    }
+
     /// Lets a slow thread send worlds to the knob; `false` where there is none.
     pub fn link_knob(&mut self, link: Fast) -> bool {
         let Some(knob) = &mut self.knob else { return false };

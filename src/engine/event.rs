@@ -81,6 +81,8 @@ pub enum Event {
     Push(f64),
     /// Let torque of the knob rise from 0, after a fault as well, or let it go at once.
     Arm(bool),
+    /// Whether readings and torques of a knob that is there keep to the time that its governor was told of; where they do not, torque falls.
+    Deadline(bool),
 }
 
 /// Where events come from: ties in time go in this order, after the ends of voices that have sounded their time.

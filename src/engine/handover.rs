@@ -68,6 +68,8 @@ pub enum Mismatch {
     Outputs,
     /// The new plan listens to more channels than the old one.
     Inputs,
+    /// What reads the knob differs, or at which rate.
+    Sensor,
     /// The number type of the lanes differs.
     Precision,
     /// The new plan cannot be built at all.
@@ -82,6 +84,7 @@ impl fmt::Display for Mismatch {
                 "the new rig has other outputs, other motors, other equalisers, or another word on steady voltages (dc)",
             ),
             Self::Inputs => f.write_str("the new patch listens to further input channels"),
+            Self::Sensor => f.write_str("a knob is read that was not, or otherwise than before"),
             Self::Precision => f.write_str("the new plan computes with other numbers"),
             Self::Refused(why) => f.write_str(why),
         }
@@ -116,6 +119,10 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     let listens = |plan: &Plan| plan.inputs().last().map_or(0, |channel| channel + 1);
     if listens(new) > listens(old) {
         return Err(Mismatch::Inputs);
+    }
+    let reads = |plan: &Plan| plan.sensor().copied().zip(plan.knob.as_ref().map(|knob| knob.ticks));
+    if reads(new).is_some() && reads(old) != reads(new) {
+        return Err(Mismatch::Sensor);
     }
     let mut engine = Engine::new(new).map_err(|why| Mismatch::Refused(why.to_string()))?;
     engine.expect_voices();

@@ -10,6 +10,7 @@ use crate::dsp::lanes::{LANES, Real};
 use crate::graph::knob::{CELL, Feed, Start};
 use crate::graph::plan::{Plan, Shared};
 use crate::graph::{knob, watch};
+use crate::knob::angle::decoder::Sensor;
 use crate::knob::effect::events::What;
 use crate::knob::local_model::link::{Fast, Seen};
 use crate::knob::plant::parts::Hand;
@@ -21,6 +22,40 @@ use crate::patch::knob::Reading;
 use crate::schedule::{Instant, Queue};
 
 const CELLS: usize = CELL as usize;
+
+/// Readings on their way to their ticks.
+#[derive(Debug)]
+struct Readings {
+    ring: Vec<Option<f64>>,
+    first: usize,
+    count: usize,
+}
+
+impl Readings {
+    /// For so many ticks an engine sample. An engine sample is computed when its first frame is heard: the first ticks have no reading yet.
+    fn new(ticks: usize) -> Self {
+        Self { ring: vec![None; (BLOCK + 2) * ticks], first: 0, count: ticks - 1 }
+    }
+
+    fn put(&mut self, reading: Option<f64>) {
+        // Never more than a block and what of the next is heard already.
+        if self.count < self.ring.len() {
+            let at = (self.first + self.count) % self.ring.len();
+            self.ring[at] = reading;
+            self.count += 1;
+        }
+    }
+
+    fn take(&mut self) -> Option<f64> {
+        let reading = self.ring[self.first];
+        if self.count == 0 {
+            return None;
+        }
+        self.first = (self.first + 1) % self.ring.len();
+        self.count -= 1;
+        reading
+    }
+}
 
 /// A knob at work.
 #[derive(Debug)]
@@ -49,8 +84,11 @@ pub struct Knob {
     held_at: f64,
     /// Torque of a hand that pushes, N m.
     push: f64,
-    /// An angle from outside, once.
-    outside: Option<f64>,
+    /// What was read of a knob that is there, for the ticks to come.
+    readings: Readings,
+    /// Whether torque is to rise with the next reading, and whether a card brings and takes in time.
+    asked: bool,
+    in_time: bool,
     /// Voices set off so far, by what set them off.
     numbers: Vec<u64>,
     first_watch: usize,
@@ -89,7 +127,7 @@ impl Knob {
         if let Some(simulated) = &mut simulated {
             simulated.place(held_at)?;
         }
-        if of.armed {
+        if of.armed && simulated.is_some() {
             servo.arm();
         }
         let ticks = of.ticks.max(1) as usize;
@@ -110,7 +148,9 @@ impl Knob {
             hand,
             held_at,
             push: 0.0,
-            outside: None,
+            readings: Readings::new(ticks),
+            asked: of.armed && of.sensor.is_some(),
+            in_time: true,
             numbers: vec![0; of.starts.len()],
             first_watch: plan.watches.len(),
             dropped: 0,
@@ -149,11 +189,44 @@ impl Knob {
         self.push = if torque.is_finite() { torque } else { 0.0 };
     }
 
-    /// Lets torque rise, or lets it go.
+    /// The angle of a knob that is there, for the next tick that has none yet.
+    pub(super) fn read(&mut self, angle: Option<f64>) {
+        self.readings.put(angle);
+    }
+
+    /// Whether what comes in and goes out does so in the time that the governor was told of.
+    pub(super) fn keep_time(&mut self, in_time: bool) {
+        self.in_time = in_time;
+    }
+
+    /// What reads a knob that is there.
+    pub fn sensor(&self) -> Option<&Sensor> {
+        self.plan.sensor.as_ref()
+    }
+
+    /// Whether a knob that is there is read.
+    pub fn is_attached(&self) -> bool {
+        self.plan.sensor.is_some()
+    }
+
+    /// Whether torque rises with the next reading.
+    pub fn is_asked(&self) -> bool {
+        self.asked
+    }
+
+    /// Seconds that a card may take from the angle to its torque.
+    pub fn allowance(&self) -> f64 {
+        self.plan.allowance
+    }
+
+    /// Lets torque rise, that of a knob that is there as soon as its angle is known, or lets it go.
     pub(super) fn arm(&mut self, arms: bool) {
+        self.asked = arms && self.is_attached();
         if arms {
             self.servo.acknowledge();
-            self.servo.arm();
+            if !self.asked {
+                self.servo.arm();
+            }
         } else {
             self.servo.disarm();
         }
@@ -161,13 +234,18 @@ impl Knob {
 
     /// Torque is 0 from the next tick on.
     pub(super) fn shut(&mut self) {
+        self.asked = false;
         self.servo.disarm();
     }
 
     /// Something sounds again.
     pub(super) fn open(&mut self) {
         if self.plan.armed && !self.servo.chain().armed() {
-            self.servo.arm();
+            if self.is_attached() {
+                self.asked = true;
+            } else {
+                self.servo.arm();
+            }
         }
     }
 
@@ -175,6 +253,8 @@ impl Knob {
     pub(super) fn adopt(&mut self, old: &mut Self) {
         self.ran = old.ran;
         self.push = old.push;
+        std::mem::swap(&mut self.readings, &mut old.readings);
+        (self.asked, self.in_time) = (old.asked, old.in_time);
         self.link = old.link.take().or(self.link.take());
         self.held_at = old.held_at;
         self.read = old.read;
@@ -240,7 +320,7 @@ impl Knob {
             };
             let given = match &mut self.simulated {
                 Some(knob) => knob.tick(&mut self.servo, &hand),
-                None => self.servo.tick(self.outside.take(), true),
+                None => self.felt(),
             };
             if !self.servo.events().list().is_empty() {
                 let fraction = (u64::from(tick) << 32) / u64::from(ticks);
@@ -259,6 +339,17 @@ impl Knob {
         for (read, value) in self.read.iter_mut().zip([angle, velocity, torque]) {
             read[at] = if value.is_finite() { value } else { 0.0 };
         }
+    }
+
+    /// A tick of a knob that is there.
+    fn felt(&mut self) -> Given {
+        let angle = self.readings.take();
+        let given = self.servo.tick(angle, self.in_time);
+        if self.asked && angle.is_some() && self.in_time {
+            self.asked = false;
+            self.servo.arm();
+        }
+        given
     }
 
     /// Sets off what waits for what happened in the last tick.

@@ -1,6 +1,7 @@
 //! Audio input: from device frames down to the engine's rate.
 
 use crate::dsp::interpolator::Interpolator;
+use crate::knob::angle::decoder::NOT_HEARD;
 
 /// Brings input channels down to the engine's rate with the filter that brings output up, turned round. Engine sample n uses input
 /// up to device frame n × ratio and no further.
@@ -41,7 +42,7 @@ impl Listener {
         let length = self.taps.len();
         for (channel, past) in self.past.iter_mut().enumerate() {
             let value = frame.and_then(|f| f.get(channel)).copied().unwrap_or(0.0);
-            past[self.next] = if value.is_finite() { value } else { 0.0 };
+            past[self.next] = if value.abs() < NOT_HEARD { value } else { 0.0 };
         }
         self.next = (self.next + 1) % length;
         if self.until == 0 {

@@ -38,7 +38,9 @@ use std::sync::Arc;
 use crate::dsp::isa::Isa;
 use crate::graph::plan::{Plan, Precision};
 use crate::graph::watch::LATENCY;
+use crate::knob::angle::decoder::Decoder;
 use crate::knob::local_model::link::{Slow, link};
+use crate::knob::servo::setup::Unfit;
 use crate::node::kernel::LEAD;
 use crate::schedule::Instant;
 use core::Core;
@@ -68,6 +70,8 @@ pub struct Engine {
     /// What of it is still to be given out.
     carried: Range<usize>,
     listener: Listener,
+    /// Reads a knob that is there.
+    sensor: Option<Decoder>,
     /// By input channel: the engine samples of the block at hand.
     heard: Vec<Vec<f32>>,
 }
@@ -138,7 +142,11 @@ impl Engine {
         let inputs = plan.inputs().last().map_or(0, |channel| channel + 1);
         let listener = Listener::new(inputs, plan.taps, plan.ratio, plan.engine_rate());
         let heard = vec![Vec::with_capacity(BLOCK); inputs];
-        Ok(Self { core, channels: plan.channels, ratio: plan.ratio, carry, carried: 0..0, listener, heard })
+        let frames = plan.knob.as_ref().map_or(1, |knob| knob.frames as usize);
+        let sensor = plan.sensor().map(|sensor| Decoder::new(sensor, frames)).transpose();
+        let sensor = sensor.map_err(Unfit::from)?;
+        let (channels, ratio) = (plan.channels, plan.ratio);
+        Ok(Self { core, channels, ratio, carry, carried: 0..0, listener, sensor, heard })
     }
 
     /// Seconds from an event to the middle of what it makes at the device, at 250 Hz.
@@ -350,8 +358,12 @@ impl Engine {
         self.heard.iter_mut().for_each(Vec::clear);
         while *left > 0 && (samples == 0 || self.heard[0].len() < samples) {
             *left -= 1;
+            let frame = frames.next();
+            if let Some(reading) = self.sensor.as_mut().and_then(|sensor| sensor.push(frame)) {
+                each!(mut self, core => core.read_knob(reading));
+            }
             let heard = &mut self.heard;
-            self.listener.hear(frames.next(), |channel, value| {
+            self.listener.hear(frame, |channel, value| {
                 // Never more than a block: capacity for that was taken when the engine was made.
                 if heard[channel].len() < BLOCK {
                     heard[channel].push(value);

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use super::build::{Want, Wanted};
 use super::start::{Binary, FIELDS, Fields, StartProgram, Step, Unary};
+use crate::knob::angle::decoder::Sensor;
 use crate::knob::effect::Bound;
 use crate::knob::servo::setup::Setup;
 use crate::knob::servo::simulated::Model;
 use crate::knob::servo::tick::Servo;
 use crate::patch::knob::{HAND, Scaled, VOICES};
 use crate::patch::{Expr, Function, Happening, Operator, Patch, Source, Trigger, Voice};
+use crate::rig::knob::made::Pace;
 use crate::rig::{self, Finder, Rig};
 use crate::space::spot::Spot;
 use crate::text::Problem;
@@ -23,10 +25,16 @@ pub const CELL: u64 = 4;
 pub struct Knob {
     /// What the servo is made of, at its rate.
     pub setup: Setup,
-    /// Ticks of the servo in an engine sample, 1 or more.
+    /// Ticks of the servo in an engine sample, 1 or more, and frames of the device in a tick.
     pub ticks: u32,
-    /// What is turned where none is there; `None`: angles come from outside.
+    /// See `ticks`.
+    pub frames: u32,
+    /// What is turned where none is there; `None`: one is.
     pub model: Option<Model>,
+    /// What reads the one that is there.
+    pub sensor: Option<Sensor>,
+    /// Seconds that a card may take from the angle to its torque: more than that, and torque falls.
+    pub allowance: f64,
     /// The control that turns it, by its place in [`super::plan::Plan::shared`].
     pub hand: Option<u32>,
     /// Whether torque flows from the beginning; else it waits to be asked.
@@ -162,11 +170,15 @@ pub(super) struct Made<'a> {
     /// The engine's and the device's, Hz.
     pub rates: [f64; 2],
     pub is_live: bool,
+    /// Whether a knob that a card reads is there, and frames of a block.
+    pub attached: bool,
+    /// See `attached`.
+    pub block: u32,
 }
 
 /// The knob of a patch on a rig, if the patch has one.
 pub(super) fn knob(from: &Made, wanted: &mut Wanted, problems: &mut Vec<Problem>) -> Option<Knob> {
-    let &Made { patch, rig, finder, of_voice, rates, is_live } = from;
+    let &Made { patch, rig, finder, of_voice, rates, is_live, attached, block } = from;
     let felt = patch.knob.as_ref()?;
     let ratio = (rates[1] / rates[0]).round() as u32;
     let plain = rig::Knob::default();
@@ -174,7 +186,8 @@ pub(super) fn knob(from: &Made, wanted: &mut Wanted, problems: &mut Vec<Problem>
     let ticks = ticks(of_rig.rate / rates[0], ratio);
     let rate = rates[0] * f64::from(ticks);
     let effects = felt.effects.iter().map(|effect| effect.figures.clone()).collect();
-    let setup = Setup { effects, ..of_rig.servo(rate) };
+    let pace = Pace { rate, frames: ratio.max(1) / ticks, ticks, block };
+    let setup = Setup { effects, ..of_rig.servo(&pace) };
     if let Err(why) = Servo::new(&setup) {
         let effect = why.effect.and_then(|effect| felt.effects.get(effect));
         let span = effect.map_or(&felt.span, |effect| &effect.span);
@@ -186,7 +199,8 @@ pub(super) fn knob(from: &Made, wanted: &mut Wanted, problems: &mut Vec<Problem>
         return None;
     }
     let scales = scales(patch, wanted);
-    let model = Some(of_rig.model(rate));
+    let sensor = of_rig.sensor.filter(|_| attached);
+    let model = sensor.is_none().then(|| of_rig.model(&pace));
     let (way, is_simulated) = (rig.torque_output(of_rig), model.is_some());
     let hand = model.as_ref().and_then(|_| hand(patch, wanted));
     let voice = |name: &str| patch.voices.iter().position(|voice| voice.name == name);
@@ -210,8 +224,12 @@ pub(super) fn knob(from: &Made, wanted: &mut Wanted, problems: &mut Vec<Problem>
     Some(Knob {
         setup,
         ticks,
-        armed: model.is_some(),
+        frames: pace.frames,
+        // What a real one feels waits until somebody asks.
+        armed: is_simulated || !is_live,
         model,
+        sensor,
+        allowance: of_rig.allowance(block, rates[1]),
         hand,
         names: felt.effects.iter().map(|effect| effect.name.as_str().into()).collect(),
         scales,

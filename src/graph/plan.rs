@@ -5,6 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::dsp::biquad::Biquad;
+use crate::knob::angle::decoder::Sensor;
 use crate::node::NodeKind;
 use crate::node::motion::Motion;
 
@@ -111,10 +112,16 @@ impl Plan {
         !self.paths.is_empty() || self.instruments.iter().any(|instrument| instrument.steered)
     }
 
-    /// Channels of the input that something listens to, from 0, in ascending order.
+    /// What reads a knob that is there.
+    pub fn sensor(&self) -> Option<&Sensor> {
+        self.knob.as_ref()?.sensor.as_ref()
+    }
+
+    /// Channels of the input that something listens to, from 0, in ascending order: what nodes hear, and a knob's sensor.
     pub fn inputs(&self) -> Vec<usize> {
         let heard = |shared: &Shared| if let Shared::Input(c) = shared { Some(*c as usize) } else { None };
         let mut inputs: Vec<usize> = self.shared.iter().filter_map(heard).collect();
+        inputs.extend(self.sensor().iter().flat_map(|sensor| sensor.channels));
         inputs.sort_unstable();
         inputs.dedup();
         inputs

@@ -37,7 +37,14 @@ pub struct Options {
     pub pattern: Option<String>,
     /// Whether a program or a trigger may play any voice at any time, so that all must be there.
     pub live: bool,
+    /// Whether a knob that the rig reads by a sound card's inputs is there; else it is simulated.
+    pub attached: bool,
+    /// Frames of a device's block, as far as that is known; `None`: [`BLOCK`]. A knob that a card reads waits for blocks.
+    pub block: Option<u32>,
 }
+
+/// Frames of a block where nobody says how many.
+pub const BLOCK: u32 = 256;
 
 impl Default for Options {
     fn default() -> Self {
@@ -49,6 +56,8 @@ impl Default for Options {
             seed: None,
             pattern: None,
             live: false,
+            attached: false,
+            block: None,
         }
     }
 }
@@ -155,6 +164,8 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         of_voice: &of_voice,
         rates: [device_rate / ratio as f64, device_rate],
         is_live: options.live,
+        attached: options.attached,
+        block: options.block.unwrap_or(BLOCK),
     };
     let knob = knob(&made, &mut wanted, &mut problems);
     let watches = watches(patch, rig, &finder, &watched, &of_voice, &mut wanted, &mut problems);

@@ -5,6 +5,7 @@ use super::error::FileError;
 use super::resample::Converter;
 use super::wav::WavReader;
 use crate::io::error::FileErrorKind;
+use crate::knob::angle::decoder::NOT_HEARD;
 use std::path::Path;
 
 /// Samples of all channels together that are held, at most.
@@ -21,6 +22,8 @@ pub struct Input {
     file_rate: u32,
     frames: usize,
     rate: f64,
+    /// Channels that a knob's sensor hears: silence there would say an angle.
+    marked: Vec<usize>,
 }
 
 impl Input {
@@ -76,7 +79,25 @@ impl Input {
             }
         }
         let (file_channels, file_rate) = (info.channels, info.rate);
-        Ok(Self { channels, wanted: wanted.to_vec(), file_channels, file_rate, frames, rate })
+        Ok(Self {
+            channels,
+            wanted: wanted.to_vec(),
+            file_channels,
+            file_rate,
+            frames,
+            rate,
+            marked: Vec::new(),
+        })
+    }
+
+    /// What is not there on these channels (from 0), before it begins and after it ends, is [`NOT_HEARD`] and no silence.
+    pub fn marking(self, channels: &[usize]) -> Self {
+        Self { marked: channels.to_vec(), ..self }
+    }
+
+    /// What was marked.
+    pub fn marked(&self) -> &[usize] {
+        &self.marked
     }
 
     /// Its length in seconds.
@@ -104,12 +125,15 @@ impl Input {
         &self.channels
     }
 
-    /// Fills `frames`, interleaved frames of `channels`, with what is heard from device frame `first` on; silence after its end.
+    /// Fills `frames`, interleaved frames of `channels`, with what is heard from device frame `first` on; silence after its end, but for
+    /// channels that are [marked](Input::marking).
     pub fn fill(&self, first: u64, channels: usize, frames: &mut [f32]) {
         for (n, frame) in frames.chunks_mut(channels.max(1)).enumerate() {
             let at = usize::try_from(first).unwrap_or(usize::MAX).saturating_add(n);
             for (channel, value) in frame.iter_mut().enumerate() {
-                *value = self.channels.get(channel).and_then(|c| c.get(at)).copied().unwrap_or(0.0);
+                let heard = self.channels.get(channel).and_then(|c| c.get(at)).copied();
+                let nothing = || if self.marked.contains(&channel) { NOT_HEARD } else { 0.0 };
+                *value = heard.unwrap_or_else(nothing);
             }
         }
     }
@@ -136,6 +160,9 @@ impl crate::live::intake::Hearing for Heard {
         self.input.fill(self.frames, channels, frames);
         self.frames += (frames.len() / channels.max(1)) as u64;
     }
+
+    /// The file knows that already.
+    fn mark(&mut self, _channels: &[usize]) {}
 }
 
 #[cfg(test)]

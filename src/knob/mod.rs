@@ -3,6 +3,7 @@
 //! | room | holds |
 //! |---|---|
 //! | [`plant`] | the simulated knob: inertia, friction, stops, shaft, winding and current loop, a hand, encoder, delay, heat |
+//! | [`angle`] | an angle out of a sound card's inputs: sine and cosine, an encoder's lines, a voltage |
 //! | [`velocity`] | estimators of speed from an encoder, with the error each has at its rate |
 //! | [`effect`] | what the knob feels like: effects that add up |
 //! | [`local_model`] | what a slow thread sends: a world near one angle, followed without a jump of force |
@@ -52,6 +53,7 @@
 //!
 //! Angles are radians, torques newton metres on the knob (positive turns it to larger angles), times seconds.
 
+pub mod angle;
 pub mod effect;
 pub mod governor;
 pub mod local_model;

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use super::lever::Lever;
 use super::load::Load;
+use super::torque::Torque;
 
 /// A figure that one thread writes and others read.
 #[derive(Debug, Default)]
@@ -92,6 +93,8 @@ pub struct Board {
     pub shed: Figure,
     /// Whether the gate is shut: 1, or 0.
     pub shut: Figure,
+    /// Of a knob that is there, see [`Board::torque`].
+    pub(super) knob: Figure,
     /// Run time of the callbacks.
     pub load: Load,
     /// Gaps that the device told of.
@@ -126,6 +129,11 @@ impl Board {
     /// As [`Lever::is_panicked`].
     pub fn is_panicked(&self) -> bool {
         self.lever.is_panicked()
+    }
+
+    /// How it stands with a knob's torque.
+    pub fn torque(&self) -> Torque {
+        Torque::of_figure(self.knob.get())
     }
 
     /// Channels.

@@ -12,6 +12,7 @@ use super::board::Board;
 use super::gate::{Gate, Order};
 use super::lever::Obeyed;
 use super::relief::Relieved;
+use super::torque::Torque;
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Stagehand;
 use crate::engine::watch::Crossing;
@@ -97,6 +98,8 @@ pub struct Callback {
     frames: u64,
     /// Tasks above this rank rest.
     shed: u8,
+    /// Whether the device keeps to the time of a knob that is there.
+    kept: bool,
 }
 
 /// A recording.
@@ -142,6 +145,7 @@ impl Callback {
             unkept: 0,
             frames: 0,
             shed: u8::MAX,
+            kept: true,
         };
         (callback, Rings { cues: senders, reports: told })
     }
@@ -238,6 +242,32 @@ impl Callback {
         }
     }
 
+    /// Input channels (from 0) that a knob's sensor is heard by.
+    pub fn sensor(&mut self) -> Vec<usize> {
+        let knob = self.stagehand.engine().knob();
+        knob.and_then(|knob| knob.sensor()).map_or(Vec::new(), |sensor| sensor.channels.to_vec())
+    }
+
+    /// Seconds that the device may take from the angle of a knob that is there to its torque, if one is read.
+    pub fn allowance(&mut self) -> Option<f64> {
+        let knob = self.stagehand.engine().knob()?;
+        knob.is_attached().then(|| knob.allowance())
+    }
+
+    /// Tells the engine, from the next sample on, whether the device keeps to [`Callback::allowance`].
+    pub fn deadline(&mut self, kept: bool) {
+        if self.kept == kept {
+            return;
+        }
+        let engine = self.stagehand.engine();
+        let at = Instant { sample: engine.clock(), fraction: 0 };
+        let (source, event) = (Source::Program, Event::Deadline(kept));
+        if engine.schedule(at, source, event) {
+            self.kept = kept;
+            self.tell(Deed::Event { at, due: at, source, event });
+        }
+    }
+
     /// Gives the engine what has come for its plan, as long as it has room; the rest waits in its ring.
     fn take_cues(&mut self) {
         for (number, source) in SOURCES.into_iter().enumerate() {
@@ -293,6 +323,7 @@ impl Callback {
         self.board.limited.set(counts.limited);
         let stage = engine.stage();
         self.board.held_back.set(stage.protections().changed() + stage.drives().changed());
+        self.board.knob.set(Torque::of(engine.knob()).figure());
         self.board.frames.set(self.frames);
         self.board.block.set((output.len() / self.channels.max(1)) as u64);
         self.board.shut.set(u64::from(self.gate.is_shut()));

@@ -285,6 +285,7 @@ impl Conductor {
         let clock = self.board.clock.get();
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
         let outlet = &mut outlet;
+        let reads = self.performer.plan().sensor().is_some();
         let done = match signal {
             Signal::Play(number, voice, note) => self.performer.play(at, &voice, &note, outlet).map(|id| {
                 // Numbers come in order. Whoever has let go of none for so long has no use for the oldest.
@@ -328,7 +329,8 @@ impl Conductor {
                 self.board.panic();
                 self.performer.stop_patterns();
                 self.voices.clear();
-                sent(self.performer.release_all(at, outlet))
+                let fell = !reads || self.performer.torque(at, false, outlet);
+                sent(self.performer.release_all(at, outlet) && fell)
             }
             Signal::Calm => {
                 self.board.calm();
@@ -340,6 +342,9 @@ impl Conductor {
                 self.board.lever.gain(if armed { 1.0 } else { UNARMED });
                 Ok(())
             }
+            Signal::Torque(rises) if reads => sent(self.performer.torque(at, rises, outlet)),
+            Signal::Torque(_) => Err(Problem::of_file("no knob is read, so there is no torque")
+                .help("the rig says how its angle comes in: [knob] sensor = { ... }".to_string())),
             Signal::Reload(reload) => {
                 // One that still waits is out of date.
                 self.waiting = None;

@@ -12,6 +12,7 @@ use super::gate::Order;
 use super::intake::Hearing;
 use super::relief::Relief;
 use super::stamp::Epoch;
+use crate::knob::angle::decoder::NOT_HEARD;
 
 /// What a device calls to be filled. Only one device at a time has it; when that lets go of it, it goes home.
 pub struct Driver {
@@ -26,6 +27,15 @@ pub struct Driver {
     hearing: Option<Box<dyn Hearing>>,
     /// What is heard during the frames at hand.
     heard: Vec<f32>,
+}
+
+/// What a card may have said, [`NOT_HEARD`] as it is.
+fn within(x: f32) -> f32 {
+    match x {
+        NOT_HEARD => x,
+        _ if x.is_finite() => x.clamp(-1.0, 1.0),
+        _ => 0.0,
+    }
 }
 
 /// Frames that are heard at a time; a longer block is computed in parts.
@@ -46,7 +56,8 @@ impl Driver {
     }
 
     /// From now on the engine hears this.
-    pub fn listen(&mut self, hearing: Box<dyn Hearing>) {
+    pub fn listen(&mut self, mut hearing: Box<dyn Hearing>) {
+        hearing.mark(&self.callback.sensor());
         self.heard = vec![0.0; PART * self.callback.input_channels()];
         self.hearing = Some(hearing);
     }
@@ -73,10 +84,14 @@ impl Driver {
         let begin = ThreadTime::now();
         // A device that left out a block plays the next one sooner than the clock thinks.
         let gaps = self.board.xruns.get();
-        if std::mem::replace(&mut self.gaps, gaps) != gaps {
+        let gapped = std::mem::replace(&mut self.gaps, gaps) != gaps;
+        if gapped {
             self.follower.restart();
         }
         self.follower.callback(self.epoch.now(), frames as u64);
+        if let Some(most) = self.callback.allowance() {
+            self.callback.deadline(!gapped && self.latency(frames) <= most);
+        }
         match &mut self.hearing {
             None => self.callback.process(&[], output),
             Some(hearing) => {
@@ -88,7 +103,7 @@ impl Driver {
                     let heard = &mut self.heard[..(frames * inputs).min(room)];
                     hearing.hear(due, inputs, heard);
                     // A card's full scale, so that what is kept of it is all that was heard.
-                    heard.iter_mut().for_each(|x| *x = if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 });
+                    heard.iter_mut().for_each(|x| *x = within(*x));
                     self.callback.process(heard, part);
                     due += frames as f64 * self.follower.frame();
                 }
@@ -99,6 +114,16 @@ impl Driver {
         if let Some(how) = self.relief.note(busy, period) {
             self.callback.relieve(how);
         }
+    }
+
+    /// Seconds from when the device that hears heard a frame to when this one plays what the engine makes of it, in blocks of `frames`.
+    fn latency(&self, frames: usize) -> f64 {
+        let out = match self.board.device_delay.get() {
+            // One that does not say plays the block behind the one that it plays now, at best.
+            0 => frames as f64 / self.rate,
+            nanoseconds => nanoseconds as f64 * 1e-9,
+        };
+        self.board.input.latency.get() as f64 * 1e-9 + out
     }
 
     /// To lend it to a device: when the device drops it, it comes back through `home`.

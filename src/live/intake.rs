@@ -20,6 +20,7 @@ use super::clock::{Follower, Moment, StreamClock};
 use super::stamp::{Epoch, Stamp};
 use super::tracker::Tracker;
 use crate::dsp::varispeed::Varispeed;
+use crate::knob::angle::decoder::NOT_HEARD;
 
 /// Seconds that may wait.
 const ROOM: f64 = 1.0;
@@ -43,6 +44,9 @@ pub trait Hearing: Send {
     /// Fills `frames`, interleaved frames of `channels`, with what is heard during the frames that are computed next; the first of
     /// them was due at `due`, seconds since the session began. Neither allocates nor blocks.
     fn hear(&mut self, due: f64, channels: usize, frames: &mut [f32]);
+
+    /// From now on, what is not heard as it is on these channels (from 0) is [`NOT_HEARD`]: a knob's sensor does not fade. It may allocate.
+    fn mark(&mut self, channels: &[usize]);
 }
 
 /// How a device hears.
@@ -98,6 +102,8 @@ pub struct Feed {
     value: Vec<f32>,
     last: Vec<f32>,
     held: Vec<f32>,
+    /// Channels on which nothing fades.
+    marked: Vec<usize>,
     board: Arc<Board>,
 }
 
@@ -137,6 +143,7 @@ pub fn bridge(ears: Ears, rate: f64, block: usize, epoch: Epoch, board: &Arc<Boa
         value: frame(),
         last: frame(),
         held: frame(),
+        marked: Vec::new(),
         board: Arc::clone(board),
     };
     (intake, feed)
@@ -339,7 +346,17 @@ impl Hearing for Feed {
             let both = frame.len().min(self.last.len());
             frame[..both].copy_from_slice(&self.last[..both]);
             frame[both..].fill(0.0);
+            let is_whole = self.flows && self.open >= 1.0 && self.hold <= 0.0;
+            for &channel in &self.marked {
+                if let Some(value) = frame.get_mut(channel).filter(|_| !is_whole || channel >= both) {
+                    *value = NOT_HEARD;
+                }
+            }
         }
+    }
+
+    fn mark(&mut self, channels: &[usize]) {
+        self.marked = channels.to_vec();
     }
 }
 

@@ -24,4 +24,5 @@ pub mod relief;
 pub mod reload;
 pub mod signal;
 pub mod stamp;
+pub mod torque;
 pub mod tracker;

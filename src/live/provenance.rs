@@ -73,19 +73,33 @@ pub struct Choices {
     seed: Option<u64>,
     pattern: Option<String>,
     live: bool,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    attached: bool,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    block: Option<u32>,
 }
 
 impl From<&Options> for Choices {
     fn from(options: &Options) -> Self {
-        let Options { rate, ratio, precision, taps, seed, pattern, live } = options.clone();
-        Self { rate, ratio, double: precision == Precision::Double, taps, seed, pattern, live }
+        let Options { rate, ratio, precision, taps, seed, pattern, live, attached, block } = options.clone();
+        Self {
+            rate,
+            ratio,
+            double: precision == Precision::Double,
+            taps,
+            seed,
+            pattern,
+            live,
+            attached,
+            block,
+        }
     }
 }
 
 impl From<&Choices> for Options {
     fn from(choices: &Choices) -> Self {
-        let Choices { rate, ratio, double, taps, seed, pattern, live } = choices.clone();
+        let Choices { rate, ratio, double, taps, seed, pattern, live, attached, block } = choices.clone();
         let precision = if double { Precision::Double } else { Precision::Single };
-        Self { rate, ratio, precision, taps, seed, pattern, live }
+        Self { rate, ratio, precision, taps, seed, pattern, live, attached, block }
     }
 }

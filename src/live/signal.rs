@@ -42,6 +42,8 @@ pub enum Signal {
     Calm,
     /// Full level, or that for headphones.
     Arm(bool),
+    /// Let the torque of a knob that is there rise, after a fault as well, or let it go at once.
+    Torque(bool),
     /// Another patch or rig takes over.
     Reload(Box<Reload>),
     /// End the session: the gate closes.

@@ -439,6 +439,11 @@ impl Performer {
         sent
     }
 
+    /// Lets the knob's torque rise, after a fault as well, or lets it go. Says whether there was room.
+    pub fn torque(&mut self, at: When, rises: bool, outlet: &mut dyn Outlet) -> bool {
+        outlet.send(at.instant, Source::Program, Event::Arm(rises))
+    }
+
     /// Lets all that a port of MIDI has started, or one of its channels, fall silent at once. Says whether there was room.
     fn silence(&mut self, at: When, port: usize, channel: Option<Channel>, outlet: &mut dyn Outlet) -> bool {
         self.stop_of(port, channel);

@@ -68,7 +68,8 @@ const CURVE: usize = 4001;
 impl KnobCommand {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let loaded = self.scene.load(false, self.duration)?;
+        let scene = Scene { simulated: true, ..self.scene.clone() };
+        let loaded = scene.load(false, self.duration)?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }

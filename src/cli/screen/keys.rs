@@ -16,6 +16,8 @@ pub enum Act {
     Calm,
     /// Full level, or back to -20 dB.
     Arm,
+    /// The torque of a knob that is there, or none.
+    Torque,
     /// What a digit plays.
     Digit(u32),
     /// All patterns.
@@ -81,6 +83,7 @@ impl Keys {
             KeyCode::Char('p' | 'P') | KeyCode::Esc => Act::Panic,
             KeyCode::Char('c' | 'C') => Act::Calm,
             KeyCode::Char('a' | 'A') => Act::Arm,
+            KeyCode::Char('t' | 'T') => Act::Torque,
             KeyCode::Char(' ') => Act::All,
             KeyCode::Char('m' | 'M') => Act::Form,
             KeyCode::Char('>' | '.') | KeyCode::PageDown => Act::Turn(1),
@@ -98,7 +101,7 @@ impl Keys {
             _ => return None,
         };
         // Held down, a key that goes to and fro would flutter.
-        let flutters = matches!(act, Act::Arm | Act::All | Act::Form | Act::Digit(_));
+        let flutters = matches!(act, Act::Arm | Act::Torque | Act::All | Act::Form | Act::Digit(_));
         (!(repeated && flutters)).then_some(act)
     }
 

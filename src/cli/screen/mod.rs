@@ -28,6 +28,7 @@ use pacinian::io::device::priority::{self, Priority};
 use pacinian::io::session::Session;
 use pacinian::live::board::Board;
 use pacinian::live::signal::Signal;
+use pacinian::live::torque::Torque;
 use pacinian::text::Problems;
 
 use super::failure::Failure;
@@ -105,6 +106,7 @@ pub struct Show {
     /// The highest of all channels since the last line that said how things stand.
     highest: f32,
     panicked: bool,
+    torque: Torque,
     xruns: u64,
     /// Gaps of the input, by what made them.
     gaps: [u64; 4],
@@ -159,6 +161,7 @@ impl Show {
             told: 0.0,
             highest: 0.0,
             panicked: false,
+            torque: Torque::None,
             xruns: 0,
             gaps: [0; 4],
             beyond: loaded.rig.device.loop_latency,
@@ -264,6 +267,15 @@ impl Show {
             self.note(Happened::new(now, mood, text));
         }
         self.snapshot.panicked = panicked;
+        let torque = board.torque();
+        if torque != std::mem::replace(&mut self.torque, torque) {
+            let mood = match torque {
+                Torque::Fallen(_) => Mood::Bad,
+                Torque::On => Mood::Good,
+                Torque::None | Torque::Off | Torque::Asked => Mood::Told,
+            };
+            self.note(Happened::new(now, mood, torque.to_string()));
+        }
         if !self.humble && priority::latest() == Priority::Refused {
             self.humble = true;
             let text = "the system gives no real-time priority, so gaps are likelier; on Linux, allow rtprio in /etc/security/limits.d";
@@ -364,6 +376,7 @@ impl Show {
             }
             Act::Calm => Ok(vec![Signal::Calm]),
             Act::Arm => Ok(vec![Signal::Arm(!self.snapshot.armed)]),
+            Act::Torque => Ok(vec![Signal::Torque(!session.board().torque().is_wanted())]),
             Act::Digit(digit) => self.players.digit(digit, number),
             Act::All => self.players.all(number),
             Act::Turn(by) => Ok(self.turn(by)),

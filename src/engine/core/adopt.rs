@@ -75,6 +75,7 @@ impl<R: Real> Core<R> {
                 | Event::Marker(_)
                 | Event::Push(_)
                 | Event::Arm(_)
+                | Event::Deadline(_)
                 | Event::Shed(_) => Some(()),
             };
             counters.dropped += u64::from(kept.is_none() && matches!(event, Event::Play(_)));

@@ -69,6 +69,7 @@ impl<R: Real> Core<R> {
             Event::Marker(name) => self.stage.mark(name, at),
             Event::Shed(above) => self.tasks.shed(above),
             Event::Push(torque) => self.knob.iter_mut().for_each(|knob| knob.push(torque)),
+            Event::Deadline(kept) => self.knob.iter_mut().for_each(|knob| knob.keep_time(kept)),
             Event::Arm(arms) => self.knob.iter_mut().for_each(|knob| knob.arm(arms)),
         }
     }

@@ -26,6 +26,8 @@ pub enum Kind {
     Push,
     /// The knob's torque may rise (`value` 1) or goes (0).
     Arm,
+    /// The card keeps to the time that a knob's governor was told of (`value` 1), or not (0).
+    Deadline,
     /// The gate was told something.
     Gate,
     /// The plan that was written down last and has not played yet takes over.
@@ -46,7 +48,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Voice,
         Self::Release,
         Self::ReleaseAll,
@@ -57,6 +59,7 @@ impl Kind {
         Self::Shed,
         Self::Push,
         Self::Arm,
+        Self::Deadline,
         Self::Gate,
         Self::Swap,
         Self::In,
@@ -80,6 +83,7 @@ impl Kind {
             Self::Shed => "shed",
             Self::Push => "push",
             Self::Arm => "arm",
+            Self::Deadline => "deadline",
             Self::Gate => "gate",
             Self::Swap => "swap",
             Self::In => "in",
@@ -105,6 +109,7 @@ impl Kind {
                 | Self::Shed
                 | Self::Push
                 | Self::Arm
+                | Self::Deadline
                 | Self::Gate
                 | Self::Swap
         )

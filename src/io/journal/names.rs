@@ -71,6 +71,9 @@ impl Names {
             Event::Shed(above) => Line { value: Some(f64::from(*above)), ..Line::new(Kind::Shed) },
             Event::Push(torque) => Line { value: Some(*torque), ..Line::new(Kind::Push) },
             Event::Arm(arms) => Line { value: Some(f64::from(u8::from(*arms))), ..Line::new(Kind::Arm) },
+            Event::Deadline(kept) => {
+                Line { value: Some(f64::from(u8::from(*kept))), ..Line::new(Kind::Deadline) }
+            }
             Event::Marker(marker) => Line { name: named(&self.markers, *marker), ..Line::new(Kind::Marker) },
         }
     }

@@ -350,6 +350,7 @@ impl<R: BufRead> Replay<R> {
             Kind::Shed => Event::Shed(line.value.unwrap_or(f64::from(u8::MAX)) as u8),
             Kind::Push => Event::Push(line.value.ok_or("a push must have a value")?),
             Kind::Arm => Event::Arm(line.value.unwrap_or(0.0) != 0.0),
+            Kind::Deadline => Event::Deadline(line.value.unwrap_or(0.0) != 0.0),
             Kind::Marker => {
                 let markers = &self.names.plan.markers;
                 let number = markers.iter().position(|marker| **marker == *name);

@@ -49,6 +49,7 @@ fn asked(signal: &Signal) -> (String, Option<String>) {
         Signal::Panic => ("panic".into(), None),
         Signal::Calm => ("calm".into(), None),
         Signal::Arm(armed) => (if *armed { "arm" } else { "disarm" }.into(), None),
+        Signal::Torque(on) => (if *on { "torque" } else { "torque-off" }.into(), None),
         Signal::Reload(reload) => ("reload".into(), Some(reload.patch.title.clone())),
         Signal::End => ("end".into(), None),
         Signal::Key(key) => ("key".into(), Some(key.to_string())),

@@ -37,6 +37,8 @@ pub enum Ask {
     Calm,
     /// Full level, or that for headphones.
     Arm(bool),
+    /// Torque of a knob that is there, or none.
+    Torque(bool),
     /// Tell peaks again and again.
     Subscribe(Duration),
     /// No more.
@@ -97,6 +99,10 @@ pub fn ask(method: &Method, args: &[OscType]) -> Result<Ask, Wrong> {
         Method::Calm => button(args, Ask::Calm)?,
         Method::Arm => match args {
             [armed] => Ask::Arm(finite(armed)? != 0.0),
+            _ => return Err(Wrong),
+        },
+        Method::Torque => match args {
+            [on] => Ask::Torque(finite(on)? != 0.0),
             _ => return Err(Wrong),
         },
         Method::Subscribe => match args {

@@ -32,6 +32,8 @@ pub enum Method {
     Calm,
     /// Full level, or that for headphones.
     Arm,
+    /// The knob's torque, or none.
+    Torque,
     /// Tells peaks again and again.
     Subscribe,
     /// No more.
@@ -70,6 +72,7 @@ impl Names {
             ("/panic", Method::Panic),
             ("/calm", Method::Calm),
             ("/arm", Method::Arm),
+            ("/torque", Method::Torque),
             ("/meter/subscribe", Method::Subscribe),
             ("/meter/unsubscribe", Method::Unsubscribe),
             ("/marker/subscribe", Method::Invite(Wants::Markers)),

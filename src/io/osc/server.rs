@@ -336,6 +336,7 @@ impl Listener {
             }
             Ask::Calm => drop(self.send(at, Signal::Calm)),
             Ask::Arm(armed) => drop(self.send(at, Signal::Arm(armed))),
+            Ask::Torque(on) => drop(self.send(at, Signal::Torque(on))),
             Ask::Subscribe(every) => {
                 if self.subscribe(from, What::Meter, every) {
                     let every = OscType::Int(every.as_millis() as i32);

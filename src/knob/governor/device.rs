@@ -10,21 +10,23 @@ use crate::knob::stability::sampled::{Loop, Rotor, Shaft};
 pub struct Delay {
     /// What does not depend on the block, ticks; measured, so it may have a fraction.
     pub fixed: f64,
-    /// Frames of a block, a tick each; 0 where there are none.
+    /// Frames of a block; 0 where there are none.
     pub block: u32,
-    /// How many blocks a reading waits for its torque: usually 2, one in and one out.
+    /// Frames of a tick.
+    pub frames: f64,
+    /// How many blocks a reading waits for its torque: 2 at least, one in and one out.
     pub blocks: f64,
 }
 
 impl Delay {
     /// A delay without blocks, ticks.
     pub const fn ticks(fixed: f64) -> Self {
-        Self { fixed, block: 0, blocks: 0.0 }
+        Self { fixed, block: 0, frames: 1.0, blocks: 0.0 }
     }
 
     /// All of it, ticks.
     pub fn total(&self) -> f64 {
-        self.fixed + f64::from(self.block) * self.blocks
+        self.fixed + f64::from(self.block) * self.blocks / self.frames
     }
 }
 
@@ -76,6 +78,7 @@ impl Device {
         positive("peak", self.peak)?;
         not_negative("fixed", self.delay.fixed)?;
         not_negative("blocks", self.delay.blocks)?;
+        positive("frames", self.delay.frames)?;
         let delay = self.delay.total();
         let all = match &self.resonance {
             None => Loop::rigid(&Rotor { inertia: self.inertia, damping: self.damping }, self.period, delay)?,

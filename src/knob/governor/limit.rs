@@ -75,7 +75,7 @@ pub(super) fn explain(device: &Device, margin: f64, damping: f64) -> Result<Expl
     let now = most(device, margin, damping)?;
     let faster = |times: f64, d: &Device| Device {
         period: d.period / times,
-        delay: Delay { fixed: d.delay.total() * times, block: 0, blocks: 0.0 },
+        delay: Delay::ticks(d.delay.total() * times),
         ..d.clone()
     };
     let no_delay = Device { delay: Delay::ticks(0.0), ..device.clone() };

@@ -33,7 +33,7 @@ fn motors() -> Vec<Device> {
 }
 
 fn loops() -> Vec<(f64, Delay)> {
-    let block = |block| Delay { fixed: 1.4, block, blocks: 2.0 };
+    let block = |block| Delay { fixed: 1.4, block, frames: 1.0, blocks: 2.0 };
     vec![
         (1e3, Delay::ticks(1.0)),
         (1e4, Delay::ticks(0.0)),
@@ -126,8 +126,11 @@ fn it_says_what_binds_and_what_would_lift_it() {
     let base = Device { damping: 0.21e-3, friction: None, ..motors()[2].clone() };
     let at = |d: Device, b: f64| Governor::new(&d, MARGIN).unwrap().explain(b).unwrap();
     // A sound card's block: four times smaller blocks allow four times as much.
-    let card =
-        Device { period: 1.0 / 48e3, delay: Delay { fixed: 0.0, block: 64, blocks: 2.0 }, ..base.clone() };
+    let card = Device {
+        period: 1.0 / 48e3,
+        delay: Delay { fixed: 0.0, block: 64, frames: 1.0, blocks: 2.0 },
+        ..base.clone()
+    };
     let e = at(card.clone(), 0.0);
     assert_eq!(e.binds, Limit::Delay);
     let (_, times) = e.remedies.iter().find(|r| r.0 == Remedy::Block(16)).unwrap();
@@ -222,7 +225,10 @@ fn contradictory_devices_are_refused() {
         (Device { period: 0.0, ..good.clone() }, "period"),
         (Device { peak: 0.0, ..good.clone() }, "peak"),
         (Device { delay: Delay::ticks(-1.0), ..good.clone() }, "fixed"),
-        (Device { delay: Delay { fixed: 0.0, block: 60_000, blocks: 2.0 }, ..good.clone() }, "delay"),
+        (
+            Device { delay: Delay { fixed: 0.0, block: 60_000, frames: 1.0, blocks: 2.0 }, ..good.clone() },
+            "delay",
+        ),
         (Device { resonance, ..good.clone() }, "knob"),
         (Device { low_pass: Some(0.0), ..good.clone() }, "low_pass"),
     ] {

@@ -2,6 +2,7 @@
 
 use super::{Imposed, Knob};
 use crate::actuator::thermal::{COPPER, Cooling};
+use crate::knob::angle::decoder::Sensor;
 use crate::knob::governor::device::{Delay, Device, Resonance};
 use crate::knob::passivity::Cap;
 use crate::knob::plant::encoder::Encoder;
@@ -19,8 +20,31 @@ const GRASP: Grasp = Grasp { stiffness: 0.3, damping: 2e-3 };
 const EXACT: f64 = TAU / 16_777_216.0;
 /// Below this speed passivity does not brake, rad/s.
 const LEAST_SPEED: f64 = 1e-3;
+/// Where nobody has measured how late a card's torque is: blocks, two in and two out, and seconds of what evens out two clocks.
+const BLOCKS: f64 = 4.0;
+const INTAKE: f64 = 4e-3;
 /// Kelvins that a winding bears above the air.
 const BORNE: f64 = 100.0;
+
+/// At which pace a knob's servo runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pace {
+    /// Ticks a second.
+    pub rate: f64,
+    /// Frames of the device in a tick.
+    pub frames: u32,
+    /// Ticks in an engine sample.
+    pub ticks: u32,
+    /// Frames of the device in a block, where blocks are waited for.
+    pub block: u32,
+}
+
+impl Pace {
+    /// Of a servo that waits for no blocks, a tick a frame.
+    pub fn of(rate: f64) -> Self {
+        Self { rate, frames: 1, ticks: 1, block: 0 }
+    }
+}
 
 /// What turns.
 pub(super) fn build(knob: &Knob) -> Build {
@@ -66,16 +90,37 @@ impl Knob {
         self.viscous + shorted
     }
 
-    /// What must be known to say what it bears, with a servo of `rate` hertz that is `block` frames late twice, 0 for none.
-    pub fn device(&self, rate: f64, block: u32) -> Device {
+    /// Seconds that card and system may take from the angle to its torque, in blocks of so many frames of so many a second; 0 of a knob
+    /// that is simulated and whose `delay` nobody has measured.
+    pub fn allowance(&self, block: u32, rate: f64) -> f64 {
+        let blocks = || if self.sensor.is_some() { INTAKE + BLOCKS * f64::from(block) / rate } else { 0.0 };
+        self.delay.unwrap_or_else(blocks)
+    }
+
+    fn delay_at(&self, pace: &Pace) -> Delay {
+        let frames = f64::from(pace.frames.max(1));
+        // An engine sample is computed from what was heard until it began.
+        let own =
+            |sensor: &Sensor| f64::from(pace.ticks.max(1)) - 1.0 + sensor.late(pace.frames as usize) / frames;
+        let own = self.sensor.as_ref().map_or(0.0, own);
+        match (self.delay, &self.sensor) {
+            (None, Some(_)) => {
+                Delay { fixed: own + INTAKE * pace.rate, block: pace.block, frames, blocks: BLOCKS }
+            }
+            (seconds, _) => Delay::ticks(own + seconds.unwrap_or(0.0) * pace.rate),
+        }
+    }
+
+    /// What must be known to say what it bears.
+    pub fn device(&self, pace: &Pace) -> Device {
         let resonance = self.resonance.filter(|_| self.knob_inertia > 0.0);
         Device {
             inertia: self.inertia + self.knob_inertia,
             damping: self.damping(),
             friction: self.friction,
             count: self.counts.map_or(EXACT, |counts| TAU / counts),
-            period: 1.0 / rate,
-            delay: Delay { fixed: self.delay * rate, block, blocks: 2.0 },
+            period: 1.0 / pace.rate,
+            delay: self.delay_at(pace),
             resonance: resonance.map(|(clamped, loss)| Resonance { clamped, knob: self.knob_inertia, loss }),
             low_pass: self.reconstruction,
             peak: self.peak,
@@ -99,9 +144,9 @@ impl Knob {
         }
     }
 
-    /// Its servo at `rate` hertz, without effects.
-    pub fn servo(&self, rate: f64) -> Setup {
-        let device = self.device(rate, 0);
+    /// Its servo, without effects.
+    pub fn servo(&self, pace: &Pace) -> Setup {
+        let device = self.device(pace);
         let flat = Wave::default();
         let cap = Cap { inertia: device.inertia, share: self.passivity, least_speed: LEAST_SPEED };
         Setup {
@@ -110,12 +155,12 @@ impl Knob {
             passivity: (self.passivity > 0.0).then_some(cap),
             cogging: if self.compensate { self.cogging } else { flat },
             ripple: if self.compensate { self.ripple } else { flat },
-            ..Setup::new(Vec::new(), device, self.limits(rate))
+            ..Setup::new(Vec::new(), device, self.limits(pace.rate))
         }
     }
 
     /// The same knob, simulated: its readings are as late as they are measured to be.
-    pub fn model(&self, rate: f64) -> Model {
+    pub fn model(&self, pace: &Pace) -> Model {
         let volts = match (self.drive, self.winding) {
             (Imposed::Voltage, Some([gain, resistance, ..])) => Some(resistance / gain),
             _ => None,
@@ -123,7 +168,7 @@ impl Knob {
         Model {
             build: build(self),
             encoder: self.counts.and_then(|counts| Encoder::of_counts(counts).ok()),
-            delay: (self.delay * rate).round().clamp(0.0, 1e6) as usize,
+            delay: self.delay_at(pace).total().round().clamp(0.0, 1e6) as usize,
             volts,
         }
     }

@@ -1,10 +1,12 @@
 //! A force-feedback knob, `[knob]`: what it is, and what it must keep to.
 
-mod made;
+pub mod made;
 pub mod motor;
+pub(crate) mod sensor;
 pub(crate) mod table;
 
 use super::{Device, OutputKind, Rig};
+use crate::knob::angle::decoder::Sensor;
 use crate::knob::plant::stops::Stops;
 use crate::knob::plant::wave::{Harmonic, Wave};
 use crate::knob::velocity::choice::Choice;
@@ -57,8 +59,10 @@ pub struct Knob {
     pub stops: Option<Stops>,
     /// Hertz that its servo is to have.
     pub rate: f64,
-    /// Seconds from a reading to its torque.
-    pub delay: f64,
+    /// Seconds from the angle to its torque, if they were measured.
+    pub delay: Option<f64>,
+    /// What reads its angle; `None`: it is simulated.
+    pub sensor: Option<Sensor>,
     /// How speed is estimated.
     pub velocity: Choice,
     /// The share of the edge of stability that is granted.
@@ -118,7 +122,8 @@ impl Default for Knob {
             compensate: false,
             stops: None,
             rate: 8000.0,
-            delay: 0.0,
+            delay: None,
+            sensor: None,
             velocity: Choice::Adaptive(0.01),
             margin: crate::knob::governor::MARGIN,
             passivity: 0.0,
@@ -186,6 +191,12 @@ pub(super) fn read(reader: &Reader) -> Knob {
         2 => Imposed::Voltage,
         _ => Imposed::Torque,
     };
+    let counts = match (reader.has("lines"), reader.count("lines")) {
+        (true, lines) => lines.map(|lines| 4.0 * lines as f64),
+        (false, _) => figures.known("counts"),
+    };
+    let sensor = reader.one("sensor", format!("`sensor` of {}", reader.who));
+    let sensor = sensor.and_then(|of| sensor::read(&of, counts));
     let knob = Knob {
         motor: motor.map(|motor| motor.name),
         inertia,
@@ -204,16 +215,14 @@ pub(super) fn read(reader: &Reader) -> Knob {
         winding_time: figures.or_default("winding_time"),
         housing_time: figures.known("housing_time"),
         resonance: figures.known("resonance").map(|hertz| (hertz, reader.number_or_default("shaft_damping"))),
-        counts: match (reader.has("lines"), reader.count("lines")) {
-            (true, lines) => lines.map(|lines| 4.0 * lines as f64),
-            (false, _) => figures.known("counts"),
-        },
+        counts: counts.or_else(|| sensor.as_ref().and_then(sensor::counts)),
         cogging: wave(reader, "cogging"),
         ripple: wave(reader, "ripple"),
         compensate: reader.flag("compensate"),
         stops: stops(reader),
         rate: reader.number_or_default("rate"),
-        delay: reader.number_or_default("delay"),
+        delay: reader.number("delay"),
+        sensor,
         velocity: match reader.word("velocity") {
             1 => Choice::Kalman(reader.number_or_default("acceleration")),
             2 => Choice::Filtered(reader.number_or_default("velocity_corner")),

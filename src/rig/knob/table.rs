@@ -1,5 +1,6 @@
 //! The keys of `[knob]`.
 
+use super::sensor::SENSOR;
 use crate::text::field::{Field, Form, Table};
 
 /// What a rig says of a knob.
@@ -11,7 +12,7 @@ pub static TABLE: Table = Table {
 };
 
 /// Its keys. Those that are numbers may be figures of a shipped motor.
-pub static FIELDS: [Field; 43] = [
+pub static FIELDS: [Field; 44] = [
     Field::new(
         "motor",
         Form::Text,
@@ -133,9 +134,9 @@ pub static FIELDS: [Field; 43] = [
     ),
     Field::new(
         "delay",
-        Form::number(0.0, 0.0, 0.5),
+        Form::any_number(0.0, 0.5),
         "s",
-        "From a reading to its torque, measured, beside the tick for which torque is held.",
+        "From the angle to its torque, measured, beside the tick for which torque is held: with a `sensor` what card and system take, as `pacinian latency` says. Where nothing is said, none; with a `sensor` four blocks and 4 ms.",
     ),
     Field::new(
         "velocity",
@@ -194,6 +195,12 @@ pub static FIELDS: [Field; 43] = [
         "How long a reading may be missing before torque falls.",
     ),
     Field::new("release", Form::number(0.05, 0.0, 10.0), "s", "In which it falls then."),
+    Field::new(
+        "sensor",
+        Form::One(&SENSOR),
+        "",
+        "By which inputs of a sound card the angle of a knob that is there comes in; where nothing is said, it is simulated.",
+    ),
     Field::new(
         "output",
         Form::Defined("torque output"),
