@@ -636,3 +636,62 @@ fn a_knob_in_the_engine_takes_no_memory() {
     assert_eq!(total, 0, "allocations and frees");
     assert!(started > 100 && slow.look().tick > 20_000, "{started} {:?}", slow.look());
 }
+
+/// A knob that is there: read by every sensor, in blocks of all lengths, lost, armed, late, and swapped for another while it turns.
+#[test]
+fn a_knob_that_is_there_takes_no_memory() {
+    use pacinian::knob::angle::decoder::NOT_HEARD;
+
+    for sensor in [
+        "rate = 48000\nsensor = { type = \"sine-cosine\", sine_channel = 1, cosine_channel = 2 }",
+        "counts = 400\nsensor = { type = \"quadrature\", a_channel = 1, b_channel = 2 }",
+        "sensor = { type = \"voltage\", channel = 2, full_scale_volts = 5, radians_per_volt = 1 }",
+    ] {
+        let rig = format!(
+            "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\nrate = 48000\ncoupling = \"dc\"\n[[tactor]]\nname = \"a\"\nchannel = 1\n\
+             [[output]]\nkind = \"torque\"\nname = \"k\"\nchannel = 2\n[knob]\ninertia = 1e-5\npeak_torque = 0.1\n{sensor}\n"
+        );
+        let rig = Rig::parse("r", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let plans = [0.01, 0.02].map(|torque| {
+            let text = format!(
+                "[knob.effects]\nnotches = {{ type = \"detents\", count = 24, torque = {torque} }}\n\
+                 [voice.v]\noutput = \"o\"\nnodes.o = {{ type = \"sine\", frequency = \"200 + knob.angle\" }}\n\
+                 [[trigger]]\non = \"knob.detent\"\nplay = \"v\"\n"
+            );
+            let options = Options { live: true, attached: true, ..Options::default() };
+            scene(&patch(&text), &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan
+        });
+        let (mut director, mut stagehand) = exchange(&plans[0]).unwrap();
+        let ears = stagehand.engine().input_channels();
+        let (mut heard, mut frames) = (vec![0.0; 480 * ears], vec![0.0; 480 * 2]);
+        let (mut total, mut most, mut at) = (0, 0.0_f32, 0.0_f32);
+        for n in 0..400_usize {
+            if n % 40 == 39 {
+                assert!(director.send(&plans[n / 40 % 2]).unwrap());
+            }
+            let length = 1 + (n * 7919) % 480;
+            for frame in heard.chunks_mut(ears).take(length) {
+                at += 1e-3;
+                let (angle, gone) = ((at * 0.2).sin(), n % 90 > 80);
+                let values = if gone { [NOT_HEARD; 2] } else { [0.5 * angle.sin(), 0.5 * angle.cos()] };
+                frame.copy_from_slice(&values[..ears]);
+            }
+            total += counted(|| {
+                stagehand.take_over();
+                let engine = stagehand.engine();
+                let now = Instant { sample: engine.clock(), fraction: 0 };
+                match n % 50 {
+                    2 | 31 => drop(engine.schedule(now, Source::Program, Event::Arm(true))),
+                    17 => drop(engine.schedule(now, Source::Program, Event::Deadline(false))),
+                    19 => drop(engine.schedule(now, Source::Program, Event::Deadline(true))),
+                    _ => {}
+                }
+                stagehand.process(&heard[..length * ears], &mut frames[..length * 2]);
+            });
+            most = frames[..length * 2].iter().skip(1).step_by(2).fold(most, |most, x| most.max(x.abs()));
+            director.collect();
+        }
+        assert_eq!(total, 0, "allocations and frees, {sensor}");
+        assert!(most > 0.0, "no torque, {sensor}");
+    }
+}

@@ -319,3 +319,54 @@ fn where_nothing_comes_back_it_says_so() {
     let (code, told) = refused(&["--device", "loop", "--out", "spine", "--in", "1"]);
     assert!(code == 2 && told.contains("there is no output `spine`"), "{told}");
 }
+
+/// A knob between two cards: sine and cosine come in by one, torque leaves by the other, once somebody asks for it.
+#[test]
+fn a_knob_is_read_by_one_card_and_felt_by_another() {
+    let Some(bench) = Bench::new("knob") else { return };
+    bench.card("hall", "channels 2 heard \"@/hall.raw\" ppm -120");
+    let angle = |n: f64| 0.8 * (TAU * 0.5 * n / 48_000.0).sin();
+    let frames = (0..48_000 * 60).flat_map(|n| {
+        let (sine, cosine) = angle(f64::from(n)).sin_cos();
+        [(0.5 * sine) as f32, (0.5 * cosine) as f32]
+    });
+    fs::write(bench.folder.join("hall.raw"), frames.flat_map(f32::to_le_bytes).collect::<Vec<u8>>()).unwrap();
+    bench.write(
+        "spring.toml",
+        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[knob.effects]\nspring = { type = \"spring\", stiffness = 0.004 }\n",
+    );
+    // Whatever this machine takes, it is granted: what is late falls, and is tried elsewhere.
+    bench.write(
+        "rig.toml",
+        "format = \"pacinian-rig/1\"\n[device]\nchannels = 8\ncoupling = \"dc\"\ninput = \"hall\"\n[[tactor]]\nname = \"t1\"\nchannel = 2\n\
+         [[output]]\nkind = \"torque\"\nname = \"knob\"\nchannel = 1\n\
+         [knob]\ninertia = 1e-5\nfriction = 1e-3\nviscous = 1e-2\npeak_torque = 0.1\ndelay = 0.4\nstale = 0.1\n\
+         output = { name = \"knob\", newton_metres = 0.005 }\n\
+         sensor = { type = \"sine-cosine\", sine_channel = 1, cosine_channel = 2 }\n",
+    );
+    let play = |more: &[&str]| {
+        let _ = fs::remove_file(bench.played());
+        let mut all = vec!["play", "spring.toml", "--rig", "rig.toml", "--device", "card8", "--block", "512"];
+        all.extend(more);
+        let output = bench.run(&all);
+        assert!(output.status.success(), "{}", said(&output));
+        (first_channel(&bench, 8), said(&output))
+    };
+    let (nothing, told) = play(&["--duration", "1"]);
+    assert!(told.contains("it listens to hall: channels 1, 2 of 2 channels"), "{told}");
+    assert!(nothing.len() > 40_000 && nothing.iter().all(|x| *x == 0.0), "nobody asked\n{told}");
+    for attempt in 0..5 {
+        let (torque, told) = play(&["--duration", "6", "--torque"]);
+        if attempt < 4 && (told.contains("xrun\n") || told.contains("xruns\n") || told.contains("a gap")) {
+            continue;
+        }
+        let late = &torque[torque.len() - 3 * 48_000..torque.len() - 9_600];
+        // 0.8 rad of 0.004 N m/rad, at 0.005 N m for full scale.
+        let most = late.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+        assert!((most - 0.64).abs() < 0.02, "{most}\n{told}");
+        let rest = residue(late, 48_000.0, 0.5, late.len());
+        assert!(rest < 1e-3, "{rest}\n{told}");
+        assert!(told.contains("the knob's torque is on") && !told.contains("has fallen"), "{told}");
+        break;
+    }
+}

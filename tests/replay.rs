@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
+use pacinian::io::wav::{Encoding, WavReader, WavSpec, WavWriter};
+
 struct Room(PathBuf);
 
 impl Room {
@@ -345,4 +347,59 @@ fn a_full_disk_does_not_stop_the_session() {
     assert_eq!(full.status.code(), Some(74), "{said}");
     assert!(said.contains("no room left"), "{said}");
     assert!(text(&full.stdout).contains("frames"), "it played: {}", text(&full.stdout));
+}
+
+/// What a knob was read to be is in the recording of what came in, and what was lost of it as well.
+#[test]
+fn a_session_with_a_knob_that_was_turned_is_played_again_to_the_bit() {
+    let room = Room::new("knob");
+    let write = |name: &str, text: &str| std::fs::write(room.0.join(name), text).unwrap();
+    write(
+        "knob.toml",
+        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[knob.effects]\nnotches = { type = \"detents\", count = 24, torque = 0.01 }\n\
+         [voice.v]\noutput = \"o\"\nplace = 1\nnodes.o = { type = \"sine\", frequency = 200, amplitude = \"e\" }\n\
+         nodes.e = { type = \"envelope\", decay = 0.01, sustain = 0 }\n[[trigger]]\non = \"knob.detent\"\nplay = \"v\"\n",
+    );
+    write(
+        "rig.toml",
+        "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\nrate = 48000\ncoupling = \"dc\"\n[[tactor]]\nname = \"a\"\nchannel = 1\n\
+         [[output]]\nkind = \"torque\"\nname = \"knob\"\nchannel = 2\n\
+         [knob]\ninertia = 1e-5\nfriction = 1e-3\nviscous = 1e-2\npeak_torque = 0.01\nsoft_start = 0.05\n\
+         sensor = { type = \"voltage\", channel = 1, full_scale_volts = 5, radians_per_volt = 1 }\n",
+    );
+    // It ends after half a second: the angle is lost, though silence would say 0.
+    let mut wav =
+        WavWriter::create(&room.0.join("turned.wav"), WavSpec::new(1, 48_000, Encoding::F32)).unwrap();
+    wav.write(&(0..24_000).map(|n| 0.4 * (n as f32 / 24_000.0)).collect::<Vec<_>>()).unwrap();
+    wav.finish().unwrap();
+    let kept = room.run(&[
+        "play",
+        "knob.toml",
+        "--rig",
+        "rig.toml",
+        "--input",
+        "turned.wav",
+        "--device",
+        "virtual",
+        "--duration",
+        "1",
+        "--torque",
+        "--record",
+        "s.wav",
+        "--events",
+        "s.csv",
+    ]);
+    assert!(kept.status.success(), "{}", text(&kept.stderr));
+    let told = text(&kept.stdout) + &text(&kept.stderr);
+    assert!(told.contains("the knob's torque is on") && told.contains("its angle was lost"), "{told}");
+    let again = room.run(&["replay", "s.csv", "--against", "s.wav", "-o", "again.wav"]);
+    assert!(
+        text(&again.stdout).contains("the same, to the bit"),
+        "{}{}",
+        text(&again.stdout),
+        text(&again.stderr)
+    );
+    let sound = WavReader::open(room.0.join("again.wav")).unwrap().channel(2).unwrap();
+    let most = sound.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+    assert!(most > 0.1, "torque left: {most}");
 }

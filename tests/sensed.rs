@@ -17,9 +17,9 @@ const RIG: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\nrate = 4
     [knob]\ninertia = 1e-5\nfriction = 1e-3\nviscous = 2e-4\npeak_torque = 0.1\nslew = 1e6\nover_speed = 500\n\
     output = { name = \"knob\", newton_metres = 0.1 }\n";
 
-const PAIR: &str = "sensor = { type = \"sine-cosine\", sine = 2, cosine = 1, sine_amplitude = 0.4, cosine_amplitude = 0.45, \
+const PAIR: &str = "sensor = { type = \"sine-cosine\", sine_channel = 2, cosine_channel = 1, sine_amplitude = 0.4, cosine_amplitude = 0.45, \
     sine_middle = 0.02, phase = 0.05, periods = 2 }\n";
-const LINES: &str = "counts = 4000\nsensor = { type = \"quadrature\", a = 1, b = 3 }\n";
+const LINES: &str = "counts = 4000\nsensor = { type = \"quadrature\", a_channel = 1, b_channel = 3 }\n";
 const VOLTS: &str = "sensor = { type = \"voltage\", channel = 3, full_scale_volts = 5, radians_per_volt = -1.5, zero_volts = 0.5 }\n";
 
 const SPRING: &str = "[knob.effects]\nspring = { type = \"spring\", stiffness = 0.004 }\n";
@@ -311,13 +311,16 @@ fn what_cannot_be_read_is_refused_with_the_key() {
         Rig::parse("r", rig.as_bytes()).map(|_| String::new()).unwrap_or_else(|p| p.to_string())
     };
     for (sensor, says) in [
-        ("sensor = { sine = 1, cosine = 2 }", "type"),
+        ("sensor = { sine_channel = 1, cosine_channel = 2 }", "type"),
         ("sensor = { type = \"hall\" }", "sine-cosine"),
-        ("sensor = { type = \"sine-cosine\", sine = 1 }", "cosine"),
-        ("sensor = { type = \"sine-cosine\", sine = 1, cosine = 1 }", "twice"),
-        ("sensor = { type = \"sine-cosine\", sine = 0, cosine = 1 }", "from 1 to"),
-        ("sensor = { type = \"sine-cosine\", sine = 1, cosine = 2, threshold = 0.1 }", "quadrature"),
-        ("sensor = { type = \"quadrature\", a = 1, b = 2 }", "counts"),
+        ("sensor = { type = \"sine-cosine\", sine_channel = 1 }", "cosine_channel"),
+        ("sensor = { type = \"sine-cosine\", sine_channel = 1, cosine_channel = 1 }", "twice"),
+        ("sensor = { type = \"sine-cosine\", sine_channel = 0, cosine_channel = 1 }", "from 1 to"),
+        (
+            "sensor = { type = \"sine-cosine\", sine_channel = 1, cosine_channel = 2, threshold = 0.1 }",
+            "quadrature",
+        ),
+        ("sensor = { type = \"quadrature\", a_channel = 1, b_channel = 2 }", "counts"),
         ("sensor = { type = \"voltage\", channel = 1 }", "radians_per_volt"),
         (
             "sensor = { type = \"voltage\", channel = 1, full_scale_volts = 5, radians_per_volt = 0 }",

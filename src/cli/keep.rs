@@ -138,7 +138,8 @@ impl Keep {
             made(path, new);
         }
         if let Some((path, (ring, channels))) = self.heard().zip(sound.heard) {
-            let spec = WavSpec::new(channels, sound.rate, Encoding::F32);
+            // What was not heard of a knob's sensor is kept as what it is.
+            let spec = WavSpec { unbounded: true, ..WavSpec::new(channels, sound.rate, Encoding::F32) };
             let new = !path.exists();
             kept.heard = Some((Recorder::start_with_digest(ring, &path, spec)?, path.clone()));
             made(&path, new);

@@ -165,10 +165,11 @@ mod tests {
     use ringbuf::traits::{Consumer, Split};
 
     use super::{Driver, Hearing, PART};
+    use crate::engine::event::Event;
     use crate::engine::exchange::exchange;
     use crate::graph::scene::{Options, scene};
     use crate::live::board::Board;
-    use crate::live::callback::Callback;
+    use crate::live::callback::{Callback, Deed};
     use crate::live::gate::Gate;
     use crate::live::stamp::Epoch;
     use crate::node::asset::NoAssets;
@@ -187,6 +188,47 @@ mod tests {
                 frame.copy_from_slice(&[self.0 / 65_536.0, -self.0 * 1e-6]);
             }
         }
+
+        fn mark(&mut self, _channels: &[usize]) {}
+    }
+
+    /// What the governor of a knob was told holds, or torque falls: of what the two devices take together, and of gaps.
+    #[test]
+    fn a_knob_hears_of_a_card_that_takes_longer_and_of_gaps() {
+        let text = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[knob.effects]\ns = { type = \"spring\", stiffness = 0.01 }\n";
+        let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let text = "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\ncoupling = \"dc\"\n[[output]]\nkind = \"torque\"\nname = \"k\"\n\
+            channel = 1\n[knob]\ninertia = 1e-5\npeak_torque = 0.1\ndelay = 0.02\n\
+            sensor = { type = \"voltage\", channel = 2, full_scale_volts = 5, radians_per_volt = 1 }\n";
+        let rig = Rig::parse("r", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let options = Options { rate: Some(48_000.0), live: true, attached: true, ..Options::default() };
+        let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+        let (_director, stagehand) = exchange(&scene.plan).unwrap();
+        let board = Arc::new(Board::new(1));
+        let (callback, mut rings) = Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board));
+        let (mut driver, _clock) = Driver::new(callback, 48_000.0, 96, Epoch::begin(), Arc::clone(&board));
+        driver.listen(Box::new(Counting(0.0)));
+        let mut told = |input_ms: u64, output_ms: u64, gap: bool| {
+            board.input.latency.set(input_ms * 1_000_000);
+            board.device_delay.set(output_ms * 1_000_000);
+            board.xruns.add(u64::from(gap));
+            driver.fill(&mut [0.0; 96]);
+            let deeds = rings.reports.pop_iter().map(|report| report.deed);
+            deeds
+                .filter_map(|deed| match deed {
+                    Deed::Event { event: Event::Deadline(kept), .. } => Some(kept),
+                    _ => None,
+                })
+                .collect::<Vec<_>>()
+        };
+        assert!(told(12, 7, false).is_empty());
+        assert_eq!(told(12, 9, false), [false]);
+        assert!(told(15, 9, false).is_empty());
+        assert_eq!(told(15, 4, false), [true]);
+        assert_eq!(told(15, 4, true), [false]);
+        assert_eq!(told(15, 4, false), [true]);
+        // One that does not say plays a block later: 2 ms.
+        assert_eq!((told(17, 0, false), told(19, 0, false)), (vec![], vec![false]));
     }
 
     #[test]

@@ -254,8 +254,11 @@ pub const TOPICS: &[Topic] = &[
                call viscous damping with shorted terminals is `viscous_shorted` here, and counts under drive = \"voltage\" alone. A knob in which \
                little damps bears little stiffness: some 1e-4 N m s/rad of bearings or grease are worth more than a faster servo.\n\n\
                Torque passes, in this order: what is no number becomes 0, the governor, the slew, the low-pass, a budget of torque squared \
-               that spares the winding, the peak, a soft start, a stale reading, over-speed, and a latch that stays until somebody asks for torque again.",
-        tables: &[&knob::table::TABLE, &knob::table::HARMONIC, &knob::table::OUTPUT],
+               that spares the winding, the peak, a soft start, a stale reading, over-speed, and a latch that stays until somebody asks for torque again.\n\n\
+               Where a `sensor` says by which inputs of a sound card the angle comes in, `pacinian play` with an input device reads a knob that is there, \
+               and its torque leaves by the output: not before somebody asks (`--torque`, the key `t`, OSC `/torque`), and no longer than the angle is \
+               known and the card keeps to `delay`. What the card takes is most of what keeps such a knob soft: small blocks help.",
+        tables: &[&knob::table::TABLE, &knob::table::HARMONIC, &knob::sensor::SENSOR, &knob::table::OUTPUT],
         example: "[device]\n\
                   channels = 2\n\
                   coupling = \"dc\"\n\

@@ -144,6 +144,9 @@ fn help(snapshot: &Snapshot, width: usize) -> Line {
     let panic = if snapshot.panicked { ("c", "opens") } else { ("p", "panic") };
     let arm = if snapshot.armed { "-20 dB" } else { "arm" };
     let mut items = vec![panic, ("q", "end"), ("space", "all patterns"), ("a", arm)];
+    if let Some(wanted) = snapshot.torque {
+        items.push(("t", if wanted { "no torque" } else { "torque" }));
+    }
     if !snapshot.controls.is_empty() {
         items.extend([("Tab", "control"), ("arrows", "move"), ("0", "reset")]);
     }

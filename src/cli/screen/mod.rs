@@ -268,6 +268,7 @@ impl Show {
         }
         self.snapshot.panicked = panicked;
         let torque = board.torque();
+        self.snapshot.torque = (torque != Torque::None).then(|| torque.is_wanted());
         if torque != std::mem::replace(&mut self.torque, torque) {
             let mood = match torque {
                 Torque::Fallen(_) => Mood::Bad,

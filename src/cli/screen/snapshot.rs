@@ -19,6 +19,8 @@ pub struct Snapshot {
     pub duration: Option<f64>,
     /// Full level, or -20 dB.
     pub armed: bool,
+    /// Whether the torque of a knob that is read is wanted; `None`: none is.
+    pub torque: Option<bool>,
     /// Whether the brake is pulled.
     pub panicked: bool,
     /// Whether the device is away.

@@ -7,6 +7,7 @@ use super::super::board::Board;
 use super::super::clock::Follower;
 use super::super::stamp::{Epoch, Stamp};
 use super::{Ears, Hearing, bridge};
+use crate::knob::angle::decoder::NOT_HEARD;
 
 /// A device: its rate as it thinks it is, by how much its clock is fast, frames a block, and how late its callbacks may be, seconds.
 #[derive(Clone, Copy)]
@@ -193,4 +194,35 @@ fn a_player_that_stands_still_goes_on_with_what_is_new() {
     let last = f64::from(*out.last().unwrap());
     assert!((last - 0.597).abs() < 0.003, "{last}");
     assert!(out.iter().all(|x| x.is_finite()));
+}
+
+/// A channel that a knob's sensor is heard by has what was heard, or nothing; the others fade.
+#[test]
+fn a_marked_channel_has_what_was_heard_or_nothing() {
+    let board = Arc::new(Board::new(1));
+    let ears = Ears { rate: 48_000.0, channels: 2, block: 64 };
+    let (mut intake, mut feed) = bridge(ears, 48_000.0, 64, Epoch::begin(), &board);
+    feed.mark(&[1, 2]);
+    let mut all = Vec::new();
+    for n in 0..1500_u64 {
+        // It is away for a while.
+        let at = 1.0 + n as f64 * 64.0 / 48_000.0;
+        if !(700..800).contains(&n) {
+            intake.take(stamp(at), 0.0, &[0.5; 128]);
+        }
+        let mut frames = [0.0; 3 * 64];
+        feed.hear(at, 3, &mut frames);
+        all.extend(frames.chunks(3).map(|frame| [frame[0], frame[1], frame[2]]));
+    }
+    assert!(all.iter().all(|frame| frame[2] == NOT_HEARD), "the device has no such channel");
+    let near = |x: f32| (x - 0.5).abs() < 1e-3;
+    let (mut known, mut fades) = (0, 0);
+    for frame in &all {
+        assert!(near(frame[1]) || frame[1] == NOT_HEARD, "{frame:?}");
+        assert!(frame[1] == NOT_HEARD || near(frame[0]), "{frame:?}");
+        known += usize::from(frame[1] != NOT_HEARD);
+        fades += usize::from(frame[0] > 0.01 && frame[0] < 0.49);
+    }
+    assert!(known > 60_000 && known < 92_000 && fades > 300, "{known} {fades}");
+    assert!(all[(700 + 10) * 64..800 * 64].iter().all(|frame| frame[1] == NOT_HEARD));
 }

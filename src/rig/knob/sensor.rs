@@ -28,8 +28,8 @@ pub(crate) static SENSOR: Table = Table {
             "What comes in: the sine and the cosine of the angle, the two lines of an encoder, or a voltage that grows with it.",
         )
         .required(),
-        Field::new("sine", Form::any_count(1, MOST), "", "Input channel of the sine, from 1; needed for sine-cosine."),
-        Field::new("cosine", Form::any_count(1, MOST), "", "Input channel of the cosine, from 1; needed for sine-cosine."),
+        Field::new("sine_channel", Form::any_count(1, MOST), "", "Input channel of the sine, from 1; needed for sine-cosine."),
+        Field::new("cosine_channel", Form::any_count(1, MOST), "", "Input channel of the cosine, from 1; needed for sine-cosine."),
         Field::new(
             "periods",
             Form::count(1, 1, 1_000_000),
@@ -46,8 +46,8 @@ pub(crate) static SENSOR: Table = Table {
             "The same of the cosine; that of the sine where nothing is said.",
         ),
         Field::new("phase", Form::number(0.0, -1.0, 1.0), "rad", "By how much the sine leads where it should not."),
-        Field::new("a", Form::any_count(1, MOST), "", "Input channel of line A, from 1; needed for quadrature. A leads where the angle rises."),
-        Field::new("b", Form::any_count(1, MOST), "", "Input channel of line B, from 1; needed for quadrature."),
+        Field::new("a_channel", Form::any_count(1, MOST), "", "Input channel of line A, from 1; needed for quadrature. A leads where the angle rises."),
+        Field::new("b_channel", Form::any_count(1, MOST), "", "Input channel of line B, from 1; needed for quadrature."),
         Field::new("threshold", Form::number(0.0, -1.0, 1.0), "", "The sample above which a line is high."),
         Field::new("hysteresis", Form::number(0.05, 0.0, 1.0), "", "By how much it must pass that, so that noise is no edge."),
         Field::new("channel", Form::any_count(1, MOST), "", "Input channel of the voltage, from 1; needed for voltage."),
@@ -74,10 +74,10 @@ pub(crate) static SENSOR: Table = Table {
 /// Keys that each type needs, and those that it may have besides.
 const KEYS: [(&[&str], &[&str]); 3] = [
     (
-        &["sine", "cosine"],
+        &["sine_channel", "cosine_channel"],
         &["periods", "sine_middle", "cosine_middle", "sine_amplitude", "cosine_amplitude", "phase"],
     ),
-    (&["a", "b"], &["threshold", "hysteresis"]),
+    (&["a_channel", "b_channel"], &["threshold", "hysteresis"]),
     (&["channel", "full_scale_volts", "radians_per_volt"], &["zero_volts", "low_volts", "high_volts"]),
 ];
 
@@ -105,7 +105,7 @@ pub(super) fn read(reader: &Reader, counts: Option<f64>) -> Option<Sensor> {
     let channel = |key: &str| reader.count(key).map(|channel| channel as usize - 1);
     let (sense, channels) = match kind {
         0 => {
-            let channels = [channel("sine")?, channel("cosine")?];
+            let channels = [channel("sine_channel")?, channel("cosine_channel")?];
             let amplitude = reader.number_or_default("sine_amplitude");
             let pair = Pair {
                 offset: ["sine_middle", "cosine_middle"].map(|key| reader.number_or_default(key)),
@@ -116,7 +116,7 @@ pub(super) fn read(reader: &Reader, counts: Option<f64>) -> Option<Sensor> {
             (Sense::Pair(pair), channels)
         }
         1 => {
-            let channels = [channel("a")?, channel("b")?];
+            let channels = [channel("a_channel")?, channel("b_channel")?];
             let Some(counts) = counts else {
                 let what = format!(
                     "{} counts an encoder's edges, and nothing says how many make a turn",
