@@ -67,8 +67,11 @@ fn main() {
         peak: 0.175,
     };
     let governor = Governor::new(&device, MARGIN).unwrap();
-    let slow =
-        Device { period: 1.0 / 48e3, delay: Delay { fixed: 0.0, block: 512, blocks: 2.0 }, ..device.clone() };
+    let slow = Device {
+        period: 1.0 / 48e3,
+        delay: Delay { fixed: 0.0, block: 512, frames: 1.0, blocks: 2.0 },
+        ..device.clone()
+    };
     let start = ThreadTime::now();
     let two_blocks = Governor::new(&slow, MARGIN).unwrap();
     println!("governor for 2 blocks of 512: {:.1?}", start.elapsed());

@@ -141,7 +141,8 @@ impl Engine {
         let carry = vec![0.0; plan.ratio * plan.channels];
         let inputs = plan.inputs().last().map_or(0, |channel| channel + 1);
         let listener = Listener::new(inputs, plan.taps, plan.ratio, plan.engine_rate());
-        let heard = vec![Vec::with_capacity(BLOCK); inputs];
+        // A copy of an empty vector has no capacity.
+        let heard = (0..inputs).map(|_| Vec::with_capacity(BLOCK)).collect();
         let frames = plan.knob.as_ref().map_or(1, |knob| knob.frames as usize);
         let sensor = plan.sensor().map(|sensor| Decoder::new(sensor, frames)).transpose();
         let sensor = sensor.map_err(Unfit::from)?;
