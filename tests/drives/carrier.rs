@@ -167,7 +167,7 @@ fn a_motor_behind_diodes_does_what_one_at_a_voltage_does() {
             // The same limit for both.
             let other = straight().replace("max_volts = 3.0", &format!("max_volts = {limit}"));
             let other =
-                other.replace("rated_volts = 6.0", &format!("rated_volts = 6.0\nmax_volts = {limit}"));
+                other.replace("channel = 2\n", &format!("channel = 2\nmax_level = {}\n", limit / 20.0));
             let other = compiled(&other, rate);
             for (instrument, level, until) in [(SWELL, 0.8, 0.4), (SPIN, 0.4, 0.4), (SWITCH, 0.7, 0.4)] {
                 if limit < 0.9 * drive.setup.parameters.rated_volts && instrument == SWELL {
