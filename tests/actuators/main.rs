@@ -18,3 +18,4 @@ mod shape;
 mod silent;
 mod turner;
 mod turner_orders;
+mod turner_reach;
