@@ -287,6 +287,15 @@ fn clicks_beyond_a_motor_are_refused() {
     let options = Options { rate: Some(RATE), live: true, ..Options::default() };
     let told = scene(&patch(MOVES), &rig, &options, &NoAssets).unwrap_err().to_string();
     assert!(told.contains("click of 0.25 turns, which the motor of `pad` cannot make"), "{told}");
+    assert!(told.contains("more volts"), "{told}");
+    // No volts help to no turn at all.
+    let rig = Rig::parse("rig.toml", MOTORS.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let none = patch(&MOVES.replace("turns = -1.5", "turns = 0"));
+    let told = scene(&none, &rig, &options, &NoAssets).unwrap_err().to_string();
+    assert!(
+        told.contains("`turns` is 0") && told.contains("other `turns`") && !told.contains("volts"),
+        "{told}"
+    );
 }
 
 /// The same rig with the coin motor behind a full bridge that is switched by two lines.

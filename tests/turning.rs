@@ -4,11 +4,11 @@
 mod program;
 
 use pacinian::actuator::driver::coast::Coast;
-use pacinian::graph::plan::{Modulation, Plan};
+use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::node::asset::NoAssets;
 use pacinian::patch::Patch;
-use pacinian::rig::Rig;
+use pacinian::rig::{Rig, Terminals};
 use program::Scratch;
 use serde_json::Value;
 
@@ -124,7 +124,7 @@ fn a_carrier_is_told_with_what_it_cannot_do() {
         let (text, _, json) = checked(&scratch, patch, &rig);
         let plan = planned(patch, &rig);
         let drive = &plan.drives[0];
-        assert!(matches!(drive.modulation, Modulation::Carrier(_)));
+        assert!(matches!(drive.terminals, Terminals::Carrier(_)));
         let full = drive.setup.full_speed();
         let rolls = Coast::new(&drive.setup.parameters).seconds(full, 1e-4 * full);
         let motor = &json["plan"]["outputs"][1]["motor"];

@@ -59,12 +59,13 @@ impl fmt::Display for Fault {
         let Self { field, value, limit, because } = self;
         write!(f, "`{field}` is {}, but must be ", Shown(*value))?;
         match limit {
-            Limit::Above(limit) => write!(f, "above {}", Shown(*limit)),
-            Limit::Least(limit) => write!(f, "at least {}", Shown(*limit)),
-            Limit::Below(limit) => write!(f, "below {}", Shown(*limit)),
-            Limit::Most(limit) => write!(f, "at most {}", Shown(*limit)),
+            Limit::Above(limit) => write!(f, "above {}", Shown(brief(*limit, f64::ceil))),
+            Limit::Least(limit) => write!(f, "at least {}", Shown(brief(*limit, f64::ceil))),
+            Limit::Below(limit) => write!(f, "below {}", Shown(brief(*limit, f64::floor))),
+            Limit::Most(limit) => write!(f, "at most {}", Shown(brief(*limit, f64::floor))),
             Limit::Within(least, most, unit) => {
-                write!(f, "within {} and {} {unit}", Shown(*least), Shown(*most))
+                let [least, most] = [brief(*least, f64::ceil), brief(*most, f64::floor)];
+                write!(f, "within {} and {} {unit}", Shown(least), Shown(most))
             }
             Limit::Absent => write!(f, "left out"),
         }?;
@@ -77,8 +78,20 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
+/// A limit in four digits, where it has more: rounded to the side on which what is written by it is admitted.
+fn brief(limit: f64, round: fn(f64) -> f64) -> f64 {
+    let whole: f64 = format!("{limit:.5e}").parse().unwrap_or(limit);
+    if whole == limit || !limit.is_finite() {
+        return limit;
+    }
+    // Powers of ten by their text: those are exact.
+    let exponent = limit.abs().log10().floor() as i32 - 3;
+    let digits = round(limit / 10f64.powi(exponent));
+    format!("{digits}e{exponent}").parse().unwrap_or(limit)
+}
+
 /// A number with a power of ten where it would have many zeros.
-struct Shown(f64);
+pub(super) struct Shown(pub f64);
 
 impl fmt::Display for Shown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -157,6 +170,37 @@ mod tests {
         assert!(within("rate", 1.0, (1.0, 2.0), "").is_ok() && within("rate", 2.0, (1.0, 2.0), "").is_ok());
         let fault = Fault::because("preload", f64::NAN, Limit::Absent, "there is no skin");
         assert_eq!(fault.to_string(), "`preload` is NaN, but must be left out: there is no skin");
+    }
+
+    /// Who writes what is told is admitted.
+    #[test]
+    fn limits_have_four_digits_and_hold() {
+        for limit in [
+            19.554_089_080_311_243,
+            2.960_555_555_5e-4,
+            3.331_900_01e-7,
+            555_555_555.555_5,
+            9.999_994e3,
+            -1.234_567_8,
+        ] {
+            for (of, word) in [
+                (Limit::Above as fn(f64) -> Limit, "above "),
+                (Limit::Least, "at least "),
+                (Limit::Below, "below "),
+                (Limit::Most, "at most "),
+            ] {
+                let told = Fault::because("x", f64::NAN, of(limit), "in V").to_string();
+                let number = told.split_once(word).unwrap().1.split_once(',').unwrap().0;
+                let number: f64 = number.parse().unwrap();
+                assert!(check("x", number, of(limit)).is_ok(), "{told}");
+                assert!((number / limit - 1.0).abs() < 1.1e-3, "{told}");
+            }
+        }
+        let told = |limit| Fault::because("x", 1.0, Limit::Above(limit), "in kg").to_string();
+        assert_eq!(told(0.000_296_055_555_555), "`x` is 1, but must be above 0.0002961: in kg");
+        // What needs no more is told as it is.
+        assert_eq!(told(0.001_5), "`x` is 1, but must be above 0.0015: in kg");
+        assert_eq!(told(123_456.0), "`x` is 1, but must be above 123456: in kg");
     }
 
     #[test]

@@ -109,7 +109,7 @@ impl Error {
         let (mut frames, rate) = (0, player.plan().device_rate);
         let performed = perform(&mut player, &loaded, until, &stop, terminal, |player, block| {
             frames += block.len() / player.plan().channels.max(1);
-            memory.check(frames as f64 / rate, player.recorded().len())
+            memory.check(frames as f64 / rate, player.recorded().len()).map(|()| true)
         })
         .map_err(|(failure, _)| failure)?;
         if let Some(code) = performed.stopped {

@@ -22,6 +22,8 @@ pub struct HeldBack {
     farthest: Option<f64>,
     /// Of a motor: engine samples in which its limit kept it from what was played, and orders that found no room.
     short: u64,
+    /// Of a motor: what of all the speed that levels asked for it could not do, as a share.
+    missed: f64,
     dropped: u64,
     /// Of a motor that turns one way: engine samples and orders that were for the other.
     backward: u64,
@@ -66,6 +68,7 @@ pub fn held_back(plan: &Plan, stage: &Stage) -> Vec<HeldBack> {
             warmest: heat.map(|_| counts.warmest),
             farthest: watched.and_then(|bounds| bounds.stroke).map(|_| counts.farthest),
             short: motor.limited,
+            missed: if motor.played > 0.0 { motor.missed / motor.played } else { 0.0 },
             dropped: motor.dropped,
             backward: motor.backward,
             unplayed: motor.unplayed,
@@ -110,9 +113,13 @@ pub fn text(all: &[HeldBack]) -> String {
         told.extend(one.warmest.map(|kelvins| format!("winding {kelvins:.0} K above the air")));
         told.extend(one.farthest.map(|metres| format!("moved {:.2} mm", 1e3 * metres)));
         if one.short > 0 {
+            let by = match (100.0 * one.missed).round() {
+                0.0 => String::new(),
+                percent => format!(": {percent} % of the speed was out of its reach"),
+            };
+            let samples = grouped(one.short);
             told.push(format!(
-                "the motor could not do all of what was played in {} engine samples",
-                grouped(one.short)
+                "the motor could not do all of what was played in {samples} engine samples{by}"
             ));
         }
         if one.dropped > 0 {
@@ -133,7 +140,7 @@ pub fn text(all: &[HeldBack]) -> String {
         if one.cut > 0 {
             let clicks = if one.cut == 1 { "click" } else { "clicks" };
             told.push(format!(
-                "{} {clicks} came before the coupling had room again, and turned the mass less far",
+                "{} {clicks} asked for more room than the coupling had, or had again yet, and turned the mass less far",
                 grouped(one.cut)
             ));
         }

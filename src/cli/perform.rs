@@ -44,6 +44,9 @@ const FIRST: usize = 16;
 /// How long a stretch may take before the next is shorter.
 const SLOW: Duration = Duration::from_millis(100);
 
+/// Seconds for which it goes on for what `sink` makes of it, at most.
+const PATIENCE: f64 = 10.0;
+
 /// Samples of a block, at most.
 const MOST: usize = 1 << 19;
 
@@ -149,7 +152,8 @@ fn foreseen(until: Until, loaded: &Loaded, player: &Player) -> Option<f64> {
     Some(last + tail)
 }
 
-/// Plays, hears the input, and gives each block of interleaved frames to `sink`, with the player behind it.
+/// Plays, hears the input, and gives each block of interleaved frames to `sink`, with the player behind it; that says whether it may end as far as `sink`
+/// goes.
 ///
 /// # Errors
 /// What `sink` says.
@@ -159,7 +163,7 @@ pub fn perform<E>(
     until: Until,
     stop: &Stop,
     terminal: &Terminal,
-    mut sink: impl FnMut(&Player, &[f32]) -> Result<(), E>,
+    mut sink: impl FnMut(&Player, &[f32]) -> Result<bool, E>,
 ) -> Result<Performed, (E, u64)> {
     let (channels, rate) = (player.plan().channels, player.plan().device_rate);
     let input = loaded.input.as_deref();
@@ -177,9 +181,13 @@ pub fn perform<E>(
         Until::Over(_) => None,
     };
     let (mut stopped, mut stretch) = (None, FIRST.min(block));
+    let (mut rests, mut over) = (true, None);
     loop {
         if let (None, Until::Over(tail), true) = (end, until, player.is_over()) {
-            end = Some(frames + (tail * rate).round() as u64);
+            let waited = (frames - *over.get_or_insert(frames)) as f64 / rate;
+            if rests || waited >= PATIENCE {
+                end = Some(frames + (tail * rate).round() as u64);
+            }
         }
         stopped = stopped.or_else(|| stop.asked());
         let left = end.map_or(stretch, |end| end.saturating_sub(frames).min(stretch as u64) as usize);
@@ -200,7 +208,7 @@ pub fn perform<E>(
             _ => stretch,
         };
         peaks.take(part);
-        sink(player, part).map_err(|error| (error, frames))?;
+        rests = sink(player, part).map_err(|error| (error, frames))?;
         frames += left as u64;
         progress.at(frames as f64 / rate);
         if player.trouble().is_some() {
@@ -263,7 +271,7 @@ mod tests {
             assert_eq!(until.expected(&player), None, "it is drawn");
             let foreseen = foreseen(until, &loaded, &player).unwrap();
             let terminal = Terminal { out: Paint(false), err: Paint(false), lively: false, pictured: false };
-            let sink = |_: &Player, _: &[f32]| Ok::<(), Infallible>(());
+            let sink = |_: &Player, _: &[f32]| Ok::<bool, Infallible>(true);
             let Ok(performed) = perform(&mut player, &loaded, until, &Stop::default(), &terminal, sink);
             let seconds = performed.frames as f64 / 48_000.0;
             // What rings, and the block in which it is noticed.

@@ -11,10 +11,10 @@ use super::paint::Paint;
 use super::patterns::{PatternReport, lines, patterns};
 use super::pushes::Push;
 use super::table::{Table, hertz, many};
-use pacinian::actuator::driver::coast::Coast;
-use pacinian::graph::plan::{Modulation, OutputKind, Plan, Precision};
+use pacinian::actuator::driver::coast::{Coast, STANDS};
+use pacinian::graph::plan::{OutputKind, Plan, Precision};
 use pacinian::player::Player;
-use pacinian::rig::{self, Peak};
+use pacinian::rig::{self, Bridge, Peak, Terminals};
 use serde::Serialize;
 
 pub use super::patterns::{is_endless, playing};
@@ -404,9 +404,6 @@ fn dc(loaded: &Loaded, output: &pacinian::graph::plan::Output) -> Option<bool> {
     loaded.rig.lets_dc(described).filter(|_| output.kind != OutputKind::Silent && !is_tone)
 }
 
-/// Share of its full speed below which a motor stands.
-const STANDS: f64 = 1e-4;
-
 /// How a motor is turned; `None` for what is none.
 fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Output) -> Option<MotorReport> {
     let plan = player.plan();
@@ -415,28 +412,28 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
     let described = loaded.rig.outputs.iter().find(|o| *o.name == *output.name)?;
     let rig::OutputKind::Drive(turning) = &described.kind else { return None };
     let home = plan.homes.iter().find(|(of, _)| plan.drives.get(*of) == Some(drive));
-    let switching = match drive.modulation {
-        Modulation::Bridge { switching, .. } => Some(switching),
-        Modulation::Straight | Modulation::Carrier(_) | Modulation::Coupled(_) => None,
+    let switching = match drive.terminals {
+        Terminals::Bridge(Bridge { switching, .. }) => Some(switching),
+        Terminals::Straight | Terminals::Carrier(_) | Terminals::Coupled(_) => None,
     };
-    let coupled = match &drive.modulation {
-        Modulation::Coupled(corners) => Some(Coupled::of(plan, drive, corners)),
-        Modulation::Straight | Modulation::Bridge { .. } | Modulation::Carrier(_) => None,
+    let coupled = match &drive.terminals {
+        Terminals::Coupled(corners) => Some(Coupled::of(plan, drive, corners)),
+        Terminals::Straight | Terminals::Bridge(_) | Terminals::Carrier(_) => None,
     };
-    let carrier = match drive.modulation {
-        Modulation::Carrier(carrier) => {
+    let carrier = match drive.terminals {
+        Terminals::Carrier(carrier) => {
             let parameters = &drive.setup.parameters;
             let full = drive.setup.full_speed();
             Some([carrier.hertz, Coast::new(parameters).seconds(full, STANDS * full)])
         }
-        Modulation::Straight | Modulation::Bridge { .. } | Modulation::Coupled(_) => None,
+        Terminals::Straight | Terminals::Bridge(_) | Terminals::Coupled(_) => None,
     };
-    let pushes = match &drive.modulation {
-        Modulation::Carrier(carrier) => {
+    let pushes = match &drive.terminals {
+        Terminals::Carrier(carrier) => {
             let amplifier = described.amplifier.as_ref().and_then(|name| loaded.rig.amplifier(name));
             Push::all(plan, drive, carrier, amplifier.and_then(|amplifier| amplifier.max_volts))
         }
-        Modulation::Straight | Modulation::Bridge { .. } | Modulation::Coupled(_) => Vec::new(),
+        Terminals::Straight | Terminals::Bridge(_) | Terminals::Coupled(_) => Vec::new(),
     };
     // What is wanted in one period is given in the next.
     let switched = switching.map_or(0.0, |switching| 1.0 / switching.hertz(plan.device_rate));
@@ -462,7 +459,7 @@ fn protected(plan: &Plan, output: &pacinian::graph::plan::Output) -> Vec<&'stati
         plan.drives.iter().find(|drive| drive.channel == output.channel).and_then(|drive| drive.bears);
     let bears = bears.unwrap_or_default();
     let all = [
-        (bounds.peak.is_some(), "voltage"),
+        (bounds.peak.is_some() || bounds.range.is_some(), "voltage"),
         (bounds.slew.is_some(), "slew"),
         (bounds.rms.is_some() || bears.rms.is_some(), "power"),
         (bounds.heat.is_some() || bears.heat.is_some(), "heat"),

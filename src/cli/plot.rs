@@ -66,7 +66,7 @@ impl Plot {
         let stop = Stop::listen()?;
         let performed = perform(&mut player, &loaded, until, &stop, terminal, |_, block| {
             canvas.push(block);
-            Ok::<(), Failure>(())
+            Ok::<bool, Failure>(true)
         })
         .map_err(|(failure, _)| failure)?;
         let mut style = style(&loaded);

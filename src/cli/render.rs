@@ -197,15 +197,21 @@ impl Wav<'_> {
         let performed = perform(&mut player, loaded, until, &stop, terminal, |_, block| {
             also(block);
             writer.write(block)?;
-            if let Some(felt) = &mut felt {
-                felt.write(block)?;
-            }
-            let Some(log) = &log else { return Ok(()) };
+            let rests = match &mut felt {
+                Some(felt) => felt.write(block)?,
+                None => true,
+            };
+            let Some(log) = &log else { return Ok(rests) };
             // As often as the WAV file, so that the log of one that is killed goes as far.
             let now = writer.frames() / (REFRESH * u64::from(rate));
-            if std::mem::replace(&mut refreshed, now) == now { log.get().check() } else { log.get().flush() }
+            if std::mem::replace(&mut refreshed, now) == now {
+                log.get().check()
+            } else {
+                log.get().flush()
+            }?;
+            Ok(rests)
         });
-        let performed = performed.map_err(|(error, frames)| {
+        let performed = performed.map_err(|(error, frames): (FileError, u64)| {
             let mut failure = Failure::from(error);
             if frames > 0 {
                 let seconds = frames as f64 / f64::from(rate);

@@ -75,7 +75,7 @@ impl Felt {
             between: between.map(|converter| (Box::new(converter), 0)),
             lines: Lines::of(rig, output),
             mover,
-            meter: Meter::default(),
+            meter: Meter::new(rate),
             moved: false,
             masked: 0,
             drives: Vec::with_capacity(BLOCK * parts as usize),
@@ -126,9 +126,15 @@ impl Felt {
         let link = self.link.counts();
         let counts =
             Counts { clipped: link.clipped, limited: link.limited, masked: link.masked + self.masked };
-        let mut figures = Figures { peak, peak_at, rms, counts, ..Figures::default() };
+        let last = self.meter.last();
+        let mut figures = Figures { peak, peak_at, rms, last, counts, ..Figures::default() };
         self.mover.fill_in(&mut figures, self.stroke);
         figures
+    }
+
+    /// Whether what is felt is no more than that share of what was felt at most.
+    pub(super) fn rests(&self, share: f64) -> bool {
+        self.meter.last() <= share * self.meter.read(self.rate)[0]
     }
 
     /// How many traces it has.

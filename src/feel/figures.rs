@@ -16,6 +16,8 @@ pub struct Figures {
     pub of_stroke: Option<f64>,
     /// The fastest that a rumble motor turned at the end of a frame, either way, rad/s.
     pub fastest: Option<f64>,
+    /// What is felt at the end, in the unit of its traces: the largest magnitude of the last 50 to 100 ms, a crest of anything above 10 Hz.
+    pub last: f64,
     /// Drawn from the amplifier, less what came back, J; `None` where the resistance of the winding is not known.
     pub energy: Option<f64>,
     /// The warmest that the winding became, K above the air; `None` where its cooling is not known. The resistance in the model stays the cold
@@ -43,15 +45,32 @@ pub(super) struct Meter {
     peak: f64,
     peak_frame: u64,
     squares: f64,
+    /// The largest squares of this window and of the one before, the frames of a window, and those of this one so far.
+    windows: [f64; 2],
+    window: u64,
+    passed: u64,
 }
 
+/// Seconds of a window, at least half a period of what is felt.
+const WINDOW: f64 = 0.05;
+
 impl Meter {
+    /// At so many frames a second.
+    pub fn new(rate: f64) -> Self {
+        Self { window: (WINDOW * rate) as u64, ..Self::default() }
+    }
+
     /// The square of a magnitude, a frame.
     #[inline]
     pub fn take(&mut self, square: f64) {
         if square > self.peak {
             (self.peak, self.peak_frame) = (square, self.frames);
         }
+        if self.passed >= self.window {
+            (self.windows, self.passed) = ([0.0, self.windows[0]], 0);
+        }
+        self.windows[0] = self.windows[0].max(square);
+        self.passed += 1;
         self.squares += square;
         self.frames += 1;
     }
@@ -59,6 +78,11 @@ impl Meter {
     /// So many frames of nothing.
     pub fn rest(&mut self, frames: u64) {
         self.frames += frames;
+    }
+
+    /// What is felt now.
+    pub fn last(&self) -> f64 {
+        self.windows[0].max(self.windows[1]).sqrt()
     }
 
     /// Peak, its time (s) and root mean square.
@@ -83,5 +107,21 @@ mod tests {
         meter.rest(10);
         meter.take(100.0);
         assert_eq!(meter.read(100.0), [10.0, 0.15, (175.0_f64 / 16.0).sqrt()]);
+    }
+
+    #[test]
+    fn what_is_felt_now_is_the_crest_of_the_last_windows() {
+        // Windows of 50 frames: a crest counts for 50 to 100 of them.
+        for at in 0..50 {
+            let mut meter = Meter::new(1000.0);
+            (0..at).for_each(|_| meter.take(1.0));
+            meter.take(9.0);
+            let gone = (0..200).position(|_| {
+                meter.take(1.0);
+                meter.last() < 3.0
+            });
+            assert!(gone.is_some_and(|frames| (49..100).contains(&frames)), "{at} {gone:?}");
+            assert_eq!(meter.last(), 1.0);
+        }
     }
 }

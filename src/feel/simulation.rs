@@ -118,6 +118,11 @@ impl Feel {
         self.late
     }
 
+    /// Whether on each output what is felt is no more than that share of what was felt there at most.
+    pub fn rests(&self, share: f64) -> bool {
+        self.felt.iter().all(|felt| felt.rests(share))
+    }
+
     /// Takes interleaved frames, and leaves in `felt` what they make felt, in place of what was there: a frame for each that is whole, in order, none of them
     /// shifted. The last [`Feel::late`] wait for what follows them, and what is left of a frame waits for the next call.
     pub fn process(&mut self, frames: &[f32], felt: &mut Vec<f32>) {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::arrival;
 use super::command::Command;
-use super::plan::{Clicks, Drive, Instrument, LeftOut, Modulation, Why};
+use super::plan::{Clicks, Drive, Instrument, LeftOut, Why};
 use super::program::Op;
 use crate::actuator::driver::book::Book;
 use crate::actuator::driver::homing::Homing;
@@ -36,8 +36,7 @@ pub fn drives(rig: &Rig, [rate, device_rate]: [f64; 2], problems: &mut Vec<Probl
     for output in &rig.outputs {
         match rig.wiring(output) {
             Some(Ok(wiring)) => {
-                let modulation = modulation(wiring.terminals);
-                if let Modulation::Carrier(carrier) = modulation
+                if let Terminals::Carrier(carrier) = wiring.terminals
                     && carrier.hertz > HIGHEST * device_rate
                 {
                     let problem = too_high(output, carrier.hertz, device_rate);
@@ -48,7 +47,7 @@ pub fn drives(rig: &Rig, [rate, device_rate]: [f64; 2], problems: &mut Vec<Probl
                     channel: output.channel.saturating_sub(1),
                     setup: wiring.setup(rate),
                     per_sample: wiring.per_sample,
-                    modulation,
+                    terminals: wiring.terminals,
                     bears: bears(rig, output, problems),
                 });
             }
@@ -72,17 +71,6 @@ fn cannot_keep(output: &Output, fault: &Fault) -> Problem {
         "what the actuator of output `{}` bears cannot be kept to: {fault}",
         output.name
     ))
-}
-
-fn modulation(terminals: Terminals) -> Modulation {
-    match terminals {
-        Terminals::Straight => Modulation::Straight,
-        Terminals::Bridge(bridge) => {
-            Modulation::Bridge { switching: bridge.switching, direction: bridge.direction }
-        }
-        Terminals::Carrier(carrier) => Modulation::Carrier(carrier),
-        Terminals::Coupled(corners) => Modulation::Coupled(corners),
-    }
 }
 
 /// What the actuators of a rig bear, at a device's rate.
@@ -157,7 +145,7 @@ pub fn homes(
             _ if drive.setup.shaping == Shaping::Clicks => {
                 Err("it is there for clicks alone: shaping = \"clicks\"".into())
             }
-            _ if matches!(drive.modulation, Modulation::Bridge { .. }) => {
+            _ if matches!(drive.terminals, Terminals::Bridge(_)) => {
                 Err("the pulses of a bridge shake loose what gravity caught".into())
             }
             Some((_, home)) => Ok(*home),
@@ -233,9 +221,14 @@ pub fn clicks(
                         let what = format!(
                             "voice `{voice}` orders a click of {turns} turns, which the motor of `{name}` cannot make: {why}"
                         );
-                        let help = match drive.setup.one_way && turns < 0.0 {
-                            true => "behind a rectifier every click goes forward: give it `turns` above 0",
-                            false => "give the motor more volts, or order another click",
+                        let help = match why {
+                            _ if drive.setup.one_way && turns < 0.0 => {
+                                "behind a rectifier every click goes forward: give it `turns` above 0"
+                            }
+                            Unreachable::Fault(_) => {
+                                "give its node `drive-click` other `turns`: a click takes some"
+                            }
+                            _ => "give the motor more volts, or order another click",
                         }
                         .to_string();
                         problems.push(Problem::of_file(what).help(help));
@@ -251,7 +244,7 @@ pub fn clicks(
 
 /// The clicks of a motor, and how far the strongest turns its mass. Behind coupling the strongest is one that can be made up for.
 fn worked_out(drive: &Drive, turns: f64, rate: f64, most: f64) -> Result<(Book, f64), Unreachable> {
-    let Modulation::Coupled(corners) = drive.modulation else {
+    let Terminals::Coupled(corners) = drive.terminals else {
         return Ok((Book::new(&drive.setup, turns)?, turns));
     };
     // A click that begins between two samples needs the room of one more.

@@ -3,6 +3,7 @@
 use std::collections::{BTreeSet, HashSet};
 
 use super::plan::{LeftOut, Why};
+use crate::actuator::protect::bounds::Bounds;
 use crate::patch::{Action, Events, Patch, Place};
 use crate::rig::{self, Finder, Rig};
 
@@ -20,13 +21,31 @@ pub fn not_yet(rig: &Rig) -> Vec<LeftOut> {
     }
     for actuator in &rig.actuators {
         let hangs = |output: &&rig::Output| output.actuator.as_deref() == Some(actuator.name.as_str());
-        let turns = |output: &rig::Output| matches!(rig.wiring(output), Some(Ok(_)));
-        let acts = |output: &rig::Output| turns(output) || rig.bounds(output).is_some();
-        let acts = rig.outputs.iter().filter(hangs).any(acts);
-        let evened = rig.outputs.iter().filter(hangs).any(|output| matches!(rig.evened(output), Some(Ok(_))));
-        let moves = evened || acts && actuator.coil().is_ok();
-        for (known, key) in [(moves, "resonance"), (moves, "q"), (acts, "rated_volts")] {
-            say(actuator.value(key).is_some() && !known, format!("`{key}` of actuator `{}`", actuator.name));
+        let hanging: Vec<&rig::Output> = rig.outputs.iter().filter(hangs).collect();
+        let any = |is: &dyn Fn(&rig::Output) -> bool| hanging.iter().any(|output| is(output));
+        let kept = |is: &dyn Fn(&Bounds) -> bool| any(&|output| rig.bounds(output).as_ref().is_some_and(is));
+        let turns = any(&|output| matches!(rig.wiring(output), Some(Ok(_))));
+        let evened = any(&|output| matches!(rig.evened(output), Some(Ok(_))));
+        let acts = turns || kept(&|_| true);
+        let coil = acts && actuator.coil().is_ok();
+        let moves = evened || coil;
+        let heats = kept(&|bounds| bounds.heat.is_some())
+            || any(&|output| rig.bears(output).is_some_and(|bears| bears.heat.is_some()));
+        // Where nothing is known that would be kept to, the first three say so.
+        let charges = actuator.model == rig::Model::Piezo && kept(&|bounds| bounds.slew.is_some());
+        for (known, key) in [
+            (moves, "resonance"),
+            (moves, "q"),
+            (acts, "rated_volts"),
+            (!acts || coil || turns || charges, "max_amperes"),
+            (!acts || coil, "max_rms_amperes"),
+            (!acts || kept(&|bounds| bounds.slew.is_some()), "max_slew"),
+            (!acts || heats, "max_heating"),
+            (!acts || kept(&|bounds| bounds.stroke.is_some()), "stroke"),
+        ] {
+            let without = if key == "max_heating" { without(actuator) } else { String::new() };
+            let what = format!("`{key}` of actuator `{}`{without}", actuator.name);
+            say(actuator.value(key).is_some() && !known, what);
         }
     }
     for output in rig.outputs.iter().filter(|o| o.kind == rig::OutputKind::Raw) {
@@ -39,6 +58,14 @@ pub fn not_yet(rig: &Rig) -> Vec<LeftOut> {
         }
     }
     list
+}
+
+/// The figures that its heat is not known without.
+fn without(actuator: &rig::Actuator) -> String {
+    let needed = ["resistance", "winding_to_housing", "housing_to_air", "winding_time", "housing_time"];
+    let lacking: Vec<String> =
+        needed.iter().filter(|key| actuator.value(key).is_none()).map(|key| format!("`{key}`")).collect();
+    if lacking.is_empty() { String::new() } else { format!(" without {}", lacking.join(", ")) }
 }
 
 /// Outputs told one by one, at most.
@@ -166,6 +193,38 @@ play = "p"
             "`equaliser` of raw output `c`",
         ];
         assert_eq!(told, wanted);
+    }
+
+    /// A limit that cannot be kept to for want of other figures, or by what turns the motor.
+    #[test]
+    fn limits_that_nothing_keeps_to_are_told() {
+        let told = |amplifier: &str, actuator: &str, output: &str| -> Vec<String> {
+            let rig = format!(
+                "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\nfull_scale_volts = 5\ncoupling = \"dc\"\n\
+                 [amplifier.a]\n{amplifier}\n[actuator.x]\n{actuator}\n{output}\nname = \"o\"\nchannel = 1\nactuator = \"x\"\namplifier = \"a\"\n"
+            );
+            let rig = Rig::parse("r.toml", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+            let told = not_yet(&rig).into_iter().map(|left| left.what);
+            told.map(|what| what.replace("` of actuator `x`", "").replacen('`', "", 1)).collect()
+        };
+        let heating =
+            "max_heating without `winding_to_housing`, `housing_to_air`, `winding_time`, `housing_time`";
+        let volts = "gain = 1\ncoupling = \"dc\"";
+        let (drive, tactor) = ("[[output]]\nkind = \"drive\"", "[[tactor]]");
+        let bridge = "drive = \"bridge\"\nmax_volts = 5";
+        let both = "max_heating = 60\nmax_slew = 1e4\nmax_amperes = 0.1\nmax_rms_amperes = 0.05";
+        let coin = format!("part = \"coin-10mm\"\n{both}");
+        assert_eq!(told(volts, &coin, drive), ["max_rms_amperes", heating]);
+        let line = format!("{drive}\ndirection = 2");
+        assert_eq!(told(bridge, &coin, &line), ["max_rms_amperes", "max_slew", heating]);
+        let whole = "winding_to_housing = 100\nhousing_to_air = 50\nwinding_time = 5\nhousing_time = 100";
+        assert_eq!(told(bridge, &format!("{coin}\n{whole}"), &line), ["max_rms_amperes", "max_slew"]);
+        let coil = format!("part = \"eai-c-mf\"\n{}", both.replace("0.05", "0.04"));
+        assert_eq!(told(volts, &coil, tactor), [heating]);
+        assert_eq!(
+            told(volts, &format!("model = \"voice-coil\"\nrated_volts = 1\n{both}"), tactor),
+            ["max_amperes", "max_rms_amperes", &heating.replace("without ", "without `resistance`, ")]
+        );
     }
 
     #[test]

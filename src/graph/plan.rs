@@ -12,6 +12,7 @@ use crate::node::motion::Motion;
 use crate::patch::Pitch;
 use crate::patch::knob::Reading;
 use crate::perception::gauge::Gauge;
+use crate::rig::Terminals;
 use crate::space::law::Law;
 use crate::space::path::Route;
 use crate::space::spot::{Spot, Spread};
@@ -19,9 +20,6 @@ use crate::space::spot::{Spot, Spread};
 use crate::actuator::driver::book::Book;
 use crate::actuator::driver::homing::Homing;
 use crate::actuator::driver::setup::Setup;
-use crate::actuator::link::carrier::Carrier;
-use crate::actuator::link::coupling::Corners;
-use crate::actuator::link::pwm::Switching;
 use crate::actuator::protect::bounds::Bounds;
 use crate::actuator::protect::budget::Bears;
 
@@ -284,27 +282,9 @@ pub struct Drive {
     /// before a rectifier the peak of a carrier.
     pub per_sample: f64,
     /// What becomes of what is sent.
-    pub modulation: Modulation,
+    pub terminals: Terminals,
     /// What the motor bears for long, where what is sent is no voltage at its terminals: that is kept to by what turns it.
     pub bears: Option<Bears>,
-}
-
-/// What becomes of the volts or amperes that are sent to a motor.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Modulation {
-    /// Samples of that size.
-    Straight,
-    /// Pulses of a bridge as wide as that.
-    Bridge {
-        /// How it is switched.
-        switching: Switching,
-        /// The channel, from 0, of the line that says which way.
-        direction: u32,
-    },
-    /// A carrier as large as it takes behind a rectifier.
-    Carrier(Carrier),
-    /// Samples of that size behind these corners, made up for what those take.
-    Coupled(Corners),
 }
 
 /// Clicks of a motor.

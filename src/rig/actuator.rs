@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::contradiction;
 use super::even::{self, Even};
 use super::part::{self, Part};
 use super::quantity::{self, MODELS};
@@ -239,6 +240,7 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Actuator {
         }
         values.extend(reader.number(field.key).map(|value| (field.key, value)));
     }
+    contradiction::tell(reader, &values);
     let mut actuator = Actuator {
         name: name.into(),
         model,

@@ -19,6 +19,8 @@ pub struct Amplifier {
     pub drive: Drive,
     /// Most it can give, amperes; `None`: unknown.
     pub max_amperes: Option<f64>,
+    /// What it gives beside that, volts, whatever comes in: for piezos.
+    pub bias: f64,
     /// What it lets through; `None`: unknown.
     pub coupling: Option<Coupling>,
     /// Where it stands.
@@ -90,7 +92,18 @@ pub static TABLE: Table = Table {
             "V",
             "Of a carrier: what the diodes in the path take together; required there. A silicon diode takes 0.7 V, a Schottky diode 0.3 V.",
         ),
-        Field::new("max_amperes", Form::any_number(1e-6, 1e3), "A", "The most it can give."),
+        Field::new(
+            "max_amperes",
+            Form::any_number(1e-6, 1e3),
+            "A",
+            "The most it can give. A motor at a voltage gets no more than that leaves for its brake from full speed.",
+        ),
+        Field::new(
+            "bias",
+            Form::number(0.0, -1e4, 1e4),
+            "V",
+            "What it gives beside that, whatever comes in. Amplifiers for piezos have one that give no voltage below 0; nothing else bears it.",
+        ),
         Field::new(
             "coupling",
             Form::Defined("coupling"),
@@ -152,6 +165,7 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Amplifier {
         max_volts: reader.number("max_volts"),
         drive,
         max_amperes: reader.number("max_amperes"),
+        bias: reader.number_or_default("bias"),
         coupling: read_coupling(reader),
         span: reader.span.clone(),
     }

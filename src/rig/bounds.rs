@@ -27,6 +27,7 @@ impl Rig {
                     Err(_) => Bounds { peak: limits.volts, ..Bounds::default() },
                 }
             }
+            (None, Model::Piezo) => Bounds { range: self.range(output, actuator), ..Bounds::default() },
             _ => Bounds { peak: limits.volts, ..Bounds::default() },
         };
         // What makes up for coupling leaves larger than it arrives; a drive keeps by itself to what its motor bears.
@@ -34,7 +35,7 @@ impl Rig {
             bounds.peak = None;
         }
         bounds.full_scale = Some(full_scale);
-        bounds.slew = actuator.value("max_slew");
+        bounds.slew = least(actuator.value("max_slew"), self.charging(output, actuator));
         if let Some(most) = actuator.value("max_rms_volts") {
             bounds.rms = Some(Rms { most, unit: Unit::Volts, seconds: LONG });
         }
@@ -45,6 +46,21 @@ impl Rig {
         let nothing =
             Bounds { full_scale: bounds.full_scale, actuator: bounds.actuator, ..Bounds::default() };
         (bounds != nothing).then_some(bounds)
+    }
+
+    /// Between which volts, in terms of what leaves the device, a piezo stays between those that it bears.
+    fn range(&self, output: &Output, piezo: &Actuator) -> Option<[f64; 2]> {
+        let amplifier = output.amplifier.as_ref().and_then(|name| self.amplifier(name));
+        let (bias, gain) = amplifier.map_or((0.0, 1.0), |amplifier| (amplifier.bias, amplifier.gain));
+        let [low, high] = piezo.range()?.map(|volts| volts - bias);
+        Some(if gain < 0.0 { [-high, -low] } else { [low, high] })
+    }
+
+    /// How fast a current charges a piezo, V/s: that which the amplifier gives, or the element bears.
+    fn charging(&self, output: &Output, actuator: &Actuator) -> Option<f64> {
+        let gives = output.amplifier.as_ref().and_then(|name| self.amplifier(name)?.max_amperes);
+        let farads = actuator.value("capacitance").filter(|_| actuator.model == Model::Piezo)?;
+        Some(least(gives, actuator.value("max_amperes"))? / farads)
     }
 
     /// What the motor of a drive bears for long, where what leaves the device is no voltage at its terminals: behind a bridge or a rectifier, or at a
@@ -59,7 +75,18 @@ impl Rig {
     }
 }
 
+fn least(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    a.into_iter().chain(b).reduce(f64::min)
+}
+
 impl Actuator {
+    /// Between which volts a piezo stays: as far below 0 as above, where `min_volts` is not known. `None` where neither is.
+    pub(super) fn range(&self) -> Option<[f64; 2]> {
+        let [low, high] = [self.value("min_volts"), self.most_volts()];
+        let most = high.unwrap_or(f64::INFINITY);
+        (low.is_some() || high.is_some()).then(|| [low.unwrap_or(-most), most])
+    }
+
     /// How it sheds its heat, where that is known.
     pub fn cooling(&self) -> Option<Cooling> {
         Some(Cooling {
@@ -71,5 +98,35 @@ impl Actuator {
             housing_time: self.value("housing_time")?,
             most: self.value("max_heating")?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::rig::Rig;
+
+    /// What a piezo bears, less what its amplifier gives at rest, the other way round where that turns it; and how fast a current charges it.
+    #[test]
+    fn a_piezo_keeps_to_its_range_and_to_what_charges_it() {
+        let of = |amplifier: &str, piezo: &str| {
+            let rig = format!(
+                "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\nfull_scale_volts = 2\n[amplifier.a]\n{amplifier}\n\
+                 [actuator.x]\nmodel = \"piezo\"\n{piezo}\n[[tactor]]\nname = \"t\"\nchannel = 1\nactuator = \"x\"\namplifier = \"a\"\n"
+            );
+            let rig = Rig::parse("r.toml", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+            rig.bounds(&rig.outputs[0]).unwrap()
+        };
+        let whole = "max_volts = 120\nmin_volts = -20\ncapacitance = 1e-6";
+        assert_eq!(of("gain = 60", whole).range, Some([-20.0, 120.0]));
+        assert_eq!(of("gain = 60\nbias = 50", whole).range, Some([-70.0, 70.0]));
+        assert_eq!(of("gain = -60\nbias = 40", whole).range, Some([-80.0, 60.0]));
+        assert_eq!(of("gain = 60", "rated_volts = 30").range, Some([-30.0, 30.0]));
+        assert_eq!(of("gain = 60", "min_volts = -5").range, Some([-5.0, f64::INFINITY]));
+        // 10 mA charge 1 uF by 10 kV a second.
+        assert_eq!(of("gain = 60\nmax_amperes = 0.01", whole).slew, Some(1e4));
+        let both = format!("{whole}\nmax_amperes = 0.005\nmax_slew = 4e3");
+        assert_eq!(of("gain = 60\nmax_amperes = 0.01", &both).slew, Some(4e3));
+        assert_eq!(of("gain = 60", whole).slew, None);
+        assert_eq!((of("gain = 60", whole).peak, of("gain = 60", whole).full_scale), (None, Some(120.0)));
     }
 }

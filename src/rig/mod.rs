@@ -4,7 +4,9 @@ pub(crate) mod actuator;
 mod amplifier;
 mod bounds;
 pub(crate) mod calibration;
+mod check;
 mod coil;
+mod contradiction;
 pub(crate) mod device;
 mod even;
 mod finder;
@@ -38,14 +40,10 @@ pub use terminals::{Bridge, Terminals};
 /// The most channels a device may have.
 pub use crate::patch::place::MAX_CHANNELS;
 
-use std::collections::{HashMap, HashSet};
-
 use crate::text::document;
 use crate::text::field::{Field, Form, Table};
-use crate::text::nearest::suggest;
 use crate::text::reader::Reader;
-use crate::text::sink::Sink;
-use crate::text::{Checked, Problem, Problems};
+use crate::text::{Checked, Problems};
 
 /// A rig.
 #[derive(Debug, Clone, PartialEq)]
@@ -151,19 +149,6 @@ impl Rig {
         }
     }
 
-    /// That no body is so large, where positions were written in millimetres, say: once for the whole rig.
-    fn too_large(&self) -> Option<Problem> {
-        let far = |o: &Output| o.position.and_then(|p| p.into_iter().find(|x| x.abs() > BODY));
-        let (output, x) = self.outputs.iter().find_map(|o| Some((o, far(o)?)))?;
-        let what = format!(
-            "output `{}` has {x} in its position: positions are metres, so that is {} m away",
-            output.name,
-            x.abs()
-        );
-        let help = format!("if {x} is millimetres, write {}", x / 1000.0);
-        Some(Problem::warning(&output.span, what).help(help))
-    }
-
     /// The actuator of that name.
     pub fn actuator(&self, name: &str) -> Option<&Actuator> {
         self.actuators.iter().find(|a| a.name == name)
@@ -183,129 +168,6 @@ impl Rig {
     pub fn lets_dc(&self, output: &Output) -> Option<bool> {
         let coupled = self.device.coupling == Some(Coupling::Dc);
         coupled.then(|| output.kind != OutputKind::Vibration || output.dc)
-    }
-
-    /// That a card with capacitors lets nothing steady through, whatever is said of an output.
-    fn contradiction(&self) -> Option<Problem> {
-        let Some(Coupling::HighPass(corner)) = self.device.coupling else { return None };
-        let output = self.outputs.iter().find(|output| output.dc)?;
-        let what = format!(
-            "output `{}` has dc = true, but the device lets nothing steady through: its coupling is a high-pass at {corner} Hz",
-            output.name
-        );
-        let help =
-            "leave `dc` out, or say coupling = \"dc\" if the device lets steady voltages through".to_string();
-        Some(Problem::warning(&output.span, what).help(help))
-    }
-
-    /// Amplifiers that make of full scale what none does.
-    fn out_of_scale(&self) -> impl Iterator<Item = Problem> {
-        let device = self.device.full_scale_volts;
-        let told = move |amplifier: &Amplifier| {
-            let amount = (device? * amplifier.gain).abs();
-            if amplifier.drive == Drive::Current || amount == 0.0 || (SCALE[0]..=SCALE[1]).contains(&amount) {
-                return None;
-            }
-            let what = format!(
-                "amplifier `{}` makes {amount:.1e} V of `full_scale_volts`, but must make within {:.0e} and {:.0e} V of it",
-                amplifier.name, SCALE[0], SCALE[1]
-            );
-            let help = "`gain` is its output over its input: 10 for 20 dB".to_string();
-            Some(Problem::error(&amplifier.span, what).help(help))
-        };
-        self.amplifiers.iter().filter_map(told).take(Sink::MOST)
-    }
-
-    /// What is wrong with it as a whole: channels that the device lacks or that are taken twice, names that nothing has.
-    pub fn check(&self) -> Vec<Problem> {
-        self.checked(false)
-    }
-
-    fn checked(&self, is_draft: bool) -> Vec<Problem> {
-        let mut problems = Vec::new();
-        if self.device.channels == 0 || self.device.channels > MAX_CHANNELS {
-            let what = format!(
-                "the device has {} channels; it may have from 1 to {MAX_CHANNELS}",
-                self.device.channels
-            );
-            problems.push(Problem::of_file(what));
-        }
-        problems.extend(self.too_large());
-        problems.extend(self.contradiction());
-        problems.extend(self.rectified());
-        problems.extend(self.out_of_scale());
-        problems.extend(self.check_groups());
-        problems.extend(self.torque_way());
-        let told = |output: &&Output| !(is_draft && self.is_unfinished(output));
-        let wired = self.outputs.iter().filter(told).filter_map(|output| self.wiring(output)?.err());
-        problems.extend(wired.take(Sink::MOST));
-        let measured = self.outputs.iter().filter_map(|output| self.calibrated(output));
-        problems.extend(measured.take(Sink::MOST));
-        let (mut names, mut channels) = (HashMap::new(), HashMap::new());
-        let actuators: HashSet<&str> = self.actuators.iter().map(|a| a.name.as_str()).collect();
-        let amplifiers: HashSet<&str> = self.amplifiers.iter().map(|a| a.name.as_str()).collect();
-        for output in &self.outputs {
-            if problems.len() >= Sink::MOST {
-                break;
-            }
-            let name = output.name.as_str();
-            if !name.is_empty() && names.insert(name, ()).is_some() {
-                let help = "every output has its own name".to_string();
-                problems.push(
-                    Problem::error(&output.span, format!("there are two outputs called `{name}`")).help(help),
-                );
-            }
-            // 0 stands for a channel that cannot be read, which has been said.
-            if output.channel > self.device.channels {
-                let what = format!(
-                    "output `{name}` is on channel {}, the device has {}",
-                    output.channel, self.device.channels
-                );
-                let help =
-                    "channels count from 1; `channels` of the device says how many there are".to_string();
-                problems.push(Problem::error(&output.channel_span, what).help(help));
-            } else if let OutputKind::Drive(Turning { direction: Some(line), .. }) = output.kind
-                && line > self.device.channels
-            {
-                let what = format!(
-                    "output `{name}` has its direction on channel {line}, the device has {}",
-                    self.device.channels
-                );
-                problems.push(Problem::error(&output.span, what));
-            } else if output.channel > 0
-                && let Some(other) = channels.insert(output.channel, name)
-            {
-                let what = format!("outputs `{other}` and `{name}` are both on channel {}", output.channel);
-                problems.push(Problem::error(&output.channel_span, what));
-            } else if output.channel == 0 && output.span.is_empty() {
-                problems.push(Problem::error(
-                    &output.span,
-                    format!("output `{name}` is on channel 0; channels count from 1"),
-                ));
-            }
-            if let OutputKind::Drive(Turning { direction: Some(line), .. }) = output.kind
-                && line <= self.device.channels
-                && let Some(other) = channels.insert(line, name)
-            {
-                let what =
-                    format!("output `{name}` has its direction on channel {line}, on which is `{other}`");
-                problems.push(Problem::error(&output.span, what));
-            }
-            if let Some(wanted) = output.actuator.as_deref().filter(|n| !actuators.contains(n)) {
-                let what = format!("output `{name}` has an actuator `{wanted}`, which is not there");
-                problems
-                    .push(Problem::error(&output.span, what).help(missing(wanted, "actuator", &actuators)));
-            }
-            if let Some(wanted) = output.amplifier.as_deref().filter(|n| !amplifiers.contains(n)) {
-                let what = format!("output `{name}` has an amplifier `{wanted}`, which is not there");
-                problems.push(Problem::error(&output.span, what).help(missing(
-                    wanted,
-                    "amplifier",
-                    &amplifiers,
-                )));
-            }
-        }
-        problems
     }
 
     fn read(reader: &Reader) -> Self {
@@ -334,38 +196,6 @@ impl Rig {
     }
 }
 
-/// What an amplifier makes of full scale, V.
-const SCALE: [f64; 2] = [1e-6, 1e6];
-
-/// Metres from the origin within which all of a body lies.
-const BODY: f64 = 3.0;
-
 fn line(channels: u32) -> Vec<Output> {
     (1..=channels).map(|n| Output::tactor(&format!("t{n}"), n, [0.04 * f64::from(n - 1), 0.0, 0.0])).collect()
-}
-
-fn missing(word: &str, kind: &str, names: &HashSet<&str>) -> String {
-    suggest(word, names.iter().copied()).unwrap_or_else(|| format!("describe it under [{kind}.{word}]"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Rig;
-
-    #[test]
-    fn an_amplifier_out_of_scale_is_told_where_it_stands() {
-        let of = |volts: f64, gain: f64, drive: &str| {
-            let rig = format!(
-                "format = \"pacinian-rig/1\"\ntitle = \"T\"\n[device]\nchannels = 1\nfull_scale_volts = {volts:?}\n[amplifier.big]\n\
-                 gain = {gain:?}\n{drive}\n[[tactor]]\nname = \"a\"\nchannel = 1\namplifier = \"big\"\n"
-            );
-            Rig::parse("r.toml", rig.as_bytes()).map(|_| ()).map_err(|problems| problems.to_string())
-        };
-        for (volts, gain) in [(1000.0, 1001.0), (1000.0, -1001.0), (1e-3, 0.9e-3)] {
-            let told = of(volts, gain, "").unwrap_err();
-            assert!(told.starts_with("r.toml:6") && told.contains("amplifier `big` makes"), "{told}");
-        }
-        assert_eq!(of(1000.0, -1000.0, ""), Ok(()));
-        assert_eq!(of(1000.0, 1001.0, "drive = \"current\""), Ok(()));
-    }
 }

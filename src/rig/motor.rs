@@ -43,6 +43,12 @@ impl Actuator {
         let parameters = if from_outside {
             let gain = 1.0 / get("speed_per_volt")?;
             let running = or("running_volts", 0.0);
+            let starts = or("start_volts", running);
+            if starts < running {
+                let because = "in V: what starts it is no less than what friction takes of it while it turns, `running_volts`";
+                let fault = Fault::because("start_volts", starts, Limit::Least(running), because);
+                return Err(Lack::Fault(fault));
+            }
             let mass = or("mass", 1.0);
             Parameters {
                 resistance: 1.0,
@@ -51,7 +57,7 @@ impl Actuator {
                 inertia: get("time_constant")? * gain * gain,
                 viscous: 0.0,
                 coulomb: running * gain,
-                stiction: or("start_volts", running) * gain,
+                stiction: starts * gain,
                 eccentric: get("eccentric_per_mass")? * mass,
                 gravity: 0.0,
                 casing: Casing::Suspended { mass, across: FREE, upright: FREE },
@@ -76,25 +82,23 @@ impl Actuator {
         parameters.check().map_err(Lack::Fault)?;
         if parameters.mechanical_time() < QUICKEST {
             let fault = if from_outside {
-                let because = "s: no motor is at its speed sooner";
+                let because = "in s: no motor is at its speed sooner";
                 Fault::because("time_constant", parameters.mechanical_time(), Limit::Least(QUICKEST), because)
             } else {
-                let because = "kg m2, or it would be at its speed within 0.1 ms, as no motor is; or `torque_constant`, in N m/A, is too large: small motors have some thousandths";
-                // Three digits are as many as anybody reads.
-                let least = format!("{:.2e}", QUICKEST * parameters.damping()).parse().unwrap_or(f64::MAX);
-                Fault::because("inertia", parameters.inertia, Limit::Least(least), because)
+                let because = "in kg m2: it would else be at its speed within 0.1 ms, as no motor is; or `torque_constant`, in N m/A, is too large: small motors have some thousandths";
+                let least = Limit::Least(QUICKEST * parameters.damping());
+                Fault::because("inertia", parameters.inertia, least, because)
             };
             return Err(Lack::Fault(fault));
         }
         if parameters.mechanical_time() > SLOWEST {
-            let because = "s from its figures, and no motor with an eccentric mass is that slow";
+            let because = "in s, from its figures: no motor with an eccentric mass is that slow";
             let time = parameters.mechanical_time();
             return Err(Lack::Fault(Fault::because("time_constant", time, Limit::Most(SLOWEST), because)));
         }
         if parameters.electrical_time() > parameters.mechanical_time() {
-            let because = "H, or its current would be slower than its speed, as in no motor";
-            let most = format!("{:.2e}", parameters.mechanical_time() * parameters.resistance);
-            let most = Limit::Most(most.parse().unwrap_or(f64::MAX));
+            let because = "in H: its current would else be slower than its speed, as in no motor";
+            let most = Limit::Most(parameters.mechanical_time() * parameters.resistance);
             return Err(Lack::Fault(Fault::because("inductance", parameters.inductance, most, because)));
         }
         Ok(parameters)
@@ -109,7 +113,7 @@ impl Actuator {
         Ok([
             ("time_constant", Some(p.mechanical_time())),
             ("speed_per_volt", Some(p.gain / (p.resistance * p.damping()))),
-            ("running_volts", Some(p.coulomb * p.resistance / p.gain)),
+            ("running_volts", Some(p.running_volts())),
             ("start_volts", Some(p.stiction * p.resistance / p.gain)),
             ("eccentric_per_mass", p.casing.mass().map(|mass| p.eccentric / mass)),
         ])
@@ -124,6 +128,17 @@ impl Actuator {
             }
             None => Casing::Free { mass },
         }
+    }
+
+    /// The volts that amperes allow: of the motor's `max_amperes` what makes them at a standstill, as data sheets have it; of the amplifier's, what it
+    /// still gives in a brake from the speed that they lead to, R I/(1 + k²/(k² + b R)). Infinite where nothing limits them, or the resistance is
+    /// not known.
+    pub(super) fn volts_of_amperes(&self, amplifier: &Amplifier, p: &Parameters) -> f64 {
+        let Some(ohms) = self.value("resistance") else { return f64::INFINITY };
+        let turning = p.gain * p.gain / (p.resistance * p.damping());
+        let stands = self.value("max_amperes").map(|most| most * ohms);
+        let brakes = amplifier.max_amperes.map(|most| most * ohms / (1.0 + turning));
+        stands.into_iter().chain(brakes).fold(f64::INFINITY, f64::min)
     }
 
     /// The most it bears, V: `max_volts`, else what it is made for.
@@ -214,7 +229,7 @@ impl Rig {
             // What flows at a standstill with the most it bears.
             amperes.fold(volts / parameters.resistance, f64::min)
         } else {
-            volts
+            volts.min(actuator.volts_of_amperes(amplifier, &parameters))
         };
         let limit = own.min(per_sample.abs() * share);
         let compliance = amplifier.max_volts.unwrap_or(volts);

@@ -76,7 +76,13 @@ const FIGURES: [Figure; 46] = [
         ANY,
         "The most it bears (peak), if that is more than what it is made for.",
     ),
-    figure("max_amperes", [1e-6, 1e3], "A", ANY, "The most current it bears (peak)."),
+    figure(
+        "max_amperes",
+        [1e-6, 1e3],
+        "A",
+        ANY,
+        "The most current it bears (peak); of a motor at a voltage that at a standstill, as data sheets have it: braked, it takes up to twice as much.",
+    ),
     figure(
         "max_rms_volts",
         [1e-3, 1e4],
@@ -223,7 +229,19 @@ const FIGURES: [Figure; 46] = [
     figure("skin_mass", [0.0, 1.0], "kg", TACTOR, "Skin that moves with the contactor."),
     figure("skin_stiffness", [0.0, 1e9], "N/m", TACTOR, "Of the skin; none where nothing is said."),
     figure("skin_damping", [0.0, 1e6], "N s/m", TACTOR, "Of the skin."),
-    figure("capacitance", [1e-15, 1.0], "F", PIEZO, "Of the element."),
-    figure("min_volts", [-1e4, 0.0], "V", PIEZO, "The lowest voltage it bears."),
+    figure(
+        "capacitance",
+        [1e-15, 1.0],
+        "F",
+        PIEZO,
+        "Of the element: with `max_amperes`, its own or the amplifier's, it says how fast its voltage may change.",
+    ),
+    figure(
+        "min_volts",
+        [-1e4, 0.0],
+        "V",
+        PIEZO,
+        "The lowest voltage it bears; as far below 0 as above where nothing is said.",
+    ),
     figure("loss", [0.0, 10.0], "", PIEZO, "Tangent of its loss angle."),
 ];

@@ -3,7 +3,7 @@
 use super::motor::Wiring;
 use super::output::Turning;
 use super::{Actuator, Amplifier, Coupling, Drive, Output, OutputKind, Rig};
-use crate::actuator::driver::coast::Coast;
+use crate::actuator::driver::coast::{Coast, STANDS};
 use crate::actuator::link::carrier::Carrier;
 use crate::actuator::link::conduction::Conduction;
 use crate::actuator::link::coupling::Corners;
@@ -34,8 +34,8 @@ pub struct Bridge {
     pub direction: u32,
 }
 
-/// A motor that nothing brakes must come to rest within so many seconds, to this share of its rated speed.
-const ROLLS: (f64, f64) = (10.0, 1e-4);
+/// A motor that nothing brakes must come to rest within so many seconds.
+const ROLLS: f64 = 10.0;
 
 impl Rig {
     /// That what vibrates would come out of a rectifier as something else.
@@ -79,6 +79,7 @@ impl Rig {
         self.passes_steady(output, &Amplifier { coupling: Some(Coupling::Dc), ..amplifier.clone() })?;
         parameters.gravity = turning.gravity();
         let limit = actuator.most_volts().map_or(supply, |most| most.min(supply));
+        let limit = limit.min(actuator.volts_of_amperes(amplifier, &parameters));
         let bridge =
             Bridge { switching: Switching { period, supply }, direction: direction.saturating_sub(1) };
         let wiring = Wiring {
@@ -127,11 +128,11 @@ impl Rig {
             return cannot(what, "leave `polarity` out; to turn it the other way, swap its wires");
         }
         let p = wiring.parameters;
-        let rolls = Coast::new(&p).seconds(p.rated_speed(), ROLLS.1 * p.rated_speed());
-        if rolls > ROLLS.0 {
+        let rolls = Coast::new(&p).seconds(p.rated_speed(), STANDS * p.rated_speed());
+        if rolls > ROLLS {
             let what = format!(
                 "behind the rectifier of `{}` nothing brakes the motor of `{name}`, and by what is known of it it would not stand within {:.0} s",
-                amplifier.name, ROLLS.0
+                amplifier.name, ROLLS
             );
             return cannot(
                 what,
@@ -154,6 +155,7 @@ impl Rig {
         // What it can be given while it stands it can be given at any speed: turning, it takes away from the carrier, and keeps more than that.
         let most = conduction.mean(amplitude, 0.0);
         wiring.limit = actuator.most_volts().map_or(most, |bears| bears.min(most));
+        wiring.limit = wiring.limit.min(actuator.volts_of_amperes(amplifier, &wiring.parameters));
         wiring.compliance = wiring.limit.max(f64::MIN_POSITIVE);
         wiring.terminals = Terminals::Carrier(carrier);
         wiring.turns(output)

@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use pacinian::actuator::drive::Drive;
 use pacinian::actuator::driver::book::Book;
-use pacinian::actuator::driver::order::{Order, Pieces, WAITING};
+use pacinian::actuator::driver::order::Order;
 use pacinian::actuator::driver::setup::{Setup, Shaping};
 use pacinian::actuator::driver::turner::Turner;
 use pacinian::actuator::motor::{self, Casing, Level, Motor, Parameters, Plan};
-use pacinian::actuator::shape::{Inverse, Spin, Unreachable};
+use pacinian::actuator::shape::{Spin, Unreachable};
 
 use crate::common::{COIN, PAD};
 
@@ -35,7 +35,7 @@ pub fn setup(parameters: Parameters, shaping: Shaping) -> Setup {
 }
 
 /// A small cylinder, the third kind beside coin and pad.
-fn cylinder() -> Parameters {
+pub fn cylinder() -> Parameters {
     Parameters {
         resistance: 10.5,
         inductance: 1.05e-4,
@@ -77,95 +77,6 @@ pub fn play(turner: &mut Turner, plant: &mut Motor, levels: &[f64]) -> (Vec<f64>
 pub fn raised_cosine(height: f64, seconds: f64) -> Vec<f64> {
     let count = (seconds * RATE) as usize;
     (0..=count).map(|n| 0.5 * height * (1.0 - (2.0 * PI * n as f64 / count as f64).cos())).collect()
-}
-
-/// The envelope as a whole, shaped by the inverse that knows all of it, is the exact twin: whatever is feasible, and whatever is not.
-#[test]
-fn levels_become_what_the_inverse_of_the_whole_envelope_gives() {
-    for (parameters, seconds) in [(COIN, 0.15), (COIN, 0.04), (PAD, 0.15), (PAD, 0.02), (cylinder(), 0.03)] {
-        let setup = Setup { ordered: false, ..setup(parameters, Shaping::Inverse) };
-        let mut turner = Turner::new(&setup, 0).unwrap();
-        let mut levels = vec![0.0; 37];
-        levels.extend(raised_cosine(1.0, seconds));
-        levels.extend(raised_cosine(-0.4, seconds));
-        levels.extend(vec![0.3; 500]);
-        levels.extend(vec![0.0; 4000]);
-        let speeds: Vec<f64> = levels.iter().map(|level| setup.speed_of(*level)).collect();
-        let inverse = Inverse { parameters: setup.parameters, limit: setup.limit, rate: RATE, angle: None };
-        let whole = inverse.shape(&speeds).unwrap();
-        let mut sent = Vec::new();
-        for level in &levels {
-            let mut part = [0.0];
-            turner.step(*level, &mut part);
-            sent.push(part[0]);
-        }
-        let late = turner.late();
-        assert!(whole.limited > 0 && sent[..late].iter().all(|volts| *volts == 0.0));
-        for (n, (streamed, known)) in sent[late..].iter().zip(&whole.volts).enumerate() {
-            assert!((streamed - known).abs() < 1e-9, "{seconds} s: sample {n}: {streamed} {known}");
-        }
-        assert!(turner.is_idle() && turner.counts().limited > 0);
-    }
-}
-
-/// What was played long ago is forgotten, however long the silence was: each of two envelopes is sent as if it were alone.
-#[test]
-fn nothing_comes_back_after_a_silence() {
-    for shaping in [Shaping::Inverse, Shaping::Plain] {
-        let setup = Setup { ordered: false, ..setup(PAD, shaping) };
-        let envelope = raised_cosine(1.0, 0.03);
-        let mut alone = Turner::new(&setup, 0).unwrap();
-        let sent = |turner: &mut Turner, level: f64| {
-            let mut part = [0.0];
-            turner.step(level, &mut part);
-            part[0]
-        };
-        let tail = alone.late() + 40;
-        let wanted: Vec<f64> =
-            envelope.iter().copied().chain(vec![0.0; tail]).map(|level| sent(&mut alone, level)).collect();
-        for silence in (60..400).step_by(16).map(|n| n + tail - tail % 16) {
-            let mut turner = Turner::new(&setup, 0).unwrap();
-            for level in envelope.iter().copied().chain(vec![0.0; silence + 16 - envelope.len() % 16]) {
-                sent(&mut turner, level);
-            }
-            let again = envelope.iter().copied().chain(vec![0.0; tail]);
-            for (n, (level, wanted)) in again.zip(&wanted).enumerate() {
-                let got = sent(&mut turner, level);
-                assert!(
-                    (got - wanted).abs() < 1e-9,
-                    "{shaping:?} after {silence}: sample {n}: {got} {wanted}"
-                );
-            }
-        }
-    }
-}
-
-/// 8 m/s² as a raised cosine of 150 ms on a coin motor with inductance and gravity, turned at 8 kHz: the acceleration amplitude follows within
-/// 1 % of its peak (root mean square), where the voltage that holds the speed misses it by a quarter and more.
-#[test]
-fn envelopes_are_followed() {
-    let real = Parameters { gravity: motor::GRAVITY, ..COIN };
-    let miss = |shaping: Shaping| {
-        let setup = setup(COIN, shaping);
-        let mut turner = Turner::new(&setup, 0).unwrap();
-        let peak = 8.0 / COIN.rated_acceleration().unwrap();
-        let mut levels = raised_cosine(peak, 0.15);
-        let wished = levels.clone();
-        levels.extend(vec![0.0; 2400]);
-        let (_, speeds) = play(&mut turner, &mut plant(&real, 0.0), &levels);
-        let late = turner.late();
-        let (mut sum, mut count) = (0.0, 0);
-        for (n, wish) in wished.iter().enumerate().skip(1) {
-            let speed = speeds[(n + late) * PARTS - 1];
-            let got = speed * speed / (setup.full_speed() * setup.full_speed());
-            (sum, count) = (sum + ((got - wish) / peak).powi(2), count + 1);
-        }
-        (sum / f64::from(count)).sqrt()
-    };
-    let [inverse, overdrive, plain] = [Shaping::Inverse, Shaping::Overdrive, Shaping::Plain].map(miss);
-    assert!(inverse < 0.01, "inverse {inverse}");
-    assert!(overdrive < 0.02, "overdrive {overdrive}");
-    assert!(plain > 0.25, "plain {plain}");
 }
 
 fn ordered(
@@ -356,70 +267,6 @@ fn a_current_turns_it_too() {
     assert!(told.starts_with("0.001 A do not start the motor; from wherever"), "{told}");
 }
 
-/// Whatever comes in, what goes out is a number within the limit, on motors far from any that there are.
-#[test]
-fn nothing_leaves_beyond_the_limit() {
-    let hostile = [f64::NAN, f64::INFINITY, -1e300, 1e-320, 3.0, -0.2, 0.0, 1.0];
-    for (inductance, inertia, friction) in [
-        (0.0, 1e-12, 0.0),
-        (3e-1, 1.8e-9, 0.0),
-        (1e-3, 1.8e-6, 1e-5),
-        (1e-9, 1.8e-9, 2e-5),
-        (0.3e-3, 1e-3, 0.0),
-    ] {
-        let parameters = Parameters {
-            inductance,
-            inertia,
-            coulomb: friction,
-            stiction: friction,
-            casing: Casing::Held,
-            ..COIN
-        };
-        for shaping in [Shaping::Inverse, Shaping::Overdrive, Shaping::Switching, Shaping::Plain] {
-            for rate in [100.0, 8000.0, 1e6] {
-                let setup = Setup { rate, look_ahead: Some(0.01), ..setup(parameters, shaping) };
-                let mut turner = Turner::new(&setup, 3).unwrap();
-                for n in 0..3000_usize {
-                    if n % 7 == 0 {
-                        let level = hostile[n / 7 % hostile.len()];
-                        let pieces = Pieces { list: [(level, level), (0.001, -1e9), (f64::NAN, 2.0)] };
-                        let order = [
-                            Order::Spin(level),
-                            Order::On(level),
-                            Order::Click(pieces),
-                            Order::Release,
-                            Order::Brake,
-                        ];
-                        turner.order(n as f64 + level, 1, order[n % 5]);
-                    }
-                    let mut parts = [0.0; 3];
-                    turner.step(hostile[n % hostile.len()], &mut parts);
-                    assert!(
-                        parts.iter().all(|volts| volts.abs() <= setup.limit * (1.0 + 1e-12)),
-                        "{shaping:?} {n}: {parts:?}"
-                    );
-                }
-                assert!(turner.counts().masked > 0);
-                let motor = turner.motor().unwrap();
-                assert!(motor.speed().is_finite() && motor.current().is_finite());
-            }
-        }
-    }
-}
-
-#[test]
-fn orders_that_find_no_room_are_counted_and_a_brake_finds_some() {
-    let mut turner = Turner::new(&setup(COIN, Shaping::Inverse), 0).unwrap();
-    for n in 0..WAITING + 3 {
-        turner.order(100.0 + n as f64, n as u64, Order::Spin(10.0));
-    }
-    turner.order(1000.0, 0, Order::Brake);
-    assert_eq!(turner.counts().dropped, 4);
-    let mut plant = plant(&COIN, 0.0);
-    play(&mut turner, &mut plant, &vec![0.0; 4000]);
-    assert!(turner.is_idle(), "the brake held");
-}
-
 #[test]
 fn what_cannot_be_is_refused() {
     let fine = setup(COIN, Shaping::Inverse);
@@ -431,44 +278,4 @@ fn what_cannot_be_is_refused() {
     assert_eq!(field(Setup { parameters: Parameters { inertia: 0.0, ..COIN }, ..fine }), "inertia");
     assert!(matches!(Book::new(&Setup { limit: 0.1, ..fine }, 0.25), Err(Unreachable::Start(..))));
     assert!(matches!(Book::new(&fine, f64::NAN), Err(Unreachable::Fault(_))));
-}
-
-/// However many orders wait, a voice that is let go of is let go of: the motor stands in the end.
-#[test]
-fn a_release_always_finds_room() {
-    // All that wait begin something; half of them end it; all of them are brakes.
-    for kind in 0..3 {
-        let setup = setup(COIN, Shaping::Inverse);
-        let mut turner = Turner::new(&setup, 0).unwrap();
-        let mut plant = plant(&COIN, 0.0);
-        turner.order(0.0, 1, Order::Spin(setup.full_speed()));
-        play(&mut turner, &mut plant, &vec![0.0; 250]);
-        for n in 0..WAITING as u64 {
-            let at = 400.0 + n as f64;
-            match (kind, n % 2) {
-                (0, _) | (1, 0) => turner.order(at, 1000 + n, Order::On(0.1)),
-                (1, _) => turner.order(at, 1000 + n - 1, Order::Release),
-                _ => turner.order(at, 1000 + n, Order::Brake),
-            }
-        }
-        turner.order(500.0, 1, Order::Release);
-        (0..WAITING as u64).for_each(|n| turner.order(600.0, 1000 + n, Order::Release));
-        play(&mut turner, &mut plant, &vec![0.0; 8000]);
-        assert!(turner.is_idle() && turner.counts().dropped > 0, "{kind}: {:?}", turner.counts());
-    }
-}
-
-/// A release of whoever has no order under way is nothing: levels go on to the bit.
-#[test]
-fn a_release_of_another_voice_changes_nothing() {
-    let setup = setup(PAD, Shaping::Inverse);
-    let levels: Vec<f64> = raised_cosine(0.8, 0.2);
-    let sent = |releases: bool| {
-        let mut turner = Turner::new(&setup, 0).unwrap();
-        if releases {
-            (0..20).for_each(|n| turner.order(50.0 * f64::from(n) + 0.3, 7, Order::Release));
-        }
-        play(&mut turner, &mut plant(&PAD, 0.0), &levels).0
-    };
-    assert!(sent(true) == sent(false));
 }

@@ -1,6 +1,6 @@
 //! What orders do between levels, and levels between orders: sample by sample.
 
-use pacinian::actuator::driver::order::Order;
+use pacinian::actuator::driver::order::{Order, WAITING};
 use pacinian::actuator::driver::setup::{Setup, Shaping};
 use pacinian::actuator::driver::turner::Turner;
 use pacinian::actuator::motor::Parameters;
@@ -161,4 +161,57 @@ fn the_way_round_leads_through_rest() {
     assert!(turn.abs() < 0.03, "{turn}");
     let fastest = speeds.iter().fold(0.0_f64, |most, now| most.max(now.abs()));
     assert!(fastest < 1.01 * wished, "{}", fastest / wished);
+}
+
+#[test]
+fn orders_that_find_no_room_are_counted_and_a_brake_finds_some() {
+    let mut turner = Turner::new(&setup(COIN, Shaping::Inverse), 0).unwrap();
+    for n in 0..WAITING + 3 {
+        turner.order(100.0 + n as f64, n as u64, Order::Spin(10.0));
+    }
+    turner.order(1000.0, 0, Order::Brake);
+    assert_eq!(turner.counts().dropped, 4);
+    let mut plant = plant(&COIN, 0.0);
+    play(&mut turner, &mut plant, &vec![0.0; 4000]);
+    assert!(turner.is_idle(), "the brake held");
+}
+
+/// However many orders wait, a voice that is let go of is let go of: the motor stands in the end.
+#[test]
+fn a_release_always_finds_room() {
+    // All that wait begin something; half of them end it; all of them are brakes.
+    for kind in 0..3 {
+        let setup = setup(COIN, Shaping::Inverse);
+        let mut turner = Turner::new(&setup, 0).unwrap();
+        let mut plant = plant(&COIN, 0.0);
+        turner.order(0.0, 1, Order::Spin(setup.full_speed()));
+        play(&mut turner, &mut plant, &vec![0.0; 250]);
+        for n in 0..WAITING as u64 {
+            let at = 400.0 + n as f64;
+            match (kind, n % 2) {
+                (0, _) | (1, 0) => turner.order(at, 1000 + n, Order::On(0.1)),
+                (1, _) => turner.order(at, 1000 + n - 1, Order::Release),
+                _ => turner.order(at, 1000 + n, Order::Brake),
+            }
+        }
+        turner.order(500.0, 1, Order::Release);
+        (0..WAITING as u64).for_each(|n| turner.order(600.0, 1000 + n, Order::Release));
+        play(&mut turner, &mut plant, &vec![0.0; 8000]);
+        assert!(turner.is_idle() && turner.counts().dropped > 0, "{kind}: {:?}", turner.counts());
+    }
+}
+
+/// A release of whoever has no order under way is nothing: levels go on to the bit.
+#[test]
+fn a_release_of_another_voice_changes_nothing() {
+    let setup = setup(PAD, Shaping::Inverse);
+    let levels: Vec<f64> = raised_cosine(0.8, 0.2);
+    let sent = |releases: bool| {
+        let mut turner = Turner::new(&setup, 0).unwrap();
+        if releases {
+            (0..20).for_each(|n| turner.order(50.0 * f64::from(n) + 0.3, 7, Order::Release));
+        }
+        play(&mut turner, &mut plant(&PAD, 0.0), &levels).0
+    };
+    assert!(sent(true) == sent(false));
 }

@@ -16,10 +16,10 @@ use pacinian::actuator::motor::{self, Level, Motor, Plan};
 use pacinian::engine::Engine;
 use pacinian::engine::event::{Event, Source};
 use pacinian::feel::{Feel, Wish};
-use pacinian::graph::plan::{self, Modulation};
+use pacinian::graph::plan;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::node::asset::NoAssets;
-use pacinian::rig::Rig;
+use pacinian::rig::{Rig, Terminals};
 use pacinian::schedule::Instant;
 use std::f64::consts::TAU;
 
@@ -110,7 +110,7 @@ fn late(plan: &plan::Plan, channel: u32) -> f64 {
 /// average over it.
 fn behind_diodes(plan: &plan::Plan, samples: &[f64], place: u32) -> (Vec<f64>, f64, Vec<f64>) {
     let drive = &plan.drives[place as usize];
-    let Modulation::Carrier(carrier) = drive.modulation else { panic!("no carrier") };
+    let Terminals::Carrier(carrier) = drive.terminals else { panic!("no carrier") };
     let amplifier =
         Amplifier { gain: 4.0, inverted: false, drive: Drive::Voltage, volts: Some(18.0), amperes: None };
     let chain = Chain { full_scale: 5.0, corners: Corners::two(8.0, 20.0), amplifier };
@@ -167,7 +167,7 @@ fn a_motor_behind_diodes_does_what_one_at_a_voltage_does() {
             // The same limit for both.
             let other = straight().replace("max_volts = 3.0", &format!("max_volts = {limit}"));
             let other =
-                other.replace("rated_volts = 6.0", &format!("rated_volts = 6.0\nmax_volts = {limit}"));
+                other.replace("channel = 2\n", &format!("channel = 2\nmax_level = {}\n", limit / 20.0));
             let other = compiled(&other, rate);
             for (instrument, level, until) in [(SWELL, 0.8, 0.4), (SPIN, 0.4, 0.4), (SWITCH, 0.7, 0.4)] {
                 if limit < 0.9 * drive.setup.parameters.rated_volts && instrument == SWELL {
@@ -310,7 +310,7 @@ fn what_a_click_comes_to_is_known_beforehand() {
         let plan = compiled(&rig, 48_000.0);
         for place in [COIN, PAD] {
             let drive = &plan.drives[place as usize];
-            let Modulation::Carrier(carrier) = drive.modulation else { panic!("no carrier") };
+            let Terminals::Carrier(carrier) = drive.terminals else { panic!("no carrier") };
             let way = Way {
                 carrier,
                 rate: plan.device_rate,
@@ -485,5 +485,5 @@ fn the_most_is_that_of_the_largest_carrier() {
     let most = 8.0 / std::f64::consts::PI - 1.4;
     assert!(pad.limit >= most * (1.0 - 1e-9) && pad.limit < rectifier.mean(4.0), "{} {most}", pad.limit);
     assert!(coin.one_way && pad.one_way);
-    assert_eq!(plan.drives[0].modulation, Modulation::Carrier(Carrier { hertz: 4000.0, rectifier }));
+    assert_eq!(plan.drives[0].terminals, Terminals::Carrier(Carrier { hertz: 4000.0, rectifier }));
 }

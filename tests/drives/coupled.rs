@@ -6,10 +6,10 @@ use super::{CLICK, COIN, PAD, RATE, SPIN, STOP, SWELL, SWITCH, THUMP, largest, p
 use pacinian::actuator::link::coupling::{Corners, HighPass};
 use pacinian::engine::Engine;
 use pacinian::engine::event::{Event, Source};
-use pacinian::graph::plan::{self, Modulation, Why};
+use pacinian::graph::plan::{self, Why};
 use pacinian::graph::scene::{Options, Scene, scene};
 use pacinian::node::asset::NoAssets;
-use pacinian::rig::Rig;
+use pacinian::rig::{Rig, Terminals};
 use pacinian::schedule::Instant;
 
 /// The motors of the other tests, there for clicks alone, behind these corners of card and amplifier, hertz; 0: none.
@@ -68,7 +68,7 @@ fn clicks_arrive_through_coupling() {
         let plan = planned(&coupled(card, amplifier)).plan;
         for (n, place) in [(0, COIN), (1, PAD)] {
             let drive = &plan.drives[n];
-            assert_eq!(drive.modulation, Modulation::Coupled(corners));
+            assert_eq!(drive.terminals, Terminals::Coupled(corners));
             for (at, event) in clicks(place) {
                 let Event::Play(one) = event else { panic!() };
                 let far = if one.instrument == CLICK { 0.25 } else { -1.5 };
@@ -126,7 +126,7 @@ fn clicks_in_a_row_arrive_as_if_there_were_no_coupling() {
     let plan = planned(&rig).plan;
     // The same clicks, as strong as they are behind the coupling.
     let mut free = planned(&coupled(0.0, 0.0)).plan;
-    assert!(free.drives.iter().all(|drive| drive.modulation == Modulation::Straight));
+    assert!(free.drives.iter().all(|drive| drive.terminals == Terminals::Straight));
     free.clicks.clone_from(&plan.clicks);
     let rows = |place: u32| {
         [(0.01, 1.0), (0.06, -0.5), (0.1, 0.7)]

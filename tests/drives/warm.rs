@@ -14,10 +14,10 @@ use pacinian::engine::Engine;
 use pacinian::engine::event::{Event, Source};
 use pacinian::engine::exchange::exchange;
 use pacinian::feel::{Feel, Wish};
-use pacinian::graph::plan::{Modulation, Plan};
+use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::node::asset::NoAssets;
-use pacinian::rig::Rig;
+use pacinian::rig::{Bridge, Rig, Terminals};
 use pacinian::schedule::Instant;
 use std::cell::Cell;
 
@@ -283,12 +283,12 @@ fn another_patch_finds_it_as_warm_as_it_is() {
 fn turner(amplifier: &str, bears: &Bears, inductance: f64) -> (Turner, Effective) {
     let plan = compiled(&text(amplifier, "", inductance));
     let drive = &plan.drives[0];
-    let effective = match &drive.modulation {
-        Modulation::Bridge { switching, .. } => {
+    let effective = match &drive.terminals {
+        Terminals::Bridge(Bridge { switching, .. }) => {
             Effective::pulses(switching, RATE, inductance / 30.0).unwrap()
         }
-        Modulation::Carrier(carrier) => Effective::carrier(carrier, inductance / 30.0).unwrap(),
-        Modulation::Straight | Modulation::Coupled(_) => Effective::steady(),
+        Terminals::Carrier(carrier) => Effective::carrier(carrier, inductance / 30.0).unwrap(),
+        Terminals::Straight | Terminals::Coupled(_) => Effective::steady(),
     };
     let turner = Turner::new(&drive.setup, 0).unwrap().bearing(bears, effective.clone()).unwrap();
     (turner, effective)

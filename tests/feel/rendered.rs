@@ -188,6 +188,47 @@ fn a_carrier_is_felt_and_what_clicks_come_to_is_told() {
     assert!(text.contains("a click of 0.05 turns reaches") && text.contains(&words), "{words}: {text}");
 }
 
+/// A resonance of 60 Hz and a quality of 150 rings for seconds after its voice: both files go on until 1 % of it is left, and where somebody says how long
+/// they are, what they cut off is told.
+#[test]
+fn what_rings_on_is_not_cut_off() {
+    let scratch = Scratch::new("feel-rings");
+    scratch.write(
+        "rings.toml",
+        "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\nfull_scale_volts = 2.0\n[actuator.l]\nmodel = \"lra\"\nresonance = 60\nq = 150\n\
+         rated_volts = 2\nrated_acceleration = 3\ntest_mass = 0.1\ndevice_mass = 2.5e-3\nslug_mass = 1.5e-3\nresistance = 2000\n\
+         [[tactor]]\nname = \"l\"\nchannel = 1\nactuator = \"l\"\n",
+    );
+    scratch.write(
+        "tone.toml",
+        "format = \"pacinian-patch/1\"\ntitle = \"T\"\n[voice.a]\noutput = \"o\"\n[voice.a.nodes]\ns = { type = \"sine\", frequency = 60 }\n\
+         e = { type = \"envelope\", attack = 0.01, release = 0.01 }\no = { type = \"multiply\", inputs = [\"s\", \"e\"] }\n\
+         [pattern.p]\nevents = [{ at = 0, voice = \"a\", duration = 0.3 }]\n",
+    );
+    let base = ["render", "tone.toml", "--rig", "rings.toml", "-o", "x.wav"];
+    scratch.run(&base).succeeds();
+    assert!(scratch.wav("x.wav").1.len() < 48_000, "without --feel nobody waits for it");
+    let words = [&base[..], &["--feel", "f.wav"]].concat();
+    let run = scratch.run(&words);
+    assert!(!run.succeeds().out.contains("where the file ends"), "{}", run.out);
+    let ([x, f], rate) = (["x.wav", "f.wav"].map(|name| scratch.wav(name).1), 48_000.0);
+    assert_eq!(x.len(), f.len());
+    // e^(−π f t / Q) is 1 % after 3.66 s; what is looked back, and the block in which it is noticed, come beside.
+    let seconds = f.len() as f64 / rate;
+    let due = 0.31 + 150.0 / (60.0 * std::f64::consts::PI) * 100f64.ln();
+    assert!((due..due + 0.25).contains(&seconds), "{seconds} {due}");
+    let most = |part: &[f32]| part.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+    assert!(most(&f[f.len() - 800..]) < 0.0101 * most(&f));
+    let short = [&words[..], &["--duration", "0.4"]].concat();
+    let run = scratch.run(&short);
+    assert!(run.succeeds().out.contains("m/s2 where the file ends"), "{}", run.out);
+    let said = scratch.run(&[&short[..], &["--json"]].concat()).succeeds().json();
+    let felt = scratch.wav("f.wav").1;
+    let last = said["feel"]["outputs"][0]["last"].as_f64().unwrap();
+    let crest = f64::from(most(&felt[felt.len() - 800..]));
+    assert!((0.99 * crest..1.1 * crest).contains(&last), "{last} {crest}");
+}
+
 /// Ctrl-C leaves both complete, and as long as each other.
 #[test]
 fn both_files_are_complete_when_it_is_stopped() {

@@ -52,6 +52,12 @@ fn limits_are_the_lowest_of_all_that_are_named() {
     // By current: what flows at a standstill with the most it bears, unless something says less.
     assert_eq!(limit("", "gain = 1\ndrive = \"current\"", "", ""), 0.1);
     assert_eq!(limit("", "gain = 1\ndrive = \"current\"\nmax_amperes = 0.08", "", ""), 0.08);
+    // By voltage: what 30 ohm take of the motor's amperes at a standstill, and of the amplifier's in a brake from full speed, where the motor adds
+    // k²/(k² + b R) of the voltage.
+    assert_eq!(limit("", "gain = 4", "max_amperes = 0.05", ""), 1.5);
+    let adds = 0.955e-3_f64.powi(2) / (0.955e-3_f64.powi(2) + 2.15e-8 * 30.0);
+    let brakes = limit("", "gain = 4\nmax_amperes = 0.1", "", "");
+    assert!((brakes - 3.0 / (1.0 + adds)).abs() < 1e-12, "{brakes}");
     let by = |amplifier| wiring([DEVICE, amplifier, COIN, WIRED]);
     assert_eq!(by("gain = -4\ncoupling = \"dc\"").per_sample, -6.0);
     assert!(by("gain = 1\ndrive = \"current\"\ncoupling = \"dc\"").is_current);
@@ -174,6 +180,16 @@ fn what_cannot_turn_is_refused_with_the_reason() {
         (
             [DEVICE, BRIDGE, "part = \"coin-10mm\"\ntime_constant = 5e-5", WIRED],
             ["`time_constant` is 0.00005, but must be at least 0.0001", "no motor is at its speed sooner"],
+        ),
+        (
+            [
+                DEVICE,
+                BRIDGE,
+                "model = \"rumble-motor\"\nrated_volts = 3\ntime_constant = 0.03\nspeed_per_volt = 500\neccentric_per_mass = 7e-6\n\
+                 running_volts = 0.5\nstart_volts = 0.2",
+                WIRED,
+            ],
+            ["`start_volts` is 0.2, but must be at least 0.5: in V", "`running_volts`"],
         ),
         ([DEVICE, "gain = 0\ncoupling = \"dc\"", COIN, WIRED], ["has a gain of 0", "nothing reaches"]),
         ([DEVICE, "gain = 0.2\ncoupling = \"dc\"", COIN, WIRED], ["of what turns it at all", "raise"]),

@@ -7,7 +7,7 @@
 //! A motor that nothing brakes is not slowed down beforehand, which would take it as long as it rolls: it does what is played until that falls,
 //! and rolls then. One pass forward keeps to both, and needs to know nothing ahead.
 
-use super::coast::Coast;
+use super::coast::{Coast, STANDS};
 use super::setup::{Setup, Shaping};
 
 /// Samples between two backward passes.
@@ -15,9 +15,6 @@ const GRID: usize = 16;
 
 /// Share of the drive that plans keep to: the rest is for what they do not know of, inductance and gravity.
 const KEPT: f64 = 0.98;
-
-/// Share of the full speed below which what rolls stands.
-const STANDS: f64 = 1e-4;
 
 /// The most samples that are looked ahead.
 const MOST: usize = 1 << 16;
@@ -29,7 +26,10 @@ pub struct Ahead {
     keeps: Keeps,
     /// Speeds that can be reached, by their sample modulo the length.
     reached: Vec<f64>,
-    /// The same, left in time; the next few.
+    /// Speeds that were wished, likewise; the one for which was planned last, and by how much that falls short.
+    wished: Vec<f64>,
+    short: [f64; 2],
+    /// The same as are reached, left in time; the next few.
     planned: [f64; GRID + 2],
     /// The sample that comes in next.
     next: usize,
@@ -113,10 +113,13 @@ impl Ahead {
             _ => Keeps::None,
         };
         let late = if keeps == Keeps::Plans { late.max(wanted.min(MOST) + GRID + 2) } else { late.max(2) };
+        let ring = vec![0.0; (late + 3).next_power_of_two()];
         Self {
             rates,
             keeps,
-            reached: vec![0.0; (late + 3).next_power_of_two()],
+            wished: if keeps == Keeps::None { Vec::new() } else { ring.clone() },
+            short: [0.0; 2],
+            reached: ring,
             planned: [0.0; GRID + 2],
             next: 0,
             late,
@@ -134,14 +137,24 @@ impl Ahead {
         self.still > self.reached.len() + GRID
     }
 
+    /// The speed that was wished where was planned last, and by how much the plan falls short of it as the motor cannot do it, rad/s; 0 where no
+    /// plans are made.
+    pub fn short(&self) -> [f64; 2] {
+        self.short
+    }
+
     /// Takes the speed that is wished at this sample (rad/s, a finite number), and gives those planned for the sample that is `late` before: at it,
     /// after it, and after that.
     pub fn step(&mut self, wished: f64) -> [f64; 3] {
         if wished == 0.0 && self.is_still() {
             self.next = self.next.wrapping_add(1);
+            self.short = [0.0; 2];
             return [0.0; 3];
         }
         let mask = self.reached.len() - 1;
+        if let Some(kept) = self.wished.get_mut(self.next & mask) {
+            *kept = wished;
+        }
         let before = self.reached[self.next.wrapping_sub(1) & mask];
         let wished = if self.keeps == Keeps::Rolls { self.rates.roll(wished, before) } else { wished };
         self.still = if wished == 0.0 { self.still.saturating_add(1) } else { 0 };
@@ -149,7 +162,9 @@ impl Ahead {
         if self.keeps != Keeps::Plans {
             self.reached[self.next & mask] = wished;
             self.next = self.next.wrapping_add(1);
-            return [0, 1, 2].map(|ahead| self.reached[now.wrapping_add(ahead) & mask]);
+            let speeds = [0, 1, 2].map(|ahead| self.reached[now.wrapping_add(ahead) & mask]);
+            self.note_short(now, speeds[0]);
+            return speeds;
         }
         self.reached[self.next & mask] = Rates::reach(wished, before, |speed| self.rates.rise(speed));
         if now.is_multiple_of(GRID) {
@@ -157,7 +172,14 @@ impl Ahead {
         }
         self.next = self.next.wrapping_add(1);
         let at = now % GRID;
+        self.note_short(now, self.planned[at]);
         [self.planned[at], self.planned[at + 1], self.planned[at + 2]]
+    }
+
+    fn note_short(&mut self, now: usize, planned: f64) {
+        let mask = self.reached.len() - 1;
+        let wished = self.wished.get(now & mask).map_or(0.0, |wished| wished.abs());
+        self.short = [wished, (wished - planned.abs()).max(0.0)];
     }
 
     /// Plans the next few samples from `now` on.

@@ -11,6 +11,9 @@ pub struct Coast {
     dry: f64,
 }
 
+/// The share of its full speed below which a motor stands.
+pub const STANDS: f64 = 1e-4;
+
 /// Below this share of what matters, a logarithm is taken by its first terms.
 const SMALL: f64 = 1e-4;
 

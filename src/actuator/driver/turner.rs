@@ -19,11 +19,11 @@ use crate::actuator::motor::{Level, Motor, Plan};
 use crate::actuator::protect::budget::Bears;
 use crate::actuator::protect::counts::Counts as HeldBack;
 
-/// Share of the full speed below which a motor counts as standing.
-const STANDS: f64 = 1e-4;
-
 /// Of a level backward, what is no wish: the corners of envelopes swing about their ends by as much.
 const NOTHING: f64 = 0.02;
+
+/// Share of the full speed by which it may fall short of what is played and is not said to.
+const ALIKE: f64 = 0.01;
 
 /// Share of the limit by which a voltage behind diodes must be above what the motor makes itself.
 const OPENS: f64 = 1e-3;
@@ -196,6 +196,8 @@ impl Turner {
             self.moved = false;
             return;
         }
+        let [played, short] = self.ahead.short().map(|speed| speed / self.setup.full_speed());
+        let limited = self.counts.limited;
         if let (Some(before), Some(motor)) = (&mut self.before, &self.motor) {
             **before = (**motor).clone();
             self.moved = true;
@@ -222,6 +224,11 @@ impl Turner {
             let given = self.move_model(given, until - done);
             spread(parts, done, until, given);
             done = until;
+        }
+        if self.mode == Mode::Level && played > 0.0 {
+            self.counts.played += played;
+            self.counts.missed += short;
+            self.counts.limited = self.counts.limited.max(limited + u64::from(short > ALIKE));
         }
         self.clock += 1;
     }

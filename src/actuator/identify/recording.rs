@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::actuator::fault::Fault;
+use crate::actuator::fault::{Fault, Shown};
 
 /// Samples a second of a recording, at least and at most: no converter is slower or faster.
 pub const RATES: (f64, f64) = (10.0, 1e7);
@@ -171,7 +171,9 @@ impl fmt::Display for Mistake {
             }
             Self::Silent(name, peak, limit) => write!(
                 f,
-                "{name} is silent: it peaks at {peak:.3e} about its middle, but must do so above {limit:.3e}: connect it, or turn it up"
+                "{name} is silent: it peaks at {} about its middle, but must do so above {}: connect it, or turn it up",
+                Shown(*peak),
+                Shown(*limit)
             ),
             Self::Clipped(name, edge, times) => write!(
                 f,

@@ -107,7 +107,7 @@ impl Parameters {
                         "casing mass",
                         mass,
                         least,
-                        "kg, (m_e r)²/J of what spins in it",
+                        "in kg: (m_e r)²/J of what spins in it",
                     ));
                 }
             }
@@ -167,6 +167,11 @@ impl Parameters {
     /// The current at that speed, A.
     pub fn steady_current(&self, volts: f64) -> f64 {
         (volts - self.gain * self.steady_speed(volts)) / self.resistance
+    }
+
+    /// What friction takes of the voltage while it turns, V: T_c R/k.
+    pub fn running_volts(&self) -> f64 {
+        self.coulomb * self.resistance / self.gain
     }
 
     /// The voltage that starts it from wherever the mass hangs: (T_s + m_e g r) R/k.
@@ -236,11 +241,8 @@ mod tests {
         near(p.rated_acceleration().unwrap(), 17.6, 0.05);
         near(p.pendulum_rate(), 63.0, 0.2);
         near(p.start_volts() / 3.0, (2e-5 + 7.3e-7 * 9.80665) / p.stall_torque(3.0), 1e-12);
-        near(
-            p.steady_current(3.0),
-            (p.damping() - p.gain * p.gain / 30.0) * 1551.0 / p.gain + 1.5e-5 / p.gain,
-            1e-4,
-        );
+        let drawn = (p.damping() - p.gain * p.gain / 30.0) * 1551.0 / p.gain + 1.5e-5 / p.gain;
+        near(p.steady_current(3.0), drawn, 1e-4);
         assert_eq!(p.steady_speed(-3.0), -p.rated_speed());
         assert_eq!(p.steady_speed(0.01), 0.0);
         assert_eq!(Parameters { casing: Casing::Held, ..p }.rated_acceleration(), None);
@@ -248,7 +250,6 @@ mod tests {
 
     #[test]
     fn every_bad_value_is_named_with_its_limit() {
-        let nan = f64::NAN;
         let spring = Suspension { stiffness: 100.0, damping: 0.1 };
         let on = |across, upright| Casing::Suspended { mass: 0.1, across, upright };
         let p = Parameters::COIN;
@@ -260,7 +261,7 @@ mod tests {
             ("inductance", Parameters { inductance: 1e-300, ..p }),
             ("gain", Parameters { gain: 0.0, ..p }),
             ("inertia", Parameters { inertia: 0.0, ..p }),
-            ("inertia", Parameters { inertia: nan, ..p }),
+            ("inertia", Parameters { inertia: f64::NAN, ..p }),
             ("viscous", Parameters { viscous: -1e-9, ..p }),
             ("coulomb", Parameters { coulomb: -1e-9, stiction: 1.0, ..p }),
             ("stiction", Parameters { stiction: 1.4e-5, ..p }),
@@ -279,7 +280,7 @@ mod tests {
             ),
             (
                 "casing damping upright",
-                Parameters { casing: on(spring, Suspension { damping: nan, ..spring }), ..p },
+                Parameters { casing: on(spring, Suspension { damping: f64::NAN, ..spring }), ..p },
             ),
         ] {
             let fault = bad.check().unwrap_err();

@@ -3,7 +3,7 @@
 use crate::actuator::coil::limits::Limits;
 use crate::actuator::coil::plant::Plant;
 use crate::actuator::coil::resonance::Resonance;
-use crate::actuator::fault::{Fault, Limit, not_negative, positive, within};
+use crate::actuator::fault::{Fault, Limit, check, not_negative, positive, within};
 use crate::actuator::motor::Parameters;
 use crate::actuator::thermal::Cooling;
 
@@ -32,6 +32,8 @@ pub struct Bounds {
     pub full_scale: Option<f64>,
     /// Volts, either way.
     pub peak: Option<f64>,
+    /// The lowest and the highest volts, around 0, of what bears less one way than the other, as a piezo does; it has no `stroke` then.
+    pub range: Option<[f64; 2]>,
     /// Volts a second, either way.
     pub slew: Option<f64>,
     /// The root mean square over a time.
@@ -153,6 +155,17 @@ impl Bounds {
             value.map_or(Ok(()), |value| positive(field, value))?;
         }
         self.full_scale.map_or(Ok(()), |volts| within("full_scale", volts, (1e-6, 1e6), "V"))?;
+        if let Some([low, high]) = self.range {
+            check("range.low", low, Limit::Most(0.0))?;
+            // There may be none above.
+            if high != f64::INFINITY {
+                check("range.high", high, if low < 0.0 { Limit::Least(0.0) } else { Limit::Above(0.0) })?;
+            }
+            if let Some(stroke) = self.stroke {
+                let because = "what bears less one way than the other has none that would be kept to";
+                return Err(Fault::because("stroke", stroke, Limit::Absent, because));
+            }
+        }
         self.steady.map_or(Ok(()), |volts| not_negative("steady", volts))?;
         let seconds = |field, value| within(field, value, (0.01, 1e6), "s");
         if let Some(rms) = &self.rms {

@@ -25,8 +25,9 @@ pub struct Protection {
     counts: Counts,
     /// Volts for a sample of 1; 1 where they are not known.
     volts: f64,
-    /// Volts; volts a sample.
+    /// Volts; between which volts; volts a sample.
     peak: f64,
+    range: [f64; 2],
     slew: f64,
     alternating: Option<Filtered>,
     heat: Option<Governor>,
@@ -168,8 +169,9 @@ impl Protection {
         }
         let wanted = if gain == 1.0 { v } else { v / gain };
         let hold = |v: f64, most: f64| v.max(-most).min(most);
-        counts.peak.enter(v, hold(v, self.peak));
-        v = hold(v, self.peak);
+        let [low, high] = self.range;
+        counts.peak.enter(v, v.max(low).min(high));
+        v = v.max(low).min(high);
         if let Some(budget) = &self.heat {
             counts.heat.enter_more(by[0], v, hold(v, budget.cap()));
             v = hold(v, budget.cap());
@@ -183,8 +185,8 @@ impl Protection {
             counts.slew.enter(v, after);
             v = after;
         }
-        let (peak, slew) = (self.peak, self.slew);
-        let round = |v: f64| if v == input { (came, v) } else { rounded(v, volts, last, peak, slew) };
+        let (range, slew) = (self.range, self.slew);
+        let round = |v: f64| if v == input { (came, v) } else { rounded(v, volts, last, range, slew) };
         let (sample, left);
         let mut current = 0.0;
         if let Some(motion) = &mut self.motion {
@@ -235,7 +237,7 @@ impl Protection {
         self.left = self.tick;
         let budgets = [&self.heat, &self.rms];
         let mut idle = self.motion.is_none() && self.steady.is_none() && self.alternating.is_none();
-        let mut most = self.peak;
+        let mut most = self.range[1].min(-self.range[0]);
         for budget in budgets.into_iter().flatten() {
             idle &= budget.is_idle();
             most = most.min(budget.cap()).min(OVER * self.volts);
@@ -258,12 +260,12 @@ fn below(most: f64, volts: f64) -> f32 {
     if f64::from(near) * volts > most { near.next_down() } else { near }
 }
 
-/// The sample for a voltage, and the voltage that it makes: where rounding would break peak or slew, the next one inside.
+/// The sample for a voltage, and the voltage that it makes: where rounding would break range or slew, the next one inside.
 #[inline(always)]
-fn rounded(v: f64, volts: f64, last: f64, peak: f64, slew: f64) -> (f32, f64) {
+fn rounded(v: f64, volts: f64, last: f64, [low, high]: [f64; 2], slew: f64) -> (f32, f64) {
     let mut sample = (v / volts) as f32;
     let made = |sample: f32| f64::from(sample) * volts;
-    if made(sample).abs() > peak {
+    if made(sample) > high || made(sample) < low {
         sample = if sample > 0.0 { sample.next_down() } else { sample.next_up() };
     }
     if (made(sample) - last).abs() > slew {

@@ -16,6 +16,9 @@ use pacinian::text::Problem;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+/// The share of what is felt at most below which it has died away.
+const DIED_AWAY: f64 = 0.01;
+
 /// Where what is felt goes, and how well it is to be known.
 #[derive(Debug, Clone, Copy)]
 pub struct Felt<'a> {
@@ -83,15 +86,16 @@ impl FeltFile<'_> {
         self.felt.path.display().to_string()
     }
 
-    /// Frames that leave the device.
+    /// Frames that leave the device. Says whether what is felt has died away.
     ///
     /// # Errors
     /// As the writer's.
-    pub fn write(&mut self, block: &[f32]) -> Result<(), FileError> {
+    pub fn write(&mut self, block: &[f32]) -> Result<bool, FileError> {
         let begin = Instant::now();
         self.feel.process(block, &mut self.frames);
         self.took += begin.elapsed();
-        self.writer.write(&self.frames)
+        self.writer.write(&self.frames)?;
+        Ok(self.feel.rests(DIED_AWAY))
     }
 
     /// Completes the file.

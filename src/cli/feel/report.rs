@@ -47,6 +47,8 @@ pub(super) struct OutputReport {
     pub(super) peak: f64,
     pub(super) peak_at: f64,
     pub(super) rms: f64,
+    /// What is felt where the file ends.
+    pub(super) last: f64,
     pub(super) farthest: Option<f64>,
     pub(super) of_stroke: Option<f64>,
     pub(super) fastest: Option<f64>,
@@ -135,6 +137,7 @@ impl OutputReport {
             peak: figures.peak,
             peak_at: figures.peak_at,
             rms: figures.rms,
+            last: figures.last,
             farthest: figures.farthest,
             of_stroke: figures.of_stroke,
             fastest: figures.fastest,

@@ -191,6 +191,9 @@ impl OutputReport {
             most.join(", "),
             drew,
         ];
+        if self.last > 1.01 * super::DIED_AWAY * self.peak {
+            cells.push(paint.yellow(&format!("still {} {unit} where the file ends", digits(self.last))));
+        }
         for (count, what) in [
             (self.clipped, "samples cut at full scale"),
             (self.limited, "samples more than the amplifier gives"),

@@ -8,7 +8,8 @@ use crate::actuator::link::compensator::Compensator;
 use crate::actuator::link::effective::Effective;
 use crate::actuator::link::pwm::Modulator;
 use crate::actuator::link::wave::Wave;
-use crate::graph::plan::{Drive, Modulation, Plan};
+use crate::graph::plan::{Drive, Plan};
+use crate::rig::{Bridge, Terminals};
 
 /// A motor on a channel.
 #[derive(Debug)]
@@ -42,9 +43,9 @@ impl Line {
     /// Whether the channels of a motor are there.
     pub fn is_there(drive: &Drive, channels: usize) -> bool {
         let is_there = |channel: u32| (channel as usize) < channels;
-        let has_way = match drive.modulation {
-            Modulation::Bridge { direction, .. } => is_there(direction),
-            Modulation::Straight | Modulation::Carrier(_) | Modulation::Coupled(_) => true,
+        let has_way = match drive.terminals {
+            Terminals::Bridge(Bridge { direction, .. }) => is_there(direction),
+            Terminals::Straight | Terminals::Carrier(_) | Terminals::Coupled(_) => true,
         };
         is_there(drive.channel) && has_way
     }
@@ -55,16 +56,16 @@ impl Line {
     /// A figure that cannot be, with its channel (from 0).
     pub fn new(plan: &Plan, drive: &Drive, late: usize) -> Result<Self, (u32, Fault)> {
         let output = |drive: &Drive| -> Result<Output, Fault> {
-            Ok(match drive.modulation {
-                Modulation::Straight => Output::Straight(1.0 / drive.per_sample),
-                Modulation::Bridge { switching, direction } => {
+            Ok(match drive.terminals {
+                Terminals::Straight => Output::Straight(1.0 / drive.per_sample),
+                Terminals::Bridge(Bridge { switching, direction }) => {
                     Output::Bridge(Modulator::new(&switching)?, direction as usize)
                 }
-                Modulation::Carrier(carrier) => {
+                Terminals::Carrier(carrier) => {
                     let time = drive.setup.parameters.electrical_time();
                     Output::Carrier(Box::new(Wave::new(&carrier, time, plan.device_rate, drive.per_sample)?))
                 }
-                Modulation::Coupled(corners) => Output::Coupled(
+                Terminals::Coupled(corners) => Output::Coupled(
                     1.0 / drive.per_sample,
                     Box::new(drive.setup.through(&corners, plan.device_rate, drive.per_sample)?),
                 ),
@@ -75,10 +76,12 @@ impl Line {
             let turner = Turner::new(&drive.setup, late)?;
             let Some(bears) = &drive.bears else { return Ok(turner) };
             let time = drive.setup.parameters.electrical_time();
-            let effective = match &drive.modulation {
-                Modulation::Straight | Modulation::Coupled(_) => Effective::steady(),
-                Modulation::Bridge { switching, .. } => Effective::pulses(switching, plan.device_rate, time)?,
-                Modulation::Carrier(carrier) => Effective::carrier(carrier, time)?,
+            let effective = match &drive.terminals {
+                Terminals::Straight | Terminals::Coupled(_) => Effective::steady(),
+                Terminals::Bridge(Bridge { switching, .. }) => {
+                    Effective::pulses(switching, plan.device_rate, time)?
+                }
+                Terminals::Carrier(carrier) => Effective::carrier(carrier, time)?,
             };
             turner.bearing(bears, effective)
         };

@@ -53,7 +53,7 @@ impl Wiring {
     /// The same, if there is enough to turn the motor at all.
     pub(in crate::rig) fn turns(self, output: &Output) -> Result<Self, Problem> {
         let p = &self.parameters;
-        let starts = p.coulomb * if self.is_current { 1.0 } else { p.resistance } / p.gain;
+        let starts = p.running_volts() / if self.is_current { p.resistance } else { 1.0 };
         if self.limit > starts {
             return Ok(self);
         }
@@ -62,7 +62,7 @@ impl Wiring {
             "at most {:.3} {unit} reach the motor of `{}`, {share:.0} % of what turns it at all",
             self.limit, output.name
         );
-        let help = "raise the amplifier's `gain`, `max_volts` or `max_level`, or the motor's `max_volts`";
+        let help = "raise the amplifier's `gain`, `max_volts` or `max_level`, or the motor's `max_volts`; or `max_amperes` of either";
         Err(Problem::error(&output.span, what).help(help.to_string()))
     }
 }

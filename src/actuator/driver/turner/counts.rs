@@ -1,10 +1,15 @@
 //! What happened to a motor that is turned.
 
 /// What happened so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Counts {
-    /// Samples in which the limit kept the motor from what was played.
+    /// Samples in which the limit kept the motor from what was played: by more than 1 % of its full speed, or at all where it was planned otherwise.
     pub limited: u64,
+    /// Speeds that were played, summed up over samples as shares of the full one, and what plans within the limit miss of them; 0 where no speeds are
+    /// planned.
+    pub played: f64,
+    /// See `played`.
+    pub missed: f64,
     /// Levels that were no numbers, and counted as 0.
     pub masked: u64,
     /// Orders that found no room.

@@ -1,6 +1,7 @@
 //! What is sent to a motor at an instant, and what its model makes of that.
 
-use super::{Mode, OPENS, STANDS, Turner};
+use super::{Mode, OPENS, Turner};
+use crate::actuator::driver::coast::STANDS;
 use crate::actuator::driver::setup::Shaping;
 use crate::actuator::driver::warmth::Before;
 

@@ -42,6 +42,7 @@ impl Protection {
             counts: Counts::default(),
             volts: bounds.full_scale.unwrap_or(1.0),
             peak: bounds.peak.unwrap_or(f64::INFINITY),
+            range: [f64::NEG_INFINITY, f64::INFINITY],
             slew: bounds.slew.map_or(f64::INFINITY, |slew| slew / rate),
             alternating: None,
             heat: None,
@@ -59,6 +60,8 @@ impl Protection {
             // The converter lets no more pass anyway.
             it.peak = it.peak.min(it.volts);
         }
+        let [low, high] = bounds.range.unwrap_or(it.range);
+        it.range = [low.max(-it.peak), high.min(it.peak)];
         it.govern()?;
         if bounds.stroke.is_some() || [&it.heat, &it.rms].into_iter().flatten().any(Governor::wants_current) {
             let sampled = match &bounds.actuator {

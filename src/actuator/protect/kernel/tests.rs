@@ -106,6 +106,7 @@ fn various() -> Vec<Bounds> {
         Bounds { peak: None, ..a },
         Bounds { rms: Some(Rms { most: 2.0, unit: Unit::Volts, seconds: 0.1 }), actuator: resonant, ..a },
         Bounds { peak: a.peak, ..none() },
+        Bounds { range: Some([-2.0, 3.0]), slew: a.slew, ..none() },
         Bounds { slew: a.slew, ..none() },
         Bounds { peak: a.peak, slew: a.slew, ..none() },
         Bounds { heat: a.heat, ..none() },

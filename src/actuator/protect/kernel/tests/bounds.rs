@@ -2,7 +2,7 @@
 
 use super::{
     Actuator, Alternating, Bounds, Casing, Cooling, Limits, Parameters, Protection, RATE, Rms, TAU, Unit,
-    all, bits, cooling, none, plant, run,
+    all, bits, cooling, hostile, none, plant, run,
 };
 
 #[test]
@@ -33,6 +33,41 @@ fn what_is_derived_from_limits_and_motors_is_what_they_say() {
     // At its rated voltage it runs untouched for ever.
     let rated = vec![0.6; 200_000];
     assert!(bits(&run(&b, RATE, &rated).0) == bits(&rated));
+}
+
+/// What bears less one way than the other: nothing leaves beyond either end, also where 0 is one, and what lies between leaves as it is.
+#[test]
+fn a_range_is_kept_to_at_both_ends() {
+    let input = hostile(50_000);
+    for range in [[-0.5, 2.0], [0.0, 3.0], [-4.0, 0.0], [-0.3, f64::INFINITY]] {
+        for (peak, slew) in [(None, None), (Some(1.5), None), (None, Some(1.5e4))] {
+            let (out, counts) = run(&Bounds { range: Some(range), peak, slew, ..none() }, RATE, &input);
+            let [low, high] = peak.map_or(range, |peak: f64| [range[0].max(-peak), range[1].min(peak)]);
+            let mut held = 0;
+            for (came, left) in input.iter().zip(&out) {
+                let volts = f64::from(*left) * 5.0;
+                assert!(volts >= low && volts <= high, "{range:?} {peak:?} {slew:?}: {came} {volts}");
+                // What is no number becomes 0, also where nothing is too high.
+                let inside = came.is_finite() && (low..=high).contains(&(f64::from(*came) * 5.0));
+                held += u64::from(came.is_finite() && !inside);
+                assert!(slew.is_some() || !inside || came.to_bits() == left.to_bits(), "{came} {left}");
+            }
+            assert_eq!(counts.peak.samples, held);
+        }
+    }
+    let refused = |range: [f64; 2], more: Bounds| {
+        Protection::new(&Bounds { range: Some(range), ..more }, 48e3).unwrap_err().field
+    };
+    for (range, field) in [
+        ([0.1, 1.0], "range.low"),
+        ([f64::NAN, 1.0], "range.low"),
+        ([-1.0, -0.1], "range.high"),
+        ([0.0, 0.0], "range.high"),
+        ([-1.0, f64::NAN], "range.high"),
+    ] {
+        assert_eq!(refused(range, none()), field, "{range:?}");
+    }
+    assert_eq!(refused([-1.0, 1.0], all()), "stroke");
 }
 
 #[test]
