@@ -649,7 +649,7 @@ fn a_knob_that_is_there_takes_no_memory() {
     ] {
         let rig = format!(
             "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\nrate = 48000\ncoupling = \"dc\"\n[[tactor]]\nname = \"a\"\nchannel = 1\n\
-             [[output]]\nkind = \"torque\"\nname = \"k\"\nchannel = 2\n[knob]\ninertia = 1e-5\npeak_torque = 0.1\n{sensor}\n"
+             [[output]]\nkind = \"torque\"\nname = \"k\"\nchannel = 2\n[knob]\ninertia = 1e-5\nviscous = 1e-3\ndelay = 0\npeak_torque = 0.1\n{sensor}\n"
         );
         let rig = Rig::parse("r", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
         let plans = [0.01, 0.02].map(|torque| {

@@ -369,7 +369,7 @@ fn a_session_with_a_knob_that_was_turned_is_played_again_to_the_bit() {
     );
     // It ends after half a second: the angle is lost, though silence would say 0.
     let mut wav =
-        WavWriter::create(&room.0.join("turned.wav"), WavSpec::new(1, 48_000, Encoding::F32)).unwrap();
+        WavWriter::create(room.0.join("turned.wav"), WavSpec::new(1, 48_000, Encoding::F32)).unwrap();
     wav.write(&(0..24_000).map(|n| 0.4 * (n as f32 / 24_000.0)).collect::<Vec<_>>()).unwrap();
     wav.finish().unwrap();
     let kept = room.run(&[
