@@ -28,7 +28,7 @@
 
 use super::Row;
 use super::design::SECTIONS;
-use super::loops::{Cascade, Sections, cascade};
+use super::loops::{Cascade, SILENCE, Sections, cascade};
 use crate::dsp::elliptic::Elliptic;
 use crate::dsp::lanes::LANES;
 
@@ -266,27 +266,7 @@ impl Limiter {
                     let first = cascade(filter, &mut after, x[0]);
                     let last = rest(limits, &after);
                     let second = cascade(filter, &mut after, x[1]);
-                    let mut peak = [0.0f32; LANES];
-                    let mut before = [0.0; LANES];
-                    for l in 0..LANES {
-                        before[l] = old[1][l] + impulse[0][l] * x[0][l];
-                        peak[l] = before[l].abs();
-                    }
-                    for k in 1..N {
-                        let mut sum = last;
-                        for l in 0..LANES {
-                            if k < N - 1 {
-                                sum[l] = old[k + 1][l] + impulse[k][l] * x[0][l];
-                            }
-                            let size = sum[l].abs();
-                            // The last prediction is the second sample's alone.
-                            peak[l] = if k == N - 1 || peak[l] > size { peak[l] } else { size };
-                            let sum = sum[l] + impulse[k - 1][l] * x[1][l];
-                            new[k - 1][l] = sum;
-                            let size = sum.abs();
-                            peak[l] = if peak[l] > size { peak[l] } else { size };
-                        }
-                    }
+                    let peak = predict_two(impulse, old, new, &last, x);
                     let mut high = false;
                     for size in peak {
                         high |= size > limits.near;
@@ -393,12 +373,12 @@ impl Limiter {
         cascade(filter, &mut self.bare_state, *x);
         let mut peak = [0.0f32; LANES];
         for k in 0..N - 1 {
+            let mut sum = bare[k + 1];
             for l in 0..LANES {
-                let sum = bare[k + 1][l] + impulse[k][l] * x[l];
-                bare[k][l] = sum;
-                let size = sum.abs();
-                peak[l] = if peak[l] > size { peak[l] } else { size };
+                sum[l] += impulse[k][l] * x[l];
             }
+            bare[k] = sum;
+            peak = larger(&peak, &sum);
         }
         let now = wanted(limits, x, &peak);
         for l in 0..LANES {
@@ -458,14 +438,55 @@ impl Limiter {
 fn predict<const N: usize>(impulse: &[Row; N], old: &[Row; N], new: &mut [Row; N], u: &Row) -> Row {
     let mut peak = [0.0f32; LANES];
     for k in 0..N - 1 {
+        let mut sum = old[k + 1];
         for l in 0..LANES {
-            let sum = old[k + 1][l] + impulse[k][l] * u[l];
-            new[k][l] = sum;
-            let size = sum.abs();
-            peak[l] = if peak[l] > size { peak[l] } else { size };
+            sum[l] += impulse[k][l] * u[l];
         }
+        new[k] = sum;
+        peak = larger(&peak, &sum);
     }
     peak
+}
+
+/// The same for two samples, one after the other; `last` is the last prediction behind the first.
+#[inline(always)]
+fn predict_two<const N: usize>(
+    impulse: &[Row; N],
+    old: &[Row; N],
+    new: &mut [Row; N],
+    last: &Row,
+    x: &[Row; 2],
+) -> Row {
+    let mut peak = [0.0f32; LANES];
+    for l in 0..LANES {
+        peak[l] = (old[1][l] + impulse[0][l] * x[0][l]).abs();
+    }
+    for k in 1..N - 1 {
+        // Loaded and stored as rows: the compiler cannot know that both copies are apart, and would take the lanes one by one.
+        let (mut sum, mut next) = (old[k + 1], SILENCE);
+        for l in 0..LANES {
+            sum[l] += impulse[k][l] * x[0][l];
+            next[l] = sum[l] + impulse[k - 1][l] * x[1][l];
+        }
+        new[k - 1] = next;
+        peak = larger(&larger(&peak, &sum), &next);
+    }
+    // The last prediction is the second sample's alone.
+    let mut next = *last;
+    for l in 0..LANES {
+        next[l] += impulse[N - 2][l] * x[1][l];
+    }
+    new[N - 2] = next;
+    larger(&peak, &next)
+}
+
+/// The larger of each of `peak` and the magnitude of each of `row`.
+#[inline(always)]
+fn larger(peak: &Row, row: &Row) -> Row {
+    std::array::from_fn(|l| {
+        let size = row[l].abs();
+        if peak[l] > size { peak[l] } else { size }
+    })
 }
 
 /// What channels need whose predictions go up to `peak` and whose input is `x`.
