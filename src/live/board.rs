@@ -159,7 +159,7 @@ impl Board {
         for (number, (cells, sent)) in cells.enumerate() {
             let first = number * ABREAST;
             let mut peaks = [0.0_f32; ABREAST];
-            let mut rise = |peak: &mut f32, value: f32| {
+            let rise = |peak: &mut f32, value: f32| {
                 let size = value.abs();
                 // Not-a-number has no size.
                 *peak = if size > *peak { size } else { *peak };
