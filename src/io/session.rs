@@ -15,6 +15,7 @@ use super::device::failure::DeviceError;
 use super::device::keeper::{BLOCK, Fate, Keeper};
 use super::device::list::Found;
 use super::device::listening::Listening;
+use super::device::priority;
 use super::input::{Heard, Input};
 use crate::engine::exchange::exchange;
 use crate::engine::task::Task;
@@ -202,7 +203,10 @@ impl Session {
         let keeper = Keeper::start(driver, device, shape, &board, fate).map_err(SessionError::Device)?;
         let conductor = std::thread::Builder::new()
             .name("conductor".into())
-            .spawn(move || conductor.lead())
+            .spawn(move || {
+                priority::raise_feeding();
+                conductor.lead();
+            })
             .map_err(|error| SessionError::Plan(format!("no thread for the conductor: {error}")))?;
         let (keeper, conductor) = (Some(keeper), Some(conductor));
         Ok(Self {

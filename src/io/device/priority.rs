@@ -28,22 +28,68 @@ pub fn latest() -> Priority {
 #[cfg(unix)]
 const FIFO: u8 = 60;
 
+/// That of threads which bring those what they play: a busy machine must not make events late, nor they a callback.
+#[cfg(unix)]
+const FEEDING: u8 = 40;
+
 /// Asks the system to let this thread run before all others. It is called once by each thread that plays, before it first does.
 pub fn raise() {
-    use thread_priority::ThreadPriority;
     #[cfg(unix)]
-    let raised = {
-        use thread_priority::{
-            RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy,
-            thread_native_id,
-        };
-        let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-        let priority =
-            thread_priority::ThreadPriorityValue::try_from(FIFO).map(ThreadPriority::Crossplatform);
-        priority
-            .is_ok_and(|priority| set_thread_priority_and_policy(thread_native_id(), priority, fifo).is_ok())
-    };
+    let raised = fifo(FIFO);
     #[cfg(not(unix))]
-    let raised = thread_priority::set_current_thread_priority(ThreadPriority::Max).is_ok();
+    let raised = thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Max).is_ok();
     LATEST.store(if raised { 1 } else { 2 }, Ordering::Relaxed);
+}
+
+/// Asks the same for a thread that waits for events and sends them to those that play, which go before it. Where the system refuses it
+/// has refused those, too, and that is told.
+pub fn raise_feeding() {
+    #[cfg(unix)]
+    let _ = fifo(FEEDING);
+    #[cfg(windows)]
+    let _ = thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Os(
+        thread_priority::WinAPIThreadPriority::AboveNormal.into(),
+    ));
+}
+
+/// Whether the system lets this thread run before others, those aside that have more.
+#[cfg(unix)]
+fn fifo(priority: u8) -> bool {
+    use thread_priority::{
+        RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
+        set_thread_priority_and_policy, thread_native_id,
+    };
+    let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+    ThreadPriorityValue::try_from(priority)
+        .map(ThreadPriority::Crossplatform)
+        .is_ok_and(|priority| set_thread_priority_and_policy(thread_native_id(), priority, fifo).is_ok())
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use thread_priority::{ThreadPriority, get_current_thread_priority, thread_schedule_policy};
+
+    use super::{FEEDING, FIFO, Priority, latest, raise, raise_feeding};
+
+    /// What a thread has after it asked; `None` where the system refused.
+    fn after(ask: fn()) -> Option<ThreadPriority> {
+        let asked = move || {
+            let before = thread_schedule_policy().ok();
+            ask();
+            let raised = thread_schedule_policy().ok() != before;
+            raised.then(|| get_current_thread_priority().ok()).flatten()
+        };
+        std::thread::spawn(asked).join().unwrap()
+    }
+
+    #[test]
+    fn what_plays_goes_before_what_feeds_it_and_both_before_the_rest_or_it_is_told() {
+        const { assert!(FEEDING < FIFO && FEEDING > 1) };
+        let (plays, feeds) = (after(raise), after(raise_feeding));
+        let refused = latest() == Priority::Refused;
+        assert_eq!((plays.is_none(), feeds.is_none()), (refused, refused));
+        if let (Some(plays), Some(feeds)) = (plays, feeds) {
+            assert!(plays > feeds, "{plays:?} {feeds:?}");
+        }
+    }
 }
