@@ -26,7 +26,7 @@ use rosc::{OscMessage, OscPacket, OscType, encoder};
 const CHANNELS: u32 = 2;
 
 /// One voice that sounds as long as it is held, a pattern that plays from the beginning and is over soon, and one that never ends.
-const PATCH: &str = "[control.depth]\ndefault = 1\n[voice.hum]\nvoices = 16\noutput = \"o\"\n[voice.hum.nodes]\n\
+const PATCH: &str = "[control.depth]\ndefault = 1\n[[bind]]\nfrom = \"osc./1/fader1\"\ncontrol = \"depth\"\npickup = false\n[voice.hum]\nvoices = 16\noutput = \"o\"\n[voice.hum.nodes]\n\
     s = { type = \"sine\", frequency = 200, amplitude = \"1 - 0.5 * touch.pressure\" }\ne = { type = \"envelope\", attack = 0.005, release = 0.02 }\n\
     o = { type = \"multiply\", inputs = [\"s\", \"e\", \"depth\"] }\n\
     [pattern.once]\nevents = [{ at = 0, voice = \"hum\", duration = 0.01 }]\n\
@@ -128,6 +128,9 @@ fn the_meter_shows_what_was_asked_for() {
     stage.wait_for("the voice", |peaks| peaks[0] > 0.4 && peaks[0] < 0.6);
     stage.say("/control/depth", &[OscType::Double(0.5)]);
     stage.wait_for("the control", |peaks| peaks[0] > 0.2 && peaks[0] < 0.3);
+    stage.say("/1/fader1", &[OscType::Float(0.8)]);
+    stage.wait_for("what is bound to an address", |peaks| peaks[0] > 0.35 && peaks[0] < 0.45);
+    stage.say("/control/depth", &[OscType::Double(0.5)]);
     stage.say("/voice/pressure", &[7.into(), OscType::Float(1.0)]);
     stage.wait_for("the pressure", |peaks| peaks[0] > 0.1 && peaks[0] < 0.15);
     stage.say("/voice/release", &[7.into()]);

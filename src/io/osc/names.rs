@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::address::{LONGEST, Pattern};
 use super::announce::Wants;
 use crate::midi::What;
-use crate::patch::{Control, Patch, Source};
+use crate::patch::{Control, Mover, Patch, Source};
 
 /// What an address does.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,7 +46,7 @@ pub enum Method {
     Status,
     /// Answers.
     Ping,
-    /// Is for the patch's triggers.
+    /// Is for the patch's triggers and bindings.
     Trigger(String),
 }
 
@@ -60,7 +60,8 @@ pub struct Names {
 }
 
 impl Names {
-    /// Of a patch. Where two things would share an address, the first has it: pacinian's own, then voices, patterns, controls, triggers.
+    /// Of a patch. Where two things would share an address, the first has it: pacinian's own, then voices, patterns, controls, triggers and
+    /// bindings; both hear of one that they share.
     pub fn of(patch: &Patch) -> Self {
         let mut names = Self { controls: patch.controls.clone(), ..Self::default() };
         for (address, method) in [
@@ -100,6 +101,11 @@ impl Names {
         }
         for trigger in &patch.triggers {
             if let Source::Osc(address) = &trigger.on {
+                names.add(address.clone(), Method::Trigger(address.clone()));
+            }
+        }
+        for bind in &patch.binds {
+            if let Mover::Osc(address) = &bind.from {
                 names.add(address.clone(), Method::Trigger(address.clone()));
             }
         }
@@ -158,6 +164,7 @@ mod tests {
         assert_eq!(find("/control/tem?o"), [Method::Set(1)]);
         assert_eq!(find("/control/*/get"), [Method::Get(0), Method::Get(1)]);
         assert_eq!(find("/hit/left"), [Method::Trigger("/hit/left".into())]);
+        assert_eq!(find("/1/fader*"), [Method::Trigger("/1/fader1".into())]);
         // A trigger cannot take what is pacinian's own.
         assert_eq!(find("/ping"), [Method::Ping]);
         // Of controls, those that are streams have that address, too.

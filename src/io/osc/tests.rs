@@ -7,7 +7,8 @@ pub(super) const PATCH: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n\
     [voice.high]\noutput = \"s\"\n[voice.high.nodes]\ns = { type = \"sine\", frequency = 200 }\n\
     [voice.release]\noutput = \"s\"\n[voice.release.nodes]\ns = { type = \"sine\", frequency = 200 }\n\
     [pattern.walk]\nevents = [{ at = 0, voice = \"low\" }]\n\
-    [[trigger]]\non = \"osc./hit/left\"\nplay = \"low\"\n[[trigger]]\non = \"osc./ping\"\nplay = \"low\"\n";
+    [[trigger]]\non = \"osc./hit/left\"\nplay = \"low\"\n[[trigger]]\non = \"osc./ping\"\nplay = \"low\"\n\
+    [[bind]]\nfrom = \"osc./1/fader1\"\ncontrol = \"depth\"\n";
 
 use std::net::UdpSocket;
 use std::sync::Arc;
