@@ -64,6 +64,7 @@ fn main() {
         delay: Delay::ticks(1.0),
         resonance: None,
         low_pass: None,
+        velocity: pacinian::knob::velocity::choice::Choice::Adaptive(0.01),
         peak: 0.175,
     };
     let governor = Governor::new(&device, MARGIN).unwrap();

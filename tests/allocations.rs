@@ -521,6 +521,7 @@ fn a_knob_and_its_servo_take_no_memory() {
         delay: Delay::ticks(1.0),
         resonance: None,
         low_pass: None,
+        velocity: pacinian::knob::velocity::choice::Choice::Adaptive(0.01),
         peak: 0.175,
     };
     let governor = Governor::new(&device, MARGIN).unwrap();

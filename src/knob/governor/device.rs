@@ -1,9 +1,11 @@
 //! What must be known of a knob to say what it bears.
 
+use super::loops::Loops;
 use crate::actuator::fault::{Fault, Limit, check, not_negative, positive};
 use crate::knob::low_pass::LowPass;
 use crate::knob::stability::rules::quantisation;
 use crate::knob::stability::sampled::{Loop, Rotor, Shaft};
+use crate::knob::velocity::choice::Choice;
 
 /// Delay from reading to torque, beside the hold's half tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,16 +62,18 @@ pub struct Device {
     pub resonance: Option<Resonance>,
     /// Corner of the reconstruction low-pass, hertz, if there is one.
     pub low_pass: Option<f64>,
+    /// What makes a speed of its angles: the computed damping is as late as that.
+    pub velocity: Choice,
     /// The largest torque, N m.
     pub peak: f64,
 }
 
 impl Device {
-    /// Its loop, for the edge of stability.
+    /// Its loops, for the edge of stability.
     ///
     /// # Errors
     /// A figure that cannot be.
-    pub fn sampled(&self) -> Result<Loop, Fault> {
+    pub fn sampled(&self) -> Result<Loops, Fault> {
         positive("inertia", self.inertia)?;
         not_negative("damping", self.damping)?;
         not_negative("friction", self.friction.unwrap_or(0.0))?;
@@ -90,10 +94,12 @@ impl Device {
                 Loop::shaft(&Shaft { motor, knob, clamped, loss, damping: self.damping }, self.period, delay)?
             }
         };
-        Ok(match self.low_pass {
+        let all = match self.low_pass {
             None => all,
             Some(hertz) => all.filtered(&LowPass::new(hertz, self.period)?),
-        })
+        };
+        let estimators = self.velocity.transfers(self.count, self.period)?;
+        Ok(Loops::new(estimators.into_iter().map(|one| all.clone().estimated(one)).collect()))
     }
 
     /// The stiffness up to which nothing but the loop moves the knob: dry friction covers a count's torque, and a count does not ask

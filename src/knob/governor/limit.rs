@@ -2,6 +2,7 @@
 
 use super::device::{Delay, Device};
 use crate::actuator::fault::Fault;
+use crate::knob::velocity::choice::Choice;
 use std::fmt;
 
 /// What keeps a stiffness down.
@@ -13,6 +14,8 @@ pub enum Limit {
     Delay,
     /// Damping is computed from differences, which come late themselves.
     ComputedDamping,
+    /// What makes a speed of angles comes late, and with it the computed damping.
+    Estimator,
     /// The encoder's steps exceed what dry friction covers.
     Quantisation,
     /// The shaft twists.
@@ -38,6 +41,8 @@ pub enum Remedy {
     Damping(f64),
     /// Half the computed damping, N m s/rad.
     HalfDamping(f64),
+    /// Speed by a quicker estimator.
+    Estimator(Choice),
     /// No reconstruction low-pass.
     NoLowPass,
     /// A stiff shaft.
@@ -81,14 +86,16 @@ pub(super) fn explain(device: &Device, margin: f64, damping: f64) -> Result<Expl
     let no_delay = Device { delay: Delay::ticks(0.0), ..device.clone() };
     let no_filter = Device { low_pass: None, ..device.clone() };
     let rigid = Device { resonance: None, ..device.clone() };
+    let quick = Device { velocity: Choice::Difference, ..device.clone() };
     let gain = |d: &Device, b: f64| d.sampled().map(|l| l.edge(b).gain).unwrap_or(0.0);
     let binds = if device.peak / device.count <= now {
         Limit::Torque
     } else if device.covered() <= now {
         Limit::Quantisation
     } else if gain(device, 0.0).max(gain(device, 0.5 * damping)) > edge.gain * WORTH {
-        // Computed damping adds stiffness up to a point; here it is beyond.
-        Limit::ComputedDamping
+        // Computed damping adds stiffness up to a point; here it is beyond, by itself or for what it is computed of.
+        let by_itself = gain(&quick, 0.0).max(gain(&quick, 0.5 * damping)) > gain(&quick, damping) * WORTH;
+        if by_itself { Limit::ComputedDamping } else { Limit::Estimator }
     } else {
         // What is gained where one cause alone is taken away.
         [
@@ -96,6 +103,7 @@ pub(super) fn explain(device: &Device, margin: f64, damping: f64) -> Result<Expl
             (Limit::Delay, gain(&no_delay, damping)),
             (Limit::LowPass, gain(&no_filter, damping)),
             (Limit::Resonance, gain(&rigid, damping)),
+            (Limit::Estimator, gain(&quick, damping)),
         ]
         .into_iter()
         .fold((Limit::Sampling, 0.0), |best, next| if next.1 > best.1 * 1.000_1 { next } else { best })
@@ -118,6 +126,9 @@ pub(super) fn explain(device: &Device, margin: f64, damping: f64) -> Result<Expl
     offer(Remedy::Peak(2.0 * device.peak), Device { peak: 2.0 * device.peak, ..device.clone() }, damping);
     if damping > 0.0 {
         offer(Remedy::HalfDamping(0.5 * damping), device.clone(), 0.5 * damping);
+        if let Some(velocity) = device.velocity.quicker() {
+            offer(Remedy::Estimator(velocity), Device { velocity, ..device.clone() }, damping);
+        }
     }
     if device.low_pass.is_some() {
         offer(Remedy::NoLowPass, no_filter, damping);
@@ -143,6 +154,7 @@ impl fmt::Display for Limit {
             Self::Sampling => "the rate",
             Self::Delay => "the delay",
             Self::ComputedDamping => "computed damping",
+            Self::Estimator => "the velocity estimator",
             Self::Quantisation => "the encoder's counts against dry friction",
             Self::Resonance => "the shaft's resonance",
             Self::LowPass => "the reconstruction low-pass",
@@ -160,6 +172,7 @@ impl fmt::Display for Remedy {
             Self::Counts(counts) => write!(f, "an encoder of {counts:.0} counts a turn"),
             Self::Damping(b) => write!(f, "a damping of {b:.3e} N m s/rad in the device"),
             Self::HalfDamping(b) => write!(f, "a computed damping of {b:.3e} N m s/rad"),
+            Self::Estimator(choice) => choice.fmt(f),
             Self::NoLowPass => f.write_str("no reconstruction low-pass"),
             Self::StiffShaft => f.write_str("a stiff shaft"),
             Self::Peak(torque) => write!(f, "a peak torque of {torque} N m"),

@@ -3,19 +3,23 @@
 //! | file | holds |
 //! |---|---|
 //! | [`device`] | what must be known of a knob |
+//! | [`loops`] | its loops, one for each length of an adaptive window |
 //! | [`limit`] | which limit binds, and what would lift it |
 //!
-//! [`Governor::new`] computes, off the servo, the exact edge of stability over the computed damping; [`Governor::allow`] looks up at every
+//! [`Governor::new`] computes, off the servo, the exact edge of stability over the computed damping, with the states of the estimator that
+//! the damping is computed from; [`Governor::allow`] looks up at every
 //! tick what is left of what the effects ask. Half of the edge is the default: at nine tenths the encoder's steps already make most loops
 //! tremble.
 
 pub mod device;
 pub mod limit;
+pub mod loops;
 #[cfg(test)]
 mod tests;
 
 use crate::actuator::fault::{Fault, Limit as Must, check};
 use crate::knob::effect::Bound;
+use crate::knob::velocity::choice::Choice;
 use device::Device;
 use limit::{Explanation, Limit, explain};
 
@@ -126,8 +130,13 @@ impl Governor {
         explain(&self.device, self.margin, damping.clamp(0.0, self.most_damping))
     }
 
-    /// Which limit binds damping: where there is no edge of its own it is the device's.
+    /// Which limit binds damping: what gives most where it alone is taken away. Where none of them gives more it is the damping itself.
     pub fn binds_damping(&self) -> Limit {
-        if self.device.resonance.is_some() { Limit::Resonance } else { Limit::ComputedDamping }
+        let most = |device: &Device| device.sampled().map_or(0.0, |all| all.damping_edge().gain);
+        let rigid = Device { resonance: None, ..self.device.clone() };
+        let quick = Device { velocity: Choice::Difference, ..self.device.clone() };
+        let own = (Limit::ComputedDamping, most(&self.device) * 1.000_1);
+        let others = [(Limit::Resonance, most(&rigid)), (Limit::Estimator, most(&quick))];
+        others.into_iter().fold(own, |best, next| if next.1 > best.1 { next } else { best }).0
     }
 }

@@ -4,6 +4,8 @@ use super::{Governor, MARGIN};
 use crate::knob::effect::Bound;
 use crate::knob::stability::rules::gil;
 use crate::knob::test_plant::{Delay as Line, Plant, count, floor};
+use crate::knob::velocity::Estimator;
+use crate::knob::velocity::choice::Choice;
 
 const KNOB: f64 = 5e-6;
 
@@ -18,6 +20,7 @@ fn motors() -> Vec<Device> {
         delay: Delay::ticks(0.0),
         resonance: None,
         low_pass: None,
+        velocity: Choice::Difference,
         peak: 0.150,
     };
     let coreless = Device {
@@ -235,4 +238,105 @@ fn contradictory_devices_are_refused() {
         assert_eq!(Governor::new(&d, MARGIN).unwrap_err().field, field);
     }
     assert!(Governor::new(&good, 0.0).is_err() && Governor::new(&good, 1.1).is_err());
+}
+
+const ESTIMATORS: [Choice; 5] = [
+    Choice::Difference,
+    Choice::Filtered(400.0),
+    Choice::Filtered(80.0),
+    Choice::Adaptive(0.01),
+    Choice::Kalman(2000.0),
+];
+
+/// How far a knob still swings, in counts, when what does not swing by itself would have come to rest long ago. It starts some counts
+/// off.
+fn swing(d: &Device, friction: f64, gains: (f64, f64), hand: f64, off: f64) -> f64 {
+    let (k, b) = gains;
+    let rate = 1.0 / d.period;
+    let settle = (60.0 * 2.0 * d.inertia / (d.damping + b) * rate) as u64;
+    let watch = settle + (20.0 * rate * (d.inertia / k).sqrt()) as u64;
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    damped(d, friction, gains, hand, hand / k + off * d.count, |tick, angle| {
+        if tick >= settle {
+            (low, high) = (low.min(angle), high.max(angle));
+        }
+        tick > watch || !(angle.abs() < 1e6)
+    });
+    if high.is_finite() { (high - low) / d.count } else { f64::INFINITY }
+}
+
+/// Springs and dampers together, speed by each estimator as it is: at half the limit the knob settles, at one and a half times the
+/// edge it swings.
+#[test]
+fn with_every_estimator_half_the_limit_settles_and_more_than_the_edge_swings() {
+    for motor in motors() {
+        for (rate, delay) in loops() {
+            for velocity in ESTIMATORS {
+                if matches!(velocity, Choice::Filtered(hertz) if hertz > 0.3 * rate) {
+                    continue;
+                }
+                let d = Device { period: 1.0 / rate, delay, velocity, ..motor.clone() };
+                let governor = Governor::new(&d, MARGIN).unwrap();
+                let b = 0.5 * governor.most_damping();
+                let k = 0.5 * governor.most_stiffness(b);
+                let what =
+                    format!("{rate} Hz, {delay:?}, {motor:?}, {velocity:?}: {k} N m/rad, {b} N m s/rad");
+                assert!(k > 0.0 && b > 0.0, "{what}");
+                let hands = (0..10).map(|n| f64::from(n) * 1.137 * k * d.count);
+                let friction = d.friction.unwrap_or(0.0);
+                let worst = hands.map(|hand| swing(&d, friction, (k, b), hand, 6.0)).fold(0.0, f64::max);
+                assert!(worst <= 2.0, "{worst} counts: {what}");
+                let k = 1.5 * d.sampled().unwrap().edge(b).gain;
+                let least = swing(&d, 0.0, (k, b), 0.37 * k * d.count, 100.0);
+                // A window that shortens as the swing grows may hold it at a count or two.
+                let swings = if matches!(velocity, Choice::Adaptive(_)) { 0.5 } else { 2.0 };
+                assert!(least > swings, "{least} counts at {k} N m/rad: {what}");
+            }
+        }
+    }
+}
+
+/// What is granted to a plain difference, a knob whose speed comes later does not bear.
+#[test]
+fn what_a_plain_difference_bears_others_do_not() {
+    let d = Device { period: 1.0 / 48e3, friction: None, ..motors()[2].clone() };
+    let told = Governor::new(&d, MARGIN).unwrap();
+    let gains = (told.most_stiffness(told.most_damping()), told.most_damping());
+    for velocity in &ESTIMATORS[1..] {
+        let d = Device { velocity: *velocity, ..d.clone() };
+        assert!(swing(&d, 0.0, gains, 0.0, 6.0) > 20.0, "{velocity:?}");
+        let e = Governor::new(&d, MARGIN).unwrap();
+        assert!(e.most_damping() < 0.2 * told.most_damping(), "{velocity:?}");
+        assert_eq!(e.binds_damping(), Limit::Estimator, "{velocity:?}");
+        let says = e.explain(e.most_damping()).unwrap();
+        let quicker = velocity.quicker().unwrap();
+        assert_eq!(says.binds, Limit::Estimator, "{velocity:?}: {says}");
+        assert!(says.remedies.iter().any(|one| one.0 == Remedy::Estimator(quicker) && one.1 > 1.5), "{says}");
+    }
+}
+
+/// As [`simulate`], with a damper beside the spring.
+fn damped<F: FnMut(u64, f64) -> bool>(
+    d: &Device,
+    friction: f64,
+    (k, b): (f64, f64),
+    hand: f64,
+    start: f64,
+    mut watch: F,
+) {
+    let mut plant = Plant::new(d.inertia, d.damping, friction, d.period);
+    plant.angle = start;
+    let mut estimator = d.velocity.started(d.count, d.period).unwrap();
+    estimator.reset(floor(start, d.count));
+    let mut line = Line::new(d.delay.total() as usize);
+    for _ in 0..d.delay.total() as usize {
+        line.pass(-k * floor(start, d.count));
+    }
+    for tick in 0.. {
+        let seen = floor(plant.angle, d.count);
+        plant.step(line.pass(-k * seen - b * estimator.push(seen)) + hand);
+        if watch(tick, plant.angle) {
+            return;
+        }
+    }
 }

@@ -7,7 +7,6 @@ use crate::knob::governor::device::Device;
 use crate::knob::passivity::Cap;
 use crate::knob::plant::wave::Wave;
 use crate::knob::safety::chain::Limits;
-use crate::knob::velocity::choice::Choice;
 use std::fmt;
 
 /// Everything that a servo needs to know.
@@ -21,8 +20,6 @@ pub struct Setup {
     pub margin: f64,
     /// What the chain of safety keeps to; its period is the device's.
     pub limits: Limits,
-    /// How speed is estimated.
-    pub velocity: Choice,
     /// The passivity controller's cap; `None`: energy is booked and nothing brakes.
     pub passivity: Option<Cap>,
     /// Torque over the angle that the motor makes by itself, N m, to be taken back; flat where nothing is.
@@ -32,14 +29,13 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Of effects on a device that keeps to limits, with speed from the longest line of 10 ms and all else as usual.
+    /// Of effects on a device that keeps to limits, and all else as usual.
     pub fn new(effects: Vec<Any>, device: Device, limits: Limits) -> Self {
         Self {
             effects,
             device,
             margin: MARGIN,
             limits,
-            velocity: Choice::Adaptive(0.01),
             passivity: None,
             cogging: Wave::default(),
             ripple: Wave::default(),

@@ -10,6 +10,7 @@ use crate::knob::plant::parameters::Parameters;
 use crate::knob::plant::parts::{Build, Hand};
 use crate::knob::plant::wave::Wave;
 use crate::knob::safety::chain::{Limits, Stage, Trip};
+use crate::knob::velocity::choice::Choice;
 
 const PERIOD: f64 = 1.0 / 8000.0;
 
@@ -23,6 +24,7 @@ fn setup(effects: Vec<Any>, delay: usize) -> Setup {
         delay: Delay::ticks(delay as f64),
         resonance: None,
         low_pass: None,
+        velocity: Choice::Adaptive(0.01),
         peak: 0.2,
     };
     let limits = Limits {

@@ -80,7 +80,7 @@ impl Servo {
         let ticks = |seconds: f64| (seconds / period).round().clamp(1.0, 1e9);
         Ok(Self {
             period,
-            estimator: setup.velocity.started(setup.device.count, period)?,
+            estimator: setup.device.velocity.started(setup.device.count, period)?,
             governor: Governor::new(&setup.device, setup.margin)?,
             program,
             books,

@@ -1,16 +1,18 @@
 //! The loop of a knob and a computer that renders a spring and a damper, without an approximation.
 //!
-//! At tick k the computer reads θ_k and commands −K θ_k − B (θ_k − θ_{k−1}) / T, which acts d ticks later and is held for T. Between
+//! At tick k the computer reads θ_k and commands −K θ_k − B v_k, v_k being a plain difference (θ_k − θ_{k−1}) / T or what another
+//! [estimator](crate::knob::velocity::transfer) makes of the readings, which acts d ticks later and is held for T. Between
 //! ticks the plant is linear, so its state moves by e^{AT}; a delay that is no whole number of ticks splits the tick at the
 //! instant where the torque changes. From the state's step come the polynomials of θ / torque in w = z − 1 (Leverrier and Faddeev's
 //! recursion): in w, because the plant's slow eigenvalues are small differences from 1.
 
-use super::edge::{Edge, least};
-use super::roots::{Characteristic, excess, product, value};
+use super::edge::{Edge, Grid, least};
+use super::roots::{Characteristic, add, excess, product, value};
 use crate::actuator::exponential::{Square, exponential};
 use crate::actuator::fault::{Fault, Limit, check, not_negative, positive};
 use crate::dsp::complex::Complex;
 use crate::knob::low_pass::LowPass;
+use crate::knob::velocity::transfer::Transfer;
 
 /// The longest delay, ticks.
 pub const MOST_DELAY: f64 = 8192.0;
@@ -64,6 +66,7 @@ pub struct Loop {
     ending: Vec<f64>,
     beginning: Vec<f64>,
     filtered: bool,
+    estimator: Transfer,
 }
 
 impl Loop {
@@ -128,7 +131,17 @@ impl Loop {
         } else {
             (first, whole as usize)
         };
-        Ok(Self { period, above, below, lag, states, ending, beginning, filtered: false })
+        Ok(Self {
+            period,
+            above,
+            below,
+            lag,
+            states,
+            ending,
+            beginning,
+            filtered: false,
+            estimator: Transfer::difference(1),
+        })
     }
 
     /// The same loop with a low-pass on the torque.
@@ -138,6 +151,13 @@ impl Loop {
         self.above = product(&self.above, &above);
         self.below = product(&self.below, &below);
         self.filtered = true;
+        self
+    }
+
+    /// The same loop with speed by an estimator.
+    #[must_use]
+    pub fn estimated(mut self, estimator: Transfer) -> Self {
+        self.estimator = estimator;
         self
     }
 
@@ -151,16 +171,39 @@ impl Loop {
         let b = damping / self.period;
         if b == 0.0 {
             let fed_back = self.above.iter().map(|c| c * stiffness).collect();
-            return Characteristic { delayed: self.below.clone(), lag: self.lag, fed_back };
+            return Characteristic {
+                delayed: self.below.clone(),
+                lag: self.lag,
+                fed_back,
+                ..Characteristic::default()
+            };
         }
-        // K z + B w / T, over z.
-        let fed_back = product(&self.above, &[stiffness, stiffness + b]);
-        Characteristic { delayed: self.below.clone(), lag: self.lag + 1, fed_back }
+        let Transfer { ticks, above, below } = &self.estimator;
+        let delayed = product(&self.below, below);
+        let (spring, damper) = (product(&self.above, below), product(&self.above, above));
+        let b = b / *ticks as f64;
+        if *ticks == 1 {
+            // K z + B w / T, over z.
+            let mut fed_back = product(&spring, &[stiffness, stiffness]);
+            add(&mut fed_back, &product(&damper, &[0.0, b]));
+            return Characteristic { delayed, lag: self.lag + 1, fed_back, ..Characteristic::default() };
+        }
+        // K z^n + B (z^n − 1) / n T, over z^n.
+        let mut between: Vec<f64> = spring.iter().map(|c| c * stiffness).collect();
+        add(&mut between, &damper.iter().map(|c| c * b).collect::<Vec<_>>());
+        let fed_back = damper.iter().map(|c| -c * b).collect();
+        Characteristic { delayed, lag: self.lag + ticks, between, less: *ticks, fed_back }
     }
 
     /// How far outside the unit circle the plant's own eigenvalues lie, without the one at 1 that every knob has.
     fn own_excess(&self) -> f64 {
-        Characteristic { delayed: self.below[1..].to_vec(), lag: 0, fed_back: vec![0.0] }.excess()
+        Characteristic {
+            delayed: self.below[1..].to_vec(),
+            lag: 0,
+            fed_back: vec![0.0],
+            ..Characteristic::default()
+        }
+        .excess()
     }
 
     /// Every eigenvalue of the closed loop, as z.
@@ -188,11 +231,12 @@ impl Loop {
     /// The same for a damping that is known to lie within [`Loop::damping_edge`]: no eigenvalue is computed.
     pub(crate) fn edge_within(&self, damping: f64) -> Edge {
         let b = damping / self.period;
-        let lag = self.lag + 1;
-        let fixed =
-            |w: Complex, turned: Complex| value(&self.below, w) * turned + value(&self.above, w) * w * b;
-        let scaled = |w: Complex, _| value(&self.above, w) * (w + 1.0);
-        least(lag, self.period, &self.marks(), fixed, scaled)
+        let fixed = |phi: f64, w: Complex, turned: Complex| {
+            let (up, down) = self.estimator.at(phi, w);
+            value(&self.below, w) * turned * down + value(&self.above, w) * up * b
+        };
+        let scaled = |phi: f64, w: Complex| value(&self.above, w) * self.estimator.at(phi, w).1;
+        least(&self.grid(), fixed, scaled)
     }
 
     /// The computed damping up to which a knob without a spring comes to rest.
@@ -200,34 +244,52 @@ impl Loop {
         if self.own_excess() > 1e-12 {
             return Edge::NONE;
         }
-        let fixed = |w: Complex, turned: Complex| value(&self.below[1..], w) * turned;
-        let scaled = |w: Complex, _| value(&self.above, w) * (1.0 / self.period);
-        least(self.lag + 1, self.period, &self.marks(), fixed, scaled)
+        let fixed = |phi: f64, w: Complex, turned: Complex| {
+            value(&self.below[1..], w) * turned * self.estimator.at(phi, w).1
+        };
+        let scaled = |phi: f64, w: Complex| {
+            value(&self.above, w) * self.estimator.at(phi, w).0 / w * (1.0 / self.period)
+        };
+        least(&self.grid(), fixed, scaled)
     }
 
     /// By what factor both a stiffness and a damping may grow together. It computes all eigenvalues once: seconds for long delays.
     pub fn margin(&self, stiffness: f64, damping: f64) -> Edge {
         let b = damping / self.period;
-        let fixed = |w: Complex, turned: Complex| value(&self.below, w) * turned;
-        let scaled = |w: Complex, _| value(&self.above, w) * (w * (stiffness + b) + stiffness);
-        let edge = least(self.lag + 1, self.period, &self.marks(), fixed, scaled);
+        let fixed = |phi: f64, w: Complex, turned: Complex| {
+            value(&self.below, w) * turned * self.estimator.at(phi, w).1
+        };
+        let scaled = |phi: f64, w: Complex| {
+            let (up, down) = self.estimator.at(phi, w);
+            value(&self.above, w) * (up * b + down * stiffness)
+        };
+        let edge = least(&self.grid(), fixed, scaled);
         // Without damping of its own the knob may swing however small the factor is.
         let inside = if edge.gain.is_finite() { 0.5 * edge.gain } else { 1.0 };
         let stable = self.characteristic(inside * stiffness, inside * damping).excess() < 0.0;
         if stable { edge } else { Edge::NONE }
     }
 
+    /// Where to look for the edge.
+    fn grid(&self) -> Grid {
+        Grid::new(self.lag, self.estimator.ticks, self.period, &self.marks())
+    }
+
     /// Angles of the plant's own poles and zeros: near a sharp resonance the phase turns within a narrow band.
     fn marks(&self) -> Vec<(f64, f64)> {
-        let of = |p: &[f64]| Characteristic { delayed: p.to_vec(), lag: 0, fed_back: vec![0.0] }.roots();
+        let of = |p: &[f64]| {
+            Characteristic { delayed: p.to_vec(), lag: 0, fed_back: vec![0.0], ..Characteristic::default() }
+                .roots()
+        };
         let all = of(&self.below[1..]).into_iter().chain(of(&self.above));
+        let all = all.chain(of(&self.estimator.below));
         all.map(|w| ((w + 1.0).angle().abs(), excess(w).abs())).filter(|m| m.0 > 0.0).collect()
     }
 
     /// The closed loop as a matrix: the state of a tick gives that of the next. States are the plant's, the angle read before
-    /// and the torques under way. `None` with a low-pass, whose state is not among them.
+    /// and the torques under way. `None` with a low-pass or another estimator, whose states are not among them.
     pub fn matrix(&self, stiffness: f64, damping: f64) -> Option<Vec<Vec<f64>>> {
-        if self.filtered {
+        if self.filtered || !self.estimator.is_plain() {
             return None;
         }
         let n = self.states.len();

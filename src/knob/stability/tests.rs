@@ -1,5 +1,6 @@
 mod edges;
 mod eigenvalues;
+mod estimators;
 mod rules;
 mod shafts;
 mod simulated;

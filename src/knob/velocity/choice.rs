@@ -1,12 +1,14 @@
 //! Any estimator, chosen when a knob is made.
 
-use super::adaptive::{Adaptive, Fit};
-use super::decimated::Decimated;
+use super::Estimator;
 use super::difference::Difference;
 use super::filtered::Filtered;
 use super::kalman::Kalman;
-use super::{Estimator, adaptive};
+use super::transfer::Transfer;
+use super::window::{Window, looks};
 use crate::actuator::fault::Fault;
+use crate::knob::low_pass::LowPass;
+use std::fmt;
 
 /// Which estimator, and its figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,15 +23,12 @@ pub enum Choice {
     Kalman(f64),
 }
 
-/// The most readings that a window looks at: it takes every so-manieth of more.
-const LOOKS: f64 = 32.0;
-
 /// An estimator at work.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Any {
     Difference(Difference),
     Filtered(Filtered),
-    Adaptive(Box<Decimated<Adaptive>>),
+    Adaptive(Window),
     Kalman(Kalman),
 }
 
@@ -42,16 +41,56 @@ impl Choice {
         Ok(match self {
             Self::Difference => Any::Difference(Difference::new(period)?),
             Self::Filtered(hertz) => Any::Filtered(Filtered::new(hertz, period)?),
-            Self::Adaptive(seconds) => {
-                crate::actuator::fault::positive("window", seconds)?;
-                let ticks = (seconds / period).round().clamp(1.0, 1e9);
-                let every = (ticks / LOOKS).ceil().max(1.0);
-                let longest = (ticks / every).round().clamp(1.0, adaptive::MOST_WINDOW as f64);
-                let inner = Adaptive::new(Fit::Best, longest as usize, count, period * every)?;
-                Any::Adaptive(Box::new(Decimated::new(inner, every as u32)?))
-            }
+            Self::Adaptive(seconds) => Any::Adaptive(Window::new(seconds, count, period)?),
             Self::Kalman(acceleration) => Any::Kalman(Kalman::new(acceleration, count, period)?),
         })
+    }
+
+    /// What it does to small motions; of a window, for lengths from the shortest to the longest, each half as long again as the one before.
+    ///
+    /// # Errors
+    /// A figure that cannot be.
+    pub fn transfers(self, count: f64, period: f64) -> Result<Vec<Transfer>, Fault> {
+        Ok(match self {
+            Self::Difference => vec![Transfer::difference(1)],
+            Self::Filtered(hertz) => vec![Transfer::filtered(&LowPass::new(hertz, period)?)],
+            Self::Adaptive(seconds) => {
+                let (every, longest) = looks(seconds, period)?;
+                let mut lengths = vec![longest];
+                while let Some(&length) = lengths.last().filter(|length| **length > 1) {
+                    lengths.push((length * 2 / 3).max(1));
+                }
+                lengths.iter().rev().map(|length| Transfer::difference(every * length)).collect()
+            }
+            Self::Kalman(acceleration) => {
+                let (alpha, beta) = Kalman::new(acceleration, count, period)?.gains();
+                vec![Transfer::tracking(alpha, beta)]
+            }
+        })
+    }
+
+    /// The same, twice as quick; `None` of what cannot be quicker.
+    pub(crate) fn quicker(self) -> Option<Self> {
+        match self {
+            Self::Difference => None,
+            Self::Filtered(hertz) => Some(Self::Filtered(2.0 * hertz)),
+            Self::Adaptive(seconds) => Some(Self::Adaptive(0.5 * seconds)),
+            // The filter's own frequency goes with the root of it.
+            Self::Kalman(acceleration) => Some(Self::Kalman(4.0 * acceleration)),
+        }
+    }
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Difference => f.write_str("a plain difference"),
+            Self::Filtered(hertz) => write!(f, "a velocity corner of {hertz:.0} Hz"),
+            Self::Adaptive(seconds) => {
+                write!(f, "a velocity window of {} ms", (1e5 * seconds).round() * 1e-2)
+            }
+            Self::Kalman(acceleration) => write!(f, "a Kalman filter for {acceleration:.0} rad/s²"),
+        }
     }
 }
 

@@ -8,10 +8,11 @@
 //! | [`difference`] | nothing | slow rates, coarse effects; its lag is half a tick |
 //! | [`filtered`] | a corner frequency | smooth motion, known bandwidth |
 //! | [`adaptive`] | a longest window | slow and fast motion in turn, no figure known of it |
+//! | [`window`] | a longest window | the same at rates far above those of counts |
 //! | [`kalman`] | a bound on acceleration | the least error where the bound holds |
 //! | [`edges`] | nothing | rates far above those of counts |
 //!
-//! [`decimated`] runs any of them at a fraction of the rate, [`choice`] is any of them. None allocates once it is made, and each refuses what is not a number by
+//! [`decimated`] runs any of them at a fraction of the rate, [`choice`] is any of them, [`transfer`] what they do to a loop. None allocates once it is made, and each refuses what is not a number by
 //! saying what it said before.
 
 pub mod adaptive;
@@ -22,6 +23,8 @@ pub mod edges;
 pub mod error;
 pub mod filtered;
 pub mod kalman;
+pub mod transfer;
+pub mod window;
 
 /// Angles at a fixed rate in, speed out.
 pub trait Estimator {

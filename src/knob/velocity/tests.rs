@@ -6,6 +6,7 @@ use super::edges::Edges;
 use super::error::{Error, Motion, measure};
 use super::filtered::Filtered;
 use super::kalman::Kalman;
+use super::window::Window;
 use crate::dsp::random::uniform;
 
 const COUNT: f64 = std::f64::consts::TAU / 4000.0;
@@ -209,4 +210,39 @@ fn what_is_not_a_number_changes_nothing() {
     );
     assert!(Difference::new(0.0).is_err() && Kalman::new(0.0, COUNT, t).is_err());
     assert!(Edges::new(f64::NAN, 1.0, t).is_err() && Decimated::new(Difference::new(t).unwrap(), 0).is_err());
+}
+
+/// At every tick a plain difference over the window that the looks found: as long as it may be of a steady speed, and shorter where
+/// the speed turns.
+#[test]
+fn a_window_is_a_difference_over_its_ticks_at_every_tick() {
+    let period = 1.0 / 48_000.0;
+    let mut window = Window::new(0.01, COUNT, period).unwrap();
+    let angles: Vec<f64> = (0..24_000)
+        .map(|k| {
+            let t = f64::from(k) * period;
+            let angle = if t < 0.25 { 8.0 * t } else { 2.0 - 20.0 * (t - 0.25) };
+            COUNT * (angle / COUNT).floor()
+        })
+        .collect();
+    let mut shortest = usize::MAX;
+    for (k, angle) in angles.iter().enumerate() {
+        let speed = window.push(*angle);
+        let n = window.ticks();
+        if n > 0 {
+            let difference = (angle - angles[k - n]) / (n as f64 * period);
+            assert!((speed - difference).abs() < 1e-9 * difference.abs().max(1.0), "{k}");
+        }
+        if k == 11_999 || k == 23_999 {
+            assert_eq!(n, 480);
+        }
+        if k > 12_100 {
+            shortest = shortest.min(n);
+        }
+    }
+    assert!(shortest < 120, "{shortest}");
+    assert!((window.push(f64::NAN) + 20.0).abs() < 0.3);
+    window.reset(1.0);
+    assert_eq!(window.push(1.0), 0.0);
+    assert!(Window::new(0.0, COUNT, period).is_err() && Window::new(1e9, COUNT, period).is_err());
 }

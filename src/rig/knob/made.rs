@@ -123,6 +123,7 @@ impl Knob {
             delay: self.delay_at(pace),
             resonance: resonance.map(|(clamped, loss)| Resonance { clamped, knob: self.knob_inertia, loss }),
             low_pass: self.reconstruction,
+            velocity: self.velocity,
             peak: self.peak,
         }
     }
@@ -151,7 +152,6 @@ impl Knob {
         let cap = Cap { inertia: device.inertia, share: self.passivity, least_speed: LEAST_SPEED };
         Setup {
             margin: self.margin,
-            velocity: self.velocity,
             passivity: (self.passivity > 0.0).then_some(cap),
             cogging: if self.compensate { self.cogging } else { flat },
             ripple: if self.compensate { self.ripple } else { flat },

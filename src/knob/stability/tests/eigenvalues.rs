@@ -99,7 +99,8 @@ fn the_roots_are_the_eigenvalues_of_the_matrix() {
 #[test]
 fn roots_of_a_known_equation() {
     // z⁵⁰⁰ = 0.5 has 500 roots on one circle.
-    let c = Characteristic { delayed: vec![1.0], lag: 500, fed_back: vec![-0.5] };
+    let c =
+        Characteristic { delayed: vec![1.0], lag: 500, fed_back: vec![-0.5], ..Characteristic::default() };
     let roots = c.roots();
     assert_eq!(roots.len(), 500);
     let radius = 0.5f64.powf(1.0 / 500.0);

@@ -8,11 +8,12 @@
 //! ```
 //! use pacinian::knob::effect::Bound;
 //! use pacinian::knob::governor::{MARGIN, device::{Delay, Device}};
+//! use pacinian::knob::velocity::choice::Choice;
 //! use pacinian::report::knob::map::Map;
 //!
 //! let device = Device {
 //!     inertia: 6e-6, damping: 2e-5, friction: None, count: 1.57e-3, period: 1e-4, delay: Delay::ticks(1.0),
-//!     resonance: None, low_pass: None, peak: 0.15,
+//!     resonance: None, low_pass: None, velocity: Choice::Difference, peak: 0.15,
 //! };
 //! let map = Map::new(&device, MARGIN, Some(Bound { stiffness: 0.5, damping: 0.0 }))?;
 //! let granted = map.granted.expect("what was asked is a number");

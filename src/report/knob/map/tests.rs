@@ -2,6 +2,7 @@ use super::{Map, POINTS};
 use crate::knob::effect::Bound;
 use crate::knob::governor::MARGIN;
 use crate::knob::governor::device::{Delay, Device, Resonance};
+use crate::knob::velocity::choice::Choice;
 
 fn device() -> Device {
     Device {
@@ -13,6 +14,7 @@ fn device() -> Device {
         delay: Delay::ticks(1.0),
         resonance: None,
         low_pass: None,
+        velocity: Choice::Difference,
         peak: 0.15,
     }
 }
@@ -46,7 +48,7 @@ fn the_edge_parts_what_rests_from_what_swings() {
         let device = Device { delay: Delay::ticks(delay), resonance, low_pass, ..device() };
         let map = Map::new(&device, MARGIN, None).unwrap();
         assert!((POINTS - 2..=POINTS).contains(&map.points.len()));
-        let sampled = device.sampled().unwrap();
+        let sampled = device.sampled().unwrap().latest().cloned().unwrap();
         let mut seen = 0;
         for point in map.points.iter().step_by(12).filter(|p| p.edge.gain > 0.0) {
             let radius = |share: f64| sampled.radius(share * point.edge.gain, point.damping);
