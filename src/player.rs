@@ -13,7 +13,7 @@ use crate::knob::local_model::link::Slow;
 use crate::midi::Message;
 use crate::node::asset::Assets;
 use crate::patch::Patch;
-use crate::performer::{Callings, Performer, When};
+use crate::performer::{Callings, MidiCounts, Performer, When};
 use crate::rig::Rig;
 use crate::schedule::Instant;
 use crate::text::{Problem, Problems};
@@ -100,6 +100,11 @@ impl Player {
     /// the patch; `seconds` is when the song ends and what keys still hold is let go.
     pub fn play_song(&mut self, messages: impl IntoIterator<Item = (f64, Message)>, seconds: f64) {
         self.performer.play_song(messages, seconds);
+    }
+
+    /// What of the messages of MIDI could not be used.
+    pub fn midi_counts(&self) -> MidiCounts {
+        self.performer.midi_counts()
     }
 
     /// The tempo of a song counts the beats of patterns with clock = "midi", from its beginning to its end: `tempi` are the seconds at which

@@ -2,9 +2,11 @@
 
 use super::failure::Failure;
 use super::missing::{JOINING, missing};
+use super::servers::{Server, servers};
 use super::table::{Table, grouped};
 use super::terminal::Terminal;
 use clap::Args;
+use pacinian::io::device::choose::VIRTUAL;
 use pacinian::io::device::failure::Trouble;
 use pacinian::io::device::hosts::Hosts;
 use pacinian::io::device::list::{Found, Offer};
@@ -41,7 +43,15 @@ impl Devices {
             };
             let advice = missing();
             let midi = json!({ "ports": ports, "trouble": trouble });
-            let said = json!({ "hosts": hosts, "midi": midi, "advice": advice, "joining": JOINING });
+            let said = json!({
+                "hosts": hosts,
+                "virtual": { "id": VIRTUAL, "name": "virtual card", "default": false },
+                "default_input": Hosts::default().default_input(),
+                "servers": running(),
+                "midi": midi,
+                "advice": advice,
+                "joining": JOINING,
+            });
             return terminal.print(&format!("{said:#}\n"));
         }
         let mut text = String::new();
@@ -58,6 +68,9 @@ impl Devices {
             "{}\n  keeps real time and plays to nobody: --device virtual\n",
             terminal.out.bold("virtual")
         );
+        if let Some(id) = Hosts::default().default_input() {
+            text += &format!("{}: {}\n", terminal.out.bold("heard by default"), escaped(&id));
+        }
         text += &match midi_in::names() {
             Ok(ports) if ports.is_empty() => format!("{}: no port\n", terminal.out.bold("MIDI")),
             Ok(ports) => {
@@ -67,6 +80,15 @@ impl Devices {
             }
             Err(why) => format!("{}: {}\n", terminal.out.bold("MIDI"), escaped(&why)),
         };
+        for server in running() {
+            let how = if server.runs { "runs" } else { "does not run" };
+            text += &format!("{}: {how}\n", terminal.out.bold(server.name));
+            // What neither runs nor could be spoken with is not missed.
+            if (server.runs || server.built_in) && !server.help.is_empty() {
+                let what = if server.built_in { "start it" } else { "reach it by its own channels" };
+                text += &format!("  {what}: {}\n", server.help);
+            }
+        }
         for (what, help) in missing() {
             text += &format!("\n{what}\n  {help}\n");
         }
@@ -74,6 +96,11 @@ impl Devices {
         JOINING.iter().for_each(|(with, how)| text += &format!("  {with}: {how}\n"));
         terminal.print(&text)
     }
+}
+
+/// The sound servers of this system; others than Linux have one of their own, and it runs.
+fn running() -> Vec<Server> {
+    if cfg!(target_os = "linux") { servers(|name| std::env::var(name).ok()) } else { Vec::new() }
 }
 
 fn host_as_json(name: &str, runs: bool, found: &Result<Vec<Found>, String>) -> serde_json::Value {

@@ -6,6 +6,7 @@ use super::felt::Felt;
 use super::named::{Codes, Watched, named, unreadable};
 use super::rise;
 use super::setting::{self, Setting};
+use super::unsung::unsung;
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
@@ -144,6 +145,8 @@ pub struct Loaded {
     pub tables: Vec<calibrations::Read>,
     /// What plays the patch besides its patterns.
     pub song: Option<Arc<Song>>,
+    /// Its file.
+    pub song_name: Option<String>,
     /// What the `input` nodes hear.
     pub input: Option<Arc<Input>>,
     /// Its name as the person wrote it.
@@ -402,6 +405,7 @@ impl Scene {
             files,
             tables: Vec::new(),
             song: None,
+            song_name: self.midi.as_ref().map(|path| path.display().to_string()),
             input: None,
             input_name: self.input.as_ref().map(|path| path.display().to_string()),
             rig_source: None,
@@ -434,6 +438,8 @@ impl Scene {
             Ok(song) => {
                 let song = song.map(|song| {
                     loaded.warnings.extend(Some(song.warnings).filter(|warnings| !warnings.list.is_empty()));
+                    let unsung = self.midi.as_ref().and_then(|path| unsung(&loaded.patch, path, &song.value));
+                    loaded.warnings.extend(unsung);
                     Arc::new(song.value)
                 });
                 loaded.song = song;

@@ -52,14 +52,17 @@ mod rig;
 mod rise;
 mod schema;
 mod screen;
+mod servers;
 mod setting;
 mod stop;
 mod summary;
 mod table;
 mod terminal;
 mod unplayed;
+mod unsung;
 mod walk;
 mod watch;
+mod wrap;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;

@@ -5,8 +5,11 @@ use super::load::Loaded;
 use super::plan::{is_endless, playing};
 use super::progress::Progress;
 use super::stop::Stop;
+use super::summary::size;
 use super::terminal::Terminal;
+use super::unsung::LONGEST;
 use pacinian::graph::plan::Shared;
+use pacinian::midi::file::Song;
 use pacinian::patch::Source;
 use pacinian::player::Player;
 use pacinian::score::{Score, What};
@@ -76,6 +79,9 @@ impl Until {
                 }
             });
         }
+        if let Some(song) = loaded.song.as_ref().filter(|song| song.seconds > LONGEST) {
+            return Err(too_long(song, loaded.song_name.as_deref().unwrap_or("the song"), player));
+        }
         let input = loaded.input.as_ref().map(|input| input.seconds() + patch.render.tail.unwrap_or(0.0));
         let playing = playing(loaded);
         let always = player.plan().instruments.iter().find(|i| i.always);
@@ -128,6 +134,24 @@ impl Until {
             Self::Over(tail) => player.length().map(|length| length + tail),
         }
     }
+}
+
+/// A song that is longer than anybody will have meant, unless somebody says so: files that are damaged or hostile last for years.
+fn too_long(song: &Song, name: &str, player: &Player) -> Failure {
+    let (hours, plan) = (|seconds: f64| seconds / 3600.0, player.plan());
+    let place =
+        song.pause.filter(|pause| pause.seconds > 0.1 * song.seconds).map_or(String::new(), |pause| {
+            let (at, track) = (pause.at, pause.track + 1);
+            format!(", {:.1} of them before the event at byte {at}, in track {track}", hours(pause.seconds))
+        });
+    let bytes = song.seconds * plan.device_rate * plan.channels as f64 * 4.0;
+    let what = format!(
+        "{name}: the song lasts {:.1} hours{place}, which would be {} of samples",
+        hours(song.seconds),
+        size(bytes.min(1e18) as u64)
+    );
+    let help = format!("say how much of it is wanted: --duration {LONGEST:.0}; or mend the file");
+    Failure::usage(what, help).with_code(65)
 }
 
 /// Events that are unrolled beforehand to know how long they take, at most.
@@ -251,6 +275,7 @@ mod tests {
     use crate::cli::paint::Paint;
     use crate::cli::stop::Stop;
     use crate::cli::terminal::Terminal;
+    use pacinian::midi::file::{Pause, Song};
     use pacinian::player::Player;
     use std::convert::Infallible;
 
@@ -277,6 +302,32 @@ mod tests {
             // What rings, and the block in which it is noticed.
             assert!((foreseen..foreseen + 0.2).contains(&seconds), "{foreseen} for {seconds}");
         }
+    }
+
+    #[test]
+    fn a_song_without_end_is_refused_unless_somebody_says_how_long() {
+        let patch = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.a]\noutput = \"s\"\n[voice.a.nodes]\n\
+            s = { type = \"sine\", frequency = 250 }\n[[trigger]]\non = \"midi.note\"\nplay = \"a\"\n";
+        let rig =
+            "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\n[[tactor]]\nname = \"t1\"\nchannel = 1\n";
+        let mut loaded = Scene::of_texts(("p", patch), ("r", rig), &[]).unwrap();
+        loaded.options.live = true;
+        loaded.song_name = Some("long.mid".into());
+        let song = |seconds| {
+            let pause = Some(Pause { seconds: 0.9 * seconds, track: 1, at: 47 });
+            Some(std::sync::Arc::new(Song { seconds, pause, ..Song::default() }))
+        };
+        loaded.song = song(36_000.0);
+        let player = loaded.player().unwrap();
+        let failure = format!("{:?}", Until::of(&loaded, &player, None).unwrap_err());
+        for words in
+            ["long.mid", "10.0 hours", "9.0 of them before the event at byte 47, in track 2", "--duration"]
+        {
+            assert!(failure.contains(words), "{words}: {failure}");
+        }
+        assert_eq!(Until::of(&loaded, &player, Some(5.0)).unwrap(), Until::Seconds(5.0));
+        loaded.song = song(3_600.0);
+        assert!(matches!(Until::of(&loaded, &player, None), Ok(Until::Over(_))));
     }
 
     #[test]

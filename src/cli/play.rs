@@ -247,6 +247,9 @@ impl Play {
         if let Some(trouble) = counts.and_then(|counts| counts.trouble()) {
             terminal.note(&format!("{trouble}\n"));
         }
+        if let Some(trouble) = session.board().midi.trouble() {
+            terminal.note(&format!("{trouble}\n"));
+        }
         let unsent = announcer.map_or(0, |announcer| announcer.finish());
         if unsent > 0 {
             terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));

@@ -10,9 +10,11 @@ use super::perform::Performed;
 use super::setting::{Setting, named};
 use super::table::{Table, dbfs, grouped, hertz, many};
 use pacinian::io::wav::{Encoding, Written};
+use pacinian::live::midi_board::MidiBoard;
 use pacinian::player::Player;
 use pacinian::score::HORIZON;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// What a rendering turned out to be.
 #[derive(Debug, Serialize)]
@@ -51,11 +53,15 @@ pub struct Summary {
     cut: bool,
     events_dropped: u64,
     events_late: u64,
+    /// Messages of a song that could not be used, by kind.
+    midi: BTreeMap<&'static str, u64>,
     left_out: Vec<Left>,
     /// What was felt; null where nobody asked.
     pub feel: Option<FeelReport>,
     #[serde(skip)]
     left_out_text: String,
+    #[serde(skip)]
+    midi_text: Option<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -84,6 +90,7 @@ impl Summary {
         let (counters, counts) = (player.counters(), player.engine().stage().counts());
         let seconds = written.frames as f64 / plan.device_rate;
         let run_time = performed.run_time.as_secs_f64();
+        let midi = MidiBoard::from(player.midi_counts());
         let peak = |(i, peak): (usize, &f32)| Peak {
             channel: i + 1,
             name: names.get(i).cloned().unwrap_or_default(),
@@ -115,6 +122,8 @@ impl Summary {
             cut: player.is_cut(),
             events_dropped: counters.dropped,
             events_late: counters.late,
+            midi: midi.named().into_iter().filter(|(_, n, _)| *n > 0).map(|(name, n, _)| (name, n)).collect(),
+            midi_text: midi.trouble(),
             left_out: left_out(&plan.left_out),
             feel: None,
             left_out_text: left_out_text(&plan.left_out),
@@ -161,6 +170,9 @@ impl Summary {
                 table.row([name.into(), paint.yellow(&acted(count, one, more))]);
             }
         }
+        if let Some(midi) = self.midi_text.as_deref().and_then(|text| text.strip_prefix("MIDI, ")) {
+            table.row(["MIDI".into(), paint.yellow(midi)]);
+        }
         if self.cut {
             let what = format!("what lies past {HORIZON:e} s was left out");
             table.row(["cut".into(), paint.yellow(&what)]);
@@ -205,7 +217,7 @@ fn acted(count: u64, one: &str, more: &str) -> String {
     }
 }
 
-fn size(bytes: u64) -> String {
+pub fn size(bytes: u64) -> String {
     match bytes as f64 {
         b if b < 1e6 => format!("{:.1} kB", b / 1e3),
         b if b < 1e9 => format!("{:.1} MB", b / 1e6),

@@ -9,8 +9,13 @@ use std::time::Duration;
 
 use midir::{Ignore, MidiInput, MidiInputConnection};
 
+use crate::live::board::Board;
 use crate::live::signal::{Handle, Signal};
 use crate::midi::{Message, Parser};
+
+mod roster;
+
+use roster::Roster;
 
 /// What becomes of ports.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,12 +58,18 @@ struct Line {
     name: String,
     parser: Parser,
     ear: Ear,
+    /// Where it counts what it cannot use.
+    board: Option<Arc<Board>>,
 }
 
 impl Line {
     fn hear(&mut self, bytes: &[u8]) {
         let (ear, number, name) = (&self.ear, self.number, &self.name);
+        let before = self.parser.counts();
         self.parser.read(bytes, &mut |message| ear(number, name, Some(message)));
+        if let Some(board) = &self.board {
+            board.midi.parsed(&self.parser.counts(), &before);
+        }
     }
 }
 
@@ -96,20 +107,22 @@ impl MidiPorts {
         news: Box<dyn FnMut(PortNews) + Send>,
     ) -> std::io::Result<Self> {
         let handle = handle.clone();
+        let board = Arc::clone(handle.board());
         let ear = move |number: u16, _: &str, message: Option<Message>| {
             let signal = message.map_or(Signal::MidiGone(number), |message| Signal::Midi(number, message));
             // What finds no room is counted there.
             let _ = handle.send(signal);
         };
-        Self::hear(Arc::new(ear), wanted, news)
+        Self::hear(Arc::new(ear), Some(board), wanted, news)
     }
 
-    /// The same for any listener.
+    /// The same for any listener. What makes no message is counted on the board, where there is one.
     ///
     /// # Errors
     /// A system that has no thread left.
     pub fn hear(
         ear: Ear,
+        board: Option<Arc<Board>>,
         wanted: Option<String>,
         mut news: Box<dyn FnMut(PortNews) + Send>,
     ) -> std::io::Result<Self> {
@@ -118,12 +131,21 @@ impl MidiPorts {
         let look = move || {
             let mut open: Vec<Open> = Vec::new();
             let mut refused: Vec<String> = Vec::new();
+            let mut roster = Roster::default();
             let mut without = false;
             while !stopped.load(Ordering::Acquire) {
                 match input() {
                     Ok(input) => {
                         without = false;
-                        search(&input, &wanted, &mut open, &mut refused, &ear, &mut news);
+                        let state = |number, name: &str| Line {
+                            number,
+                            name: name.into(),
+                            parser: Parser::new(),
+                            ear: Arc::clone(&ear),
+                            board: board.clone(),
+                        };
+                        release(&input, &mut open, &mut roster, &ear, &mut news);
+                        search(&input, &wanted, &mut open, &mut refused, &mut roster, &state, &mut news);
                     }
                     Err(error) => {
                         if !std::mem::replace(&mut without, true) {
@@ -153,48 +175,90 @@ impl Drop for MidiPorts {
     }
 }
 
-/// Lets go of ports that are gone, and opens those that are new.
-fn search(
+/// Lets go of ports that are gone.
+fn release(
     input: &MidiInput,
-    wanted: &Option<String>,
     open: &mut Vec<Open>,
-    refused: &mut Vec<String>,
+    roster: &mut Roster,
     ear: &Ear,
     news: &mut Box<dyn FnMut(PortNews) + Send>,
 ) {
     let ports = input.ports();
-    let there: Vec<(String, String)> =
-        ports.iter().map(|port| (port.id(), input.port_name(port).unwrap_or_default())).collect();
     open.retain(|port| {
-        let stays = there.iter().any(|(id, _)| *id == port.id);
+        let stays = ports.iter().any(|there| there.id() == port.id);
         if !stays {
+            roster.leave(&port.id);
             ear(port.number, &port.name, None);
             news(PortNews::Gone(port.name.clone()));
         }
         stays
     });
-    refused.retain(|id| there.iter().any(|(there, _)| there == id));
-    for (port, (id, name)) in ports.iter().zip(&there) {
+}
+
+/// Opens ports that are new.
+fn search(
+    input: &MidiInput,
+    wanted: &Option<String>,
+    open: &mut Vec<Open>,
+    refused: &mut Vec<String>,
+    roster: &mut Roster,
+    line: &dyn Fn(u16, &str) -> Line,
+    news: &mut Box<dyn FnMut(PortNews) + Send>,
+) {
+    let ports = input.ports();
+    refused.retain(|id| ports.iter().any(|there| there.id() == *id));
+    for port in &ports {
+        let (id, name) = (port.id(), input.port_name(port).unwrap_or_default());
         let fits = wanted.as_ref().is_none_or(|part| name.to_lowercase().contains(&part.to_lowercase()));
         // What the program itself offers, or the system's loop-back, would answer to itself.
-        let known = open.iter().any(|port| port.id == *id) || refused.contains(id);
+        let known = roster.has(&id) || refused.contains(&id);
         if !fits || known || name.starts_with("Midi Through") {
             continue;
         }
-        let Ok(mut line) = self::input() else { continue };
-        line.ignore(Ignore::None);
-        // Lowest first, so that a port that comes back has the number it had.
-        let number = (0..u16::MAX).find(|n| open.iter().all(|port| port.number != *n)).unwrap_or(u16::MAX);
-        let state = Line { number, name: name.clone(), parser: Parser::new(), ear: Arc::clone(ear) };
-        match line.connect(port, "in", |_, bytes, line| line.hear(bytes), state) {
+        let Ok(mut input) = self::input() else { continue };
+        input.ignore(Ignore::None);
+        let number = roster.seat(&id, &name);
+        match input.connect(port, "in", |_, bytes, line| line.hear(bytes), line(number, &name)) {
             Ok(connection) => {
-                open.push(Open { id: id.clone(), name: name.clone(), number, _connection: connection });
-                news(PortNews::Opened(name.clone()));
+                open.push(Open { id, name: name.clone(), number, _connection: connection });
+                news(PortNews::Opened(name));
             }
             Err(error) => {
-                refused.push(id.clone());
-                news(PortNews::Refused(name.clone(), error.to_string()));
+                roster.leave(&id);
+                refused.push(id);
+                news(PortNews::Refused(name, error.to_string()));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Arc, Board, Line, Message, Parser};
+    use std::sync::Mutex;
+
+    #[test]
+    fn what_comes_cut_anywhere_is_heard_and_what_makes_no_message_is_counted() {
+        let heard: Arc<Mutex<Vec<(u16, Message)>>> = Arc::default();
+        let (board, keeps) = (Arc::new(Board::new(1)), Arc::clone(&heard));
+        let ear = move |number, _: &str, message: Option<Message>| {
+            keeps.lock().unwrap().extend(message.map(|message| (number, message)));
+        };
+        let mut line = Line {
+            number: 3,
+            name: "Keys".into(),
+            parser: Parser::new(),
+            ear: Arc::new(ear),
+            board: Some(Arc::clone(&board)),
+        };
+        // Running status across packets, a system exclusive message in a hundred of them with a clock within, and a stray byte.
+        [&[0x90][..], &[60], &[1, 61], &[2], &[0xF0]].into_iter().for_each(|bytes| line.hear(bytes));
+        (0..100).for_each(|_| line.hear(&[1; 100]));
+        [&[0xF8][..], &[7; 9], &[0xF7, 5], &[0x80, 60, 0]].into_iter().for_each(|bytes| line.hear(bytes));
+        let heard = heard.lock().unwrap();
+        assert_eq!(heard.len(), 4);
+        assert!(heard.iter().all(|(number, _)| *number == 3));
+        let counts = [&board.midi.malformed, &board.midi.skipped].map(|figure| figure.get());
+        assert_eq!(counts, [1, 1]);
     }
 }

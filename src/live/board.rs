@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use super::lever::Lever;
 use super::load::Load;
+use super::midi_board::MidiBoard;
 use super::torque::Torque;
 
 /// A figure that one thread writes and others read.
@@ -105,6 +106,8 @@ pub struct Board {
     pub device_delay: Figure,
     /// Nanoseconds from an event to the middle of what it makes at the output, at 250 Hz.
     pub engine_delay: Figure,
+    /// What comes over MIDI.
+    pub midi: MidiBoard,
     /// What it hears.
     pub input: InputBoard,
 }

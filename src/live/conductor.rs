@@ -233,6 +233,7 @@ impl Conductor {
         if let Err(problem) = self.performer.midi_tick(at, &mut outlet) {
             (self.audience)(Told::Refused(&problem));
         }
+        self.board.midi.performed(&self.performer.midi_counts());
     }
 
     fn tell_playing(&mut self) {

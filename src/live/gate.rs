@@ -113,7 +113,13 @@ impl Gate {
             }
             Order::Latch | Order::Close => (0.0, RAMP_OUT),
             _ if self.latched || self.closed => return,
-            Order::Return => (1.0, RAMP_BACK),
+            Order::Return => {
+                // A gain that it was told while nothing came through need not be gone to: it is there.
+                if self.is_shut() {
+                    self.gain = Ramp::resting(self.gain.to);
+                }
+                (1.0, RAMP_BACK)
+            }
             Order::Open | Order::Release => (1.0, RAMP_IN),
         };
         self.open.go(to, seconds * self.rate);

@@ -19,6 +19,7 @@ pub mod gate;
 pub mod intake;
 pub mod lever;
 pub mod load;
+pub mod midi_board;
 pub mod provenance;
 pub mod relief;
 pub mod reload;

@@ -1,6 +1,7 @@
 //! All channels of a cable, and the zones that join some of them.
 
 use super::channel::Channel;
+use super::claims::Claims;
 use super::gesture::Expression;
 use super::strip::{Range, SOSTENUTO, SUSTAIN, Strip};
 use super::zone::{Channels, Zone, Zones};
@@ -74,6 +75,20 @@ impl Desk {
             strip.range = range;
         }
         channels
+    }
+
+    /// Controllers are listened to by their numbers.
+    pub fn claim(&mut self, claims: &Claims) {
+        for (channel, strip) in Channel::all().zip(&mut self.strips) {
+            strip.claimed = claims.of(channel);
+        }
+    }
+
+    /// As after switching on; what is claimed stays so.
+    pub fn reset(&mut self) {
+        let claimed = self.strips.map(|strip| strip.claimed);
+        *self = Self::default();
+        self.strips.iter_mut().zip(claimed).for_each(|(strip, claimed)| strip.claimed = claimed);
     }
 
     /// Hands off, everywhere.

@@ -47,6 +47,19 @@ pub struct Song {
     pub seconds: f64,
     /// System exclusive messages and escapes, which are left out.
     pub exclusive: u64,
+    /// The longest time between two events of a track.
+    pub pause: Option<Pause>,
+}
+
+/// Time in which nothing happens in a track.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pause {
+    /// How long.
+    pub seconds: f64,
+    /// In this track, from 0.
+    pub track: usize,
+    /// The byte of the file at which the event stands that ends it.
+    pub at: usize,
 }
 
 /// A place in a song that has a name.
@@ -135,6 +148,11 @@ fn place(mut contents: Contents, division: Division, begin: f64, song: &mut Song
     }));
     song.tempi.extend(map.tempi().map(|(seconds, tempo)| (begin + seconds, tempo)));
     song.exclusive += contents.exclusive;
+    let pause = contents.pause.map(|pause| {
+        let [from, to] = pause.ticks.map(|tick| map.seconds(tick));
+        Pause { seconds: to - from, track: pause.track, at: pause.at }
+    });
+    song.pause = [song.pause, pause].into_iter().flatten().max_by(|a, b| a.seconds.total_cmp(&b.seconds));
     song.seconds = at(contents.end);
     song.seconds
 }

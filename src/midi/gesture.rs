@@ -136,6 +136,8 @@ pub enum Transport {
 pub enum Reason {
     /// Controller 120.
     AllSoundOff,
+    /// Controller 123, or one of those from 124 to 127, which imply it.
+    AllNotesOff,
     /// System reset, 0xFF.
     Reset,
     /// A cable that had promised to say that it is there (0xFE) has been silent for more than 300 ms.

@@ -1,6 +1,7 @@
 //! Messages into gestures.
 
 use super::channel::Channel;
+use super::claims::Claims;
 use super::desk::Desk;
 use super::gesture::{Gesture, Reason, Transport, What};
 use super::message::Message;
@@ -54,11 +55,11 @@ pub struct Counts {
 ///   the bend range is ±48 semitones for members, ±2 for the manager. The manager's bend adds to that of each member, its pressure counts
 ///   where it is harder, its timbre adds as far as it is from the middle. Its pedals, its panic and its resets are the whole zone's. RPN 0
 ///   on a member is for all members of its zone. On members controller 74 is timbre alone, elsewhere an ordinary controller too.
-/// - **Controllers** are at their upper 7 bits at once and at 14 bits when the lower ones follow; numbered parameters too.
-/// - **All notes off.** Controller 123 is a note-off for every key that is down on its channel, and a pedal that is down keeps those notes
-///   until it goes up (MIDI 1.0 Detailed Specification, "Channel Mode Messages" and "Hold 1"); 124 to 127, which choose modes that do not
-///   exist here, imply it.
-/// - **Panic.** Controller 120 silences a channel, a reset and a lost cable all of them, at once, pedals or not.
+/// - **Controllers** are at their upper 7 bits at once and at 14 bits when the lower ones follow; numbered parameters too. Those that
+///   somebody listens to by their numbers ([`Interpreter::claim`]) say where they stand, and mean nothing else.
+/// - **Panic.** Controllers 120 and 123 silence a channel, a reset and a lost cable all of them, at once, pedals or not; 124 to 127, which
+///   choose modes that do not exist here, imply 123. The MIDI 1.0 Detailed Specification lets notes of 123 die away, and a pedal keep
+///   them ("Channel Mode Messages", "Hold 1"); but it is what panic buttons send, and what is felt must stop when somebody presses one.
 #[derive(Debug)]
 pub struct Interpreter {
     desk: Desk,
@@ -66,6 +67,8 @@ pub struct Interpreter {
     sensing: Sensing,
     now: f64,
     counts: Counts,
+    /// Whether pedals have become other controllers, or the other way round.
+    claimed: bool,
 }
 
 impl Default for Interpreter {
@@ -83,7 +86,14 @@ impl Interpreter {
             sensing: Sensing::default(),
             now: 0.0,
             counts: Counts::default(),
+            claimed: false,
         }
+    }
+
+    /// Controllers that somebody listens to by their numbers, from now on. Notes that a pedal among them held end with what comes next.
+    pub fn claim(&mut self, claims: &Claims) {
+        self.desk.claim(claims);
+        self.claimed = true;
     }
 
     /// Takes a message that came at `seconds`.
@@ -126,7 +136,7 @@ impl Interpreter {
             Message::ActiveSensing => self.sensing.promise(),
             Message::Reset => {
                 self.sensing.forget();
-                self.desk = Desk::default();
+                self.desk.reset();
                 self.panic(Reason::Reset, sink);
             }
         }
@@ -137,6 +147,9 @@ impl Interpreter {
     pub fn tick(&mut self, seconds: f64, sink: Sink<'_>) {
         if seconds.is_finite() {
             self.now = self.now.max(seconds);
+        }
+        if std::mem::take(&mut self.claimed) {
+            self.let_up(Channels::ALL, sink);
         }
         if self.sensing.lost(self.now) {
             self.desk.rest();
@@ -206,7 +219,8 @@ impl Interpreter {
         if number >= MODES {
             return self.mode(channel, number, sink);
         }
-        if parameter::concerns(number) {
+        let claimed = self.desk.strip(channel).claimed;
+        if parameter::concerns(number) && !claimed.takes(number) {
             match self.desk.strip_mut(channel).selection.controller(number, value) {
                 Ok(entry) => entry.into_iter().for_each(|entry| self.parameter(channel, entry, sink)),
                 Err(parameter::Unmeant) => self.counts.unmeant += 1,
@@ -230,7 +244,7 @@ impl Interpreter {
             _ => (),
         }
         let member = self.desk.zones.of_member(channel).is_some();
-        if let Some(moved) = moved.filter(|_| number != TIMBRE || !member) {
+        if let Some(moved) = moved.filter(|_| number != TIMBRE || !member || claimed.has(TIMBRE)) {
             sink(controller(channel, moved));
         }
         if number == TIMBRE {
@@ -283,16 +297,10 @@ impl Interpreter {
                 self.let_up(scope, sink);
                 self.refresh(scope, sink);
             }
-            ALL_SOUND_OFF => {
-                self.sounding.end(|note| scope.has(note.channel));
-                let reason = Reason::AllSoundOff;
-                scope.iter().for_each(|channel| sink(Gesture::Panic { reason, channel: Some(channel) }));
-            }
             _ => {
-                for note in self.sounding.iter_mut().filter(|note| scope.has(note.channel)) {
-                    note.released.get_or_insert(RELEASE);
-                }
-                self.let_up(scope, sink);
+                self.sounding.end(|note| scope.has(note.channel));
+                let reason = if number == ALL_SOUND_OFF { Reason::AllSoundOff } else { Reason::AllNotesOff };
+                scope.iter().for_each(|channel| sink(Gesture::Panic { reason, channel: Some(channel) }));
             }
         }
     }

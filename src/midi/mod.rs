@@ -9,6 +9,7 @@
 //! is used.
 
 pub mod channel;
+pub mod claims;
 pub mod curve;
 mod desk;
 #[cfg(feature = "midi")]
@@ -26,6 +27,7 @@ mod strip;
 pub mod zone;
 
 pub use channel::Channel;
+pub use claims::Claims;
 pub use curve::Curve;
 pub use gesture::{Expression, Gesture, Reason, Transport, What};
 pub use interpreter::Interpreter;

@@ -1,5 +1,6 @@
 //! What one channel stands at.
 
+use super::claims::Own;
 use super::parameter::{self, Selection};
 
 /// A controller that never moved.
@@ -15,8 +16,8 @@ pub(super) const TIMBRE: u8 = 74;
 pub(super) const MODES: u8 = 120;
 
 const BANK: [u8; 2] = [0, 32];
-/// What Reset All Controllers (RP-015) sets among the ordinary controllers: modulation, expression, portamento, soft pedal.
-const RESETS: [(u8, u8); 4] = [(1, 0), (11, 127), (65, 0), (67, 0)];
+/// What Reset All Controllers (RP-015) sets: modulation, expression, sustain, portamento, sostenuto, soft pedal.
+const RESETS: [(u8, u8); 6] = [(1, 0), (11, 127), (SUSTAIN, 0), (65, 0), (SOSTENUTO, 0), (67, 0)];
 
 /// How far the pitch wheel bends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,6 +64,8 @@ pub(super) struct Strip {
     pub pressure: u8,
     pub range: Range,
     pub selection: Selection,
+    /// Those that are listened to by their numbers.
+    pub claimed: Own,
 }
 
 impl Default for Strip {
@@ -73,6 +76,7 @@ impl Default for Strip {
             pressure: 0,
             range: Range::TWO,
             selection: Selection::default(),
+            claimed: Own::default(),
         }
     }
 }
@@ -87,22 +91,22 @@ impl Strip {
         }
     }
 
-    /// Notes where a controller stands; gives what an ordinary one moved to.
+    /// Notes where a controller stands; gives what an ordinary one, or one that is claimed, moved to.
     ///
     /// Controllers 0 to 31 may have seven more bits in those from 32 to 63. The upper half applies at once, as upper / 127, and takes the
     /// lower one for 0 from then on; the lower half refines it to (128 upper + lower) / 16,383. The first of these always lies among
-    /// the values that the second can have, and both reach 0 and 1. A controller from 32 to 63 whose partner never moved on this
-    /// channel is an ordinary one of 7 bits: there are boxes that send them so.
+    /// the values that the second can have, and both reach 0 and 1. A controller from 32 to 63 that is claimed itself, or whose partner
+    /// never moved on this channel, is one of 7 bits of its own: there are boxes that send them so.
     pub fn controller(&mut self, number: u8, value: u8) -> Option<Moved> {
         self.set(number, value);
         let moved = match number {
             0..32 => {
-                if self.value(number + 32).is_some() {
+                if self.value(number + 32).is_some() && !self.claimed.has(number + 32) {
                     self.set(number + 32, 0);
                 }
                 Moved::coarse(number, value)
             }
-            32..64 => match self.value(number - 32) {
+            32..64 => match self.value(number - 32).filter(|_| !self.claimed.has(number)) {
                 Some(upper) => {
                     let long = u16::from(upper) << 7 | u16::from(value);
                     Moved { number: number - 32, value: f64::from(long) / 16_383.0, fine: true }
@@ -114,7 +118,7 @@ impl Strip {
         let ordinary = !parameter::concerns(number)
             && ![SUSTAIN, SOSTENUTO].contains(&number)
             && !BANK.contains(&number);
-        Some(moved).filter(|_| ordinary && number < MODES)
+        Some(moved).filter(|_| (ordinary || self.claimed.takes(number)) && number < MODES)
     }
 
     /// Semitones, with both ends of the wheel exact: −8192 and 8191 are the whole range.
@@ -126,13 +130,14 @@ impl Strip {
     pub fn timbre(&self) -> u8 {
         self.value(TIMBRE).unwrap_or(64)
     }
-    /// Whether a pedal is down: from 64 on.
+    /// Whether a pedal is down: from 64 on. One that is claimed is none.
     pub fn pedal(&self, number: u8) -> bool {
-        self.value(number).is_some_and(|v| v >= 64)
+        self.value(number).is_some_and(|v| v >= 64) && !self.claimed.has(number)
     }
     /// 14 bits; 0 where none was chosen.
     pub fn bank(&self) -> u16 {
-        let [upper, lower] = BANK.map(|n| u16::from(self.value(n).unwrap_or(0)));
+        let chosen = |n: u8| self.value(n).filter(|_| !self.claimed.takes(n)).unwrap_or(0);
+        let [upper, lower] = BANK.map(|n| u16::from(chosen(n)));
         upper << 7 | lower
     }
 
@@ -144,14 +149,14 @@ impl Strip {
     }
 
     /// Reset All Controllers, after RP-015: wheel, pressure, pedals, modulation, expression, chosen parameter. Volume, pan, sounds (70 to 79,
-    /// so timbre too), effects, bank and bend range stay. Gives the ordinary controllers that this moves.
+    /// so timbre too), effects, bank and bend range stay. Gives the controllers that this moves, as [`Strip::controller`] does.
     pub fn reset(&mut self) -> impl Iterator<Item = Moved> + use<> {
         (self.bend, self.pressure) = (0, 0);
-        [SUSTAIN, SOSTENUTO].into_iter().for_each(|n| self.set(n, NEVER));
         self.selection.close();
         RESETS
             .map(|(number, value)| {
-                let fine = (number < 32).then(|| self.value(number + 32)).flatten().unwrap_or(0);
+                let pair = number < 32 && !self.claimed.has(number + 32);
+                let fine = pair.then(|| self.value(number + 32)).flatten().unwrap_or(0);
                 self.value(number).filter(|stands| *stands != value || fine != 0)?;
                 self.controller(number, value)
             })
@@ -163,6 +168,8 @@ impl Strip {
 #[cfg(test)]
 mod tests {
     use super::{Moved, Range, Strip};
+    use crate::midi::channel::Channel;
+    use crate::midi::claims::Claims;
 
     fn coarse(number: u8, value: f64) -> Option<Moved> {
         Some(Moved { number, value, fine: false })
@@ -192,6 +199,28 @@ mod tests {
         let special: Vec<u8> = (0..128).filter(|n| not(*n)).collect();
         let expected: Vec<u8> = [0, 6, 32, 38, 64, 66].into_iter().chain(96..=101).chain(120..128).collect();
         assert_eq!(special, expected);
+    }
+
+    #[test]
+    fn what_is_claimed_has_no_other_meaning() {
+        let mut claims = Claims::default();
+        (0..128).for_each(|number| claims.add(number, None));
+        let mut strip = Strip { claimed: claims.of(Channel::FIRST), ..Strip::default() };
+        for number in 0..128 {
+            let expected = if number < 120 { coarse(number, 1.0) } else { None };
+            assert_eq!(strip.controller(number, 127), expected, "each for itself, halves too");
+        }
+        assert!(!strip.pedal(64) && !strip.pedal(66) && strip.bank() == 0);
+        let moved: Vec<u8> = strip.reset().map(|m| m.number).collect();
+        assert_eq!(moved, [1, 64, 65, 66, 67], "11 stands there");
+        assert_eq!(strip.value(33), Some(127), "no half of 1");
+        // A pair of which the upper half is claimed.
+        let mut claims = Claims::default();
+        claims.add(6, None);
+        let mut strip = Strip { claimed: claims.of(Channel::FIRST), ..Strip::default() };
+        assert_eq!(strip.controller(6, 1), coarse(6, 1.0 / 127.0));
+        let fine = Some(Moved { number: 6, value: f64::from(128 + 2) / 16_383.0, fine: true });
+        assert_eq!(strip.controller(38, 2), fine);
     }
 
     #[test]

@@ -46,6 +46,7 @@ pub use trigger::{Happening, Source, Spread, Trigger};
 pub use voice::{Start, Voice};
 pub use way::Way;
 
+use crate::midi::{Channel, Claims};
 use crate::text::document;
 use crate::text::field::{Field, Form, Table};
 use crate::text::reader::Reader;
@@ -250,6 +251,23 @@ impl Patch {
             matches!(trigger.on, Source::MidiNote | Source::MidiProgram(_) | Source::MidiController { .. })
         };
         self.triggers.iter().any(set_off) || self.binds.iter().any(|bind| !matches!(bind.from, Mover::Osc(_)))
+    }
+
+    /// The controllers of MIDI that its triggers and bindings hear, on their channels.
+    pub fn controllers(&self) -> Claims {
+        let triggers = self.triggers.iter().filter_map(|trigger| match trigger.on {
+            Source::MidiController { number, .. } => Some((number, trigger.channel)),
+            _ => None,
+        });
+        let binds = self.binds.iter().filter_map(|bind| match bind.from {
+            Mover::Controller(number) => Some((number, bind.channel)),
+            _ => None,
+        });
+        let mut claims = Claims::default();
+        for (number, channel) in triggers.chain(binds) {
+            claims.add(number, channel.and_then(|number| Channel::new(number.wrapping_sub(1))));
+        }
+        claims
     }
 
     /// Every place that stands in it, with where it stands: of voices, of events, of triggers that are set off by the start or by a node.

@@ -340,7 +340,8 @@ pub const TOPICS: &[Topic] = &[
                touch.bend by itself), `velocity`, `channel`, and how it is bent and pressed then: `bend` (semitones), `pressure` and `timbre` \
                (0 to 1)\n\
                - midi.program 3: program 3 is chosen; `set` may read `program` and `channel`\n\
-               - midi.controller 64 rises 0.5, or falls: a controller passes a position from 0 to 1; `set` may read `value` and `channel`\n\
+               - midi.controller 80 rises 0.5, or falls: a controller, 0 to 119, passes a position from 0 to 1; `set` may read `value` and \
+               `channel`. What it means to others it then means no more, as for a `[[bind]]`\n\
                - osc./address: a message to that address; `set` may read `value`, its first number\n\
                - key.1: a key of the computer, from 1\n\
                - knob.detent, knob.wall: a knob passes a notch, runs into a wall; knob.wall ENDS for that effect alone. `set` may read `angle` \
@@ -350,7 +351,8 @@ pub const TOPICS: &[Topic] = &[
                `set` gives it a `level`. Of a pattern, `set` gives `gain` and `rate`. A pattern that ends plays to its end; one that repeats \
                without `times` plays as long as the key or the pedal holds it, and where no key does, the next hit begins it anew. At most \
                256 patterns play at a time.\n\n\
-               Controllers 123 to 127 (all notes off) let go of the keys that are down on their channel. Controller 120 (all sound off) \
+               Controllers 120 (all sound off) and 123 (all notes off, which 124 to 127 imply) are a panic, pedals or not, and not the note-offs \
+               that the standard has for 123, since panic buttons send it: each \
                silences what its channel has started, voices that die away and patterns included, and a reset, or a cable that had promised to stay \
                and is lost, what its port has started: to less than a hundredth within 5 ms, and to exact zeros where nothing else sounds. Voices that are always on, what plays from the beginning \
                and what other ports, keys or programs have started go on.\n\n\
@@ -379,9 +381,13 @@ pub const TOPICS: &[Topic] = &[
         written: "[[bind]]",
         doc: "What moves a control from outside.",
         text: "`from` is one of these:\n\n\
-               - midi.controller 21: a controller, 0 to 119; of a pair of 14 bits the lower number\n\
+               - midi.controller 21: a controller, 0 to 119; of a pair of 14 bits the lower number, from 0 to 31. One from 32 to 63 that is \
+               named itself is a controller of 7 bits of its own, and then its partner has 7 bits too\n\
                - midi.bend, midi.pressure: the wheel, and how hard keys are pressed\n\
                - osc./address: a message with a position from 0 to 1\n\n\
+               A controller that a binding or a trigger names has no other meaning on its channel: 64 and 66 are then no pedals that hold \
+               notes, 0 and 32 choose no bank, and 6, 38 and 96 to 101 no numbered parameter. Timbre (74) stays timbre as well. Numbered \
+               parameters (NRPN, RPN) move nothing but the bend range and the zones of MPE: their values are counted and told.\n\n\
                With `pickup` a fader moves its control only from where that stands. Turn it off for a wheel that comes back to its rest.",
         tables: &[&super::bind::TABLE],
         example: "[control.strength]\n\

@@ -131,7 +131,7 @@ pub static TABLE: Table = Table {
             "on",
             Form::Text,
             "",
-            "start, key.1, midi.note, midi.program 3, midi.controller 64 rises 0.5, osc./address, knob.detent or knob.wall (of any effect, or \
+            "start, key.1, midi.note, midi.program 3, midi.controller 80 rises 0.5, osc./address, knob.detent or knob.wall (of any effect, or \
              of one: knob.wall ENDS), or node.NAME rises 0.3 (or falls).",
         )
         .required(),
@@ -178,7 +178,7 @@ const SOURCES: &[&str] = &[
     "key.1",
     "midi.note",
     "midi.program 3",
-    "midi.controller 64 rises 0.5",
+    "midi.controller 80 rises 0.5",
     "osc./address",
     "knob.detent",
     "knob.wall",
@@ -226,7 +226,7 @@ impl Source {
         }
         if let Some(controller) = text.strip_prefix("midi.controller ") {
             let (number, rises, threshold) = crossing(controller)
-                .ok_or("a controller sets it off like this: midi.controller 64 rises 0.5, or falls")??;
+                .ok_or("a controller sets it off like this: midi.controller 80 rises 0.5, or falls")??;
             return match number.parse() {
                 Ok(number) if number <= 119 && (0.0..=1.0).contains(&threshold) => {
                     Ok(Self::MidiController { number, rises, threshold })

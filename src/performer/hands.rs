@@ -2,7 +2,7 @@
 
 use super::touch::Held;
 use super::{Note, Outlet, Performer, Touch, When, Whence};
-use crate::midi::{Channel, Expression, Gesture, Interpreter, Message, pitch};
+use crate::midi::{Channel, Claims, Expression, Gesture, Interpreter, Message, interpreter, pitch};
 use crate::node::motion::Motion;
 use crate::patch::event::{LEAST_FELT, MOST_FELT};
 use crate::patch::{Mover, Place, Source, Spread, Trigger};
@@ -22,6 +22,26 @@ pub(super) struct Hands {
     /// Where each controller of each channel stood, for triggers that it passes.
     stood: Box<[[f64; 120]; 16]>,
     gestures: Vec<Gesture>,
+    /// Messages that came, and values of numbered parameters, which nothing in a patch can hear.
+    messages: u64,
+    unheard: u64,
+}
+
+/// Messages of MIDI, and what of them could not be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MidiCounts {
+    /// All that came.
+    pub messages: u64,
+    /// Note-offs and key pressures of notes that did not sound.
+    pub unmatched: u64,
+    /// Notes that ended since there were too many; see [`crate::midi::sounding::MOST`].
+    pub stolen: u64,
+    /// Values for numbered parameters of which none was chosen.
+    pub unmeant: u64,
+    /// Values of numbered parameters (NRPN, RPN), which nothing in a patch can hear, but for the bend range and zones of MPE.
+    pub unheard: u64,
+    /// Messages that concern no player: local control, zones that cannot be.
+    pub left_out: u64,
 }
 
 /// What sets triggers off.
@@ -40,16 +60,25 @@ struct Hit {
 /// What a voice that follows the wheel by itself gets for `pitch`: that of the key, since the bend would count twice. No patch can name it so.
 const UNBENT: &str = "pitch without its bend";
 
-impl Default for Hands {
-    fn default() -> Self {
+impl Hands {
+    fn new(claims: &Claims) -> Self {
+        let mut interpreter = Interpreter::new();
+        interpreter.claim(claims);
         Self {
-            interpreter: Interpreter::new(),
+            interpreter,
             held: Vec::new(),
             holds: Vec::new(),
             loud: 0,
             stood: Box::new([[0.0; 120]; 16]),
             gestures: Vec::new(),
+            messages: 0,
+            unheard: 0,
         }
+    }
+
+    /// Another patch listens, to other controllers.
+    pub fn claim(&mut self, claims: &Claims) {
+        self.interpreter.claim(claims);
     }
 }
 
@@ -81,9 +110,27 @@ impl Performer {
             self.move_by(at, &|from| *from == mover, Some(channel), position, outlet)
         });
         self.count(at, port, message);
-        result.and(
-            self.hear(port, at, outlet, |interpreter, sink| interpreter.message(at.seconds, message, sink)),
-        )
+        let heard =
+            self.hear(port, at, outlet, |interpreter, sink| interpreter.message(at.seconds, message, sink));
+        if let Some(hands) = self.hands.get_mut(usize::from(port).min(PORTS - 1)) {
+            hands.messages += 1;
+        }
+        result.and(heard)
+    }
+
+    /// What of the messages of all ports could not be used.
+    pub fn midi_counts(&self) -> MidiCounts {
+        self.hands.iter().fold(MidiCounts::default(), |sum, hands| {
+            let interpreter::Counts { unmatched, stolen, unmeant, left_out } = hands.interpreter.counts();
+            MidiCounts {
+                messages: sum.messages + hands.messages,
+                unmatched: sum.unmatched + unmatched,
+                stolen: sum.stolen + stolen,
+                unmeant: sum.unmeant + unmeant,
+                unheard: sum.unheard + hands.unheard,
+                left_out: sum.left_out + left_out,
+            }
+        })
     }
 
     /// Time has passed at a port: a cable that promised to stay may be lost.
@@ -118,7 +165,7 @@ impl Performer {
     ) -> Result<(), Problem> {
         let port = usize::from(port).min(PORTS - 1);
         while self.hands.len() <= port {
-            self.hands.push(Hands::default());
+            self.hands.push(Hands::new(&self.patch.controllers()));
         }
         self.tell_moves(at, port, outlet);
         let hands = &mut self.hands[port];
@@ -228,7 +275,12 @@ impl Performer {
                 let sent = self.quiet(at, port, channel, outlet);
                 self.taken(sent)
             }
-            Gesture::Parameter { .. } | Gesture::Transport { .. } | Gesture::Position { .. } => Ok(()),
+            Gesture::Parameter { .. } => {
+                self.hands[port].unheard += 1;
+                Ok(())
+            }
+            // The clock counts by itself.
+            Gesture::Transport { .. } | Gesture::Position { .. } => Ok(()),
         }
     }
 

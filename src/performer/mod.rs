@@ -38,6 +38,7 @@ use crate::text::Problem;
 use clocked::Clocked;
 pub use crossed::Callings;
 use hands::Hands;
+pub use hands::{MidiCounts, PORTS};
 pub use heard::{Happening, Heard, Listener, Origin};
 use here::Here;
 pub use note::Note;

@@ -121,8 +121,10 @@ impl Performer {
         self.clocked.patterns.iter().filter_map(named).collect()
     }
 
-    /// Voices that keys of the `old` plan hold are those of this one, and hear what theirs hear now.
+    /// Voices that keys of the `old` plan hold are those of this one, and hear what theirs hear now; controllers are those of the new patch.
     fn take_hands(&mut self, old: &Plan) {
+        let claims = self.patch.controllers();
+        self.hands.iter_mut().for_each(|hands| hands.claim(&claims));
         let plan = &self.plan;
         let become_of = |number: u32| {
             let name = &old.instruments.get(number as usize)?.name;

@@ -124,7 +124,7 @@ impl Learn {
             };
             // It is told by who knows what stands on the line.
             let news = move |news| drop(tell.send(told(&news)));
-            MidiPorts::hear(Arc::new(ear), midi_in, Box::new(news))
+            MidiPorts::hear(Arc::new(ear), None, midi_in, Box::new(news))
         });
         let no_thread =
             |error: std::io::Error| Failure::said(71, format!("the system gives no thread ({error})"));

@@ -1,9 +1,14 @@
 //! What happened, in a line each.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
 use pacinian::io::device::keeper::Fate;
 use pacinian::performer::{Happening, Heard};
+use pacinian::space::spot::Spot;
+
+/// What is said where it may come back on another device.
+pub const LOWERED: &str = "nobody has named the device, and the system may play on another: at -20 dB until it is armed (--device names one)";
 
 /// How it is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -61,7 +66,7 @@ impl Happened {
                     Some(felt) if level == 1.0 => format!("{} dB felt", short(felt)),
                     Some(felt) => format!("{} of {} dB felt", short(level), short(felt)),
                 };
-                write!(text, "{name} on {place} at {how}")
+                write!(text, "{name} on {} at {how}", spot(place))
                     .and_then(|()| match frequency {
                         Some((_, hertz)) => write!(text, ", {} Hz", short(*hertz)),
                         None => Ok(()),
@@ -98,6 +103,7 @@ impl Happened {
             }
             Fate::Back => Self::new(at, Mood::Good, "the device is back"),
             Fate::Moved => Self::new(at, Mood::Bad, "the system moved the stream to another device"),
+            Fate::Lowered => Self::new(at, Mood::Told, LOWERED),
             Fate::Said(what) => Self::new(at, Mood::Bad, what),
         }
     }
@@ -121,6 +127,21 @@ pub fn short(value: f64) -> String {
     let text = format!("{value:.digits$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if text == "-0" { "0".into() } else { text.into() }
+}
+
+/// A place by its name; a point without digits that nobody can feel: they are metres.
+fn spot(place: &str) -> Cow<'_, str> {
+    match Spot::unnamed(place) {
+        Some(Spot::Point(point)) => {
+            let metres = point.map(|x| {
+                let text = format!("{x:.4}");
+                let text = text.trim_end_matches('0').trim_end_matches('.');
+                if text == "-0" { "0".into() } else { text.to_string() }
+            });
+            format!("[{}]", metres.join(", ")).into()
+        }
+        _ => place.into(),
+    }
 }
 
 /// A duration.
@@ -147,7 +168,7 @@ pub fn moment(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Happened, Mood, clock, moment, short};
+    use super::{Happened, Mood, clock, moment, short, spot};
     use pacinian::performer::{Happening, Heard, Origin};
     use pacinian::schedule::Instant;
     use pacinian::text::Problem;
@@ -163,6 +184,15 @@ mod tests {
             [0.0, -0.001, 0.804, 12.34, 250.0, 999.6, 12_345.6].map(short),
             ["0", "0", "0.8", "12.3", "250", "1000", "12346"]
         );
+    }
+
+    #[test]
+    fn places_are_told_to_a_tenth_of_a_millimetre() {
+        let sum = 0.045_000_000_000_000_005;
+        assert_eq!(format!("{sum:?}").len(), 20, "{sum:?}");
+        let place = |point: [f64; 3]| pacinian::space::spot::Spot::Point(point).name(|_| None).into_owned();
+        assert_eq!(spot(&place([sum, -0.0, -0.120_04])), "[0.045, 0, -0.12]");
+        assert_eq!([spot("left"), spot("path 2"), spot("[odd]")], ["left", "path 2", "[odd]"]);
     }
 
     #[test]

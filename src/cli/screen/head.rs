@@ -93,6 +93,7 @@ pub fn figures(snapshot: &Snapshot, width: usize) -> Vec<Line> {
         ("no numbers", figures.masked),
         ("voices cut short", figures.stolen),
         ("held back", figures.held_back),
+        ("MIDI unused", figures.midi),
     ];
     all.extend(rare.into_iter().filter(|(_, count)| *count > 0).map(|(name, count)| fault(name, count)));
     all

@@ -144,6 +144,25 @@ impl Line {
         line
     }
 
+    /// No wider than that, of one ink; where `mark` says that something is cut out, a third of it is the end, in which names differ.
+    #[must_use]
+    pub fn shorten(self, width: usize, mark: &str) -> Self {
+        let Some((ink, text)) = self.pieces.first().filter(|_| self.width > width) else { return self };
+        let (mut tail, mut used) = (text.len(), 0);
+        for (at, c) in text.char_indices().rev() {
+            used += c.width().unwrap_or(0);
+            if used > width / 3 {
+                break;
+            }
+            tail = at;
+        }
+        let (ink, tail) = (*ink, text.get(tail..).unwrap_or_default().to_string());
+        let tail = Self::of(ink, &tail);
+        let mut line = self.clip(width.saturating_sub(tail.width), mark);
+        line.join(tail);
+        line
+    }
+
     /// What is read.
     pub fn text(&self) -> String {
         self.pieces.iter().map(|(_, text)| text.as_str()).collect()

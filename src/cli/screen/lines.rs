@@ -77,7 +77,7 @@ pub fn event(happened: &Happened) -> String {
 pub fn status(snapshot: &Snapshot, highest: f32) -> String {
     let (figures, latency) = (&snapshot.figures, &snapshot.latency);
     format!(
-        "{:>9}  -- load {:.2} % (99.9 %: {:.1} %), {} voices, {} xruns, {} late, {} lost, {} limited, {} clamped, latency {}{}, peak {}{}",
+        "{:>9}  -- load {:.2} % (99.9 %: {:.1} %), {} voices, {} xruns, {} late, {} lost, {} limited, {} clamped{}, latency {}{}, peak {}{}",
         clock(snapshot.elapsed),
         100.0 * figures.mean,
         100.0 * figures.p999,
@@ -87,6 +87,10 @@ pub fn status(snapshot: &Snapshot, highest: f32) -> String {
         figures.lost,
         figures.limited,
         figures.clamped,
+        match figures.midi {
+            0 => String::new(),
+            unused => format!(", {} of MIDI unused", grouped(unused)),
+        },
         latency.told(),
         latency.input.map_or(String::new(), |input| format!(", input {:.1} ms", 1000.0 * input)),
         dbfs(highest),

@@ -10,8 +10,9 @@ use crate::cli::table::{grouped, many};
 const WHOLE: usize = 32;
 const NARROW: usize = 16;
 
-/// Columns that names take, at most.
-const NAME: usize = 18;
+/// Columns that names take, at most; and those of a bar that they leave, with its number and alone.
+const NAME: usize = 40;
+const BAR: [usize; 2] = [10, 6];
 
 /// Meters that stand together where each has one sign.
 const TOGETHER: usize = 8;
@@ -114,15 +115,17 @@ fn block(
     let gap = if columns > 1 { 3 } else { 1 };
     let cell = (width.saturating_sub(1) / columns).saturating_sub(gap);
     let widest = part.iter().map(|(_, name, _)| Line::of(Ink::Plain, name).width()).max().unwrap_or(0);
-    let name = widest.min(NAME).min(cell / 3);
-    let bar_width = cell.saturating_sub(name + 1 + if whole { 6 } else { 0 });
+    let (number_width, least) = if whole { (6, BAR[0]) } else { (0, BAR[1]) };
+    let room = cell.saturating_sub(least + 1 + number_width).max(cell / 3);
+    let name = widest.min(NAME).min(room);
+    let bar_width = cell.saturating_sub(name + 1 + number_width);
     let mut lines = vec![Line::of(Ink::Plain, " "); rows];
     for (place, (_, text, meter)) in part.iter().enumerate() {
         let (column, Some(line)) = (place / rows, lines.get_mut(place % rows)) else { continue };
         let begin = 1 + column * (cell + gap);
         line.fill_to(begin);
         let ink = if meter.is_full() { Ink::Hot } else { Ink::Plain };
-        line.join(Line::of(ink, text).clip(name, if fancy { "…" } else { "~" }));
+        line.join(Line::of(ink, text).shorten(name, if fancy { "…" } else { "~" }));
         line.fill_to(begin + name + 1);
         line.join(bar(meter, bar_width, fancy));
         if whole {
@@ -205,6 +208,20 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Names that differ in their ends alone, as those of arrays do.
+    #[test]
+    fn names_are_whole_where_there_is_room_and_told_apart_where_there_is_none() {
+        let name = |n: usize| format!("left-forearm-outside-{n}");
+        let tactors = (1..=16).map(|n| (name(n), Meter::default())).collect();
+        let snapshot = Snapshot { tactors, fancy: true, ..Snapshot::default() };
+        let text = |width, rows| {
+            meters(&snapshot, width, rows).lines.iter().map(|l| l.text() + "\n").collect::<String>()
+        };
+        assert!((1..=16).all(|n| text(80, 24).contains(&format!(" {} ", name(n)))), "{}", text(80, 24));
+        assert!((1..=16).all(|n| text(80, 4).contains(&format!("-{n} "))), "{}", text(80, 4));
+        assert!(text(80, 4).lines().all(|line| line.chars().count() <= 80));
     }
 
     #[test]

@@ -4,7 +4,7 @@ mod bar;
 mod controls;
 mod draw;
 mod echo;
-mod happened;
+pub mod happened;
 mod head;
 mod keys;
 mod line;
@@ -242,6 +242,7 @@ impl Show {
                     match fate {
                         Fate::Lost(_) => self.snapshot.lost = true,
                         Fate::Back => self.snapshot.lost = false,
+                        Fate::Lowered => self.snapshot.armed = false,
                         Fate::Moved | Fate::Said(_) => {}
                     }
                     self.note(Happened::fate(now, fate));
@@ -335,6 +336,7 @@ impl Show {
             clamped: board.clamped.get(),
             masked: board.masked.get(),
             held_back: board.held_back.get(),
+            midi: board.midi.unused(),
             voices: board.voices.get(),
             started: board.started.get(),
             stolen: board.stolen.get(),

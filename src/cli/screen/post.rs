@@ -146,6 +146,8 @@ impl Post {
                 .say(Mood::Bad, format!("the input device is gone ({why}); it is silence until it is back")),
             Fate::Back => self.say(Mood::Good, "the input device is back"),
             Fate::Moved => self.say(Mood::Bad, "the system moved the input to another device"),
+            // It has no level.
+            Fate::Lowered => {}
             Fate::Said(what) => self.say(Mood::Bad, format!("input: {what}")),
         }
     }

@@ -89,6 +89,8 @@ pub struct Figures {
     pub masked: u64,
     /// Samples that were held back for the sake of actuators.
     pub held_back: u64,
+    /// Messages of MIDI that could not be used.
+    pub midi: u64,
     /// Voices that sound, that were started, and that had to make room.
     pub voices: u64,
     /// See `voices`.

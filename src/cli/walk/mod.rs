@@ -8,9 +8,13 @@ mod write;
 
 use super::ask::Typed;
 use super::failure::Failure;
+use super::screen::happened::LOWERED;
 use super::stop::Stop;
 use super::table::Table;
 use super::terminal::Terminal;
+use super::wrap::wrapped;
+#[cfg(test)]
+pub use answer::KEYS;
 use clap::Args;
 use map::{Felt, Map, map};
 use pacinian::graph::scene::scene;
@@ -35,7 +39,8 @@ use std::sync::Arc;
 #[command(after_help = "Examples:\n  pacinian walk --rig rigs/belt.toml --device \"USB Sound\"\n  \
     pacinian walk --rig rigs/belt.toml --device \"USB Sound\" --write\n\n\
     Each channel gets a short tone at the resonance of its actuator (200 Hz where that is not known), at --level or less: at most \
-    half of what the actuator is rated for, where the rig says volts. Torques, motors and triggers get nothing.\n\
+    half of what the actuator is rated for, where the rig says volts. A rumble motor turns for 0.3 s at most, up to half of its rated \
+    vibration and within its limits, or clicks where it can do no more. Torques and triggers get nothing.\n\
     In a terminal it waits after each for what was felt, a key each: y or Enter where it was the tactor that the rig says, t and then \
     the name or the channel of the one that it was, n for nothing, r for the same again, s to leave it out, b for the one before, q to \
     end. With --write the channels that were felt go into the rig's file, which stays as it is otherwise; answers may be piped in then, a \
@@ -218,6 +223,7 @@ impl Walk {
                     }
                     Fate::Back => "\nthe device is back\n".into(),
                     Fate::Moved => "\nthe system moved the stream to another device\n".into(),
+                    Fate::Lowered => format!("\n{LOWERED}\n"),
                     Fate::Said(what) => format!("\n{}\n", escaped(&what)),
                 });
             }),
@@ -240,7 +246,7 @@ impl Walk {
         let others = rig.outputs.iter().filter(|output| !probe::may_be_felt(output));
         let mut moves = false;
         for output in others {
-            moves |= matches!(output.kind, OutputKind::Drive(_) | OutputKind::Torque);
+            moves |= output.kind == OutputKind::Torque;
             let what = kind(&output.kind);
             terminal.note(&format!(
                 "left out: `{}` on channel {}, {what}\n",
@@ -249,7 +255,8 @@ impl Walk {
             ));
         }
         if moves {
-            terminal.note("where jacks are not where they seem to be, another channel may lead there: unplug what turns\n");
+            let told = "where jacks are not where they seem to be, another channel may lead there: unplug what turns";
+            terminal.note(&format!("{}\n", wrapped(told, 0)));
         }
     }
 

@@ -1,15 +1,17 @@
-//! What is felt on a channel when it is its turn: a tone that suits its actuator and cannot harm it.
+//! What is felt on a channel when it is its turn: a tone, or a short turn of a motor, that suits its actuator and cannot harm it.
 
-use pacinian::Patch;
-use pacinian::rig::{Output, OutputKind, Rig};
+use pacinian::rig::{Output, OutputKind, Rig, Shaping};
 use pacinian::text::Problems;
+use pacinian::{Note, Patch, Place};
 
-/// A tone that comes and goes gently.
+/// A tone that comes and goes gently; a turn and a click of a motor, as its own output drives it.
 const PATCH: &str = "format = \"pacinian-patch/1\"\ntitle = \"A walk over the channels\"\n\
     [voice.probe]\nvoices = 1\noutput = \"felt\"\n[voice.probe.nodes]\n\
     tone = { type = \"sine\", frequency = \"event.frequency\" }\n\
     ramp = { type = \"envelope\", attack = 0.04, release = 0.04 }\n\
-    felt = { type = \"multiply\", inputs = [\"tone\", \"ramp\"] }\n";
+    felt = { type = \"multiply\", inputs = [\"tone\", \"ramp\"] }\n\
+    [voice.turn]\nvoices = 1\noutput = \"spin\"\n[voice.turn.nodes]\nspin = { type = \"drive-spin\" }\n\
+    [voice.click]\nvoices = 1\noutput = \"click\"\n[voice.click.nodes]\nclick = { type = \"drive-click\" }\n";
 
 /// Where nothing is known of the actuator: near what skin feels best.
 const USUAL: f64 = 200.0;
@@ -20,6 +22,20 @@ const BAND: [f64; 2] = [30.0, 500.0];
 /// Of what an actuator is rated for, at most.
 const SHARE: f64 = 0.5;
 
+/// Seconds that a motor turns, at most.
+const TURN: f64 = 0.3;
+
+/// What a probe does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Deed {
+    /// A tone, Hz.
+    Tone(f64),
+    /// A motor turns for a moment, forward.
+    Turn,
+    /// A motor clicks, where it can do no more.
+    Click,
+}
+
 /// A channel that is to be felt.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probe {
@@ -27,12 +43,40 @@ pub struct Probe {
     pub channel: u32,
     /// The output that the rig has there, by its place in the rig.
     pub output: Option<usize>,
-    /// Hz.
-    pub frequency: f64,
-    /// Share of full scale.
+    /// What is played.
+    pub deed: Deed,
+    /// Share of full scale; of a motor, of its rated vibration, or of its strongest click.
     pub level: f64,
     /// Whether the level is lower than was asked for, as the actuator is rated for no more.
     pub lowered: bool,
+}
+
+impl Probe {
+    /// What is asked of its voice.
+    pub fn note(&self, seconds: f64) -> Note {
+        let mut note = Note::default().level(self.level).duration(self.deed.seconds(seconds));
+        if let Deed::Tone(frequency) = self.deed {
+            note = note.frequency(frequency);
+        }
+        note.place = Some(Place::Channel(self.channel));
+        note
+    }
+}
+
+impl Deed {
+    /// The voice that plays it.
+    pub fn voice(self) -> &'static str {
+        match self {
+            Self::Tone(_) => "probe",
+            Self::Turn => "turn",
+            Self::Click => "click",
+        }
+    }
+
+    /// How long, where so many seconds are asked for.
+    pub fn seconds(self, asked: f64) -> f64 {
+        if matches!(self, Self::Tone(_)) { asked } else { asked.min(TURN) }
+    }
 }
 
 /// What plays probes.
@@ -40,36 +84,55 @@ pub fn patch() -> Result<Patch, Problems> {
     Patch::parse("walk", PATCH.as_bytes()).map(|checked| checked.value)
 }
 
-/// Whether a probe may go there: vibration for the skin, and what is played as it comes. Never a knob's torque or a motor's
-/// voltage, nor a pulse to somebody's recorder.
+/// Whether a probe may go there: vibration for the skin, what is played as it comes, and a rumble motor, whose own output sees to its
+/// limits. Never a knob's torque, nor a pulse to somebody's recorder.
 pub fn may_be_felt(output: &Output) -> bool {
     match output.kind {
-        OutputKind::Vibration | OutputKind::Raw => true,
-        OutputKind::Drive(_) | OutputKind::Torque | OutputKind::Trigger { .. } => false,
+        OutputKind::Vibration | OutputKind::Raw | OutputKind::Drive(_) => true,
+        OutputKind::Torque | OutputKind::Trigger { .. } => false,
     }
 }
 
 /// The channels to walk over, in their order; with `all`, also those of which the rig says nothing.
 pub fn probes(rig: &Rig, level: f64, all: bool) -> Vec<Probe> {
+    let leads = |channel: u32| rig.outputs.iter().any(|output| direction(output) == Some(channel));
     let probe = |channel: u32| {
         let at = rig.outputs.iter().position(|output| output.channel == channel);
         let output = at.and_then(|at| rig.outputs.get(at));
         match output {
             Some(output) if !may_be_felt(output) => None,
-            None if !all => None,
+            // The line that says which way a bridge turns its motor is none of its own.
+            None if !all || leads(channel) => None,
             _ => {
-                let most = output.and_then(|output| bearable(rig, output)).unwrap_or(f64::INFINITY);
-                let frequency = output.map_or(USUAL, |output| frequency(rig, output));
-                Some(Probe { channel, output: at, frequency, level: level.min(most), lowered: most < level })
+                let (deed, most) = match output.map(|output| &output.kind) {
+                    Some(OutputKind::Drive(turning)) if turning.shaping == Shaping::Clicks => {
+                        (Deed::Click, Some(SHARE))
+                    }
+                    Some(OutputKind::Drive(_)) => (Deed::Turn, Some(SHARE)),
+                    _ => (
+                        Deed::Tone(output.map_or(USUAL, |output| frequency(rig, output))),
+                        output.and_then(|output| bearable(rig, output)),
+                    ),
+                };
+                let most = most.unwrap_or(f64::INFINITY);
+                Some(Probe { channel, output: at, deed, level: level.min(most), lowered: most < level })
             }
         }
     };
     (1..=rig.device.channels).filter_map(probe).collect()
 }
 
-/// The rig with nothing on it but what may be felt: its torques and drives are not there.
+/// The channel of the line that says which way it turns.
+pub fn direction(output: &Output) -> Option<u32> {
+    match &output.kind {
+        OutputKind::Drive(turning) => turning.direction,
+        _ => None,
+    }
+}
+
+/// The rig with nothing on it but what is probed: no torque, and no knob that would ask for one.
 pub fn bare(rig: &Rig, probes: &[Probe]) -> Rig {
-    let mut bare = rig.clone();
+    let mut bare = Rig { knob: None, ..rig.clone() };
     bare.outputs
         .retain(|output| probes.iter().any(|probe| probe.channel == output.channel) && may_be_felt(output));
     for probe in probes.iter().filter(|probe| probe.output.is_none()) {
@@ -102,9 +165,8 @@ fn bearable(rig: &Rig, output: &Output) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{bare, patch, probes};
-    use pacinian::patch::Place;
-    use pacinian::{NoAssets, Note, Options, Patch, Player, Rig};
+    use super::{Deed, bare, patch, probes};
+    use pacinian::{NoAssets, Options, Patch, Player, Rig};
 
     const RIG: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 7\nfull_scale_volts = 2.0\ncoupling = \"dc\"\n\
         [amplifier.a]\ngain = 5\ncoupling = \"dc\"\n[actuator.coin]\npart = \"coin-10mm\"\n[actuator.slow]\nresonance = 65\nrated_volts = 2\n[actuator.odd]\nresonance = 3000\n\
@@ -121,13 +183,18 @@ mod tests {
     #[test]
     fn each_actuator_has_its_own_probe() {
         let told: Vec<_> =
-            probes(&rig(), 0.3, false).iter().map(|p| (p.channel, p.frequency, p.lowered)).collect();
-        assert_eq!(told, [(1, 65.0, true), (2, 500.0, false), (7, 200.0, false)]);
+            probes(&rig(), 0.3, false).iter().map(|p| (p.channel, p.deed, p.lowered)).collect();
+        let tone = Deed::Tone;
+        assert_eq!(
+            told,
+            [(1, tone(65.0), true), (2, tone(500.0), false), (4, Deed::Turn, false), (7, tone(200.0), false)]
+        );
         let all = probes(&rig(), 0.9, true);
-        assert_eq!(all.iter().map(|p| p.channel).collect::<Vec<_>>(), [1, 2, 6, 7]);
+        assert_eq!(all.iter().map(|p| p.channel).collect::<Vec<_>>(), [1, 2, 4, 6, 7]);
+        assert_eq!((all[2].level, all[2].lowered), (0.5, true), "half of its rated vibration");
         // Half of 2 V: through 2 V a full scale times 5, and through 2 V times a gain of 0.5 times 6 dB.
         assert!((all[0].level - 0.1).abs() < 1e-9 && (all[1].level - 0.5).abs() < 1e-4, "{all:?}");
-        assert_eq!((all[2].level, all[3].level), (0.9, 0.9));
+        assert_eq!((all[3].level, all[4].level), (0.9, 0.9));
     }
 
     /// What goes out while one channel has its turn: its tone and no more, and nothing on what is no skin's.
@@ -139,15 +206,17 @@ mod tests {
         for probe in &probes {
             let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
             let mut player = Player::new(&patch, &bare(&rig, &probes), &options, &NoAssets).unwrap();
-            let mut note = Note::default().level(probe.level).duration(0.3).frequency(probe.frequency);
-            note.place = Some(Place::Channel(probe.channel));
-            player.play_at(0.05, "probe", &note).unwrap();
+            let note = probe.note(0.3);
+            player.play_at(0.05, probe.deed.voice(), &note).unwrap();
             let mut out = vec![0.0_f32; 7 * 24_000];
             player.process(&mut out);
             for channel in 1..=7 {
                 let peak = out.iter().skip(channel - 1).step_by(7).fold(0.0_f32, |most, x| most.max(x.abs()));
                 let gain = if channel == 2 { 0.5 } else { 1.0 };
-                if channel == probe.channel as usize {
+                if channel == probe.channel as usize && probe.deed == Deed::Turn {
+                    // A full scale of 2 V times 5, within what its part bears.
+                    assert!((0.02..=0.6).contains(&peak), "{channel}: {peak}");
+                } else if channel == probe.channel as usize {
                     assert!(
                         f64::from(peak) < 1.05 * probe.level * gain * 2.0 && peak > 0.02,
                         "{channel}: {peak}"
@@ -157,5 +226,41 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Every rig that ships can be walked over, knobs and all, and no torque moves.
+    #[test]
+    fn rigs_that_ship_can_be_walked_over() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("rigs");
+        let mut knobs = 0;
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|kind| kind != "toml") {
+                continue;
+            }
+            let name = path.display().to_string();
+            let rig = Rig::parse(&name, &std::fs::read(&path).unwrap()).unwrap().value;
+            knobs += u32::from(rig.knob.is_some());
+            let probes = probes(&rig, 0.25, true);
+            let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+            let mut player = Player::new(&patch().unwrap(), &bare(&rig, &probes), &options, &NoAssets)
+                .unwrap_or_else(|problems| panic!("{name}: {problems}"));
+            for (number, probe) in probes.iter().enumerate() {
+                let at = 0.05 + 0.5 * number as f64;
+                player.play_at(at, probe.deed.voice(), &probe.note(0.1)).unwrap();
+            }
+            let channels = player.plan().channels;
+            let mut out = vec![0.0_f32; channels * 24_000 * (probes.len() + 1)];
+            player.process(&mut out);
+            let moves =
+                |channel: u32| out.iter().skip(channel as usize - 1).step_by(channels).any(|x| *x != 0.0);
+            for probe in &probes {
+                assert!(moves(probe.channel), "{name}: nothing on channel {}", probe.channel);
+            }
+            for output in rig.outputs.iter().filter(|output| !super::may_be_felt(output)) {
+                assert!(!moves(output.channel), "{name}: {}", output.name);
+            }
+        }
+        assert!(knobs >= 2);
     }
 }

@@ -2,17 +2,17 @@
 
 use super::answer::{Answer, KEYS, LINES, Pressed};
 use super::map::Felt;
-use super::probe::Probe;
+use super::probe::{Deed, Probe};
 use crate::cli::ask::{Edit, Entry, Said, Typed};
 use crate::cli::failure::Failure;
 use crate::cli::guard;
 use crate::cli::stop::Stop;
 use crate::cli::terminal::Terminal;
+use crate::cli::wrap::wrapped;
 use pacinian::io::session::Session;
 use pacinian::live::gate::RAMP_IN;
 use pacinian::rig::Rig;
 use pacinian::text::problem::escaped;
-use pacinian::{Note, Place};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
@@ -74,7 +74,7 @@ impl Round<'_> {
     /// As [`Round::pass`].
     pub fn ask(&self, person: &Typed, felt: &mut BTreeMap<u32, Felt>) -> Result<End, Failure> {
         let help = if person.keyed { KEYS } else { LINES };
-        self.terminal.note(&format!("{help}\n\n"));
+        self.terminal.note(&format!("{}\n\n", wrapped(help, 0)));
         if let Some(code) = self.wait(OPENS) {
             return Ok(End::Stopped(code));
         }
@@ -117,7 +117,10 @@ impl Round<'_> {
         let mut entry: Option<Entry> = None;
         // Whether something was typed that means nothing, so that Enter does not agree to anything.
         let mut unclear = false;
-        let again = |why: &str| self.terminal.note(&format!("\n     {why}\n     {help}\n     ? "));
+        let again = |why: &str| {
+            let (why, help) = (wrapped(why, 5), wrapped(help, 5));
+            self.terminal.note(&format!("\n     {why}\n     {help}\n     ? "));
+        };
         loop {
             match person.said() {
                 Said::End => return Err(End::Over),
@@ -170,11 +173,10 @@ impl Round<'_> {
 
     /// Plays a probe and waits until it is over; the exit code where somebody asks to stop.
     fn play(&self, probe: &Probe) -> Result<Option<u8>, Failure> {
-        let mut note = Note::default().level(probe.level).duration(self.seconds).frequency(probe.frequency);
-        note.place = Some(Place::Channel(probe.channel));
-        let played = self.session.handle().play("probe", note);
+        let seconds = probe.deed.seconds(self.seconds);
+        let played = self.session.handle().play(probe.deed.voice(), probe.note(self.seconds));
         played.map_err(|refused| Failure::said(71, refused.to_string()))?;
-        Ok(self.wait(Duration::from_secs_f64(self.seconds)))
+        Ok(self.wait(Duration::from_secs_f64(seconds)))
     }
 
     /// Waits; the exit code where somebody asks to stop.
@@ -200,9 +202,11 @@ impl Round<'_> {
         let name =
             output.map_or("nothing in the rig".into(), |output| format!("`{}`", escaped(&output.name)));
         let why = if probe.lowered { ", half of what it is rated for" } else { "" };
-        format!(
-            "channel {}: {name}, {:.0} Hz at level {:.2}{why}",
-            probe.channel, probe.frequency, probe.level
-        )
+        let what = match probe.deed {
+            Deed::Tone(frequency) => format!("{frequency:.0} Hz"),
+            Deed::Turn => "a short turn".into(),
+            Deed::Click => "a click".into(),
+        };
+        format!("channel {}: {name}, {what} at level {:.2}{why}", probe.channel, probe.level)
     }
 }

@@ -115,7 +115,9 @@ impl Wish {
             Self::Named(name) => {
                 let all = hosts.devices();
                 let (device, found) = named(&all, name, |found| found.output.is_some())?;
-                Ok(Chosen::Card(device.clone(), found.clone()))
+                // Who names a device means that one, whatever is played on by default; who names a host means its default.
+                let default = found.default && hosts.places().any(|place| place.name == *name);
+                Ok(Chosen::Card(device.clone(), Found { default, ..found.clone() }))
             }
         }
     }

@@ -88,7 +88,7 @@ impl Hosts {
     }
 
     /// The id of the device that is recorded from where nobody says anything.
-    pub(super) fn default_input(&self) -> Option<String> {
+    pub fn default_input(&self) -> Option<String> {
         let default = |place: Place| place.host?.default_input_device().map(|device| list::id(&device));
         self.places().find_map(default)
     }

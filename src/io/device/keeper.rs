@@ -14,7 +14,7 @@ use super::returning::{Returning, Stand};
 use super::virtual_card::VirtualCard;
 use crate::live::board::Board;
 use crate::live::driver::Driver;
-use crate::live::gate::Order;
+use crate::live::gate::{Order, UNARMED};
 
 /// What becomes of a device.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,8 +23,10 @@ pub enum Fate {
     Lost(String),
     /// It is back.
     Back,
-    /// The system lets the stream play on another device than it was opened on.
+    /// The system lets the stream play on another device than it was opened on; that of an output is let go of.
     Moved,
+    /// Nobody has named the device, so what comes back may be another: at -20 dB until it is armed.
+    Lowered,
     /// Something else that the device said.
     Said(String),
 }
@@ -52,6 +54,8 @@ pub struct Keeper {
 struct Keeping {
     /// Where the device is looked for, and its id; `None`: the virtual card is all that was chosen.
     sought: Option<(Hosts, String)>,
+    /// Whether it is what the system plays on where nobody says anything: its id may then lead to another device.
+    default: bool,
     shape: Shape,
     board: Arc<Board>,
     playing: Playing,
@@ -85,6 +89,7 @@ impl Keeper {
         let (lend, home) = channel();
         let mut keeping = Keeping {
             sought: None,
+            default: false,
             shape,
             board: Arc::clone(board),
             playing: Playing::Nothing,
@@ -105,6 +110,7 @@ impl Keeper {
                 let lent = driver.lend(keeping.lend.clone());
                 keeping.playing = Playing::Card(Card::open(&device, &found, shape, lent, board, tell)?);
                 keeping.news = Some(news);
+                keeping.default = found.default;
                 keeping.sought = Some((found.hosts, found.id));
             }
             Chosen::Virtual(_) => keeping.tick(driver)?,
@@ -185,7 +191,7 @@ impl Keeping {
     fn hear(&mut self, news: News) {
         match news {
             News::Lost(why) => self.lose(why),
-            News::Moved => (self.fate)(Fate::Moved),
+            News::Moved => self.moved(),
             News::Said(what) => (self.fate)(Fate::Said(what)),
         }
     }
@@ -198,6 +204,16 @@ impl Keeping {
         if let Some(driver) = self.take_home() {
             self.go_on(*driver);
         }
+    }
+
+    /// The stream plays somewhere else: it is let go of, and its own device looked for.
+    fn moved(&mut self) {
+        (self.fate)(Fate::Moved);
+        if self.default {
+            self.board.lever.gain(UNARMED);
+            (self.fate)(Fate::Lowered);
+        }
+        self.lose("what is played goes to no other; its own is waited for".into());
     }
 
     /// Opens the device if it is there again.

@@ -120,7 +120,7 @@ impl Search {
 }
 
 /// What a stream is given to tell of its errors: `gap` counts those after which it has gone on by itself, `lost` hears at once of those
-/// after which it is of no use.
+/// after which it is of no use, such as that it plays on another device now.
 pub(super) fn teller(
     news: Sender<News>,
     gap: impl Fn() + Send + 'static,
@@ -129,7 +129,10 @@ pub(super) fn teller(
     // Whoever has let go of the stream does not hear of it any more.
     move |error| match error.kind() {
         ErrorKind::Xrun => gap(),
-        ErrorKind::DeviceChanged => drop(news.send(News::Moved)),
+        ErrorKind::DeviceChanged => {
+            lost();
+            drop(news.send(News::Moved));
+        }
         ErrorKind::RealtimeDenied => drop(news.send(News::Said(error.to_string()))),
         _ => {
             lost();

@@ -145,6 +145,7 @@ impl Journal {
             Fate::Lost(why) => ("lost", Some(why.clone())),
             Fate::Back => ("back", None),
             Fate::Moved => ("moved", None),
+            Fate::Lowered => ("lowered", None),
             Fate::Said(what) => ("said", Some(what.clone())),
         };
         let mut keeping = self.get();
@@ -223,9 +224,11 @@ fn counters(board: &Board) -> BTreeMap<String, f64> {
         ("clamped", board.clamped.get()),
         ("limited", board.limited.get()),
         ("over", board.load.over()),
+        ("midi", board.midi.messages.get()),
     ];
+    let midi = board.midi.named().map(|(name, count, _)| (name, count));
     let mut named: BTreeMap<String, f64> =
-        counted.into_iter().map(|(name, count)| (name.into(), count as f64)).collect();
+        counted.into_iter().chain(midi).map(|(name, count)| (name.into(), count as f64)).collect();
     named.insert("load".into(), board.load.mean());
     named.insert("device_delay".into(), board.device_delay.get() as f64 * 1e-9);
     named

@@ -57,6 +57,19 @@ fn note(delta: &[u8], note: u8) -> Vec<u8> {
 }
 
 #[test]
+fn the_longest_pause_says_where_it_ends() {
+    // Two quarter notes, then the longest delta time that there is.
+    let far = [&note(&[0], 60)[..], &note(&QUARTER, 61), &note(&[0xFF, 0xFF, 0xFF, 0x7F], 62), &END].concat();
+    let other = [&note(&[0], 60)[..], &END].concat();
+    let song = song(&file(1, BEATS, &[&other, &far]));
+    let pause = song.pause.unwrap();
+    let seconds = f64::from((1 << 28) - 1) / 960.0;
+    assert!((pause.seconds - seconds).abs() < 1e-6 && (song.seconds - seconds - 0.5).abs() < 1e-6);
+    // A header of 14 bytes, a track of 8 + 8, the head of another, and notes of 4 and 5 bytes.
+    assert_eq!((pause.track, pause.at), (1, 14 + 16 + 8 + 4 + 5));
+}
+
+#[test]
 fn ticks_are_half_seconds_unless_a_tempo_says_otherwise() {
     let tempo = [0, 0xFF, 0x51, 3, 0x0F, 0x42, 0x40]; // 1,000,000 µs
     let track = [&note(&QUARTER, 1)[..], &tempo, &note(&QUARTER, 2), &QUARTER, &END[1..]].concat();
@@ -170,7 +183,11 @@ fn longer_headers_unknown_chunks_and_wrappers_are_read() {
     let little = |n: usize| (n as u32).to_le_bytes();
     let inner = [b"RMIDINFO", &little(3)[..], &[1, 2, 3, 0], b"data", &little(plain.len()), &plain].concat();
     let wrapped = [b"RIFF", &little(inner.len())[..], &inner, b"after"].concat();
-    assert_eq!(song(&wrapped), song(&plain));
+    let (mut inside, mut bare) = (song(&wrapped), song(&plain));
+    // Its bytes stand as much farther on as the wrapper is long.
+    let at = |song: &mut Song| song.pause.take().map_or(0, |pause| pause.at);
+    assert_eq!(at(&mut inside) - at(&mut bare), 12 + 8 + 4 + 8);
+    assert_eq!(inside, bare);
 }
 
 #[test]

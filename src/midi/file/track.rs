@@ -25,6 +25,8 @@ pub(super) struct Contents {
     pub tempi: Vec<(u64, u32)>,
     pub marks: Vec<Mark>,
     pub exclusive: u64,
+    /// The longest time between two events of a track.
+    pub pause: Option<Pause>,
     /// The last end of a track.
     pub end: u64,
     /// Most messages, tempi and marks.
@@ -40,6 +42,15 @@ impl Contents {
     pub fn room(&self) -> usize {
         self.most.saturating_sub(self.messages.len() + self.tempi.len() + self.marks.len())
     }
+}
+
+/// Time between two events.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pause {
+    pub ticks: [u64; 2],
+    /// Where the second of them stands: the track, from 0, and the byte of the file.
+    pub track: usize,
+    pub at: usize,
 }
 
 #[derive(Debug)]
@@ -79,7 +90,11 @@ impl Track<'_> {
                     format!("byte {at}: there are more than {MOST_EVENTS} events, the most that are read");
                 return Err(Problem::error(&(at..at), what).help("split the file".to_string()));
             }
+            let before = tick;
             tick += u64::from(event.delta.as_int());
+            if contents.pause.is_none_or(|longest| longest.ticks[1] - longest.ticks[0] < tick - before) {
+                contents.pause = Some(Pause { ticks: [before, tick], track: self.index, at });
+            }
             match event.kind {
                 TrackEventKind::Midi { channel, message } => {
                     let message = translate(Channel::of_status(channel.as_int()), message);

@@ -6,7 +6,7 @@ use proptest::prelude::{any, prop_assert, prop_assert_eq, proptest};
 
 use super::{Counts, Interpreter, RELEASE};
 use crate::midi::message::tests::messages;
-use crate::midi::{Channel, Expression, Gesture, Message, Parser, Reason, Transport, What, Zone};
+use crate::midi::{Channel, Claims, Expression, Gesture, Message, Parser, Reason, Transport, What, Zone};
 
 /// What bytes mean, all of them at the same time.
 fn hear(interpreter: &mut Interpreter, seconds: f64, bytes: &[u8]) -> Vec<Gesture> {
@@ -233,24 +233,62 @@ fn all_sound_off_and_reset_name_the_channel() {
     );
 }
 
-/// Notes whose keys are down on the channel, and no others; the pedal keeps them as it keeps those of any note-off.
 #[test]
-fn all_notes_off_is_a_note_off_for_every_key() {
+fn all_notes_off_is_a_panic_of_its_channel_pedals_or_not() {
+    let panic = |number| Gesture::Panic { reason: Reason::AllNotesOff, channel: Some(channel(number)) };
     for number in [123, 124, 125, 126, 127] {
         let mut i = Interpreter::new();
-        hear(&mut i, 0.0, &[0x90, 60, 127, 62, 127, 0x91, 60, 127]);
-        assert_eq!(hear(&mut i, 0.0, &[0xB0, number, 0]), [off(0, 64), off(1, 64)]);
+        hear(&mut i, 0.0, &[0xB0, 64, 127, 66, 127, 0x90, 60, 127, 62, 127, 0x80, 62, 1, 0x91, 60, 127]);
+        assert_eq!(hear(&mut i, 0.0, &[0xB0, number, 0]), [panic(1)]);
         assert_eq!((i.sounding(), i.counts()), (1, Counts::default()));
-        let mut i = Interpreter::new();
-        hear(&mut i, 0.0, &[0xB0, 64, 127, 0x90, 60, 127, 0x80, 60, 1, 0x90, 62, 127]);
-        assert_eq!(hear(&mut i, 0.0, &[0xB0, number, 0]), [], "the pedal is down");
-        assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 0]), [off(0, 1), off(1, 64)]);
+        assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 0]), [], "nothing is left to be let go of");
     }
     // That of a manager is for its zone.
     let mut i = Interpreter::new();
     hear(&mut i, 0.0, &zone(0xB0, 3));
     hear(&mut i, 0.0, &[0x91, 60, 127, 0x93, 60, 127, 0x94, 60, 127]);
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 123, 0]), [off(0, 64), off(1, 64)]);
+    assert_eq!(hear(&mut i, 0.0, &[0xB0, 123, 0]), [1, 2, 3, 4].map(panic));
+    assert_eq!(i.sounding(), 1);
+}
+
+#[test]
+fn what_is_claimed_says_where_it_stands_and_means_nothing_else() {
+    let claims = |numbers: &[u8]| {
+        let mut claims = Claims::default();
+        numbers.iter().for_each(|number| claims.add(*number, Some(Channel::FIRST)));
+        claims
+    };
+    let controller =
+        |number, value: f64| Gesture::Controller { channel: Channel::FIRST, number, value, fine: false };
+    let mut i = Interpreter::new();
+    i.claim(&claims(&[64, 66, 98, 99, 6]));
+    let bytes = [0xB0, 64, 127, 66, 127, 99, 127, 98, 127, 6, 127];
+    assert_eq!(hear(&mut i, 0.0, &bytes), [64, 66, 99, 98, 6].map(|n| controller(n, 1.0)));
+    assert_eq!(hear(&mut i, 0.0, &[0x90, 60, 127, 0x80, 60, 1]).len(), 2, "no pedal holds it");
+    hear(&mut i, 0.0, &[0xB1, 64, 127, 0x91, 60, 127]);
+    assert_eq!(hear(&mut i, 0.0, &[0x81, 60, 1]), [], "on another channel it is one");
+    // A system reset leaves it so.
+    hear(&mut i, 0.0, &[0xFF]);
+    assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 0]), [controller(64, 0.0)]);
+    // Once it is bound, a pedal that is down holds nothing any more; once it is not, it does so again.
+    let mut i = Interpreter::new();
+    hear(&mut i, 0.0, &[0xB0, 64, 127, 0x90, 60, 127, 0x80, 60, 1]);
+    i.claim(&claims(&[64]));
+    let mut out = Vec::new();
+    i.tick(0.0, &mut |gesture| out.push(gesture));
+    assert_eq!(out, [off(0, 1)]);
+    i.claim(&claims(&[]));
+    assert_eq!(hear(&mut i, 0.0, &[0x90, 60, 127, 0x80, 60, 1]).len(), 1);
+    // Timbre is heard on a member, and stays timbre.
+    let mut i = Interpreter::new();
+    hear(&mut i, 0.0, &zone(0xB0, 3));
+    let mut all = Claims::default();
+    all.add(74, None);
+    i.claim(&all);
+    hear(&mut i, 0.0, &[0x91, 60, 127]);
+    let timbre = Gesture::Move { key: 0, what: What::Timbre, value: 1.0 };
+    let told = Gesture::Controller { channel: channel(2), number: 74, value: 1.0, fine: false };
+    assert_eq!(hear(&mut i, 0.0, &[0xB1, 74, 127]), [told, timbre]);
 }
 
 #[test]

@@ -1,5 +1,5 @@
 use super::super::staged::{self, HEAD};
-use super::{Message, Note, Outlet, Performer, When, wheel};
+use super::{Message, MidiCounts, Note, Outlet, Performer, When, wheel};
 use crate::engine::event::{Event, Play, Source};
 use crate::midi::{Channel, pitch};
 use crate::node::motion::Motion;
@@ -208,20 +208,89 @@ fn ended(kept: &Kept) -> Vec<usize> {
     plays.iter().enumerate().filter(|(_, play)| falls(play)).map(|(n, _)| n).collect()
 }
 
+/// Each of the 120, bound and as a trigger, alone.
 #[test]
-fn all_notes_off_lets_go_of_the_keys_of_its_channel_alone() {
+fn any_controller_can_be_bound_and_set_something_off() {
+    for number in 0..120 {
+        let (mut performer, mut kept) = performer(&format!(
+            "[[bind]]\nfrom = \"midi.controller {number}\"\ncontrol = \"depth\"\npickup = false\n\
+             [[trigger]]\non = \"midi.controller {number} rises 0.5\"\nplay = \"v\"\n"
+        ));
+        send(&mut performer, &mut kept, 0.1, controller(number, 127));
+        assert_eq!(performer.targets[0], 2.0, "{number}");
+        assert!(kept.0.iter().any(|(_, e)| matches!(e, Event::Play(_))), "{number}");
+        send(&mut performer, &mut kept, 0.2, controller(number, 0));
+        assert_eq!(performer.targets[0], 0.0, "{number}");
+    }
+}
+
+#[test]
+fn a_lower_half_that_is_bound_itself_is_its_own() {
+    let (mut performer, mut kept) =
+        performer("[[bind]]\nfrom = \"midi.controller 39\"\ncontrol = \"depth\"\npickup = false\n");
+    for (upper, lower) in [(127, 0), (0, 127), (64, 1)] {
+        send(&mut performer, &mut kept, 0.1, controller(7, upper));
+        send(&mut performer, &mut kept, 0.1, controller(39, lower));
+        assert_eq!(performer.targets[0], 2.0 * f64::from(lower) / 127.0);
+    }
+}
+
+#[test]
+fn the_pedal_holds_keys_unless_the_patch_hears_it() {
+    let keys = "[[trigger]]\non = \"midi.note\"\nplay = \"v\"\n";
+    let pedal = "[[trigger]]\non = \"midi.controller 64 rises 0.5\"\nplay = \"p\"\n";
+    let play = |performer: &mut Performer, kept: &mut Kept| {
+        kept.0.clear();
+        for message in [controller(64, 127), on(0, 60, 100), off(0, 60)] {
+            send(performer, kept, 0.1, message);
+        }
+        ended(kept).len()
+    };
+    let (mut performer, mut kept) = performer(keys);
+    assert_eq!(play(&mut performer, &mut kept), 0);
+    // What is saved while it is down lets go of what it holds.
+    staged::save(&mut performer, &format!("{HEAD}{PATCH}{keys}{pedal}"), 8);
+    performer.midi_tick(When::of_seconds(0.2, 8000.0), &mut kept).unwrap();
+    assert_eq!(ended(&kept).len(), 1);
+    send(&mut performer, &mut kept, 0.3, controller(64, 0));
+    assert_eq!(play(&mut performer, &mut kept), 1);
+    assert_eq!(performer.patterns().count(), 1, "the pedal played its pattern");
+}
+
+#[test]
+fn what_midi_says_in_vain_is_counted() {
+    let (mut performer, mut kept) = performer("[[trigger]]\non = \"midi.note\"\nplay = \"v\"\n");
+    let parameter = [(99, 1), (98, 2), (6, 9), (38, 9), (101, 127), (100, 127), (6, 1)];
+    parameter.into_iter().for_each(|(n, value)| send(&mut performer, &mut kept, 0.1, controller(n, value)));
+    send(&mut performer, &mut kept, 0.1, off(0, 60));
+    send(&mut performer, &mut kept, 0.1, controller(122, 0));
+    let counts = MidiCounts {
+        messages: 9,
+        unmatched: 1,
+        unmeant: 1,
+        unheard: 2,
+        left_out: 1,
+        ..MidiCounts::default()
+    };
+    assert_eq!(performer.midi_counts(), counts);
+}
+
+#[test]
+fn all_notes_off_silences_its_channel_alone() {
     for number in 123..128 {
         let (mut performer, mut kept) = performer(BOTH);
         performer.start_pattern(When::of_seconds(0.0, 8000.0), "p").unwrap();
+        send(&mut performer, &mut kept, 0.1, controller(64, 127));
         for (channel, note) in [(0, 60), (1, 60), (0, 61)] {
             send(&mut performer, &mut kept, 0.1, on(channel, note, 100));
         }
+        send(&mut performer, &mut kept, 0.1, off(0, 61));
         performer.midi(When::of_seconds(0.1, 8000.0), 1, on(0, 60, 100), &mut kept).unwrap();
         send(&mut performer, &mut kept, 0.1, on(0, 70, 100));
         send(&mut performer, &mut kept, 0.1, on(1, 70, 100));
         send(&mut performer, &mut kept, 0.2, controller(number, 0));
-        assert_eq!(ended(&kept), [0, 2]);
-        assert!(kept.0.iter().all(|(_, event)| matches!(event, Event::Play(_) | Event::Release(_))));
+        assert_eq!(ended(&kept), [0, 2], "the pedal keeps none");
+        assert!(kept.0.iter().all(|(_, event)| matches!(event, Event::Play(_) | Event::Silence(..))));
         let playing: Vec<_> = performer.patterns().map(|(_, name)| name).collect();
         assert_eq!(playing, ["p", "e"], "that of the other channel");
     }

@@ -1,0 +1,54 @@
+//! Controllers that somebody listens to by their numbers.
+
+use super::channel::Channel;
+
+/// Which controllers are meant for what listens to them: on those channels they say where they stand, and mean nothing else. Timbre (74)
+/// alone keeps its meaning besides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Claims([Own; Channel::COUNT]);
+
+/// Those of one channel: bit 0 is controller 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Own(u128);
+
+impl Claims {
+    /// One more, 0 to 119, on a channel, or on all.
+    pub fn add(&mut self, number: u8, channel: Option<Channel>) {
+        let fits = |of: &(Channel, &mut Own)| channel.is_none_or(|channel| channel == of.0);
+        Channel::all().zip(&mut self.0).filter(fits).for_each(|(_, own)| own.0 |= bit(number));
+    }
+    pub(super) fn of(&self, channel: Channel) -> Own {
+        self.0.get(channel.index()).copied().unwrap_or_default()
+    }
+}
+
+impl Own {
+    /// Whether it is listened to by its own number.
+    pub fn has(self, number: u8) -> bool {
+        self.0 & bit(number) != 0
+    }
+    /// The same, or as the lower half of one that is.
+    pub fn takes(self, number: u8) -> bool {
+        self.has(number) || (32..64).contains(&number) && self.has(number - 32)
+    }
+}
+
+fn bit(number: u8) -> u128 {
+    if number < super::strip::MODES { 1 << number } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Channel, Claims};
+
+    #[test]
+    fn a_controller_is_claimed_with_its_lower_half_on_its_channel() {
+        let mut claims = Claims::default();
+        claims.add(6, Some(Channel::LAST));
+        claims.add(119, None);
+        claims.add(120, None);
+        let takes = |channel| (0..=255).filter(|n| claims.of(channel).takes(*n)).collect::<Vec<u8>>();
+        assert_eq!((takes(Channel::LAST), takes(Channel::FIRST)), (vec![6, 38, 119], vec![119]));
+        assert!(!claims.of(Channel::LAST).has(38));
+    }
+}
