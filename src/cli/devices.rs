@@ -34,6 +34,12 @@ impl Devices {
             let found = host.devices().map(|all| all.into_iter().map(|(_, found)| found).collect());
             hosts.push((host.name.clone(), host.runs(), found.map_err(|error| error.to_string())));
         }
+        // A system may name one that it does not have.
+        let there = |id: &String| {
+            let all = hosts.iter().filter_map(|(.., found)| found.as_ref().ok()).flatten();
+            all.into_iter().any(|found: &Found| found.id == *id && found.input.is_some())
+        };
+        let heard = Hosts::default().default_input().filter(there);
         if self.json {
             let hosts: Vec<_> =
                 hosts.iter().map(|(name, runs, found)| host_as_json(name, *runs, found)).collect();
@@ -46,7 +52,7 @@ impl Devices {
             let said = json!({
                 "hosts": hosts,
                 "virtual": { "id": VIRTUAL, "name": "virtual card", "default": false },
-                "default_input": Hosts::default().default_input(),
+                "default_input": heard,
                 "servers": running(),
                 "midi": midi,
                 "advice": advice,
@@ -68,7 +74,7 @@ impl Devices {
             "{}\n  keeps real time and plays to nobody: --device virtual\n",
             terminal.out.bold("virtual")
         );
-        if let Some(id) = Hosts::default().default_input() {
+        if let Some(id) = heard {
             text += &format!("{}: {}\n", terminal.out.bold("heard by default"), escaped(&id));
         }
         text += &match midi_in::names() {
