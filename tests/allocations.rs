@@ -458,6 +458,44 @@ fn motors_are_ordered_about(rig: &str, moves: &str) {
     assert!(moved > 0.5 && counts.dropped + counts.backward > 1000, "{moved} {counts:?}");
 }
 
+/// Rigs that follow one another: outputs that come and go, other motors, another word on steady voltages.
+#[test]
+fn another_rig_takes_no_memory() {
+    use common::scenes::{MOTORS, MOVES};
+
+    let none = pacinian::node::asset::NoAssets;
+    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+    let extra = "[[output]]\nkind = \"raw\"\nname = \"more\"\nchannel = 4\n[[output]]\nkind = \"trigger\"\nname = \"go\"\nchannel = 5\n";
+    let wide = MOTORS.replace("channels = 3", "channels = 5");
+    let other = wide.replace("resistance = 10.42", "resistance = 9.0").replace("gain = 3.0", "gain = 2.5");
+    let plans = [wide, other + extra].map(|text| {
+        let rig = Rig::parse("rig.toml", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        scene(&common::patch(MOVES), &rig, &options, &none).unwrap_or_else(|p| panic!("{p}")).plan
+    });
+    let (mut director, mut stagehand) = exchange(&plans[0]).unwrap();
+    let mut frames = vec![0.0; 480 * 5];
+    let (mut total, mut moved) = (0, 0.0_f32);
+    for n in 0..600_u32 {
+        // A motor is braked for a second at most before another is driven.
+        if n % 20 == 19 {
+            director.collect();
+            director.send(&plans[(n / 20 % 2) as usize]).unwrap();
+        }
+        total += counted(|| {
+            stagehand.take_over();
+            for i in 0..n % 5 {
+                let at = Instant { sample: stagehand.engine().clock() + u64::from(i % 80), fraction: 7 };
+                let play = Play { level: 0.9, ..play((n + i) % 6, i % 3, 0.0, 0.05, u64::from(i)) };
+                stagehand.engine().schedule(at, Source::Program, Event::Play(play));
+            }
+            stagehand.process(&[], &mut frames);
+        });
+        moved = frames.iter().fold(moved, |most, x| most.max(x.abs()));
+    }
+    assert_eq!(total, 0, "allocations and frees");
+    assert!(moved > 0.3 && director.collect() <= 1, "{moved}");
+}
+
 /// What is felt: motors and a coil, however it is cut, once there is room for what comes out.
 #[test]
 fn what_is_felt_takes_no_memory() {

@@ -6,12 +6,13 @@ use std::f64::consts::{PI, TAU};
 
 use common::{channel, moments, patch, play, rendered};
 use pacinian::engine::Engine;
+use pacinian::engine::event::{Event, Source};
 use pacinian::engine::exchange::exchange;
-use pacinian::engine::handover::Mismatch;
 use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
+use pacinian::schedule::Instant;
 
 const PATCH: &str = r#"
 [voice.steady]
@@ -61,6 +62,10 @@ fn plan_on(rig: &Rig, rate: f64) -> Plan {
 fn plan(coupling: &str) -> Plan {
     plan_on(&rig(coupling), 48_000.0)
 }
+
+/// The same without its leave for steady voltages.
+const TAKEN_BACK: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 3\ncoupling = \"dc\"\n[[tactor]]\nname = \"a\"\n\
+     channel = 1\n[[tactor]]\nname = \"b\"\nchannel = 2\n[[output]]\nkind = \"raw\"\nname = \"c\"\nchannel = 3\n";
 
 const DC: &str = "coupling = \"dc\"";
 
@@ -153,11 +158,22 @@ fn the_delay_that_is_said_has_the_high_pass_in_it() {
     assert!((delay.total() - plain.total() - delay.high_pass_group).abs() < 1e-12);
 }
 
+/// A rig that takes back its word while a steady voltage leaves: it is gone as soon as the high-pass has it.
 #[test]
-fn a_rig_that_changes_its_word_on_it_does_not_follow_unheard() {
-    let (mut director, _stagehand) = exchange(&plan(DC)).unwrap();
-    assert_eq!(director.send(&plan("")), Err(Mismatch::Outputs));
-    assert_eq!(director.send(&plan(DC)), Ok(true));
+fn a_rig_that_changes_its_word_on_it_is_obeyed() {
+    let (mut director, mut stagehand) = exchange(&plan("")).unwrap();
+    let steady = Event::Play(play(STEADY, 1, 0.0, 60.0, 1));
+    assert!(stagehand.engine().schedule(Instant::default(), Source::Program, steady));
+    let mut frames = vec![0.0; 48_000 * 3];
+    stagehand.process(&[], &mut frames);
+    assert!(frames[47_999 * 3 + 1] > 0.4, "{}", frames[47_999 * 3 + 1]);
+    let forbidden = Rig::parse("rig.toml", TAKEN_BACK.as_bytes()).unwrap().value;
+    assert_eq!(director.send(&plan_on(&forbidden, 48_000.0)), Ok(true));
+    let mut frames = vec![0.0; 3 * 48_000 * 3];
+    stagehand.process(&[], &mut frames);
+    let left = channel(&frames, 3, 1);
+    assert!(left[..480].iter().all(|x| *x > 0.3), "no step");
+    assert!(mean(&left, 2.0, 2.9).abs() < 1e-4);
 }
 
 /// What is taken away by design is no error, of what is steady and of tones alike.

@@ -3,8 +3,6 @@
 mod common;
 
 use common::{channel, moments, patch, play, rendered};
-use pacinian::engine::exchange::exchange;
-use pacinian::engine::handover::Mismatch;
 use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::node::asset::NoAssets;
@@ -83,13 +81,6 @@ fn a_filter_that_the_engine_has_no_room_for_is_refused() {
     for word in ["`coil`", "3000 Hz", "6000 Hz"] {
         assert!(problems.contains(word), "{word}: {problems}");
     }
-}
-
-#[test]
-fn a_plan_with_another_equaliser_does_not_follow_unheard() {
-    let (mut director, _stagehand) = exchange(&plan(PEAK, 48_000.0)).unwrap();
-    assert_eq!(director.send(&plan("", 48_000.0)), Err(Mismatch::Outputs));
-    assert_eq!(director.send(&plan(PEAK, 48_000.0)), Ok(true));
 }
 
 /// A rig whose only tactor is an LRA, or a coil on the skin, evened out as said, or not at all.

@@ -189,3 +189,58 @@ fn the_least_important_rest_from_an_instant_on_and_overruns_are_counted() {
     assert!(duties.iter().all(|duty| (duty.longest() - 1e-3).abs() < 1e-12 && !duty.is_resting()));
     assert_eq!(told.load(Ordering::Relaxed), 303);
 }
+
+/// Motors are turned at every engine sample, and what that costs is counted as a task's cost is: by the mean of what was timed together.
+#[test]
+fn motors_are_work_with_a_declared_cost() {
+    static SLOW: AtomicU32 = AtomicU32::new(0);
+    let motors = |rig: &str| {
+        let rig =
+            pacinian::rig::Rig::parse("rig.toml", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let options =
+            pacinian::graph::scene::Options { rate: Some(48_000.0), live: true, ..Default::default() };
+        let none = pacinian::node::asset::NoAssets;
+        let scene =
+            pacinian::graph::scene::scene(&common::patch(common::scenes::MOVES), &rig, &options, &none);
+        let mut engine = Engine::new(&scene.unwrap_or_else(|p| panic!("{p}")).plan).unwrap();
+        // A clock that moves by 64 ms each time it is asked: 1 ms or more for each sample.
+        engine.time_tasks(|| u64::from(SLOW.fetch_add(64_000_000, Ordering::Relaxed)));
+        engine.process(&mut vec![0.0; 48_000 * 3]);
+        let [motors, knob] = engine.duties();
+        assert_eq!((knob.runs(), knob.overruns()), (0, 0));
+        (motors.name().to_string(), motors.runs(), motors.overruns() > 0, motors.longest() >= 1e-3)
+    };
+    assert_eq!(motors(common::scenes::MOTORS), ("motors".into(), 8_000, true, true));
+}
+
+/// Of what belongs to every session the meters rest first, before any task of another rank, and run again last.
+#[cfg(feature = "live")]
+#[test]
+fn meters_rest_first_and_run_again_last() {
+    use pacinian::live::board::Board;
+    use pacinian::live::callback::Callback;
+    use pacinian::live::gate::Gate;
+    use pacinian::live::relief::Relieved::{Fewer, More};
+
+    let plan = compiled(PATCH, 2, 48_000.0).plan;
+    let (_director, mut stagehand) = pacinian::engine::exchange::exchange(&plan).unwrap();
+    let task = stagehand.engine().add_task(Box::new(Ranked { rank: 9, told: Arc::default() }));
+    let board = Arc::new(Board::new(2));
+    let (mut callback, _rings) = Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board));
+    let [.., meters] = callback.duties();
+    let mut output = vec![0.0; 480 * 2];
+    let mut rest = |how: Option<_>| {
+        how.into_iter().for_each(|how| callback.relieve(how));
+        callback.process(&[], &mut output);
+        (meters.is_resting(), task.is_resting())
+    };
+    assert_eq!(rest(None), (false, false));
+    assert_eq!(rest(Some(Fewer)), (false, false));
+    assert_eq!(rest(Some(More)), (true, false));
+    assert_eq!(rest(Some(More)), (true, true));
+    assert_eq!(rest(Some(More)), (true, true));
+    assert_eq!(rest(Some(Fewer)), (true, false));
+    assert_eq!(rest(Some(Fewer)), (false, false));
+    assert_eq!((meters.runs(), meters.skipped()), (3 * 480, 4 * 480));
+    assert_eq!(board.shed.get(), 0);
+}

@@ -174,11 +174,17 @@ fn the_screen_shows_what_is_wrong_until_it_is_mended() {
 
 /// The journal of a session whose patch was saved anew plays it again to the bit.
 #[cfg(unix)]
+const RIG: &str = "format = \"pacinian-rig/1\"\ntitle = \"r\"\n[device]\nname = \"virtual\"\nrate = 48000\nchannels = 3\n\
+    coupling = \"dc\"\n[[tactor]]\nname = \"t1\"\nchannel = 1\n";
+const MORE: &str =
+    "[[tactor]]\nname = \"t2\"\nchannel = 2\n[[output]]\nname = \"eeg\"\nkind = \"trigger\"\nchannel = 3\n";
+
 #[test]
 fn a_journal_knows_what_took_over() {
     let scratch = Scratch::new("watch-journal");
     let patch = scratch.write("p.toml", PATCH);
-    let arguments = ["p.toml", "--device", "virtual", "--record", "o.wav", "--events", "j.jsonl"];
+    let rig = scratch.write("r.toml", RIG);
+    let arguments = ["p.toml", "--rig", "r.toml", "--record", "o.wav", "--events", "j.jsonl"];
     let mut playing = Playing::new(&scratch, &arguments);
     for name in ["knock", "touch"] {
         fs::write(&patch, PATCH.replace("tap", name)).unwrap();
@@ -187,11 +193,18 @@ fn a_journal_knows_what_took_over() {
     }
     fs::write(&patch, PATCH.replace("[voice.tap]", "[voice.tap")).unwrap();
     playing.hears("the old one plays on");
+    // An output more, and another stage for one that sounds.
+    fs::write(&patch, PATCH).unwrap();
+    playing.hears("p.toml: taken up");
+    fs::write(&rig, RIG.replace("channel = 1\n", "channel = 1\ndc = true\n") + MORE).unwrap();
+    playing.hears("r.toml: taken up");
+    playing.hears("tap on t1");
     let kill =
         std::process::Command::new("kill").args(["-s", "INT", &playing.child.id().to_string()]).status();
     assert!(kill.unwrap().success());
     assert_eq!(playing.child.wait().unwrap().code(), Some(130));
     fs::remove_file(&patch).unwrap();
+    fs::remove_file(&rig).unwrap();
     let run = scratch.run(&["replay", "j.jsonl", "-o", "again.wav"]);
     run.succeeds();
     let (sent, again) = (scratch.wav("o.wav").1, scratch.wav("again.wav").1);
@@ -279,15 +292,15 @@ fn what_the_patch_names_is_watched_and_what_another_session_needs_is_kept() {
             "the rig names another input: stop, and play again",
         ),
         ("rate = 48000", "rate = 44100", "the rig says another rate, 44100 Hz: stop, and play again"),
-        (
-            "[[",
-            "[[output]]\nname = \"eeg\"\nkind = \"trigger\"\nchannel = 3\n[[",
-            "the new rig has other outputs",
-        ),
     ] {
         scratch.write("r.toml", rig.replace("left", "right").replacen(from, to, 1));
         playing.hears(&format!("the old one plays on: {why}"));
     }
+    // Other outputs need no other stream.
+    let more = format!("{rig}[[output]]\nname = \"right\"\nkind = \"raw\"\nchannel = 3\n");
+    scratch.write("r.toml", &more);
+    playing.hears("r.toml: taken up");
+    playing.hears("tap on right");
     // A file that the broken patch names before it is there.
     scratch.write("r.toml", rig);
     scratch.write("p.toml", table.replace("steps", "more"));

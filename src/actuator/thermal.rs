@@ -137,6 +137,11 @@ impl Thermal {
         self.winding
     }
 
+    /// As warm as another.
+    pub fn warm_as(&mut self, other: &Self) {
+        (self.winding, self.housing) = (other.winding, other.housing);
+    }
+
     /// The housing, kelvins above the air.
     pub fn housing(&self) -> f64 {
         self.housing

@@ -11,7 +11,7 @@ use super::problems;
 use super::provenance::provenance;
 use super::screen::{Ending, Scenery, Show};
 use super::stop::Stop;
-use super::table::dbfs;
+use super::table::{dbfs, grouped};
 use super::terminal::Terminal;
 use super::watch::{Course, News, Watching};
 use clap::Args;
@@ -20,7 +20,6 @@ use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
 use pacinian::io::midi_in::MidiPorts;
 use pacinian::io::session::{Beginning, Session, SessionError};
-use pacinian::live::board::Board;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
@@ -254,7 +253,7 @@ impl Play {
         if unsent > 0 {
             terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }
-        let concluded = self.conclude(&loaded, session.board(), &peaks, terminal);
+        let concluded = self.conclude(&loaded, &session, &peaks, terminal);
         let concluded = kept.finish(terminal).and(concluded);
         match ended {
             // A terminal that is closed cannot be written to either.
@@ -295,10 +294,11 @@ impl Play {
     fn conclude(
         &self,
         loaded: &Loaded,
-        board: &Board,
+        session: &Session,
         peaks: &[f32],
         terminal: &Terminal,
     ) -> Result<(), Failure> {
+        let board = session.board();
         let load = &board.load;
         let mut text = format!(
             "{}: {} frames, {} voices, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost\n",
@@ -322,6 +322,22 @@ impl Play {
                 input.jumps.get(),
                 input.lost.get(),
             );
+        }
+        for duty in session.duties().iter().filter(|duty| duty.runs() + duty.skipped() > 0) {
+            text += &format!(
+                "  {}: {} runs, the longest {:.1} µs, {}",
+                escaped(duty.name()),
+                grouped(duty.runs()),
+                1e6 * duty.longest(),
+                match duty.cost() {
+                    0.0 => "no limit declared".into(),
+                    cost => format!("{} times longer than {:.1} µs", grouped(duty.overruns()), 1e6 * cost),
+                }
+            );
+            text += &match duty.skipped() {
+                0 => "\n".into(),
+                skipped => format!(", {} left out, as there was too much to do\n", grouped(skipped)),
+            };
         }
         for (name, &peak) in loaded.tactors().iter().zip(peaks) {
             if peak > 0.0 {

@@ -8,8 +8,10 @@ use super::event::{Event, Source};
 use super::knob::Knob;
 use super::ops::Ops;
 use super::refusal::Refusal;
-use super::roster::Roster;
+use super::roster::{Duty, Roster};
 use super::stage::Stage;
+use super::standing::Standing;
+use super::succession::Succession;
 use super::task::Board;
 use super::watch::{self, Watcher};
 use super::workspace::{BLOCK, Workspace};
@@ -74,6 +76,7 @@ pub struct Core<R: Real> {
     stage: Stage,
     knob: Option<Box<Knob>>,
     tasks: Roster,
+    standing: Standing,
     counters: Counters,
     /// The clock of the last housekeeping.
     settled: Option<u64>,
@@ -123,6 +126,7 @@ impl<R: Real> Core<R> {
             stage: Stage::new(plan, isa)?,
             knob: Knob::new(plan)?.map(Box::new),
             tasks: Roster::default(),
+            standing: Standing::default(),
             counters: Counters::default(),
             settled: None,
         };
@@ -141,6 +145,17 @@ impl<R: Real> Core<R> {
             shared.start(0, u64::MAX, -LEAD);
         }
         plan.always().for_each(|play| self.play(&play, Instant::default()));
+    }
+
+    /// Times tasks and standing work from now on, by a clock that gives nanoseconds.
+    pub fn time(&mut self, clock: fn() -> u64) {
+        self.tasks.time(clock);
+        self.standing.time(clock);
+    }
+
+    /// What is known of the standing work.
+    pub fn duties(&self) -> [Arc<Duty>; 2] {
+        self.standing.duties()
     }
 
     /// The periodic tasks.
@@ -261,7 +276,9 @@ impl<R: Real> Core<R> {
             if let Some(knob) = &mut self.knob {
                 // Ahead of what is computed next, and no further than what came in.
                 stretch = Knob::until(self.clock);
-                knob.run(stretch.min(self.clock + left), &mut self.queue, &mut self.watcher);
+                let until = stretch.min(self.clock + left);
+                let (queue, watcher) = (&mut self.queue, &mut self.watcher);
+                self.standing.knob(until - self.clock, || knob.run(until, queue, watcher));
                 self.counters.dropped += knob.take_dropped();
                 self.run_events();
             }
@@ -287,11 +304,21 @@ impl<R: Real> Core<R> {
             self.clock += frames as u64;
             done += frames;
         }
-        if let Some(old) = leaving {
+        if let Some(old) = &leaving {
             self.work.add_mix(&old.work);
         }
         self.declick.apply(&mut self.work, samples, begin, self.rate);
-        self.stage.process(&mut self.work.mix, &self.work.fed, samples, begin, output, rest);
+        let before = leaving.map(|old| &mut old.stage);
+        self.stage.process(
+            &mut self.work.mix,
+            &self.work.fed,
+            samples,
+            begin,
+            output,
+            rest,
+            before,
+            &self.standing,
+        );
         if let Some(knob) = &self.knob {
             knob.write(samples, self.stage.vibration().channels(), output, rest);
         }
@@ -313,6 +340,16 @@ impl<R: Real> Core<R> {
     /// Makes room to take over the voices of another engine. It allocates.
     pub fn expect_voices(&mut self) {
         self.banks.iter_mut().for_each(Bank::expect_voices);
+    }
+
+    /// Tells the output stage how it is to take over from another.
+    pub fn expect_succession(&mut self, succession: Succession) {
+        self.stage.expect(succession);
+    }
+
+    /// Whether the output stage before this one still sounds.
+    pub fn is_succeeding(&self) -> bool {
+        self.stage.is_succeeding()
     }
 
     /// Whether no voice sounds or fades.

@@ -10,6 +10,7 @@ pub struct Declick<R> {
     last: Vec<[R; LANES]>,
     before: Vec<[R; LANES]>,
     offset: Vec<[R; LANES]>,
+    jumps: Vec<[bool; LANES]>,
     stage: Stage,
 }
 
@@ -26,12 +27,16 @@ impl<R: Real> Declick<R> {
     /// For so many groups of channels.
     pub fn new(groups: usize) -> Self {
         let rows = || vec![[R::ZERO; LANES]; groups];
-        Self { last: rows(), before: rows(), offset: rows(), stage: Stage::Idle }
+        let jumps = vec![[false; LANES]; groups];
+        Self { last: rows(), before: rows(), offset: rows(), jumps, stage: Stage::Idle }
     }
 
-    /// The next sample is the first of a new plan.
-    pub fn arm(&mut self) {
+    /// The next sample is the first of a new plan, by which these channels (from 0) may jump.
+    pub fn arm(&mut self, jumps: &[bool]) {
         self.stage = Stage::Armed;
+        for (group, jumps) in self.jumps.iter_mut().zip(jumps.chunks(LANES)) {
+            group.iter_mut().zip(jumps).for_each(|(lane, jumps)| *lane = *jumps);
+        }
     }
 
     /// Corrects a block of the mix whose first sample is `clock`, at `rate`, and remembers how it ends.
@@ -41,7 +46,7 @@ impl<R: Real> Declick<R> {
                 let first = work.channels(group, 0, 1)[0];
                 for l in 0..LANES {
                     let expected = self.last[group][l] + (self.last[group][l] - self.before[group][l]);
-                    self.offset[group][l] = expected - first[l];
+                    self.offset[group][l] = if self.jumps[group][l] { expected - first[l] } else { R::ZERO };
                 }
             }
             self.stage = Stage::Since(clock);

@@ -101,7 +101,8 @@ impl Stagehand {
             Some(old) => self.engine.process_with(input, output, Some(&mut old.engine)),
             None => self.engine.process_with(input, output, None),
         }
-        if self.leaving.as_ref().is_some_and(|old| old.engine.is_gone())
+        let succeeds = self.engine.is_succeeding();
+        if self.leaving.as_ref().is_some_and(|old| !succeeds && old.engine.is_gone())
             && let Some(old) = self.leaving.take()
             && let Err(old) = self.old.try_push(old)
         {

@@ -10,8 +10,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::Engine;
+use super::succession::Succession;
 use super::vibration::single;
-use crate::graph::plan::Plan;
+use crate::graph::plan::{Output, Plan};
 use crate::graph::program::Program;
 use crate::graph::watch::Watch;
 use crate::space::path::Route;
@@ -36,8 +37,8 @@ pub(crate) struct Inheritance {
     pub same_signals: bool,
     /// The most that leaves each channel, where that differs.
     pub levels: Option<Vec<f32>>,
-    /// Whether both plans compute the same, so that nothing can jump.
-    pub unchanged: bool,
+    /// By channel: whether what is played there may jump, as it is computed, or goes there, in another way.
+    pub jumps: Vec<bool>,
 }
 
 impl Inheritance {
@@ -62,10 +63,12 @@ pub(crate) struct Handover {
 /// Why a plan cannot follow another without a new beginning.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mismatch {
-    /// The device differs: rate, channels, or the output stage's filters.
-    Device,
-    /// What hangs on the channels differs: kinds of outputs, equalisers, motors, markers, whether steady voltages are kept off.
-    Outputs,
+    /// Frames a second: those that play, and those of the new plan.
+    Rate(f64, f64),
+    /// Channels: those that play, and those of the new plan.
+    Channels(usize, usize),
+    /// The filter that brings up the rate is another.
+    Filter,
     /// The new plan listens to more channels than the old one.
     Inputs,
     /// What reads the knob differs, or at which rate.
@@ -79,10 +82,13 @@ pub enum Mismatch {
 impl fmt::Display for Mismatch {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Device => f.write_str("the new rig has another rate, other channels or another filter"),
-            Self::Outputs => f.write_str(
-                "the new rig has other outputs, other motors, other equalisers, or another word on steady voltages (dc)",
-            ),
+            Self::Rate(old, new) => {
+                write!(f, "the new rig has {new} frames a second, and {old} play: stop, and play again")
+            }
+            Self::Channels(old, new) => {
+                write!(f, "the new rig has {new} channels, and {old} play: stop, and play again")
+            }
+            Self::Filter => f.write_str("the new plan is brought up to the device's rate by another filter"),
             Self::Inputs => f.write_str("the new patch listens to further input channels"),
             Self::Sensor => f.write_str("a knob is read that was not, or otherwise than before"),
             Self::Precision => f.write_str("the new plan computes with other numbers"),
@@ -98,20 +104,14 @@ impl std::error::Error for Mismatch {}
 /// # Errors
 /// Plans that differ in what cannot change while it sounds.
 pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
-    if (old.device_rate, old.ratio, old.channels, old.taps)
-        != (new.device_rate, new.ratio, new.channels, new.taps)
-    {
-        return Err(Mismatch::Device);
+    if old.device_rate != new.device_rate {
+        return Err(Mismatch::Rate(old.device_rate, new.device_rate));
     }
-    // The output stage goes on as it is, but for its levels.
-    let hanging = |plan: &Plan| -> Vec<_> {
-        plan.outputs.iter().map(|o| (o.channel, o.kind, o.equaliser.clone(), o.keeps_dc_off)).collect()
-    };
-    if hanging(old) != hanging(new)
-        || old.markers != new.markers
-        || (&old.drives, &old.protections) != (&new.drives, &new.protections)
-    {
-        return Err(Mismatch::Outputs);
+    if old.channels != new.channels {
+        return Err(Mismatch::Channels(old.channels, new.channels));
+    }
+    if (old.ratio, old.taps) != (new.ratio, new.taps) {
+        return Err(Mismatch::Filter);
     }
     if old.precision != new.precision {
         return Err(Mismatch::Precision);
@@ -136,36 +136,49 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
         .collect();
     let controls = new.controls.iter().map(|c| old.controls.iter().position(|o| o.name == c.name)).collect();
     let shared = ops(&old.shared_program, &new.shared_program);
+    let succession = Succession::between(old, new);
     let levels = new.max_levels();
-    let levels = (old.max_levels() != levels).then(|| levels.into_iter().map(single).collect());
+    let levels = (succession.is_some() || old.max_levels() != levels)
+        .then(|| levels.into_iter().map(single).collect());
     let same_signals = old.shared_program == new.shared_program && old.shared == new.shared;
-    let same_places = (&old.places, &old.together, &old.spread, &old.paths)
-        == (&new.places, &new.together, &new.spread, &new.paths);
-    let unchanged = old.instruments == new.instruments && same_signals && same_places;
+    let goes_on = old.instruments == new.instruments
+        && same_signals
+        && (&old.spread, &old.paths) == (&new.spread, &new.paths);
     let path = |path: &Route| new.paths.iter().position(|other| other == path).map(|n| n as u32);
     let paths = old.paths.iter().map(path).collect();
     let (watches, places) = (watches(old, new), places(old, new));
-    let inheritance = Inheritance {
-        instruments,
-        places,
-        paths,
-        shared,
-        controls,
-        watches,
-        same_signals,
-        levels,
-        unchanged,
-    };
+    let jumps = if goes_on { jumps(old, new, &places) } else { vec![true; new.channels] };
+    if let Some(succession) = succession {
+        engine.expect_succession(succession);
+    }
+    let inheritance =
+        Inheritance { instruments, places, paths, shared, controls, watches, same_signals, levels, jumps };
     Ok(Handover { engine, inheritance })
 }
 
-/// For each row of the old plan's places that of the new one: outputs are the same, and what sounds together goes by its name.
+/// For each row of the old plan's places that of the new one that has its name: of an output, or of what sounds together.
 fn places(old: &Plan, new: &Plan) -> Vec<Option<u32>> {
-    let outputs = old.outputs.len();
+    let output = |old: &Output| new.outputs.iter().position(|output| output.name == old.name);
+    let outputs = new.outputs.len();
     let together =
         |name: &Arc<str>| new.together.iter().position(|other| other == name).map(|row| outputs + row);
-    let rows = (0..outputs).map(Some).chain(old.together.iter().map(together));
+    let rows = old.outputs.iter().map(output).chain(old.together.iter().map(together));
     rows.take(old.places.len()).map(|row| row.map(|row| row as u32)).collect()
+}
+
+/// By channel, whether a row of places that goes on as another has another gain there, or one that does not go on has any.
+fn jumps(old: &Plan, new: &Plan, rows: &[Option<u32>]) -> Vec<bool> {
+    let mut jumps = vec![false; new.channels];
+    for (before, row) in old.places.iter().zip(rows) {
+        let after = row.and_then(|row| new.places.get(row as usize)).map_or(&[][..], Vec::as_slice);
+        let only = |one: &[(u32, f64)], other: &[(u32, f64)]| -> Vec<u32> {
+            one.iter().filter(|gain| !other.contains(gain)).map(|(channel, _)| *channel).collect()
+        };
+        for channel in only(before, after).into_iter().chain(only(after, before)) {
+            jumps.iter_mut().skip(channel as usize).take(1).for_each(|jumps| *jumps = true);
+        }
+    }
+    jumps
 }
 
 /// For each watch of an old plan the new one with the same signal, threshold, direction and voice that has not been given away.
@@ -237,7 +250,7 @@ mod tests {
         }
         assert!(matches!(
             prepare(&old, &plan(sine.replace("tone", "out").as_str(), 5)),
-            Err(Mismatch::Device)
+            Err(Mismatch::Channels(4, 5))
         ));
     }
 

@@ -14,7 +14,7 @@ const RAMP: f64 = 0.002;
 const RINGS: f64 = 0.25;
 
 /// The gain of everything that a mix becomes, between 1 and 0. What it does depends on engine time alone.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Hush {
     ratio: usize,
     /// Frames from open to shut.

@@ -5,6 +5,7 @@ pub mod bank;
 mod commander;
 mod control;
 mod core;
+
 mod declick;
 mod drives;
 pub mod event;
@@ -25,6 +26,8 @@ mod raw;
 pub mod refusal;
 mod roster;
 pub mod stage;
+mod standing;
+mod succession;
 pub mod task;
 mod triggers;
 pub mod vibration;
@@ -49,6 +52,7 @@ use handover::Handover;
 use listener::Listener;
 use refusal::Refusal;
 use stage::Stage;
+use succession::Succession;
 use task::Task;
 use watch::Crossing;
 
@@ -223,7 +227,13 @@ impl Engine {
 
     /// Times every run of a task from now on, by a clock that gives nanoseconds. What tasks do does not depend on it.
     pub fn time_tasks(&mut self, clock: fn() -> u64) {
-        each!(mut self, core => core.tasks().time(clock));
+        each!(mut self, core => core.time(clock));
+    }
+
+    /// What is known of the engine's own periodic work, which never rests: what turns its motors, and its knob's servo. A run is what belongs to one
+    /// engine sample; what was timed together counts by its mean.
+    pub fn duties(&self) -> [Arc<Duty>; 2] {
+        each!(self, core => core.duties())
     }
 
     /// Of the ranks that tasks have: the highest below `rank` (256 for the highest of all) that may rest.
@@ -307,6 +317,16 @@ impl Engine {
             _ => return,
         }
         std::mem::swap(&mut self.core, &mut engine.core);
+    }
+
+    /// Tells the output stage how it is to take over from that of another engine.
+    fn expect_succession(&mut self, succession: Succession) {
+        each!(mut self, core => core.expect_succession(succession));
+    }
+
+    /// Whether the output stage of the engine before this one still sounds.
+    fn is_succeeding(&self) -> bool {
+        each!(self, core => core.is_succeeding())
     }
 
     /// For an old engine: whether all its voices have faded.

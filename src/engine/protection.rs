@@ -43,6 +43,22 @@ impl Protections {
         self.lines.iter().find(|line| line.channel == channel).map(|line| line.kernel.counts())
     }
 
+    /// Takes over from old ones: what is on channels that are not among the `crossed` goes on as it was, the others are as warm.
+    pub fn take_over(&mut self, old: &mut Self, crossed: &[usize]) {
+        for line in &mut self.lines {
+            let Some(old) = old.lines.iter_mut().find(|old| old.channel == line.channel) else { continue };
+            match crossed.contains(&line.channel) {
+                false => std::mem::swap(line, old),
+                true => line.kernel.warm_as(&old.kernel),
+            }
+        }
+    }
+
+    /// The winding of what is on a channel (from 0), kelvins above the air, as of the last tick; `None` where its heat is not watched here.
+    pub fn temperature(&self, channel: usize) -> Option<f64> {
+        self.lines.iter().find(|line| line.channel == channel)?.kernel.temperature()
+    }
+
     /// Samples that left other than they came, of all channels.
     pub fn changed(&self) -> u64 {
         self.lines.iter().map(|line| line.kernel.counts().changed).sum()

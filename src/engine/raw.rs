@@ -74,6 +74,15 @@ impl Raw {
         }
     }
 
+    /// Takes over from old ones what goes on as it was: channels that are not among the `crossed`.
+    pub fn take_over(&mut self, old: &mut Self, crossed: &[usize]) {
+        for line in self.lines.iter_mut().filter(|line| !crossed.contains(&line.channel)) {
+            if let Some(old) = old.lines.iter_mut().find(|old| old.channel == line.channel) {
+                std::mem::swap(line, old);
+            }
+        }
+    }
+
     /// Samples that were no numbers, and those that were beyond full scale.
     pub fn counts(&self) -> Counts {
         self.counts

@@ -19,17 +19,42 @@ pub struct Duty {
 }
 
 impl Duty {
-    fn of(task: &dyn Task) -> Self {
+    /// Of work of this name, which says that a run takes so many seconds, and rests in the turn of its rank (see [`Task`]).
+    pub(crate) fn new(name: &str, cost: f64, rank: u8) -> Self {
         Self {
-            name: task.name().into(),
-            cost: task.cost(),
-            rank: task.rank(),
+            name: name.into(),
+            cost,
+            rank,
             runs: AtomicU64::new(0),
             skipped: AtomicU64::new(0),
             overruns: AtomicU64::new(0),
             longest: AtomicU64::new(0),
             resting: AtomicBool::new(false),
         }
+    }
+
+    /// Does `work`, which is so many runs in a row, and counts them; by a clock that gives nanoseconds, how long a run took on average, too.
+    #[inline]
+    pub(crate) fn timed(&self, runs: u64, clock: Option<fn() -> u64>, work: impl FnOnce()) {
+        let begin = clock.map(|clock| clock());
+        work();
+        self.runs.fetch_add(runs, Ordering::Relaxed);
+        if let (Some(begin), Some(clock)) = (begin, clock) {
+            let taken = clock().saturating_sub(begin) / runs.max(1);
+            self.longest.fetch_max(taken, Ordering::Relaxed);
+            let over = self.cost > 0.0 && taken as f64 * 1e-9 > self.cost;
+            self.overruns.fetch_add(u64::from(over), Ordering::Relaxed);
+        }
+    }
+
+    /// It was due, and rested.
+    pub(crate) fn skip(&self, runs: u64) {
+        self.skipped.fetch_add(runs, Ordering::Relaxed);
+    }
+
+    /// It rests from here on, or runs again.
+    pub(crate) fn rest(&self, rests: bool) {
+        self.resting.store(rests, Ordering::Relaxed);
     }
 
     /// Its name.
@@ -90,7 +115,7 @@ pub(crate) struct Roster {
 impl Roster {
     /// Adds a task; not for the audio thread.
     pub fn add(&mut self, task: Box<dyn Task>) -> Arc<Duty> {
-        let duty = Arc::new(Duty::of(&*task));
+        let duty = Arc::new(Duty::new(task.name(), task.cost(), task.rank()));
         self.entries.push(Entry { task, duty: Arc::clone(&duty), resting: false });
         duty
     }
@@ -111,18 +136,9 @@ impl Roster {
             if !task.beat().is_due(clock) {
                 continue;
             }
-            if *resting {
-                duty.skipped.fetch_add(1, Ordering::Relaxed);
-                continue;
-            }
-            let begin = self.clock.map(|clock| clock());
-            task.run(values);
-            duty.runs.fetch_add(1, Ordering::Relaxed);
-            if let (Some(begin), Some(clock)) = (begin, self.clock) {
-                let taken = clock().saturating_sub(begin);
-                duty.longest.fetch_max(taken, Ordering::Relaxed);
-                let over = duty.cost > 0.0 && taken as f64 * 1e-9 > duty.cost;
-                duty.overruns.fetch_add(u64::from(over), Ordering::Relaxed);
+            match *resting {
+                true => duty.skip(1),
+                false => duty.timed(1, self.clock, || task.run(values)),
             }
         }
     }
@@ -132,7 +148,7 @@ impl Roster {
         for Entry { task, duty, resting } in &mut self.entries {
             let rests = duty.rank > above;
             if rests != std::mem::replace(resting, rests) {
-                duty.resting.store(rests, Ordering::Relaxed);
+                duty.rest(rests);
                 task.rest(rests);
             }
         }

@@ -5,6 +5,8 @@ use super::hush::Hush;
 use super::protection::Protections;
 use super::raw::Raw;
 use super::refusal::Refusal;
+use super::standing::Standing;
+use super::succession::Succession;
 use super::triggers::Triggers;
 use super::vibration::{Counts, Options, Row, Vibration};
 use crate::actuator::driver::order::Order;
@@ -24,6 +26,10 @@ pub struct Stage {
     drives: Drives,
     hush: Hush,
     protections: Protections,
+    /// From the stage before to this one, while both sound.
+    succession: Option<Box<Succession>>,
+    /// What the stage before met.
+    met: Counts,
 }
 
 impl Stage {
@@ -48,7 +54,32 @@ impl Stage {
         let cannot = |(channel, fault)| Refusal::Motor { channel, fault };
         let drives = Drives::new(plan, &vibration).map_err(cannot)?;
         let protections = Protections::new(plan).map_err(cannot)?;
-        Ok(Self { vibration, rows, triggers, raw: Raw::new(plan), drives, hush, protections })
+        let raw = Raw::new(plan);
+        let (succession, met) = (None, Counts::default());
+        Ok(Self { vibration, rows, triggers, raw, drives, hush, protections, succession, met })
+    }
+
+    /// Makes it ready to take over from another in this way.
+    pub(crate) fn expect(&mut self, succession: Succession) {
+        self.succession = Some(Box::new(succession));
+    }
+
+    /// Whether it is to take over from another that sounds on for a while, or does so.
+    pub(crate) fn is_succeeding(&self) -> bool {
+        self.succession.as_ref().is_some_and(|succession| !succession.is_over())
+    }
+
+    /// Takes over from `old` at the engine sample `clock`, as it was told to [expect](Self::expect).
+    pub(crate) fn take_over(&mut self, old: &mut Self, clock: u64) {
+        let Some(succession) = &self.succession else { return };
+        let crossed = succession.channels();
+        self.vibration.take_over(&mut old.vibration, crossed);
+        self.raw.take_over(&mut old.raw, crossed);
+        self.triggers.take_over(&mut old.triggers);
+        self.drives.take_over(&mut old.drives, crossed, clock);
+        self.protections.take_over(&mut old.protections, crossed);
+        std::mem::swap(&mut self.hush, &mut old.hush);
+        self.met = old.counts();
     }
 
     /// What the stage does to vibration outputs.
@@ -63,6 +94,10 @@ impl Stage {
             counts.masked += other.masked;
             counts.clamped += other.clamped;
         }
+        counts.masked += self.met.masked;
+        counts.held += self.met.held;
+        counts.clamped += self.met.clamped;
+        counts.limited += self.met.limited;
         counts
     }
 
@@ -100,7 +135,8 @@ impl Stage {
 
     /// Whether nothing rings in it.
     pub(crate) fn is_asleep(&self) -> bool {
-        self.triggers.is_idle()
+        !self.is_succeeding()
+            && self.triggers.is_idle()
             && self.raw.is_idle()
             && self.drives.is_idle()
             && (0..self.vibration.groups()).all(|g| self.vibration.sleeps(g))
@@ -124,7 +160,8 @@ impl Stage {
     }
 
     /// Renders `samples` engine samples of the mix, from `clock` on, to interleaved frames of the device. The
-    /// sample after those for which `output` has room goes to `rest`.
+    /// sample after those for which `output` has room goes to `rest`. The stage before sounds with it while one crosses to the other.
+    #[expect(clippy::too_many_arguments, reason = "the stages' own arguments, handed on")]
     pub(crate) fn process<R: Real>(
         &mut self,
         mix: &mut [[R; LANES]],
@@ -133,14 +170,51 @@ impl Stage {
         clock: u64,
         output: &mut [f32],
         rest: &mut [f32],
+        before: Option<&mut Self>,
+        standing: &Standing,
     ) {
-        let rows = R::singles(mix, &mut self.rows);
+        let mut own = std::mem::take(&mut self.rows);
+        let rows = R::singles(mix, &mut own);
+        match (before, self.succession.take()) {
+            (Some(before), Some(mut succession)) if !succession.is_over() => {
+                before.hush = self.hush.clone();
+                let mut old = std::mem::take(&mut before.rows);
+                succession.feed(&mut old, rows, fed, samples);
+                self.pass(rows, fed, samples, clock, output, rest, standing);
+                let (fed, out, over) = succession.room(output.len(), rest.len());
+                before.pass(&mut old, fed, samples, clock, out, over, standing);
+                succession.mix(samples, output, rest);
+                before.rows = old;
+                self.met = before.counts();
+                self.succession = Some(succession);
+            }
+            (_, succession) => {
+                self.succession = succession;
+                self.pass(rows, fed, samples, clock, output, rest, standing);
+            }
+        }
+        self.rows = own;
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the stages' own arguments, handed on")]
+    fn pass(
+        &mut self,
+        rows: &mut [Row],
+        fed: &[bool],
+        samples: usize,
+        clock: u64,
+        output: &mut [f32],
+        rest: &mut [f32],
+        standing: &Standing,
+    ) {
         self.raw.take(rows, fed, samples);
         self.drives.take(rows, fed, samples);
         self.vibration.process_with_rest(samples, rows, fed, clock, output, rest);
         self.raw.write(samples, output, rest);
         self.hush.apply(clock, samples, self.vibration.channels(), output, rest);
-        self.drives.write(samples, output, rest);
+        if !self.drives.is_empty() {
+            standing.motors(samples, || self.drives.write(samples, output, rest));
+        }
         self.triggers.write(clock, samples, output, rest);
         self.protections.hold(samples, output, rest);
     }

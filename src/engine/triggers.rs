@@ -54,6 +54,15 @@ impl Triggers {
         Self { outputs, channels: plan.channels, ratio: plan.ratio, late }
     }
 
+    /// Takes over the pulses to come and under way of old ones.
+    pub fn take_over(&mut self, old: &mut Self) {
+        for output in &mut self.outputs {
+            if let Some(old) = old.outputs.iter_mut().find(|old| old.channel == output.channel) {
+                (output.pulses, output.count) = (old.pulses, std::mem::take(&mut old.count));
+            }
+        }
+    }
+
     /// Whether no pulse waits or is under way.
     pub fn is_idle(&self) -> bool {
         self.outputs.iter().all(|output| output.count == 0)

@@ -156,13 +156,14 @@ impl Session {
         let delay = stagehand.engine().delay();
         // The clock is asked once here, so that the audio thread finds it running.
         stamp::nanoseconds();
-        stagehand.engine().time_tasks(stamp::nanoseconds);
-        let duties = tasks.into_iter().map(|task| stagehand.engine().add_task(task)).collect();
+        let mut duties: Vec<_> = tasks.into_iter().map(|task| stagehand.engine().add_task(task)).collect();
         let (inputs, input_delay) = (stagehand.engine().input_channels(), stagehand.engine().input_delay());
         let board = Arc::new(Board::new(channels));
         board.engine_delay.set((delay.total() * 1e9).round() as u64);
         let gate = Gate::new(rate, if armed { 1.0 } else { UNARMED });
         let (mut callback, rings) = Callback::new(stagehand, gate, Arc::clone(&board));
+        callback.time(stamp::nanoseconds);
+        duties.extend(callback.duties());
         let ring = |channels: usize| HeapRb::new((RECORDED * rate) as usize * channels).split();
         let recording = record.then(|| {
             let (out, back) = ring(channels);

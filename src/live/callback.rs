@@ -1,6 +1,6 @@
 //! What runs in the audio callback: takes what the other threads have sent, lets the engine play, and watches over what goes out.
 //!
-//! It knows no device and reads no clock. Everything that reaches it is stamped with engine time or takes effect at the frame at
+//! It knows no device, and reads a clock for nothing but to say what its work has cost. Everything that reaches it is stamped with engine time or takes effect at the frame at
 //! which it is found, and it tells [`Report`]s of both, from which a session can be played again to the bit.
 
 use std::sync::Arc;
@@ -13,6 +13,7 @@ use super::gate::{Gate, Order};
 use super::lever::Obeyed;
 use super::relief::Relieved;
 use super::torque::Torque;
+use crate::engine::Duty;
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Stagehand;
 use crate::engine::watch::Crossing;
@@ -20,6 +21,10 @@ use crate::schedule::Instant;
 
 /// Sources of events, in the order in which they go at the same instant.
 pub const SOURCES: [Source; 2] = [Source::Pattern, Source::Program];
+
+/// The rank of the meters, and seconds that they may take for a frame.
+const METERS: u8 = u8::MAX;
+const METERED: f64 = 1e-6;
 
 /// Events of a source that may be under way to the callback.
 pub const UNDER_WAY: usize = 1 << 13;
@@ -98,6 +103,8 @@ pub struct Callback {
     frames: u64,
     /// Tasks above this rank rest.
     shed: u8,
+    meters: Arc<Duty>,
+    timing: Option<fn() -> u64>,
     /// Whether the device keeps to the time of a knob that is there.
     kept: bool,
 }
@@ -144,7 +151,9 @@ impl Callback {
             outdated: 0,
             unkept: 0,
             frames: 0,
-            shed: u8::MAX,
+            shed: METERS,
+            meters: Arc::new(Duty::new("meters", METERED, METERS)),
+            timing: None,
             kept: true,
         };
         (callback, Rings { cues: senders, reports: told })
@@ -222,15 +231,32 @@ impl Callback {
         self.tell(Deed::Order(order));
     }
 
+    /// Times periodic work from now on, by a clock that gives nanoseconds. What is played does not depend on it.
+    pub fn time(&mut self, clock: fn() -> u64) {
+        self.timing = Some(clock);
+        self.stagehand.engine().time_tasks(clock);
+    }
+
+    /// What is known of the periodic work that belongs to every session: motors, a knob's servo, and meters, which are the first to rest.
+    pub fn duties(&mut self) -> [Arc<Duty>; 3] {
+        let [motors, knob] = self.stagehand.engine().duties();
+        [motors, knob, Arc::clone(&self.meters)]
+    }
+
     /// Lets more of the engine's tasks rest, or fewer, from the next sample on; where there is nothing left to do, nothing happens.
     pub fn relieve(&mut self, how: Relieved) {
         let engine = self.stagehand.engine();
         // Those above `shed` rest.
         let shed = match how {
+            // The meters are the first.
+            Relieved::More if self.shed == METERS => Some(METERS - 1),
             Relieved::More => engine.rank_below(u16::from(self.shed) + 1).map(|rank| rank - 1),
-            Relieved::Fewer => engine
-                .rank_above(self.shed)
-                .map(|rank| engine.rank_above(rank).map_or(u8::MAX, |next| next - 1)),
+            Relieved::Fewer if self.shed == METERS => None,
+            Relieved::Fewer => {
+                let mut above = |rank| engine.rank_above(rank).unwrap_or(METERS);
+                let rank = above(self.shed);
+                Some(if rank == METERS { METERS } else { above(rank) - 1 })
+            }
         };
         let Some(shed) = shed.filter(|shed| *shed != self.shed) else { return };
         let at = Instant { sample: engine.clock(), fraction: 0 };
@@ -310,7 +336,15 @@ impl Callback {
 
     /// Lets the other threads see how things stand.
     fn show(&mut self, output: &[f32]) {
-        self.board.meter(output, self.channels);
+        let frames = (output.len() / self.channels.max(1)) as u64;
+        match self.shed < METERS {
+            true => self.meters.skip(frames),
+            false => {
+                let (board, channels) = (&self.board, self.channels);
+                self.meters.timed(frames, self.timing, || board.meter(output, channels));
+            }
+        }
+        self.meters.rest(self.shed < METERS);
         let engine = self.stagehand.engine();
         self.board.voices.set(engine.sounding() as u64);
         self.board.clock.set(engine.clock());
@@ -325,7 +359,7 @@ impl Callback {
         self.board.held_back.set(stage.protections().changed() + stage.drives().changed());
         self.board.knob.set(Torque::of(engine.knob()).figure());
         self.board.frames.set(self.frames);
-        self.board.block.set((output.len() / self.channels.max(1)) as u64);
+        self.board.block.set(frames);
         self.board.shut.set(u64::from(self.gate.is_shut()));
     }
 }

@@ -128,6 +128,19 @@ impl Turner {
         Ok(self)
     }
 
+    /// Begins at this sample of the clock by which orders are given, not at 0. Before its first step.
+    pub fn begin_at(&mut self, clock: u64) {
+        self.clock = clock;
+    }
+
+    /// As warm as another motor was on the same output; what was counted there counts on.
+    pub fn warm_as(&mut self, other: &Self) {
+        self.counts = other.counts;
+        if let (Some(own), Some(other)) = (&mut self.warmth, &other.warmth) {
+            own.warm_as(other);
+        }
+    }
+
     /// What was held back so that the motor bears it; `None` where nothing would be. Samples are those of the device.
     pub fn held_back(&self) -> Option<HeldBack> {
         self.warmth.as_ref().map(|warmth| warmth.counts())

@@ -81,6 +81,11 @@ impl Warmth {
         })
     }
 
+    /// As warm as another motor was on the same output.
+    pub fn warm_as(&mut self, other: &Self) {
+        self.budget.warm_as(&other.budget);
+    }
+
     /// What it did so far.
     pub fn counts(&self) -> Counts {
         self.budget.counts()

@@ -82,6 +82,16 @@ impl Budget {
         })
     }
 
+    /// Goes on where another was: as warm, and counts on.
+    pub fn warm_as(&mut self, other: &Self) {
+        self.counts = other.counts;
+        for (own, other) in [(&mut self.heat, &other.heat), (&mut self.rms, &other.rms)] {
+            if let (Some(own), Some(other)) = (own, other) {
+                own.fill_as(other);
+            }
+        }
+    }
+
     /// What it did so far; of samples, those of the device.
     pub fn counts(&self) -> Counts {
         self.counts

@@ -128,6 +128,19 @@ impl Governor {
         self.store.level()
     }
 
+    /// Goes on where another was: as warm, or of the same mean square, from the next sample on at the gain that this takes. One of another kind changes
+    /// nothing.
+    pub fn fill_as(&mut self, other: &Self) {
+        let alike =
+            matches!((self.flow, other.flow), (Flow::Volts, Flow::Volts) | (Flow::Ohms(_), Flow::Ohms(_)));
+        if alike || matches!(self.store, Store::Heat { .. }) {
+            self.store.fill_as(&other.store);
+            (self.need, self.past) = (other.need, other.past);
+            (self.gain, self.target) = (other.gain, other.target);
+            self.look();
+        }
+    }
+
     /// The mean square that may be driven for so many seconds from within a tick on, of which so many samples have passed: what brings the store
     /// to no more than [`Store::hard`] lets it, V².
     pub fn spare(&self, seconds: f64, passed: u32) -> f64 {

@@ -78,6 +78,18 @@ impl Protection {
         [&self.heat, &self.rms].into_iter().flatten().fold(1.0, |gain, budget| gain.min(budget.gain(0)))
     }
 
+    /// Goes on where another was, of an output that was there before: as warm, from what left there last, and counts on.
+    pub fn warm_as(&mut self, other: &Self) {
+        self.counts = other.counts;
+        self.last = other.last / other.volts * self.volts;
+        for (own, other) in [(&mut self.heat, &other.heat), (&mut self.rms, &other.rms)] {
+            if let (Some(own), Some(other)) = (own, other) {
+                own.fill_as(other);
+            }
+        }
+        self.begin();
+    }
+
     /// Keeps samples to the bounds.
     pub fn process(&mut self, samples: &mut [f32]) {
         let mut rest = samples;

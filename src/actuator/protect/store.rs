@@ -88,6 +88,15 @@ impl Store {
         }
     }
 
+    /// As full as another: as warm, or of as large a mean square. One of another kind changes nothing.
+    pub fn fill_as(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Heat { thermal, .. }, Self::Heat { thermal: other, .. }) => thermal.warm_as(other),
+            (Self::Mean { level, .. }, Self::Mean { level: other, .. }) => *level = *other,
+            _ => {}
+        }
+    }
+
     /// Kelvins above the air, or the mean square.
     pub fn level(&self) -> f64 {
         match self {

@@ -108,6 +108,8 @@ pub struct Show {
     panicked: bool,
     torque: Torque,
     xruns: u64,
+    /// How much of the periodic work rests.
+    shed: u64,
     /// Gaps of the input, by what made them.
     gaps: [u64; 4],
     /// The loop's latency, as the rig has it.
@@ -163,6 +165,7 @@ impl Show {
             panicked: false,
             torque: Torque::None,
             xruns: 0,
+            shed: 0,
             gaps: [0; 4],
             beyond: loaded.rig.device.loop_latency,
             due: true,
@@ -354,6 +357,16 @@ impl Show {
             }
         }
         self.gaps = gaps.map(|(_, count)| count);
+        let shed = board.shed.get();
+        if std::mem::replace(&mut self.shed, shed) != shed {
+            let resting = session.duties().iter().filter(|duty| duty.is_resting());
+            let names = resting.map(|duty| duty.name()).collect::<Vec<_>>().join(", ");
+            let happened = match shed {
+                0 => Happened::new(now, Mood::Good, "there is time enough again, and nothing rests"),
+                _ => Happened::new(now, Mood::Bad, format!("too much to do: rests: {names}")),
+            };
+            self.note(happened);
+        }
         let xruns = self.snapshot.figures.xruns;
         let before = std::mem::replace(&mut self.xruns, xruns);
         if xruns > before {

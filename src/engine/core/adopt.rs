@@ -11,14 +11,18 @@ impl<R: Real> Core<R> {
     pub fn adopt(&mut self, old: &mut Self, inheritance: &Inheritance) {
         self.clock = old.clock;
         self.counters = old.counters;
-        std::mem::swap(&mut self.stage, &mut old.stage);
+        match self.stage.is_succeeding() {
+            true => self.stage.take_over(&mut old.stage, self.clock),
+            false => std::mem::swap(&mut self.stage, &mut old.stage),
+        }
         if let Some(levels) = &inheritance.levels {
             self.stage.limit_to(levels);
         }
         std::mem::swap(&mut self.tasks, &mut old.tasks);
+        std::mem::swap(&mut self.standing, &mut old.standing);
         std::mem::swap(&mut self.declick, &mut old.declick);
-        if !inheritance.unchanged {
-            self.declick.arm();
+        if inheritance.jumps.contains(&true) {
+            self.declick.arm(&inheritance.jumps);
         }
         for (ramp, from) in self.controls.iter_mut().zip(&inheritance.controls) {
             if let Some(from) = from.and_then(|i| old.controls.get(i)) {

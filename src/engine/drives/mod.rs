@@ -38,6 +38,11 @@ impl Drives {
         Ok(Self { lines, channels: plan.channels, ratio: plan.ratio, counts: Counts::default() })
     }
 
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.lines.is_empty()
+    }
+
     /// By how many engine samples what a channel (from 0) sends is later than what is played there.
     pub fn late(&self, channel: usize) -> Option<usize> {
         self.lines.iter().find(|line| line.channel == channel).map(|line| line.turner.late())
@@ -74,6 +79,20 @@ impl Drives {
         for line in &mut self.lines {
             line.most = levels.get(line.channel).copied().unwrap_or(1.0);
         }
+    }
+
+    /// Takes over from old ones at the engine sample `clock`: motors on channels that are not among the `crossed` go on as they were, and of the
+    /// others those that were there are as warm as they were, and are brought to rest there.
+    pub fn take_over(&mut self, old: &mut Self, crossed: &[usize], clock: u64) {
+        for line in &mut self.lines {
+            line.turner.begin_at(clock);
+            let Some(old) = old.lines.iter_mut().find(|old| old.channel == line.channel) else { continue };
+            match crossed.contains(&line.channel) {
+                false => std::mem::swap(line, old),
+                true => line.turner.warm_as(&old.turner),
+            }
+        }
+        old.brake();
     }
 
     /// Samples that were no numbers, and those that were beyond what may leave.

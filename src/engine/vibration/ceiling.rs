@@ -49,16 +49,30 @@ impl Ceiling {
             *this = Self::new(target);
             return;
         }
+        *this = Some(Self::gliding(level, level, target));
+    }
+
+    /// From levels, below a most, to others.
+    fn gliding(level: Row, most: Row, target: Row) -> Self {
         let pace =
             |l: usize| (f64::from(target[l]) / f64::from(level[l])).powf(1.0 / f64::from(GLIDE)) as f32;
-        *this = Some(Self {
+        Self {
             level,
             lift: FULL,
             target,
             pace: std::array::from_fn(pace),
             left: GLIDE,
-            most: std::array::from_fn(|l| level[l].max(target[l])),
-        });
+            most: std::array::from_fn(|l| most[l].max(target[l])),
+        }
+    }
+
+    /// Goes to its own levels from those of another, in the lanes that are kept of that; the others are at theirs.
+    pub fn follow(this: &mut Option<Self>, old: &Option<Self>, kept: impl Fn(usize) -> bool) {
+        let target = this.as_ref().map_or(FULL, |ceiling| ceiling.target);
+        let (from, most) = old.as_ref().map_or((FULL, FULL), |ceiling| (ceiling.level, ceiling.most));
+        let of = |row: Row| std::array::from_fn(|l| if kept(l) { row[l] } else { target[l] });
+        let (level, most): (Row, Row) = (of(from), of(most));
+        *this = if level == target { Self::new(target) } else { Some(Self::gliding(level, most, target)) };
     }
 
     /// Ends a glide.

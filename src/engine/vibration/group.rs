@@ -4,7 +4,7 @@ use super::ceiling::Ceiling;
 use super::design::{Design, MAX_TAPS, SECTIONS};
 use super::limiter::{LAGS, LAGS_FAST, Limiter};
 use super::loops::{Cascade, LARGEST, SILENCE, copy, filter, survey, up_sample};
-use super::shape::{Bell, Block};
+use super::shape::{Bell, Block, copy_lane, swap_lane};
 use super::{Counts, GRID, Row};
 use crate::dsp::biquad::Biquad;
 use crate::dsp::isa::Isa;
@@ -133,6 +133,34 @@ impl Group {
     /// Lets no more leave the lanes than this, from now on, or in a while where something sounds.
     pub fn limit_to(&mut self, levels: Row) {
         Ceiling::go(&mut self.ceiling, levels, !self.asleep);
+    }
+
+    /// Takes over from an old group: lanes that are kept go on as they were there. The others go on from the same state of what is the same for all
+    /// lanes, and of the mean of what is played. Levels are this group's own.
+    pub fn take_over(&mut self, old: &mut Self, kept: [bool; LANES]) {
+        Ceiling::follow(&mut self.ceiling, &old.ceiling, |l| kept[l]);
+        if let (Some(block), Some(old)) = (&mut self.block, &old.block) {
+            (0..LANES).filter(|l| !kept[*l]).for_each(|lane| block.follow(old, lane));
+        }
+        for lane in 0..LANES {
+            if !kept[lane] {
+                copy_lane(self.state.as_flattened_mut(), old.state.as_flattened(), lane);
+                copy_lane(&mut self.past, &old.past, lane);
+                self.limiter.copy(&old.limiter, lane);
+                continue;
+            }
+            if let (Some(block), Some(old)) = (&mut self.block, &mut old.block) {
+                block.swap(old, lane);
+            }
+            // Where one of both has more sections, nothing passes through those in this lane.
+            self.bells.iter_mut().zip(&mut old.bells).for_each(|(bell, old)| bell.swap(old, lane));
+            swap_lane(self.state.as_flattened_mut(), old.state.as_flattened_mut(), lane);
+            swap_lane(&mut self.past, &mut old.past, lane);
+            swap_lane([&mut self.peak], [&mut old.peak], lane);
+            self.limiter.swap(&mut old.limiter, lane);
+            std::mem::swap(&mut self.quiet[lane], &mut old.quiet[lane]);
+        }
+        self.asleep = old.asleep;
     }
 
     /// Renders a block into this group's channels of `out`.

@@ -29,6 +29,7 @@
 use super::Row;
 use super::design::SECTIONS;
 use super::loops::{Cascade, SILENCE, Sections, cascade};
+use super::shape::{copy_lane, swap_lane};
 use crate::dsp::elliptic::Elliptic;
 use crate::dsp::lanes::LANES;
 
@@ -219,6 +220,36 @@ impl Limiter {
     }
 
     /// At a grid point: lanes that have long been quiet need no predictions.
+    /// What a lane holds changes places with what it holds in another.
+    pub fn swap(&mut self, other: &mut Self, lane: usize) {
+        swap_lane(&mut self.ahead, &mut other.ahead, lane);
+        swap_lane(&mut self.bare, &mut other.bare, lane);
+        swap_lane(self.bare_state.as_flattened_mut(), other.bare_state.as_flattened_mut(), lane);
+        let own = [&mut self.gain, &mut self.need, &mut self.held];
+        swap_lane(own, [&mut other.gain, &mut other.need, &mut other.held], lane);
+        for (own, other) in [
+            (&mut self.engaged, &mut other.engaged),
+            (&mut self.far, &mut other.far),
+            (&mut self.loud, &mut other.loud),
+        ] {
+            std::mem::swap(&mut own[lane], &mut other[lane]);
+        }
+        std::mem::swap(&mut self.calm[lane], &mut other.calm[lane]);
+    }
+
+    /// A lane becomes what it is in another.
+    pub fn copy(&mut self, other: &Self, lane: usize) {
+        copy_lane(&mut self.ahead, &other.ahead, lane);
+        copy_lane(&mut self.bare, &other.bare, lane);
+        copy_lane(self.bare_state.as_flattened_mut(), other.bare_state.as_flattened(), lane);
+        let own = [&mut self.gain, &mut self.need, &mut self.held];
+        copy_lane(own, [&other.gain, &other.need, &other.held], lane);
+        self.engaged[lane] = other.engaged[lane];
+        self.far[lane] = other.far[lane];
+        self.loud[lane] = other.loud[lane];
+        self.calm[lane] = other.calm[lane];
+    }
+
     pub fn settle(&mut self) {
         for l in 0..LANES {
             let calm = !self.loud[l] && self.gain[l] == 1.0;

@@ -232,6 +232,14 @@ impl Vibration {
         }
     }
 
+    /// Takes over from an old stage of as many channels at the same rates: channels that are not among the `crossed` (from 0) go on as they were
+    /// there, at their levels of now; the others begin at rest.
+    pub(super) fn take_over(&mut self, old: &mut Self, crossed: &[usize]) {
+        for (g, (group, old)) in self.groups.iter_mut().zip(&mut old.groups).enumerate() {
+            group.take_over(old, std::array::from_fn(|l| !crossed.contains(&(g * LANES + l))));
+        }
+    }
+
     /// The designed linear response of `channel` at `frequency` (Hz): its high-pass, equaliser, band limit and up-sampling, their delays
     /// included. Device frame m holds time m / device rate, engine sample n falls on frame n × ratio.
     pub fn response(&self, channel: usize, frequency: f64) -> Complex {

@@ -6,6 +6,24 @@ use crate::dsp::biquad::Biquad;
 use crate::dsp::blocker::Blocker;
 use crate::dsp::lanes::LANES;
 
+/// One lane of rows changes places with that of others.
+pub(super) fn swap_lane<'a>(
+    one: impl IntoIterator<Item = &'a mut Row>,
+    other: impl IntoIterator<Item = &'a mut Row>,
+    lane: usize,
+) {
+    one.into_iter().zip(other).for_each(|(one, other)| std::mem::swap(&mut one[lane], &mut other[lane]));
+}
+
+/// One lane of rows becomes that of others.
+pub(super) fn copy_lane<'a>(
+    one: impl IntoIterator<Item = &'a mut Row>,
+    other: impl IntoIterator<Item = &'a Row>,
+    lane: usize,
+) {
+    one.into_iter().zip(other).for_each(|(one, other)| one[lane] = other[lane]);
+}
+
 /// An equaliser's section on eight lanes.
 #[derive(Debug)]
 pub(super) struct Bell {
@@ -46,6 +64,11 @@ impl Bell {
 
     pub fn rest(&mut self, lane: usize) {
         self.state.iter_mut().for_each(|row| row[lane] = 0.0);
+    }
+
+    /// What a lane holds changes places with what it holds in another.
+    pub fn swap(&mut self, other: &mut Self, lane: usize) {
+        swap_lane(&mut self.state, &mut other.state, lane);
     }
 }
 
@@ -89,5 +112,17 @@ impl Block {
 
     pub fn rest(&mut self, lane: usize) {
         self.mean[lane] = 0.0;
+    }
+
+    /// What a lane holds changes places with what it holds in another.
+    pub fn swap(&mut self, other: &mut Self, lane: usize) {
+        std::mem::swap(&mut self.mean[lane], &mut other.mean[lane]);
+    }
+
+    /// The mean of a lane is taken to be what it is in another, where both have one.
+    pub fn follow(&mut self, other: &Self, lane: usize) {
+        if self.pull[lane] != 0.0 && other.pull[lane] != 0.0 {
+            self.mean[lane] = other.mean[lane];
+        }
     }
 }
