@@ -34,6 +34,8 @@ pub(crate) struct Inheritance {
     pub watches: Vec<Option<usize>>,
     /// Whether engine-wide signals are computed as they were.
     pub same_signals: bool,
+    /// Whether motors get other envelopes.
+    pub swells: bool,
     /// The most that leaves each channel, where that differs.
     pub levels: Option<Vec<f32>>,
     /// Whether both plans compute the same, so that nothing can jump.
@@ -141,6 +143,7 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     let same_signals = old.shared_program == new.shared_program && old.shared == new.shared;
     let same_places = (&old.places, &old.together, &old.spread, &old.paths)
         == (&new.places, &new.together, &new.spread, &new.paths);
+    let swells = old.swells != new.swells;
     let unchanged = old.instruments == new.instruments && same_signals && same_places;
     let path = |path: &Route| new.paths.iter().position(|other| other == path).map(|n| n as u32);
     let paths = old.paths.iter().map(path).collect();
@@ -153,6 +156,7 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
         controls,
         watches,
         same_signals,
+        swells,
         levels,
         unchanged,
     };

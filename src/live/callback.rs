@@ -127,6 +127,7 @@ impl Record {
 impl Callback {
     /// For an engine that has not played yet, behind a gate that is closed.
     pub fn new(mut stagehand: Stagehand, gate: Gate, board: Arc<Board>) -> (Self, Rings) {
+        let gate = gate.before_motors(stagehand.engine().stage().drives().channels());
         let (senders, cues) = SOURCES.iter().map(|_| HeapRb::new(UNDER_WAY).split()).unzip();
         let (reports, told) = HeapRb::new(REPORTS).split();
         let channels = stagehand.engine().channels();
@@ -219,6 +220,7 @@ impl Callback {
             return;
         }
         self.gate.order(order);
+        self.stagehand.engine().hold_motors(self.gate.holds());
         self.tell(Deed::Order(order));
     }
 

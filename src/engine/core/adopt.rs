@@ -15,6 +15,9 @@ impl<R: Real> Core<R> {
         if let Some(levels) = &inheritance.levels {
             self.stage.limit_to(levels);
         }
+        if inheritance.swells {
+            self.stage.trade_swells(&mut old.stage);
+        }
         std::mem::swap(&mut self.tasks, &mut old.tasks);
         std::mem::swap(&mut self.declick, &mut old.declick);
         if !inheritance.unchanged {
