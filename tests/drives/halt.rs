@@ -234,6 +234,7 @@ fn what_still_holds_goes_on_when_the_device_is_back() {
     // What begins after all sound off is played.
     let mut stage = Stage::spinning(VOLTAGE, 1.0);
     stage.stop(Way::SoundOff);
+    stage.until(STOPS + 0.1);
     stage.cue(STOPS + 0.2, Event::Play(again()));
     stage.until(STOPS + 0.6);
     let real = speeds(&stage, stage.sent().iter().map(|x| stage.drive(*x)));
@@ -245,7 +246,7 @@ fn what_still_holds_goes_on_when_the_device_is_back() {
 fn how_a_session_is_cut_changes_nothing() {
     let run = |calls: &[usize]| -> Vec<u32> {
         let mut stage = Stage::spinning(VOLTAGE, 0.7);
-        stage.cue(STOPS + 0.001_3, Event::Silence(0, 64));
+        stage.cue(STOPS + 0.001_3, Event::Silence(0, 0));
         stage.cue(STOPS + 0.03, Event::Play(again()));
         let mut all = Vec::new();
         for call in calls.iter().cycle() {
