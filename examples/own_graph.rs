@@ -77,6 +77,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }],
         drives: Vec::new(),
         clicks: Vec::new(),
+        swells: Vec::new(),
         homes: Vec::new(),
         protections: Vec::new(),
         markers: Vec::new(),

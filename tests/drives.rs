@@ -6,6 +6,11 @@ mod common;
 mod carrier;
 #[path = "drives/coupled.rs"]
 mod coupled;
+#[cfg(feature = "live")]
+#[path = "drives/halt.rs"]
+mod halt;
+#[path = "drives/swell.rs"]
+mod swell;
 #[path = "drives/warm.rs"]
 mod warm;
 
@@ -191,7 +196,7 @@ fn an_envelope_is_followed() {
     assert!((held * held - 0.48).abs() < 1e-3, "{}", held * held);
 }
 
-/// The newest order holds: a click on a motor that spins brakes it first. A brake stops all; all sound off does too.
+/// The newest order holds: a click on a motor that spins brakes it first. A brake stops all.
 #[test]
 fn what_is_under_way_is_braked() {
     let plan = compiled(MOTORS);
@@ -204,11 +209,8 @@ fn what_is_under_way_is_braked() {
             (Event::Play(play(CLICK, place, 1.0, 0.01)), true),
             (Event::Play(play(STOP, place, 1.0, 0.01)), false),
             (Event::ReleaseAll, false),
-            (Event::Silence(0, 64), false),
         ] {
-            // All sound off does not wait for the look-ahead.
-            let waits =
-                if matches!(event, Event::Silence(..)) { 0.0 } else { late(&plan, drive.channel as usize) };
+            let waits = late(&plan, drive.channel as usize);
             let frame = |seconds: f64| ((0.3 + waits + seconds) * RATE) as usize;
             let volts = &sent(&plan, &[spin, (0.3, event)], 1.0, &[480])[n];
             let turned = speeds(parameters, volts);

@@ -142,6 +142,8 @@ struct MotorReport {
     pushes: Vec<Push>,
     /// Behind coupling.
     coupled: Option<Coupled>,
+    /// Envelopes that voices order: by what voice, the share of the largest vibration that is reached, and the share of its speeds that is missed.
+    swells: Vec<(String, f64, f64)>,
     /// The way home, where a voice sends it there: s, where the mass hangs then, rad from straight down, and by how much it may be elsewhere.
     home: Option<[f64; 3]>,
 }
@@ -169,13 +171,14 @@ impl OutputReport {
             )
         });
         let pushes: String = motor.pushes.iter().filter_map(Push::text).collect();
+        let swells: String = motor.swells.iter().filter_map(out_of_reach).collect();
         let coupled = motor.coupled.as_ref().map_or(String::new(), |coupled| coupled.text(unit));
         let home = motor.home.map_or(String::new(), |[seconds, angle, spread]| {
             let (angle, spread) = (angle.to_degrees(), spread.to_degrees());
             format!(", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°")
         });
         Some(format!(
-            "{} within {:.3} {unit}{by}, {:.1} ms late{pulses}{home}{rolls}{pushes}{coupled}",
+            "{} within {:.3} {unit}{by}, {:.1} ms late{pulses}{home}{rolls}{pushes}{swells}{coupled}",
             motor.shaping, motor.limit, motor.late_ms
         ))
     }
@@ -404,6 +407,20 @@ fn dc(loaded: &Loaded, output: &pacinian::graph::plan::Output) -> Option<bool> {
     loaded.rig.lets_dc(described).filter(|_| output.kind != OutputKind::Silent && !is_tone)
 }
 
+/// In words, what of an envelope is out of a motor's reach.
+fn out_of_reach((voice, reached, missed): &(String, f64, f64)) -> Option<String> {
+    (*missed > NEAR).then(|| {
+        format!(
+            "; the envelope of `{voice}` is out of reach: {:.0} % of its vibration is reached, {:.0} % of its speeds are missed",
+            100.0 * reached,
+            100.0 * missed
+        )
+    })
+}
+
+/// Of an envelope's speeds, what may be missed and nothing is said.
+const NEAR: f64 = 0.02;
+
 /// How a motor is turned; `None` for what is none.
 fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Output) -> Option<MotorReport> {
     let plan = player.plan();
@@ -411,6 +428,11 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
     let late = player.engine().stage().drives().late(output.channel as usize)?;
     let described = loaded.rig.outputs.iter().find(|o| *o.name == *output.name)?;
     let rig::OutputKind::Drive(turning) = &described.kind else { return None };
+    let swells = plan.swells.iter().filter(|swell| plan.drives.get(swell.drive) == Some(drive));
+    let swells = swells.map(|swell| {
+        let [reached, missed] = swell.track.reach();
+        (swell.voice.to_string(), reached, missed)
+    });
     let home = plan.homes.iter().find(|(of, _)| plan.drives.get(*of) == Some(drive));
     let switching = match drive.terminals {
         Terminals::Bridge(Bridge { switching, .. }) => Some(switching),
@@ -447,6 +469,7 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
         carrier,
         pushes,
         coupled,
+        swells: swells.collect(),
         home: home.map(|(_, home)| [home.seconds(), home.angle, home.spread]),
     })
 }

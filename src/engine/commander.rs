@@ -5,8 +5,9 @@ use std::sync::Arc;
 use super::event::Play;
 use super::stage::Stage;
 use crate::actuator::driver::book::Book;
-use crate::actuator::driver::order::{Order, Pieces};
-use crate::actuator::driver::setup::Setup;
+use crate::actuator::driver::order::{Order, Pieces, Switch};
+use crate::actuator::driver::setup::{Setup, Shaping};
+use crate::graph::Settings;
 use crate::graph::command::Command;
 use crate::graph::plan::Plan;
 use crate::node::kernel::LEAD;
@@ -27,6 +28,8 @@ struct Motor {
     /// By turns.
     clicks: Vec<(f64, Arc<Book>)>,
     home: Option<Pieces>,
+    /// By number.
+    swells: Vec<Arc<Settings>>,
 }
 
 impl Commander {
@@ -41,6 +44,7 @@ impl Commander {
             channel: drive.channel,
             setup: drive.setup,
             clicks: of(n),
+            swells: plan.swells_of(n).map(|swell| Arc::clone(&swell.settings)).collect(),
             home: plan.homes.iter().find(|(drive, _)| *drive == n).map(|(_, home)| home.pieces),
         });
         Self { commands, motors: motors.collect() }
@@ -57,7 +61,7 @@ impl Commander {
         for (channel, gain) in place {
             let Some(motor) = self.motors.iter().find(|motor| motor.channel == *channel) else { continue };
             for command in commands {
-                if let Some(order) = motor.order(*command, play.level * gain) {
+                if let Some(order) = motor.order(command, play.level * gain) {
                     stage.order(*channel, instant(at), serial, order);
                 }
             }
@@ -76,14 +80,28 @@ impl Commander {
 
 impl Motor {
     /// What an order means for it; `None` where that is nothing.
-    fn order(&self, command: Command, level: f64) -> Option<Order> {
+    fn order(&self, command: &Command, level: f64) -> Option<Order> {
         match command {
             Command::Click(turns) => {
-                let (_, book) = self.clicks.iter().find(|(of, _)| *of == turns)?;
+                let (_, book) = self.clicks.iter().find(|(of, _)| of == turns)?;
                 book.at(level).map(Order::Click)
             }
-            Command::Spin(share) => Some(Order::Spin(self.setup.speed_of(share * level))),
-            Command::On(share) => Some(Order::On((share * level).clamp(-1.0, 1.0) * self.setup.limit)),
+            Command::Spin(share, shaping) => {
+                let speed = self.setup.speed_of(share * level);
+                Some(match shaping {
+                    Shaping::Overdrive => Order::Spin(speed),
+                    other => Order::Keep(speed, *other),
+                })
+            }
+            Command::On(share, by, after) => {
+                let amount = (share * level).clamp(-1.0, 1.0) * self.setup.limit;
+                Some(Order::On(Switch { amount, by: *by, after: *after }))
+            }
+            Command::Swell(settings, shaping) => {
+                let number = self.swells.iter().position(|known| known.points == settings.points)?;
+                let root = level.abs().min(1.0).sqrt().copysign(level);
+                Some(Order::Swell(number as u32, root, *shaping))
+            }
             Command::Home => self.home.map(Order::Click),
             Command::Brake => Some(Order::Brake),
         }

@@ -198,6 +198,11 @@ impl<R: Real> Core<R> {
         &self.stage
     }
 
+    /// As [`Engine::hold_motors`](super::Engine::hold_motors).
+    pub fn hold_motors(&mut self, held: bool) {
+        self.stage.hold_motors(held);
+    }
+
     /// The knob.
     pub fn knob(&self) -> Option<&Knob> {
         self.knob.as_deref()

@@ -70,7 +70,7 @@ pub enum Event {
     ReleaseAll,
     /// Let all voices fall silent at once, whatever their envelopes say, whose ids agree with this one but for so many of their lowest
     /// bits; those of them that are still to begin do not. Where no other voice
-    /// sounds, all but the pulses of markers is exact zero 2 ms later, until one does.
+    /// sounds, all but the pulses of markers is exact zero 2 ms later (what turns motors 4 ms, in which they are braked), until one does.
     Silence(u64, u8),
     /// Put a pulse on the trigger outputs that listen to this marker, by its place in
     /// [`crate::graph::plan::Plan::markers`]; to one that is not there only outputs for all markers listen.

@@ -35,6 +35,8 @@ pub(crate) struct Inheritance {
     pub watches: Vec<Option<usize>>,
     /// Whether engine-wide signals are computed as they were.
     pub same_signals: bool,
+    /// Whether motors get other envelopes.
+    pub swells: bool,
     /// The most that leaves each channel, where that differs.
     pub levels: Option<Vec<f32>>,
     /// By channel: whether what is played there may jump, as it is computed, or goes there, in another way.
@@ -151,8 +153,19 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     if let Some(succession) = succession {
         engine.expect_succession(succession);
     }
-    let inheritance =
-        Inheritance { instruments, places, paths, shared, controls, watches, same_signals, levels, jumps };
+    let swells = old.swells != new.swells;
+    let inheritance = Inheritance {
+        instruments,
+        places,
+        paths,
+        shared,
+        controls,
+        watches,
+        same_signals,
+        swells,
+        levels,
+        jumps,
+    };
     Ok(Handover { engine, inheritance })
 }
 

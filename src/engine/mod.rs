@@ -60,6 +60,7 @@ pub use roster::Duty;
 use workspace::BLOCK;
 
 pub use core::Counters;
+pub use drives::halt::BRAKING;
 
 /// A plan at work: give it input frames, get output frames.
 ///
@@ -288,6 +289,12 @@ impl Engine {
     #[cfg_attr(not(feature = "report"), allow(dead_code))]
     pub(crate) fn watch_until(&mut self, until: Instant) {
         each!(mut self, core => core.watcher().end_at(until));
+    }
+
+    /// Holds motors down, or lets them go, from the next engine sample on: held down they are braked for 4 ms
+    /// ([`BRAKING`]) and then get exact zeros. Whoever shuts the output behind the engine does this first.
+    pub fn hold_motors(&mut self, held: bool) {
+        each!(mut self, core => core.hold_motors(held));
     }
 
     /// The knob, if the plan has one.

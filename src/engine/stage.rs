@@ -147,16 +147,27 @@ impl Stage {
         self.triggers.mark(marker, at);
     }
 
-    /// All that sounded falls silent: everything but pulses of markers is exact zero 2 ms after the engine sample `clock`, motors as soon
-    /// as they have been braked.
+    /// All that sounded falls silent: everything but pulses of markers is exact zero 2 ms after the engine sample `clock`, and motors
+    /// 4 ms after it, in which they are braked.
     pub(crate) fn shut(&mut self, clock: u64) {
-        self.drives.brake();
+        self.drives.shut(clock);
         self.hush.shut(clock);
     }
 
     /// Something sounds from the engine sample `clock` on.
     pub(crate) fn open(&mut self, clock: u64) {
+        self.drives.open(clock);
         self.hush.open(clock);
+    }
+
+    /// Whether motors are held down, as [`Drives::hold`] says.
+    pub(crate) fn hold_motors(&mut self, held: bool) {
+        self.drives.hold(held);
+    }
+
+    /// Takes over what another stage, of the same motors, knows of envelopes.
+    pub(crate) fn trade_swells(&mut self, other: &mut Self) {
+        self.drives.trade_swells(&mut other.drives);
     }
 
     /// Renders `samples` engine samples of the mix, from `clock` on, to interleaved frames of the device. The
@@ -178,6 +189,7 @@ impl Stage {
         match (before, self.succession.take()) {
             (Some(before), Some(mut succession)) if !succession.is_over() => {
                 before.hush = self.hush.clone();
+                before.drives.halt_with(&self.drives);
                 let mut old = std::mem::take(&mut before.rows);
                 succession.feed(&mut old, rows, fed, samples);
                 self.pass(rows, fed, samples, clock, output, rest, standing);

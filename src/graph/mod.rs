@@ -21,6 +21,7 @@ mod prune;
 pub mod quick;
 pub mod scene;
 pub mod start;
+pub mod swells;
 pub mod watch;
 
 use std::sync::Arc;

@@ -122,7 +122,7 @@ fn of_channel<'a>(rig: &'a Rig, drive: &Drive) -> Option<&'a Output> {
 }
 
 /// The name of a motor's output.
-fn name_of<'a>(rig: &'a Rig, drive: &Drive) -> &'a str {
+pub(super) fn name_of<'a>(rig: &'a Rig, drive: &Drive) -> &'a str {
     of_channel(rig, drive).map_or("", |output| output.name.as_str())
 }
 

@@ -20,6 +20,7 @@ use crate::space::spot::{Spot, Spread};
 use crate::actuator::driver::book::Book;
 use crate::actuator::driver::homing::Homing;
 use crate::actuator::driver::setup::Setup;
+use crate::actuator::driver::track::Track;
 use crate::actuator::protect::bounds::Bounds;
 use crate::actuator::protect::budget::Bears;
 
@@ -28,7 +29,7 @@ use super::knob::Knob;
 use super::order::depth_first;
 use super::program::{Program, program};
 use super::watch::Watch;
-use super::{Base, Graph, NodeId, Signal, Wire, fold, late, onset, prune};
+use super::{Base, Graph, NodeId, Settings, Signal, Wire, fold, late, onset, prune};
 
 /// The number type of the lanes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -89,6 +90,8 @@ pub struct Plan {
     pub protections: Vec<(u32, Bounds)>,
     /// Clicks of motors that voices may order, worked out.
     pub clicks: Vec<Clicks>,
+    /// Envelopes of motors that voices may order, worked out.
+    pub swells: Vec<Swell>,
     /// The way home of motors that voices may send there, by their places in [`Plan::drives`].
     pub homes: Vec<(usize, Homing)>,
     /// The force-feedback knob; `None`: the patch has none, and nothing of one is built.
@@ -103,6 +106,11 @@ impl Plan {
     /// Samples a second of the engine.
     pub fn engine_rate(&self) -> f64 {
         self.device_rate / self.ratio as f64
+    }
+
+    /// The envelopes of a motor, by their numbers.
+    pub fn swells_of(&self, drive: usize) -> impl Iterator<Item = &Swell> {
+        self.swells.iter().filter(move |swell| swell.drive == drive)
     }
 
     /// Whether a voice may move.
@@ -135,7 +143,7 @@ impl Plan {
         for output in plan.outputs.iter_mut().filter(|output| output.kind == OutputKind::Drive) {
             output.kind = OutputKind::Silent;
         }
-        (plan.drives, plan.clicks, plan.homes, plan.protections) = Default::default();
+        (plan.drives, plan.clicks, plan.swells, plan.homes, plan.protections) = Default::default();
         plan.knob = None;
         plan
     }
@@ -298,6 +306,19 @@ pub struct Clicks {
     pub book: Arc<Book>,
     /// How far the strongest turns it of a flat motor, turns: less than the others where coupling keeps some of it off.
     pub arriving: f64,
+}
+
+/// An envelope of a motor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Swell {
+    /// The motor, by its place in [`Plan::drives`].
+    pub drive: usize,
+    /// The first voice that orders it.
+    pub voice: Arc<str>,
+    /// The settings of the node that orders it, of which the points count.
+    pub settings: Arc<Settings>,
+    /// Motors that are alike share one.
+    pub track: Arc<Track>,
 }
 
 /// What is done to a channel on its way out.

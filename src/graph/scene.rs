@@ -10,7 +10,7 @@ use super::not_yet::{never_fed, not_yet};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
 use super::watch::{self, Watch};
-use super::{felt, motions, motors};
+use super::{felt, motions, motors, swells};
 use crate::dsp::biquad::Biquad;
 use crate::node::NodeKind;
 use crate::node::asset::Assets;
@@ -202,6 +202,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     let drives = motors::drives(rig, [device_rate / ratio as f64, device_rate], &mut problems);
     let protections = motors::protections(rig, device_rate, &mut problems);
     let clicks = motors::clicks(rig, &drives, device_rate, &instruments, &mut problems);
+    let swells = swells::swells(rig, &drives, &instruments, &mut problems);
     let homes = motors::homes(rig, &drives, &instruments, &mut problems);
     if !problems.is_empty() {
         return Err(patch.origin.problems(problems));
@@ -237,6 +238,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         drives,
         protections,
         clicks,
+        swells,
         homes,
         markers,
         knob,

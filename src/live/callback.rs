@@ -134,9 +134,10 @@ impl Record {
 impl Callback {
     /// For an engine that has not played yet, behind a gate that is closed.
     pub fn new(mut stagehand: Stagehand, gate: Gate, board: Arc<Board>) -> (Self, Rings) {
+        let channels = stagehand.engine().channels();
+        let gate = gate.before_motors(channels, stagehand.engine().stage().drives().channels());
         let (senders, cues) = SOURCES.iter().map(|_| HeapRb::new(UNDER_WAY).split()).unzip();
         let (reports, told) = HeapRb::new(REPORTS).split();
-        let channels = stagehand.engine().channels();
         let callback = Self {
             stagehand,
             cues,
@@ -191,6 +192,7 @@ impl Callback {
         // What was meant for the plan that goes is with it before it goes, and is taken over with what waits there.
         self.take_cues();
         if self.stagehand.take_over() {
+            self.gate.motors_are(self.stagehand.engine().stage().drives().channels());
             self.plan += 1;
             self.tell(Deed::Swap);
             self.take_cues();
@@ -228,6 +230,7 @@ impl Callback {
             return;
         }
         self.gate.order(order);
+        self.stagehand.engine().hold_motors(self.gate.holds());
         self.tell(Deed::Order(order));
     }
 

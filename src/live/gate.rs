@@ -3,6 +3,8 @@
 //!
 //! All it does is a function of frames and of what it was told at which frame, so a replay opens and closes as the session did.
 
+use crate::engine;
+
 /// Where a gate is told to go.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Order {
@@ -25,6 +27,9 @@ pub const RAMP_IN: f64 = 0.2;
 
 /// Seconds in which it comes back after the device was away.
 pub const RAMP_BACK: f64 = 0.02;
+
+/// Seconds in which motors are braked behind a gate that is to close: what turns them comes through as before, and then nothing does.
+pub const BRAKING: f64 = engine::BRAKING;
 
 /// Seconds in which it goes out. A callback that is told so ends in exact zeros after as many frames.
 pub const RAMP_OUT: f64 = 0.002;
@@ -88,12 +93,38 @@ pub struct Gate {
     latched: bool,
     /// The device is away, or all is over.
     closed: bool,
+    /// Channels of motors (from 0), what lets them through while they are braked, and for how many frames they still are.
+    motors: Vec<bool>,
+    kept: f32,
+    braking: u32,
 }
 
 impl Gate {
     /// Closed, for frames at `rate`; open, it has the gain `gain`.
     pub fn new(rate: f64, gain: f32) -> Self {
-        Self { rate, open: Ramp::resting(0.0), gain: Ramp::resting(gain), latched: false, closed: false }
+        let (open, gain) = (Ramp::resting(0.0), Ramp::resting(gain));
+        Self { rate, open, gain, latched: false, closed: false, motors: Vec::new(), kept: 0.0, braking: 0 }
+    }
+
+    /// The same, of so many channels with motors on these (from 0): where it closes they come through for [`BRAKING`] as they did before, as whoever turns them
+    /// brakes them then ([`Engine::hold_motors`](crate::engine::Engine::hold_motors)), and exact zeros after that.
+    pub fn before_motors(mut self, width: usize, channels: impl IntoIterator<Item = usize>) -> Self {
+        self.motors = vec![false; width];
+        self.motors_are(channels);
+        self
+    }
+
+    /// From the next frame on, motors are on these channels.
+    pub fn motors_are(&mut self, channels: impl IntoIterator<Item = usize>) {
+        self.motors.fill(false);
+        for channel in channels {
+            self.motors.iter_mut().skip(channel).take(1).for_each(|motor| *motor = true);
+        }
+    }
+
+    /// Whether nothing may leave, so that motors must stand.
+    pub fn holds(&self) -> bool {
+        self.latched || self.closed
     }
 
     /// Does as told, from the next frame on.
@@ -122,6 +153,11 @@ impl Gate {
             }
             Order::Open | Order::Release => (1.0, RAMP_IN),
         };
+        if to == 0.0 && self.open.to != 0.0 && self.motors.contains(&true) {
+            (self.kept, self.braking) = (self.open.value(), (BRAKING * self.rate).floor() as u32);
+        } else if to != 0.0 {
+            self.braking = 0;
+        }
         self.open.go(to, seconds * self.rate);
     }
 
@@ -132,7 +168,7 @@ impl Gate {
 
     /// Whether nothing comes through and nothing will until it is told.
     pub fn is_shut(&self) -> bool {
-        self.open.rests() && self.open.to == 0.0
+        self.open.rests() && self.open.to == 0.0 && self.braking == 0
     }
 
     /// The gain with which the next frame comes through, were it not for the ramp.
@@ -143,13 +179,21 @@ impl Gate {
     /// Lets frames of so many channels through.
     pub fn pass(&mut self, frames: &mut [f32], channels: usize) {
         let mut rest = frames;
-        while !self.open.rests() || !self.gain.rests() {
+        while !self.open.rests() || !self.gain.rests() || self.braking > 0 {
             if rest.is_empty() {
                 return;
             }
-            let gain = self.open.step() * self.gain.step();
+            let (open, gain) = (self.open.step(), self.gain.step());
             let (frame, others) = rest.split_at_mut(channels.clamp(1, rest.len()));
-            scale(frame, gain);
+            if self.braking > 0 {
+                self.braking -= 1;
+                for (channel, value) in frame.iter_mut().enumerate() {
+                    let open = if self.motors.get(channel) == Some(&true) { self.kept } else { open };
+                    scale(std::slice::from_mut(value), open * gain);
+                }
+            } else {
+                scale(frame, open * gain);
+            }
             rest = others;
         }
         scale(rest, self.open.value() * self.gain.value());

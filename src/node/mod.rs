@@ -3,7 +3,7 @@
 //! To add a node, write its file and add its line to the list at the foot of this one.
 
 pub mod asset;
-mod course;
+pub(crate) mod course;
 #[cfg(test)]
 pub(crate) mod harness;
 pub mod kernel;
@@ -44,6 +44,7 @@ impl NodeKind {
     pub(crate) const TOUCH: Self = Self(Index::Touch as usize);
     pub(crate) const DRIVE_CLICK: Self = Self(Index::DriveClick as usize);
     pub(crate) const DRIVE_SPIN: Self = Self(Index::DriveSpin as usize);
+    pub(crate) const DRIVE_SWELL: Self = Self(Index::DriveSwell as usize);
     pub(crate) const DRIVE_ON: Self = Self(Index::DriveOn as usize);
     pub(crate) const DRIVE_BRAKE: Self = Self(Index::DriveBrake as usize);
     pub(crate) const DRIVE_HOME: Self = Self(Index::DriveHome as usize);
@@ -218,6 +219,7 @@ registry! {
     Touch = touch,
     DriveClick = drive_click,
     DriveSpin = drive_spin,
+    DriveSwell = drive_swell,
     DriveOn = drive_on,
     DriveBrake = drive_brake,
     DriveHome = drive_home,

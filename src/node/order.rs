@@ -70,6 +70,7 @@ mod tests {
             ("drive-click", false),
             ("drive-spin", true),
             ("drive-on", true),
+            ("drive-swell", false),
             ("drive-brake", false),
             ("drive-home", false),
         ] {

@@ -98,11 +98,15 @@ pub const TOPICS: &[Topic] = &[
                steady voltages off (if the device's coupling is \"dc\" and the output does not say dc = true), the actuator's equaliser, the \
                limiter, which acts at `max_level` and lets what stays below pass as it is, and the band limit. When it is played live, \
                a gate comes last, which opens and closes in a ramp: what is behind it is zero when it is closed, whatever the filters hold.\n\n\
+               Whatever stops a session (its end, Ctrl-C, a terminal that is closed, a panic, a device that is lost) and all sound off stop motors: for \
+               4 ms they are braked with the full drive backward, no longer than until they stand, and then exact zeros leave. At a voltage zero is a short circuit through the amplifier, which \
+               goes on braking with the mechanical time constant; at a current zero lets a motor roll, and those 4 ms are all that brakes it. Behind a \
+               rectifier nothing brakes.\n\n\
                On a drive, a level is the share of the rated vibration of its motor (negative: backward), and `shaping` makes volts of it: \
                `inverse` does what is played as far as the motor can, and brakes it in time, for which it must know a little ahead; \
                `overdrive` gives as much as there may be until the motor is as fast as it is to be, and as much backward until it is as \
                slow; `switching` gives the most either way at every sample; `plain` gives what holds the speed; `clicks` plays no levels and no spins, but clicks alone, and those also through AC coupling (a card that lets nothing steady through): what that takes of them is given beforehand. Voices order clicks, spins, brakes and the way home \
-               with the nodes `drive-click`, `drive-spin`, `drive-on`, `drive-brake` and `drive-home`. A drive needs a rumble motor whose figures are \
+               with the nodes `drive-click`, `drive-spin`, `drive-swell` (an envelope, by inverse dynamics or as any `shaping` does it), `drive-on`, `drive-brake` and `drive-home`, whatever levels are shaped by. A drive needs a rumble motor whose figures are \
                known, an amplifier, `full_scale_volts`, and coupling = \"dc\" of device and amplifier, but where there is a rectifier (see \
                [amplifier.NAME]) or clicks alone are played: anything else is refused, with the reason. How late it is stands in `pacinian check`.\n\n\
                Where `full_scale_volts` and figures of the actuator are known, protection comes last: no more voltage, slew, power, heat or \

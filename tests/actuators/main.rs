@@ -25,3 +25,4 @@ mod turner;
 mod turner_levels;
 mod turner_orders;
 mod turner_reach;
+mod turner_swell;

@@ -217,7 +217,7 @@ fn the_newest_order_holds_and_what_was_under_way_is_braked() {
     assert!(speeds.last().unwrap().abs() < 1e-3 * speed && turner.is_idle());
     // A brake forgets what waits.
     turner.order(3500.0, 3, Order::Spin(speed));
-    turner.brake();
+    turner.brake(0);
     let (sent, _) = play(&mut turner, &mut plant, &[0.0; 4000]);
     assert!(sent.iter().all(|volts| *volts == 0.0));
 }

@@ -126,7 +126,7 @@ fn nothing_leaves_beyond_the_limit() {
                         let pieces = Pieces { list: [(level, level), (0.001, -1e9), (f64::NAN, 2.0)] };
                         let order = [
                             Order::Spin(level),
-                            Order::On(level),
+                            Order::On(level.into()),
                             Order::Click(pieces),
                             Order::Release,
                             Order::Brake,

@@ -23,7 +23,7 @@ fn instants_are_those_of_levels_and_none_is_before_the_first() {
     let setup = setup(COIN, Shaping::Inverse);
     let on = |at: f64| {
         let mut turner = Turner::new(&setup, 0).unwrap();
-        turner.order(at, 1, Order::On(1.0));
+        turner.order(at, 1, Order::On(1.0.into()));
         let late = turner.late();
         (late, sent(&mut turner, &vec![0.0; late + 20]))
     };
@@ -53,7 +53,7 @@ fn levels_that_are_no_numbers_are_silence() {
 fn what_was_switched_on_rolls_out_by_itself() {
     let setup = setup(COIN, Shaping::Inverse);
     let mut turner = Turner::new(&setup, 0).unwrap();
-    turner.order(0.0, 1, Order::On(setup.limit));
+    turner.order(0.0, 1, Order::On(setup.limit.into()));
     turner.order(400.0, 1, Order::Release);
     let (volts, speeds) = play(&mut turner, &mut plant(&COIN, 0.0), &vec![0.0; 4000]);
     let off = (400 + turner.late()) * PARTS;
@@ -189,7 +189,7 @@ fn a_release_always_finds_room() {
         for n in 0..WAITING as u64 {
             let at = 400.0 + n as f64;
             match (kind, n % 2) {
-                (0, _) | (1, 0) => turner.order(at, 1000 + n, Order::On(0.1)),
+                (0, _) | (1, 0) => turner.order(at, 1000 + n, Order::On(0.1.into())),
                 (1, _) => turner.order(at, 1000 + n - 1, Order::Release),
                 _ => turner.order(at, 1000 + n, Order::Brake),
             }

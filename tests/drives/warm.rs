@@ -413,8 +413,8 @@ fn hostile_budgets_are_refused_or_kept_to() {
                     0 => turner.order(at, 1, Order::Click(click)),
                     1 => turner.order(at, 2, Order::Spin(f64::from(draw % 2000) - 500.0)),
                     2 => turner.order(at, 2, Order::Release),
-                    3 => turner.order(at, 3, Order::On(f64::NAN)),
-                    4 => turner.order(at, 3, Order::On(f64::from(draw % 9) - 4.0)),
+                    3 => turner.order(at, 3, Order::On(f64::NAN.into())),
+                    4 => turner.order(at, 3, Order::On((f64::from(draw % 9) - 4.0).into())),
                     5 => turner.order(at, 3, Order::Brake),
                     _ => {}
                 }

@@ -52,7 +52,7 @@ enum Keeps {
 
 /// What the motor can do to its speed in a sample.
 #[derive(Debug, Clone, Copy)]
-struct Rates {
+pub(super) struct Rates {
     /// In a sample: at the full drive, for each rad/s, by friction.
     full: f64,
     drag: f64,
@@ -64,7 +64,7 @@ struct Rates {
 }
 
 impl Rates {
-    fn new(setup: &Setup) -> Self {
+    pub(super) fn new(setup: &Setup) -> Self {
         let p = &setup.parameters;
         let share = 1.0 / (setup.rate * p.effective_inertia());
         Self {
@@ -89,6 +89,24 @@ impl Rates {
     fn roll(&self, wished: f64, from: f64) -> f64 {
         let next = wished.min(from + self.rise(from)).max(self.coast.after(from, self.step));
         if wished == 0.0 && next < self.stands { 0.0 } else { next }
+    }
+
+    /// What is wished from rest to rest, so that no speed rises faster than the motor can, nor falls faster than it can be braked; or than it rolls, where
+    /// nothing brakes it.
+    pub(super) fn make_feasible(&self, speeds: &mut [f64], rolls: bool) {
+        let mut from = 0.0;
+        for speed in speeds.iter_mut() {
+            *speed = match rolls {
+                true => self.roll(*speed, from),
+                false => Self::reach(*speed, from, |speed| self.rise(speed)),
+            };
+            from = *speed;
+        }
+        let mut to = 0.0;
+        for speed in speeds.iter_mut().rev().filter(|_| !rolls) {
+            *speed = Self::reach(*speed, to, |speed| self.fall(speed));
+            to = *speed;
+        }
     }
 
     /// A speed, or the most that can be had a sample away from another. From the one to the next the motor may pass through rest, and then
@@ -135,6 +153,13 @@ impl Ahead {
     /// Whether all that is known is rest: nothing else is left in the ring, nor in what was planned.
     pub fn is_still(&self) -> bool {
         self.still > self.reached.len() + GRID
+    }
+
+    /// Forgets all wishes: rest is all that is known.
+    pub fn forget(&mut self) {
+        self.reached.fill(0.0);
+        self.wished.fill(0.0);
+        (self.planned, self.short, self.still) = ([0.0; GRID + 2], [0.0; 2], usize::MAX);
     }
 
     /// The speed that was wished where was planned last, and by how much the plan falls short of it as the motor cannot do it, rad/s; 0 where no

@@ -6,6 +6,7 @@
 //! | [`ahead`] | speeds that the motor can follow, planned on what is known ahead |
 //! | [`law`] | the drive that brings a speed about: the inverse, and the way to another speed |
 //! | [`coast`] | how it comes to rest by itself, where nothing brakes it |
+//! | [`track`] | envelopes that are known as a whole, made into speeds that it can follow |
 //! | [`order`], [`book`] | clicks, spins and brakes; clicks worked out for every level |
 //! | [`homing`] | the way to where gravity catches the mass |
 //! | [`warmth`] | how warm it becomes, and what of it all is held back for that |
@@ -21,5 +22,6 @@ pub mod law;
 pub mod order;
 pub mod reach;
 pub mod setup;
+pub mod track;
 pub mod turner;
 pub mod warmth;

@@ -1,5 +1,7 @@
 //! What may be ordered of a motor, and when.
 
+use super::setup::Shaping;
+
 /// The most drives of which a click is made.
 pub const PIECES: usize = 3;
 
@@ -10,6 +12,47 @@ pub struct Pieces {
     pub list: [(f64, f64); PIECES],
 }
 
+/// What a drive that is switched on is held at, whatever the amplifier imposes: it is worked out from the speed of the motor's model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum By {
+    /// What the amplifier imposes.
+    #[default]
+    Amplifier,
+    /// A voltage: as the motor becomes faster, less flows.
+    Voltage,
+    /// A current: the same torque at every speed, as long as there are volts for it.
+    Current,
+}
+
+/// What is done with a motor that is switched off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum After {
+    /// Nothing is sent: a short circuit of a voltage, open terminals of a current.
+    #[default]
+    Nothing,
+    /// A short circuit, which brakes with the mechanical time constant.
+    Short,
+    /// Open terminals: friction alone stops it.
+    Open,
+}
+
+/// A drive that is switched on, and what follows it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Switch {
+    /// Volts or amperes, as the amplifier imposes; held by the other one, what that amounts to at rest: volts on the resistance, amperes through it.
+    pub amount: f64,
+    /// What is held.
+    pub by: By,
+    /// What follows.
+    pub after: After,
+}
+
+impl From<f64> for Switch {
+    fn from(amount: f64) -> Self {
+        Self { amount, ..Self::default() }
+    }
+}
+
 /// What is ordered. The newest holds; what is under way is braked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Order {
@@ -17,8 +60,12 @@ pub enum Order {
     Click(Pieces),
     /// To a speed (rad/s), as fast as may be, until the voice is released.
     Spin(f64),
-    /// A drive (volts or amperes) until the voice is released; then nothing: a short circuit, or open terminals where the drive is a current.
-    On(f64),
+    /// A speed (rad/s), as levels are shaped, until the voice is released: then to rest as fast as may be, or of [`Shaping::Plain`] by what nothing does.
+    Keep(f64, Shaping),
+    /// An envelope that is known as a whole, by its number, at the root of a level (-1 to 1), shaped as levels are; to its end, whatever is released.
+    Swell(u32, f64, Shaping),
+    /// A drive until the voice is released; then what follows that.
+    On(Switch),
     /// The voice is released.
     Release,
     /// To rest, as fast as may be, whatever was ordered.
@@ -30,7 +77,9 @@ impl Order {
     pub fn is_backward(self) -> bool {
         match self {
             Self::Click(pieces) => pieces.list.iter().any(|(seconds, drive)| *seconds > 0.0 && *drive < 0.0),
-            Self::Spin(x) | Self::On(x) => x < 0.0,
+            Self::Spin(x) | Self::Keep(x, _) | Self::Swell(_, x, _) | Self::On(Switch { amount: x, .. }) => {
+                x < 0.0
+            }
             Self::Release | Self::Brake => false,
         }
     }
@@ -43,7 +92,9 @@ impl Order {
                 list: pieces.list.map(|(s, x)| (within(s, 10.0).max(0.0), within(x, drive))),
             }),
             Self::Spin(to) => Self::Spin(within(to, speed)),
-            Self::On(x) => Self::On(within(x, drive)),
+            Self::Keep(to, shaping) => Self::Keep(within(to, speed), shaping),
+            Self::Swell(track, root, shaping) => Self::Swell(track, within(root, 1.0), shaping),
+            Self::On(switch) => Self::On(Switch { amount: within(switch.amount, drive), ..switch }),
             Self::Release | Self::Brake => self,
         }
     }
@@ -129,8 +180,21 @@ impl Agenda {
         self.dropped
     }
 
-    /// Forgets all that waits.
-    pub fn clear(&mut self) {
-        self.count = 0;
+    /// Forgets the envelopes that wait, as what their numbers name is something else from now on.
+    pub fn clear_swells(&mut self) {
+        let mut kept = 0;
+        for n in 0..self.count {
+            if !matches!(self.list[n].order, Order::Swell(..)) {
+                self.list[kept] = self.list[n];
+                kept += 1;
+            }
+        }
+        self.dropped += (self.count - kept) as u64;
+        self.count = kept;
+    }
+
+    /// Forgets all that waits for an instant (samples) or what comes after it.
+    pub fn clear_from(&mut self, at: f64) {
+        self.count = self.list[..self.count].partition_point(|entry| entry.at < at);
     }
 }

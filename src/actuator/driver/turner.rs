@@ -6,10 +6,13 @@ mod orders;
 
 pub use counts::Counts;
 
+use std::sync::Arc;
+
 use super::ahead::Ahead;
 use super::law::{Follow, Seek};
-use super::order::{Agenda, Pieces};
+use super::order::{After, Agenda, Pieces, Switch};
 use super::setup::{Setup, Shaping};
+use super::track::Track;
 use super::warmth::Warmth;
 use crate::actuator::fault::Fault;
 use crate::actuator::link::carrier::Rectifier;
@@ -54,11 +57,16 @@ pub struct Turner {
     /// What keeps it as cool as it must be; nothing where nothing is known of that.
     warmth: Option<Box<Warmth>>,
     agenda: Agenda,
+    /// Envelopes that may be ordered.
+    tracks: Vec<Arc<Track>>,
     mode: Mode,
     /// Whose order is under way.
     voice: Option<u64>,
     /// Whether the motor is elsewhere than where levels have it.
     away: bool,
+    /// Whether it is to stand, whatever is ordered and played, and whether nothing is sent to that end.
+    halts: bool,
+    rests: bool,
     /// Which way a switching drive goes.
     forward: bool,
     /// What it made itself by turning, on average over the last sample, V.
@@ -76,9 +84,23 @@ enum Mode {
     /// A click: the piece that is under way, and when it ends, in samples.
     Click(Pieces, usize, f64),
     /// A drive.
-    On(f64),
-    /// Nothing, until it stands or levels call.
-    Roll,
+    On(Switch),
+    /// What follows a drive, until it stands or levels call.
+    Roll(After),
+    /// A speed, as levels are shaped.
+    Keep(f64, Shaping),
+    /// An envelope that is known as a whole.
+    Swell(Swell),
+}
+
+/// An envelope that is under way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Swell {
+    number: u32,
+    root: f64,
+    /// In samples.
+    begin: f64,
+    shaping: Shaping,
 }
 
 impl Turner {
@@ -106,9 +128,12 @@ impl Turner {
             cut: false,
             warmth: None,
             agenda: Agenda::default(),
+            tracks: Vec::new(),
             mode: Mode::Level,
             voice: None,
             away: false,
+            halts: false,
+            rests: false,
             forward: true,
             emf: 0.0,
             clock: 0,
@@ -139,6 +164,12 @@ impl Turner {
         if let (Some(own), Some(other)) = (&mut self.warmth, &other.warmth) {
             own.warm_as(other);
         }
+    }
+
+    /// The same, of which these envelopes may be ordered, by their places.
+    pub fn knowing(mut self, tracks: Vec<Arc<Track>>) -> Self {
+        self.tracks = tracks;
+        self
     }
 
     /// What was held back so that the motor bears it; `None` where nothing would be. Samples are those of the device.
@@ -280,7 +311,7 @@ impl Turner {
         }
         let held = warmth.hold(given);
         // The inverse knows nothing of it, and would take the motor to be where it should be.
-        self.away |= held != given && self.mode == Mode::Level;
+        self.away |= held != given && matches!(self.mode, Mode::Level | Mode::Swell(_));
         held
     }
 }

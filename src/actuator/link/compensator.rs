@@ -50,6 +50,13 @@ impl Compensator {
         self.filter.is_empty()
     }
 
+    /// A sample for which nothing is sent, whatever the coupling makes of that.
+    pub fn rest(&mut self) {
+        self.short = !self.is_idle();
+        self.arrived = self.filter.step(0.0);
+        self.filter.forget(NOTHING * self.quiet);
+    }
+
     /// What to send for a sample in which the actuator is to get that on average, of no more than `most`; `None`: nothing is wanted.
     pub fn step(&mut self, wanted: Option<f64>, most: f64) -> f64 {
         let output = wanted.unwrap_or_else(|| self.filter.discharging(self.quiet));

@@ -98,6 +98,12 @@ impl Modulator {
         Bridge { on, reverse: self.reverse }
     }
 
+    /// At rest at once: what was wanted and not given is forgotten.
+    pub fn reset(&mut self) {
+        (self.at, self.width, self.reverse) = (0, 0, false);
+        (self.sum, self.owed) = (0.0, 0.0);
+    }
+
     /// Volts that a motor sees of it.
     pub fn volts(&self, bridge: Bridge) -> f64 {
         match (bridge.on, bridge.reverse) {

@@ -160,7 +160,7 @@ impl Group {
         // In the order of a motor's own step.
         let [a, b, c, d] = &steps.current;
         for l in 0..LANES {
-            current[l] = i[l] + ((a[l] * i[l] + (c[l] * v[l] + d[l])) + b[l] * w[l]);
+            current[l] = ((i[l] + (c[l] * v[l] + d[l])) + a[l] * i[l]) + b[l] * w[l];
         }
         let [a, b, c, d] = &steps.speed;
         for l in 0..LANES {

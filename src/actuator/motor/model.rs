@@ -32,6 +32,8 @@ pub struct Motor<const BOOKED: bool = false> {
     pub(super) state: State,
     pub(super) counts: Counts,
     pub(super) volts: f64,
+    /// Whether a step is numbers times numbers, and nothing but a whole turn can happen in it.
+    pub(super) lean: bool,
     pub(super) method: Method,
     pub(super) grip: Grip,
     pub(super) regime: Regime,
@@ -112,6 +114,7 @@ impl<const BOOKED: bool> Motor<BOOKED> {
                 Level::Fine => Method::Parabola,
                 _ => Method::Midpoint,
             },
+            lean: false,
             period,
             weight,
             settles: if rotor.inductance > 0.0 {
@@ -167,8 +170,19 @@ impl<const BOOKED: bool> Motor<BOOKED> {
     }
 
     /// Does this to the terminals from now on.
-    #[inline]
+    #[inline(always)]
     pub fn drive(&mut self, drive: Drive) {
+        match drive {
+            Drive::Voltage(volts) if self.lean && volts.abs() <= super::MOST_DRIVE => {
+                (self.drive, self.volts) = (drive, volts);
+            }
+            _ => self.drive_in_full(drive),
+        }
+    }
+
+    /// The same where something may happen.
+    #[inline]
+    fn drive_in_full(&mut self, drive: Drive) {
         if let (Drive::Voltage(new), Drive::Voltage(old)) = (drive, self.drive) {
             // The common case, without what switching kinds needs.
             if new == old {
@@ -190,8 +204,20 @@ impl<const BOOKED: bool> Motor<BOOKED> {
     }
 
     /// One step further.
-    #[inline]
+    #[inline(always)]
     pub fn step(&mut self) {
+        if self.lean
+            && let Some((next, _)) = self.swift.step::<NONE, false, false>(&self.state, self.volts)
+        {
+            self.state = next;
+        } else {
+            self.step_in_full();
+        }
+    }
+
+    /// The same where something may happen.
+    #[inline]
+    fn step_in_full(&mut self) {
         let (swift, state, volts) = (&self.swift, &self.state, self.volts);
         let next = match self.method {
             Method::None => swift.step::<NONE, true, true>(state, volts),
@@ -277,6 +303,13 @@ impl<const BOOKED: bool> Motor<BOOKED> {
         if self.grip == Grip::Sticks || self.swings() * self.period > 1.0 {
             bounds.sense = (0.0, 0.0);
         }
+        self.lean = !BOOKED
+            && self.method == Method::None
+            && self.grip == Grip::None
+            && self.mount.is_none()
+            && self.regime == Regime::Coil
+            && self.rotor.inductance > 0.0
+            && !bounds.limited;
         self.swift = Swift { table: *table, bounds, friction, ..self.swift };
     }
 

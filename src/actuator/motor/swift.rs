@@ -20,18 +20,18 @@ pub(super) const NONE: u8 = Method::None as u8;
 pub(super) const MIDPOINT: u8 = Method::Midpoint as u8;
 pub(super) const PARABOLA: u8 = Method::Parabola as u8;
 
-/// Where a motor is. The order keeps apart what is stored one by one and would else be loaded together, which waits for the stores.
+/// Where a motor is. The order keeps apart what a step changes, and would else load together what was stored one by one, which waits for the stores.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(C)]
 pub(super) struct State {
     pub current: f64,
-    /// In turns, within ±½.
-    pub phase: f64,
-    pub speed: f64,
     /// Whole turns beside the phase.
     pub turns: f64,
+    pub speed: f64,
     /// The torque of gravity that acted last, N m.
     pub pull: f64,
+    /// In turns, within ±½.
+    pub phase: f64,
 }
 
 impl State {
@@ -128,7 +128,14 @@ impl Swift {
             MIDPOINT => (from + ((row[0] * x.current + row[1] * x.speed) + known(row))) + row[3] * pull,
             _ => from + all(row, x, &push),
         };
-        let motion = Motion { current: go(x.current, &table.current), speed: go(x.speed, &table.speed) };
+        let motion = if METHOD == NONE {
+            // So that the way of a current through itself is short, and one by way of the speed too. A current forgets what is rounded.
+            let row = &table.current;
+            let current = ((x.current + known(row)) + row[0] * x.current) + row[1] * x.speed;
+            Motion { current, speed: go(x.speed, &table.speed) }
+        } else {
+            Motion { current: go(x.current, &table.current), speed: go(x.speed, &table.speed) }
+        };
         let (mut phase, mut whole) = (go(state.phase, &table.turns), state.turns);
         let between = |x: f64, (low, high): (f64, f64)| x > low && x < high;
         if FULL

@@ -13,7 +13,12 @@ impl<R: Real> Core<R> {
         self.counters = old.counters;
         match self.stage.is_succeeding() {
             true => self.stage.take_over(&mut old.stage, self.clock),
-            false => std::mem::swap(&mut self.stage, &mut old.stage),
+            false => {
+                std::mem::swap(&mut self.stage, &mut old.stage);
+                if inheritance.swells {
+                    self.stage.trade_swells(&mut old.stage);
+                }
+            }
         }
         if let Some(levels) = &inheritance.levels {
             self.stage.limit_to(levels);

@@ -1,5 +1,7 @@
 //! One motor on its channel, and what becomes of what is sent to it.
 
+use std::sync::Arc;
+
 use super::super::vibration::single;
 use super::super::workspace::BLOCK;
 use crate::actuator::driver::turner::Turner;
@@ -73,7 +75,10 @@ impl Line {
         };
         let of = |fault: Fault| (drive.channel, fault);
         let turner = || -> Result<Turner, Fault> {
-            let turner = Turner::new(&drive.setup, late)?;
+            let number = plan.drives.iter().position(|other| other.channel == drive.channel);
+            let swells = number.into_iter().flat_map(|number| plan.swells_of(number));
+            let tracks = swells.map(|swell| Arc::clone(&swell.track)).collect();
+            let turner = Turner::new(&drive.setup, late)?.knowing(tracks);
             let Some(bears) = &drive.bears else { return Ok(turner) };
             let time = drive.setup.parameters.electrical_time();
             let effective = match &drive.terminals {
@@ -107,6 +112,14 @@ impl Line {
         }
     }
 
+    /// The channel of the line that says which way, where there is one.
+    pub fn direction(&self) -> Option<usize> {
+        match self.output {
+            Output::Bridge(_, direction) => Some(direction),
+            _ => None,
+        }
+    }
+
     /// Whether nothing is sent and nothing waits.
     pub fn is_idle(&self) -> bool {
         let is_idle = match &self.output {
@@ -119,6 +132,21 @@ impl Line {
 }
 
 impl Output {
+    /// Writes a frame in which nothing is sent, whatever is still under way.
+    #[inline]
+    pub fn rest(&mut self, frame: &mut [f32], channel: usize) {
+        frame[channel] = 0.0;
+        match self {
+            Self::Straight(_) => {}
+            Self::Bridge(modulator, direction) => {
+                modulator.reset();
+                frame[*direction] = 0.0;
+            }
+            Self::Carrier(wave) => drop(wave.step(0.0, 0.0, 0.0)),
+            Self::Coupled(_, compensator) => compensator.rest(),
+        }
+    }
+
     /// Writes a frame of what is sent on average, if anything is, of a motor that makes so many volts itself; whether that is within what may
     /// leave.
     #[inline]

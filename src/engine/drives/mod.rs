@@ -4,15 +4,18 @@
 //! sample of the device then gets the mean over its time, so that the motor gets the same volt-seconds. Behind a bridge, pulses are as wide as that mean;
 //! before a rectifier, a carrier is as large as it takes; and what coupling takes of a click is given beforehand.
 
+pub mod halt;
 mod line;
 
 use super::vibration::{Counts, Row, Vibration};
+use super::workspace::BLOCK;
 use crate::actuator::driver::order::Order;
 use crate::actuator::driver::turner;
 use crate::actuator::fault::Fault;
 use crate::actuator::protect::counts;
 use crate::dsp::lanes::LANES;
 use crate::graph::plan::Plan;
+use halt::{Halt, Halts};
 use line::Line;
 
 /// The motors of a plan.
@@ -22,6 +25,7 @@ pub struct Drives {
     channels: usize,
     ratio: usize,
     counts: Counts,
+    halts: Halts,
 }
 
 impl Drives {
@@ -35,7 +39,8 @@ impl Drives {
         let there = plan.drives.iter().filter(|drive| Line::is_there(drive, plan.channels));
         let line = |drive| Line::new(plan, drive, late);
         let lines = there.map(line).collect::<Result<_, _>>()?;
-        Ok(Self { lines, channels: plan.channels, ratio: plan.ratio, counts: Counts::default() })
+        let halts = Halts::new(plan.engine_rate());
+        Ok(Self { lines, channels: plan.channels, ratio: plan.ratio, counts: Counts::default(), halts })
     }
 
     /// Whether there is none.
@@ -87,12 +92,23 @@ impl Drives {
         for line in &mut self.lines {
             line.turner.begin_at(clock);
             let Some(old) = old.lines.iter_mut().find(|old| old.channel == line.channel) else { continue };
-            match crossed.contains(&line.channel) {
-                false => std::mem::swap(line, old),
-                true => line.turner.warm_as(&old.turner),
+            if crossed.contains(&line.channel) {
+                line.turner.warm_as(&old.turner);
+            } else {
+                std::mem::swap(line, old);
+                line.turner.trade_tracks(&mut old.turner);
             }
         }
-        old.brake();
+        // Those where there is no motor any more included.
+        for line in old.lines.iter_mut().filter(|line| crossed.contains(&line.channel)) {
+            line.turner.brake(clock);
+        }
+        std::mem::swap(&mut self.halts, &mut old.halts);
+    }
+
+    /// Halts when others do.
+    pub fn halt_with(&mut self, other: &Self) {
+        self.halts = other.halts.clone();
     }
 
     /// Samples that were no numbers, and those that were beyond what may leave.
@@ -109,9 +125,33 @@ impl Drives {
         }
     }
 
-    /// All of them are brought to rest, as fast as may be.
-    pub fn brake(&mut self) {
-        self.lines.iter_mut().for_each(|line| line.turner.brake());
+    /// The channels on which motors are turned, those that say which way among them (from 0).
+    pub fn channels(&self) -> impl Iterator<Item = usize> + '_ {
+        self.lines.iter().flat_map(|line| [Some(line.channel), line.direction()]).flatten()
+    }
+
+    /// All that was ordered ends at an engine sample of the next block: braked for [`BRAKING`](halt::BRAKING), and then exact zeros until something begins.
+    pub fn shut(&mut self, clock: u64) {
+        self.lines.iter_mut().for_each(|line| line.turner.brake(clock));
+        self.halts.shut(clock);
+    }
+
+    /// Something begins at an engine sample of the next block.
+    pub fn open(&mut self, clock: u64) {
+        self.halts.open(clock);
+    }
+
+    /// Whether nothing may leave, from the next sample on: motors are braked as long as [`BRAKING`](halt::BRAKING), and then exact zeros are sent until it
+    /// may again. What was ordered and is still held goes on then.
+    pub fn hold(&mut self, held: bool) {
+        self.halts.hold(held);
+    }
+
+    /// Takes over what others, of the same motors, know of envelopes.
+    pub fn trade_swells(&mut self, other: &mut Self) {
+        for (line, other) in self.lines.iter_mut().zip(&mut other.lines) {
+            line.turner.trade_tracks(&mut other.turner);
+        }
     }
 
     /// Takes its channels out of the mix: a block of `samples` rows for each group of eight channels, and whether it was fed.
@@ -132,20 +172,29 @@ impl Drives {
 
     /// Writes the frames of the samples that were taken last; those of the last one lie in `rest` where `frames` has no room.
     pub fn write(&mut self, samples: usize, frames: &mut [f32], rest: &mut [f32]) {
+        let mut halts = [Halt::None; BLOCK];
+        self.halts.next(samples, &mut halts);
         let whole = frames.len() / (self.ratio * self.channels).max(1) * self.ratio;
         for line in &mut self.lines {
             let before = frames.chunks_exact_mut(self.channels).take(whole);
             let mut frames = before.chain(rest.chunks_exact_mut(self.channels));
-            for level in &line.levels[..samples] {
-                line.turner.step(f64::from(*level), &mut line.parts);
+            for (level, halt) in line.levels[..samples].iter().zip(halts) {
+                line.turner.halt(halt != Halt::None, halt == Halt::Rests);
+                // What dies away is not played when all is over.
+                let level = if halt == Halt::Brakes { 0.0 } else { f64::from(*level) };
+                line.turner.step(level, &mut line.parts);
                 let emf = line.turner.emf();
                 let rests = line.turner.rests();
                 let (mut short, mut may_differ) = (false, false);
                 for n in 0..line.parts.len() {
                     let (sent, Some(frame)) = (line.parts[n], frames.next()) else { break };
                     let sent = (sent != 0.0 || !rests).then_some(sent);
-                    let within = line.output.write(sent, emf, frame, line.channel, line.most);
-                    self.counts.clamped += u64::from(!within);
+                    if halt == Halt::Rests {
+                        line.output.rest(frame, line.channel);
+                    } else {
+                        let within = line.output.write(sent, emf, frame, line.channel, line.most);
+                        self.counts.clamped += u64::from(!within);
+                    }
                     if let Some((arriving, is_short)) = line.arrives() {
                         line.arriving[n] = arriving;
                         (short, may_differ) = (short || is_short, true);

@@ -162,8 +162,9 @@ impl<R: BufRead> Replay<R> {
         if !(0.0..=1.0).contains(&head.gain) {
             return Err(wrong(format!("the gain of an output is from 0 to 1, not {}", head.gain)));
         }
-        let (director, stagehand) = exchange(&plan).map_err(|why| wrong(why.to_string()))?;
-        let gate = Gate::new(plan.device_rate, head.gain as f32);
+        let (director, mut stagehand) = exchange(&plan).map_err(|why| wrong(why.to_string()))?;
+        let motors = stagehand.engine().stage().drives().channels();
+        let gate = Gate::new(plan.device_rate, head.gain as f32).before_motors(plan.channels, motors);
         Ok(Self {
             reader,
             head: *head,
@@ -321,6 +322,7 @@ impl<R: BufRead> Replay<R> {
                 let order =
                     words::order(name, line.value).ok_or_else(|| format!("a gate does not know `{name}`"))?;
                 self.gate.order(order);
+                self.stagehand.engine().hold_motors(self.gate.holds());
                 return Ok(());
             }
             Kind::Voice => Event::Play(self.voice(name, line)?),
@@ -398,6 +400,7 @@ impl<R: BufRead> Replay<R> {
                 "a plan cannot take over while the one before still fades, so no session has played this";
             return Err(self.reader.wrong(what).into());
         }
+        self.gate.motors_are(self.stagehand.engine().stage().drives().channels());
         self.names = Numbers::of(plan);
         self.met.swaps += 1;
         Ok(())

@@ -1,7 +1,9 @@
 //! What is sent to a motor at an instant, and what its model makes of that.
 
-use super::{Mode, OPENS, Turner};
-use crate::actuator::driver::coast::STANDS;
+use super::{Mode, OPENS, Swell, Turner};
+use crate::actuator::drive::Drive;
+use crate::actuator::driver::coast::{Coast, STANDS};
+use crate::actuator::driver::order::{After, By, Switch};
 use crate::actuator::driver::setup::Shaping;
 use crate::actuator::driver::warmth::Before;
 
@@ -11,31 +13,73 @@ impl Turner {
         let (speed, current) =
             self.motor.as_ref().map_or((0.0, 0.0), |motor| (motor.speed(), motor.current()));
         let (least, limit) = (self.setup.least(), self.setup.limit);
-        match self.mode {
-            Mode::Speed(wished, ..) => self.seek.step(speed, current, wished),
-            Mode::Click(pieces, piece, _) => pieces.list.get(piece).map_or(0.0, |piece| piece.1),
-            Mode::On(drive) => drive,
-            Mode::Roll => 0.0,
-            Mode::Level => match self.setup.shaping {
-                Shaping::Plain => self.setup.held_by(speeds[0]).clamp(least, limit),
-                Shaping::Overdrive => self.seek.step(speed, current, speeds[1]),
-                Shaping::Switching => self.switched(speed, current, speeds[1]),
-                Shaping::Clicks => self.seek.step(speed, current, 0.0),
-                _ if self.away && *speeds == [0.0; 3] && self.stands() => 0.0,
-                Shaping::Inverse if self.away => {
-                    // Also the current must have died away: the inverse would take it, and what it is still to do, at once.
-                    let off = self.seek.off(speed, current, speeds[0]).abs();
-                    let left = (speed - speeds[0]).abs();
-                    if off.max(left) < STANDS * self.setup.full_speed() && whole {
-                        self.away = false;
-                        self.follow.restart(current);
-                        return self.followed(speeds);
-                    }
-                    self.seek.step(speed, current, speeds[1])
+        let (shaping, speeds) = match self.mode {
+            _ if self.rests => return 0.0,
+            _ if self.halts => return self.seek.step(speed, current, 0.0),
+            Mode::Speed(wished, ..) => return self.seek.step(speed, current, wished),
+            Mode::Click(pieces, piece, _) => return pieces.list.get(piece).map_or(0.0, |piece| piece.1),
+            Mode::On(switch) => return self.on(switch),
+            Mode::Roll(after) => return self.after(after),
+            Mode::Keep(wished, shaping) => (shaping, [wished; 3]),
+            Mode::Swell(swell) => (swell.shaping, self.swell(swell)),
+            Mode::Level => (self.setup.shaping, *speeds),
+        };
+        match shaping {
+            Shaping::Plain => self.setup.held_by(speeds[0]).clamp(least, limit),
+            Shaping::Overdrive => self.seek.step(speed, current, speeds[1]),
+            Shaping::Switching => self.switched(speed, current, speeds[1]),
+            Shaping::Clicks => self.seek.step(speed, current, 0.0),
+            _ if self.away && speeds == [0.0; 3] && self.stands() => 0.0,
+            Shaping::Inverse if self.away => {
+                // Also the current must have died away: the inverse would take it, and what it is still to do, at once.
+                let off = self.seek.off(speed, current, speeds[0]).abs();
+                let left = (speed - speeds[0]).abs();
+                if off.max(left) < STANDS * self.setup.full_speed() && whole {
+                    self.away = false;
+                    self.follow.restart(current);
+                    return self.followed(&speeds);
                 }
-                Shaping::Inverse => self.followed(speeds),
-            },
+                self.seek.step(speed, current, speeds[1])
+            }
+            Shaping::Inverse => self.followed(&speeds),
         }
+    }
+
+    /// The speeds of an envelope: at this sample, after it, and after that. What is wished, where no plan is kept to.
+    fn swell(&self, swell: Swell) -> [f64; 3] {
+        let Some(track) = self.tracks.get(swell.number as usize) else { return [0.0; 3] };
+        let at = self.clock as f64 - swell.begin;
+        [0.0, 1.0, 2.0].map(|ahead| match swell.shaping {
+            Shaping::Inverse => track.planned(at + ahead, swell.root),
+            _ => track.wished(at + ahead, swell.root),
+        })
+    }
+
+    /// What the motor makes itself in the middle of this sample where nothing flows, V.
+    fn rolling(&self) -> f64 {
+        let (p, speed) = (&self.setup.parameters, self.motor.as_ref().map_or(0.0, |motor| motor.speed()));
+        p.gain * Coast::new(p).after(speed.abs(), 0.5 / self.setup.rate).copysign(speed)
+    }
+
+    /// A drive that is switched on.
+    fn on(&self, switch: Switch) -> f64 {
+        let p = &self.setup.parameters;
+        let wanted = match (self.setup.imposes, switch.by) {
+            (Drive::Voltage, By::Current) => switch.amount + self.rolling(),
+            (Drive::Current, By::Voltage) => switch.amount - self.rolling() / p.resistance,
+            _ => switch.amount,
+        };
+        wanted.clamp(self.setup.least(), self.setup.limit)
+    }
+
+    /// What follows it.
+    fn after(&self, after: After) -> f64 {
+        let wanted = match (self.setup.imposes, after) {
+            (Drive::Voltage, After::Open) => self.rolling(),
+            (Drive::Current, After::Short) => -self.rolling() / self.setup.parameters.resistance,
+            _ => 0.0,
+        };
+        wanted.clamp(self.setup.least(), self.setup.limit)
     }
 
     fn followed(&mut self, speeds: &[f64; 3]) -> f64 {

@@ -1,7 +1,7 @@
 //! What becomes of orders: they wait, are carried out, and end.
 
-use super::{Mode, PATIENCE, Turner};
-use crate::actuator::driver::order::{Entry, Order, PIECES, Pieces};
+use super::{Mode, PATIENCE, Swell, Turner};
+use crate::actuator::driver::order::{After, Entry, Order, PIECES, Pieces};
 use crate::actuator::driver::setup::Shaping;
 
 impl Turner {
@@ -15,10 +15,30 @@ impl Turner {
         self.agenda.push(Entry { at, voice, order });
     }
 
-    /// Forgets what waits, and brakes.
-    pub fn brake(&mut self) {
-        self.agenda.clear();
-        self.carry_out(Entry { at: self.clock as f64, voice: u64::MAX, order: Order::Brake });
+    /// Forgets what waits from a sample on, and brakes there. It is never late.
+    pub fn brake(&mut self, clock: u64) {
+        let at = clock.max(self.clock) as f64;
+        self.agenda.clear_from(at);
+        self.agenda.push(Entry { at, voice: u64::MAX, order: Order::Brake });
+    }
+
+    /// Whether it is to stand from the next sample on, whatever is played and ordered meanwhile: braked as fast as may be, or given nothing at all. What
+    /// was ordered and still holds goes on then; what levels were known ahead is forgotten.
+    pub fn halt(&mut self, halts: bool, rests: bool) {
+        if halts && !self.halts {
+            self.ahead.forget();
+        }
+        (self.halts, self.rests) = (halts, rests);
+        self.away |= halts;
+    }
+
+    /// Knows other envelopes from now on. Where they differ from those before, what was ordered of these ends.
+    pub(crate) fn trade_tracks(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.tracks, &mut other.tracks);
+        self.agenda.clear_swells();
+        if matches!(self.mode, Mode::Swell(_)) {
+            self.mode = Mode::Speed(0.0, None, self.clock);
+        }
     }
 
     /// When the next order is due, in samples, if it is in this one. Releases of voices whose orders hold no longer are nothing, and are
@@ -47,7 +67,9 @@ impl Turner {
             self.counts.backward += 1;
             return;
         }
-        if self.setup.shaping == Shaping::Clicks && matches!(order, Order::Spin(_) | Order::On(_)) {
+        if self.setup.shaping == Shaping::Clicks
+            && matches!(order, Order::Spin(_) | Order::Keep(..) | Order::Swell(..) | Order::On(_))
+        {
             self.counts.unplayed += 1;
             return;
         }
@@ -61,14 +83,26 @@ impl Turner {
                 self.mode = Mode::Speed(speed, None, self.clock);
                 self.voice = Some(voice);
             }
-            Order::On(drive) => {
-                self.mode = Mode::On(drive);
+            Order::Keep(speed, shaping) => {
+                self.mode = Mode::Keep(speed, shaping);
+                self.voice = Some(voice);
+            }
+            Order::Swell(number, root, shaping) => {
+                if self.tracks.get(number as usize).is_none() {
+                    return;
+                }
+                self.mode = Mode::Swell(Swell { number, root, begin: entry.at, shaping });
+                self.voice = None;
+            }
+            Order::On(switch) => {
+                self.mode = Mode::On(switch);
                 self.voice = Some(voice);
             }
             Order::Release => {
                 self.voice = None;
                 self.mode = match self.mode {
-                    Mode::On(_) => Mode::Roll,
+                    Mode::On(switch) => Mode::Roll(switch.after),
+                    Mode::Keep(_, Shaping::Plain) => Mode::Roll(After::Nothing),
                     _ => Mode::Speed(0.0, None, self.clock),
                 };
             }
@@ -82,7 +116,15 @@ impl Turner {
 
     /// Goes on to what comes behind what has been reached, at this instant (samples).
     pub(super) fn arrive(&mut self, now: f64, speeds: &[f64; 3]) {
-        if self.mode == Mode::Roll && (*speeds != [0.0; 3] || self.stands()) {
+        if let Mode::Swell(swell) = self.mode
+            && self
+                .tracks
+                .get(swell.number as usize)
+                .is_none_or(|track| now - swell.begin >= track.samples() as f64)
+        {
+            self.mode = Mode::Speed(0.0, None, self.clock);
+        }
+        if matches!(self.mode, Mode::Roll(_)) && (*speeds != [0.0; 3] || self.stands()) {
             self.mode = Mode::Level;
         }
         if let Mode::Speed(0.0, click, since) = self.mode {
