@@ -68,6 +68,9 @@ pub struct Device {
     pub peak: f64,
 }
 
+/// So many delays make a window whose shorter forms may be less stable than itself.
+const FEW: f64 = 8.0;
+
 impl Device {
     /// Its loops, for the edge of stability.
     ///
@@ -98,7 +101,11 @@ impl Device {
             None => all,
             Some(hertz) => all.filtered(&LowPass::new(hertz, self.period)?),
         };
-        let estimators = self.velocity.transfers(self.count, self.period)?;
+        let mut estimators = self.velocity.transfers(self.count, self.period)?;
+        // Behind a delay that is no small part of it the longest window is the least stable, and shorter ones cost seconds.
+        if estimators.last().is_some_and(|longest| FEW * delay >= longest.ticks as f64) {
+            estimators = estimators.split_off(estimators.len() - 1);
+        }
         Ok(Loops::new(estimators.into_iter().map(|one| all.clone().estimated(one)).collect()))
     }
 
