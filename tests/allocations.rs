@@ -353,7 +353,7 @@ fn a_callback_in_a_storm_of_events_orders_and_plans() {
             sent += 1;
         }
         for i in events..events + 50 {
-            let cue = Cue { plan: u64::from(sent), at: due(board.clock.get(), i), event: event(i) };
+            let cue = Cue { plan: u64::from(sent), at: due(board.clock.get(), i), event: event(i), cause: 0 };
             assert!(rings.cues[(i % 2) as usize].try_push(cue).is_ok());
         }
         events += 50;

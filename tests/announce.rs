@@ -93,7 +93,7 @@ fn markers_and_voices_are_told_with_the_time_at_which_they_leave() {
         block: Some(64),
         listener: Some(Box::new(move |heard| hears.hear(heard))),
         audience: Box::new(move |what| {
-            if let Told::Report(Report { deed: Deed::Event { at, event: Event::Marker(_), .. }, .. }, _) =
+            if let Told::Report(Report { deed: Deed::Event { at, event: Event::Marker(..), .. }, .. }, _) =
                 what
             {
                 plays.lock().unwrap().push(at.sample as i64);

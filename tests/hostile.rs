@@ -295,7 +295,7 @@ fn late_and_hostile_instants_are_played_and_counted() {
         Event::Control(0, f64::NAN),
         Event::Control(0, f64::INFINITY),
         Event::Release(55),
-        Event::Marker(3),
+        Event::Marker(3, 0),
     ] {
         assert!(engine.schedule(now, Source::Program, event));
     }

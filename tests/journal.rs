@@ -182,7 +182,10 @@ fn play(journal_path: &Path, recording: &Path) {
                 let _ = handle.play("tap", note);
             }
             2 => handle.set("strength", (step % 7) as f64 / 6.0).unwrap(),
-            3 => handle.send(Signal::Midi(0, Message::NoteOn { channel, note, velocity: 90 })).unwrap(),
+            3 => handle
+                .by(&"Keys 49".into())
+                .send(Signal::Midi(0, Message::NoteOn { channel, note, velocity: 90 }))
+                .unwrap(),
             4 => handle
                 .send(Signal::Midi(0, Message::NoteOff { channel, note: note - 1, velocity: 0 }))
                 .unwrap(),
@@ -278,6 +281,7 @@ fn what_was_played_is_played_again_to_the_bit() {
             Kind::Release,
             Kind::ReleaseAll,
             Kind::Silence,
+            Kind::Cancel,
             Kind::Control,
             Kind::Gate,
             Kind::Swap,
@@ -313,6 +317,29 @@ fn what_was_played_is_played_again_to_the_bit() {
             drawn.clone().any(|line| line.event == Some(2) && line.drawn == Some(2)),
             "as the patch counts"
         );
+        // What was played leads back to what came in and asked for it, and that to whoever sent it.
+        let cause = |line: &Line| {
+            let id = line.cause?;
+            let mut came = lines.iter().filter(|line| line.kind == Kind::In && line.id == Some(id));
+            let first = came.next().unwrap_or_else(|| panic!("nothing came in that was number {id}"));
+            assert_eq!(came.count(), 0, "numbers are one line's alone");
+            Some(first)
+        };
+        let by = |kind: Kind, way: &str, starts: &str| {
+            let of_kind = lines.iter().filter(move |line| line.kind == kind);
+            of_kind.filter_map(cause).any(|came| {
+                let said = came.message.as_deref().unwrap_or_default();
+                came.source.as_deref() == Some(way) && said.starts_with(starts)
+            })
+        };
+        assert!(by(Kind::Release, "program", "release"));
+        assert!(by(Kind::Silence, "midi", "B0 78") && by(Kind::Voice, "program", "play"));
+        assert!(by(Kind::Cancel, "osc", "1") && by(Kind::Control, "program", "set"));
+        // Of what was started, not of what plays from the beginning.
+        let started: Vec<_> = drawn.clone().filter_map(cause).collect();
+        assert!(!started.is_empty() && started.iter().all(|came| came.message.as_deref() == Some("start")));
+        let from_port = lines.iter().filter(|line| line.peer.as_deref() == Some("Keys 49"));
+        assert!(from_port.clone().count() > 0 && from_port.clone().all(|line| line.kind == Kind::In));
         // Events leave the converter as far from each other as their samples are, on a card that keeps time to some milliseconds.
         let times = lines.iter().filter(|line| line.kind == Kind::Voice);
         let times: Vec<_> =

@@ -139,7 +139,7 @@ proptest! {
         let mut engine = Engine::new(&plan).unwrap();
         schedule(&mut engine, &events(&plan, &blows));
         for at in [100.0, 101.0, 350.5] {
-            engine.schedule(Instant::of_samples(at), Source::Program, Event::Marker(u32::MAX));
+            engine.schedule(Instant::of_samples(at), Source::Program, Event::Marker(u32::MAX, 0));
         }
         engine.schedule(Instant::of_samples(200.0), Source::Program, Event::Control(0, 1e9));
         let heard = input(6 * 900);

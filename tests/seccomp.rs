@@ -134,7 +134,8 @@ fn send_to_callback(plans: &[Plan; 2]) -> ! {
         }
         let clock = board.clock.get();
         for _ in 0..200 {
-            let cue = Cue { plan: u64::from(sent), at: due(clock, event), event: storm::event(event) };
+            let cue =
+                Cue { plan: u64::from(sent), at: due(clock, event), event: storm::event(event), cause: 0 };
             let taken = rings.cues[(event % 2) as usize].try_push(cue);
             event += u32::from(taken.is_ok());
         }

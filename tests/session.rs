@@ -10,7 +10,7 @@ use pacinian::io::session::{Beginning, Session};
 use pacinian::live::callback::{Deed, Report};
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
-use pacinian::live::signal::Signal;
+use pacinian::live::signal::{Signal, Stamped};
 use pacinian::node::asset::NoAssets;
 use pacinian::text::Problem;
 use pacinian::{Note, Patch, Rig};
@@ -249,7 +249,7 @@ fn a_flood_of_midi_during_reloads_is_played_or_counted() {
         block: Some(64),
         audience: Box::new(move |told| {
             let which = match told {
-                Told::Came(_, Signal::Midi(_, Message::NoteOn { .. }), _) => 0,
+                Told::Came(Stamped { signal: Signal::Midi(_, Message::NoteOn { .. }), .. }) => 0,
                 Told::Report(
                     pacinian::live::callback::Report {
                         deed: Deed::Event { event: Event::Play(_), .. }, ..

@@ -314,7 +314,7 @@ fn pulses_go_on_whatever_their_markers_number_is() {
     let (plan, other) = (bench.plan(), other.plan());
     let (mut director, mut stagehand) = exchange(&plan).unwrap();
     let number = plan.markers.iter().position(|name| &**name == "go").unwrap() as u32;
-    stagehand.engine().schedule(Instant::default(), Source::Program, Event::Marker(number));
+    stagehand.engine().schedule(Instant::default(), Source::Program, Event::Marker(number, 0));
     let mut frames = vec![0.0; 9600 * CHANNELS];
     stagehand.process(&[], &mut frames[..1200 * CHANNELS]);
     assert_eq!(director.send(&other), Ok(true));
@@ -324,7 +324,7 @@ fn pulses_go_on_whatever_their_markers_number_is() {
     // And those to come are of the marker that is called so.
     let number = other.markers.iter().position(|name| &**name == "go").unwrap() as u32;
     let now = Instant { sample: stagehand.engine().clock(), fraction: 0 };
-    stagehand.engine().schedule(now, Source::Program, Event::Marker(number));
+    stagehand.engine().schedule(now, Source::Program, Event::Marker(number, 0));
     let mut frames = vec![0.0; 9600 * CHANNELS];
     stagehand.process(&[], &mut frames);
     let high = |channel: usize| frames.iter().skip(channel).step_by(CHANNELS).filter(|x| **x == 1.0).count();

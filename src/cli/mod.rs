@@ -8,6 +8,7 @@ mod check;
 mod coupled;
 mod curves;
 mod demo;
+mod device_queue;
 mod devices;
 mod ear;
 mod error;

@@ -1,5 +1,6 @@
 //! `pacinian play`.
 
+use super::device_queue;
 use super::ear::Listens;
 use super::failure::Failure;
 use super::guard;
@@ -236,6 +237,7 @@ impl Play {
         });
         // The gate closes before anything else is done, even where the conductor is no more.
         session.board().lever.close();
+        let held = device_queue::told(session.board());
         let _ = session.handle().send(Signal::End);
         drop(watching);
         drop(midi);
@@ -253,7 +255,7 @@ impl Play {
         if unsent > 0 {
             terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }
-        let concluded = self.conclude(&loaded, &session, &peaks, terminal);
+        let concluded = self.conclude(&loaded, &session, &peaks, &held, terminal);
         let concluded = kept.finish(terminal).and(concluded);
         match ended {
             // A terminal that is closed cannot be written to either.
@@ -296,12 +298,15 @@ impl Play {
         loaded: &Loaded,
         session: &Session,
         peaks: &[f32],
+        held: &str,
         terminal: &Terminal,
     ) -> Result<(), Failure> {
         let board = session.board();
         let load = &board.load;
+        let refused = Some(board.refused.words()).filter(|words| !words.is_empty());
+        let refused = refused.map_or(String::new(), |words| format!(" (no room for {words})"));
         let mut text = format!(
-            "{}: {} frames, {} voices, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost\n",
+            "{}: {} frames, {} voices, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost{}\n",
             escaped(loaded.name()),
             board.frames.get(),
             board.started.get(),
@@ -311,7 +316,9 @@ impl Play {
             board.xruns.get(),
             board.late.get(),
             board.dropped.get() + board.refused.get(),
+            refused,
         );
+        text += &format!("  when the output was shut, {held}\n");
         let input = &board.input;
         if input.frames.get() > 0 {
             text += &format!(

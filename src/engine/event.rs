@@ -27,7 +27,7 @@ pub struct Play {
 impl Play {
     /// Whether its id agrees with `id` but for so many of the lowest bits.
     pub(crate) fn is_of(&self, id: u64, bits: u8) -> bool {
-        (self.id ^ id).checked_shr(u32::from(bits)).unwrap_or(0) == 0
+        is_of(self.id, id, bits)
     }
 
     /// How strong it is.
@@ -39,6 +39,11 @@ impl Play {
     pub(crate) fn fields(&self) -> Fields {
         Fields { level: self.level, duration: self.duration, own: self.own }
     }
+}
+
+/// Whether two ids agree but for so many of the lowest bits.
+pub(crate) fn is_of(a: u64, b: u64, bits: u8) -> bool {
+    (a ^ b).checked_shr(u32::from(bits)).unwrap_or(0) == 0
 }
 
 /// The hand that holds voices moves.
@@ -72,9 +77,13 @@ pub enum Event {
     /// bits; those of them that are still to begin do not. Where no other voice
     /// sounds, all but the pulses of markers is exact zero 2 ms later (what turns motors 4 ms, in which they are braked), until one does.
     Silence(u64, u8),
+    /// Call off voices and markers that are still to begin and whose ids agree with this one but for so many of their lowest bits: their
+    /// pattern stops here. What sounds goes on.
+    Cancel(u64, u8),
     /// Put a pulse on the trigger outputs that listen to this marker, by its place in
-    /// [`crate::graph::plan::Plan::markers`]; to one that is not there only outputs for all markers listen.
-    Marker(u32),
+    /// [`crate::graph::plan::Plan::markers`]; to one that is not there only outputs for all markers listen. Behind it the id by
+    /// which it can be called off.
+    Marker(u32, u64),
     /// Let the periodic tasks above this rank rest, and the others run: 255 for all.
     Shed(u8),
     /// Let a hand push the simulated knob with so many newton metres from here on.
@@ -85,10 +94,22 @@ pub enum Event {
     Deadline(bool),
 }
 
+impl Event {
+    /// Whether it lets go of something that would go on without it. It names no part of a plan, so that it means the same in every one.
+    pub fn lets_go(&self) -> bool {
+        matches!(
+            self,
+            Self::Release(_) | Self::ReleaseAll | Self::Silence(..) | Self::Cancel(..) | Self::Arm(false)
+        )
+    }
+}
+
 /// Where events come from: ties in time go in this order, after the ends of voices that have sounded their time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u16)]
 pub enum Source {
+    /// Stops of patterns: what is to begin at the same instant does not.
+    Stop = 0,
     /// Patterns.
     Pattern = 1,
     /// The program.

@@ -44,18 +44,18 @@ const GLANCE: Duration = Duration::from_millis(50);
 
 struct Open {
     id: String,
-    name: String,
+    name: Arc<str>,
     number: u16,
     _connection: MidiInputConnection<Line>,
 }
 
 /// Hears what comes through a port, by its number and its name; `None` where the port is gone.
-pub type Ear = Arc<dyn Fn(u16, &str, Option<Message>) + Send + Sync>;
+pub type Ear = Arc<dyn Fn(u16, &Arc<str>, Option<Message>) + Send + Sync>;
 
 /// What a port's callback has.
 struct Line {
     number: u16,
-    name: String,
+    name: Arc<str>,
     parser: Parser,
     ear: Ear,
     /// Where it counts what it cannot use.
@@ -108,10 +108,10 @@ impl MidiPorts {
     ) -> std::io::Result<Self> {
         let handle = handle.clone();
         let board = Arc::clone(handle.board());
-        let ear = move |number: u16, _: &str, message: Option<Message>| {
+        let ear = move |number: u16, name: &Arc<str>, message: Option<Message>| {
             let signal = message.map_or(Signal::MidiGone(number), |message| Signal::Midi(number, message));
             // What finds no room is counted there.
-            let _ = handle.send(signal);
+            let _ = handle.by(name).send(signal);
         };
         Self::hear(Arc::new(ear), Some(board), wanted, news)
     }
@@ -189,7 +189,7 @@ fn release(
         if !stays {
             roster.leave(&port.id);
             ear(port.number, &port.name, None);
-            news(PortNews::Gone(port.name.clone()));
+            news(PortNews::Gone(port.name.to_string()));
         }
         stays
     });
@@ -220,7 +220,7 @@ fn search(
         let number = roster.seat(&id, &name);
         match input.connect(port, "in", |_, bytes, line| line.hear(bytes), line(number, &name)) {
             Ok(connection) => {
-                open.push(Open { id, name: name.clone(), number, _connection: connection });
+                open.push(Open { id, name: name.as_str().into(), number, _connection: connection });
                 news(PortNews::Opened(name));
             }
             Err(error) => {
@@ -241,7 +241,7 @@ mod tests {
     fn what_comes_cut_anywhere_is_heard_and_what_makes_no_message_is_counted() {
         let heard: Arc<Mutex<Vec<(u16, Message)>>> = Arc::default();
         let (board, keeps) = (Arc::new(Board::new(1)), Arc::clone(&heard));
-        let ear = move |number, _: &str, message: Option<Message>| {
+        let ear = move |number, _: &Arc<str>, message: Option<Message>| {
             keeps.lock().unwrap().extend(message.map(|message| (number, message)));
         };
         let mut line = Line {

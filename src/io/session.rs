@@ -28,7 +28,7 @@ use crate::live::driver::Driver;
 use crate::live::gate::{Gate, RAMP_IN, RAMP_OUT, UNARMED};
 use crate::live::intake::{Ears, bridge};
 use crate::live::reload::Reload;
-use crate::live::signal::{Handle, Refused, Signal};
+use crate::live::signal::{Handle, Signal};
 use crate::live::stamp::{self, Epoch};
 use crate::midi::file::Song;
 use crate::performer::{Listener, Performer};
@@ -277,10 +277,8 @@ impl Session {
         if let Some(keeper) = &self.keeper {
             keeper.rest();
         }
-        // Whoever floods the session cannot keep it from ending.
-        while self.conductor.is_some() && self.handle.send(Signal::End) == Err(Refused::Busy) {
-            std::thread::sleep(Duration::from_millis(1));
-        }
+        // Whoever floods the session cannot keep it from ending: that is never refused for lack of room.
+        let _ = self.handle.send(Signal::End);
         if let Some(conductor) = self.conductor.take() {
             let _ = conductor.join();
         }

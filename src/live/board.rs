@@ -6,6 +6,8 @@ use super::lever::Lever;
 use super::load::Load;
 use super::midi_board::MidiBoard;
 use super::torque::Torque;
+use super::values::Values;
+use super::way::Refusals;
 
 /// A figure that one thread writes and others read.
 #[derive(Debug, Default)]
@@ -82,8 +84,8 @@ pub struct Board {
     pub limited: Figure,
     /// Samples that were held back for the sake of actuators.
     pub held_back: Figure,
-    /// Signals and patterns that found no room.
-    pub refused: Figure,
+    /// Signals and patterns that found no room, by where they came from.
+    pub refused: Refusals,
     /// Frames that the recording missed.
     pub unrecorded: Figure,
     /// Things done that the log did not hear of.
@@ -94,6 +96,8 @@ pub struct Board {
     pub shed: Figure,
     /// Whether the gate is shut: 1, or 0.
     pub shut: Figure,
+    /// Where controls stand.
+    pub values: Values,
     /// Of a knob that is there, see [`Board::torque`].
     pub(super) knob: Figure,
     /// Run time of the callbacks.

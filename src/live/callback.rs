@@ -20,7 +20,7 @@ use crate::engine::watch::Crossing;
 use crate::schedule::Instant;
 
 /// Sources of events, in the order in which they go at the same instant.
-pub const SOURCES: [Source; 2] = [Source::Pattern, Source::Program];
+pub const SOURCES: [Source; 3] = [Source::Stop, Source::Pattern, Source::Program];
 
 /// The rank of the meters, and seconds that they may take for a frame.
 const METERS: u8 = u8::MAX;
@@ -41,6 +41,8 @@ pub struct Cue {
     pub at: Instant,
     /// What is.
     pub event: Event,
+    /// The number of the signal that asked for it, or for its pattern; 0 for none.
+    pub cause: u64,
 }
 
 /// What the callback tells of: that it did something, and before which frame.
@@ -65,6 +67,8 @@ pub enum Deed {
         source: Source,
         /// What it is.
         event: Event,
+        /// The number of the signal that asked for it, or for its pattern; 0 for none.
+        cause: u64,
     },
     /// A signal of the engine set off a voice, by itself: nobody gave the engine an event.
     Crossing(Crossing),
@@ -267,7 +271,7 @@ impl Callback {
         if engine.schedule(at, source, event) {
             self.shed = shed;
             self.board.shed.set(u64::from(u8::MAX - shed));
-            self.tell(Deed::Event { at, due: at, source, event });
+            self.tell(Deed::Event { at, due: at, source, event, cause: 0 });
         }
     }
 
@@ -293,7 +297,7 @@ impl Callback {
         let (source, event) = (Source::Program, Event::Deadline(kept));
         if engine.schedule(at, source, event) {
             self.kept = kept;
-            self.tell(Deed::Event { at, due: at, source, event });
+            self.tell(Deed::Event { at, due: at, source, event, cause: 0 });
         }
     }
 
@@ -301,12 +305,12 @@ impl Callback {
     fn take_cues(&mut self) {
         for (number, source) in SOURCES.into_iter().enumerate() {
             while self.stagehand.engine().room() > 0 {
-                let Some(&Cue { plan, at: due, event }) = self.cues[number].try_peek() else { break };
+                let Some(&Cue { plan, at: due, event, cause }) = self.cues[number].try_peek() else { break };
                 if plan > self.plan {
                     break;
                 }
                 self.cues[number].try_pop();
-                if plan < self.plan {
+                if plan < self.plan && !event.lets_go() {
                     // It found no room before its plan went; what its numbers name now is something else.
                     self.outdated += 1;
                     continue;
@@ -315,7 +319,7 @@ impl Callback {
                 let at = if due.ceiling() < clock { Instant { sample: clock, fraction: 0 } } else { due };
                 self.stagehand.engine().schedule(at, source, event);
                 self.board.late.add(u64::from(at != due));
-                self.tell(Deed::Event { at, due, source, event });
+                self.tell(Deed::Event { at, due, source, event, cause });
             }
         }
     }

@@ -5,7 +5,6 @@
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
 
 use ringbuf::traits::{Consumer, Observer, Producer};
@@ -14,9 +13,11 @@ use super::board::Board;
 use super::callback::{Cue, Deed, Report, Rings, SOURCES};
 use super::clock::{Moment, StreamClock};
 use super::gate::UNARMED;
+use super::queues::{Inbox, queues};
 use super::reload::Reload;
-use super::signal::{Handle, Origin, Signal, Stamped, WAITING};
+use super::signal::{Handle, Signal, Stamped};
 use super::stamp::{Epoch, Stamp};
+use super::way::{WAYS, Way};
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Director;
 use crate::performer::{Callings, Outlet, Performer, When};
@@ -32,6 +33,9 @@ const EVERY: Duration = Duration::from_millis(5);
 /// How long a callback may take to shut the gate at the end; one whose device stands still never does.
 const LAST: Duration = Duration::from_millis(500);
 
+/// Room in each ring to the callback that is for what lets go alone.
+const LETTING_GO: usize = 1 << 10;
+
 /// Voices that can still be released by their numbers.
 const REMEMBERED: usize = 1 << 14;
 
@@ -40,8 +44,8 @@ const REMEMBERED: usize = 1 << 14;
 pub enum Told<'a> {
     /// A session began, at this moment; its board.
     Began(Epoch, &'a Arc<Board>),
-    /// Something came in, when, and by which way; it is told before anything is done about it.
-    Came(Stamp, &'a Signal, &'a Origin),
+    /// Something came in; it is told before anything is done about it.
+    Came(&'a Stamped),
     /// What the callback did, and how its frames and wall time belonged together a moment ago.
     Report(&'a Report, Option<Moment>),
     /// Something that was asked for and cannot be done.
@@ -67,7 +71,7 @@ pub struct Conductor {
     clock: StreamClock,
     epoch: Epoch,
     board: Arc<Board>,
-    signals: Receiver<Stamped>,
+    inbox: Inbox,
     audience: Audience,
     /// The performer's ids and serial numbers by those that handles gave out.
     voices: BTreeMap<u64, u64>,
@@ -93,6 +97,8 @@ struct ToCallback<'a> {
     rings: &'a mut Rings,
     clock: u64,
     plan: u64,
+    /// The signal that asks for it; 0 for none.
+    cause: u64,
 }
 
 impl Outlet for ToCallback<'_> {
@@ -102,13 +108,20 @@ impl Outlet for ToCallback<'_> {
 
     fn room(&self, source: Source) -> usize {
         let ring = SOURCES.iter().position(|s| *s == source).and_then(|number| self.rings.cues.get(number));
-        ring.map_or(0, Observer::vacant_len)
+        ring.map_or(0, Observer::vacant_len).saturating_sub(LETTING_GO)
+    }
+
+    fn because(&mut self, cause: u64) {
+        self.cause = cause;
     }
 
     fn send(&mut self, at: Instant, source: Source, event: Event) -> bool {
+        if !event.lets_go() && self.room(source) == 0 {
+            return false;
+        }
         let ring =
             SOURCES.iter().position(|s| *s == source).and_then(|number| self.rings.cues.get_mut(number));
-        ring.is_some_and(|ring| ring.try_push(Cue { plan: self.plan, at, event }).is_ok())
+        ring.is_some_and(|ring| ring.try_push(Cue { plan: self.plan, at, event, cause: self.cause }).is_ok())
     }
 }
 
@@ -123,8 +136,8 @@ impl Conductor {
         board: &Arc<Board>,
         audience: Audience,
     ) -> (Self, Handle) {
-        let (out, signals): (SyncSender<_>, _) = std::sync::mpsc::sync_channel(WAITING);
-        let handle = Handle::new(out, epoch, Arc::clone(board));
+        let (inlet, inbox) = queues();
+        let handle = Handle::new(inlet, epoch, Arc::clone(board));
         let plan = performer.plan();
         let (rate, ratio) = (plan.engine_rate(), plan.ratio as f64);
         let callings = Callings::of(plan);
@@ -135,7 +148,7 @@ impl Conductor {
             clock,
             epoch,
             board: Arc::clone(board),
-            signals,
+            inbox,
             audience,
             voices: BTreeMap::new(),
             patterns: HashMap::from([(0, 0)]),
@@ -154,22 +167,40 @@ impl Conductor {
 
     /// Leads until it is told to end, or nobody can tell it anything any more; after [`Conductor::begin`].
     pub fn lead(mut self) {
+        self.inbox.attend();
         while !self.ended {
-            match self.signals.recv_timeout(if self.behind { Duration::ZERO } else { EVERY }) {
-                Ok(stamped) => {
-                    self.take(stamped);
-                    // What has piled up is taken before patterns are fed, but not what comes meanwhile: they must not wait for ever.
-                    for _ in 0..WAITING {
-                        let Ok(stamped) = self.signals.try_recv() else { break };
-                        self.take(stamped);
-                    }
-                }
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => self.end(),
-            }
+            self.inbox.wait(if self.behind { Duration::ZERO } else { EVERY });
+            self.listen();
             self.go_on();
         }
         self.see_out();
+    }
+
+    /// Does what signals ask for that wait, of each way no more than its share: patterns must not wait for ever.
+    fn listen(&mut self) {
+        self.inbox.begin();
+        let mut taken = [0; WAYS];
+        while !self.ended
+            && let Some(stamped) = self.inbox.next()
+        {
+            let (id, way) = (stamped.id, Way::of(&stamped.signal, &stamped.origin));
+            self.take(stamped);
+            taken[way as usize] = id;
+        }
+        self.show_values(taken);
+        if self.inbox.is_over() {
+            self.end();
+        }
+    }
+
+    /// Lets others see where controls stand, and then how far that is what they have asked for.
+    fn show_values(&mut self, taken: [u64; WAYS]) {
+        if let Some(values) = self.performer.take_moved() {
+            self.board.values.show(values);
+        }
+        if taken != [0; WAYS] {
+            self.board.values.done(taken);
+        }
     }
 
     /// Tells what the callback does until its gate is shut.
@@ -204,12 +235,13 @@ impl Conductor {
     pub fn begin(&mut self) {
         (self.audience)(Told::Began(self.epoch, &self.board));
         let until = self.until(0);
-        let mut outlet = ToCallback { rings: &mut self.rings, clock: 0, plan: self.plan };
+        let mut outlet = ToCallback { rings: &mut self.rings, clock: 0, plan: self.plan, cause: 0 };
         if let Err(problem) = self.performer.begin(&mut outlet) {
             (self.audience)(Told::Refused(&problem));
         }
         self.performer.feed(until, &mut outlet);
         self.hear_trouble(false);
+        self.show_values([0; WAYS]);
         self.board.lever.open();
     }
 
@@ -229,7 +261,7 @@ impl Conductor {
     fn tick(&mut self) {
         let at = self.when(self.epoch.now());
         let mut outlet =
-            ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan };
+            ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause: 0 };
         if let Err(problem) = self.performer.midi_tick(at, &mut outlet) {
             (self.audience)(Told::Refused(&problem));
         }
@@ -256,7 +288,7 @@ impl Conductor {
     fn feed(&mut self) {
         let clock = self.board.clock.get();
         let until = self.until(clock);
-        let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
+        let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan, cause: 0 };
         let troubled = self.performer.trouble().is_some();
         self.behind = !self.performer.feed_some(until, &mut outlet);
         self.hear_trouble(troubled);
@@ -280,11 +312,13 @@ impl Conductor {
     }
 
     /// Does what a signal asks for.
-    pub fn take(&mut self, Stamped { stamp, origin, signal }: Stamped) {
-        (self.audience)(Told::Came(stamp, &signal, &origin));
+    pub fn take(&mut self, stamped: Stamped) {
+        (self.audience)(Told::Came(&stamped));
+        let Stamped { id, stamp, signal, .. } = stamped;
+        self.performer.because(id);
         let at = self.when(stamp);
         let clock = self.board.clock.get();
-        let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan };
+        let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan, cause: id };
         let outlet = &mut outlet;
         let reads = self.performer.plan().sensor().is_some();
         let done = match signal {
@@ -300,12 +334,16 @@ impl Conductor {
                 None => Ok(()),
             },
             Signal::Release(number) => match self.voices.remove(&number) {
-                Some(id) => sent(self.performer.release(at, id, outlet)),
+                Some(id) => {
+                    self.performer.release(at, id, outlet);
+                    Ok(())
+                }
                 None => Ok(()),
             },
             Signal::ReleaseAll => {
                 self.voices.clear();
-                sent(self.performer.release_all(at, outlet))
+                self.performer.release_all(at, outlet);
+                Ok(())
             }
             Signal::Set(control, value) => self.performer.set(at, &control, value, outlet),
             Signal::Start(number, name) => self.performer.start_pattern(at, &name).map(|serial| {
@@ -313,12 +351,12 @@ impl Conductor {
             }),
             Signal::Stop(number) => {
                 if let Some(serial) = self.patterns.remove(&number) {
-                    self.performer.stop_pattern(serial);
+                    self.performer.stop_pattern(at, serial, outlet);
                 }
                 Ok(())
             }
             Signal::StopNamed(name) => {
-                self.performer.stop_named(&name);
+                self.performer.stop_named(at, &name, outlet);
                 Ok(())
             }
             Signal::Key(key) => self.performer.key(at, key, outlet),
@@ -328,10 +366,13 @@ impl Conductor {
             Signal::Panic => {
                 // The board's brake has closed the gate, or will.
                 self.board.panic();
-                self.performer.stop_patterns();
+                self.performer.stop_patterns(at, outlet);
                 self.voices.clear();
-                let fell = !reads || self.performer.torque(at, false, outlet);
-                sent(self.performer.release_all(at, outlet) && fell)
+                if reads {
+                    self.performer.torque(at, false, outlet);
+                }
+                self.performer.release_all(at, outlet);
+                Ok(())
             }
             Signal::Calm => {
                 self.board.calm();
@@ -357,7 +398,8 @@ impl Conductor {
                 Ok(())
             }
         };
-        self.board.refused.add(self.performer.take_turned_away());
+        self.performer.because(0);
+        self.board.refused.patterns.add(self.performer.take_turned_away());
         if let Err(problem) = done {
             (self.audience)(Told::Refused(&problem));
         }

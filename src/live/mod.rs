@@ -1,9 +1,9 @@
 //! A session: a patch on a rig that plays in real time, and all the threads around it.
 //!
 //! ```text
-//! keys, MIDI, OSC, program ─ bounded channel ─ conductor ─ ring a source ─ callback ─ device
-//!                             (stamped on arrival)  │                         │
-//!                                  patterns, triggers, log ◀──── reports ─────┘
+//! keys, MIDI, OSC, program ─ queue a way ─ conductor ─ ring a source ─ callback ─ device
+//!                        (stamped on arrival)   │                         │
+//!                              patterns, triggers, log ◀──── reports ─────┘
 //! ```
 //!
 //! Whatever arrives is stamped with wall time by the thread on which it arrives. The conductor turns that into a frame of the output
@@ -20,10 +20,14 @@ pub mod intake;
 pub mod lever;
 pub mod load;
 pub mod midi_board;
+mod owed;
 pub mod provenance;
+pub mod queues;
 pub mod relief;
 pub mod reload;
 pub mod signal;
 pub mod stamp;
 pub mod torque;
 pub mod tracker;
+pub mod values;
+pub mod way;

@@ -1,11 +1,12 @@
 //! What reaches a session from outside.
 
-use std::sync::mpsc::{SyncSender, TrySendError};
 use std::sync::{Arc, atomic::AtomicU64, atomic::Ordering};
 
 use super::board::Board;
+use super::queues::Inlet;
 use super::reload::Reload;
 use super::stamp::{Epoch, Stamp};
+use super::way::Way;
 use crate::midi::Message;
 use crate::performer::{Note, Touch};
 
@@ -62,34 +63,49 @@ pub enum Origin {
     Osc(Arc<str>, Arc<str>),
 }
 
+impl Origin {
+    /// Of what is not known to have come otherwise than by this way.
+    pub(super) fn unnamed(way: Way) -> Self {
+        match way {
+            Way::Osc => Self::Osc("".into(), "".into()),
+            Way::Key => Self::Key("".into()),
+            Way::Midi | Way::Program => Self::Program,
+        }
+    }
+}
+
 /// A signal with the moment at which it arrived.
 #[derive(Debug)]
 pub struct Stamped {
+    /// Its number within the session: from 1, as signals were sent. Those that were refused have theirs, too.
+    pub id: u64,
     /// When it arrived.
     pub stamp: Stamp,
     /// By which way.
     pub origin: Origin,
+    /// From whom, where that is known: the name of a port, the address of a sender.
+    pub peer: Option<Arc<str>>,
     /// What it is.
     pub signal: Signal,
 }
 
-/// Signals that may wait for the conductor.
-pub const WAITING: usize = 1 << 12;
-
-/// Where signals go in: cheap to clone, for any thread, and never in its way.
+/// Where signals go in: cheap to clone, for any thread but that of the audio callback, and never in its way. Each [`Way`] has a queue of its
+/// own. What lets go (a key that goes up, a release, a stop, a panic, a port that is gone) is never refused for lack of room: where its queue
+/// is full it is noted, and done behind what waits there.
 #[derive(Debug, Clone)]
 pub struct Handle {
-    out: SyncSender<Stamped>,
+    inlet: Arc<Inlet>,
     epoch: Epoch,
     board: Arc<Board>,
     numbers: Arc<AtomicU64>,
     origin: Origin,
+    peer: Option<Arc<str>>,
 }
 
 /// Why a signal was not taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refused {
-    /// Too many wait; it is counted, and shown with the session.
+    /// Too many of its way wait; it is counted, and shown with the session.
     Busy,
     /// The session has ended.
     Ended,
@@ -107,13 +123,25 @@ impl std::fmt::Display for Refused {
 impl std::error::Error for Refused {}
 
 impl Handle {
-    pub(crate) fn new(out: SyncSender<Stamped>, epoch: Epoch, board: Arc<Board>) -> Self {
-        Self { out, epoch, board, numbers: Arc::default(), origin: Origin::Program }
+    pub(crate) fn new(inlet: Inlet, epoch: Epoch, board: Arc<Board>) -> Self {
+        Self {
+            inlet: Arc::new(inlet),
+            epoch,
+            board,
+            numbers: Arc::default(),
+            origin: Origin::Program,
+            peer: None,
+        }
     }
 
     /// The same handle for signals that come another way.
     pub fn from(&self, origin: Origin) -> Self {
         Self { origin, ..self.clone() }
+    }
+
+    /// The same handle for signals from somebody.
+    pub fn by(&self, peer: &Arc<str>) -> Self {
+        Self { peer: Some(Arc::clone(peer)), ..self.clone() }
     }
 
     /// Sends a signal that arrives now.
@@ -129,14 +157,16 @@ impl Handle {
     /// # Errors
     /// One that was not taken.
     pub fn send_at(&self, stamp: Stamp, signal: Signal) -> Result<(), Refused> {
-        let origin = self.origin.clone();
-        self.out.try_send(Stamped { stamp, origin, signal }).map_err(|error| match error {
-            TrySendError::Full(_) => {
-                self.board.refused.add(1);
-                Refused::Busy
-            }
-            TrySendError::Disconnected(_) => Refused::Ended,
-        })
+        self.send_numbered(stamp, signal).map(drop)
+    }
+
+    /// The same. Gives the number of the signal within the session.
+    pub(crate) fn send_numbered(&self, stamp: Stamp, signal: Signal) -> Result<u64, Refused> {
+        let way = Way::of(&signal, &self.origin);
+        let (origin, peer) = (self.origin.clone(), self.peer.clone());
+        let sent = self.inlet.send(Stamped { id: 0, stamp, origin, peer, signal });
+        self.board.refused.of(way).add(u64::from(sent == Err(Refused::Busy)));
+        sent
     }
 
     /// The clock of the session.
@@ -202,7 +232,7 @@ impl Handle {
     /// Closes the gate with the next callback, whatever else waits; it stays closed until [`Signal::Calm`].
     pub fn panic(&self) {
         self.board.panic();
-        // The brake is pulled; where this finds no room, the voices go on behind it.
+        // The brake is pulled, even where the session has ended.
         let _ = self.send(Signal::Panic);
     }
 

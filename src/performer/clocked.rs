@@ -158,7 +158,7 @@ impl Performer {
         let score = self.score(&[root], self.seed_of(serial))?;
         let port = self.clocked.port.map(|port| usize::from(port).min(PORTS - 1));
         let whence = port.map_or(Whence::HERE, |port| Whence::midi(port, None));
-        let run = Run::new(serial, vec![root], score).by(whence).following(0.0, speed);
+        let run = Run::new(serial, vec![root], score).by(whence, self.cause).following(0.0, speed);
         self.runs.push(run.from((beat - NEAR) / speed));
         Ok(())
     }

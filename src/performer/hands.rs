@@ -214,21 +214,22 @@ impl Performer {
                 self.set_off(at, &fits, &known, hit, outlet)
             }
             Gesture::NoteOff { key, .. } => {
-                let mut sent = true;
                 let mut held = std::mem::take(&mut self.hands[port].held);
                 held.retain_mut(|voice| {
                     if voice.key == key {
                         self.tell_voice(at, voice, true, outlet);
-                        sent &= !voice.holds || self.release(at, voice.voice, outlet);
+                        if voice.holds {
+                            self.release(at, voice.voice, outlet);
+                        }
                     }
                     voice.key != key
                 });
                 self.hands[port].held = held;
                 while let Some(place) = self.hands[port].holds.iter().position(|(of, ..)| *of == key) {
                     let (_, _, serial) = self.hands[port].holds.swap_remove(place);
-                    self.stop_pattern(serial);
+                    self.stop_pattern(at, serial, outlet);
                 }
-                self.taken(sent)
+                Ok(())
             }
             Gesture::Move { key, what, value } => {
                 let held = &mut self.hands[port].held;
@@ -272,8 +273,8 @@ impl Performer {
                 self.set_off(at, &fits, &known, hit, outlet)
             }
             Gesture::Panic { channel, .. } => {
-                let sent = self.quiet(at, port, channel, outlet);
-                self.taken(sent)
+                self.quiet(at, port, channel, outlet);
+                Ok(())
             }
             Gesture::Parameter { .. } => {
                 self.hands[port].unheard += 1;
@@ -284,6 +285,11 @@ impl Performer {
         }
     }
 
+    /// Voices that keys of MIDI hold.
+    pub fn held(&self) -> usize {
+        self.hands.iter().map(|hands| hands.held.len()).sum()
+    }
+
     /// A key of the computer went down, from 1.
     ///
     /// # Errors
@@ -292,8 +298,8 @@ impl Performer {
         self.set_off(at, &|t| t.on == Source::Key(key), &|_| None, Hit::default(), outlet)
     }
 
-    /// All that a port has started, or one of its channels, falls silent at once, and nothing else. Says whether there was room.
-    fn quiet(&mut self, at: When, port: usize, channel: Option<Channel>, outlet: &mut dyn Outlet) -> bool {
+    /// All that a port has started, or one of its channels, falls silent at once, and nothing else.
+    fn quiet(&mut self, at: When, port: usize, channel: Option<Channel>, outlet: &mut dyn Outlet) {
         let hands = &mut self.hands[port];
         hands.held.retain(|held| channel.is_some_and(|channel| held.channel != channel));
         hands.holds.retain(|(_, of, _)| channel.is_some_and(|channel| *of != channel));
@@ -301,16 +307,13 @@ impl Performer {
         // What a clock has started is its port's, and of no channel.
         let clock = channel.is_none() && self.clock_is_of(port);
         if self.hands[port].loud & quiet == 0 && !clock {
-            return true;
+            return;
         }
-        let sent = self.silence(at, port, channel, outlet);
-        if sent {
-            self.hands[port].loud &= !quiet;
-        }
+        self.silence(at, port, channel, outlet);
+        self.hands[port].loud &= !quiet;
         if clock {
             self.count_no_more(port as u16);
         }
-        sent
     }
 
     /// A message of OSC came to an address, with its values. Says whether something listens to that.
@@ -374,7 +377,7 @@ impl Performer {
             let told = |problem: Problem| Problem { span: Some(trigger.span.clone()), ..problem };
             if !self.voices.contains_key(&trigger.play) {
                 let scale = (gain.clamp(0.0, 100.0), rate.clamp(0.001, 1000.0));
-                let started = self.start_by(at, &trigger.play, scale, whence, hit);
+                let started = self.start_by(at, &trigger.play, scale, (whence, hit), outlet);
                 result = result.and(started.map_err(told));
                 continue;
             }
@@ -435,8 +438,8 @@ impl Performer {
         at: When,
         pattern: &str,
         (gain, rate): (f64, f64),
-        whence: Whence,
-        hit: Hit,
+        (whence, hit): (Whence, Hit),
+        outlet: &mut dyn Outlet,
     ) -> Result<(), Problem> {
         let endless = self.is_endless(pattern);
         let held = hit.port.zip(hit.key).filter(|_| endless);
@@ -444,7 +447,7 @@ impl Performer {
             && held.is_none()
             && let Some(before) = self.endless.remove(pattern)
         {
-            self.stop_pattern(before);
+            self.stop_pattern(at, before, outlet);
         }
         let serial = self.start_scaled(at, pattern, gain, rate, whence)?;
         match held {
@@ -505,10 +508,6 @@ impl Performer {
             }
         }
         result
-    }
-
-    fn taken(&self, taken: bool) -> Result<(), Problem> {
-        if taken { Ok(()) } else { Err(super::full()) }
     }
 }
 

@@ -9,6 +9,7 @@ mod crossed;
 mod hands;
 mod heard;
 mod here;
+mod letting;
 mod note;
 mod outlet;
 mod patterns;
@@ -16,6 +17,7 @@ mod pickup;
 mod run;
 #[cfg(test)]
 mod staged;
+mod stopping;
 mod stream;
 mod succession;
 mod touch;
@@ -29,9 +31,10 @@ use crate::dsp::random;
 use crate::engine::event::{Event, Move, Play, Source};
 use crate::graph::plan::Plan;
 use crate::graph::scene::Scene;
-use crate::midi::{Channel, Message};
+use crate::midi::Message;
 use crate::patch::Patch;
 use crate::rig::{Finder, Rig};
+use crate::schedule::Instant;
 use crate::score::{EventStream, HORIZON, Root, Score};
 use crate::text::Problem;
 
@@ -46,6 +49,7 @@ pub use outlet::Outlet;
 pub use patterns::MOST_RUNS;
 use pickup::Pickup;
 use run::Run;
+use stopping::Stop;
 use stream::Stream;
 pub use touch::Touch;
 pub use when::When;
@@ -84,6 +88,16 @@ pub struct Performer {
     endless: BTreeMap<String, u64>,
     /// Which voices that are always on were let go of, by their names.
     asleep: BTreeSet<String>,
+    /// The signal that is done now; 0 for none.
+    cause: u64,
+    /// What lets go and found no room.
+    owed: VecDeque<Event>,
+    /// What is to stop when it has been fed so far.
+    stops: Vec<Stop>,
+    /// What the patterns of the beginning have sent and the engine has not come to yet: when, its id, and its pattern.
+    ahead: VecDeque<(Instant, u64, usize)>,
+    /// Whether a control was sent somewhere since this was asked last.
+    moved: bool,
     /// One for each port of MIDI.
     hands: Vec<Hands>,
     /// Messages that are played from a file, in order of time; `None` lets go of all keys.
@@ -180,6 +194,11 @@ impl Performer {
             turned_away: 0,
             endless: BTreeMap::new(),
             asleep: BTreeSet::new(),
+            cause: 0,
+            owed: VecDeque::new(),
+            stops: Vec::new(),
+            ahead: VecDeque::new(),
+            moved: true,
             hands: Vec::new(),
             song: VecDeque::new(),
             pickups,
@@ -356,24 +375,6 @@ impl Performer {
         Ok(id)
     }
 
-    /// Releases what was played under an id. Says whether there was room.
-    pub fn release(&mut self, at: When, id: u64, outlet: &mut dyn Outlet) -> bool {
-        // A reference hears of it as the end of what was played.
-        let held = self.record.iter_mut().flatten().rev().find(|(_, play)| play.id == id);
-        if let Some((start, play)) = held.filter(|(_, play)| play.duration == f64::INFINITY) {
-            play.duration = (at.seconds - *start).max(0.0);
-        }
-        self.order(at, Event::Release(id), Some(id), Happening::Release, outlet)
-    }
-
-    /// Releases every voice that sounds then, held and always-on ones too, which [`Performer::wake`] brings back. The patterns go on, so
-    /// what they play later sounds.
-    pub fn release_all(&mut self, at: When, outlet: &mut dyn Outlet) -> bool {
-        let always = self.plan.instruments.iter().filter(|instrument| instrument.always);
-        self.asleep.extend(always.map(|instrument| instrument.name.to_string()));
-        self.order(at, Event::ReleaseAll, None, Happening::ReleaseAll, outlet)
-    }
-
     /// Sends a control to a value; it arrives after its smoothing. The control's range holds.
     ///
     /// # Errors
@@ -406,8 +407,15 @@ impl Performer {
                 (self.targets.get_mut(number), self.patch.controls.get(number))
         {
             *target = value.clamp(control.range[0], control.range[1]);
+            self.moved = true;
         }
         Ok(())
+    }
+
+    /// Where each control was sent last, by whomever, if any was since this was asked last or another patch plays.
+    pub fn take_moved(&mut self) -> Option<impl Iterator<Item = (&str, f64)>> {
+        let controls = self.patch.controls.iter().map(|control| &*control.name);
+        std::mem::take(&mut self.moved).then(|| controls.zip(self.targets.iter().copied()))
     }
 
     fn order(
@@ -436,25 +444,6 @@ impl Performer {
                 // One that found no room may be woken once more.
                 woken.then(|| self.asleep.remove(name));
             }
-        }
-        sent
-    }
-
-    /// Lets the knob's torque rise, after a fault as well, or lets it go. Says whether there was room.
-    pub fn torque(&mut self, at: When, rises: bool, outlet: &mut dyn Outlet) -> bool {
-        outlet.send(at.instant, Source::Program, Event::Arm(rises))
-    }
-
-    /// Lets all that a port of MIDI has started, or one of its channels, fall silent at once. Says whether there was room.
-    fn silence(&mut self, at: When, port: usize, channel: Option<Channel>, outlet: &mut dyn Outlet) -> bool {
-        self.stop_of(port, channel);
-        let mut sent = true;
-        for (id, bits) in Whence::all(port, channel) {
-            // A reference hears of it as the end of what was played.
-            for (start, play) in self.record.iter_mut().flatten().filter(|(_, play)| play.is_of(id, bits)) {
-                play.duration = play.duration.min((at.seconds - *start).max(0.0));
-            }
-            sent &= self.order(at, Event::Silence(id, bits), Some(id), Happening::Silence(bits), outlet);
         }
         sent
     }

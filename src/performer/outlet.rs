@@ -12,6 +12,9 @@ pub trait Outlet {
     /// How many more events of a source it takes.
     fn room(&self, source: Source) -> usize;
 
+    /// What is sent from now on is sent because of a signal of that number; 0 for none.
+    fn because(&mut self, _cause: u64) {}
+
     /// An event at an instant. Says whether there was room.
     fn send(&mut self, at: Instant, source: Source, event: Event) -> bool;
 }
@@ -30,7 +33,7 @@ impl Outlet for Engine {
     fn room(&self, source: Source) -> usize {
         let left = match source {
             Source::Pattern => FOR_PROGRAM,
-            Source::Program | Source::Knob => FOR_PATTERNS,
+            Source::Stop | Source::Program | Source::Knob => FOR_PATTERNS,
         };
         Engine::room(self).saturating_sub(left)
     }

@@ -6,7 +6,6 @@ use super::touch::RESERVED;
 use super::whence::Whence;
 use super::{Happening, Outlet, Performer, Stand, When, in_time};
 use crate::engine::event::{Event, Play, Source};
-use crate::midi::Channel;
 use crate::score::{Root, Timed, What};
 use crate::text::Problem;
 use crate::text::nearest::suggest;
@@ -21,6 +20,11 @@ const AT_ONCE: usize = 512;
 const MOST_NEEDED: usize = 1 << 12;
 
 impl Performer {
+    /// What is started from now on is started because of a signal of that number; 0 for none.
+    pub fn because(&mut self, cause: u64) {
+        self.cause = cause;
+    }
+
     /// Starts a pattern. Gives a number to stop it by. What it draws differs from one start to the next.
     ///
     /// # Errors
@@ -54,7 +58,7 @@ impl Performer {
         let root = Root { pattern, at: if follows.is_some() { 0.0 } else { at.seconds }, gain, rate };
         let score = self.score(&[root], self.seed_of(serial))?;
         self.started = serial;
-        let run = Run::new(serial, vec![root], score).by(whence);
+        let run = Run::new(serial, vec![root], score).by(whence, self.cause);
         self.runs.push(match follows {
             Some((beat, beats)) => run.following(beat, beats),
             None => run,
@@ -70,60 +74,6 @@ impl Performer {
     /// Whether a pattern plays that has this number.
     pub fn plays(&self, serial: u64) -> bool {
         self.runs.iter().any(|run| run.serial == serial)
-    }
-
-    /// Stops a pattern by the number under which it was started, or what plays from the beginning by 0: nothing more of it will be
-    /// fed. What it has played sounds its time. Says whether it still played.
-    pub fn stop_pattern(&mut self, serial: u64) -> bool {
-        let before = self.runs.len();
-        self.cut |= self.runs.iter().any(|run| run.serial == serial && run.is_cut());
-        self.runs.retain(|run| run.serial != serial);
-        if serial == 0 {
-            self.remember_stopped(false);
-        }
-        self.runs.len() < before
-    }
-
-    /// What plays from the beginning does not come back with another patch; with `clocked`, what follows a clock neither.
-    fn remember_stopped(&mut self, clocked: bool) {
-        let clocked = self.clocked.patterns.iter().filter(|_| clocked).map(|(pattern, _)| pattern);
-        let names = self.roots.iter().chain(clocked).filter_map(|pattern| self.patch.patterns.get(*pattern));
-        self.stopped.extend(names.map(|pattern| pattern.name.clone()));
-    }
-
-    /// Stops all patterns of this name, those that play from the beginning as well, as [`Performer::stop_pattern`] does.
-    pub fn stop_named(&mut self, name: &str) {
-        let Some(pattern) = self.patch.patterns.iter().position(|p| p.name == name) else { return };
-        self.runs.iter_mut().for_each(|run| run.stop(pattern));
-        let (cut, stopped) = (&mut self.cut, &mut self.stopped);
-        self.runs.retain(|run| {
-            let goes = run.serial > 0 && run.roots.iter().all(|root| root.pattern == pattern);
-            *cut |= goes && run.is_cut();
-            if (run.serial == 0 || run.follows.is_some())
-                && run.roots.iter().any(|root| root.pattern == pattern)
-            {
-                stopped.insert(name.into());
-            }
-            !goes
-        });
-    }
-
-    /// Stops all patterns.
-    pub fn stop_patterns(&mut self) {
-        self.cut |= self.runs.iter().any(Run::is_cut);
-        self.runs.clear();
-        self.clocked.begin = None;
-        self.remember_stopped(true);
-    }
-
-    /// Stops what a port of MIDI has started, or one of its channels.
-    pub(super) fn stop_of(&mut self, port: usize, channel: Option<Channel>) {
-        let (cut, runs) = (&mut self.cut, &mut self.runs);
-        runs.retain(|run| {
-            let goes = run.whence.is_of(port, channel);
-            *cut |= goes && run.is_cut();
-            !goes
-        });
     }
 
     /// Whether a pattern goes on until it is stopped.
@@ -153,11 +103,27 @@ impl Performer {
 
     /// The same for so many events. Says whether that was all, and the sample of the first for which there was no room.
     fn feed_up_to(&mut self, until: u64, outlet: &mut dyn Outlet, most: usize) -> (bool, Option<u64>) {
+        self.pay(When::of_sample(outlet.clock(), self.plan.engine_rate()), outlet);
         let until = until as f64 / self.plan.engine_rate();
         let mut work = most;
         let song = self.feed_song(until, outlet, &mut work);
         let song_is_done = work > 0;
         self.begin_clocked();
+        let with_song =
+            |(done, full): (bool, Option<u64>)| (song_is_done && done, song.into_iter().chain(full).min());
+        while let Some(at) = self.next_stop().filter(|at| *at < until) {
+            let (done, full) = self.feed_patterns(at, outlet, most);
+            // One whose time has come waits no longer, whatever else could not be sent.
+            if (!done || full.is_some()) && at > outlet.clock() as f64 / self.plan.engine_rate() {
+                return with_song((done, full));
+            }
+            self.stop_until(at, outlet);
+        }
+        with_song(self.feed_patterns(until, outlet, most))
+    }
+
+    /// The same for what patterns have before `until` seconds, in which none is stopped.
+    fn feed_patterns(&mut self, until: f64, outlet: &mut dyn Outlet, most: usize) -> (bool, Option<u64>) {
         // What has much to leave out must not keep the others waiting.
         let (mut work, mut left_out) = (most, most);
         while let Some((number, at, longer)) = self.first_run(outlet, &mut left_out) {
@@ -165,26 +131,30 @@ impl Performer {
                 break;
             }
             if outlet.room(Source::Pattern) == 0 {
-                let full = self.when(at).instant.ceiling();
-                return (song_is_done, Some(song.map_or(full, |song| song.min(full))));
+                return (true, Some(self.when(at).instant.ceiling()));
             }
             if work == 0 {
-                return (false, song);
+                return (false, None);
             }
             work -= 1;
             let run = &mut self.runs[number];
-            let (serial, whence, timed) = (run.serial, run.whence, run.take());
+            let (serial, whence, cause, timed) = (run.serial, run.whence, run.cause, run.take());
             if let Some(mut timed) = timed {
                 timed.at = at;
                 if let What::Play(note) = &mut timed.what {
                     note.duration *= longer;
                 }
                 self.fed = self.fed.max(at);
+                if serial == 0 {
+                    self.keep_ahead(&timed, outlet.clock());
+                }
+                outlet.because(cause);
                 self.perform(whence.of_run(serial, timed.id), timed, outlet);
+                outlet.because(0);
             }
         }
         self.fed = self.fed.max(until);
-        (song_is_done && !self.runs.iter().any(Run::is_behind), song)
+        (!self.runs.iter().any(Run::is_behind), None)
     }
 
     /// The messages of a song before `until` seconds, and how keys have moved that may be told before then, as far as there is room; where
@@ -279,6 +249,18 @@ impl Performer {
         }
     }
 
+    /// Notes what a pattern of the beginning sends, so that it can be called off by its id: all of them share one run.
+    fn keep_ahead(&mut self, timed: &Timed, clock: u64) {
+        while self.ahead.front().is_some_and(|(at, ..)| at.ceiling() < clock) {
+            self.ahead.pop_front();
+        }
+        let Some(run) = self.runs.iter().find(|run| run.serial == 0) else { return };
+        if let Some(root) = run.roots.get(timed.root) {
+            let id = run.whence.of_run(0, timed.id);
+            self.ahead.push_back((self.when(timed.at).instant, id, root.pattern));
+        }
+    }
+
     fn perform(&mut self, id: u64, timed: Timed, outlet: &mut dyn Outlet) {
         let from = Stand { pattern: timed.pattern, event: timed.event, drawn: timed.drawn };
         let at = self.when(timed.at);
@@ -294,7 +276,7 @@ impl Performer {
             }
             What::Marker(name) => {
                 let number = self.plan.markers.iter().position(|m| *m == name);
-                let event = Event::Marker(number.map_or(u32::MAX, |i| i as u32));
+                let event = Event::Marker(number.map_or(u32::MAX, |i| i as u32), id);
                 if outlet.send(at.instant, Source::Pattern, event) {
                     self.tell(at, Some(from), Some(id), Happening::Marker(&name));
                 }

@@ -10,6 +10,8 @@ pub(super) struct Run {
     pub serial: u64,
     /// Who started it.
     pub whence: Whence,
+    /// The signal that started it; 0 for none.
+    pub cause: u64,
     /// What was started: one pattern, or all that play from the beginning.
     pub roots: Vec<Root>,
     /// Where it follows a clock: the beat with which it begins, and its own beats a second.
@@ -39,6 +41,7 @@ impl Run {
         Self {
             serial,
             whence: Whence::HERE,
+            cause: 0,
             roots,
             follows: None,
             score,
@@ -49,9 +52,9 @@ impl Run {
         }
     }
 
-    /// The same, started by somebody.
-    pub fn by(self, whence: Whence) -> Self {
-        Self { whence, ..self }
+    /// The same, started by somebody, because of a signal.
+    pub fn by(self, whence: Whence, cause: u64) -> Self {
+        Self { whence, cause, ..self }
     }
 
     /// The same, counted by a clock: it begins with `beat`, and has itself so many `beats` a second.

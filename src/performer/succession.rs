@@ -35,6 +35,14 @@ impl Performer {
         self.turned_away = new.turned_away;
         self.endless = std::mem::take(&mut new.endless);
         self.asleep = std::mem::take(&mut new.asleep);
+        self.owed = std::mem::take(&mut new.owed);
+        self.stops = std::mem::take(&mut new.stops);
+        let become_of = |pattern: usize| {
+            let name = &old.patterns.get(pattern)?.name;
+            self.patch.patterns.iter().position(|p| p.name == *name)
+        };
+        let ahead = std::mem::take(&mut new.ahead).into_iter();
+        self.ahead = ahead.filter_map(|(at, id, pattern)| Some((at, id, become_of(pattern)?))).collect();
         // What does not go on in the new plan sounds there from its beginning.
         self.asleep.retain(|name| {
             let of = |plan: &'_ Plan| plan.instruments.iter().find(|i| *i.name == **name).cloned();
@@ -71,7 +79,7 @@ impl Performer {
             patterns.filter(|(_, p)| stopped(p)).for_each(|(pattern, _)| run.stop(pattern));
             self.resume(run);
         }
-        for Run { serial, whence, roots, follows, .. } in runs {
+        for Run { serial, whence, cause, roots, follows, .. } in runs {
             let Some(&root) = roots.first() else { continue };
             let name = old.patterns.get(root.pattern).map(|p| &p.name);
             let Some(pattern) = self.patch.patterns.iter().position(|p| Some(&p.name) == name) else {
@@ -88,7 +96,7 @@ impl Performer {
                 root.at = (fed - (beat - begin) / beats).max(0.0);
             }
             let score = self.score(&[root], self.seed_of(serial))?;
-            let run = Run::new(serial, vec![root], score).by(whence);
+            let run = Run::new(serial, vec![root], score).by(whence, cause);
             self.resume(match follows.zip(new) {
                 Some(((beat, _), beats)) => run.following(beat, beats),
                 None => run,

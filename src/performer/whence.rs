@@ -13,7 +13,7 @@ const BELOW: u32 = 50;
 const CHANNELS: u32 = 5;
 
 /// Bits of an id that count what one run of a pattern plays.
-const OF_RUN: u32 = 32;
+pub(super) const OF_RUN: u32 = 32;
 
 /// Set in ids of voices that no pattern plays, so that they share no random numbers with those of patterns.
 const PROGRAM: u64 = 1 << 62;

@@ -116,7 +116,9 @@ impl Learn {
         let begin = Instant::now();
         let (tell, news) = channel();
         let ports = midi.then(|| {
-            let ear = move |number: u16, name: &str, message: Option<pacinian::midi::Message>| {
+            let ear = move |number: u16,
+                            name: &std::sync::Arc<str>,
+                            message: Option<pacinian::midi::Message>| {
                 if let Some(message) = message {
                     // Of a flood, a part tells as much as all.
                     let _ = send.try_send((begin.elapsed().as_secs_f64(), number, name.to_string(), message));

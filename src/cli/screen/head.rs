@@ -74,12 +74,16 @@ pub fn figures(snapshot: &Snapshot, width: usize) -> Vec<Line> {
     let touched = |name: &str, count: u64| {
         figure(name, &grouped(count), if count == 0 { Ink::Plain } else { Ink::Warm })
     };
+    let mut lost = fault("lost", figures.lost);
+    if !snapshot.refused.is_empty() {
+        lost.put(Ink::Dim, &format!(" ({})", snapshot.refused));
+    }
     let mut all = vec![
         load,
         figure("voices", &grouped(figures.voices), Ink::Bold),
         fault("xruns", figures.xruns),
         fault("late", figures.late),
-        fault("lost", figures.lost),
+        lost,
         delay,
         touched("limited", figures.limited),
         touched("clamped", figures.clamped),

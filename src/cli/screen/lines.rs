@@ -73,11 +73,16 @@ pub fn event(happened: &Happened) -> String {
     line.text()
 }
 
+/// Of what was lost, where it came from.
+fn by_source(refused: &str) -> String {
+    if refused.is_empty() { String::new() } else { format!(" ({refused})") }
+}
+
 /// The line that says how things stand.
 pub fn status(snapshot: &Snapshot, highest: f32) -> String {
     let (figures, latency) = (&snapshot.figures, &snapshot.latency);
     format!(
-        "{:>9}  -- load {:.2} % (99.9 %: {:.1} %), {} voices, {} xruns, {} late, {} lost, {} limited, {} clamped{}, latency {}{}, peak {}{}",
+        "{:>9}  -- load {:.2} % (99.9 %: {:.1} %), {} voices, {} xruns, {} late, {} lost{}, {} limited, {} clamped{}, latency {}{}, peak {}{}",
         clock(snapshot.elapsed),
         100.0 * figures.mean,
         100.0 * figures.p999,
@@ -85,6 +90,7 @@ pub fn status(snapshot: &Snapshot, highest: f32) -> String {
         figures.xruns,
         figures.late,
         figures.lost,
+        by_source(&snapshot.refused),
         figures.limited,
         figures.clamped,
         match figures.midi {

@@ -31,6 +31,7 @@ use pacinian::live::signal::Signal;
 use pacinian::live::torque::Torque;
 use pacinian::text::Problems;
 
+use super::device_queue;
 use super::failure::Failure;
 use super::load::Loaded;
 use super::terminal::Terminal;
@@ -265,7 +266,7 @@ impl Show {
         let panicked = board.is_panicked();
         if panicked != std::mem::replace(&mut self.panicked, panicked) {
             let (mood, text) = match panicked {
-                true => (Mood::Bad, "panic: the output is shut".into()),
+                true => (Mood::Bad, format!("panic: the output is shut; {}", device_queue::told(board))),
                 false => (Mood::Good, self.players.after_panic(matches!(self.out, Out::Screen(_)))),
             };
             self.note(Happened::new(now, mood, text));
@@ -322,12 +323,14 @@ impl Show {
         let (device, input) = (board.device_delay.get(), board.input.latency.get());
         self.snapshot.elapsed = elapsed;
         self.snapshot.latency = Latency {
-            block: board.block.get() as f64 / f64::from(self.snapshot.rate.max(1)),
+            // What events are delayed by is the longest block, whatever the last one was.
+            block: session.clock().longest() as f64 / f64::from(self.snapshot.rate.max(1)),
             engine: session.delay().total(),
             device: (device > 0).then_some(device as f64 * 1e-9),
             beyond: self.beyond,
             input: (input > 0).then_some(input as f64 * 1e-9 + session.input_delay()),
         };
+        self.snapshot.refused = board.refused.words();
         self.snapshot.figures = Figures {
             mean: board.load.mean(),
             p999: board.load.quantile(0.999),

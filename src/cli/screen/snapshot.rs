@@ -25,6 +25,8 @@ pub struct Snapshot {
     pub panicked: bool,
     /// Whether the device is away.
     pub lost: bool,
+    /// Signals and patterns that found no room, by where they came from, in words.
+    pub refused: String,
     /// Why what was saved last does not play.
     pub stale: Option<String>,
     /// The same in full, with places and help, a line each.
@@ -102,7 +104,7 @@ pub struct Figures {
 /// What lies between an event and the skin, seconds.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Latency {
-    /// A block of the device.
+    /// The longest block of the device so far: by so much is everything played later than it comes, whatever the length of its own block.
     pub block: f64,
     /// The engine, for the envelope of a tone of 250 Hz.
     pub engine: f64,

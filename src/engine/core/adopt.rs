@@ -80,8 +80,9 @@ impl<R: Real> Core<R> {
                 Event::Release(_)
                 | Event::ReleaseAll
                 | Event::Silence(..)
+                | Event::Cancel(..)
                 | Event::Touch(..)
-                | Event::Marker(_)
+                | Event::Marker(..)
                 | Event::Push(_)
                 | Event::Arm(_)
                 | Event::Deadline(_)

@@ -2,7 +2,7 @@
 
 use super::Core;
 use crate::dsp::lanes::Real;
-use crate::engine::event::{Event, Play};
+use crate::engine::event::{Event, Play, is_of};
 use crate::schedule::Instant;
 
 impl<R: Real> Core<R> {
@@ -66,7 +66,8 @@ impl<R: Real> Core<R> {
                     ramp.send(value, at);
                 }
             }
-            Event::Marker(name) => self.stage.mark(name, at),
+            Event::Cancel(id, bits) => self.cancel(id, bits),
+            Event::Marker(name, _) => self.stage.mark(name, at),
             Event::Shed(above) => self.tasks.shed(above),
             Event::Push(torque) => self.knob.iter_mut().for_each(|knob| knob.push(torque)),
             Event::Deadline(kept) => self.knob.iter_mut().for_each(|knob| knob.keep_time(kept)),
@@ -107,6 +108,15 @@ impl<R: Real> Core<R> {
                 commander.release(number, serial, at, stage);
             });
         }
+    }
+
+    /// What waits lies at this instant or behind it.
+    fn cancel(&mut self, id: u64, bits: u8) {
+        self.queue.edit(|event| match event {
+            Event::Play(play) => !play.is_of(id, bits),
+            Event::Marker(_, of) => !is_of(*of, id, bits),
+            _ => true,
+        });
     }
 
     fn silence(&mut self, id: u64, bits: u8, at: Instant) {

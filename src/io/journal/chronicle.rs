@@ -15,7 +15,7 @@ use crate::live::board::Board;
 use crate::live::callback::{Deed, Report};
 use crate::live::clock::Moment;
 use crate::live::conductor::Told;
-use crate::live::signal::{Origin, Signal};
+use crate::live::signal::Stamped;
 use crate::live::stamp::{Epoch, Stamp};
 use crate::performer::{Happening, Heard};
 use crate::schedule::Instant;
@@ -90,7 +90,7 @@ impl Chronicle {
                 (self.began, self.board) = (Some((*epoch, utc)), Arc::clone(board));
                 None
             }
-            Told::Came(stamp, signal, origin) => Some(self.came(*stamp, signal, origin)),
+            Told::Came(stamped) => Some(self.came(stamped)),
             Told::Report(report, moment) => Some(self.report(report, *moment)),
             Told::Reloading(reload) => {
                 self.next.push_back(Names::of(&reload.scene.plan));
@@ -126,15 +126,20 @@ impl Chronicle {
 
     fn report(&mut self, report: &Report, moment: Option<Moment>) -> Line {
         let mut line = match &report.deed {
-            Deed::Event { at, due, source, event } => {
-                self.event(*at, *due, words::of_source(*source), event, moment)
+            Deed::Event { at, due, source, event, cause } => {
+                let line = self.event(*at, *due, words::of_source(*source), event, moment);
+                Line { cause: Some(*cause).filter(|cause| *cause > 0), ..line }
             }
             Deed::Crossing(Crossing { at, play, .. }) => {
                 self.event(*at, *at, words::NODE, &Event::Play(*play), moment)
             }
             Deed::Order(order) => {
                 let (name, value) = words::of_order(*order);
-                Line { name: Some(name.into()), value, ..Line::new(Kind::Gate) }
+                // What the device still holds goes out whatever the gate does.
+                let held = Some(self.board.device_delay.get()).filter(|held| *held > 0);
+                let held = held.map(|held| ("device_delay".to_string(), held as f64 * 1e-9));
+                let fields = held.into_iter().collect();
+                Line { name: Some(name.into()), value, fields, ..Line::new(Kind::Gate) }
             }
             Deed::Swap => {
                 if let Some(names) = self.next.pop_front() {
@@ -168,7 +173,7 @@ impl Chronicle {
         (line.due_sample, line.due_fraction) = (Some(due.sample), Some(fraction(due)));
         let stand = match event {
             Event::Play(play) => self.voices.remove(&play.id),
-            Event::Marker(_) => {
+            Event::Marker(..) => {
                 let found = self.markers.iter().position(|(instant, ..)| *instant == due);
                 found.and_then(|found| self.markers.remove(found)).map(|(_, name, stand)| {
                     line.name = Some(name);
@@ -193,10 +198,11 @@ impl Chronicle {
         Line { name, message: Some(why), ..self.now(Kind::Refused) }
     }
 
-    fn came(&self, stamp: Stamp, signal: &Signal, origin: &Origin) -> Line {
+    fn came(&self, Stamped { id, stamp, origin, peer, signal }: &Stamped) -> Line {
         let (source, name, message) = words::of_signal(signal, origin);
+        let (id, peer) = (Some(*id), peer.as_ref().map(ToString::to_string));
         let seconds = Some(stamp.seconds());
         let utc = self.date(stamp.seconds());
-        Line { source: Some(source.into()), name, message, seconds, utc, ..Line::new(Kind::In) }
+        Line { source: Some(source.into()), id, name, peer, message, seconds, utc, ..Line::new(Kind::In) }
     }
 }

@@ -14,6 +14,9 @@ pub enum Kind {
     ReleaseAll,
     /// All voices fall silent at once whose ids agree with this one but for the lowest bits, as many as `value` says.
     Silence,
+    /// Voices and markers that are still to begin do not, whose ids agree with this one but for the lowest bits, as many as `value` says: their
+    /// pattern was stopped.
+    Cancel,
     /// The voices of an id are moved by the hand that holds them.
     Touch,
     /// A control is sent to a value.
@@ -48,11 +51,12 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Voice,
         Self::Release,
         Self::ReleaseAll,
         Self::Silence,
+        Self::Cancel,
         Self::Touch,
         Self::Control,
         Self::Marker,
@@ -77,6 +81,7 @@ impl Kind {
             Self::Release => "release",
             Self::ReleaseAll => "release-all",
             Self::Silence => "silence",
+            Self::Cancel => "cancel",
             Self::Touch => "touch",
             Self::Control => "control",
             Self::Marker => "marker",
@@ -103,6 +108,7 @@ impl Kind {
                 | Self::Release
                 | Self::ReleaseAll
                 | Self::Silence
+                | Self::Cancel
                 | Self::Touch
                 | Self::Control
                 | Self::Marker

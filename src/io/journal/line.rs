@@ -15,10 +15,10 @@ pub struct Line {
     /// Frames that had been given out before.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<u64>,
-    /// Where an event comes from: `pattern` or `program`, or `node` for a voice that a node has set off, which a replay sets off anew; what came in: `midi`, `osc`, `key` or `program`.
+    /// Where an event comes from: `pattern` or `program`, `stop` for the stop of a pattern, or `node` for a voice that a node has set off, which a replay sets off anew; what came in: `midi`, `osc`, `key` or `program`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
-    /// The id of a voice, by which it is released and its random numbers are drawn.
+    /// The id of a voice, by which it is released and its random numbers are drawn; of what came in, its number within the session.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub id: Option<u64>,
     /// Of the voice, the kind of touch, the control, the marker, of what the gate was told, of where something came in.
@@ -67,6 +67,12 @@ pub struct Line {
     /// The pattern an event is from.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pattern: Option<String>,
+    /// Of an event, the `id` of what came in and asked for it, or for the pattern that it is from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<u64>,
+    /// Of what came in, from whom: the name of the MIDI port, the address of the sender of OSC.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub peer: Option<String>,
     /// Which of its events, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub event: Option<u64>,
@@ -80,7 +86,7 @@ pub struct Line {
 }
 
 /// Names of the columns of a table.
-pub const COLUMNS: [&str; 22] = [
+pub const COLUMNS: [&str; 24] = [
     "kind",
     "frame",
     "source",
@@ -103,6 +109,8 @@ pub const COLUMNS: [&str; 22] = [
     "event",
     "drawn",
     "message",
+    "cause",
+    "peer",
 ];
 
 impl Line {
@@ -127,6 +135,8 @@ impl Line {
             due_fraction: None,
             seconds: None,
             utc: None,
+            cause: None,
+            peer: None,
             pattern: None,
             event: None,
             drawn: None,
@@ -135,7 +145,7 @@ impl Line {
     }
 
     /// The cells of a table, in the order of [`COLUMNS`]. Control characters, which would break its lines, are spaces.
-    pub fn cells(&self) -> [String; 22] {
+    pub fn cells(&self) -> [String; 24] {
         fn number<T: ToString>(value: Option<T>) -> String {
             value.map(|value| value.to_string()).unwrap_or_default()
         }
@@ -171,6 +181,8 @@ impl Line {
             number(self.event),
             number(self.drawn),
             text(self.message.as_ref()),
+            number(self.cause),
+            text(self.peer.as_ref()),
         ]
     }
 
@@ -223,6 +235,8 @@ impl Line {
             event: whole("event")?,
             drawn: whole("drawn")?,
             message: text("message"),
+            cause: whole("cause")?,
+            peer: text("peer"),
         })
     }
 }

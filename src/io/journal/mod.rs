@@ -229,6 +229,9 @@ fn counters(board: &Board) -> BTreeMap<String, f64> {
     let midi = board.midi.named().map(|(name, count, _)| (name, count));
     let mut named: BTreeMap<String, f64> =
         counted.into_iter().chain(midi).map(|(name, count)| (name.into(), count as f64)).collect();
+    for (way, count) in board.refused.named() {
+        named.insert(format!("refused_{way}"), count as f64);
+    }
     named.insert("load".into(), board.load.mean());
     named.insert("device_delay".into(), board.device_delay.get() as f64 * 1e-9);
     named

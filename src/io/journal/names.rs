@@ -54,6 +54,9 @@ impl Names {
             Event::Silence(id, bits) => {
                 Line { id: Some(*id), value: Some(f64::from(*bits)), ..Line::new(Kind::Silence) }
             }
+            Event::Cancel(id, bits) => {
+                Line { id: Some(*id), value: Some(f64::from(*bits)), ..Line::new(Kind::Cancel) }
+            }
             Event::Touch(Move { id, motion, value }) => Line {
                 id: Some(*id),
                 name: Motion::WORDS.get(motion.number()).map(|word| (*word).to_string()),
@@ -74,7 +77,9 @@ impl Names {
             Event::Deadline(kept) => {
                 Line { value: Some(f64::from(u8::from(*kept))), ..Line::new(Kind::Deadline) }
             }
-            Event::Marker(marker) => Line { name: named(&self.markers, *marker), ..Line::new(Kind::Marker) },
+            Event::Marker(marker, id) => {
+                Line { id: Some(*id), name: named(&self.markers, *marker), ..Line::new(Kind::Marker) }
+            }
         }
     }
 

@@ -332,6 +332,10 @@ impl<R: BufRead> Replay<R> {
                 let id = line.id.ok_or("a silence must have an id")?;
                 Event::Silence(id, line.value.unwrap_or(0.0) as u8)
             }
+            Kind::Cancel => {
+                let id = line.id.ok_or("what is called off must have an id")?;
+                Event::Cancel(id, line.value.unwrap_or(0.0) as u8)
+            }
             Kind::Touch => {
                 let motion =
                     Motion::ALL.into_iter().find(|motion| Motion::WORDS.get(motion.number()) == Some(&name));
@@ -356,7 +360,8 @@ impl<R: BufRead> Replay<R> {
             Kind::Marker => {
                 let markers = &self.names.plan.markers;
                 let number = markers.iter().position(|marker| **marker == *name);
-                Event::Marker(number.map_or(u32::MAX, |number| number as u32))
+                // One of an older journal cannot be called off.
+                Event::Marker(number.map_or(u32::MAX, |number| number as u32), line.id.unwrap_or(u64::MAX))
             }
             Kind::Swap | Kind::In | Kind::Refused | Kind::Device | Kind::Clock | Kind::Lost | Kind::End => {
                 return Ok(());
@@ -365,7 +370,7 @@ impl<R: BufRead> Replay<R> {
         let at = instant(line).ok_or("an event must have a `sample` and a `fraction` from 0 to below 1")?;
         let source = line.source.as_deref().unwrap_or_default();
         let source = words::source(source)
-            .ok_or_else(|| format!("events come from `pattern` or `program`, not from `{source}`"))?;
+            .ok_or_else(|| format!("events come from `stop`, `pattern` or `program`, not from `{source}`"))?;
         self.met.events += 1;
         if !self.stagehand.engine().schedule(at, source, event) {
             return Err(

@@ -72,7 +72,8 @@ fn hexadecimal(bytes: &[u8]) -> String {
 }
 
 /// Sources of events.
-const SOURCES: [(Source, &str); 2] = [(Source::Pattern, "pattern"), (Source::Program, "program")];
+const SOURCES: [(Source, &str); 3] =
+    [(Source::Stop, "stop"), (Source::Pattern, "pattern"), (Source::Program, "program")];
 
 /// What a signal of the engine has set off: it is no event that was given to the engine, and arises again by itself.
 pub(super) const NODE: &str = "node";

@@ -24,6 +24,7 @@ use super::said;
 use super::time::{Due, Tag};
 use crate::live::signal::{Handle, Origin, Signal};
 use crate::live::stamp::Stamp;
+use crate::live::way::Way;
 use crate::patch::{Control, Patch};
 
 /// The session is told of what is due this long before: more than this thread can wake too late, less than patterns are fed ahead.
@@ -71,6 +72,7 @@ impl Server {
             values: Vec::new(),
             agenda: Agenda::default(),
             ids: Ids::default(),
+            peer: None,
             peers: Peers::default(),
             panicked: false,
             messages: 0,
@@ -125,10 +127,12 @@ struct Listener {
     counts: Arc<Counts>,
     to_come: Receiver<Names>,
     names: Names,
-    /// What each control was sent to last.
-    values: Vec<f64>,
+    /// What each control was sent to last from here, and by which signal.
+    values: Vec<(f64, u64)>,
     agenda: Agenda<(SocketAddr, u64, Origin, Ask)>,
     ids: Ids,
+    /// Who sent something last, and the same in words.
+    peer: Option<(SocketAddr, Arc<str>)>,
     peers: Peers,
     /// Whether the brake was pulled when that was looked at last.
     panicked: bool,
@@ -189,8 +193,9 @@ impl Listener {
             let at = self.names.controls.iter().position(|c| c.name == control.name)?;
             self.values.get(at).copied()
         };
-        let value = |control: &Control| known(control).unwrap_or(control.default);
-        self.values = names.controls.iter().map(|c| value(c).clamp(c.range[0], c.range[1])).collect();
+        let value = |control: &Control| known(control).unwrap_or((control.default, 0));
+        let within = |c: &Control, (value, id): (f64, u64)| (value.clamp(c.range[0], c.range[1]), id);
+        self.values = names.controls.iter().map(|c| within(c, value(c))).collect();
         self.names = names;
         self.peers.forget_controls();
     }
@@ -218,7 +223,8 @@ impl Listener {
                 }
             };
             let origin = said::origin(&message);
-            self.handle = self.handle.from(origin.clone());
+            let peer = self.peer_of(from);
+            self.handle = self.handle.from(origin.clone()).by(&peer);
             let due = tag.due(now, wall);
             self.counts.late.add(u64::from(due == Due::Late));
             for method in methods {
@@ -247,7 +253,8 @@ impl Listener {
         while let Some((at, (from, message, origin, what))) =
             self.agenda.take(Stamp(now.0.saturating_add(AHEAD)))
         {
-            self.handle = self.handle.from(origin);
+            let peer = self.peer_of(from);
+            self.handle = self.handle.from(origin).by(&peer);
             self.act(at, from, message, what);
         }
         if self.peers.next().is_some_and(|next| next <= now) {
@@ -266,6 +273,13 @@ impl Listener {
         }
     }
 
+    /// A sender in words: the same as before, as a rule.
+    fn peer_of(&mut self, from: SocketAddr) -> Arc<str> {
+        let known = self.peer.take().filter(|(known, _)| *known == from);
+        let (_, words) = self.peer.insert(known.unwrap_or_else(|| (from, from.to_string().into())));
+        Arc::clone(words)
+    }
+
     /// Forgets what waits for its time.
     fn cancel(&mut self) {
         self.counts.cancelled.add(self.agenda.clear() as u64);
@@ -279,9 +293,20 @@ impl Listener {
     }
 
     fn send(&self, at: Stamp, signal: Signal) -> bool {
-        let taken = self.handle.send_at(at, signal).is_ok();
-        if taken { &self.counts.taken } else { &self.counts.refused }.add(1);
+        self.send_numbered(at, signal).is_some()
+    }
+
+    /// The same. Gives the signal's number, if it was taken.
+    fn send_numbered(&self, at: Stamp, signal: Signal) -> Option<u64> {
+        let taken = self.handle.send_numbered(at, signal).ok();
+        if taken.is_some() { &self.counts.taken } else { &self.counts.refused }.add(1);
         taken
+    }
+
+    /// Where a control stands: as whoever moved it last has sent it, those included that the session has not come to yet.
+    fn value(&self, number: usize) -> Option<f64> {
+        let (control, (own, id)) = self.names.controls.get(number).zip(self.values.get(number))?;
+        Some(self.handle.board().values.since(&control.name, Way::Osc, *id).unwrap_or(*own))
     }
 
     /// Does what was asked for, as of `at`.
@@ -315,10 +340,10 @@ impl Listener {
             Ask::Set(number, value) => {
                 let Some(control) = self.names.controls.get(number) else { return };
                 let (name, value) = (control.name.clone(), value.clamp(control.range[0], control.range[1]));
-                if let (true, Some(slot)) =
-                    (self.send(at, Signal::Set(name, value)), self.values.get_mut(number))
+                if let (Some(id), Some(slot)) =
+                    (self.send_numbered(at, Signal::Set(name, value)), self.values.get_mut(number))
                 {
-                    *slot = value;
+                    *slot = (value, id);
                 }
             }
             Ask::Get(control) => self.tell(from, control),
@@ -377,15 +402,16 @@ impl Listener {
     }
 
     fn tell(&self, to: SocketAddr, control: usize) {
-        if let (Some(c), Some(value)) = (self.names.controls.get(control), self.values.get(control)) {
-            self.answer(to, &format!("/control/{}", c.name), vec![OscType::Float(*value as f32)]);
+        if let (Some(c), Some(value)) = (self.names.controls.get(control), self.value(control)) {
+            self.answer(to, &format!("/control/{}", c.name), vec![OscType::Float(value as f32)]);
         }
     }
 
     fn list(&self, to: SocketAddr) {
-        for (control, value) in self.names.controls.iter().zip(&self.values) {
+        for (number, control) in self.names.controls.iter().enumerate() {
+            let Some(value) = self.value(number) else { continue };
             let [least, most] = control.range;
-            let numbers = [*value, least, most, control.default].map(|x| OscType::Float(x as f32));
+            let numbers = [value, least, most, control.default].map(|x| OscType::Float(x as f32));
             let args = std::iter::once(control.name.as_str().into()).chain(numbers);
             self.answer(to, "/controls", args.chain([control.unit.as_str().into()]).collect());
         }
@@ -394,7 +420,7 @@ impl Listener {
 
     fn status(&self, to: SocketAddr) {
         let board = self.handle.board();
-        let args = vec![
+        let mut args = vec![
             OscType::Long(i64::try_from(board.frames.get()).unwrap_or(i64::MAX)),
             count(board.voices.get()),
             OscType::Float(board.load.mean() as f32),
@@ -402,6 +428,8 @@ impl Listener {
             count(board.late.get()),
             count(board.dropped.get() + board.refused.get()),
         ];
+        // Of those, signals and patterns that found no room, by where they came from.
+        args.extend(board.refused.named().map(|(_, refused)| count(refused)));
         self.answer(to, "/status", args);
     }
 }

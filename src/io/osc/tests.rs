@@ -10,9 +10,9 @@ pub(super) const PATCH: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n\
     [[trigger]]\non = \"osc./hit/left\"\nplay = \"low\"\n[[trigger]]\non = \"osc./ping\"\nplay = \"low\"\n\
     [[bind]]\nfrom = \"osc./1/fader1\"\ncontrol = \"depth\"\n";
 
+use std::cell::RefCell;
 use std::net::UdpSocket;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, SystemTime};
 
 use proptest::prelude::{ProptestConfig, any, prop, proptest};
@@ -23,8 +23,10 @@ use super::peers::MOST_PEERS;
 use super::server::Server;
 use super::time::Tag;
 use crate::live::board::Board;
-use crate::live::signal::{Handle, Origin, Signal, Stamped, WAITING};
+use crate::live::queues::{Inbox, queues};
+use crate::live::signal::{Handle, Origin, Signal, Stamped};
 use crate::live::stamp::Epoch;
+use crate::live::way::Way;
 use crate::patch::Patch;
 use crate::performer::Touch;
 
@@ -32,7 +34,7 @@ use crate::performer::Touch;
 struct Scene {
     server: Server,
     client: UdpSocket,
-    heard: Receiver<Stamped>,
+    heard: RefCell<Inbox>,
     handle: Handle,
 }
 
@@ -70,11 +72,11 @@ fn receive(client: &UdpSocket) -> (String, Vec<OscType>) {
 
 impl Scene {
     fn new() -> Self {
-        let (out, heard) = sync_channel(WAITING);
-        let handle = Handle::new(out, Epoch::begin(), Arc::new(Board::new(3)));
+        let (inlet, heard) = queues();
+        let handle = Handle::new(inlet, Epoch::begin(), Arc::new(Board::new(3)));
         let patch = Patch::parse("p", PATCH.as_bytes()).unwrap().value;
         let server = Server::start("0".parse().unwrap(), handle.clone(), &patch, None).unwrap();
-        Self { server, client: client(), heard, handle }
+        Self { server, client: client(), heard: RefCell::new(heard), handle }
     }
 
     fn send(&self, packet: &OscPacket) {
@@ -99,7 +101,21 @@ impl Scene {
     fn hears(&self, addr: &str, args: &[OscType]) -> Vec<Signal> {
         self.say(addr, args);
         assert_eq!(self.settle(), [], "{addr}");
-        self.heard.try_iter().map(|stamped| stamped.signal).collect()
+        self.heard().into_iter().map(|stamped| stamped.signal).collect()
+    }
+
+    /// All that a session would hear now.
+    fn heard(&self) -> Vec<Stamped> {
+        let mut heard = self.heard.borrow_mut();
+        let mut all = Vec::new();
+        loop {
+            heard.begin();
+            let before = all.len();
+            all.extend(std::iter::from_fn(|| heard.next()));
+            if all.len() == before {
+                return all;
+            }
+        }
     }
 
     fn counts(&self) -> &Counts {
@@ -212,10 +228,36 @@ fn answers() {
     };
     let board = scene.handle.board();
     board.frames.set(5_000_000_000);
-    let figures = [&board.voices, &board.xruns, &board.late, &board.dropped, &board.refused];
+    board.refused.of(Way::Key).set(7);
+    let figures = [&board.voices, &board.xruns, &board.late, &board.dropped, board.refused.of(Way::Midi)];
     figures.iter().zip([3, 2, 4, 5, 6]).for_each(|(figure, value)| figure.set(value));
-    let status = vec![OscType::Long(5_000_000_000), 3.into(), f(0.0), 2.into(), 4.into(), 11.into()];
+    let status = vec![OscType::Long(5_000_000_000), 3.into(), f(0.0), 2.into(), 4.into(), 18.into()];
+    let by_source = [6, 0, 7, 0, 0].map(OscType::Int);
+    let status: Vec<OscType> = status.into_iter().chain(by_source).collect();
     assert_eq!(told("/status", &[]), [("/status".into(), status)]);
+}
+
+/// Not what was last said here, but where it stands, whoever moved it.
+#[test]
+fn a_control_is_where_the_session_has_it() {
+    let scene = Scene::new();
+    let get = || {
+        scene.say("/control/depth/get", &[]);
+        scene.settle().remove(0).1[0].clone()
+    };
+    let values = &scene.handle.board().values;
+    assert_eq!(get(), f(0.5));
+    values.show([("depth", 1.25)].into_iter());
+    assert_eq!(get(), f(1.25), "moved by another");
+    scene.say("/control/depth", &[f(0.75)]);
+    assert_eq!(get(), f(0.75), "the session has not come to it yet");
+    let id = scene.heard().last().unwrap().id;
+    values.show([("depth", 0.75)].into_iter());
+    values.done([0, id, 0, 0]);
+    values.show([("depth", 2.0)].into_iter());
+    assert_eq!(get(), f(2.0), "moved again by another");
+    scene.say("/controls", &[]);
+    assert_eq!(scene.settle()[0].1[1], f(2.0));
 }
 
 /// Two servers that were made to talk to each other, by a sender that says it is another, would go on for ever.
@@ -278,8 +320,12 @@ fn bundles_are_played_at_their_time() {
     // Until shortly before, a control is where it was.
     scene.say("/control/depth/get", &[]);
     assert_eq!(scene.settle(), [("/control/depth".into(), vec![f(0.5)])]);
-    let heard: Vec<Stamped> =
-        (0..3).map(|_| scene.heard.recv_timeout(Duration::from_secs(20)).unwrap()).collect();
+    let mut heard: Vec<Stamped> = Vec::new();
+    while heard.len() < 3 {
+        heard.extend(scene.heard());
+        std::thread::sleep(Duration::from_millis(1));
+        assert!(epoch.now().since(start) < 20.0, "{heard:?}");
+    }
     let kinds: Vec<&str> = heard
         .iter()
         .map(|h| match h.signal {
@@ -291,6 +337,8 @@ fn bundles_are_played_at_their_time() {
         .collect();
     assert_eq!(kinds, ["set", "start", "stop"]);
     assert_eq!(heard[0].stamp, heard[1].stamp);
+    let peer = scene.client.local_addr().unwrap().to_string();
+    assert!(heard.iter().all(|heard| heard.peer.as_deref() == Some(&*peer)), "{heard:?}");
     // Each says by which message it came, also where others came in between.
     let said = |address: &str, arguments: &str| Origin::Osc(address.into(), arguments.into());
     let origins: Vec<_> = heard.iter().map(|heard| heard.origin.clone()).collect();
@@ -311,15 +359,15 @@ fn late_far_and_cancelled() {
     scene.send(&bundle(-5000, vec![play(), play()]));
     scene.send(&bundle(70_000, vec![play()]));
     scene.settle();
-    assert_eq!(scene.heard.try_iter().count(), 2);
+    assert_eq!(scene.heard().len(), 2);
     assert_eq!((scene.counts().late.get(), scene.counts().far.get()), (2, 1));
     scene.send(&bundle(30_000, vec![play(), message("/calm", &[])]));
     scene.settle();
-    assert_eq!((scene.heard.try_iter().count(), scene.counts().cancelled.get()), (0, 0));
+    assert_eq!((scene.heard().len(), scene.counts().cancelled.get()), (0, 0));
     // A panic waits for no time, however far, and nothing survives it.
     scene.send(&bundle(70_000, vec![message("/panic", &[])]));
     scene.settle();
-    assert!(matches!(scene.heard.try_recv().unwrap().signal, Signal::Panic));
+    assert!(matches!(scene.heard()[..], [Stamped { signal: Signal::Panic, .. }]));
     assert!(scene.handle.board().is_panicked());
     assert_eq!((scene.counts().cancelled.get(), scene.counts().far.get()), (2, 1));
     // Nor one that came another way.
@@ -349,7 +397,7 @@ fn what_cannot_be_done_is_counted_by_kind() {
     let c = scene.counts();
     assert_eq!((c.unknown.get(), c.wrong.get(), c.malformed.get(), c.deep.get()), (2, 4, 3, 1));
     assert_eq!((c.datagrams.get(), c.messages.get(), c.taken.get()), (10, 7, 0));
-    assert_eq!(scene.heard.try_iter().count(), 0);
+    assert_eq!(scene.heard().len(), 0);
 }
 
 /// Nobody takes the signals: as many as may wait are taken, the rest is counted, and the server goes on.
@@ -362,7 +410,10 @@ fn what_the_session_refuses_is_counted() {
         scene.settle();
     }
     let c = scene.counts();
-    assert_eq!((c.taken.get(), c.refused.get()), (WAITING as u64, 5000 - WAITING as u64));
+    assert_eq!(
+        (c.taken.get(), c.refused.get()),
+        (Way::Osc.capacity() as u64, 5000 - Way::Osc.capacity() as u64)
+    );
     assert_eq!(scene.handle.board().refused.get(), c.refused.get());
     // The brake works all the same.
     scene.say("/panic", &[]);
@@ -387,6 +438,6 @@ proptest! {
         scene.settle();
         let c = scene.counts();
         assert_eq!(c.datagrams.get(), (datagrams.len() + addresses.len() + 1) as u64);
-        assert_eq!(c.taken.get(), scene.heard.try_iter().count() as u64);
+        assert_eq!(c.taken.get(), scene.heard().len() as u64);
     }
 }

@@ -1,6 +1,6 @@
 use std::sync::{Arc, Mutex};
 
-use super::{Audience, Board, Conductor, Origin, Report, Signal, Stamped, Told};
+use super::{Audience, Board, Conductor, Handle, Report, Signal, Stamped, Told};
 use crate::engine::event::Event;
 use crate::engine::exchange::exchange;
 use crate::graph::scene::{Options, Scene, scene};
@@ -8,7 +8,10 @@ use crate::live::callback::{Callback, Deed};
 use crate::live::clock::Follower;
 use crate::live::gate::Gate;
 use crate::live::reload::Reload;
+use crate::live::signal::Origin;
 use crate::live::stamp::{Epoch, Stamp};
+use crate::live::way::Way;
+use crate::midi::{Channel, Message};
 use crate::node::asset::NoAssets;
 use crate::patch::Patch;
 use crate::performer::{Note, Performer};
@@ -51,6 +54,7 @@ fn reload(voices: &[&str]) -> Box<Reload> {
 /// A session whose device asks for 96 frames whenever the test says so, every 2 ms.
 struct Bench {
     conductor: Conductor,
+    handle: Handle,
     callback: Callback,
     follower: Follower,
     reports: Arc<Mutex<Vec<Report>>>,
@@ -76,10 +80,10 @@ impl Bench {
                 heard.lock().unwrap().push(*report);
             }
         });
-        let (mut conductor, _) =
+        let (mut conductor, handle) =
             Conductor::new(performer, director, rings, clock, Epoch::begin(), &board, audience);
         conductor.begin();
-        let mut bench = Self { conductor, callback, follower, reports, blocks: 0 };
+        let mut bench = Self { conductor, handle, callback, follower, reports, blocks: 0 };
         (0..500).for_each(|_| bench.block());
         bench
     }
@@ -96,7 +100,13 @@ impl Bench {
     }
 
     fn take(&mut self, nanoseconds: u64, signal: Signal) {
-        self.conductor.take(Stamped { stamp: Stamp(nanoseconds), origin: Origin::Program, signal });
+        self.conductor.take(Stamped {
+            id: 0,
+            stamp: Stamp(nanoseconds),
+            origin: Origin::Program,
+            peer: None,
+            signal,
+        });
     }
 
     /// The voices that were played: instant in frames, due and effective, and instrument.
@@ -198,6 +208,7 @@ fn numbers_of_patterns_that_have_ended_are_forgotten() {
     bench.conductor.go_on();
     assert_eq!(bench.conductor.performer.patterns().filter(|(serial, _)| *serial > 0).count(), 1);
     bench.take(now, Signal::Stop(1000));
+    bench.conductor.go_on();
     assert_eq!(bench.conductor.performer.patterns().filter(|(serial, _)| *serial > 0).count(), 0);
 }
 
@@ -264,4 +275,173 @@ fn voices_that_are_always_on_come_back_with_calm() {
     let now = bench.next();
     bench.take(now, Signal::Calm);
     assert_eq!(sounding(&mut bench), 2);
+}
+
+const KEYS: &str =
+    "[[trigger]]\non = \"midi.note\"\nplay = \"a\"\n[[trigger]]\non = \"key.1\"\nplay = \"b\"\n";
+
+fn midi(port: u16, note: u8, down: bool) -> Signal {
+    let channel = Channel::new(0).unwrap();
+    Signal::Midi(
+        port,
+        match down {
+            true => Message::NoteOn { channel, note, velocity: 100 },
+            false => Message::NoteOff { channel, note, velocity: 64 },
+        },
+    )
+}
+
+/// A port that floods the session while nothing is taken: a key of the computer, another program and a panic are heard in the next pass,
+/// what was refused is counted with MIDI alone, and when the port is gone no voice goes on.
+#[test]
+fn a_flood_of_midi_keeps_nobody_out_and_holds_no_voice() {
+    let mut bench = Bench::of(compiled_with(&["a", "b"], KEYS));
+    let handle = bench.handle.clone();
+    let mut refused = 0;
+    for n in 0..100_000_u32 {
+        let stamp = Stamp(bench.next() + u64::from(n));
+        // Keys that go down again and again, and up; the first of all is never said to go up.
+        refused += u64::from(handle.send_at(stamp, midi(0, (n % 100) as u8, n % 3 < 2)).is_err());
+    }
+    let by = Origin::Key("1".into());
+    handle.from(by).send_at(Stamp(bench.next()), Signal::Key(1)).unwrap();
+    handle.send_at(Stamp(bench.next()), Signal::Play(1, "b".into(), Note::default())).unwrap();
+    handle.send_at(Stamp(bench.next() + 200_000), Signal::MidiGone(0)).unwrap();
+    let board = Arc::clone(&bench.conductor.board);
+    assert!(refused > 50_000);
+    assert_eq!((board.refused.of(Way::Midi).get(), board.refused.get()), (refused, refused));
+    bench.conductor.listen();
+    let of_b = bench.played().iter().filter(|(.., instrument)| *instrument == 1).count();
+    assert_eq!(of_b, 0, "the callback has not come yet");
+    bench.block();
+    let played = bench.played();
+    assert_eq!(played.iter().filter(|(.., instrument)| *instrument == 1).count(), 2);
+    // And all that MIDI has said, until the port is gone; meanwhile the ring to the callback overflows.
+    (0..1000).for_each(|_| bench.conductor.listen());
+    for _ in 0..2000 {
+        bench.conductor.go_on();
+        bench.block();
+    }
+    assert!(board.started.get() > 100);
+    bench.handle.send_at(Stamp(bench.next()), Signal::ReleaseAll).unwrap();
+    bench.conductor.listen();
+    assert_eq!(bench.conductor.performer.held(), 0);
+    assert_eq!(sounding_of_a(&mut bench), 0);
+}
+
+/// Voices of the keys that still sound, those that the program has played left out.
+fn sounding_of_a(bench: &mut Bench) -> u64 {
+    (0..100).for_each(|_| bench.block());
+    bench.conductor.go_on();
+    bench.conductor.board.voices.get()
+}
+
+/// More keys go up at once than the ring to the callback has room for, while the callback does not come.
+#[test]
+fn keys_that_go_up_are_heard_however_full_the_ring_is() {
+    let mut bench = Bench::of(compiled_with(&["a", "b"], KEYS));
+    let now = bench.next();
+    for note in 0..8 {
+        bench.take(now, midi(0, note, true));
+    }
+    (0..3).for_each(|_| bench.block());
+    assert_eq!(bench.conductor.board.voices.get(), 8);
+    for n in 0..20_000 {
+        bench.take(now, Signal::Play(n, "a".into(), Note { duration: Some(0.001), ..Note::default() }));
+    }
+    for n in 0..2000 {
+        // A note that is played in vain goes up, too.
+        bench.take(now, midi(0, (n % 8) as u8, false));
+        bench.take(now, midi(0, (n % 8) as u8 + 64, true));
+    }
+    let mut expected = 0;
+    (0..500).for_each(|_| {
+        bench.block();
+        bench.conductor.go_on();
+        expected += 1;
+    });
+    assert_eq!((bench.conductor.board.voices.get(), expected), (0, 500));
+}
+
+/// Voices that sound for a moment, one every millisecond, from two patterns that play from the beginning and one that is started.
+const STEPS: &str = "[[trigger]]\non = \"start\"\nplay = \"low\"\n[[trigger]]\non = \"start\"\nplay = \"high\"\n\
+    [pattern.low]\nrepeat = { every = 0.001 }\nevents = [{ at = 0, voice = \"a\", duration = 0.0001 }]\n\
+    [pattern.high]\nrepeat = { every = 0.001 }\nevents = [{ at = 0.0005, voice = \"b\", duration = 0.0001 }, { at = 0.0005, marker = \"m\" }]\n\
+    [pattern.later]\nrepeat = { every = 0.001 }\nevents = [{ at = 0, voice = \"a\", duration = 0.0001 }]\n";
+
+/// What is sent 50 ms ahead is called off: of a pattern that is stopped at an instant, all that begins before has begun, and nothing else,
+/// wherever in what was sent ahead, or beyond it, the instant lies; and of the others nothing is missing.
+#[test]
+fn nothing_of_a_pattern_begins_at_the_instant_at_which_it_stops_or_later() {
+    for ahead_us in [250_u64, 1_700, 19_300, 43_100, 70_900] {
+        let mut bench = Bench::of(compiled_with(&["a", "b"], STEPS));
+        let board = Arc::clone(&bench.conductor.board);
+        let turn = |bench: &mut Bench, blocks: u64| {
+            for _ in 0..blocks {
+                bench.conductor.go_on();
+                bench.block();
+            }
+        };
+        turn(&mut bench, 10);
+        // One that was started and is stopped by its number.
+        let at = bench.next() + 300_000;
+        let until = at + 30_000_000 + ahead_us * 1000;
+        bench.take(at, Signal::Start(5, "later".into()));
+        bench.take(bench.next() + 1_000, Signal::StopNamed("low".into()));
+        turn(&mut bench, 15);
+        bench.take(until, Signal::Stop(5));
+        turn(&mut bench, 60);
+        let reports = bench.reports.lock().unwrap().clone();
+        // Instants in seconds, and by which pattern: that of `b`, those of the beginning, that which was started.
+        let frames = |at: crate::schedule::Instant| at.since(crate::schedule::Instant::default()) / 8000.0;
+        let stop = reports.iter().rev().find_map(|report| match report.deed {
+            Deed::Event { at, event: Event::Cancel(..), .. } => Some(frames(at)),
+            _ => None,
+        });
+        let begin = reports.iter().find_map(|report| match report.deed {
+            Deed::Event { due, event: Event::Play(play), .. } if play.id >> 32 == 1 => Some(frames(due)),
+            _ => None,
+        });
+        let (Some(stop), Some(begin)) = (stop, begin) else { panic!("{ahead_us}") };
+        assert!((stop - begin - (until - at) as f64 * 1e-9).abs() < 1e-6, "{ahead_us}: {}", stop - begin);
+        let later = ((stop - begin) / 0.001).ceil() as u64;
+        // `low` goes on for a block after the signal: all of it that lies before its stop.
+        let clock = board.clock.get() as f64 / 8000.0;
+        let low_stop = reports.iter().find_map(|report| match report.deed {
+            Deed::Event { at, event: Event::Cancel(..), .. } => Some(frames(at)),
+            _ => None,
+        });
+        let low = (low_stop.unwrap_or(f64::NAN) / 0.001).ceil() as u64;
+        let high = ((clock - 0.0005) / 0.001).ceil() as u64;
+        assert_eq!(board.started.get(), low + high + later, "{ahead_us}: {low} {high} {later}");
+        assert_eq!(bench.conductor.board.dropped.get(), 0);
+    }
+}
+
+const FADER: &str = "[control.depth]\ndefault = 0.5\nrange = [0, 2]\n[[bind]]\nfrom = \"osc./1/fader1\"\ncontrol = \"depth\"\n\
+    [voice.r]\noutput = \"o\"\n[voice.r.nodes]\ns = { type = \"sine\", frequency = 100 }\n\
+    o = { type = \"multiply\", inputs = [\"s\", \"depth\"] }\n";
+
+/// Whoever asks where a control stands hears of those who moved it otherwise.
+#[test]
+fn where_a_control_stands_is_shown_whoever_moved_it() {
+    let mut bench = Bench::of(compiled_with(&["a"], FADER));
+    let board = Arc::clone(&bench.conductor.board);
+    assert_eq!(board.values.get("depth"), Some(0.5));
+    bench.handle.set("depth", 1.25).unwrap();
+    bench.conductor.listen();
+    assert_eq!(board.values.get("depth"), Some(1.25));
+    // It takes hold as it passes where the control stands.
+    for position in [0.5, 0.75] {
+        bench.handle.send(Signal::Osc("/1/fader1".into(), vec![position])).unwrap();
+    }
+    bench.conductor.listen();
+    assert_eq!((board.values.get("depth"), board.values.get("width")), (Some(1.5), None));
+    // What is asked of a session that has not come to one's own signal yet is not known.
+    assert_eq!(board.values.since("depth", Way::Osc, 3), Some(1.5));
+    assert_eq!(board.values.since("depth", Way::Osc, 4), None);
+    // Another patch has others.
+    bench.handle.send(Signal::Reload(reload(&["a"]))).unwrap();
+    bench.conductor.listen();
+    assert_eq!(board.values.get("depth"), None);
 }

@@ -280,7 +280,7 @@ fn a_file_that_is_saved_may_change_who_counts() {
     clocks(&mut performer, &mut kept, now + 1.5 - 0.125, 30, 120.0, 0.0);
     near(&kept, &due(now + 1.5, 9, 2, 120.0), 2e-3);
     // What was stopped does not come back by being saved.
-    performer.stop_patterns();
+    performer.stop_patterns(When::of_seconds(now, 8000.0), &mut kept);
     kept.1.clear();
     for file in [own, clock, own] {
         save(&mut performer, file);

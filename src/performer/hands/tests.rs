@@ -291,6 +291,8 @@ fn all_notes_off_silences_its_channel_alone() {
         send(&mut performer, &mut kept, 0.2, controller(number, 0));
         assert_eq!(ended(&kept), [0, 2], "the pedal keeps none");
         assert!(kept.0.iter().all(|(_, event)| matches!(event, Event::Play(_) | Event::Silence(..))));
+        // It stops at its time.
+        performer.feed(1601, &mut kept);
         let playing: Vec<_> = performer.patterns().map(|(_, name)| name).collect();
         assert_eq!(playing, ["p", "e"], "that of the other channel");
     }
@@ -371,6 +373,8 @@ fn a_key_holds_a_pattern_without_end_and_one_that_ends_plays_on() {
     send(&mut performer, &mut kept, 0.1, on(0, 71, 100));
     assert_eq!(playing(&performer) - before, 2);
     send(&mut performer, &mut kept, 0.2, off(0, 70));
+    assert_eq!(playing(&performer) - before, 2, "until then");
+    performer.feed(1601, &mut kept);
     assert_eq!(playing(&performer) - before, 1);
     // The pedal is as good as a key.
     send(&mut performer, &mut kept, 0.2, controller(64, 127));
@@ -382,6 +386,7 @@ fn a_key_holds_a_pattern_without_end_and_one_that_ends_plays_on() {
     for n in 0..50 {
         performer.key(at(0.3 + 0.01 * f64::from(n)), 1, &mut kept).unwrap();
         performer.osc(at(0.305 + 0.01 * f64::from(n)), "/e", &[], &mut kept).unwrap();
+        performer.feed((8000.0 * (0.306 + 0.01 * f64::from(n))) as u64, &mut kept);
         assert_eq!(playing(&performer) - before, 1);
     }
     // A pattern that ends does so by itself.

@@ -60,7 +60,8 @@ fn too_many_patterns_are_turned_away_in_words_and_counted() {
     assert_eq!(performer.take_turned_away(), refused);
     assert_eq!((refused as usize + playing, performer.take_turned_away()), (2000, 0));
     // Where one goes, there is room for one.
-    assert!(performer.stop_pattern(last) && performer.start_pattern(at, "p").is_ok());
+    assert!(performer.stop_pattern(When::of_seconds(0.0, 8000.0), last, &mut Kept::default()));
+    assert!(performer.start_pattern(at, "p").is_ok());
     assert!(performer.start_pattern(at, "p").is_err());
 }
 
