@@ -85,7 +85,7 @@ impl Stage {
 
     fn cue(&mut self, seconds: f64, event: Event) {
         let at = Instant::of_samples(seconds * self.plan.engine_rate());
-        assert!(self.rings.cues[1].try_push(Cue { plan: 0, at, event }).is_ok());
+        assert!(self.rings.cues[1].try_push(Cue { plan: 0, at, cause: 0, event }).is_ok());
     }
 
     fn until(&mut self, seconds: f64) {
@@ -263,5 +263,42 @@ fn how_a_session_is_cut_changes_nothing() {
     let whole = run(&[480]);
     for calls in [&[1][..], &[7, 64], &[1000, 3]] {
         assert!(run(calls) == whole, "{calls:?}");
+    }
+}
+
+/// A motor of a rig that came while it sounded is braked like one that was there from the beginning; and so is one that is on its way out.
+#[test]
+fn a_motor_of_another_rig_is_braked_as_well() {
+    let amplifiers = [VOLTAGE, "gain = 2.4\nmax_volts = 12.5\ncoupling = \"dc\"\n"];
+    for (from, stops) in [(0.1, STOPS + 0.4), (STOPS - 0.003, STOPS)] {
+        let plans = amplifiers.map(compiled);
+        let (mut director, stagehand) = exchange(&plans[0]).unwrap();
+        let board = Arc::new(Board::new(3));
+        let (callback, rings) = Callback::new(stagehand, Gate::new(RATE, 1.0), Arc::clone(&board));
+        let [first, second] = plans;
+        let mut stage = Stage { plan: first, callback, rings, board, frames: Vec::new() };
+        stage.callback.order(Order::Open);
+        stage.cue(0.0, Event::Play(play(0, PLACE, 1.0, 10.0)));
+        stage.until(from);
+        assert_eq!(director.send(&second), Ok(true));
+        if from < 0.5 {
+            stage.until(from + 0.5);
+            stage.rings.cues[1]
+                .try_push(Cue {
+                    plan: 1,
+                    at: Instant::of_samples((from + 0.5) * second.engine_rate()),
+                    cause: 0,
+                    event: Event::Play(again()),
+                })
+                .map_err(|_| ())
+                .unwrap();
+        }
+        stage.until(stops);
+        let told = stage.stop(Way::Panic);
+        stage.until(stops + 0.3);
+        let sent = stage.sent();
+        let backward = sent[told..told + 4 * MS].iter().filter(|volts| **volts < 0.0).count();
+        assert!(sent[told - 1].abs() > 1.0 && backward > 2 * MS, "{from}: {} V, {backward}", sent[told - 1]);
+        assert!(stage.frames[3 * (told + 5 * MS)..].iter().all(|x| x.to_bits() == 0), "{from}");
     }
 }
