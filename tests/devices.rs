@@ -9,7 +9,7 @@ mod bench;
 use std::fs;
 use std::time::Duration;
 
-use bench::{Bench, scene, signal, wait};
+use bench::{Bench, floats, scene, signal, wait};
 
 #[test]
 fn the_card_is_listed_with_what_it_offers() {
@@ -114,6 +114,29 @@ fn a_card_that_is_pulled_and_plugged_in_again_is_found_and_no_other() {
     let gaps: usize =
         told.split(" xruns").next().and_then(|s| s.rsplit(' ').next()?.parse().ok()).unwrap_or(0);
     assert!(jumps <= 3 + 2 * gaps, "{jumps} jumps, {gaps} gaps");
+}
+
+/// Without a rig nobody has said that the card may get a steady voltage; and a replay knows that nobody had.
+#[test]
+fn nothing_steady_leaves_on_a_card_that_nobody_has_described() {
+    let Some(bench) = Bench::new("undescribed") else { return };
+    bench.write(
+        "steady.toml",
+        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"o\"\n[voice.v.nodes]\n\
+         e = { type = \"envelope\", attack = 0.01 }\no = { type = \"multiply\", inputs = [\"e\", 0.5] }\n",
+    );
+    let keep = ["--record", "sent.wav", "--events", "j.jsonl"];
+    let play = ["play", "steady.toml", "--device", "card8", "--duration", "2"];
+    let run = bench.run(&[&play[..], &keep[..]].concat());
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let sent = floats(&bench.folder.join("sent.wav"));
+    let first: Vec<f32> = sent.iter().step_by(8).copied().collect();
+    assert!(first.iter().any(|x| *x > 0.2), "it begins");
+    assert!(first[84_000..90_000].iter().all(|x| x.abs() < 1e-3), "and does not stay: {}", first[84_000]);
+    let run = bench.run(&["replay", "j.jsonl", "-o", "again.wav"]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let again = floats(&bench.folder.join("again.wav"));
+    assert!(sent.len() == again.len() && sent.iter().zip(&again).all(|(a, b)| a.to_bits() == b.to_bits()));
 }
 
 #[test]

@@ -104,6 +104,7 @@ impl Play {
         if scene.rig.is_none() {
             let chosen = Wish::of(self.device.as_deref(), None).choose()?;
             scene.offered = chosen.channels().to_vec();
+            scene.unknown_card = !matches!(chosen, Chosen::Virtual(_));
             device = Some(chosen);
         }
         // However long it plays, all of an input may be heard.

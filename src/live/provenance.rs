@@ -51,6 +51,9 @@ pub enum RigText {
     Line {
         /// How many.
         line: u32,
+        /// Whether they are [`crate::rig::Rig::on_an_unknown_card`].
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        unknown_card: bool,
     },
 }
 

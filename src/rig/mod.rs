@@ -149,6 +149,12 @@ impl Rig {
         }
     }
 
+    /// The same on a card that may let steady voltages through, so that none leaves: what nobody has described may be one.
+    pub fn on_an_unknown_card(mut self) -> Self {
+        self.device.coupling = Some(Coupling::Dc);
+        self
+    }
+
     /// The actuator of that name.
     pub fn actuator(&self, name: &str) -> Option<&Actuator> {
         self.actuators.iter().find(|a| a.name == name)

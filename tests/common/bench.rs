@@ -145,7 +145,8 @@ pub const HUM: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\n
 /// Whether that tone is in interleaved frames, and nothing louder.
 pub fn hums(frames: &[f32], channels: u32) -> bool {
     let hum = frames.iter().step_by(channels as usize);
-    hum.clone().any(|x| x.abs() > 0.45) && hum.clone().all(|x| x.abs() <= 0.5001)
+    // The high-pass of a card that nobody has described takes the sine's beginning for a steady part, a hundredth of it.
+    hum.clone().any(|x| x.abs() > 0.45) && hum.clone().all(|x| x.abs() <= 0.506)
 }
 
 /// The samples of a WAV of floats.
