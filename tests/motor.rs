@@ -11,6 +11,7 @@ use pacinian::actuator::motor::{self, Casing, Drive, GRAVITY, Parameters, Plan};
 use pacinian::actuator::shape::Course;
 use pacinian::report::motion::coil::shakes;
 use pacinian::report::motion::{Bench, Envelope, Row, Wish, behind, bursts, clicks, own};
+use pacinian::rig::knob::motor as knob_motor;
 use pacinian::rig::{Actuator, part};
 use program::Scratch;
 use serde_json::Value;
@@ -67,7 +68,7 @@ fn every_part_is_listed_and_shown_with_where_its_figures_are_from() {
     let scratch = Scratch::new("parts");
     let list = scratch.run(&["parts"]).succeeds().out.clone();
     let all = scratch.run(&["parts", "--json"]).succeeds().json();
-    assert_eq!(all.as_array().unwrap().len(), part::all().len());
+    assert_eq!(all.as_array().unwrap().len(), part::all().len() + knob_motor::all().len());
     for part in part::all() {
         assert!(list.contains(part.name) && list.contains(&part.title), "{}: {list}", part.name);
         let shown = scratch.run(&["parts", part.name]).succeeds().out.clone();
@@ -95,6 +96,22 @@ fn every_part_is_listed_and_shown_with_where_its_figures_are_from() {
             assert!(source.url.as_ref().is_none_or(|url| shown.contains(url)), "{shown}");
         }
     }
+    // Motors of knobs stand behind them.
+    for motor in knob_motor::all() {
+        assert!(list.contains(motor.name) && list.contains(&motor.title), "{}: {list}", motor.name);
+        let shown = scratch.run(&["parts", motor.name]).succeeds().out.clone();
+        let said = scratch.run(&["parts", motor.name, "--json"]).succeeds().json();
+        let figures = said["figures"].as_array().unwrap();
+        assert_eq!((&said["model"], figures.len()), (&"knob motor".into(), motor.values.len()));
+        for figure in figures {
+            let key = figure["key"].as_str().unwrap();
+            let value = &motor.values[key];
+            same(&figure["value"], Some(value.value), key);
+            let line = shown.lines().find(|line| line.trim_start().starts_with(key)).unwrap();
+            assert!(line.contains(value.origin.word()), "{line}");
+        }
+    }
+    scratch.run(&["parts", "maxon-re26"]).fails(2, &["did you mean `maxon-re25`?"]);
     scratch.run(&["parts", "coin-11mm"]).fails(2, &["no part `coin-11mm`", "did you mean `coin-10mm`?"]);
 }
 

@@ -175,3 +175,32 @@ fn a_panic_from_elsewhere_is_opened_by_no_key_that_shuts() {
     seat.press("q");
     assert!(seat.end().success());
 }
+
+/// The simulated knob of a patch, turned by keys: the hand is the control that the arrows move, and the dial goes with it.
+#[test]
+fn a_knob_is_turned_by_keys_and_its_dial_goes_with_it() {
+    let scratch = Scratch::new("screen-knob");
+    let knob = "[knob.effects]\nnotches = { type = \"detents\", count = 24, torque = 0.004 }\n\
+        [voice.click]\noutput = \"o\"\nnodes.o = { type = \"sine\", frequency = 200, amplitude = \"e\" }\n\
+        nodes.e = { type = \"envelope\", decay = 0.01, sustain = 0 }\n\
+        [[trigger]]\non = \"knob.detent\"\nplay = \"click\"\n[control.depth]\ndefault = 1\n";
+    scratch.write("patch.toml", &format!("format = \"pacinian-patch/1\"\ntitle = \"Dial\"\n{knob}"));
+    let command = scratch.command(&["knob", "patch.toml", "--keys"]);
+    let Some(mut seat) = Seat::at(&command, (100, 30), "xterm-256color", true) else { return };
+    // What the dial says of the angle, rad.
+    let angle = |text: &str| -> Option<f64> {
+        let line =
+            text.lines().find(|line| line.trim_start().starts_with("knob ") && line.contains("rad/s"))?;
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let unit = words.iter().position(|word| *word == "rad")?;
+        words[unit - 1].parse().ok()
+    };
+    seat.see("the dial", |text| angle(text).is_some_and(|angle| angle.abs() < 0.1) && text.contains("mN m"));
+    // Right: two steps of a fiftieth of two turns either way.
+    seat.press("\x1b[C\x1b[C");
+    seat.see("a turn", |text| angle(text).is_some_and(|angle| angle > 0.3) && text.contains("click"));
+    seat.press("0");
+    seat.see("the way back", |text| angle(text).is_some_and(|angle| angle.abs() < 0.15));
+    seat.press("q");
+    assert!(seat.end().success());
+}

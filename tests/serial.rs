@@ -19,6 +19,9 @@ mod noise;
 mod odrive;
 #[path = "serial/odrive_tests.rs"]
 mod odrive_tests;
+#[cfg(feature = "cli")]
+#[path = "serial/played.rs"]
+mod played;
 #[path = "serial/smartknob.rs"]
 mod smartknob;
 #[path = "serial/smartknob_tests.rs"]

@@ -21,7 +21,19 @@ pub fn of(loaded: &Loaded, by_default: bool, deaf: bool, live: bool) -> Option<P
         list.push(whole("the patch listens, and hears silence", help));
     }
     let sensed = live && !loaded.options.attached && loaded.patch.knob.is_some();
-    if sensed && loaded.rig.knob.as_ref().is_some_and(|knob| knob.sensor.is_some()) {
+    let (read, on_line) = loaded
+        .rig
+        .knob
+        .as_ref()
+        .map_or((false, false), |knob| (knob.sensor.is_some(), knob.controller.is_some()));
+    if sensed && on_line && !cfg!(feature = "serial") {
+        let help = "build it with the feature `serial`";
+        list.push(whole(
+            "this program has no serial ports, and the rig's knob is on one: it is simulated",
+            help,
+        ));
+    }
+    if sensed && read && !on_line {
         let help = "name the sound card that its sensor is plugged into: --input-device NAME, or [device] input = \"NAME\" in the rig";
         list.push(whole(
             "the rig reads a knob by a sound card's inputs, and none is named: it is simulated",

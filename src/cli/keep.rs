@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// What is to be kept of a session.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct Keep {
     /// Keeps exactly what is sent to the card, as 32-bit samples at its rate
     #[arg(long, value_name = "FILE.wav")]

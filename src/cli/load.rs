@@ -87,6 +87,11 @@ pub struct Scene {
     pub held: &'static [(&'static str, &'static [u8])],
 }
 
+/// Whether a rig has a knob on a serial line, and this build can talk to one.
+pub fn serial(rig: &Rig) -> bool {
+    cfg!(feature = "serial") && rig.knob.as_ref().is_some_and(|knob| knob.controller.is_some())
+}
+
 /// A rate that a WAV file can say and the engine can serve.
 fn hertz(word: &str) -> Result<u32, String> {
     let [least, most] = RATES;
@@ -298,7 +303,7 @@ impl Scene {
             .at_rate(recordings_rate(rate))
             .holding(self.held);
         let folder = Arc::new(folder);
-        let hears = self.hears || rig.device.input.is_some();
+        let hears = self.hears || rig.device.input.is_some() || serial(&rig);
         let options = Options {
             rate: Some(rate),
             precision: match self.precision {

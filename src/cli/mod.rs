@@ -28,6 +28,8 @@ mod knob;
 mod latency;
 mod learn;
 mod left_out;
+#[cfg(feature = "serial")]
+mod line;
 mod load;
 mod memory;
 mod missing;

@@ -14,7 +14,7 @@ use pacinian::patch::Patch;
 const MOST: usize = 16;
 
 /// What is heard over OSC, and told.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct Osc {
     /// Listen for OSC on this UDP port, or address and port; a port alone is for this machine only. docs/osc.md lists what it hears
     #[arg(long, value_name = "ADDR")]

@@ -7,7 +7,10 @@ use super::paint::Paint;
 use super::table::{Table, many};
 use super::terminal::Terminal;
 use clap::Args;
-use pacinian::rig::part::{self, Origin, Part};
+use pacinian::rig::knob::motor::{self, Motor};
+use pacinian::rig::knob::table::FIELDS;
+use pacinian::rig::part::{self, Origin, Part, Source, Value};
+use pacinian::text::field::Field;
 use pacinian::text::nearest;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -15,7 +18,8 @@ use std::collections::BTreeMap;
 /// Lists the actuators that ship with pacinian, or shows all that is known of one, and where from
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  pacinian parts coin-10mm\n\n\
-    A rig takes one over with part = \"NAME\" under [actuator]; `pacinian motor NAME` says what it does.\n\
+    A rig takes one over with part = \"NAME\" under [actuator], and a motor of a knob with motor = \"NAME\" under [knob]; `pacinian motor NAME` says what\n\
+    an actuator does, and `pacinian knob PATCH --rig RIG` what a knob does.\n\
     Every figure says how one came to know it: data-sheet (its maker says it), measured (somebody else measured and published it),\n\
     derived (it follows from others), assumed (nobody measured it: it is usual for such parts).")]
 pub struct Parts {
@@ -54,14 +58,19 @@ struct SourceReport {
     url: Option<&'static str>,
 }
 
+/// What a motor of a knob is, in place of a model.
+const OF_KNOB: &str = "knob motor";
+
 impl Parts {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let Some(name) = &self.name else {
-            let all: Vec<PartReport> = part::all().iter().map(PartReport::new).collect();
+            let parts = part::all().iter().map(PartReport::new);
+            let all: Vec<PartReport> = parts.chain(motor::all().iter().map(PartReport::of_knob)).collect();
             return terminal.print(&if self.json { json(&all) } else { list(&all, terminal.out) });
         };
-        let part = PartReport::new(find(name)?);
+        let of_knob = motor::find(name).map(PartReport::of_knob);
+        let part = of_knob.map_or_else(|| find(name).map(PartReport::new), Ok)?;
         terminal.print(&if self.json { json(&part) } else { part.text(terminal.out) })
     }
 }
@@ -76,7 +85,7 @@ pub fn find(name: &str) -> Result<&'static Part, Failure> {
 
 /// What to do where a name is not that of a part.
 pub fn advice(name: &str) -> String {
-    let names = part::all().iter().map(|part| part.name);
+    let names = part::all().iter().map(|part| part.name).chain(motor::all().iter().map(|motor| motor.name));
     nearest::suggest(name, names).unwrap_or_else(|| "`pacinian parts` lists them".into())
 }
 
@@ -93,13 +102,27 @@ pub fn counted(counts: &BTreeMap<&'static str, usize>) -> String {
 
 impl PartReport {
     fn new(part: &'static Part) -> Self {
+        let named = (part.name, &*part.title, part.model.word());
+        Self::of(named, &part.values, &part.sources, part::fields())
+    }
+
+    fn of_knob(motor: &'static Motor) -> Self {
+        Self::of((motor.name, &motor.title, OF_KNOB), &motor.values, &motor.sources, FIELDS.iter())
+    }
+
+    fn of(
+        (name, title, model): (&'static str, &'static str, &'static str),
+        values: &'static BTreeMap<&'static str, Value>,
+        sources: &'static [Source],
+        fields: impl Iterator<Item = &'static Field>,
+    ) -> Self {
         let mut origins = BTreeMap::new();
-        for value in part.values.values() {
+        for value in values.values() {
             *origins.entry(value.origin.word()).or_default() += 1;
         }
         // In the order in which one fills them in.
-        let figures = part::fields().filter_map(|field| {
-            let value = part.values.get(field.key)?;
+        let figures = fields.filter_map(|field| {
+            let value = values.get(field.key)?;
             let (origin, from) = (value.origin.word(), value.from.as_str());
             Some(FigureReport {
                 key: field.key,
@@ -111,13 +134,12 @@ impl PartReport {
             })
         });
         Self {
-            name: part.name,
-            title: &part.title,
-            model: part.model.word(),
+            name,
+            title,
+            model,
             origins,
             figures: figures.collect(),
-            sources: part
-                .sources
+            sources: sources
                 .iter()
                 .map(|source| SourceReport { title: &source.title, url: source.url.as_deref() })
                 .collect(),
@@ -170,5 +192,5 @@ fn list(all: &[PartReport], paint: Paint) -> String {
     for part in all {
         table.row([part.name, part.title, part.model, &counted(&part.origins)]);
     }
-    table.text() + "\n`pacinian parts NAME` shows one; `pacinian motor NAME` says what it does.\n"
+    table.text() + "\n`pacinian parts NAME` shows one; `pacinian motor NAME` says what an actuator does.\n"
 }

@@ -20,10 +20,11 @@ use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
 use pacinian::io::midi_in::MidiPorts;
-use pacinian::io::session::{Beginning, Session, SessionError};
+use pacinian::io::session::{Beginning, Ear, Session, SessionError};
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
+use pacinian::patch::knob::HAND;
 use pacinian::text::problem::escaped;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
@@ -60,9 +61,12 @@ pub struct Play {
     /// Full level on a device that nobody has named
     #[arg(long)]
     arm: bool,
-    /// Lets the torque of a knob that the rig's `sensor` reads rise as soon as its angle is known; else `t` does, or OSC
+    /// Lets the torque of a knob that the rig's `sensor` or `controller` reads rise as soon as its angle is known; else `t` does, or OSC
     #[arg(long)]
     torque: bool,
+    /// Turns a simulated knob, though the rig says by what a real one is read
+    #[arg(long, conflicts_with = "torque")]
+    simulated: bool,
     #[command(flatten)]
     osc: Osc,
     /// The ports of MIDI to listen to, by a part of their names; `none` for none [default: all, if the patch has use for MIDI]
@@ -76,6 +80,9 @@ pub struct Play {
     /// Seconds to play [default: until Ctrl-C]
     #[arg(long, value_name = "S", value_parser = super::render::seconds)]
     duration: Option<f64>,
+    /// Whether keys turn the knob from the beginning on.
+    #[arg(skip)]
+    turned: bool,
 }
 
 /// Seconds that nobody plays.
@@ -91,6 +98,25 @@ impl From<DeviceError> for Failure {
 }
 
 impl Play {
+    /// Of a simulated knob that keys turn, on no card.
+    pub fn turned(scene: Scene, duration: Option<f64>) -> Self {
+        Self {
+            scene,
+            device: Some("virtual".into()),
+            input_device: None,
+            block: None,
+            arm: false,
+            torque: false,
+            simulated: true,
+            osc: Osc::default(),
+            midi_in: Some("none".into()),
+            keep: Keep::default(),
+            watch: false,
+            duration,
+            turned: true,
+        }
+    }
+
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         if self.watch {
@@ -98,7 +124,8 @@ impl Play {
         }
         let since = SystemTime::now();
         let hears = self.input_device.is_some();
-        let mut scene = Scene { live: true, hears, block: self.block, ..self.scene.clone() };
+        let simulated = self.simulated;
+        let mut scene = Scene { live: true, hears, simulated, block: self.block, ..self.scene.clone() };
         // Where no rig says which tactors there are, the device does.
         let mut device = None;
         if scene.rig.is_none() {
@@ -132,7 +159,19 @@ impl Play {
         }
         let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
         let heard_from = reload.scene.plan.inputs();
-        let mut listens = Listens::of(&loaded, listens, &heard_from, rate, self.block)?;
+        #[cfg(feature = "serial")]
+        let (on_line, line) = super::line::OnLine::begin(&loaded, &reload.scene.plan)?
+            .map_or((None, None), |(heard, line)| (Some(heard), Some(line)));
+        #[cfg(not(feature = "serial"))]
+        let on_line: Option<Box<pacinian::live::remote::Heard>> = None;
+        let mut listens = match &on_line {
+            None => Listens::of(&loaded, listens, &heard_from, rate, self.block)?,
+            Some(_) => Listens::default(),
+        };
+        #[cfg(feature = "serial")]
+        if let Some(line) = &line {
+            listens.note = Some(line.note.clone());
+        }
         let hears = listens.note.take();
         let scenery = Scenery {
             loaded: &loaded,
@@ -141,6 +180,7 @@ impl Play {
             rate,
             armed,
             duration: self.duration,
+            control: self.turned.then_some(HAND),
         };
         let (mut show, post) = Show::new(&scenery, terminal)?;
         let (ears, ports) = (post.clone(), post.clone());
@@ -152,7 +192,10 @@ impl Play {
         let mut session = Session::start(Beginning {
             block: self.block,
             armed,
-            input: listens.ear(Box::new(move |what| ears.input_fate(what))),
+            input: match on_line {
+                Some(heard) => Ear::Knob(heard),
+                None => listens.ear(Box::new(move |what| ears.input_fate(what))),
+            },
             record: self.keep.record.is_some(),
             record_input: self.keep.events.is_some(),
             song: loaded.song.clone(),
@@ -217,6 +260,10 @@ impl Play {
         let ended = self.until_the_end(&session, &stop, &mut show, |show| {
             if let Some(trouble) = kept.look(&session) {
                 show.say(&trouble);
+            }
+            #[cfg(feature = "serial")]
+            for said in line.iter().flat_map(super::line::OnLine::news) {
+                show.say(&said);
             }
             for news in watching.iter().flat_map(Watching::news) {
                 show.watched(&news);

@@ -235,7 +235,9 @@ pub(super) fn knob(from: &Made, wanted: &mut Wanted, problems: &mut Vec<Problem>
         scales,
         starts,
         channel: way.map(|(channel, _)| channel),
-        per_newton_metre: way.filter(|_| !(is_live && is_simulated)).map(|(_, per)| per),
+        per_newton_metre: way
+            .filter(|_| !(is_live && is_simulated) && of_rig.controller.is_none())
+            .map(|(_, per)| per),
     })
 }
 

@@ -28,6 +28,7 @@ use crate::live::driver::Driver;
 use crate::live::gate::{Gate, RAMP_IN, RAMP_OUT, UNARMED};
 use crate::live::intake::{Ears, bridge};
 use crate::live::reload::Reload;
+use crate::live::remote;
 use crate::live::signal::{Handle, Signal};
 use crate::live::stamp::{self, Epoch};
 use crate::midi::file::Song;
@@ -66,6 +67,8 @@ pub struct Beginning {
 pub enum Ear {
     /// Silence.
     Nothing,
+    /// The angle of a knob that is on a line, to which its torque goes back.
+    Knob(Box<remote::Heard>),
     /// A file, from the beginning on.
     File(Arc<Input>),
     /// A device.
@@ -184,6 +187,10 @@ impl Session {
             // What nothing listens to is not opened.
             _ if inputs == 0 => {}
             Ear::Nothing => {}
+            Ear::Knob(heard) => {
+                driver.give(heard.given());
+                driver.listen(heard);
+            }
             Ear::File(input) => driver.listen(Box::new(Heard::new(input))),
             Ear::Device { device, fate } => {
                 let shape =

@@ -53,6 +53,17 @@ pub struct InputBoard {
     pub unrecorded: Figure,
 }
 
+/// What a knob said and was given last.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Turned {
+    /// As it is read, radians.
+    pub angle: f64,
+    /// As it is estimated, rad/s.
+    pub speed: f64,
+    /// N m.
+    pub torque: f64,
+}
+
 /// How a session stands.
 #[derive(Debug, Default)]
 pub struct Board {
@@ -100,6 +111,8 @@ pub struct Board {
     pub values: Values,
     /// Of a knob that is there, see [`Board::torque`].
     pub(super) knob: Figure,
+    /// Of a knob, there or simulated, see [`Board::knob`]: its ticks, and bits of its angle, speed and torque.
+    pub(super) turned: [Figure; 4],
     /// Run time of the callbacks.
     pub load: Load,
     /// Gaps that the device told of.
@@ -141,6 +154,13 @@ impl Board {
     /// How it stands with a knob's torque.
     pub fn torque(&self) -> Torque {
         Torque::of_figure(self.knob.get())
+    }
+
+    /// Where a knob is and what it gives, once it has ticked.
+    pub fn knob(&self) -> Option<Turned> {
+        let [ticks, angle, speed, torque] = &self.turned;
+        let of = |figure: &Figure| f64::from_bits(figure.get());
+        (ticks.get() > 0).then(|| Turned { angle: of(angle), speed: of(speed), torque: of(torque) })
     }
 
     /// Channels.

@@ -281,6 +281,16 @@ impl Callback {
         knob.and_then(|knob| knob.sensor()).map_or(Vec::new(), |sensor| sensor.channels.to_vec())
     }
 
+    /// The torque (N m) that a knob which is there is to give now, as far as the gate is open, and whether somebody wants it.
+    pub fn torque(&mut self) -> (f64, bool) {
+        let opening = f64::from(self.gate.opening());
+        let Some(knob) = self.stagehand.engine().knob().filter(|knob| knob.is_attached()) else {
+            return (0.0, false);
+        };
+        let wanted = opening > 0.0 && Torque::of(Some(knob)).is_wanted();
+        (knob.last().torque * opening, wanted)
+    }
+
     /// Seconds that the device may take from the angle of a knob that is there to its torque, if one is read.
     pub fn allowance(&mut self) -> Option<f64> {
         let knob = self.stagehand.engine().knob()?;
@@ -365,6 +375,12 @@ impl Callback {
         let stage = engine.stage();
         self.board.held_back.set(stage.protections().changed() + stage.drives().changed());
         self.board.knob.set(Torque::of(engine.knob()).figure());
+        if let Some(knob) = engine.knob() {
+            let given = knob.last();
+            let [angle, speed, torque] = [given.angle, given.velocity, given.torque].map(f64::to_bits);
+            let shown = [knob.servo().ticks(), angle, speed, torque];
+            self.board.turned.iter().zip(shown).for_each(|(figure, value)| figure.set(value));
+        }
         self.board.frames.set(self.frames);
         self.board.block.set(frames);
         self.board.shut.set(u64::from(self.gate.is_shut()));

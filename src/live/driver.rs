@@ -11,6 +11,7 @@ use super::clock::{Follower, StreamClock};
 use super::gate::Order;
 use super::intake::Hearing;
 use super::relief::Relief;
+use super::remote::Given;
 use super::stamp::Epoch;
 use crate::knob::angle::decoder::NOT_HEARD;
 
@@ -25,6 +26,8 @@ pub struct Driver {
     gaps: u64,
     relief: Relief,
     hearing: Option<Box<dyn Hearing>>,
+    /// To where the torque of a knob on a line goes.
+    given: Option<Given>,
     /// What is heard during the frames at hand.
     heard: Vec<f32>,
 }
@@ -51,8 +54,8 @@ impl Driver {
         board: Arc<Board>,
     ) -> (Self, StreamClock) {
         let (follower, clock) = Follower::new(rate, block as u64);
-        let (hearing, heard, relief) = (None, Vec::new(), Relief::default());
-        (Self { callback, follower, epoch, rate, board, gaps: 0, relief, hearing, heard }, clock)
+        let (hearing, given, heard, relief) = (None, None, Vec::new(), Relief::default());
+        (Self { callback, follower, epoch, rate, board, gaps: 0, relief, hearing, given, heard }, clock)
     }
 
     /// From now on the engine hears this.
@@ -60,6 +63,11 @@ impl Driver {
         hearing.mark(&self.callback.sensor());
         self.heard = vec![0.0; PART * self.callback.input_channels()];
         self.hearing = Some(hearing);
+    }
+
+    /// From now on the torque of its knob goes there.
+    pub fn give(&mut self, given: Given) {
+        self.given = Some(given);
     }
 
     /// Another device takes over, which asks for blocks of `block` frames: what it plays comes in as `order` says.
@@ -90,7 +98,11 @@ impl Driver {
         }
         self.follower.callback(self.epoch.now(), frames as u64);
         if let Some(most) = self.callback.allowance() {
-            self.callback.deadline(!gapped && self.latency(frames) <= most);
+            let kept = match &self.given {
+                Some(given) => given.in_time(),
+                None => self.latency(frames) <= most,
+            };
+            self.callback.deadline(!gapped && kept);
         }
         match &mut self.hearing {
             None => self.callback.process(&[], output),
@@ -108,6 +120,10 @@ impl Driver {
                     due += frames as f64 * self.follower.frame();
                 }
             }
+        }
+        if let Some(given) = &self.given {
+            let (torque, wanted) = self.callback.torque();
+            given.put(torque, wanted);
         }
         let (busy, period) = (begin.elapsed().as_secs_f64(), frames as f64 / self.rate);
         self.board.load.note(busy, period);

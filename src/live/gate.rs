@@ -176,6 +176,11 @@ impl Gate {
         self.open.to * self.gain.to
     }
 
+    /// How far it is open, 0 to 1, whatever its gain.
+    pub fn opening(&self) -> f32 {
+        self.open.value()
+    }
+
     /// Lets frames of so many channels through.
     pub fn pass(&mut self, frames: &mut [f32], channels: usize) {
         let mut rest = frames;

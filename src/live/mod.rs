@@ -25,6 +25,7 @@ pub mod provenance;
 pub mod queues;
 pub mod relief;
 pub mod reload;
+pub mod remote;
 pub mod signal;
 pub mod stamp;
 pub mod torque;

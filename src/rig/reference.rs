@@ -261,8 +261,17 @@ pub const TOPICS: &[Topic] = &[
                that spares the winding, the peak, a soft start, a stale reading, over-speed, and a latch that stays until somebody asks for torque again.\n\n\
                Where a `sensor` says by which inputs of a sound card the angle comes in, `pacinian play` with an input device reads a knob that is there, \
                and its torque leaves by the output: not before somebody asks (`--torque`, the key `t`, OSC `/torque`), and no longer than the angle is \
-               known and the card keeps to `delay`. What the card takes is most of what keeps such a knob soft: small blocks help.",
-        tables: &[&knob::table::TABLE, &knob::table::HARMONIC, &knob::sensor::SENSOR, &knob::table::OUTPUT],
+               known and the card keeps to `delay`. What the card takes is most of what keeps such a knob soft: small blocks help.\n\n\
+               Where a `controller` names a serial port, `pacinian play` opens that, hears the angle as input and gives torque back on the line, asked for in \
+               the same way. Torque ends where an answer is missing for longer than `patience`, and with every angle that is older than `delay`. An \
+               ODrive's own watchdog stops its motor where the program has died; a SmartKnob renders by itself, and is told what to be.",
+        tables: &[
+            &knob::table::TABLE,
+            &knob::table::HARMONIC,
+            &knob::sensor::SENSOR,
+            &knob::controller::CONTROLLER,
+            &knob::table::OUTPUT,
+        ],
         example: "[device]\n\
                   channels = 2\n\
                   coupling = \"dc\"\n\

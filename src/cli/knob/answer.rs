@@ -28,6 +28,8 @@ pub struct Answer {
     speed_error: f64,
     /// N m.
     most_torque: f64,
+    /// K above the air, of its winding, at most; null where nobody has said how it sheds its heat.
+    winding_rise: Option<f64>,
     /// Joules that went into the virtual world, and that it gave more than it was given, at most.
     absorbed: f64,
     created: f64,
@@ -69,6 +71,7 @@ impl Answer {
             most_speed: figures.most_speed,
             speed_error: figures.speed_error(),
             most_torque: figures.most_torque,
+            winding_rise: figures.most_warm,
             absorbed: figures.absorbed,
             created: -figures.least_absorbed,
             held_back: STAGES
@@ -98,6 +101,9 @@ impl Answer {
             format!("{:.1} rad/s at most, estimated within {error} rad/s rms", self.most_speed),
         ]);
         table.row(["torque".into(), format!("{} N m at most", short(self.most_torque))]);
+        if let Some(warm) = self.winding_rise {
+            table.row(["winding".into(), format!("{} K warmer than the air at most", short(warm))]);
+        }
         let created = match self.created > 0.0 {
             true => format!("; {} J more than it was given, at most", short(self.created)),
             false => String::new(),

@@ -9,6 +9,7 @@ use super::check::json;
 use super::failure::Failure;
 use super::load::Scene;
 use super::place::{check_made, check_sound};
+use super::play::Play;
 use super::problems;
 use super::render::seconds;
 use super::terminal::Terminal;
@@ -31,7 +32,9 @@ use turn::{Turn, Turned};
     pacinian knob patches/35-knob.toml --hand knob.csv -o turned.wav\n\n\
     The patch says what the knob feels like, [knob]; the rig says what it is, and where it says nothing a small one is taken. A hand\n\
     that holds it turns it: --hand names a table with the columns time (s) and hand_angle (rad) or hand_torque (N m), such as --csv writes;\n\
-    without one it goes a turn forth and back in three seconds. To turn it by keys, play the patch: pacinian play PATCH, Tab, arrows."
+    without one it goes a turn forth and back in three seconds. With --keys you turn it yourself, in real time: the arrows move the hand, and a dial
+\
+    shows angle, speed and torque. pacinian play shows the same of any patch with a knob."
 )]
 pub struct KnobCommand {
     #[command(flatten)]
@@ -57,6 +60,9 @@ pub struct KnobCommand {
     /// Writes what leaves the channels meanwhile
     #[arg(short, long, value_name = "FILE.wav")]
     output: Option<PathBuf>,
+    /// Turns it by keys in the terminal, in real time and on no sound card: left and right, with Shift further; q ends it
+    #[arg(long, conflicts_with_all = ["hand", "csv", "plot", "curve", "map", "output", "json"])]
+    keys: bool,
     /// As JSON
     #[arg(long)]
     json: bool,
@@ -70,13 +76,16 @@ impl KnobCommand {
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let scene = Scene { simulated: true, ..self.scene.clone() };
         let loaded = scene.load(false, self.duration)?;
-        for warnings in &loaded.warnings {
+        for warnings in loaded.warnings.iter().filter(|_| !self.keys) {
             terminal.note(&problems::shown(warnings, terminal));
         }
         if loaded.patch.knob.is_none() {
             let what = format!("`{}` has no knob", loaded.name());
             let help = "say what it feels like: [knob.effects] notches = { type = \"detents\", count = 24, torque = 0.02 }";
             return Err(Failure::usage(what, help).with_code(65));
+        }
+        if self.keys {
+            return Play::turned(self.scene.clone(), self.duration).run(terminal);
         }
         let mut own = loaded.files.clone();
         own.extend(self.hand.clone());

@@ -20,6 +20,8 @@ pub struct Sample {
     pub torque: [f64; 2],
     /// Energy that went into the virtual world, J.
     pub absorbed: f64,
+    /// How much warmer than the air its winding is, K, where that is known.
+    pub warm: Option<f64>,
     /// Of the hand: where it holds the knob (rad), if it does, and how it pushes (N m).
     pub hand: (Option<f64>, f64),
 }
@@ -36,6 +38,8 @@ pub struct Figures {
     /// Energy that went into the virtual world by the end, and at its least, J.
     pub absorbed: f64,
     pub least_absorbed: f64,
+    /// K above the air, of its winding, where that is known.
+    pub most_warm: Option<f64>,
     /// Squares of the errors of the estimated speed, summed, and how many there are.
     squares: f64,
     samples: u64,
@@ -53,6 +57,9 @@ impl Figures {
         self.most_speed = self.most_speed.max(speed.abs());
         self.most_torque = self.most_torque.max(torque[1].abs());
         (self.absorbed, self.least_absorbed) = (absorbed, self.least_absorbed.min(absorbed));
+        if let Some(warm) = sample.warm {
+            self.most_warm = Some(self.most_warm.unwrap_or(warm).max(warm));
+        }
         self.squares += (read[1] - speed).powi(2);
         self.samples += 1;
     }
@@ -68,8 +75,7 @@ pub struct Record {
     table: Option<(PathBuf, BufWriter<File>)>,
 }
 
-const NAMES: &str =
-    "time,angle,speed,read_angle,estimated_speed,asked_torque,torque,absorbed_energy,hand_angle,hand_torque";
+const NAMES: &str = "time,angle,speed,read_angle,estimated_speed,asked_torque,torque,absorbed_energy,hand_angle,hand_torque,winding_rise";
 
 impl Record {
     /// Of so many samples a second, and with every one of them in a table at `path`.
@@ -89,6 +95,7 @@ impl Record {
             most_torque: 0.0,
             absorbed: 0.0,
             least_absorbed: 0.0,
+            most_warm: None,
             squares: 0.0,
             samples: 0,
         };
@@ -102,7 +109,7 @@ impl Record {
     pub fn push(&mut self, sample: &Sample) -> Result<(), Failure> {
         let time = self.figures.samples as f64 / self.rate;
         self.figures.push(sample);
-        let Sample { angle, speed, read, torque, absorbed, hand } = *sample;
+        let Sample { angle, speed, read, torque, absorbed, hand, .. } = *sample;
         let [asked, given] = torque;
         let estimated = read[1];
         self.course.push(&course::Sample {
@@ -140,12 +147,14 @@ impl Record {
 }
 
 fn line(file: &mut impl Write, time: f64, sample: &Sample) -> io::Result<()> {
-    let Sample { angle, speed, read, torque, absorbed, hand } = sample;
+    let Sample { angle, speed, read, torque, absorbed, hand, warm } = sample;
     write!(
         file,
         "{time:.9},{angle:.9},{speed:.6},{:.9},{:.6},{:.9},{:.9},{absorbed:.9e},",
         read[0], read[1], torque[0], torque[1],
     )?;
     hand.0.map_or(Ok(()), |angle| write!(file, "{angle:.9}"))?;
-    writeln!(file, ",{:.9}", hand.1)
+    write!(file, ",{:.9},", hand.1)?;
+    warm.map_or(Ok(()), |warm| write!(file, "{warm:.6}"))?;
+    writeln!(file)
 }

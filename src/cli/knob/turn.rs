@@ -90,7 +90,7 @@ impl Turn<'_> {
         let simulated = player.plan().knob.as_ref().is_some_and(|knob| knob.model.is_some());
         if !simulated {
             let what = "the rig's knob is a real one".to_string();
-            let help = "leave `link` out of the rig's [knob], and it is simulated";
+            let help = "leave `sensor` or `controller` out of the rig's [knob], and it is simulated";
             return Err(Failure::usage(what, help).with_code(78));
         }
         self.within_reach(&player)?;
@@ -229,5 +229,6 @@ fn sample(player: &Player, hand: (Option<f64>, f64)) -> Option<Sample> {
         torque: [given.asked, given.torque],
         absorbed: knob.servo().energy().absorbed(),
         hand,
+        warm: knob.simulated()?.thermal().map(|thermal| thermal.winding()),
     })
 }

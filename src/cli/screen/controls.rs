@@ -102,6 +102,11 @@ impl Controls {
         self.all.is_empty()
     }
 
+    /// The one of that name is chosen, if there is one.
+    pub fn choose_named(&mut self, name: &str) {
+        self.chosen = self.all.iter().position(|control| control.name == name).unwrap_or(self.chosen);
+    }
+
     /// The next is chosen, or one before.
     pub fn choose(&mut self, by: i32) {
         let count = self.all.len().max(1);

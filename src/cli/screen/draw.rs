@@ -1,5 +1,6 @@
 //! From a snapshot to the lines of the screen.
 
+use super::dial::dial;
 use super::happened::{Happened, Mood, moment};
 use super::head::{figures, title};
 use super::line::{Ink, Line, flow};
@@ -59,6 +60,9 @@ pub fn draw(snapshot: &Snapshot, width: usize, height: usize) -> Drawn {
         _ => 4,
     };
     top.extend(flow(figures(snapshot, width), width).into_iter().take(most));
+    if let Some(knob) = snapshot.knob.as_ref().filter(|_| height >= 10) {
+        top.push(dial(knob, width, snapshot.fancy));
+    }
     if height >= 8 {
         let more = (snapshot.keyless > 0)
             .then(|| Line::of(Ink::Dim, &format!("and {} without a key", many(snapshot.keyless, "pattern"))));

@@ -2,6 +2,7 @@
 
 mod bar;
 mod controls;
+mod dial;
 mod draw;
 mod echo;
 pub mod happened;
@@ -75,6 +76,8 @@ pub struct Scenery<'a> {
     pub armed: bool,
     /// Seconds that it is to last.
     pub duration: Option<f64>,
+    /// The control that keys move at first.
+    pub control: Option<&'a str>,
 }
 
 /// Why a session is to end.
@@ -150,11 +153,13 @@ impl Show {
             false => Out::Lines(Lines::begin(*terminal).map_err(no_thread)?),
         };
         let (post, fetch) = post();
+        let mut controls = Controls::new(&loaded.patch);
+        scenery.control.into_iter().for_each(|name| controls.choose_named(name));
         let show = Self {
             out,
             snapshot,
             players,
-            controls: Controls::new(&loaded.patch),
+            controls,
             keys: Keys::default(),
             fetch,
             events: VecDeque::new(),
@@ -272,6 +277,7 @@ impl Show {
             self.note(Happened::new(now, mood, text));
         }
         self.snapshot.panicked = panicked;
+        self.snapshot.knob = board.knob();
         let torque = board.torque();
         self.snapshot.torque = (torque != Torque::None).then(|| torque.is_wanted());
         if torque != std::mem::replace(&mut self.torque, torque) {

@@ -3,6 +3,7 @@
 use super::controls::ControlFace;
 use super::happened::Happened;
 use super::meter::Meter;
+use pacinian::live::board::Turned;
 
 /// Everything that the screen shows at one moment.
 #[derive(Debug, Clone, Default)]
@@ -21,6 +22,8 @@ pub struct Snapshot {
     pub armed: bool,
     /// Whether the torque of a knob that is read is wanted; `None`: none is.
     pub torque: Option<bool>,
+    /// Where a knob is, if there is one.
+    pub knob: Option<Turned>,
     /// Whether the brake is pulled.
     pub panicked: bool,
     /// Whether the device is away.

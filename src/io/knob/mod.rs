@@ -6,6 +6,7 @@
 //! | [`mod@line`], [`port`] | a line of bytes; the serial port |
 //! | [`session`], [`servo`], [`lost`] | what talks over a line, what it moves, and why it no longer does |
 //! | [`driver`] | the thread that owns all three |
+//! | `patched` | a session's knob on a line |
 //! | [`odrive`] | an ODrive, by its ASCII lines: the torque is computed here |
 //! | [`smartknob`] | a SmartKnob, by its frames: the torque is computed in the knob, here it is told what to be |
 //!
@@ -22,6 +23,8 @@ pub mod driver;
 pub mod line;
 pub mod lost;
 pub mod odrive;
+#[cfg(feature = "live")]
+pub mod patched;
 pub mod port;
 pub mod ports;
 pub mod servo;

@@ -28,13 +28,13 @@ pub struct Seen {
 
 /// A cell that one thread writes and another reads, neither of which ever waits: a sequence number, odd while it is being written.
 #[derive(Debug, Default)]
-struct Cell {
+pub(crate) struct Cell {
     sequence: AtomicU64,
     words: [AtomicU64; 4],
 }
 
 impl Cell {
-    fn write(&self, seen: &Seen) {
+    pub(crate) fn write(&self, seen: &Seen) {
         let sequence = self.sequence.load(Ordering::Relaxed);
         self.sequence.store(sequence.wrapping_add(1), Ordering::Relaxed);
         fence(Ordering::Release);
@@ -45,7 +45,7 @@ impl Cell {
         self.sequence.store(sequence.wrapping_add(2), Ordering::Release);
     }
 
-    fn read(&self) -> Option<Seen> {
+    pub(crate) fn read(&self) -> Option<Seen> {
         let before = self.sequence.load(Ordering::Acquire);
         let [tick, angle, velocity, torque] =
             [0, 1, 2, 3].map(|n: usize| self.words[n].load(Ordering::Relaxed));

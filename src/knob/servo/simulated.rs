@@ -3,8 +3,10 @@
 use super::setup::{Setup, Unfit};
 use super::tick::{Given, Servo};
 use crate::actuator::fault::Fault;
+use crate::actuator::thermal::{Cooling, Thermal};
 use crate::knob::plant::Plant;
 use crate::knob::plant::encoder::{Delay, Encoder, MOST_DELAY};
+use crate::knob::plant::heat::Heat;
 use crate::knob::plant::parts::{Build, Hand};
 
 /// What a simulated knob is made of.
@@ -18,6 +20,8 @@ pub struct Model {
     pub delay: usize,
     /// Volts for 1 N m at a standstill, of a motor that is driven by a voltage.
     pub volts: Option<f64>,
+    /// How its winding sheds its heat, and the current of 1 N m (A), where both are known.
+    pub warms: Option<(Cooling, f64)>,
 }
 
 /// A simulated knob at work.
@@ -31,7 +35,14 @@ pub struct Simulated {
     /// Work that the hand and the motor did, joules.
     by_hand: f64,
     by_motor: f64,
+    /// How warm its winding is; the current of 1 N m of a motor whose current is not simulated; the current at the last tick.
+    heat: Option<Heat>,
+    amperes: Option<f64>,
+    current: f64,
 }
+
+/// Seconds over which the square of the current is averaged before it warms.
+const AVERAGED: f64 = 0.01;
 
 impl Simulated {
     /// At rest at 0 rad, for ticks every `period` seconds.
@@ -39,7 +50,16 @@ impl Simulated {
     /// # Errors
     /// A figure that cannot be.
     pub fn new(model: &Model, period: f64) -> Result<Self, Fault> {
+        let heat = |(cooling, _): &(Cooling, f64)| {
+            let every = (AVERAGED / period).round().clamp(1.0, 1e6) as u32;
+            Heat::new(cooling, period, every)
+        };
+        // Where the winding is part of the plant, its own current warms it.
+        let amperes = model.warms.filter(|_| model.build.winding().is_none()).map(|(_, amperes)| amperes);
         Ok(Self {
+            heat: model.warms.as_ref().map(heat).transpose()?,
+            amperes,
+            current: 0.0,
             plant: Plant::new(&model.build, 1.0 / period)?,
             encoder: model.encoder,
             delay: Delay::new(model.delay.min(MOST_DELAY), 0.0)?,
@@ -75,6 +95,12 @@ impl Simulated {
         self.plant.step(torque * self.command, hand);
         self.by_hand += hand.torque * (self.plant.knob_angle() - knob);
         self.by_motor += torque * (self.plant.angle() - motor);
+        if let Some(heat) = &mut self.heat {
+            let before = self.current;
+            self.current = self.amperes.map_or_else(|| self.plant.current(), |amperes| torque * amperes);
+            // A torque that is there at once is there from the tick's beginning on.
+            heat.pass(if self.amperes.is_some() { self.current } else { before }, self.current);
+        }
     }
 
     /// A whole tick: reading, servo, plant.
@@ -88,6 +114,12 @@ impl Simulated {
     /// What turns.
     pub fn plant(&self) -> &Plant {
         &self.plant
+    }
+
+    /// How warm its winding and its housing are, where that is known. What it warms by does not come back: its resistance stays that of
+    /// the air's temperature in what turns.
+    pub fn thermal(&self) -> Option<&Thermal> {
+        self.heat.as_ref().map(Heat::thermal)
     }
 
     /// Work that a hand's torque did on the knob so far, joules; that of its grasp is not among it.

@@ -1,6 +1,6 @@
 //! What a knob is made of, for its servo and its simulation.
 
-use super::{Imposed, Knob};
+use super::{Imposed, Knob, controller};
 use crate::actuator::thermal::{COPPER, Cooling};
 use crate::knob::angle::decoder::Sensor;
 use crate::knob::governor::device::{Delay, Device, Resonance};
@@ -93,7 +93,11 @@ impl Knob {
     /// Seconds that card and system may take from the angle to its torque, in blocks of so many frames of so many a second; 0 of a knob
     /// that is simulated and whose `delay` nobody has measured.
     pub fn allowance(&self, block: u32, rate: f64) -> f64 {
-        let blocks = || if self.sensor.is_some() { INTAKE + BLOCKS * f64::from(block) / rate } else { 0.0 };
+        let blocks = || match (&self.controller, &self.sensor) {
+            (Some(of), _) => of.late() + controller::BLOCKS * f64::from(block) / rate,
+            (None, Some(_)) => INTAKE + BLOCKS * f64::from(block) / rate,
+            (None, None) => 0.0,
+        };
         self.delay.unwrap_or_else(blocks)
     }
 
@@ -103,11 +107,16 @@ impl Knob {
         let own =
             |sensor: &Sensor| f64::from(pace.ticks.max(1)) - 1.0 + sensor.late(pace.frames as usize) / frames;
         let own = self.sensor.as_ref().map_or(0.0, own);
-        match (self.delay, &self.sensor) {
-            (None, Some(_)) => {
-                Delay { fixed: own + INTAKE * pace.rate, block: pace.block, frames, blocks: BLOCKS }
+        let (late, blocks) = match (&self.controller, &self.sensor) {
+            (Some(of), _) => (of.late(), controller::BLOCKS),
+            (None, Some(_)) => (INTAKE, BLOCKS),
+            (None, None) => (0.0, 0.0),
+        };
+        match self.delay {
+            None if blocks > 0.0 => {
+                Delay { fixed: own + late * pace.rate, block: pace.block, frames, blocks }
             }
-            (seconds, _) => Delay::ticks(own + seconds.unwrap_or(0.0) * pace.rate),
+            seconds => Delay::ticks(own + seconds.unwrap_or(0.0) * pace.rate),
         }
     }
 
@@ -170,6 +179,7 @@ impl Knob {
             encoder: self.counts.and_then(|counts| Encoder::of_counts(counts).ok()),
             delay: self.delay_at(pace).total().round().clamp(0.0, 1e6) as usize,
             volts,
+            warms: self.cooling().zip(self.winding).map(|(cooling, [gain, ..])| (cooling, 1.0 / gain)),
         }
     }
 

@@ -1,9 +1,10 @@
 //! A force-feedback knob, `[knob]`: what it is, and what it must keep to.
 
+pub mod controller;
 pub mod made;
 pub mod motor;
 pub(crate) mod sensor;
-pub(crate) mod table;
+pub mod table;
 
 use super::{Device, OutputKind, Rig};
 use crate::knob::angle::decoder::Sensor;
@@ -14,6 +15,7 @@ use crate::text::field::Form;
 use crate::text::nearest::suggest;
 use crate::text::reader::Reader;
 use crate::text::{Problem, Span};
+use controller::Controller;
 use table::{FIELDS, HARMONIC, OUTPUT};
 
 /// A knob. Figures in SI; angles are radians, torques newton metres.
@@ -63,6 +65,8 @@ pub struct Knob {
     pub delay: Option<f64>,
     /// What reads its angle; `None`: it is simulated.
     pub sensor: Option<Sensor>,
+    /// The serial line that it is on. Its angle is heard as `sensor` says.
+    pub controller: Option<Controller>,
     /// How speed is estimated.
     pub velocity: Choice,
     /// The share of the edge of stability that is granted.
@@ -124,6 +128,7 @@ impl Default for Knob {
             rate: 8000.0,
             delay: None,
             sensor: None,
+            controller: None,
             velocity: Choice::Adaptive(0.01),
             margin: crate::knob::governor::MARGIN,
             passivity: 0.0,
@@ -197,6 +202,8 @@ pub(super) fn read(reader: &Reader) -> Knob {
     };
     let sensor = reader.one("sensor", format!("`sensor` of {}", reader.who));
     let sensor = sensor.and_then(|of| sensor::read(&of, counts));
+    let controller = reader.one("controller", format!("`controller` of {}", reader.who));
+    let controller = controller.and_then(|of| controller::read(&of));
     let knob = Knob {
         motor: motor.map(|motor| motor.name),
         inertia,
@@ -222,7 +229,8 @@ pub(super) fn read(reader: &Reader) -> Knob {
         stops: stops(reader),
         rate: reader.number_or_default("rate"),
         delay: reader.number("delay"),
-        sensor,
+        sensor: controller.as_ref().map(Controller::sensor).or(sensor),
+        controller,
         velocity: match reader.word("velocity") {
             1 => Choice::Kalman(reader.number_or_default("acceleration")),
             2 => Choice::Filtered(reader.number_or_default("velocity_corner")),
@@ -268,6 +276,16 @@ fn contradictions(knob: &Knob, reader: &Reader) {
                 knob.peak
             );
             wrong("friction", what, "both are in newton metres");
+        }
+    }
+    if reader.has("controller") {
+        for (key, does) in
+            [("sensor", "the angle comes by its line"), ("output", "the torque leaves by its line")]
+        {
+            if reader.has(key) {
+                let what = format!("`{key}` and `controller` say two ways of one knob: {does}");
+                wrong(key, what, "leave one of them out");
+            }
         }
     }
     if reader.has("counts") && reader.has("lines") {

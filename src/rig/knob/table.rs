@@ -1,5 +1,6 @@
 //! The keys of `[knob]`.
 
+use super::controller::CONTROLLER;
 use super::sensor::SENSOR;
 use crate::text::field::{Field, Form, Table};
 
@@ -12,7 +13,7 @@ pub static TABLE: Table = Table {
 };
 
 /// Its keys. Those that are numbers may be figures of a shipped motor.
-pub static FIELDS: [Field; 44] = [
+pub static FIELDS: [Field; 45] = [
     Field::new(
         "motor",
         Form::Text,
@@ -136,7 +137,7 @@ pub static FIELDS: [Field; 44] = [
         "delay",
         Form::any_number(0.0, 0.5),
         "s",
-        "From the angle to its torque, measured, beside the tick for which torque is held: with a `sensor` what card and system take, as `pacinian latency` says. Where nothing is said, none; with a `sensor` four blocks and 4 ms.",
+        "From the angle to its torque, measured, beside the tick for which torque is held: with a `sensor` what card and system take, as `pacinian latency` says. Where nothing is said, none; with a `sensor` four blocks and 4 ms, with a `controller` two blocks, two exchanges and 2 ms.",
     ),
     Field::new(
         "velocity",
@@ -200,6 +201,12 @@ pub static FIELDS: [Field; 44] = [
         Form::One(&SENSOR),
         "",
         "By which inputs of a sound card the angle of a knob that is there comes in; where nothing is said, it is simulated.",
+    ),
+    Field::new(
+        "controller",
+        Form::One(&CONTROLLER),
+        "",
+        "The serial line of a knob that is there, in place of `sensor` and `output`: { type = \"odrive\", port = \"/dev/ttyACM0\" }.",
     ),
     Field::new(
         "output",

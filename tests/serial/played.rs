@@ -1,0 +1,217 @@
+//! Patches on knobs that are there, through the program. Times that a line may take are far beyond what a busy machine needs.
+
+use std::f64::consts::{PI, TAU};
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+
+use crate::odrive::{FakeODrive, Names};
+use crate::smartknob::FakeSmartKnob;
+use crate::terminal::{Terminal, wait};
+
+struct Room(PathBuf);
+
+const PATCH: &str = r#"format = "pacinian-patch/1"
+title = "t"
+[knob.effects]
+spring = { type = "spring", stiffness = 0.002 }
+notches = { type = "detents", count = 24, torque = 1e-6 }
+[voice.click]
+output = "out"
+[voice.click.nodes]
+decay = { type = "envelope", attack = 0.001, decay = 0.02, sustain = 0 }
+out = { type = "sine", frequency = 200, amplitude = "decay" }
+[[trigger]]
+on = "knob.detent notches"
+play = "click"
+"#;
+
+const ODRIVE: &str = "inertia = 2e-5\nviscous = 2e-3\npeak_torque = 0.05\nsoft_start = 0.05\nstale = 5\nrelease = 5\ndelay = 0.3\nmargin = 1\n\
+    controller = { type = \"odrive\", exchanges = 500, watchdog = 1, patience = 0.25, ";
+const SMARTKNOB: &str = "inertia = 2e-5\nviscous = 2e-3\npeak_torque = 0.05\nstale = 0.3\ndelay = 0.3\n\
+    controller = { type = \"smartknob\", strength = 0.01, ";
+
+impl Room {
+    fn new(name: &str, knob: &str, port: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("pacinian-on-line-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("p.toml"), PATCH).unwrap();
+        let rig = format!(
+            "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\nrate = 48000\n[[tactor]]\nname = \"a\"\nchannel = 1\n\
+             [knob]\n{knob}port = \"{port}\" }}\n"
+        );
+        std::fs::write(folder.join("r.toml"), rig).unwrap();
+        Self(folder)
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pacinian"));
+        command.args(arguments).current_dir(&self.0).stdin(Stdio::null());
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    fn play(&self, arguments: &[&str]) -> Child {
+        let all = [&["play", "p.toml", "--rig", "r.toml", "--device", "virtual", "--block", "64"], arguments]
+            .concat();
+        self.command(&all).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+}
+
+impl Drop for Room {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// What it said, once it was asked to end.
+fn ended(child: Child) -> String {
+    let kill = Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status();
+    assert!(kill.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+fn said(child: Child) -> String {
+    let output = child.wait_with_output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let all = text(&output.stdout) + &text(&output.stderr);
+    assert!(output.status.success(), "{all}");
+    all
+}
+
+#[test]
+fn an_odrive_feels_a_patch_and_what_was_turned_is_played_again_to_the_bit() {
+    let terminal = Terminal::new(FakeODrive::new(Names::Old));
+    let room = Room::new("odrive", ODRIVE, terminal.name());
+    let keep = ["--torque", "--duration", "120", "--record", "s.wav", "--events", "s.csv"];
+    let playing = room.play(&keep);
+    terminal.device().hand = 1e-3;
+    // Where hand and spring balance, within the turn in which it was when it was heard first.
+    let off = |angle: f64| ((angle + PI).rem_euclid(TAU) - PI).abs();
+    wait("the spring", || {
+        let device = terminal.device();
+        off(device.plant.angle() - 0.5) < 0.02 && device.plant.speed().abs() < 0.05 && device.torque() < -9e-4
+    });
+    let all = ended(playing);
+    assert!(all.contains(terminal.name()), "{all}");
+    wait("the last bytes", || terminal.device().state == 1);
+    let left = {
+        let device = terminal.device();
+        (device.torque(), device.error)
+    };
+    assert_eq!(left, (0.0, 0));
+    let again = room.run(&["replay", "s.csv", "--against", "s.wav", "--json"]);
+    let summary: serde_json::Value = serde_json::from_slice(&again.stdout)
+        .unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&again.stderr)));
+    assert_eq!(summary["comparison"]["identical"], true, "{summary}");
+    let journal = std::fs::read_to_string(room.0.join("s.csv")).unwrap();
+    assert!(journal.contains("knob.detent"), "notches were passed: {journal}");
+}
+
+#[test]
+fn nothing_turns_until_somebody_asks() {
+    let terminal = Terminal::new(FakeODrive::new(Names::Old));
+    let room = Room::new("off", ODRIVE, terminal.name());
+    terminal.device().hand = 1e-3;
+    let playing = room.play(&["--duration", "120"]);
+    // The hand is alone with the bearing.
+    wait("many exchanges", || {
+        let device = terminal.device();
+        device.exchanges > 200 && device.plant.angle() > 1.0
+    });
+    ended(playing);
+    let device = terminal.device();
+    assert!(device.made.iter().all(|(_, torque)| *torque == 0.0), "{:?}", device.made);
+}
+
+#[test]
+fn torque_of_a_line_that_stalled_stays_away_when_it_is_back() {
+    let terminal = Terminal::new(FakeODrive::new(Names::Old));
+    let quick = ODRIVE.replace("stale = 5", "stale = 0.3").replace("release = 5", "release = 0.1");
+    let room = Room::new("stall", &quick, terminal.name());
+    terminal.device().hand = 1e-3;
+    let mut playing = room.play(&["--torque", "--duration", "60"]);
+    wait("torque", || terminal.device().torque() < -5e-4);
+    let now = terminal.now();
+    terminal.device().mischief.stall = Some((now, now + 3.0));
+    wait("its end", || terminal.device().torque() == 0.0);
+    wait("the end of the stall", || terminal.now() > now + 3.1);
+    let before = terminal.device().exchanges;
+    wait("exchanges", || terminal.device().exchanges > before + 300);
+    assert_eq!(terminal.device().torque(), 0.0);
+    let from = terminal.device().made.iter().rposition(|(_, torque)| *torque != 0.0).unwrap();
+    assert!(terminal.device().made[from].0 < now + 3.0, "it came back by itself");
+    playing.kill().unwrap();
+    let all = playing.wait_with_output().unwrap();
+    let all = String::from_utf8_lossy(&all.stdout).into_owned() + &String::from_utf8_lossy(&all.stderr);
+    assert!(all.contains("no answer"), "{all}");
+    // Killed, it leaves a board whose watchdog stops the motor.
+    wait("the watchdog", || terminal.device().error == 0x800);
+}
+
+#[test]
+fn what_is_no_knob_gets_no_torque() {
+    for echo in [true, false] {
+        let terminal = Terminal::new(FakeODrive::new(Names::Old));
+        let room = Room::new(if echo { "echo" } else { "flood" }, ODRIVE, terminal.name());
+        terminal.device().mischief.echo = echo;
+        if !echo {
+            terminal.device().mischief.flood = 1e5;
+        }
+        let all = said(room.play(&["--torque", "--duration", "10"]));
+        assert!(all.contains(if echo { "says back" } else { "that nobody asked for" }), "{all}");
+        assert!(terminal.device().made.iter().all(|(_, torque)| *torque == 0.0));
+    }
+}
+
+#[test]
+fn a_smartknob_is_told_what_to_be_once_somebody_asks() {
+    for asked in [true, false] {
+        let terminal = Terminal::new(FakeSmartKnob::new(false));
+        let room = Room::new(if asked { "smart" } else { "limp" }, SMARTKNOB, terminal.name());
+        let arguments: &[&str] =
+            if asked { &["--torque", "--duration", "120"] } else { &["--duration", "120"] };
+        let playing = room.play(arguments);
+        wait("a configuration", || !terminal.device().taken.is_empty());
+        if asked {
+            wait("what it is to be", || terminal.device().taken.contains(&b"pacinian".to_vec()));
+        }
+        let all = ended(playing);
+        let device = terminal.device();
+        assert_eq!(device.taken.contains(&b"pacinian".to_vec()), asked, "{all}");
+        assert_eq!(device.taken.last().unwrap(), b"pacinian: torque off");
+        // A spring beside notches it cannot be.
+        assert_eq!(all.contains("rendered by the knob"), asked, "{all}");
+        assert!(!device.calibrated && device.commands.is_empty());
+    }
+}
+
+#[test]
+fn a_port_that_is_not_there_is_told() {
+    let room = Room::new("none", ODRIVE, "/dev/pacinian-none");
+    let output = room.run(&["play", "p.toml", "--rig", "r.toml", "--device", "virtual", "--duration", "1"]);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(69), "{told}");
+    assert!(told.contains("/dev/pacinian-none"), "{told}");
+    // Simulated, nothing is opened; and check says what it bears.
+    let simulated = room.run(&[
+        "play",
+        "p.toml",
+        "--rig",
+        "r.toml",
+        "--device",
+        "virtual",
+        "--duration",
+        "0.2",
+        "--simulated",
+    ]);
+    assert!(simulated.status.success(), "{}", String::from_utf8_lossy(&simulated.stderr));
+    let checked = room.run(&["check", "p.toml", "--rig", "r.toml"]);
+    let checked = String::from_utf8_lossy(&checked.stdout).into_owned();
+    assert!(checked.contains("N m/rad"), "{checked}");
+}
