@@ -184,7 +184,7 @@ fn a_knob_is_turned_by_keys_and_its_dial_goes_with_it() {
         [voice.click]\noutput = \"o\"\nnodes.o = { type = \"sine\", frequency = 200, amplitude = \"e\" }\n\
         nodes.e = { type = \"envelope\", decay = 0.01, sustain = 0 }\n\
         [[trigger]]\non = \"knob.detent\"\nplay = \"click\"\n[control.depth]\ndefault = 1\n";
-    scratch.write("patch.toml", &format!("format = \"pacinian-patch/1\"\ntitle = \"Dial\"\n{knob}"));
+    scratch.write("patch.toml", format!("format = \"pacinian-patch/1\"\ntitle = \"Dial\"\n{knob}"));
     let command = scratch.command(&["knob", "patch.toml", "--keys"]);
     let Some(mut seat) = Seat::at(&command, (100, 30), "xterm-256color", true) else { return };
     // What the dial says of the angle, rad.

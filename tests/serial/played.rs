@@ -25,7 +25,7 @@ on = "knob.detent notches"
 play = "click"
 "#;
 
-const ODRIVE: &str = "inertia = 2e-5\nviscous = 2e-3\npeak_torque = 0.05\nsoft_start = 0.05\nstale = 0.3\ndelay = 0.3\nmargin = 1\n\
+const ODRIVE: &str = "inertia = 2e-5\nviscous = 2e-3\npeak_torque = 0.05\nsoft_start = 0.05\nstale = 5\nrelease = 5\ndelay = 0.3\nmargin = 1\n\
     controller = { type = \"odrive\", exchanges = 500, watchdog = 1, patience = 0.25, ";
 const SMARTKNOB: &str = "inertia = 2e-5\nviscous = 2e-3\npeak_torque = 0.05\nstale = 0.3\ndelay = 0.3\n\
     controller = { type = \"smartknob\", strength = 0.01, ";
@@ -67,6 +67,15 @@ impl Drop for Room {
     }
 }
 
+/// What it said, once it was asked to end.
+fn ended(child: Child) -> String {
+    let kill = Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status();
+    assert!(kill.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
 fn said(child: Child) -> String {
     let output = child.wait_with_output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -79,7 +88,7 @@ fn said(child: Child) -> String {
 fn an_odrive_feels_a_patch_and_what_was_turned_is_played_again_to_the_bit() {
     let terminal = Terminal::new(FakeODrive::new(Names::Old));
     let room = Room::new("odrive", ODRIVE, terminal.name());
-    let keep = ["--torque", "--duration", "8", "--record", "s.wav", "--events", "s.csv"];
+    let keep = ["--torque", "--duration", "120", "--record", "s.wav", "--events", "s.csv"];
     let playing = room.play(&keep);
     terminal.device().hand = 1e-3;
     // Where hand and spring balance, within the turn in which it was when it was heard first.
@@ -88,10 +97,14 @@ fn an_odrive_feels_a_patch_and_what_was_turned_is_played_again_to_the_bit() {
         let device = terminal.device();
         off(device.plant.angle() - 0.5) < 0.02 && device.plant.speed().abs() < 0.05 && device.torque() < -9e-4
     });
-    let all = said(playing);
+    let all = ended(playing);
     assert!(all.contains(terminal.name()), "{all}");
     wait("the last bytes", || terminal.device().state == 1);
-    assert_eq!((terminal.device().torque(), terminal.device().error), (0.0, 0));
+    let left = {
+        let device = terminal.device();
+        (device.torque(), device.error)
+    };
+    assert_eq!(left, (0.0, 0));
     let again = room.run(&["replay", "s.csv", "--against", "s.wav", "--json"]);
     let summary: serde_json::Value = serde_json::from_slice(&again.stdout)
         .unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&again.stderr)));
@@ -105,19 +118,22 @@ fn nothing_turns_until_somebody_asks() {
     let terminal = Terminal::new(FakeODrive::new(Names::Old));
     let room = Room::new("off", ODRIVE, terminal.name());
     terminal.device().hand = 1e-3;
-    let playing = room.play(&["--duration", "2"]);
-    wait("many exchanges", || terminal.device().exchanges > 200);
-    said(playing);
+    let playing = room.play(&["--duration", "120"]);
+    // The hand is alone with the bearing.
+    wait("many exchanges", || {
+        let device = terminal.device();
+        device.exchanges > 200 && device.plant.angle() > 1.0
+    });
+    ended(playing);
     let device = terminal.device();
     assert!(device.made.iter().all(|(_, torque)| *torque == 0.0), "{:?}", device.made);
-    // The hand is alone with the bearing.
-    assert!(device.plant.angle() > 1.0, "{}", device.plant.angle());
 }
 
 #[test]
 fn torque_of_a_line_that_stalled_stays_away_when_it_is_back() {
     let terminal = Terminal::new(FakeODrive::new(Names::Old));
-    let room = Room::new("stall", ODRIVE, terminal.name());
+    let quick = ODRIVE.replace("stale = 5", "stale = 0.3").replace("release = 5", "release = 0.1");
+    let room = Room::new("stall", &quick, terminal.name());
     terminal.device().hand = 1e-3;
     let mut playing = room.play(&["--torque", "--duration", "60"]);
     wait("torque", || terminal.device().torque() < -5e-4);
@@ -147,7 +163,7 @@ fn what_is_no_knob_gets_no_torque() {
         if !echo {
             terminal.device().mischief.flood = 1e5;
         }
-        let all = said(room.play(&["--torque", "--duration", "3"]));
+        let all = said(room.play(&["--torque", "--duration", "10"]));
         assert!(all.contains(if echo { "says back" } else { "that nobody asked for" }), "{all}");
         assert!(terminal.device().made.iter().all(|(_, torque)| *torque == 0.0));
     }
@@ -158,13 +174,14 @@ fn a_smartknob_is_told_what_to_be_once_somebody_asks() {
     for asked in [true, false] {
         let terminal = Terminal::new(FakeSmartKnob::new(false));
         let room = Room::new(if asked { "smart" } else { "limp" }, SMARTKNOB, terminal.name());
-        let arguments: &[&str] = if asked { &["--torque", "--duration", "5"] } else { &["--duration", "3"] };
+        let arguments: &[&str] =
+            if asked { &["--torque", "--duration", "120"] } else { &["--duration", "120"] };
         let playing = room.play(arguments);
         wait("a configuration", || !terminal.device().taken.is_empty());
         if asked {
             wait("what it is to be", || terminal.device().taken.contains(&b"pacinian".to_vec()));
         }
-        let all = said(playing);
+        let all = ended(playing);
         let device = terminal.device();
         assert_eq!(device.taken.contains(&b"pacinian".to_vec()), asked, "{all}");
         assert_eq!(device.taken.last().unwrap(), b"pacinian: torque off");

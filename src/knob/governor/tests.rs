@@ -260,7 +260,7 @@ fn swing(d: &Device, friction: f64, gains: (f64, f64), hand: f64, off: f64) -> f
         if tick >= settle {
             (low, high) = (low.min(angle), high.max(angle));
         }
-        tick > watch || !(angle.abs() < 1e6)
+        tick > watch || angle.is_nan() || angle.abs() >= 1e6
     });
     if high.is_finite() { (high - low) / d.count } else { f64::INFINITY }
 }
