@@ -1,6 +1,6 @@
 //! The queues between those who send signals and the conductor: one for each way, all of a declared size.
 //!
-//! No sender waits: what finds no room is refused, and what lets go is kept as [`Owed`]. The conductor takes what waits by time, then
+//! No sender waits: what finds no room is refused, and what lets go is kept as what is owed. The conductor takes what waits by time, then
 //! by way; in one pass no more than [`SHARE`] of each, so that no flood keeps the others waiting.
 
 use std::collections::VecDeque;
