@@ -9,7 +9,7 @@ mod bench;
 use std::fs;
 use std::time::Duration;
 
-use bench::{Bench, floats, scene, signal, wait};
+use bench::{Bench, HUM, floats, scene, signal, wait};
 
 #[test]
 fn the_card_is_listed_with_what_it_offers() {
@@ -72,11 +72,7 @@ fn twenty_four_channels_arrive_as_they_would_be_rendered() {
 #[test]
 fn a_card_that_is_pulled_and_plugged_in_again_is_found_and_no_other() {
     let Some(bench) = Bench::new("pulled") else { return };
-    bench.write(
-        "hum.toml",
-        "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"s\"\n[voice.v.nodes]\n\
-         s = { type = \"sine\", frequency = 100, amplitude = 0.5 }\n",
-    );
+    bench.write("hum.toml", HUM);
     let child = bench.start(&["play", "hum.toml", "--device", "card8", "--block", "256"]);
     let length = || fs::metadata(bench.played()).map_or(0, |about| about.len());
     for _ in 0..3 {

@@ -126,6 +126,10 @@ fn largest_step(signal: &[f32]) -> f32 {
     signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max)
 }
 
+fn apart(one: &[f32], other: &[f32]) -> f32 {
+    one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
 fn peak(signal: &[f32]) -> f32 {
     signal.iter().fold(0.0, |most, x| most.max(x.abs()))
 }
@@ -196,7 +200,7 @@ fn what_differs_crosses_without_a_step_or_a_gap() {
             assert!(peak(period) > 0.9 * peak(&plain[1]).min(peak(&alone[1])), "{change}");
         }
         let (end, expected) = (&crossed[1][AT + 9600..], &alone[1][AT + 9600..]);
-        let apart = end.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        let apart = apart(end, expected);
         assert!(apart < 2e-4, "{change}: {apart}");
     }
 }
@@ -216,7 +220,7 @@ fn a_tactor_that_moves_takes_along_what_sounds() {
     assert!(peak(&moved[1][AT + 24_000..]) < 1e-5 && peak(&moved[7][..AT]) == 0.0);
     let (end, expected) = (&moved[7][AT + 24_000..], &plain[1][AT + 24_000..]);
     // But for what the other channel's high-pass has still to forget.
-    let apart = end.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    let apart = apart(end, expected);
     assert!(apart < 1e-3, "{apart}");
 }
 
@@ -303,6 +307,10 @@ fn silence_is_silence_meanwhile() {
     );
 }
 
+fn high(frames: &[f32], channel: usize) -> usize {
+    frames.iter().skip(channel).step_by(CHANNELS).filter(|x| **x == 1.0).count()
+}
+
 #[test]
 fn pulses_go_on_whatever_their_markers_number_is() {
     let marked = "[[output]]\nkind = \"trigger\"\nname = \"go\"\nchannel = 6\nmarker = \"go\"\npulse = 0.1\n";
@@ -319,16 +327,14 @@ fn pulses_go_on_whatever_their_markers_number_is() {
     stagehand.process(&[], &mut frames[..1200 * CHANNELS]);
     assert_eq!(director.send(&other), Ok(true));
     stagehand.process(&[], &mut frames[1200 * CHANNELS..]);
-    let high = |channel: usize| frames.iter().skip(channel).step_by(CHANNELS).filter(|x| **x == 1.0).count();
-    assert_eq!((high(5), high(6)), (4800, 0));
+    assert_eq!((high(&frames, 5), high(&frames, 6)), (4800, 0));
     // And those to come are of the marker that is called so.
     let number = other.markers.iter().position(|name| &**name == "go").unwrap() as u32;
     let now = Instant { sample: stagehand.engine().clock(), fraction: 0 };
     stagehand.engine().schedule(now, Source::Program, Event::Marker(number, 0));
     let mut frames = vec![0.0; 9600 * CHANNELS];
     stagehand.process(&[], &mut frames);
-    let high = |channel: usize| frames.iter().skip(channel).step_by(CHANNELS).filter(|x| **x == 1.0).count();
-    assert_eq!((high(5), high(6)), (4800, 0));
+    assert_eq!((high(&frames, 5), high(&frames, 6)), (4800, 0));
 }
 
 #[test]

@@ -349,7 +349,7 @@ impl<R: Real> Core<R> {
 
     /// Tells the output stage how it is to take over from another.
     pub fn expect_succession(&mut self, succession: Succession) {
-        self.stage.expect(succession);
+        self.stage.expect_succession(succession);
     }
 
     /// Whether the output stage before this one still sounds.

@@ -5,7 +5,7 @@
 //! gone or says "all sound off". It opens with the next voice, within less than what that takes
 //! through the output stage.
 
-use super::workspace::BLOCK;
+use super::edges::Edges;
 
 /// Seconds from open to shut; back takes half of it.
 const RAMP: f64 = 0.002;
@@ -25,11 +25,7 @@ pub struct Hush {
     /// Engine samples until it opens by itself, and how many they are at first.
     left: u32,
     rings: u32,
-    /// At which engine samples of the block to come it shuts, and at which it opens; the next one in the lowest bit.
-    shuts: u64,
-    opens: u64,
-    /// The next engine sample.
-    clock: u64,
+    edges: Edges,
 }
 
 impl Hush {
@@ -37,37 +33,23 @@ impl Hush {
     pub fn new(device_rate: f64, ratio: usize) -> Self {
         let ramp = (RAMP * device_rate).round().max(1.0) as u32;
         let rings = (RINGS * device_rate / ratio.max(1) as f64).round() as u32;
-        Self { ratio, ramp, at: ramp, open: true, left: 0, rings, shuts: 0, opens: 0, clock: 0 }
+        Self { ratio, ramp, at: ramp, open: true, left: 0, rings, edges: Edges::default() }
     }
 
     /// Goes to zero from an engine sample of the next block on.
     pub fn shut(&mut self, clock: u64) {
-        let bit = self.bit(clock);
-        (self.shuts, self.opens) = (self.shuts | bit, self.opens & !bit);
+        self.edges.shut(clock);
     }
 
     /// Comes back from an engine sample of the next block on.
     pub fn open(&mut self, clock: u64) {
-        let bit = self.bit(clock);
-        (self.shuts, self.opens) = (self.shuts & !bit, self.opens | bit);
+        self.edges.open(clock);
     }
 
-    fn bit(&self, clock: u64) -> u64 {
-        1 << clock.saturating_sub(self.clock).min(BLOCK as u64 - 1)
-    }
-
-    /// Weighs frames of `channels`: those of `samples` engine samples (at most a block), from `clock` on. The sample after those
+    /// Weighs frames of `channels`: those of the next `samples` engine samples (at most a block). The sample after those
     /// for which `output` has room is in `rest`.
-    pub fn apply(
-        &mut self,
-        clock: u64,
-        samples: usize,
-        channels: usize,
-        output: &mut [f32],
-        rest: &mut [f32],
-    ) {
-        let (mut shuts, mut opens) = (self.shuts, self.opens);
-        (self.shuts, self.opens, self.clock) = (0, 0, clock + samples as u64);
+    pub fn apply(&mut self, samples: usize, channels: usize, output: &mut [f32], rest: &mut [f32]) {
+        let [mut shuts, mut opens] = self.edges.take(samples);
         if self.open && self.at == self.ramp && shuts == 0 {
             return;
         }
@@ -94,7 +76,8 @@ impl Hush {
 
 #[cfg(test)]
 mod tests {
-    use super::{BLOCK, Hush};
+    use super::Hush;
+    use crate::engine::workspace::BLOCK;
 
     /// Ones through it in blocks of these sizes, with edges (engine sample, opens) that are told before the block they fall in.
     fn weighed(blocks: &[usize], edges: &[(u64, bool)]) -> Vec<f32> {
@@ -104,7 +87,7 @@ mod tests {
                 if opens { hush.open(at) } else { hush.shut(at) }
             }
             let (mut output, mut rest) = (vec![1.0; samples * 12 - 5], [1.0; 12]);
-            hush.apply(clock, samples, 2, &mut output, &mut rest);
+            hush.apply(samples, 2, &mut output, &mut rest);
             output.truncate((samples - 1) * 12);
             all.extend_from_slice(&output);
             all.extend_from_slice(&rest);

@@ -8,6 +8,7 @@ mod core;
 
 mod declick;
 mod drives;
+mod edges;
 pub mod event;
 pub mod exchange;
 pub mod guard;

@@ -60,7 +60,7 @@ impl Stage {
     }
 
     /// Makes it ready to take over from another in this way.
-    pub(crate) fn expect(&mut self, succession: Succession) {
+    pub(crate) fn expect_succession(&mut self, succession: Succession) {
         self.succession = Some(Box::new(succession));
     }
 
@@ -69,7 +69,7 @@ impl Stage {
         self.succession.as_ref().is_some_and(|succession| !succession.is_over())
     }
 
-    /// Takes over from `old` at the engine sample `clock`, as it was told to [expect](Self::expect).
+    /// Takes over from `old` at the engine sample `clock`, as it was told to [expect](Self::expect_succession).
     pub(crate) fn take_over(&mut self, old: &mut Self, clock: u64) {
         let Some(succession) = &self.succession else { return };
         let crossed = succession.channels();
@@ -223,7 +223,7 @@ impl Stage {
         self.drives.take(rows, fed, samples);
         self.vibration.process_with_rest(samples, rows, fed, clock, output, rest);
         self.raw.write(samples, output, rest);
-        self.hush.apply(clock, samples, self.vibration.channels(), output, rest);
+        self.hush.apply(samples, self.vibration.channels(), output, rest);
         if !self.drives.is_empty() {
             standing.motors(samples, || self.drives.write(samples, output, rest));
         }

@@ -1,7 +1,7 @@
 //! What runs in the audio callback: takes what the other threads have sent, lets the engine play, and watches over what goes out.
 //!
-//! It knows no device, and reads a clock for nothing but to say what its work has cost. Everything that reaches it is stamped with engine time or takes effect at the frame at
-//! which it is found, and it tells [`Report`]s of both, from which a session can be played again to the bit.
+//! It knows no device, and reads a clock for nothing but to say what its work has cost. Everything that reaches it is stamped with engine
+//! time or takes effect at the frame at which it is found, and it tells [`Report`]s of both, from which a session can be played again to the bit.
 
 use std::sync::Arc;
 
@@ -270,6 +270,7 @@ impl Callback {
         let (source, event) = (Source::Program, Event::Shed(shed));
         if engine.schedule(at, source, event) {
             self.shed = shed;
+            self.meters.rest(shed < METERS);
             self.board.shed.set(u64::from(u8::MAX - shed));
             self.tell(Deed::Event { at, due: at, source, event, cause: 0 });
         }
@@ -361,7 +362,6 @@ impl Callback {
                 self.meters.timed(frames, self.timing, || board.meter(output, channels));
             }
         }
-        self.meters.rest(self.shed < METERS);
         let engine = self.stagehand.engine();
         self.board.voices.set(engine.sounding() as u64);
         self.board.clock.set(engine.clock());

@@ -64,7 +64,7 @@ pub(crate) fn queues() -> (Inlet, Inbox) {
         closed: AtomicBool::new(false),
     });
     let ends = Way::ALL.map(|way| (way, sync_channel(way.capacity())));
-    let lanes = [0, 1, 2, 3].map(|n: usize| ends[n].1.0.clone());
+    let lanes = std::array::from_fn(|n| ends[n].1.0.clone());
     let inlet = Inlet { lanes, shared: Arc::clone(&shared) };
     let lanes = ends.map(|(way, (_, signals))| Lane {
         way,

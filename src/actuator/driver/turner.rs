@@ -158,9 +158,9 @@ impl Turner {
         self.clock = clock;
     }
 
-    /// As warm as another motor was on the same output; what was counted there counts on.
-    pub fn warm_as(&mut self, other: &Self) {
-        self.counts = other.counts;
+    /// As warm as another motor was on the same output; what was counted there counts on here.
+    pub fn warm_as(&mut self, other: &mut Self) {
+        self.counts = std::mem::take(&mut other.counts);
         if let (Some(own), Some(other)) = (&mut self.warmth, &other.warmth) {
             own.warm_as(other);
         }

@@ -4,6 +4,7 @@
 //! the amplifier and goes on braking, with the mechanical time constant; at a current, zero lets a motor roll, and the pulse before it is all that
 //! brakes it.
 
+use super::super::edges::Edges;
 use super::super::workspace::BLOCK;
 
 /// Seconds of braking before nothing is sent.
@@ -30,18 +31,14 @@ pub(super) struct Halts {
     /// Nothing may leave; nothing plays.
     held: bool,
     hushed: bool,
-    /// At which samples of the block to come all falls silent, and at which something begins; the next one in the lowest bit.
-    shuts: u64,
-    opens: u64,
-    /// The next engine sample.
-    clock: u64,
+    edges: Edges,
 }
 
 impl Halts {
     /// Of motors that play, at so many engine samples a second.
     pub fn new(rate: f64) -> Self {
         let brakes = (BRAKING * rate).floor() as u32;
-        Self { brakes, left: brakes, held: false, hushed: false, shuts: 0, opens: 0, clock: 0 }
+        Self { brakes, left: brakes, held: false, hushed: false, edges: Edges::default() }
     }
 
     /// From the next sample on, until it is taken back.
@@ -51,25 +48,19 @@ impl Halts {
 
     /// From an engine sample of the next block on, until something begins.
     pub fn shut(&mut self, clock: u64) {
-        let bit = self.bit(clock);
-        (self.shuts, self.opens) = (self.shuts | bit, self.opens & !bit);
+        self.edges.shut(clock);
     }
 
     /// Something begins at an engine sample of the next block.
     pub fn open(&mut self, clock: u64) {
-        let bit = self.bit(clock);
-        (self.shuts, self.opens) = (self.shuts & !bit, self.opens | bit);
-    }
-
-    fn bit(&self, clock: u64) -> u64 {
-        1 << clock.saturating_sub(self.clock).min(BLOCK as u64 - 1)
+        self.edges.open(clock);
     }
 
     /// What is done at each of the next samples.
     pub fn next(&mut self, samples: usize, halts: &mut [Halt; BLOCK]) {
-        self.clock += samples as u64;
+        let [shuts, opens] = self.edges.take(samples);
         for (n, halt) in halts.iter_mut().enumerate().take(samples) {
-            self.hushed = (self.hushed && self.opens >> n & 1 == 0) || self.shuts >> n & 1 == 1;
+            self.hushed = (self.hushed && opens >> n & 1 == 0) || shuts >> n & 1 == 1;
             *halt = match self.left {
                 _ if !(self.held || self.hushed) => {
                     self.left = self.brakes;
@@ -82,7 +73,6 @@ impl Halts {
                 }
             };
         }
-        (self.shuts, self.opens) = (0, 0);
     }
 }
 

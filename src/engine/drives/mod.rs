@@ -93,7 +93,7 @@ impl Drives {
             line.turner.begin_at(clock);
             let Some(old) = old.lines.iter_mut().find(|old| old.channel == line.channel) else { continue };
             if crossed.contains(&line.channel) {
-                line.turner.warm_as(&old.turner);
+                line.turner.warm_as(&mut old.turner);
             } else {
                 std::mem::swap(line, old);
                 line.turner.trade_tracks(&mut old.turner);

@@ -1,9 +1,9 @@
 //! Loops whose speed comes from an estimator: its own states are among the eigenvalues.
 
 use super::super::sampled::{Loop, Rotor, Shaft};
+use super::of_shaft;
 use crate::knob::plant::Plant as Model;
-use crate::knob::plant::parameters::Parameters;
-use crate::knob::plant::parts::{self, Build, Hand};
+use crate::knob::plant::parts::Hand;
 use crate::knob::test_plant::{Delay, Plant};
 use crate::knob::velocity::Estimator;
 use crate::knob::velocity::choice::Choice;
@@ -115,16 +115,7 @@ fn a_simulated_knob_with_its_estimator_begins_to_swing_at_the_edge() {
 fn a_simulated_shaft_with_its_estimator_begins_to_swing_at_the_edge() {
     let (rate, delay, damping) = (10_000.0, 2, 5e-5);
     let shaft = Shaft { motor: 0.95e-6, knob: 5.05e-6, clamped: 100.0, loss: 1e-4, damping };
-    let build = Build {
-        parameters: Parameters { inertia: shaft.motor, viscous: damping, ..Parameters::default() },
-        shaft: Some(parts::Shaft {
-            inertia: shaft.knob,
-            viscous: 0.0,
-            stiffness: shaft.stiffness(),
-            damping: shaft.loss,
-        }),
-        ..Build::default()
-    };
+    let build = of_shaft(&shaft);
     let rest = Loop::shaft(&shaft, 1.0 / rate, delay as f64).unwrap();
     for choice in choices(1.0 / rate) {
         let all = estimated(&rest, choice);

@@ -1,9 +1,9 @@
 //! Knobs that are simulated, and know nothing of eigenvalues.
 
 use super::super::sampled::{Loop, Rotor, Shaft};
+use super::of_shaft;
 use crate::knob::plant::Plant as Model;
-use crate::knob::plant::parameters::Parameters;
-use crate::knob::plant::parts::{self, Build, Hand};
+use crate::knob::plant::parts::Hand;
 use crate::knob::test_plant::{Delay, Plant, count, floor};
 
 /// A bisection on simulated knobs that knows nothing of eigenvalues.
@@ -88,16 +88,7 @@ fn a_simulated_shaft_begins_to_swing_at_the_edge() {
     let (damping, rate) = (2e-5, 10_000.0);
     for (clamped, loss) in [(600.0, 6.571_352_792_9e-5), (40.0, 2e-4)] {
         let shaft = Shaft { motor: 0.95e-6, knob: 5.05e-6, clamped, loss, damping };
-        let build = Build {
-            parameters: Parameters { inertia: shaft.motor, viscous: damping, ..Parameters::default() },
-            shaft: Some(parts::Shaft {
-                inertia: shaft.knob,
-                viscous: 0.0,
-                stiffness: shaft.stiffness(),
-                damping: loss,
-            }),
-            ..Build::default()
-        };
+        let build = of_shaft(&shaft);
         for delay in [0, 1, 2, 3, 32] {
             let exact = Loop::shaft(&shaft, 1.0 / rate, delay as f64).unwrap().edge(0.0);
             let grows = |k: f64| {
