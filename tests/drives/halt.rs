@@ -279,7 +279,7 @@ fn a_motor_of_another_rig_is_braked_as_well() {
     let weaker = || compiled("gain = 2.4\nmax_volts = 12.5\ncoupling = \"dc\"\n");
     for way in [Way::Panic, Way::SoundOff] {
         for (first, second, from) in
-            [(elsewhere(), compiled(VOLTAGE), 0.1), (compiled(VOLTAGE), weaker(), STOPS - 0.003)]
+            [(elsewhere(), compiled(VOLTAGE), 0.1), (compiled(VOLTAGE), weaker(), STOPS)]
         {
             let (mut director, stagehand) = exchange(&first).unwrap();
             let board = Arc::new(Board::new(3));
