@@ -194,7 +194,11 @@ fn what_differs_crosses_without_a_step_or_a_gap() {
         let alone = run(&other, None, AT, LENGTH, &[64]);
         let crossed = run(&plan, Some(&other), AT, LENGTH, &[64]);
         let steps = largest_step(&plain[1]).max(largest_step(&alone[1]));
-        assert!(largest_step(&crossed[1]) <= steps * 1.001, "{change}: {} {steps}", largest_step(&crossed[1]));
+        assert!(
+            largest_step(&crossed[1]) <= steps * 1.001,
+            "{change}: {} {steps}",
+            largest_step(&crossed[1])
+        );
         // Of 105 Hz: every period is heard, before, meanwhile and after.
         for period in crossed[1][4800..].chunks_exact(460) {
             assert!(peak(period) > 0.9 * peak(&plain[1]).min(peak(&alone[1])), "{change}");
