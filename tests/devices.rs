@@ -112,7 +112,8 @@ fn a_card_that_is_pulled_and_plugged_in_again_is_found_and_no_other() {
     assert!(jumps <= 3 + 2 * gaps, "{jumps} jumps, {gaps} gaps");
 }
 
-/// Without a rig nobody has said that the card may get a steady voltage; and a replay knows that nobody had.
+/// Without a rig, or with one that says nothing of it, nobody has said that the card may get a steady voltage; and a replay knows that
+/// nobody had.
 #[test]
 fn nothing_steady_leaves_on_a_card_that_nobody_has_described() {
     let Some(bench) = Bench::new("undescribed") else { return };
@@ -121,18 +122,36 @@ fn nothing_steady_leaves_on_a_card_that_nobody_has_described() {
         "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"o\"\n[voice.v.nodes]\n\
          e = { type = \"envelope\", attack = 0.01 }\no = { type = \"multiply\", inputs = [\"e\", 0.5] }\n",
     );
-    let keep = ["--record", "sent.wav", "--events", "j.jsonl"];
-    let play = ["play", "steady.toml", "--device", "card8", "--duration", "2"];
-    let run = bench.run(&[&play[..], &keep[..]].concat());
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let sent = floats(&bench.folder.join("sent.wav"));
-    let first: Vec<f32> = sent.iter().step_by(8).copied().collect();
-    assert!(first.iter().any(|x| *x > 0.05), "it begins");
-    assert!(first[84_000..90_000].iter().all(|x| x.abs() < 1e-3), "and does not stay: {}", first[84_000]);
-    let run = bench.run(&["replay", "j.jsonl", "-o", "again.wav"]);
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let again = floats(&bench.folder.join("again.wav"));
-    assert!(sent.len() == again.len() && sent.iter().zip(&again).all(|(a, b)| a.to_bits() == b.to_bits()));
+    let rig = |said: &str| {
+        let tactors = (1..=8).map(|n| format!("[[tactor]]\nname = \"t{n}\"\nchannel = {n}\n"));
+        let tactors: String = tactors.collect();
+        format!("format = \"pacinian-rig/1\"\n[device]\nchannels = 8\n{said}\n{tactors}")
+    };
+    bench.write("silent.toml", &rig(""));
+    bench.write("coupled.toml", &rig("coupling = { high_pass = 8 }"));
+    for (rig, stays, noted) in
+        [(None, false, false), (Some("silent.toml"), false, true), (Some("coupled.toml"), true, false)]
+    {
+        let play = ["play", "steady.toml", "--device", "card8", "--duration", "2"];
+        ["sent.wav", "j.jsonl", "again.wav"].map(|file| std::fs::remove_file(bench.folder.join(file)));
+        let keep = ["--record", "sent.wav", "--events", "j.jsonl"];
+        let named = rig.map_or(Vec::new(), |rig| vec!["--rig", rig]);
+        let run = bench.run(&[&play[..], &keep[..], &named[..]].concat());
+        let told = String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.success(), "{told}");
+        assert_eq!(told.contains("steady voltages"), noted, "{rig:?}: {told}");
+        let sent = floats(&bench.folder.join("sent.wav"));
+        let first: Vec<f32> = sent.iter().step_by(8).copied().collect();
+        assert!(first.iter().any(|x| *x > 0.05), "{rig:?}: it begins");
+        let lasts = first[84_000..90_000].iter().all(|x| x.abs() > 0.04);
+        let is_gone = first[84_000..90_000].iter().all(|x| x.abs() < 1e-3);
+        assert_eq!((lasts, is_gone), (stays, !stays), "{rig:?}: {}", first[84_000]);
+        let run = bench.run(&["replay", "j.jsonl", "-o", "again.wav"]);
+        assert!(run.status.success(), "{rig:?}: {}", String::from_utf8_lossy(&run.stderr));
+        let again = floats(&bench.folder.join("again.wav"));
+        let same = sent.iter().zip(&again).all(|(a, b)| a.to_bits() == b.to_bits());
+        assert!(sent.len() == again.len() && same, "{rig:?}");
+    }
 }
 
 #[test]

@@ -70,9 +70,9 @@ pub struct Scene {
     /// Where no rig is named, the numbers of channels of which the line of tactors is to have one; none: any.
     #[arg(skip)]
     pub offered: Vec<u16>,
-    /// Where no rig is named, whether that is on a card that nobody has described.
+    /// Whether it is played on a real card.
     #[arg(skip)]
-    pub unknown_card: bool,
+    pub on_card: bool,
     /// Whether it is played live, and whether somebody has named a device to listen to.
     #[arg(skip)]
     pub live: bool,
@@ -205,7 +205,7 @@ impl Scene {
             midi: None,
             allow_outside: false,
             offered: Vec::new(),
-            unknown_card: false,
+            on_card: false,
             live: false,
             hears: false,
             simulated: false,
@@ -293,10 +293,7 @@ impl Scene {
         duration: Option<f64>,
     ) -> Result<Loaded, Failure> {
         let by_default = given.is_none();
-        let rig = given.unwrap_or_else(|| {
-            let rig = by_default::rig(&patch, &self.offered);
-            if self.unknown_card { rig.on_an_unknown_card() } else { rig }
-        });
+        let rig = given.unwrap_or_else(|| by_default::rig(&patch, &self.offered));
         self.check_words(&patch)?;
         setting::set(&mut patch, &self.settings)?;
         let rate = self.rate.map(f64::from).or(rig.device.rate).unwrap_or(48_000.0);
@@ -323,6 +320,7 @@ impl Scene {
             // What comes in by a file is what the sensor says.
             attached: !self.simulated && (self.input.is_some() || (self.live && hears)),
             block: self.block,
+            on_card: self.on_card,
             live: self.midi.is_some() || (all && patch.triggers.iter().any(|t| t.on.is_live())),
             ..Options::default()
         };

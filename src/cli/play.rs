@@ -97,6 +97,10 @@ impl From<DeviceError> for Failure {
     }
 }
 
+/// What is done where a rig leaves open what its card lets through.
+const UNSAID: &str = "the rig does not say whether the card lets steady voltages through, so none leaves but on outputs declared for \
+                      them: say `coupling` in [device]\n";
+
 impl Play {
     /// Of a simulated knob that keys turn, on no card.
     pub fn turned(scene: Scene, duration: Option<f64>) -> Self {
@@ -131,7 +135,6 @@ impl Play {
         if scene.rig.is_none() {
             let chosen = Wish::of(self.device.as_deref(), None).choose()?;
             scene.offered = chosen.channels().to_vec();
-            scene.unknown_card = !matches!(chosen, Chosen::Virtual(_));
             device = Some(chosen);
         }
         // However long it plays, all of an input may be heard.
@@ -151,7 +154,10 @@ impl Play {
         };
         let block = self.block.or_else(|| device.usual_block());
         scene.block = block;
-        let options = Options { rate: Some(f64::from(rate)), live: true, block, ..loaded.options.clone() };
+        scene.on_card = !matches!(device, Chosen::Virtual(_));
+        let on_card = scene.on_card;
+        let options =
+            Options { rate: Some(f64::from(rate)), live: true, block, on_card, ..loaded.options.clone() };
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
         self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
@@ -218,6 +224,9 @@ impl Play {
             escaped(&name),
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
+        if on_card && loaded.rig_source.is_some() && loaded.rig.device.coupling.is_none() {
+            terminal.note(UNSAID);
+        }
         if let Some(hears) = hears {
             terminal.note(&format!("{hears}\n"));
         }

@@ -29,10 +29,7 @@ pub fn provenance(loaded: &Loaded, options: &Options) -> Result<Provenance, File
         patch: text(&source.file, &source.source),
         rig: match &loaded.rig_source {
             Some(rig) => RigText::Text(text(&rig.file, &rig.source)),
-            None => RigText::Line {
-                line: loaded.rig.device.channels,
-                unknown_card: loaded.rig.device.coupling.is_some(),
-            },
+            None => RigText::Line { line: loaded.rig.device.channels },
         },
         tables: loaded.tables.iter().map(|table| text(&table.path, &table.text)).collect(),
         folder: folder.root().display().to_string(),

@@ -41,6 +41,9 @@ pub struct Options {
     pub attached: bool,
     /// Frames of a device's block, as far as that is known; `None`: [`BLOCK`]. A knob that a card reads waits for blocks.
     pub block: Option<u32>,
+    /// Whether it is played on a real card. Where the rig does not say what the card's outputs let through, steady voltages are taken to
+    /// leave it, and are kept off; else they are taken not to.
+    pub on_card: bool,
 }
 
 /// Frames of a block where nobody says how many.
@@ -58,6 +61,7 @@ impl Default for Options {
             live: false,
             attached: false,
             block: None,
+            on_card: false,
         }
     }
 }
@@ -178,10 +182,11 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         shared(patch, &mut wanted, assets, device_rate / ratio as f64, &mut left_out, &mut problems);
     let (shared, controls) = controls(patch, shared, &mut left_out);
     let mut markers = Vec::new();
+    let steady = rig.device.passes_steady(options.on_card);
     let outputs: Vec<Output> = rig
         .outputs
         .iter()
-        .map(|o| output(o, rig, device_rate / ratio as f64, &mut markers, &mut problems))
+        .map(|o| output(o, rig, steady, device_rate / ratio as f64, &mut markers, &mut problems))
         .collect();
     let is_felt = felt::is_felt(patch);
     let tables = patch.patterns.iter().any(|pattern| matches!(pattern.events, Events::File(..)));
@@ -311,6 +316,7 @@ fn place_of(output: &rig::Output) -> Vec<(u32, f64)> {
 fn output(
     output: &rig::Output,
     rig: &Rig,
+    steady: bool,
     rate: f64,
     markers: &mut Vec<Arc<str>>,
     problems: &mut Vec<Problem>,
@@ -341,7 +347,7 @@ fn output(
         channel: output.channel.saturating_sub(1),
         kind,
         equaliser,
-        keeps_dc_off: rig.lets_dc(output) == Some(false),
+        keeps_dc_off: steady && !output.is_for_dc(),
         max_level: rig.max_level(output),
     }
 }

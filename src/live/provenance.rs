@@ -51,9 +51,6 @@ pub enum RigText {
     Line {
         /// How many.
         line: u32,
-        /// Whether they are [`crate::rig::Rig::on_an_unknown_card`].
-        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-        unknown_card: bool,
     },
 }
 
@@ -80,11 +77,14 @@ pub struct Choices {
     attached: bool,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     block: Option<u32>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    on_card: bool,
 }
 
 impl From<&Options> for Choices {
     fn from(options: &Options) -> Self {
-        let Options { rate, ratio, precision, taps, seed, pattern, live, attached, block } = options.clone();
+        let Options { rate, ratio, precision, taps, seed, pattern, live, attached, block, on_card } =
+            options.clone();
         Self {
             rate,
             ratio,
@@ -95,14 +95,16 @@ impl From<&Options> for Choices {
             live,
             attached,
             block,
+            on_card,
         }
     }
 }
 
 impl From<&Choices> for Options {
     fn from(choices: &Choices) -> Self {
-        let Choices { rate, ratio, double, taps, seed, pattern, live, attached, block } = choices.clone();
+        let Choices { rate, ratio, double, taps, seed, pattern, live, attached, block, on_card } =
+            choices.clone();
         let precision = if double { Precision::Double } else { Precision::Single };
-        Self { rate, ratio, precision, taps, seed, pattern, live, attached, block }
+        Self { rate, ratio, precision, taps, seed, pattern, live, attached, block, on_card }
     }
 }

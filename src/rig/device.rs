@@ -39,6 +39,11 @@ impl Device {
             loop_latency: None,
         }
     }
+
+    /// Whether its outputs let steady voltages through; `unsaid` where the rig does not say.
+    pub(crate) fn passes_steady(&self, unsaid: bool) -> bool {
+        self.coupling.map_or(unsaid, |coupling| coupling == Coupling::Dc)
+    }
 }
 
 /// The least and the most samples a second that a device may have.

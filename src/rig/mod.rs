@@ -149,12 +149,6 @@ impl Rig {
         }
     }
 
-    /// The same on a card that may let steady voltages through, so that none leaves: what nobody has described may be one.
-    pub fn on_an_unknown_card(mut self) -> Self {
-        self.device.coupling = Some(Coupling::Dc);
-        self
-    }
-
     /// The actuator of that name.
     pub fn actuator(&self, name: &str) -> Option<&Actuator> {
         self.actuators.iter().find(|a| a.name == name)
@@ -172,8 +166,7 @@ impl Rig {
     /// Whether a steady voltage that is played on an output leaves the device; `None` where the device is not known to let any through,
     /// so that it takes care of that itself.
     pub fn lets_dc(&self, output: &Output) -> Option<bool> {
-        let coupled = self.device.coupling == Some(Coupling::Dc);
-        coupled.then(|| output.kind != OutputKind::Vibration || output.dc)
+        self.device.passes_steady(false).then(|| output.is_for_dc())
     }
 
     fn read(reader: &Reader) -> Self {

@@ -99,6 +99,11 @@ impl OutputKind {
 }
 
 impl Output {
+    /// Whether it is declared for steady voltages.
+    pub(crate) fn is_for_dc(&self) -> bool {
+        self.kind != OutputKind::Vibration || self.dc
+    }
+
     /// A plain tactor with neither actuator nor amplifier.
     pub fn tactor(name: &str, channel: u32, position: [f64; 3]) -> Self {
         Self {

@@ -130,7 +130,9 @@ pub fn scene(folder: &Path, channels: u32) {
         );
     }
     patch += "]\n";
-    let mut rig = format!("format = \"pacinian-rig/1\"\n[device]\nchannels = {channels}\nrate = 48000\n");
+    let mut rig = format!(
+        "format = \"pacinian-rig/1\"\n[device]\nchannels = {channels}\nrate = 48000\ncoupling = {{ high_pass = 8 }}\n"
+    );
     for channel in 1..=channels {
         rig += &format!("[[tactor]]\nname = \"c{channel}\"\nchannel = {channel}\n");
     }

@@ -205,7 +205,8 @@ impl Walk {
         let name = device.name().to_string();
         let patch = Arc::new(probe::patch().map_err(bug)?);
         let rig = Arc::new(bare(rig, probes));
-        let options = Options { rate: Some(f64::from(rate)), live: true, ..Options::default() };
+        let on_card = !matches!(device, Chosen::Virtual(_));
+        let options = Options { rate: Some(f64::from(rate)), live: true, on_card, ..Options::default() };
         let scene = scene(&patch, &rig, &options, &NoAssets).map_err(|problems| Failure::of(78, problems))?;
         let files = Box::new(|_: &str| Err(Problem::of_file("a walk reads no events")));
         let note = *terminal;

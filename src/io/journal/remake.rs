@@ -68,8 +68,7 @@ pub fn remake(made_of: &Provenance, recordings: &Recordings) -> Result<Scene, Re
         control.default = *value;
     }
     let rig = match &made_of.rig {
-        RigText::Line { line, unknown_card: false } => Rig::default_for(*line),
-        RigText::Line { line, unknown_card: true } => Rig::default_for(*line).on_an_unknown_card(),
+        RigText::Line { line } => Rig::default_for(*line),
         RigText::Text(text) => {
             same(&text.text, &text.sha256, &text.name)?;
             let parsed = Rig::parse(&text.name, text.text.as_bytes()).map_err(RemakeError::Scene)?;
