@@ -62,6 +62,20 @@ fn spinning(parameters: &Parameters, level: Level) -> f64 {
     })
 }
 
+/// The same by [`Motor::steps`].
+fn kept(parameters: &Parameters, level: Level) -> f64 {
+    let mut motor = motor(parameters, level);
+    let volts: Vec<f64> = (0..48_000).map(|n| 2.5 + 0.5 * f64::from(n % 7) / 7.0).collect();
+    median(volts.len(), || {
+        let mut steps = motor.steps();
+        for v in &volts {
+            steps.step(*v);
+        }
+        drop(steps);
+        black_box(&motor);
+    })
+}
+
 /// The same by the way for many voltages.
 fn running(parameters: &Parameters, level: Level) -> f64 {
     let mut motor = motor(parameters, level);
@@ -91,6 +105,7 @@ fn only(name: &str) -> bool {
     let linear = Parameters { gravity: 0.0, coulomb: 0.0, stiction: 0.0, ..COIN };
     let work: &dyn Fn() -> f64 = match name {
         "--step" => &|| spinning(&linear, Level::Default),
+        "--steps" => &|| kept(&linear, Level::Default),
         "--run" => &|| running(&linear, Level::Default),
         "--eight" => &|| eight(&linear),
         "--gravity-step" => &|| spinning(&COIN, Level::Default),
@@ -111,6 +126,7 @@ fn main() {
     let dry = Parameters { gravity: 0.0, ..COIN };
     println!("ns a step, 48 kHz, tau_e 100 us, voltage new at every step");
     println!("{:46} {:6.2}", "linear", spinning(&linear, Level::Default));
+    println!("{:46} {:6.2}", "linear, steps that keep where it is", kept(&linear, Level::Default));
     println!("{:46} {:6.2}", "friction", spinning(&dry, Level::Default));
     println!("{:46} {:6.2}", "friction and gravity, default", spinning(&COIN, Level::Default));
     println!("{:46} {:6.2}", "friction and gravity, fine", spinning(&COIN, Level::Fine));

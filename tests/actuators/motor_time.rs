@@ -124,3 +124,48 @@ fn many_steps_at_once_are_the_same_to_the_bit_however_they_are_cut() {
         }
     }
 }
+
+/// Steps that keep where the motor is are its own, and it goes on from them: whatever was done to it before, between and after.
+#[test]
+fn steps_that_keep_where_it_is_are_the_same_to_the_bit() {
+    let linear = Parameters { gravity: 0.0, coulomb: 0.0, stiction: 0.0, ..COIN };
+    let volts: Vec<f64> = (0..3000)
+        .map(|n| match n % 611 {
+            7 => f64::NAN,
+            90 => 1e7,
+            100..300 => 0.0,
+            n => 3.0 - f64::from(n % 13) / 2.0,
+        })
+        .collect();
+    for p in [linear, COIN, Parameters { gravity: 0.0, ..COIN }, Parameters { inductance: 0.0, ..linear }] {
+        for before in [Drive::SHORT, Drive::Open, Drive::Current { amperes: 0.05, limit: 2.0 }] {
+            for level in LEVELS {
+                let mut one = new(&p, level, 48e3);
+                one.drive(before);
+                (0..480).for_each(|_| one.step());
+                let mut other = one.clone();
+                for block in volts.chunks(500) {
+                    let mut steps = other.steps();
+                    for v in block {
+                        one.drive(Drive::Voltage(*v));
+                        one.step();
+                        steps.step(*v);
+                        let seen = (steps.current(), steps.speed(), std::f64::consts::TAU * steps.phase());
+                        let now = one.reading();
+                        assert_eq!(seen, (now.current, now.speed, now.angle), "{level:?} {before}");
+                    }
+                    drop(steps);
+                    one.step();
+                    other.step();
+                    assert_eq!(one.reading(), other.reading(), "{level:?} {before}");
+                    assert_eq!(one.counts(), other.counts());
+                    for motor in [&mut one, &mut other] {
+                        motor.drive(before);
+                        motor.step();
+                    }
+                    assert_eq!(one.reading(), other.reading(), "{level:?} {before}");
+                }
+            }
+        }
+    }
+}

@@ -45,6 +45,7 @@ mod parameters;
 mod piece;
 mod plan;
 mod rush;
+mod steps;
 mod swift;
 mod table;
 
@@ -56,3 +57,4 @@ pub use model::{Counts, Motor};
 pub use output::Reading;
 pub use parameters::{Casing, GRAVITY, Parameters, Suspension};
 pub use plan::{LeftOut, Level, Part, Plan, Why, Wish};
+pub use steps::Steps;
