@@ -72,6 +72,7 @@ fn marker(client: &UdpSocket) -> (f64, String, i64, f64) {
         OscType::Double(seconds),
         OscType::String(pattern),
         OscType::Long(event),
+        OscType::Long(_),
     ] = &message.args[..]
     else {
         panic!("{message:?}")
@@ -180,4 +181,59 @@ fn markers_and_voices_are_told_with_the_time_at_which_they_leave() {
     drop(session);
     assert_eq!(announcer.finish(), 0);
     assert_eq!(server.counts().trouble(), None);
+}
+
+/// Some 50 ms ahead are five of these markers.
+const DENSE: &str = "[pattern.p]\nrepeat = { every = 0.01 }\nevents = [{ at = 0, marker = \"m\" }]\n";
+
+#[test]
+fn what_was_told_ahead_and_is_called_off_is_told_to_be() {
+    let first = reload(DENSE);
+    let announcer = Announcer::new(&first.scene.plan).unwrap();
+    let logger = client();
+    announcer.always(logger.local_addr().unwrap()).unwrap();
+    let (hears, told) = (announcer.clone(), announcer.clone());
+    let session = Session::start(Beginning {
+        block: Some(64),
+        listener: Some(Box::new(move |heard| hears.hear(heard))),
+        audience: Box::new(move |what| told.told(&what)),
+        ..Beginning::of(first, Chosen::Virtual(None))
+    })
+    .unwrap();
+    let number = session.handle().start("p").unwrap();
+    let long = |message: &OscMessage, at: usize| match message.args[at] {
+        OscType::Long(number) => number,
+        _ => panic!("{message:?}"),
+    };
+    // Of the pattern that plays from the beginning, and of this one.
+    let mut told: Vec<(i64, i64)> = Vec::new();
+    let mut wait = 40;
+    let (id, bits, from) = loop {
+        let (tag, message) = hear(&logger);
+        assert!(tag.is_some());
+        match &*message.addr {
+            "/marker" => told.push((long(&message, 5), long(&message, 1))),
+            "/cancel" => {
+                let OscType::Int(bits) = message.args[1] else { panic!("{message:?}") };
+                break (long(&message, 0), bits, long(&message, 2));
+            }
+            other => panic!("{other}"),
+        }
+        wait -= 1;
+        if wait == 0 {
+            session.handle().stop(number).unwrap();
+        }
+    };
+    let is_of = |id_of: i64| (id_of ^ id) >> bits == 0;
+    let ours: Vec<i64> = told.iter().filter(|(id, _)| is_of(*id)).map(|(_, sample)| *sample).collect();
+    // Those of the other stay; some of its own had begun, and some had not.
+    assert!(ours.len() < told.len() && ours.len() > 10, "{} of {}", ours.len(), told.len());
+    let off = ours.iter().filter(|sample| **sample >= from).count();
+    assert!((1..=8).contains(&off), "{off} of {ours:?} from {from} on");
+    assert!(ours.is_sorted() && ours[0] < from);
+    // Nothing more comes of it, while the other goes on.
+    for _ in 0..20 {
+        let (_, message) = hear(&logger);
+        assert!(message.addr == "/marker" && !is_of(long(&message, 5)), "{message:?}");
+    }
 }

@@ -82,6 +82,7 @@ fn a_listener_hears_of_all_that_the_program_does() {
             Happening::Release => "release".into(),
             Happening::ReleaseAll => "all".into(),
             Happening::Silence(bits) => format!("silence {bits}"),
+            Happening::Cancel(bits) => format!("cancel {bits}"),
             Happening::Touch(motion, value) => format!("{motion:?} {value}"),
         };
         list.lock().unwrap().push((event.instant.sample, what, event.id));

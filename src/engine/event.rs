@@ -42,7 +42,7 @@ impl Play {
 }
 
 /// Whether two ids agree but for so many of the lowest bits.
-pub(crate) fn is_of(a: u64, b: u64, bits: u8) -> bool {
+pub fn is_of(a: u64, b: u64, bits: u8) -> bool {
     (a ^ b).checked_shr(u32::from(bits)).unwrap_or(0) == 0
 }
 

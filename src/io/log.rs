@@ -105,6 +105,7 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
         Happening::Release => "release",
         Happening::ReleaseAll => "release-all",
         Happening::Silence(_) => "silence",
+        Happening::Cancel(_) => "cancel",
     };
     write!(to, "{},{},{fraction},{kind},", heard.at, heard.instant.sample)?;
     match heard.origin {
@@ -147,7 +148,7 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
         Happening::Touch(motion, value) => {
             write!(to, "{},,,,value={value},,", Motion::WORDS[motion.number()])?;
         }
-        Happening::Silence(bits) => write!(to, ",,,,value={bits},,")?,
+        Happening::Silence(bits) | Happening::Cancel(bits) => write!(to, ",,,,value={bits},,")?,
         Happening::Release | Happening::ReleaseAll => to.push_str(",,,,,,"),
     }
     heard.id.map_or(Ok(()), |id| write!(to, "{id}"))?;
@@ -194,6 +195,8 @@ mod tests {
             Happening::Control("strength", 0.5),
             Happening::Release,
             Happening::ReleaseAll,
+            Happening::Silence(14),
+            Happening::Cancel(40),
         ] {
             text.clear();
             line(&mut text, &Heard { what, ..heard }).unwrap();

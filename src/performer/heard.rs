@@ -66,4 +66,7 @@ pub enum Happening<'a> {
     /// All voices fall silent at once whose ids agree with this one but for so many of their lowest bits: what a MIDI channel or port
     /// has started.
     Silence(u8),
+    /// Voices and markers that were told of, and that begin at this instant or later, do not, if their ids agree with this one but for so
+    /// many of their lowest bits: their pattern was stopped.
+    Cancel(u8),
 }

@@ -75,7 +75,13 @@ impl Performer {
             Event::Release(id) => self.order(at, event, Some(id), Happening::Release, outlet),
             Event::Silence(id, bits) => self.order(at, event, Some(id), Happening::Silence(bits), outlet),
             Event::ReleaseAll => self.order(at, event, None, Happening::ReleaseAll, outlet),
-            Event::Cancel(..) => outlet.send(at.instant, Source::Stop, event),
+            Event::Cancel(id, bits) => {
+                let sent = outlet.send(at.instant, Source::Stop, event);
+                if sent {
+                    self.tell(at, None, Some(id), Happening::Cancel(bits));
+                }
+                sent
+            }
             _ => outlet.send(at.instant, Source::Program, event),
         }
     }

@@ -82,15 +82,18 @@ impl Happened {
             Happening::Release => write!(text, "a voice is released"),
             Happening::ReleaseAll => write!(text, "all voices are released"),
             Happening::Silence(_) => write!(text, "what MIDI had started falls silent"),
+            Happening::Cancel(_) => write!(text, "what was still to begin of a pattern is called off"),
         };
         if let Some(origin) = heard.origin {
             let _ = write!(text, "  [{}]", origin.pattern);
         }
         let mood = match heard.what {
             Happening::Voice { .. } | Happening::Touch(..) | Happening::Release => Mood::Usual,
-            Happening::Marker(_) | Happening::Control(..) | Happening::ReleaseAll | Happening::Silence(_) => {
-                Mood::Told
-            }
+            Happening::Marker(_)
+            | Happening::Control(..)
+            | Happening::ReleaseAll
+            | Happening::Silence(_)
+            | Happening::Cancel(_) => Mood::Told,
         };
         Self::new(heard.at, mood, text)
     }

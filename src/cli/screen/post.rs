@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
+use pacinian::engine::event::is_of;
 use pacinian::io::device::keeper::Fate;
 use pacinian::io::midi_in::PortNews;
 use pacinian::live::callback::{Deed, Report};
@@ -37,8 +38,39 @@ struct Letter {
     happened: Happened,
     /// When it is due, on the engine's clock; `None`: now.
     due: Option<Due>,
-    /// Whether it is a voice.
-    sounds: bool,
+    /// What it is of.
+    of: Of,
+}
+
+/// What a letter is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Of {
+    /// The voice of that id, if it has one.
+    Voice(Option<u64>),
+    /// The marker of that id.
+    Marker(u64),
+    /// Something else.
+    Other,
+    /// No event: of voices and markers to come, those of that id but for so many of its lowest bits, there is none.
+    Cancel(u64, u8),
+}
+
+impl Of {
+    fn heard(heard: &Heard<'_>) -> Self {
+        match (&heard.what, heard.id) {
+            (Happening::Voice { .. }, id) => Self::Voice(id),
+            (Happening::Marker(_), Some(id)) => Self::Marker(id),
+            (Happening::Cancel(bits), Some(id)) => Self::Cancel(id, *bits),
+            _ => Self::Other,
+        }
+    }
+
+    fn calls_off(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Cancel(id, bits), Self::Voice(Some(of)) | Self::Marker(of)) => is_of(of, id, bits),
+            _ => false,
+        }
+    }
 }
 
 /// Where the controls were sent last, by their names.
@@ -100,7 +132,7 @@ impl Post {
 
     fn say(&self, mood: Mood, text: impl Into<String>) {
         let happened = Happened::new(self.begin.elapsed().as_secs_f64(), mood, text);
-        self.put(Letter { happened, due: None, sounds: false });
+        self.put(Letter { happened, due: None, of: Of::Other });
     }
 
     fn state(&self, state: State) {
@@ -119,8 +151,7 @@ impl Post {
                 None => drop(moved.insert(name.into(), value)),
             }
         }
-        let sounds = matches!(heard.what, Happening::Voice { .. });
-        self.put(Letter { happened: Happened::heard(heard), due: Some(heard.instant), sounds });
+        self.put(Letter { happened: Happened::heard(heard), due: Some(heard.instant), of: Of::heard(heard) });
     }
 
     /// For its audience.
@@ -184,6 +215,9 @@ impl PostBox {
         let mut now: Vec<Happened> = Vec::new();
         for letter in self.events.try_iter().take(WAITING) {
             match letter.due {
+                Some(due) if matches!(letter.of, Of::Cancel(..)) => {
+                    self.coming.retain(|(at, _), known| *at < due || !letter.of.calls_off(known.of));
+                }
                 Some(_) if self.coming.len() >= COMING => {
                     self.missed.fetch_add(1, Ordering::Relaxed);
                 }
@@ -200,7 +234,11 @@ impl PostBox {
         }
         while let Some(first) = self.coming.first_entry().filter(|first| first.key().0.ceiling() < clock) {
             let letter = first.remove();
-            now.push(if letter.sounds && shut { letter.happened.unfelt() } else { letter.happened });
+            now.push(if matches!(letter.of, Of::Voice(_)) && shut {
+                letter.happened.unfelt()
+            } else {
+                letter.happened
+            });
         }
         now.sort_by(|a, b| a.at.total_cmp(&b.at));
         self.latest = now.iter().fold(self.latest, |latest, happened| latest.max(happened.at));
@@ -257,6 +295,10 @@ mod tests {
 
     /// Tells of a marker or a voice at an engine sample, where there are 8,000 a second.
     fn hear(post: &Post, sample: u64, voice: bool) {
+        hear_of(post, sample, voice, None);
+    }
+
+    fn hear_of(post: &Post, sample: u64, voice: bool, id: Option<u64>) {
         let (at, instant) = (sample as f64 / 8000.0, Due { sample, fraction: 0 });
         let place = "t1";
         let what = match voice {
@@ -271,7 +313,28 @@ mod tests {
             },
             false => Happening::Marker("m"),
         };
-        post.hear(&Heard { at, instant, origin: None, id: None, what });
+        post.hear(&Heard { at, instant, origin: None, id, what });
+    }
+
+    #[test]
+    fn what_is_called_off_before_its_time_is_not_shown() {
+        let (post, mut fetch) = post();
+        for (sample, id) in [(100, 0x10), (200, 0x11), (300, 0x12), (300, 0x20)] {
+            hear_of(&post, sample, sample > 100, Some(id));
+        }
+        assert_eq!(fetch.events(101, 101.0 / 8000.0, false).len(), 1);
+        // From 250 on, and of 0x10 to 0x1f alone.
+        let instant = Due { sample: 250, fraction: 0 };
+        post.hear(&Heard {
+            at: 250.0 / 8000.0,
+            instant,
+            origin: None,
+            id: Some(0x1a),
+            what: Happening::Cancel(4),
+        });
+        let shown = fetch.events(8000, 1.0, false);
+        let at: Vec<f64> = shown.iter().map(|happened| happened.at * 8000.0).collect();
+        assert_eq!(at, [200.0, 300.0], "{shown:?}");
     }
 
     #[test]

@@ -142,7 +142,7 @@ impl Announcer {
         let mut chronicle = locked(&self.0.chronicle);
         let Some(line) = chronicle.told(told) else { return };
         let wanted = match line.kind {
-            Kind::Marker => Wants::Markers,
+            Kind::Marker | Kind::Cancel => Wants::Markers,
             Kind::Voice | Kind::Release => Wants::All,
             _ => return,
         };
@@ -195,7 +195,11 @@ fn packet(line: &Line, tag: Tag) -> Option<Vec<u8>> {
     let (sample, seconds) = (number(line.sample), real(line.seconds, 0.0));
     let (pattern, event) = (text(&line.pattern), number(line.event));
     let (addr, args) = match line.kind {
-        Kind::Marker => ("/marker", vec![name, sample, seconds, pattern, event]),
+        Kind::Marker => ("/marker", vec![name, sample, seconds, pattern, event, number(line.id)]),
+        Kind::Cancel => {
+            let bits = OscType::Int(line.value.unwrap_or(0.0) as i32);
+            ("/cancel", vec![number(line.id), bits, sample, seconds])
+        }
         Kind::Voice => {
             let (level, duration) = (real(line.level, 0.0), real(line.duration, f64::INFINITY));
             let (id, place) = (number(line.id), text(&line.place));
