@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use pacinian::actuator::drive::Drive as Imposes;
-use pacinian::actuator::motor::{Drive, Level, Motor, Plan};
+use pacinian::actuator::motor::{Drive, Level, Motor, Parameters, Plan};
 use pacinian::engine::event::{Event, Play};
 use pacinian::engine::exchange::exchange;
 use pacinian::graph::plan;
@@ -309,4 +309,26 @@ fn a_motor_of_another_rig_is_braked_as_well() {
             assert!(stage.frames[3 * (told + 5 * MS)..].iter().all(|x| x.to_bits() == 0), "{way:?} {from}");
         }
     }
+}
+
+/// What those 4 ms are worth to a coin motor at its rated speed, as the reference of rigs tells.
+#[test]
+fn after_the_full_drive_a_short_circuit_is_what_brakes_most() {
+    let rig = Rig::parse("rig.toml", common::scenes::MOTORS.as_bytes()).unwrap_or_else(|p| panic!("{p}"));
+    let coin = rig.value.actuators.iter().find(|actuator| actuator.name == "coin").unwrap();
+    let coin = Parameters { gravity: 0.0, ..coin.rumble_motor().unwrap() };
+    let stands = |first: Drive, then: Drive| {
+        let mut motor = Motor::<false>::new(&coin, &Plan::whole(Level::Fine), RATE).unwrap();
+        motor.place(0.0, coin.rated_speed());
+        let stood = (0..20_000).find(|n| {
+            motor.drive(if *n < 4 * MS { first } else { then });
+            motor.step();
+            motor.speed() <= 0.0
+        });
+        1e3 * stood.unwrap() as f64 / RATE
+    };
+    let back = Drive::Voltage(-coin.rated_volts);
+    let told = [(back, Drive::SHORT), (back, back), (Drive::SHORT, Drive::SHORT), (back, Drive::Open)];
+    let told = told.map(|(first, then)| stands(first, then).round());
+    assert_eq!(told, [59.0, 19.0, 64.0, 85.0]);
 }
