@@ -11,7 +11,10 @@ use pacinian::knob::effect::{Reading, damper, detent, friction, inertia, texture
 use pacinian::knob::governor::device::{Delay, Device};
 use pacinian::knob::governor::{Governor, MARGIN};
 use pacinian::knob::safety::chain::{Chain, Input, Limits};
+use pacinian::knob::servo::setup::Setup;
+use pacinian::knob::servo::tick::Servo;
 use pacinian::knob::velocity::Estimator;
+use pacinian::knob::velocity::choice::Choice;
 use pacinian::knob::velocity::{adaptive, difference, edges, filtered, kalman};
 
 /// The least of many runs.
@@ -43,7 +46,7 @@ fn main() {
         .map(|k| 1.5 * (f64::from(k) / 10_000.0 - 1.0).abs() - 0.4)
         .map(|angle| count * (angle / count).floor())
         .collect();
-    for effect in six {
+    for effect in six.clone() {
         let name = format!("{effect:?}").split('(').next().unwrap_or("").to_string();
         let mut alone = Program::new(vec![effect]).unwrap_or_else(|e| panic!("{e:?}"));
         least(&name, |k| {
@@ -64,7 +67,7 @@ fn main() {
         delay: Delay::ticks(1.0),
         resonance: None,
         low_pass: None,
-        velocity: pacinian::knob::velocity::choice::Choice::Adaptive(0.01),
+        velocity: Choice::Adaptive(0.01),
         peak: 0.175,
     };
     let governor = Governor::new(&device, MARGIN).unwrap();
@@ -108,6 +111,21 @@ fn main() {
         let input = Input { torque, angle, velocity, fresh: true, in_time: true, governed };
         black_box(chain.tick(&input));
     });
+    for (name, velocity) in [("Kalman", Choice::Kalman(50.0)), ("window of 10 ms", Choice::Adaptive(0.01))] {
+        let setup = Setup::new(six.clone(), Device { velocity, ..device.clone() }, limits);
+        let mut servo = Servo::new(&setup).unwrap_or_else(|e| panic!("{e}"));
+        servo.arm();
+        least(&format!("a servo's whole tick, {name}"), |k| {
+            black_box(servo.tick(Some(black_box(angles[k])), true));
+        });
+        least("  with all that scales its effects set", |k| {
+            for control in servo.controls() {
+                (control.gain, control.shift, control.fed) = (black_box(1.0), black_box(0.0), black_box(0.5));
+            }
+            black_box(servo.tick(Some(black_box(angles[k])), true));
+        });
+        assert!(servo.chain().armed(), "{:?}", servo.chain().trip());
+    }
     let mut all: Vec<(&str, Box<dyn Estimator>)> = vec![
         ("difference", Box::new(difference::Difference::new(t).unwrap())),
         ("filtered", Box::new(filtered::Filtered::new(100.0, t).unwrap())),

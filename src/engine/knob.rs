@@ -300,7 +300,7 @@ impl Knob {
     fn sample(&mut self, sample: u64, queue: &mut Queue<Event>, watcher: &mut Watcher) {
         let at = (sample % CELL) as usize;
         let value = |past: &[[f64; CELLS]], feed: usize| past.get(feed).map_or(0.0, |values| values[at]);
-        for (control, wires) in self.servo.controls().iter_mut().zip(&self.wires) {
+        for (control, wires) in self.servo.controls().zip(&self.wires) {
             control.gain = value(&self.past, wires[0]);
             control.shift = value(&self.past, wires[1]);
             control.fed = value(&self.past, wires[2]);
@@ -318,7 +318,7 @@ impl Knob {
                 target: self.held_at + (target - self.held_at) * share,
                 target_speed: speed,
             };
-            let given = match &mut self.simulated {
+            let torque = match &mut self.simulated {
                 Some(knob) => knob.tick(&mut self.servo, &hand),
                 None => self.felt(),
             };
@@ -326,7 +326,7 @@ impl Knob {
                 let fraction = (u64::from(tick) << 32) / u64::from(ticks);
                 self.happened(Instant { sample, fraction: fraction as u32 }, queue, watcher);
             }
-            let torque = self.plan.per_newton_metre.map_or(0.0, |per| given.torque * per);
+            let torque = self.plan.per_newton_metre.map_or(0.0, |per| torque * per);
             if let Some(slot) = self.torques.get_mut(at * ticks as usize + tick as usize) {
                 *slot = (torque as f32).clamp(-self.most, self.most);
             }
@@ -342,14 +342,14 @@ impl Knob {
     }
 
     /// A tick of a knob that is there.
-    fn felt(&mut self) -> Given {
+    fn felt(&mut self) -> f64 {
         let angle = self.readings.take();
-        let given = self.servo.tick(angle, self.in_time);
+        let torque = self.servo.tick(angle, self.in_time);
         if self.asked && angle.is_some() && self.in_time {
             self.asked = false;
             self.servo.arm();
         }
-        given
+        torque
     }
 
     /// Sets off what waits for what happened in the last tick.

@@ -58,6 +58,7 @@ pub mod effect;
 pub mod governor;
 pub mod local_model;
 pub mod low_pass;
+mod order;
 pub mod passivity;
 pub mod plant;
 pub mod safety;

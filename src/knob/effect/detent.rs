@@ -4,6 +4,7 @@ use super::events::{Events, What};
 use super::wave::{cosine, sine};
 use super::{Bound, Effect, Modulation, Reading, nearest};
 use crate::actuator::fault::{Fault, Limit, check, not_negative};
+use crate::knob::order::smaller;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// How torque runs from one detent to the next, as a multiple of the amplitude. u is the way from the detent in pitches, ±½.
@@ -47,7 +48,7 @@ impl Detent {
             Shape::Sine => -sine(u),
             Shape::Triangle => {
                 let away = u.abs();
-                let size = 4.0 * f64::min(away, 0.5 - away);
+                let size = 4.0 * smaller(away, 0.5 - away);
                 if u > 0.0 { -size } else { size }
             }
             Shape::Table(values) => {

@@ -49,11 +49,13 @@ impl Default for Events {
 
 impl Events {
     /// Forgets what it holds, but not how many were lost.
+    #[inline(always)]
     pub fn clear(&mut self) {
         self.length = 0;
     }
 
     /// Adds one.
+    #[cold]
     pub fn push(&mut self, what: What) {
         if let Some(place) = self.list.get_mut(self.length) {
             *place = Event { effect: self.effect, what };
@@ -74,6 +76,7 @@ impl Events {
     }
 
     /// The fastest run into a wall in this tick, rad/s; 0 if there was none.
+    #[inline]
     pub fn impact(&self) -> f64 {
         let speed = |e: &Event| if let What::Wall { speed, .. } = e.what { speed } else { 0.0 };
         self.list().iter().map(speed).fold(0.0, f64::max)

@@ -10,6 +10,7 @@ use super::events::Events;
 use super::{Bound, Effect, Modulation, Reading};
 use crate::actuator::elementary::exp;
 use crate::actuator::fault::{Fault, not_negative, positive};
+use crate::knob::order::{larger, smaller};
 
 /// How the point of adhesion follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,7 +65,7 @@ impl Effect for Friction {
         state.last = Some(r.angle);
         let (z, most) = (state.length, self.stretch);
         state.length = match self.law {
-            Law::Adhesion => f64::min(f64::max(z + moved, -most), most),
+            Law::Adhesion => smaller(most, larger(-most, z + moved)),
             Law::Dahl if moved == 0.0 => z,
             Law::Dahl => {
                 let end = if moved > 0.0 { most } else { -most };

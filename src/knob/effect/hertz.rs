@@ -7,6 +7,7 @@ use super::events::{Events, What};
 use super::{Bound, Effect, Modulation, Reading};
 use crate::actuator::elementary::{exp, ln};
 use crate::actuator::fault::{Fault, Limit, check, positive};
+use crate::knob::order::smaller;
 
 /// A round body in the way.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +59,7 @@ impl Effect for Hertz {
         if !inside {
             return 0.0;
         }
-        let push = m.gain * m.stiffness * f64::min(self.factor * depth * depth.sqrt(), self.most);
+        let push = m.gain * m.stiffness * smaller(self.most, self.factor * depth * depth.sqrt());
         if self.below { push } else { -push }
     }
 

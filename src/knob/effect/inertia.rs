@@ -9,6 +9,7 @@ use super::events::Events;
 use super::{Bound, Effect, Modulation, Reading};
 use crate::actuator::exponential::{Square, exponential};
 use crate::actuator::fault::{Fault, not_negative, positive};
+use crate::knob::order::smaller;
 
 /// A virtual flywheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,7 +88,7 @@ impl Effect for Inertia {
         state.lead = s[0][0] * lead + s[0][1] * apart;
         state.speed = s[1][0] * lead + s[1][1] * apart + turned;
         // One share for both, so that what the knob feels is a lighter flywheel on the same coupling.
-        let share = f64::min(m.stiffness, m.damping);
+        let share = smaller(m.stiffness, m.damping);
         m.gain * share * (self.stiffness * state.lead + self.damping * (state.speed - r.velocity))
     }
 }

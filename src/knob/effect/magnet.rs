@@ -3,6 +3,7 @@
 use super::events::Events;
 use super::{Bound, Effect, Modulation, Reading};
 use crate::actuator::fault::{Fault, Limit, check, not_negative, positive};
+use crate::knob::order::larger;
 
 /// −K x (1 − (x / r)²)² of the way x from the centre, and 0 beyond the reach r: smooth everywhere.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,7 +33,7 @@ impl Effect for Magnet {
     fn torque(&self, _: &mut (), r: &Reading, m: &Modulation, _: &mut Events) -> f64 {
         let away = r.angle - self.centre;
         let share = away / self.reach;
-        let rest = f64::max(1.0 - share * share, 0.0);
+        let rest = larger(0.0, 1.0 - share * share);
         -m.gain * m.stiffness * self.stiffness * away * rest * rest
     }
 

@@ -6,6 +6,7 @@
 use super::events::{Events, What};
 use super::{Bound, Effect, Modulation, Reading, nearest};
 use crate::actuator::fault::{Fault, Limit, check, not_negative, positive};
+use crate::knob::order::{larger, smaller};
 
 /// Places with hysteresis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +57,6 @@ impl Effect for Snap {
         }
         state.place = Some(place);
         let pull = -m.stiffness * self.stiffness * (at - place) * self.width;
-        m.gain * f64::min(f64::max(pull, -self.most), self.most)
+        m.gain * smaller(self.most, larger(-self.most, pull))
     }
 }

@@ -3,6 +3,7 @@
 use super::events::Events;
 use super::{Bound, Effect, Modulation, Reading};
 use crate::actuator::fault::{Fault, Limit, check, not_negative, positive};
+use crate::knob::order::{larger, smaller};
 
 /// B (ω₀ − ω), within a largest torque: a knob that turns by itself and can be held.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +32,6 @@ impl Effect for Spin {
     #[inline(always)]
     fn torque(&self, _: &mut (), r: &Reading, m: &Modulation, _: &mut Events) -> f64 {
         let pull = m.damping * self.damping * (self.speed - r.velocity);
-        m.gain * f64::min(f64::max(pull, -self.most), self.most)
+        m.gain * smaller(self.most, larger(-self.most, pull))
     }
 }

@@ -4,6 +4,7 @@ use super::events::Events;
 use super::wave::{cosine, sine};
 use super::{Bound, Effect, Modulation, Reading, nearest};
 use crate::actuator::fault::{Fault, Limit, check, not_negative, positive};
+use crate::knob::order::between;
 use std::f64::consts::TAU;
 
 /// The share of the servo's rate at which a ripple has faded; it begins to fade at half of that.
@@ -35,7 +36,7 @@ impl Effect for Ripple {
         let inverse = 1.0 / self.wavelength;
         let waves = r.angle * inverse;
         let share = r.velocity.abs() * r.dt * inverse * (1.0 / MOST_SHARE);
-        let weight = (2.0 - 2.0 * share).clamp(0.0, 1.0);
+        let weight = between(2.0 - 2.0 * share, 0.0, 1.0);
         m.gain * m.stiffness * self.amplitude * weight * sine(waves - nearest(waves))
     }
 

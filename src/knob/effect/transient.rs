@@ -55,7 +55,7 @@ impl Effect for Transient {
     fn torque(&self, state: &mut State, r: &Reading, m: &Modulation, events: &mut Events) -> f64 {
         let impact = events.impact();
         if impact > self.least {
-            self.strike(state, impact, r);
+            self.strike(state, impact, r.velocity > 0.0, r.dt);
         }
         if !state.sounds {
             return 0.0;
@@ -69,10 +69,10 @@ impl Effect for Transient {
 
 impl Transient {
     #[cold]
-    fn strike(&self, state: &mut State, speed: f64, r: &Reading) {
+    fn strike(&self, state: &mut State, speed: f64, rises: bool, dt: f64) {
         // Against the motion first: a wall pushes back.
-        let size = f64::min(self.strength * speed, self.most) * if r.velocity > 0.0 { -1.0 } else { 1.0 };
-        let (phase, shrunk) = (phase_of(self.hertz * r.dt), exp(-r.dt / self.decay));
+        let size = f64::min(self.strength * speed, self.most) * if rises { -1.0 } else { 1.0 };
+        let (phase, shrunk) = (phase_of(self.hertz * dt), exp(-dt / self.decay));
         state.turn = [shrunk * sine64(phase.wrapping_add(1 << 62)), shrunk * sine64(phase)];
         state.pointer = [size, 0.0];
         state.sounds = true;

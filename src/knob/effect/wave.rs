@@ -2,6 +2,8 @@
 //!
 //! The servo waits for one value, not for many: so the polynomial is summed as a tree (Estrin), in half the time of Horner's chain.
 
+use crate::knob::order::smaller;
+
 /// sin 2πy = y P(y²) for |y| ≤ ¼: P interpolated at Chebyshev's nodes, within 2.5e-16.
 const P: [f64; 8] = [
     6.283_185_307_179_585,
@@ -19,7 +21,7 @@ const P: [f64; 8] = [
 pub fn sine(u: f64) -> f64 {
     // Folded to the quarter next to 0: ½ − |u| beyond it.
     let away = u.abs();
-    let y = f64::min(away, 0.5 - away);
+    let y = smaller(away, 0.5 - away);
     let z = y * y;
     let (zz, zzzz) = (z * z, (z * z) * (z * z));
     let low = (P[0] + P[1] * z) + (P[2] + P[3] * z) * zz;

@@ -20,6 +20,8 @@ pub struct Follower {
     over: u32,
     /// Ticks after which a model is too old.
     longest: u64,
+    /// Nothing is there, and nothing is carried along.
+    idle: bool,
     refused: u64,
     outside: u64,
     expired: u64,
@@ -34,6 +36,11 @@ pub struct Followed {
     pub injected: f64,
 }
 
+impl Followed {
+    /// Where nothing is.
+    pub const NOTHING: Self = Self { torque: 0.0, injected: 0.0 };
+}
+
 impl Follower {
     /// Takes a difference away over `over` ticks (one of the slow thread's periods or more); lets go of a model that is older than `longest`
     /// ticks in the same way.
@@ -44,14 +51,15 @@ impl Follower {
         check("over", f64::from(over), Limit::Least(1.0))?;
         let model = LocalModel::FREE;
         let (rest, step, pivot, left) = (0.0, 0.0, 0.0, 0);
-        Ok(Self { model, rest, step, pivot, left, over, longest, refused: 0, outside: 0, expired: 0 })
+        let idle = true;
+        Ok(Self { model, rest, step, pivot, left, over, longest, idle, refused: 0, outside: 0, expired: 0 })
     }
 
     /// One tick at an angle (radians): with a new model, or without one. A model that cannot be is refused and counted.
     #[inline]
     pub fn tick(&mut self, now: u64, angle: f64, new: Option<&LocalModel>) -> Followed {
         if !angle.is_finite() {
-            return Followed { torque: 0.0, injected: 0.0 };
+            return Followed::NOTHING;
         }
         let mut injected = 0.0;
         if self.left > 0 {
@@ -59,6 +67,7 @@ impl Follower {
             self.left -= 1;
             self.rest = self.step * f64::from(self.left);
             injected = (before - self.rest) * (angle - self.pivot);
+            self.idle = self.left == 0 && self.model == LocalModel::FREE;
         }
         match new {
             Some(model) if model.check().is_ok() => injected += self.change(model, angle),
@@ -76,9 +85,15 @@ impl Follower {
     fn change(&mut self, model: &LocalModel, angle: f64) -> f64 {
         let before = self.model.energy(angle) - self.rest * (angle - self.pivot);
         let rest = self.model.torque(angle) + self.rest - model.torque(angle);
-        self.model = *model;
+        (self.model, self.idle) = (*model, false);
         (self.rest, self.step, self.pivot, self.left) = (rest, rest / f64::from(self.over), angle, self.over);
         model.energy(angle) - before
+    }
+
+    /// Whether nothing is there and nothing is left of what was: every tick without a new model gives [`Followed::NOTHING`].
+    #[inline(always)]
+    pub fn is_idle(&self) -> bool {
+        self.idle
     }
 
     /// The model that is followed.

@@ -91,6 +91,7 @@ impl LocalModel {
     }
 
     /// How stiff it is at most, N m/rad.
+    #[inline(always)]
     pub fn most_stiffness(&self) -> f64 {
         self.stiffness + self.contact.map_or(0.0, |c| c.stiffness)
     }

@@ -3,6 +3,7 @@
 use super::budget::Budget;
 use crate::actuator::fault::{Fault, Limit, check, not_negative, positive};
 use crate::knob::low_pass::LowPass;
+use crate::knob::order::smaller;
 
 /// What the chain keeps to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,6 +51,13 @@ pub enum Stage {
     OverSpeed,
     /// A fault kept torque at 0.
     Latch,
+}
+
+impl Stage {
+    /// Its bit in [`Output::acted`].
+    pub const fn bit(self) -> u16 {
+        1 << self as u16
+    }
 }
 
 /// What is left of a torque that has ended, N m: below it, nothing.
@@ -100,7 +108,7 @@ pub struct Output {
 impl Output {
     /// Whether a stage acted.
     pub fn acted(&self, stage: Stage) -> bool {
-        self.acted & (1 << stage as u16) != 0
+        self.acted & stage.bit() != 0
     }
 }
 
@@ -226,26 +234,26 @@ impl Chain {
     }
 
     /// One tick: what the amplifier gets. Call it even if there is nothing to read, with `fresh` false.
-    #[inline]
+    #[inline(always)]
     pub fn tick(&mut self, input: &Input) -> Output {
-        let mut acted = 0u16;
-        let mut act = |stage: Stage, on: bool| acted |= u16::from(on) << stage as u16;
-        let asked = if input.torque.is_finite() { input.torque } else { 0.0 };
-        act(Stage::NonFinite, !input.torque.is_finite());
-        act(Stage::Governor, input.governed);
-        let lost = !(input.fresh && input.in_time);
+        let mut acted = if input.governed { Stage::Governor.bit() } else { 0 };
+        let mut asked = input.torque;
+        if !asked.is_finite() {
+            acted |= Stage::NonFinite.bit();
+            asked = 0.0;
+        }
         let mut torque = 0.0;
-        if !(input.angle.is_finite() && input.velocity.is_finite()) {
-            act(Stage::NonFinite, true);
-            self.latch(Trip::Reading);
-        } else if input.velocity.abs() > self.limits.over_speed {
-            act(Stage::OverSpeed, true);
-            self.latch(Trip::OverSpeed);
+        // What is not a number is not within the speed either.
+        if !(input.angle.is_finite() && input.velocity.abs() <= self.limits.over_speed) {
+            acted |= self.refuse(input.angle, input.velocity);
         } else if self.armed {
-            let change = (asked - self.slewed).clamp(-self.step, self.step);
-            act(Stage::Slew, change != asked - self.slewed);
-            // Landed on exactly, so that rounding leaves nothing behind.
-            self.slewed = if change == asked - self.slewed { asked } else { self.slewed + change };
+            let change = asked - self.slewed;
+            if change.abs() <= self.step {
+                // Landed on exactly, so that rounding leaves nothing behind.
+                self.slewed = asked;
+            } else {
+                acted |= self.slew(change);
+            }
             torque = self.slewed;
             if let Some(low_pass) = &mut self.low_pass {
                 torque = low_pass.step(torque);
@@ -256,28 +264,23 @@ impl Chain {
             }
             // The root is taken only where the budget acts.
             if !self.budget.allows(torque) {
-                act(Stage::Budget, true);
-                torque = self.budget.allowed().copysign(torque);
+                acted |= Stage::Budget.bit();
+                torque = cut(self.budget.allowed(), torque);
             }
             if torque.abs() > self.limits.peak {
-                act(Stage::Peak, true);
-                torque = self.limits.peak.copysign(torque);
+                acted |= Stage::Peak.bit();
+                torque = cut(self.limits.peak, torque);
             }
-            self.risen = f64::min(self.risen + self.rise, 1.0);
-            act(Stage::SoftStart, self.risen < 1.0);
-            self.missing = if lost { self.missing.saturating_add(1) } else { 0 };
-            // A missed deadline counts at once; a reading may be late by a few ticks.
-            let falls = !input.in_time || self.missing > self.limits.stale;
-            self.held = if falls { self.held - self.fall } else { f64::min(self.held + self.rise, 1.0) };
-            act(Stage::Stale, self.held < 1.0);
-            if self.held <= 0.0 {
-                self.latch(Trip::Lost);
-                torque = 0.0;
-            } else {
-                torque *= self.risen * self.held;
+            let whole = self.risen == 1.0 && self.held == 1.0 && self.missing == 0;
+            if !(whole && input.fresh && input.in_time) {
+                let stage;
+                (torque, stage) = self.share(torque, input.fresh, input.in_time);
+                acted |= stage;
             }
         }
-        act(Stage::Latch, self.trip.is_some());
+        if self.trip.is_some() {
+            acted |= Stage::Latch.bit();
+        }
         self.budget.spend(torque);
         let mut left = acted;
         while left != 0 {
@@ -286,4 +289,49 @@ impl Chain {
         }
         Output { torque, acted }
     }
+
+    /// Goes as far towards a torque as it may in a tick. Returns the stage.
+    #[cold]
+    fn slew(&mut self, change: f64) -> u16 {
+        self.slewed += self.step.copysign(change);
+        Stage::Slew.bit()
+    }
+
+    /// Latches for a reading that cannot be. Returns the stage.
+    #[cold]
+    fn refuse(&mut self, angle: f64, velocity: f64) -> u16 {
+        if angle.is_finite() && velocity.is_finite() {
+            self.latch(Trip::OverSpeed);
+            Stage::OverSpeed.bit()
+        } else {
+            self.latch(Trip::Reading);
+            Stage::NonFinite.bit()
+        }
+    }
+
+    /// What is left of a torque while it rises, or for want of readings; and the stages that took the rest.
+    #[inline(never)]
+    fn share(&mut self, torque: f64, fresh: bool, in_time: bool) -> (f64, u16) {
+        self.risen = smaller(self.risen + self.rise, 1.0);
+        let mut acted = if self.risen < 1.0 { Stage::SoftStart.bit() } else { 0 };
+        self.missing = if fresh && in_time { 0 } else { self.missing.saturating_add(1) };
+        // A missed deadline counts at once; a reading may be late by a few ticks.
+        let falls = !in_time || self.missing > self.limits.stale;
+        self.held = if falls { self.held - self.fall } else { smaller(self.held + self.rise, 1.0) };
+        if self.held < 1.0 {
+            acted |= Stage::Stale.bit();
+        }
+        if self.held > 0.0 {
+            (torque * (self.risen * self.held), acted)
+        } else {
+            self.latch(Trip::Lost);
+            (0.0, acted)
+        }
+    }
+}
+
+/// The largest torque of its sign. Out of the way, so that a tick within all limits waits for no choice between the two.
+#[cold]
+fn cut(most: f64, torque: f64) -> f64 {
+    most.copysign(torque)
 }

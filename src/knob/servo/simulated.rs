@@ -1,7 +1,7 @@
 //! A knob that is not there: a plant with its encoder and its delay, and a servo around it.
 
 use super::setup::{Setup, Unfit};
-use super::tick::{Given, Servo};
+use super::tick::Servo;
 use crate::actuator::fault::Fault;
 use crate::actuator::thermal::{Cooling, Thermal};
 use crate::knob::plant::Plant;
@@ -103,12 +103,12 @@ impl Simulated {
         }
     }
 
-    /// A whole tick: reading, servo, plant.
-    pub fn tick(&mut self, servo: &mut Servo, hand: &Hand) -> Given {
+    /// A whole tick: reading, servo, plant. Returns the torque of it, N m.
+    pub fn tick(&mut self, servo: &mut Servo, hand: &Hand) -> f64 {
         let angle = self.read();
-        let given = servo.tick(Some(angle), true);
-        self.pass(given.torque, hand);
-        given
+        let torque = servo.tick(Some(angle), true);
+        self.pass(torque, hand);
+        torque
     }
 
     /// What turns.

@@ -5,7 +5,7 @@ use crate::knob::effect::events::Events;
 use crate::knob::effect::program::{Control, Program};
 use crate::knob::effect::{Bound, Reading};
 use crate::knob::governor::{Allowed, Governor};
-use crate::knob::local_model::follower::Follower;
+use crate::knob::local_model::follower::{Followed, Follower};
 use crate::knob::local_model::pending::Message;
 use crate::knob::passivity::{Controller, Observer};
 use crate::knob::plant::encoder::{Delay, MOST_DELAY};
@@ -48,11 +48,15 @@ pub struct Servo {
     period: f64,
     estimator: Any,
     governor: Governor,
+    /// What it was asked last, and what it granted.
+    ask: Bound,
+    allowed: Allowed,
     program: Program,
     books: Books,
     chain: Chain,
-    cogging: Wave,
-    ripple: Wave,
+    /// Those of its motor, where it has any.
+    cogging: Option<Wave>,
+    ripple: Option<Wave>,
     follower: Follower,
     message: Option<Message>,
     impulse: f64,
@@ -77,16 +81,20 @@ impl Servo {
             Some(cap) => Books::Braked(Controller::new(cap, period)?),
             None => Books::Watched(Observer::default()),
         };
+        let governor = Governor::new(&setup.device, setup.margin)?;
+        let known = |wave: Wave| Some(wave).filter(|wave| !wave.is_flat());
         let ticks = |seconds: f64| (seconds / period).round().clamp(1.0, 1e9);
         Ok(Self {
             period,
             estimator: setup.device.velocity.started(setup.device.count, period)?,
-            governor: Governor::new(&setup.device, setup.margin)?,
+            ask: Bound::default(),
+            allowed: governor.allow(&Bound::default()),
+            governor,
             program,
             books,
             chain: Chain::new(&setup.limits)?,
-            cogging: setup.cogging,
-            ripple: setup.ripple,
+            cogging: known(setup.cogging),
+            ripple: known(setup.ripple),
             follower: Follower::new(ticks(TAKE_OVER) as u32, ticks(TOO_OLD) as u64)?,
             message: None,
             impulse: 0.0,
@@ -99,8 +107,14 @@ impl Servo {
     }
 
     /// What scales each effect, in their order.
-    pub fn controls(&mut self) -> &mut [Control] {
+    #[inline]
+    pub fn controls(&mut self) -> impl Iterator<Item = &mut Control> {
         self.program.controls()
+    }
+
+    /// What scales an effect, by its place.
+    pub fn control(&mut self, place: usize) -> Option<&mut Control> {
+        self.program.control(place)
     }
 
     /// A world that a slow thread sends, from the next tick on.
@@ -148,6 +162,7 @@ impl Servo {
     }
 
     /// How stiff and how viscous effects and the local model are together at most, as they are scaled now.
+    #[inline]
     pub fn demand(&self) -> Bound {
         let mut ask = self.program.demand();
         ask.stiffness += self.follower.model().most_stiffness();
@@ -187,28 +202,46 @@ impl Servo {
         self.ticks
     }
 
-    /// One tick, `in_time` or late, with an angle (radians) or without one.
+    /// One tick, `in_time` or late, with an angle (radians) or without one: the torque that the amplifier gets, N m. All else that came of it
+    /// is in [`Servo::last`].
     ///
     /// Without a reading nothing is felt anew: the torque before stays until the chain lets it go. An angle that is no number is a fault, and
     /// torque is 0 with this tick.
-    #[inline]
-    pub fn tick(&mut self, angle: Option<f64>, in_time: bool) -> Given {
+    pub fn tick(&mut self, angle: Option<f64>, in_time: bool) -> f64 {
         self.ticks += 1;
-        let Some(angle) = angle else { return self.blind(in_time) };
+        match angle {
+            Some(angle) if angle.is_finite() => self.felt(angle, in_time),
+            Some(wild) => self.wild(wild, in_time),
+            None => self.blind(in_time),
+        }
+    }
+
+    /// A tick with an angle that is no number.
+    #[cold]
+    fn wild(&mut self, angle: f64, in_time: bool) -> f64 {
+        self.felt(angle, in_time)
+    }
+
+    #[inline(always)]
+    fn felt(&mut self, angle: f64, in_time: bool) -> f64 {
         let velocity = self.estimator.push(angle);
         let velocity = if angle.is_finite() { velocity } else { f64::NAN };
-        let message = self.message.take();
-        let model = message.as_ref().map(|message| &message.model);
-        let followed = self.follower.tick(self.ticks, angle, model);
-        if let Some(message) = &message {
-            // A kick is as strong as it is short: it is given within one tick, as far as the chain lets it.
-            self.impulse += message.impulse;
-        }
+        let followed = if self.message.is_some() {
+            self.change(angle)
+        } else if self.follower.is_idle() {
+            Followed::NOTHING
+        } else {
+            self.follower.tick(self.ticks, angle, None)
+        };
         let ask = self.demand();
-        let allowed = self.governor.allow(&ask);
+        if ask != self.ask {
+            (self.ask, self.allowed) = (ask, self.governor.allow(&ask));
+        }
+        let allowed = self.allowed;
         let reading = Reading { angle, velocity, dt: self.period };
         let mut torque = self.program.tick(&reading, allowed.stiffness, allowed.damping, &mut self.events);
-        torque += followed.torque * allowed.stiffness + std::mem::take(&mut self.impulse) / self.period;
+        let kick = if self.impulse == 0.0 { 0.0 } else { std::mem::take(&mut self.impulse) / self.period };
+        torque += followed.torque * allowed.stiffness + kick;
         torque = match &mut self.books {
             Books::Watched(observer) => {
                 observer.book(followed.injected);
@@ -221,28 +254,38 @@ impl Servo {
             }
         };
         let asked = torque;
-        if !self.cogging.is_flat() {
-            torque -= self.cogging.at(angle);
+        if let Some(cogging) = &self.cogging {
+            torque -= cogging.at(angle);
         }
-        if !self.ripple.is_flat() {
+        if let Some(ripple) = &self.ripple {
             // No motor's constant falls below half of its mean; what a table says beyond that is not made up for.
-            torque /= f64::max(1.0 + self.ripple.at(angle), 0.5);
+            torque /= f64::max(1.0 + ripple.at(angle), 0.5);
         }
         let input = Input { torque, angle, velocity, fresh: true, in_time, governed: allowed.acted() };
         let given = self.chain.tick(&input);
         self.acting = self.way.pass(given.torque);
         self.last = Given { torque: given.torque, asked, angle, velocity, allowed, acted: given.acted };
-        self.last
+        given.torque
+    }
+
+    /// Takes what a slow thread sent.
+    #[cold]
+    fn change(&mut self, angle: f64) -> Followed {
+        let message = self.message.take();
+        // A kick is as strong as it is short: it is given within one tick, as far as the chain lets it.
+        self.impulse += message.map_or(0.0, |message| message.impulse);
+        self.follower.tick(self.ticks, angle, message.as_ref().map(|message| &message.model))
     }
 
     /// A tick without a reading.
-    fn blind(&mut self, in_time: bool) -> Given {
+    #[cold]
+    fn blind(&mut self, in_time: bool) -> f64 {
         self.events.clear();
         let Given { asked, angle, velocity, allowed, .. } = self.last;
         let input = Input { torque: asked, angle, velocity, fresh: false, in_time, governed: false };
         let given = self.chain.tick(&input);
         self.acting = self.way.pass(given.torque);
         self.last = Given { torque: given.torque, asked, angle, velocity, allowed, acted: given.acted };
-        self.last
+        given.torque
     }
 }

@@ -6,7 +6,9 @@
 //! shrink, so that one pass over the window decides, not one for each length of it.
 
 use super::Estimator;
+use super::ring::Ring;
 use crate::actuator::fault::{Fault, Limit, check, positive};
+use crate::knob::order::{larger, smaller};
 
 /// Which line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,11 +28,9 @@ pub struct Adaptive {
     fit: Fit,
     tolerance: f64,
     rate: f64,
-    /// One over the ages.
+    /// One over the ages from 1 on.
     inverse: Box<[f64]>,
-    ring: Box<[f64]>,
-    newest: usize,
-    filled: usize,
+    ring: Ring,
     length: usize,
     speed: f64,
 }
@@ -44,16 +44,14 @@ impl Adaptive {
         positive("period", period)?;
         positive("count", count)?;
         check("window", longest as f64, Limit::Within(1.0, MOST_WINDOW as f64, "ticks"))?;
-        let inverse = (0..=longest).map(|n| if n == 0 { 0.0 } else { 1.0 / n as f64 }).collect();
+        let inverse = (1..=longest).map(|n| 1.0 / n as f64).collect();
         Ok(Self {
             fit,
             // What rounding does to an angle of many turns must not count as a deviation.
             tolerance: count * (1.0 + 1e-6),
             rate: 1.0 / period,
             inverse,
-            ring: vec![0.0; longest + 1].into_boxed_slice(),
-            newest: 0,
-            filled: 0,
+            ring: Ring::new(longest),
             length: 0,
             speed: 0.0,
         })
@@ -63,6 +61,18 @@ impl Adaptive {
     pub fn window(&self) -> usize {
         self.length
     }
+
+    /// The slope a tick of least squares over a window.
+    fn best(&self, angle: f64, length: usize) -> f64 {
+        let (mut sum, mut moment, mut age) = (0.0, 0.0, 0.0);
+        for past in self.ring.past().iter().rev().take(length) {
+            age += 1.0;
+            let rise = angle - past;
+            sum += rise;
+            moment += age * rise;
+        }
+        (2.0 * moment - age * sum) * 6.0 / (age * (age + 1.0) * (age + 2.0))
+    }
 }
 
 impl Estimator for Adaptive {
@@ -70,31 +80,24 @@ impl Estimator for Adaptive {
         if !angle.is_finite() {
             return self.speed;
         }
-        let size = self.ring.len();
-        self.newest = if self.newest + 1 == size { 0 } else { self.newest + 1 };
-        self.ring[self.newest] = angle;
-        self.filled = (self.filled + 1).min(size);
+        self.ring.push(angle);
         // Slopes a tick that every reading so far allows.
         let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
-        let (mut sum, mut moment, mut best_sum, mut best_moment) = (0.0, 0.0, 0.0, 0.0);
-        let (mut slope, mut length, mut at) = (0.0, 0, self.newest);
-        for age in 1..self.filled {
-            at = if at == 0 { size - 1 } else { at - 1 };
-            let (rise, n, inverse) = (angle - self.ring[at], age as f64, self.inverse[age]);
-            least = f64::max(least, (rise - self.tolerance) * inverse);
-            most = f64::min(most, (rise + self.tolerance) * inverse);
-            sum += rise;
-            moment += n * rise;
+        let (mut slope, mut length) = (0.0, 0);
+        for (past, inverse) in self.ring.past().iter().rev().zip(&self.inverse) {
+            let rise = angle - past;
             let end = rise * inverse;
+            // A reading's own range holds its slope.
             if !(least <= end && end <= most) {
                 break;
             }
-            (slope, length) = (end, age);
-            (best_sum, best_moment) = (sum, moment);
+            least = larger(least, (rise - self.tolerance) * inverse);
+            most = smaller(most, (rise + self.tolerance) * inverse);
+            slope = end;
+            length += 1;
         }
         if self.fit == Fit::Best && length > 0 {
-            let n = length as f64;
-            slope = (2.0 * best_moment - n * best_sum) * 6.0 / (n * (n + 1.0) * (n + 2.0));
+            slope = self.best(angle, length);
         }
         self.length = length;
         self.speed = slope * self.rate;
@@ -103,6 +106,6 @@ impl Estimator for Adaptive {
 
     fn reset(&mut self, angle: f64) {
         self.ring.fill(angle);
-        (self.filled, self.length, self.speed) = (self.ring.len(), 0, 0.0);
+        (self.length, self.speed) = (0, 0.0);
     }
 }

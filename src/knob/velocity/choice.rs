@@ -23,8 +23,9 @@ pub enum Choice {
     Kalman(f64),
 }
 
-/// An estimator at work.
+/// An estimator at work, with a tag of its own for the sake of [`push`](Estimator::push).
 #[derive(Debug, Clone, PartialEq)]
+#[repr(u8)]
 pub(crate) enum Any {
     Difference(Difference),
     Filtered(Filtered),

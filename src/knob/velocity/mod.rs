@@ -23,6 +23,7 @@ pub mod edges;
 pub mod error;
 pub mod filtered;
 pub mod kalman;
+mod ring;
 pub mod transfer;
 pub mod window;
 

@@ -6,6 +6,7 @@
 
 use super::Estimator;
 use super::adaptive::{Adaptive, Fit, MOST_WINDOW};
+use super::ring::Ring;
 use crate::actuator::fault::{Fault, Limit, check, positive};
 
 /// The most readings that are looked at for the length of the window.
@@ -21,9 +22,7 @@ pub struct Window {
     every: usize,
     until: usize,
     rate: f64,
-    ring: Box<[f64]>,
-    newest: usize,
-    filled: usize,
+    ring: Ring,
     /// Ticks of the window.
     ticks: usize,
     /// One over their time.
@@ -54,9 +53,7 @@ impl Window {
             every,
             until: 1,
             rate: 1.0 / period,
-            ring: vec![0.0; every * longest + 1].into_boxed_slice(),
-            newest: 0,
-            filled: 0,
+            ring: Ring::new(every * longest),
             ticks: 0,
             inverse: 0.0,
             speed: 0.0,
@@ -75,32 +72,24 @@ impl Estimator for Window {
         if !angle.is_finite() {
             return self.speed;
         }
-        let size = self.ring.len();
-        self.newest = if self.newest + 1 == size { 0 } else { self.newest + 1 };
-        self.ring[self.newest] = angle;
-        self.filled = (self.filled + 1).min(size);
+        self.ring.push(angle);
         self.until -= 1;
         if self.until == 0 {
             self.until = self.every;
             self.looks.push(angle);
-            let ticks = (self.looks.window() * self.every).min(self.filled - 1);
+            let ticks = (self.looks.window() * self.every).min(self.ring.before());
             if ticks != self.ticks {
                 self.ticks = ticks;
                 self.inverse = if ticks > 0 { self.rate / ticks as f64 } else { 0.0 };
             }
         }
-        let at = if self.newest >= self.ticks {
-            self.newest - self.ticks
-        } else {
-            self.newest + size - self.ticks
-        };
-        self.speed = (angle - self.ring[at]) * self.inverse;
+        self.speed = (angle - self.ring.at(self.ticks)) * self.inverse;
         self.speed
     }
 
     fn reset(&mut self, angle: f64) {
         self.looks.reset(angle);
         self.ring.fill(angle);
-        (self.filled, self.until, self.speed) = (self.ring.len(), 1, 0.0);
+        (self.until, self.speed) = (1, 0.0);
     }
 }

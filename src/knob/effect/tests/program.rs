@@ -36,10 +36,10 @@ fn all() -> Vec<Any> {
 fn a_program_is_the_sum_of_its_effects() {
     let mut together = Program::new(all()).unwrap();
     let mut apart: Vec<Program> = all().into_iter().map(|any| Program::new(vec![any]).unwrap()).collect();
-    together.controls()[3].gain = -2.0;
-    apart[3].controls()[0].gain = -2.0;
-    together.controls()[11].fed = 0.25;
-    apart[11].controls()[0].fed = 0.25;
+    together.control(3).unwrap().gain = -2.0;
+    apart[3].control(0).unwrap().gain = -2.0;
+    together.control(11).unwrap().fed = 0.25;
+    apart[11].control(0).unwrap().fed = 0.25;
     let (mut events, mut angle) = (Events::default(), 0.0);
     for n in 0..3000 {
         angle += 0.01 * uniform(1, n);
@@ -69,13 +69,13 @@ proptest! {
                 3 => reading.angle = wild,
                 7 => reading.velocity = wild,
                 11 => reading.dt = wild,
-                13 => program.controls()[(n % 15) as usize].gain = wild,
-                14 => program.controls().iter_mut().for_each(|c| c.gain = 1.0),
+                13 => program.control((n % 15) as usize).unwrap().gain = wild,
+                14 => program.controls().for_each(|c| c.gain = 1.0),
                 _ => {}
             }
             prop_assert!(program.tick(&reading, 1.0, 1.0, &mut events).is_finite());
         }
-        program.controls().iter_mut().for_each(|c| c.gain = 1.0);
+        program.controls().for_each(|c| c.gain = 1.0);
         let before = program.masked();
         for n in 0..50_000u64 {
             let reading = Reading { angle: 0.1 * uniform(seed, n), velocity: 0.0, dt: T };
