@@ -133,7 +133,9 @@ fn nothing_steady_leaves_on_a_card_that_nobody_has_described() {
         [(None, false, false), (Some("silent.toml"), false, true), (Some("coupled.toml"), true, false)]
     {
         let play = ["play", "steady.toml", "--device", "card8", "--duration", "2"];
-        ["sent.wav", "j.jsonl", "again.wav"].map(|file| std::fs::remove_file(bench.folder.join(file)));
+        for file in ["sent.wav", "j.jsonl", "again.wav"] {
+            let _ = std::fs::remove_file(bench.folder.join(file));
+        }
         let keep = ["--record", "sent.wav", "--events", "j.jsonl"];
         let named = rig.map_or(Vec::new(), |rig| vec!["--rig", rig]);
         let run = bench.run(&[&play[..], &keep[..], &named[..]].concat());

@@ -93,7 +93,7 @@ repeat = { every = 0.1 }
 [[trigger]]
 on = "midi.note"
 play = "tap"
-place = "spread"
+place = "t2"
 [[trigger]]
 on = "start"
 play = "walk"

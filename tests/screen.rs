@@ -47,6 +47,16 @@ fn keys_do_what_the_screen_says() {
     for part in ["Two hands", "virtual card", "load", "latency", "xruns 0", "2 right", "ARMED", "q end"] {
         assert!(text.contains(part), "no `{part}` in\n{text}");
     }
+    // The block of the virtual card, 128 frames, and what the engine takes: the latest onset within a sample of 1/8,000 s, and the band limit.
+    let line = text.lines().find(|line| line.contains("latency")).unwrap();
+    let figure = |name: &str| -> f64 {
+        let rest = line.split(name).nth(1).unwrap_or_else(|| panic!("no `{name}` in {line}"));
+        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        rest[..end].parse().unwrap_or_else(|_| panic!("{name}: {line}"))
+    };
+    let [all, block, engine] = ["latency at least ", "block ", "engine "].map(figure);
+    assert_eq!(block, 2.7, "{line}");
+    assert!((1.0..1.7).contains(&engine) && (all - block - engine).abs() < 0.11, "{line}");
     seat.press("2");
     seat.see("second pattern", |text| text.contains("2 ▶ right"));
     seat.press("1");

@@ -7,6 +7,7 @@ use super::channel::Channel;
 use super::gesture::Gesture;
 use super::interpreter::Interpreter;
 use super::message::Message;
+use super::strip::{SOSTENUTO, SUSTAIN};
 
 /// Seconds within which a movement happens.
 const WINDOW: f64 = 2.0;
@@ -96,6 +97,8 @@ pub enum Useless {
     Program,
     /// A numbered parameter (NRPN, RPN) was moved.
     Parameter,
+    /// This pedal, 64 or 66, was pressed: it holds voices.
+    Pedal(u8),
     /// This controller says the same again and again, as endless knobs do that tell steps.
     Steps(u8),
 }
@@ -143,6 +146,9 @@ impl Recogniser {
                 // What falls with the key is not meant.
                 self.travels.remove(&(port, channel, Control::Pressure));
                 return None;
+            }
+            Message::Controller { number: number @ (SUSTAIN | SOSTENUTO), value, .. } => {
+                return (value >= 64).then_some(Seen::Useless(Useless::Pedal(number)));
             }
             Message::Program { .. } => return Some(Seen::Useless(Useless::Program)),
             Message::Bend { channel, bend } => {
@@ -344,7 +350,10 @@ mod tests {
         // A desk that tells where everything stands has not been moved; nor do clocks, pedals and modes.
         let all = (0..128).flat_map(|number| [controller(number, 99), Message::Clock]);
         assert!(all.into_iter().all(|message| !matches!(seen(message), Some(Seen::Moved(_)))));
-        let pedal = (0..50).map(|n| controller(64, 127 * (n % 2)));
-        assert!(pedal.into_iter().all(|message| seen(message).is_none()));
+        for number in [64, 66] {
+            let pedal: Vec<_> = (0..4).map(|n| seen(controller(number, 127 * (n % 2)))).collect();
+            let pressed = Some(Seen::Useless(Useless::Pedal(number)));
+            assert_eq!(pedal, [None, pressed, None, pressed]);
+        }
     }
 }

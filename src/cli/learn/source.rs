@@ -59,6 +59,9 @@ pub fn why(useless: Useless) -> String {
             "that is a numbered parameter (NRPN), which cannot be bound: set it to a controller in its editor"
                 .into()
         }
+        Useless::Pedal(number) => format!(
+            "controller {number} is a pedal that holds voices: a [[bind]] or a [[trigger]] that names midi.controller {number} makes it something else"
+        ),
         Useless::Steps(number) => format!(
             "controller {number} says the same again and again, as endless knobs do that tell steps: set it to tell positions in its editor"
         ),
