@@ -435,6 +435,23 @@ fn coils_have_resonance_bursts_and_an_equaliser() {
         assert!(text.contains(word), "{word}: {text}");
     }
     scratch.run(&["motor", "lra.toml", "--tilt", "0"]).fails(2, &["--tilt is of rumble motors"]);
+    // The picture of the response has the resonance at its mark, and both curves.
+    scratch.run(&["motor", "lra.toml", "--response", "r.svg"]).succeeds();
+    let drawn = std::fs::read_to_string(scratch.0.join("r.svg")).unwrap();
+    roxmltree::Document::parse(&drawn).unwrap();
+    for word in [
+        "175.0 Hz, Q 15.00",
+        "as it is",
+        "with the equaliser",
+        "frequency (Hz)",
+        "Equaliser: resonance moved",
+    ] {
+        assert!(drawn.contains(word), "{word}");
+    }
+    scratch.run(&["motor", "coin-10mm", "--response", "c.svg"]).fails(2, &["--response is of voice coils"]);
+    scratch
+        .run(&["motor", "lra.toml", "--response", "r.svg", "--plot", "r.svg"])
+        .fails(2, &["cannot be one file", "another for --response"]);
     scratch.write("bare.toml", rig("model = \"lra\"\nresonance = 175\nrated_volts = 2"));
     scratch.run(&["motor", "bare.toml"]).fails(
         78,

@@ -9,7 +9,7 @@ use super::super::table::Table;
 use super::super::terminal::Terminal;
 use super::shown::ms;
 use super::subject::Subject;
-use super::{Motor, usage};
+use super::{Motor, response, usage};
 use pacinian::actuator::coil::equaliser::Equaliser;
 use pacinian::actuator::coil::resonance::Resonance;
 use pacinian::actuator::drive::Drive;
@@ -128,6 +128,10 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
     let even = even.and_then(|even| even.map_err(|fault| why.push(format!("no equaliser: {fault}"))).ok());
     if let Some(path) = &asked.plot {
         out::write(path, picture(subject, asked.seconds, &bursts, rate).svg().as_bytes())?;
+    }
+    if let Some(path) = &asked.response {
+        let chart = response::chart(subject, &plant, even.as_ref()).map_err(|f| usage(&f))?;
+        out::write(path, chart.svg().as_bytes())?;
     }
     if let Some(path) = &asked.csv {
         out::write(path, csv(&bursts, rate).as_bytes())?;

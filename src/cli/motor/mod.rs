@@ -3,6 +3,7 @@
 mod coil;
 mod picture;
 mod report;
+mod response;
 mod rumble;
 mod shown;
 mod subject;
@@ -24,7 +25,8 @@ use written::{Through, Written};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  pacinian motor coin-10mm --level 0.5 --plot coin.svg\n  \
     pacinian motor coin-10mm --drive \"0.02:3, 0.01:-3, open\"\n  \
-    pacinian motor coin-10mm --coupling 2,10,20,20+10\n\n\
+    pacinian motor coin-10mm --coupling 2,10,20,20+10\n  \
+    pacinian motor eai-c-mf --response response.svg\n\n\
     Rumble motors: a burst and a click in every way in which they can be driven. Voice coils, inertial motors and resonant actuators:\n\
     resonance, response, a burst plain, overdriven and braked, an equaliser. Everything is computed from figures; which of them nobody\n\
     measured is said, and `pacinian parts` says where the others are from.\n\
@@ -75,7 +77,10 @@ pub struct Motor {
     /// Draws drive, speed and acceleration with what is wanted into this file; one that is there is replaced
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
-    /// Writes the same as a table of comma-separated values, a line for each step
+    /// Of a voice coil, an inertial or a resonant actuator: draws its response over frequency, as it is and with its equaliser, into this file
+    #[arg(long, value_name = "FILE.svg")]
+    response: Option<PathBuf>,
+    /// Writes what --plot draws as a table of comma-separated values, a line for each step
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
     /// As JSON
@@ -105,12 +110,20 @@ impl Motor {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let subject = Subject::find(&self.what, self.output.as_deref(), terminal)?;
-        let made = [(&self.plot, "--plot", "svg"), (&self.csv, "--csv", "csv")];
+        let made = [
+            (&self.plot, "--plot", "svg"),
+            (&self.response, "--response", "svg"),
+            (&self.csv, "--csv", "csv"),
+        ];
         for (path, option, extension) in made {
             path.as_ref().map_or(Ok(()), |path| check_made(path, option, extension, &subject.files))?;
         }
         if self.plot.is_some() && self.plot == self.csv {
             return Err(Failure::usage("picture and table cannot be one file", "choose another for --csv"));
+        }
+        if self.response.is_some() && (self.response == self.plot || self.response == self.csv) {
+            let what = "two pictures, or a picture and the table, cannot be one file";
+            return Err(Failure::usage(what, "choose another for --response"));
         }
         match subject.actuator.model {
             Model::RumbleMotor => rumble::run(self, &subject, terminal),

@@ -19,6 +19,13 @@ const MOST_TILT: f64 = 4.0;
 
 /// Computes and says it.
 pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), Failure> {
+    if asked.response.is_some() {
+        let what = format!(
+            "--response is of voice coils, inertial and resonant actuators, and {} is a rumble motor, whose frequency is its speed",
+            subject.name
+        );
+        return Err(Failure::usage(what, "leave it out; --plot draws what the motor does over time"));
+    }
     let tilt = asked.tilt.or(subject.tilt);
     if let Some(tilt) = tilt.filter(|tilt| !(-MOST_TILT..=MOST_TILT).contains(tilt)) {
         let what =

@@ -40,6 +40,7 @@ pub use race::{Course, Wish, race};
 
 /// The picture of error against run time as SVG.
 pub fn picture(rows: &[Row], across: Across) -> String {
-    let of = "Errors: of a motor's speed as a share of the rated speed, of a coil's displacement as a share of its peak.";
+    let of = "Errors: of a motor's speed as a share of the rated speed, of a coil's displacement as a share of its peak.\n\
+              Methods that know smooth equations alone (Euler, RK4, solvers of a crate) get dry friction smoothed, which is an error of its own.";
     super::cost::picture(rows, across, of)
 }

@@ -21,7 +21,7 @@ const COLUMNS: usize = 3;
 /// Letters of a note, at most.
 const NOTE: usize = 82;
 
-/// The picture as SVG. `of` says what the errors are of, in a sentence.
+/// The picture as SVG. `of` says what the errors are of, in a sentence or more, in a line or more.
 pub fn picture(rows: &[Row], across: Across, of: &str) -> String {
     let mut rates: Vec<f64> = Vec::new();
     for row in rows {
@@ -40,7 +40,7 @@ pub fn picture(rows: &[Row], across: Across, of: &str) -> String {
     };
     Sheet {
         title: "Error against run time".into(),
-        about: vec![about],
+        about: about.lines().map(str::to_string).collect(),
         x: x.into(),
         y: "largest error".into(),
         columns: COLUMNS,

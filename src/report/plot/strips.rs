@@ -63,6 +63,8 @@ const DASHES: [&str; 6] = ["", "7 3", "2 2.5", "10 3 2 3", "4 2", "14 4"];
 /// and its mean.
 const BUSY: usize = 4;
 const DENSE: usize = 2;
+/// What is said of that.
+const BAND: &str = "; shaded: back and forth too fast for a line, which is its mean";
 /// Pixels to each side that are a few.
 const FEW: usize = 2;
 
@@ -87,11 +89,10 @@ impl Strips {
         let inner = WIDTH - 2.0 * MARGIN;
         let title = Type { bold: true, ..Type::new(19.0, Anchor::Start, Ink::Text) };
         svg.text_within(MARGIN, 38.0, title, &self.title, inner);
-        svg.text_within(MARGIN, 59.0, Type::new(12.5, Anchor::Start, Ink::Dim), &self.subtitle, inner);
         self.key(&mut svg, &names);
         let left = MARGIN + 58.0;
         let all = WIDTH - MARGIN - left - BESIDE * self.columns.len().saturating_sub(1) as f64;
-        let mut from = left;
+        let (mut from, mut has_bands) = (left, false);
         for (n, column) in self.columns.iter().enumerate() {
             // The first is what is looked at first.
             let share = match self.columns.len() {
@@ -99,10 +100,12 @@ impl Strips {
                 many => 1.0 / many as f64,
             };
             let to = from + all * share;
-            column.draw(&mut svg, [from, to], &names);
+            has_bands |= column.draw(&mut svg, [from, to], &names);
             from = to + BESIDE;
         }
-        svg.finish(WIDTH, height, &self.title, &self.subtitle)
+        let subtitle = if has_bands { format!("{}{BAND}", self.subtitle) } else { self.subtitle.clone() };
+        svg.text_within(MARGIN, 59.0, Type::new(12.5, Anchor::Start, Ink::Dim), &subtitle, inner);
+        svg.finish(WIDTH, height, &self.title, &subtitle)
     }
 
     /// Of all that is done, in the order in which they come first.
@@ -152,7 +155,9 @@ fn dash(index: usize) -> &'static str {
 }
 
 impl Column {
-    fn draw(&self, svg: &mut Svg, [left, right]: [f64; 2], names: &[&str]) {
+    /// Whether any of it is a band.
+    fn draw(&self, svg: &mut Svg, [left, right]: [f64; 2], names: &[&str]) -> bool {
+        let mut has_bands = false;
         let dim = |anchor| Type::new(11.0, anchor, Ink::Dim);
         let heading = Type { bold: true, ..Type::new(13.0, Anchor::Start, Ink::Text) };
         svg.text_within(left, TOP - 14.0, heading, &self.heading, right - left);
@@ -179,18 +184,19 @@ impl Column {
             let label = Type::new(11.5, Anchor::Middle, Ink::Text);
             svg.text_up(left - 46.0, 0.5 * (top + bottom), label, &panel.label);
             for curve in panel.curves.iter().filter(|curve| curve.wanted) {
-                curve.draw(svg, &time, &y, (Ink::Axis, "", WANTED), [left, right]);
+                has_bands |= curve.draw(svg, &time, &y, (Ink::Axis, "", WANTED), [left, right]);
             }
             for curve in panel.curves.iter().filter(|curve| !curve.wanted) {
                 let index = names.iter().position(|name| *name == curve.name).unwrap_or(0);
                 let set = (ink(index), dash(index), 1.6);
-                curve.draw(svg, &time, &y, set, [left, right]);
+                has_bands |= curve.draw(svg, &time, &y, set, [left, right]);
             }
             if last {
                 let at = 0.5 * (left + right);
                 svg.text(at, bottom + 33.0, dim(Anchor::Middle), "Time (ms)");
             }
         }
+        has_bands
     }
 }
 
@@ -211,6 +217,7 @@ impl Panel {
 }
 
 impl Curve {
+    /// Whether any of it is a band.
     fn draw(
         &self,
         svg: &mut Svg,
@@ -218,7 +225,7 @@ impl Curve {
         y: &Scale,
         (ink, dash, broad): (Ink, &str, f64),
         [left, right]: [f64; 2],
-    ) {
+    ) -> bool {
         let bins = self.bins(time, [left, right]);
         // What is too fast for a line is a band, and its mean.
         for run in bins.chunk_by(|a, b| a.busy && b.busy).filter(|run| run[0].busy) {
@@ -228,7 +235,7 @@ impl Curve {
             svg.area(&band, ink, 0.16, 0.0);
         }
         let mut path = Path::default();
-        for bin in bins {
+        for bin in &bins {
             if bin.busy {
                 path.to(bin.x, y.at(bin.mean));
             } else {
@@ -236,6 +243,7 @@ impl Curve {
             }
         }
         svg.dashed(&path, ink, broad, dash);
+        bins.iter().any(|bin| bin.busy)
     }
 
     /// What it does in each pixel, or at each step where those are farther apart.
@@ -319,6 +327,10 @@ mod tests {
         // Three entries of the key, and a line for each curve of each panel.
         let lines = document.descendants().filter(|n| n.attribute("fill") == Some("none")).count();
         assert_eq!(lines, 3 + 3 * 4);
+        assert!(!svg.contains("shaded"));
+        // What is too fast for a line is said to be drawn otherwise.
+        let chatter = Curve { rate: 48_000.0, ..curve("a", (0..4800).map(|n| f64::from(n % 2)).collect()) };
+        assert!(strips(vec![chatter], 0.1).svg().contains("s; shaded: back and forth"));
     }
 
     #[test]
