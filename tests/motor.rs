@@ -356,6 +356,27 @@ fn what_is_no_good_is_named() {
         assert_eq!(run.code, Some(code), "{words:?}: {}{}", run.out, run.err);
         said.iter().for_each(|word| assert!(run.err.contains(word), "{words:?}: {word}: {}", run.err));
     }
+    // A figure that cannot be is told as such, and not as one that is missing.
+    let rig = |figure: &str| {
+        format!(
+            "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\nfull_scale_volts = 5.0\ncoupling = \"dc\"\n\
+             [amplifier.a]\ngain = 2.5\nmax_volts = 12.5\ncoupling = \"dc\"\n[actuator.m]\nmodel = \"rumble-motor\"\n\
+             rated_volts = 12.5\ntorque_constant = 0.011\ninertia = 1.15e-7\neccentric_moment = 1.38e-5\n{figure}\n\
+             [[output]]\nkind = \"drive\"\nname = \"m\"\nchannel = 1\nactuator = \"m\"\namplifier = \"a\"\n"
+        )
+    };
+    scratch.write("none.toml", rig(""));
+    scratch.run(&["motor", "none.toml"]).fails(78, &["actuator `m` lacks `resistance`"]);
+    for (figure, said) in [
+        ("resistance = 0", "`resistance` of actuator `m` is 0"),
+        ("resistance = nan", "`resistance` of actuator `m` is nan"),
+        ("resistance = -1e300", "`resistance` of actuator `m` is -1e300"),
+    ] {
+        scratch.write("amiss.toml", rig(figure));
+        let run = scratch.run(&["motor", "amiss.toml"]);
+        run.fails(78, &[said, "from 0.001 to"]);
+        assert!(!run.err.contains("lacks"), "{figure}: {}", run.err);
+    }
     // What cannot be done stands in its row, and the others are there.
     let weak = scratch.run(&["motor", "coin-10mm", "--volts", "0.3", "--level", "0.5"]);
     assert!(weak.succeeds().out.contains("0.3 V do not start the motor"), "{}", weak.out);

@@ -29,6 +29,8 @@ pub struct Actuator {
     pub even_out: Option<Even>,
     /// Where it stands.
     pub span: Span,
+    /// Keys of figures that stand there and cannot be, which has been told.
+    pub(super) misread: Vec<&'static str>,
 }
 
 /// What an actuator is.
@@ -77,6 +79,7 @@ impl Actuator {
             equaliser: Vec::new(),
             even_out: None,
             span: 0..0,
+            misread: Vec::new(),
         }
     }
 
@@ -229,7 +232,7 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Actuator {
         }
         _ => said,
     };
-    let mut values = BTreeMap::new();
+    let (mut values, mut misread) = (BTreeMap::new(), Vec::new());
     for (field, of) in quantity::FIELDS.iter().zip(MODELS).filter(|(field, _)| reader.has(field.key)) {
         if !of.is_empty() && !of.contains(&model) {
             let what = format!("{} is of model {}, which has no `{}`", reader.who, model.word(), field.key);
@@ -238,7 +241,10 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Actuator {
             reader.sink.push(Problem::error(&reader.span_of(field.key), what).help(help));
             continue;
         }
-        values.extend(reader.number(field.key).map(|value| (field.key, value)));
+        match reader.number(field.key) {
+            Some(value) => _ = values.insert(field.key, value),
+            None => misread.push(field.key),
+        }
     }
     contradiction::tell(reader, &values);
     let mut actuator = Actuator {
@@ -258,6 +264,7 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Actuator {
             .collect(),
         even_out: even::read(reader, model),
         span: reader.span.clone(),
+        misread,
     };
     if let Some(part) = part {
         actuator.fill_in(part);

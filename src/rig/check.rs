@@ -79,7 +79,10 @@ impl Rig {
         problems.extend(self.out_of_scale());
         problems.extend(self.check_groups());
         problems.extend(self.torque_way());
-        let told = |output: &&Output| !(is_draft && self.is_unfinished(output));
+        // Of a figure that stands there and cannot be it is told as such, and not that it is missing.
+        let told = |output: &&Output| {
+            self.lacking(output).is_none_or(|(motor, key)| !is_draft && !motor.misread.contains(&key))
+        };
         let wired = self.outputs.iter().filter(told).filter_map(|output| self.wiring(output)?.err());
         for problem in self.actuators.iter().filter_map(Actuator::contradiction).chain(wired).take(Sink::MOST)
         {

@@ -159,12 +159,13 @@ impl Rig {
         Some(self.wire(output, turning))
     }
 
-    /// Whether figures of its motor are missing.
-    pub(super) fn is_unfinished(&self, output: &Output) -> bool {
-        let motor = output.actuator.as_ref().and_then(|name| self.actuator(name));
-        motor.is_some_and(|motor| {
-            motor.model == Model::RumbleMotor && matches!(motor.rumble_motor(), Err(Lack::Figure(_)))
-        })
+    /// The motor of an output and the figure that it lacks.
+    pub(super) fn lacking(&self, output: &Output) -> Option<(&Actuator, &'static str)> {
+        let motor = output.actuator.as_ref().and_then(|name| self.actuator(name))?;
+        match motor.rumble_motor() {
+            Err(Lack::Figure(key)) if motor.model == Model::RumbleMotor => Some((motor, key)),
+            _ => None,
+        }
     }
 
     fn wire(&self, output: &Output, turning: Turning) -> Result<Wiring, Problem> {

@@ -37,6 +37,12 @@ fn what_is_no_good_is_named() {
         rate,
     );
     put("still.wav", &vec![0.0; good.len()], rate);
+    put("steady.wav", &vec![0.3; good.len()], rate);
+    let mut bytes = std::fs::read(scratch.0.join("steady.wav")).unwrap();
+    let end = bytes.len();
+    bytes[end - 4..].copy_from_slice(&1e30_f32.to_le_bytes());
+    scratch.write("vast.wav", bytes);
+    record(&scratch, "many.wav", rate, Encoding::F32, &vec![(&good[..100], 100.0); 100]);
     record(&scratch, "two.wav", rate, Encoding::F32, &[(&good, 100.0), (&good, 100.0)]);
     scratch.write("no.wav", "no wave at all");
     let mut bytes = std::fs::read(scratch.0.join("good.wav")).unwrap();
@@ -87,6 +93,17 @@ fn what_is_no_good_is_named() {
         (&["none.wav", "--drive", "d.wav"], 66, &["`none.wav`"]),
         (&["good.wav", "--drive", "none.wav"], 66, &["`none.wav`"]),
         (&["good.wav", "--drive", "still.wav"], 65, &["the drive `still.wav` is silent"]),
+        (
+            &["good.wav", "--drive", "steady.wav"],
+            65,
+            &["`steady.wav`: `drive` is ", " all the time, but must change"],
+        ),
+        (&["good.wav", "--drive", "vast.wav"], 65, &["`vast.wav`: `drive` is no number at sample "]),
+        (
+            &["many.wav", "--drive", "d.wav"],
+            2,
+            &["has 100 channels", "acceleration,-,-,-,-,-,-,-,-,-,-,-,-,-,-,-,-,..., say"],
+        ),
         (
             &["good.wav", "--drive", "two.wav"],
             2,

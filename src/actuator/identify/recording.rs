@@ -167,7 +167,10 @@ impl fmt::Display for Mistake {
                 "{name} has {is} samples a second, but must have the {drive} of `drive`: record both at one rate"
             ),
             Self::NotANumber(name, at) => {
-                write!(f, "{name} has no number at sample {at}; it must be within ±1e12")
+                write!(
+                    f,
+                    "{name} is no number at sample {at}, or is beyond ±1e12: record it again, or give its scale anew"
+                )
             }
             Self::Silent(name, peak, limit) => write!(
                 f,
@@ -183,6 +186,7 @@ impl fmt::Display for Mistake {
                 write!(f, "the recording is too short: {is:.4} s of {what}, but {least:.4} s are needed")
             }
             Self::Constant(value) => {
+                let value = Shown(*value);
                 write!(f, "`drive` is {value} all the time, but must change: play a step, a burst or a sweep")
             }
             Self::Noise(name, is, least) => write!(

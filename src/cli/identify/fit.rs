@@ -63,7 +63,17 @@ pub fn fit(asked: &Identify, take: &Take, target: &Target) -> Result<Found, Fail
     }
     let shown = asked.recording.as_ref().map_or(String::new(), |path| path.display().to_string());
     let wrong = |mistake: Mistake| {
-        let what = format!("`{shown}`: {mistake}");
+        // What was played is in a file of its own where it did not come back.
+        let of_drive = matches!(
+            mistake,
+            Mistake::NotANumber(Name::Drive, _)
+                | Mistake::Silent(Name::Drive, ..)
+                | Mistake::Clipped(Name::Drive, ..)
+                | Mistake::Constant(_)
+                | Mistake::Uncovered(..)
+        );
+        let file = if of_drive && asked.drive.is_some() { &take.drive_name } else { &shown };
+        let what = format!("`{file}`: {mistake}");
         let help = match (mistake, take.lag) {
             (Mistake::Noise(Name::Acceleration, ..) | Mistake::Uncovered(..), Delay::Untold) => {
                 Some(format!("nothing in it follows {}: is that what was played?", take.drive_name))

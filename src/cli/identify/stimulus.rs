@@ -73,8 +73,11 @@ pub fn make(asked: &Identify, path: &Path, target: &Target, terminal: &Terminal)
         ));
     }
     if let Some(most) = most.filter(|most| volts > most * (1.0 + 1e-9)) {
-        let what =
-            format!("{volts} V are more than the {most:.4} V that {} bears, or that reach it", target.name);
+        let what = format!(
+            "{} V are more than the {most:.4} V that {} bears, or that reach it",
+            number(volts),
+            target.name
+        );
         return Err(Failure::usage(what, format!("give fewer: --volts {}", number(0.999 * most))));
     }
     let (drive, says) = drive(target, volts, f64::from(rate)).map_err(|fault| usage(&fault))?;

@@ -152,6 +152,9 @@ fn check_rate(shown: &str, info: &WavInfo) -> Result<(), Failure> {
     Err(Failure::usage(what, help).with_code(65))
 }
 
+/// Channels that are named one by one, at most.
+const MOST_NAMED: usize = 16;
+
 /// That a file is not so long that looking for the drive in it takes all memory.
 fn check_length(shown: &str, info: &WavInfo) -> Result<(), Failure> {
     if info.frames <= MOST {
@@ -173,10 +176,11 @@ fn named(asked: &Identify, shown: &str, channels: usize) -> Result<Vec<Holds>, F
             n => {
                 let what =
                     format!("`{shown}` has {n} channels, and nothing says which of them is the acceleration");
-                let rest = vec!["-"; n - 1].join(",");
+                let rest = vec!["-"; (n - 1).min(MOST_NAMED)].join(",");
+                let more = if n - 1 > MOST_NAMED { ",..." } else { "" };
                 Err(Failure::usage(
                     what,
-                    format!("say what they hold, in order: --channels acceleration,{rest}, say"),
+                    format!("say what they hold, in order: --channels acceleration,{rest}{more}, say"),
                 ))
             }
         };
@@ -261,8 +265,10 @@ fn played(asked: &Identify, path: &Path, rate: f64, recording: &str) -> Result<(
                 [] => Vec::new(),
                 [one] => all[one].clone(),
                 _ => {
-                    let list: Vec<String> = which.iter().map(|n| (n + 1).to_string()).collect();
-                    let what = format!("several channels of `{shown}` are driven: {}", list.join(", "));
+                    let list: Vec<String> =
+                        which.iter().take(MOST_NAMED).map(|n| (n + 1).to_string()).collect();
+                    let more = if which.len() > list.len() { ", ..." } else { "" };
+                    let what = format!("several channels of `{shown}` are driven: {}{more}", list.join(", "));
                     return Err(Failure::usage(
                         what,
                         format!("name the one that was played: --drive-channel {}", list[0]),
