@@ -166,6 +166,13 @@ fn what_a_card_does_not_offer_is_refused_with_what_it_does() {
         let output = bench.run(&all);
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
+    let own = bench.run(&["play", "patch.toml", "--duration", "0.1"]);
+    let told = String::from_utf8_lossy(&own.stderr).into_owned();
+    assert!(own.status.success() && told.contains("of no sound card that it is the usual one"), "{told}");
+    // A build that does not speak with it, or a server that does not run.
+    let (code, said) = of(&["--device", "jack:system"]);
+    let why = if cfg!(feature = "jack") { "JACK does not run" } else { "does not speak with JACK itself" };
+    assert!(code == Some(69) && said.contains(why) && said.contains("help"), "{said}");
     let (code, said) = of(&["--device", "card8"]);
     assert!(
         code == Some(69) && said.contains("6 channels are not offered") && said.contains("it offers 8"),
@@ -263,4 +270,55 @@ fn a_card_that_comes_and_goes_a_hundred_times_is_played_on_each_time() {
     assert_eq!(times, (100, 100));
     let samples = bench.samples();
     assert!(samples[samples.len() - 8 * 100..].iter().all(|x| *x == 0.0), "it ends in silence");
+}
+
+/// Ctrl-C, once or passed on a second time at once: the card gets exact zeros at the end, and the recording is whole.
+#[test]
+fn a_signal_that_comes_twice_ends_in_zeros_and_finished_files() {
+    let Some(bench) = Bench::new("twice") else { return };
+    bench.write("hum.toml", HUM);
+    for (run, gap) in [None, Some(0), Some(1), Some(4)].into_iter().enumerate() {
+        let _ = fs::remove_file(bench.played());
+        let record = format!("sent{run}.wav");
+        let play = ["play", "hum.toml", "--device", "card8", "--block", "64", "--record", &record];
+        let child = bench.start(&play);
+        wait("sound", || bench.samples().iter().any(|x| x.abs() > 0.4));
+        signal(&child, "INT");
+        if let Some(gap) = gap {
+            std::thread::sleep(Duration::from_millis(gap));
+            // It may be over already.
+            let _ = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+        }
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(output.status.code(), Some(130), "{gap:?}: {said}");
+        assert!(said.contains("when the output was shut"), "{gap:?}: {said}");
+        let samples = bench.samples();
+        assert!(samples[samples.len() - 8 * 16..].iter().all(|x| *x == 0.0), "{gap:?}");
+        let sent = floats(&bench.folder.join(record));
+        assert!(sent.len() > 8 * 4800 && sent.iter().any(|x| x.abs() > 0.4), "{gap:?}: {}", sent.len());
+        let first: Vec<f32> = sent.iter().step_by(8).copied().collect();
+        let loud = first.iter().rposition(|x| x.abs() > 0.4).unwrap();
+        let last = first.iter().rposition(|x| *x != 0.0).unwrap();
+        // 5 ms, and half a period of 100 Hz in which it need not have been loud.
+        assert!(last - loud <= 240 + 240 && last + 1 < first.len(), "{gap:?}: {} frames", last - loud);
+    }
+}
+
+/// A probe that falls into a time in which the card is away is played again when that is back.
+#[test]
+fn a_walk_waits_for_a_card_that_is_away() {
+    let Some(bench) = Bench::new("away") else { return };
+    let child = bench.start(&["walk", "--device", "card8", "--seconds", "0.3", "--only", "1", "--only", "2"]);
+    let loud = |channel: usize| bench.samples().iter().skip(channel).step_by(8).any(|x| x.abs() > 0.1);
+    wait("the first channel", || loud(0));
+    fs::write(bench.gone(), "").unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    assert!(!loud(1), "nothing is played on a card that is gone");
+    fs::remove_file(bench.gone()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("again: channel 1"), "{said}");
+    assert!(loud(1), "{said}");
 }

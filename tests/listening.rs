@@ -184,7 +184,7 @@ fn a_file_is_heard_from_its_beginning_as_it_would_be_rendered() {
     bench.write("listens.toml", LISTENS);
     bench.write(
         "rig.toml",
-        "format = \"pacinian-rig/1\"\n[device]\nchannels = 8\nrate = 48000\n[[tactor]]\nname = \"t1\"\nchannel = 1\n",
+        "format = \"pacinian-rig/1\"\n[device]\nchannels = 8\nrate = 48000\ncoupling = { high_pass = 8 }\n[[tactor]]\nname = \"t1\"\nchannel = 1\n",
     );
     let rendered = bench.run(&[
         "render",
@@ -292,6 +292,10 @@ fn a_cable_to_a_card_with_another_clock_is_measured_and_saved() {
     assert!((line["loop_latency = ".len()..].parse::<f64>().unwrap() * 48_000.0 - frames).abs() < 0.01);
 }
 
+const BRIDGE: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\nfull_scale_volts = 3.3\ncoupling = \"dc\"\n\
+    [amplifier.b]\ndrive = \"bridge\"\nmax_volts = 3.3\n[actuator.coin]\npart = \"coin-10mm\"\n[[output]]\nkind = \"drive\"\n\
+    name = \"coin\"\nchannel = 1\ndirection = 2\nactuator = \"coin\"\namplifier = \"b\"\n";
+
 #[test]
 fn where_nothing_comes_back_it_says_so() {
     let Some(bench) = Bench::new("nothing") else { return };
@@ -318,6 +322,12 @@ fn where_nothing_comes_back_it_says_so() {
     assert!(code == 69 && told.contains("loop has 2 inputs, so none is number 3"), "{told}");
     let (code, told) = refused(&["--device", "loop", "--out", "spine", "--in", "1"]);
     assert!(code == 2 && told.contains("there is no output `spine`"), "{told}");
+    // The line of a bridge that says which way its motor turns.
+    fs::write(bench.folder.join("r.toml"), BRIDGE).unwrap();
+    for out in ["1", "2", "coin"] {
+        let (code, told) = refused(&["--rig", "r.toml", "--device", "loop", "--out", out, "--in", "1"]);
+        assert!(code == 2 && told.contains("`coin`") && told.contains("no probe goes out there"), "{told}");
+    }
 }
 
 /// A knob between two cards: sine and cosine come in by one, torque leaves by the other, once somebody asks for it.

@@ -415,3 +415,27 @@ fn a_pipe_cannot_be_watched() {
     let run = scratch.run(&["play", "good.toml", "--rig", "/dev/stdin", "--device", "virtual", "--watch"]);
     run.fails(2, &["the rig comes through a pipe"]);
 }
+
+/// What is over stays over, and what is saved to go on goes on; a pattern that was away for a moment plays on where it would be.
+#[test]
+fn a_pattern_that_was_over_or_away_comes_back_where_it_would_be() {
+    let scratch = Scratch::new("watch-over");
+    let voice = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.tap]\noutput = \"s\"\n[voice.tap.nodes]\n\
+        s = { type = \"sine\", frequency = 200 }\n";
+    let once = format!("{voice}[pattern.p]\nevents = [{{ at = 0, voice = \"tap\", duration = 0.05 }}]\n");
+    let patch = scratch.write("p.toml", &once);
+    let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual"]);
+    std::thread::sleep(Duration::from_millis(600));
+    fs::write(&patch, once.replace("0.05", "0.06")).unwrap();
+    playing.hears("p.toml: taken up; what is over stays over");
+    fs::write(&patch, format!("{once}repeat = {{ every = 0.25 }}\n")).unwrap();
+    playing.hears("taken up");
+    playing.hears("tap on t1");
+    playing.hears("tap on t1");
+    fs::write(&patch, voice).unwrap();
+    playing.hears("taken up");
+    fs::write(&patch, format!("{once}repeat = {{ every = 0.25 }}\n")).unwrap();
+    playing.hears("taken up");
+    playing.hears("tap on t1");
+    playing.hears("tap on t1");
+}

@@ -86,6 +86,19 @@ impl Devices {
             }
             Err(why) => format!("{}: {}\n", terminal.out.bold("MIDI"), escaped(&why)),
         };
+        #[cfg(feature = "serial")]
+        {
+            let (ports, mut table) = (pacinian::io::knob::ports::list(), Table::default());
+            let has_ports = !ports.is_empty();
+            for port in ports {
+                let usb = port.usb.map_or(String::new(), |usb| escaped(&usb.to_string()).into_owned());
+                let knob = port.knob.map_or(String::new(), |knob| knob.to_string());
+                table.row([escaped(&port.path).into_owned(), usb, knob]);
+            }
+            if has_ports {
+                text += &format!("{}\n{}", terminal.out.bold("serial ports"), table.text());
+            }
+        }
         for server in running() {
             let how = if server.runs { "runs" } else { "does not run" };
             text += &format!("{}: {how}\n", terminal.out.bold(server.name));

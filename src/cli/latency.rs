@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::stop::Stop;
-use super::table::{Table, dbfs};
+use super::table::{Table, dbfs, many};
 use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::device::capture;
@@ -10,7 +10,7 @@ use pacinian::io::device::card::Shape;
 use pacinian::io::device::choose::{self, Chosen, Wish};
 use pacinian::io::latency::measure::{EVERY, Loop, Measured, Round, measure};
 use pacinian::io::{out, replace, text};
-use pacinian::rig::{OutputKind, Rig};
+use pacinian::rig::{Output, OutputKind, Rig};
 use pacinian::text::problem::escaped;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -114,7 +114,7 @@ impl Latency {
         let level = self.level(rig, channel, &name)?;
         let said = rig.and_then(|rig| rig.device.name.as_deref());
         let wish = Wish::of(self.device.as_deref(), said);
-        let chosen = wish.choose()?;
+        let chosen = super::servers::choose(&wish)?;
         let rate = chosen.rate(self.rate.or(rig.and_then(|rig| rig.device.rate.map(|rate| rate as u32))));
         let Chosen::Card(device, found) = chosen else {
             return Err(Failure::usage(
@@ -158,8 +158,8 @@ impl Latency {
             return Err(Failure::usage(what, "choose another with --in or --input-device").with_code(69));
         }
         terminal.note(&format!(
-            "{} probes at {} go out on {} of {} and are listened for on input {} of {}: {:.0} s\n",
-            self.count,
+            "{} at {} to go out on {} of {}, listened for on input {} of {}: {:.0} s\n",
+            many(self.count as usize, "probe"),
             dbfs(level as f32),
             escaped(&name),
             escaped(&found.name),
@@ -216,6 +216,14 @@ impl Latency {
             && output.kind != OutputKind::Vibration
         {
             let what = format!("`{}` is no output for vibration, so no probe goes out there", output.name);
+            return Err(Failure::usage(what, "choose another with --out"));
+        }
+        let leads = |output: &&Output| output.direction().is_some_and(|d| Some(d as usize) == number);
+        if let Some(output) = outputs.iter().find(leads) {
+            let what = format!(
+                "output {} says which way `{}` turns, so no probe goes out there",
+                self.out, output.name
+            );
             return Err(Failure::usage(what, "choose another with --out"));
         }
         let channel = number.or(output.map(|output| output.channel as usize)).unwrap_or(1);

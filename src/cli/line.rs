@@ -39,8 +39,12 @@ impl OnLine {
         let patience = if controller.renders() { STILL } else { controller.patience };
         let (heard, line) = remote(knob.allowance, patience, AMPLITUDE, sensor.channels);
         let (told, says) = channel();
-        let running = patched::begin(of_rig, controller, &knob.setup.effects, line, told)
-            .map_err(|why| Failure::said(why.exit_code, why.message))?;
+        let running = patched::begin(of_rig, controller, &knob.setup.effects, line, told).map_err(|why| {
+            match why.message.split_once("; ") {
+                Some((what, help)) => Failure::usage(what, help).with_code(why.exit_code),
+                None => Failure::said(why.exit_code, why.message),
+            }
+        })?;
         let note = format!("its knob is on {}", controller.port);
         Ok(Some((Box::new(heard), Self { _running: running, says, note })))
     }

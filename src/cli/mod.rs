@@ -89,8 +89,8 @@ use terminal::{Terminal, When};
         pacinian nodes                  the nodes that voices are made of\n  \
         pacinian rig new vest 40        the rig of a common array\n  \
         pacinian motor PART             what a motor does; pacinian parts lists those that are known\n  \
-        pacinian knob PATCH             what a force-feedback knob feels like and bears, simulated
-          pacinian identify RECORDING     what a recording tells of an actuator\n\n\
+        pacinian knob PATCH             what a force-feedback knob feels like and bears, simulated\n  \
+        pacinian identify RECORDING     what a recording tells of an actuator\n\n\
         Exit codes: 0 all is well, 1 a replay that differs from its recording, 2 the command line, 65 the patch,\n\
         66 a file that is not there, 69 a device, port or address that is not there or does not fit, 70 a bug in pacinian,\n\
         71 what the system does not give (a thread, signals), 73 and 74 a file that cannot be written, a device that fails,\n\

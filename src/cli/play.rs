@@ -11,8 +11,9 @@ use super::osc::Osc;
 use super::problems;
 use super::provenance::provenance;
 use super::screen::{Ending, Scenery, Show};
+use super::servers;
 use super::stop::Stop;
-use super::table::{dbfs, grouped};
+use super::table::{dbfs, grouped, many};
 use super::terminal::Terminal;
 use super::watch::{Course, News, Watching};
 use clap::Args;
@@ -93,8 +94,17 @@ const CLOSED: u8 = 129;
 
 impl From<DeviceError> for Failure {
     fn from(error: DeviceError) -> Self {
-        Self::usage(error.what, error.help.unwrap_or_default()).with_code(error.kind.exit_code())
+        let code = error.kind.exit_code();
+        match error.help {
+            Some(help) => Self::usage(error.what, help).with_code(code),
+            None => Self::said(code, error.what),
+        }
     }
+}
+
+/// A short time.
+fn brief(seconds: f64) -> String {
+    if seconds < 1e-6 { format!("{:.1} ns", 1e9 * seconds) } else { format!("{:.1} µs", 1e6 * seconds) }
 }
 
 /// What is done where a rig leaves open what its card lets through.
@@ -133,7 +143,7 @@ impl Play {
         // Where no rig says which tactors there are, the device does.
         let mut device = None;
         if scene.rig.is_none() {
-            let chosen = Wish::of(self.device.as_deref(), None).choose()?;
+            let chosen = servers::choose(&Wish::of(self.device.as_deref(), None))?;
             scene.offered = chosen.channels().to_vec();
             device = Some(chosen);
         }
@@ -143,9 +153,13 @@ impl Play {
             terminal.note(&problems::shown(warnings, terminal));
         }
         let wish = Wish::of(self.device.as_deref(), loaded.rig.device.name.as_deref());
-        let device = device.map_or_else(|| wish.choose(), Ok)?;
+        let device = device.map_or_else(|| servers::choose(&wish), Ok)?;
         let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
         let armed = self.arm || wish != Wish::Default || matches!(device, Chosen::Virtual(_));
+        let instead = match &device {
+            Chosen::Virtual(why) => *why,
+            Chosen::Card(..) => None,
+        };
         let name = match &device {
             Chosen::Card(_, found) => found.name.clone(),
             Chosen::Virtual(why) => {
@@ -267,6 +281,9 @@ impl Play {
             kept.abandon();
             return Err(failure);
         }
+        if let Some(why) = instead {
+            show.say_on_screen(&format!("a virtual card plays, which nobody feels, since {why}"));
+        }
         let ended = self.until_the_end(&session, &stop, &mut show, |show| {
             if let Some(trouble) = kept.look(&session) {
                 show.say(&trouble);
@@ -363,10 +380,10 @@ impl Play {
         let refused = Some(board.refused.words()).filter(|words| !words.is_empty());
         let refused = refused.map_or(String::new(), |words| format!(" (no room for {words})"));
         let mut text = format!(
-            "{}: {} frames, {} voices, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost{}\n",
+            "{}: {} frames, {}, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost{}\n",
             escaped(loaded.name()),
             board.frames.get(),
-            board.started.get(),
+            many(board.started.get() as usize, "voice"),
             100.0 * load.mean(),
             100.0 * load.quantile(0.999),
             load.over(),
@@ -379,7 +396,8 @@ impl Play {
         let input = &board.input;
         if input.frames.get() > 0 {
             text += &format!(
-                "  input: {} frames, {} xruns, {} times too late, {} times too many, {} frames lost\n",
+                "  input: latency {:.1} ms, {} frames, {} xruns, {} times too late, {} times too many, {} frames lost\n",
+                1e3 * (input.latency.get() as f64 * 1e-9 + session.input_delay()),
                 input.frames.get(),
                 input.xruns.get(),
                 input.dry.get(),
@@ -389,13 +407,13 @@ impl Play {
         }
         for duty in session.duties().iter().filter(|duty| duty.runs() + duty.skipped() > 0) {
             text += &format!(
-                "  {}: {} runs, the longest {:.1} µs, {}",
+                "  {}: {} runs, the longest {}, {}",
                 escaped(duty.name()),
                 grouped(duty.runs()),
-                1e6 * duty.longest(),
+                brief(duty.longest()),
                 match duty.cost() {
                     0.0 => "no limit declared".into(),
-                    cost => format!("{} times longer than {:.1} µs", grouped(duty.overruns()), 1e6 * cost),
+                    cost => format!("{} times longer than {}", grouped(duty.overruns()), brief(cost)),
                 }
             );
             text += &match duty.skipped() {

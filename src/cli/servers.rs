@@ -1,5 +1,8 @@
 //! Sound servers: whether they run, and by what they are reached.
 
+use super::failure::Failure;
+use pacinian::io::device::choose::{Chosen, Wish};
+use pacinian::io::device::failure::Trouble;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -67,6 +70,40 @@ pub fn servers(lookup: impl Fn(&str) -> Option<String>) -> Vec<Server> {
         Server { name, runs, built_in, help }
     })
     .to_vec()
+}
+
+/// The device that is meant. Where none of a sound server is there that was named, the server is the reason.
+///
+/// # Errors
+/// As [`Wish::choose`].
+pub fn choose(wish: &Wish) -> Result<Chosen, Failure> {
+    wish.choose().map_err(|error| {
+        let named = match wish {
+            Wish::Named(name) if error.kind == Trouble::Missing => named(name),
+            _ => None,
+        };
+        match named {
+            Some(Server { name, built_in: false, help, .. }) => Failure::usage(
+                format!("{}: this program does not speak with {name} itself", error.what),
+                help,
+            ),
+            Some(Server { name, runs: false, help, .. }) => {
+                Failure::usage(format!("{}: {name} does not run", error.what), format!("start it: {help}"))
+            }
+            _ => return error.into(),
+        }
+        .with_code(error.kind.exit_code())
+    })
+}
+
+/// The server that a device's name begins with.
+fn named(device: &str) -> Option<Server> {
+    let host = device.split(':').next().unwrap_or(device).to_lowercase();
+    let is = |server: &Server| {
+        let name = server.name.to_lowercase();
+        name == host || (host == "pulse" && name == "pulseaudio")
+    };
+    servers(|name| std::env::var(name).ok()).into_iter().find(is)
 }
 
 /// Whether somebody listens there.

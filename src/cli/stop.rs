@@ -1,5 +1,5 @@
-//! Ctrl-C and its kin: the first asks to come to an end. Only who insists ends the program at once: a closed terminal sends its signal
-//! twice (the system, and the shell), and what plays must still fade, and files be finished, when the second comes.
+//! Ctrl-C and its kin: the first asks to come to an end. Only who insists ends the program at once: a signal often comes twice (from the
+//! system and a shell, or from whoever passes it on), and what plays must still fade, motors be braked and files be finished then.
 
 use super::failure::Failure;
 use signal_hook::consts::signal::{SIGINT, SIGTERM};
@@ -67,7 +67,7 @@ impl Stop {
             let mut insistence = Insistence::default();
             for signal in signals.forever() {
                 let _ = first.compare_exchange(0, signal as usize, Ordering::Relaxed, Ordering::Relaxed);
-                if insistence.means_at_once(signal, Instant::now()) {
+                if insistence.means_at_once(Instant::now()) {
                     at_once(128 + signal);
                 }
             }
@@ -101,18 +101,14 @@ impl Stop {
 #[derive(Debug, Default)]
 struct Insistence {
     first: Option<Instant>,
-    interrupted: bool,
 }
 
 #[cfg(unix)]
 impl Insistence {
-    /// Whether a signal that comes now says that the program is to end at once: a second Ctrl-C, or any some time after the first.
-    fn means_at_once(&mut self, signal: i32, now: Instant) -> bool {
+    /// Whether a signal that comes now says that the program is to end at once: any some time after the first.
+    fn means_at_once(&mut self, now: Instant) -> bool {
         let first = *self.first.get_or_insert(now);
-        let interrupt = signal == SIGINT;
-        let again = interrupt && self.interrupted;
-        self.interrupted |= interrupt;
-        again || now.saturating_duration_since(first) >= PATIENCE
+        now.saturating_duration_since(first) >= PATIENCE
     }
 }
 
@@ -130,28 +126,20 @@ fn at_once(code: i32) {
 #[cfg(all(test, unix))]
 mod tests {
     use super::Insistence;
-    use signal_hook::consts::signal::{SIGHUP, SIGINT, SIGTERM};
     use std::time::{Duration, Instant};
 
-    /// Which of these signals, at so many milliseconds, is the first that means at once.
-    fn at_once(signals: &[(u64, i32)]) -> Option<usize> {
+    /// Which of the signals at so many milliseconds is the first that means at once.
+    fn at_once(signals: &[u64]) -> Option<usize> {
         let (begin, mut insistence) = (Instant::now(), Insistence::default());
-        signals
-            .iter()
-            .position(|(ms, signal)| insistence.means_at_once(*signal, begin + Duration::from_millis(*ms)))
+        signals.iter().position(|ms| insistence.means_at_once(begin + Duration::from_millis(*ms)))
     }
 
     #[test]
     fn only_who_insists_ends_it_at_once() {
-        for signal in [SIGHUP, SIGINT, SIGTERM] {
-            assert_eq!(at_once(&[(5000, signal)]), None);
-            assert_eq!(at_once(&[(0, signal), (1000, signal)]), Some(1));
-        }
-        // As when a terminal is closed, and whoever closed it says so again.
-        assert_eq!(at_once(&[(0, SIGHUP), (1, SIGHUP), (20, SIGHUP), (999, SIGTERM)]), None);
-        assert_eq!(at_once(&[(0, SIGHUP), (1, SIGTERM), (2, SIGINT), (999, SIGHUP)]), None);
-        assert_eq!(at_once(&[(0, SIGTERM), (10, SIGINT), (20, SIGINT)]), Some(2));
-        assert_eq!(at_once(&[(0, SIGINT), (1, SIGINT)]), Some(1));
-        assert_eq!(at_once(&[(0, SIGINT), (1, SIGTERM), (1001, SIGHUP)]), Some(2));
+        assert_eq!(at_once(&[5000]), None);
+        assert_eq!(at_once(&[0, 1000]), Some(1));
+        // As when a terminal is closed, or a signal passed on, and whoever did so says it again.
+        assert_eq!(at_once(&[0, 0, 1, 20, 999]), None);
+        assert_eq!(at_once(&[0, 0, 1, 1001]), Some(3));
     }
 }

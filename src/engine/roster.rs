@@ -14,6 +14,7 @@ pub struct Duty {
     runs: AtomicU64,
     skipped: AtomicU64,
     overruns: AtomicU64,
+    /// Picoseconds.
     longest: AtomicU64,
     resting: AtomicBool,
 }
@@ -40,9 +41,9 @@ impl Duty {
         work();
         self.runs.fetch_add(runs, Ordering::Relaxed);
         if let (Some(begin), Some(clock)) = (begin, clock) {
-            let taken = clock().saturating_sub(begin) / runs.max(1);
+            let taken = clock().saturating_sub(begin).saturating_mul(1000) / runs.max(1);
             self.longest.fetch_max(taken, Ordering::Relaxed);
-            let over = self.cost > 0.0 && taken as f64 * 1e-9 > self.cost;
+            let over = self.cost > 0.0 && taken as f64 * 1e-12 > self.cost;
             self.overruns.fetch_add(u64::from(over), Ordering::Relaxed);
         }
     }
@@ -89,7 +90,7 @@ impl Duty {
 
     /// Seconds of its longest run, where the engine has a clock.
     pub fn longest(&self) -> f64 {
-        self.longest.load(Ordering::Relaxed) as f64 * 1e-9
+        self.longest.load(Ordering::Relaxed) as f64 * 1e-12
     }
 
     /// Whether it rests.

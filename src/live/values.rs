@@ -22,7 +22,8 @@ impl Values {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Where a control stands; `None` for one that the patch does not have.
+    /// Where a control stands; `None` for one that the patch does not have. It may wait while the conductor writes a few numbers down, and is
+    /// not for a thread that must not.
     pub fn get(&self, control: &str) -> Option<f64> {
         self.shown().by_name.get(control).copied()
     }

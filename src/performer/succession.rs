@@ -70,9 +70,8 @@ impl Performer {
         (self.record, self.moves, self.listener) = (new.record.take(), new.moves.take(), new.listener.take());
         (self.length, self.cut) = (new.length, new.cut);
         self.stopped = new.stopped;
-        // What followed a clock and has its own tempo now plays from the beginning like all else.
-        let own = |p: &usize| self.patch.patterns.get(*p).is_some_and(|p| clocked.contains_key(&p.name));
-        if !began.is_empty() || self.roots.iter().any(own) {
+        // What is new there, was away, followed a clock until now or had come to its end stands where it would have come to.
+        if !began.is_empty() || !self.roots.is_empty() {
             let mut run = self.beginning()?;
             let stopped = |p: &crate::patch::Pattern| self.stopped.contains(&p.name);
             let patterns = self.patch.patterns.iter().enumerate();

@@ -104,6 +104,14 @@ impl Output {
         self.kind != OutputKind::Vibration || self.dc
     }
 
+    /// The channel, from 1, of the line that says which way its motor turns, if it has one.
+    pub fn direction(&self) -> Option<u32> {
+        match &self.kind {
+            OutputKind::Drive(turning) => turning.direction,
+            _ => None,
+        }
+    }
+
     /// A plain tactor with neither actuator nor amplifier.
     pub fn tactor(name: &str, channel: u32, position: [f64; 3]) -> Self {
         Self {

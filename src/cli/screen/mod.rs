@@ -189,6 +189,13 @@ impl Show {
         self.note(happened);
     }
 
+    /// Where it is a screen, which hides what was said before.
+    pub fn say_on_screen(&mut self, what: &str) {
+        if matches!(self.out, Out::Screen(_)) {
+            self.say(what);
+        }
+    }
+
     /// Takes the terminal over, where there is to be a screen.
     ///
     /// # Errors

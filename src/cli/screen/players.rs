@@ -49,6 +49,15 @@ impl Players {
         self.playing = playing;
     }
 
+    /// What is to be said of patterns that have played where none plays any more; `keys` says whether there are such.
+    pub fn over(&self, keys: bool) -> &'static str {
+        match (self.played && !self.patterns.is_empty() && self.playing.is_empty(), keys) {
+            (false, _) => "",
+            (true, true) => "; what is over stays over: 1 or space starts it",
+            (true, false) => "; what is over stays over",
+        }
+    }
+
     /// What is to be said where the output is open again, and a panic has stopped what played; `keys` says whether there are such.
     pub fn after_panic(&self, keys: bool) -> String {
         let open = "the output is open again";

@@ -26,7 +26,8 @@ impl Show {
                 self.snapshot.wrong.clear();
                 let names: Vec<String> = changed.iter().map(|path| path.display().to_string()).collect();
                 let names = escaped(&names.join(", ")).into_owned();
-                self.note(Happened::new(now, Mood::Good, format!("{names}: taken up")));
+                let over = self.players.over(matches!(self.out, Out::Screen(_)));
+                self.note(Happened::new(now, Mood::Good, format!("{names}: taken up{over}")));
                 // What was said before is not said with every save.
                 let new = loaded.warnings.iter().filter(|warning| !self.warned.contains(warning));
                 let new: Vec<Problems> = new.cloned().collect();

@@ -1,7 +1,7 @@
 //! Which tactor hangs on which channel, after what was felt.
 
-use super::probe::{Probe, direction, may_be_felt};
-use pacinian::rig::Rig;
+use super::probe::{Probe, may_be_felt};
+use pacinian::rig::{Output, Rig};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What was felt on a channel.
@@ -43,7 +43,7 @@ pub fn map(rig: &Rig, probes: &[Probe], felt: &BTreeMap<u32, Felt>) -> Result<Ma
     // Channels that are taken: by what was felt, and by what is never felt.
     let mut taken: BTreeSet<u32> = at.values().copied().collect();
     taken.extend(rig.outputs.iter().filter(|output| !may_be_felt(output)).map(|output| output.channel));
-    taken.extend(rig.outputs.iter().filter_map(direction));
+    taken.extend(rig.outputs.iter().filter_map(Output::direction));
     let rest: Vec<usize> = (0..rig.outputs.len())
         .filter(|n| rig.outputs.get(*n).is_some_and(may_be_felt) && !at.contains_key(n))
         .collect();

@@ -2,6 +2,7 @@
 
 mod answer;
 mod map;
+mod presence;
 mod probe;
 mod round;
 mod write;
@@ -28,6 +29,7 @@ use pacinian::rig::{OutputKind, Rig};
 use pacinian::text::problem::escaped;
 use pacinian::text::{Problem, Problems};
 use pacinian::{NoAssets, Options};
+use presence::Presence;
 use probe::{Probe, bare, probes};
 use round::{End, Round};
 use std::collections::BTreeMap;
@@ -99,16 +101,18 @@ impl Walk {
         if self.write {
             self.check_write(person.is_some())?;
         }
-        let device = wish.choose()?;
+        let device = super::servers::choose(&wish)?;
         let rig = given.unwrap_or_else(|| Rig::default_for(channels(&device)));
         let probes = self.chosen(&rig)?;
         let stop = Stop::listen()?;
-        let mut session = self.begin(&rig, &probes, device, &wish, terminal)?;
+        let presence = Arc::<Presence>::default();
+        let mut session = self.begin(&rig, &probes, device, &wish, Arc::clone(&presence), terminal)?;
         self.say_what_is_left_out(&rig, terminal);
         let round = Round {
             rig: &rig,
             probes: &probes,
             session: &session,
+            presence: &presence,
             stop: &stop,
             terminal,
             seconds: self.seconds,
@@ -193,6 +197,7 @@ impl Walk {
         probes: &[Probe],
         device: Chosen,
         wish: &Wish,
+        presence: Arc<Presence>,
         terminal: &Terminal,
     ) -> Result<Session, Failure> {
         let bug = |problems: Problems| Failure::of(70, problems);
@@ -218,6 +223,7 @@ impl Walk {
                 }
             }),
             fate: Box::new(move |fate| {
+                presence.becomes(&fate);
                 note.note(&match fate {
                     Fate::Lost(why) => {
                         format!("\nthe device is gone ({}); it is waited for\n", escaped(&why))

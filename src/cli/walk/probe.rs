@@ -95,7 +95,7 @@ pub fn may_be_felt(output: &Output) -> bool {
 
 /// The channels to walk over, in their order; with `all`, also those of which the rig says nothing.
 pub fn probes(rig: &Rig, level: f64, all: bool) -> Vec<Probe> {
-    let leads = |channel: u32| rig.outputs.iter().any(|output| direction(output) == Some(channel));
+    let leads = |channel: u32| rig.outputs.iter().any(|output| output.direction() == Some(channel));
     let probe = |channel: u32| {
         let at = rig.outputs.iter().position(|output| output.channel == channel);
         let output = at.and_then(|at| rig.outputs.get(at));
@@ -120,14 +120,6 @@ pub fn probes(rig: &Rig, level: f64, all: bool) -> Vec<Probe> {
         }
     };
     (1..=rig.device.channels).filter_map(probe).collect()
-}
-
-/// The channel of the line that says which way it turns.
-pub fn direction(output: &Output) -> Option<u32> {
-    match &output.kind {
-        OutputKind::Drive(turning) => turning.direction,
-        _ => None,
-    }
 }
 
 /// The rig with nothing on it but what is probed: no torque, and no knob that would ask for one.

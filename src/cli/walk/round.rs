@@ -2,6 +2,7 @@
 
 use super::answer::{Answer, KEYS, LINES, Pressed};
 use super::map::Felt;
+use super::presence::Presence;
 use super::probe::{Deed, Probe};
 use crate::cli::ask::{Edit, Entry, Said, Typed};
 use crate::cli::failure::Failure;
@@ -41,6 +42,8 @@ pub struct Round<'a> {
     pub probes: &'a [Probe],
     /// What plays it.
     pub session: &'a Session,
+    /// Whether its device is there.
+    pub presence: &'a Presence,
     /// Whether somebody wants it to stop.
     pub stop: &'a Stop,
     /// Where it is shown.
@@ -174,9 +177,21 @@ impl Round<'_> {
     /// Plays a probe and waits until it is over; the exit code where somebody asks to stop.
     fn play(&self, probe: &Probe) -> Result<Option<u8>, Failure> {
         let seconds = probe.deed.seconds(self.seconds);
-        let played = self.session.handle().play(probe.deed.voice(), probe.note(self.seconds));
-        played.map_err(|refused| Failure::said(71, refused.to_string()))?;
-        Ok(self.wait(Duration::from_secs_f64(seconds)))
+        loop {
+            while self.presence.is_away() {
+                if let Some(code) = self.wait(Duration::from_millis(20)) {
+                    return Ok(Some(code));
+                }
+            }
+            let losses = self.presence.losses();
+            let played = self.session.handle().play(probe.deed.voice(), probe.note(self.seconds));
+            played.map_err(|refused| Failure::said(71, refused.to_string()))?;
+            let stopped = self.wait(Duration::from_secs_f64(seconds));
+            if stopped.is_some() || self.presence.losses() == losses {
+                return Ok(stopped);
+            }
+            self.terminal.note(&format!("again: {}\n", self.described(probe)));
+        }
     }
 
     /// Waits; the exit code where somebody asks to stop.
@@ -207,6 +222,7 @@ impl Round<'_> {
             Deed::Turn => "a short turn".into(),
             Deed::Click => "a click".into(),
         };
-        format!("channel {}: {name}, {what} at level {:.2}{why}", probe.channel, probe.level)
+        let digits = if probe.level < 0.01 { 4 } else { 2 };
+        format!("channel {}: {name}, {what} at level {:.digits$}{why}", probe.channel, probe.level)
     }
 }

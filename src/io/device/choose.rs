@@ -75,7 +75,7 @@ impl Wish {
     /// What is said on the command line, or else in the rig, or nowhere.
     pub fn of(said: Option<&str>, rig: Option<&str>) -> Self {
         match said.or(rig) {
-            Some(VIRTUAL) => Self::Virtual,
+            Some(name) if name.eq_ignore_ascii_case(VIRTUAL) => Self::Virtual,
             // Whoever says so has not said which.
             Some(DEFAULT) => Self::Default,
             Some(name) => Self::Named(name.into()),
@@ -102,7 +102,13 @@ impl Wish {
                 let mut why = "no sound card is there";
                 for place in hosts.places() {
                     let all = place.devices().unwrap_or_default();
-                    let Some((device, found)) = all.into_iter().find(|(_, f)| f.default) else { continue };
+                    let others = all.iter().any(|(_, found)| found.output.is_some());
+                    let Some((device, found)) = all.into_iter().find(|(_, f)| f.default) else {
+                        if others {
+                            why = "the system says of no sound card that it is the usual one (--device names one)";
+                        }
+                        continue;
+                    };
                     match found.trouble.as_ref().map(|trouble| trouble.kind) {
                         _ if found.output.is_some() => return Ok(Chosen::Card(device, found)),
                         Some(Trouble::Busy) => why = "another program plays on the sound card",

@@ -279,7 +279,10 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
         while let Ok(news) = told.try_recv() {
             match news {
                 News::Lost(why) => {
-                    return Err(DeviceError::new(Trouble::Missing, format!("a device is gone: {why}")));
+                    let what = format!("a device went away while it was measured: {why}");
+                    return Err(
+                        DeviceError::new(Trouble::Missing, what).help("plug it in, and measure again")
+                    );
                 }
                 News::Moved => {
                     let what = "the system moved a stream to another device";
