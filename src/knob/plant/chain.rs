@@ -21,13 +21,38 @@ const PIECE: f64 = 0.5;
 /// Shares of a supply, and of the speed that stiction gives in a step, that are no difference.
 const SAME: f64 = 1e-13;
 
+/// The share of its resistance by which a winding must be warmer for it to be another: a sixteenth of a kelvin in copper.
+const WARMER: f64 = 2.5e-4;
+/// Every mode, by its index.
+const MODES: [Mode; 8] = {
+    let mut all = [Mode { stuck: false, touching: false, saturated: false }; 8];
+    let mut n = 0;
+    while n < all.len() {
+        all[n] = Mode { stuck: n & 1 != 0, touching: n & 2 != 0, saturated: n & 4 != 0 };
+        n += 1;
+    }
+    all
+};
+
+/// About the fastest rate of each mode, with the steepest torque over the angle; and how many pieces of a step they ask for.
+fn pieces(network: &Network, waved: bool, period: f64) -> ([f64; 8], f64) {
+    let p = &network.build.parameters;
+    let switches = p.stiction > 0.0 || p.stops.is_some() || network.integral.is_some();
+    let steep = (network.build.cogging.bounds().0 / p.inertia).sqrt();
+    let fastest = MODES.map(|mode| network.fastest(mode) + steep);
+    let most = fastest.iter().fold(0.0, |a: f64, b| a.max(*b));
+    (fastest, if switches || waved { (most * period / PIECE).ceil().max(1.0) } else { 1.0 })
+}
+
 /// A knob of any [`Build`], step by step.
 #[derive(Debug, Clone)]
 pub struct Chain {
     network: Network,
-    modes: Vec<Linear>,
+    modes: [Linear; 8],
     /// About the fastest rate of each mode, with the steepest torque over the angle.
-    fastest: Vec<f64>,
+    fastest: [f64; 8],
+    /// Which of them are those of a colder winding.
+    stale: [bool; 8],
     pieces: usize,
     period: f64,
     waved: bool,
@@ -71,16 +96,10 @@ impl Chain {
         build.check()?;
         within("rate", rate, (1.0, 1e8), "steps a second")?;
         let (network, period) = (Network::new(build), 1.0 / rate);
-        let all: Vec<Mode> =
-            (0..8).map(|n| Mode { stuck: n & 1 != 0, touching: n & 2 != 0, saturated: n & 4 != 0 }).collect();
-        let p = &build.parameters;
-        let switches = p.stiction > 0.0 || p.stops.is_some() || network.integral.is_some();
         let waved = !(build.cogging.is_flat() && build.ripple.is_flat());
-        let steep = (build.cogging.bounds().0 / p.inertia).sqrt();
-        let fastest: Vec<f64> = all.iter().map(|&mode| network.fastest(mode) + steep).collect();
-        let most = fastest.iter().fold(0.0, |a: f64, b| a.max(*b));
-        let pieces = if switches || waved { (most * period / PIECE).ceil().max(1.0) } else { 1.0 };
+        let (fastest, pieces) = pieces(&network, waved, period);
         if pieces > MOST_PIECES as f64 {
+            let most = fastest.iter().fold(0.0, |a: f64, b| a.max(*b));
             let least = most / (PIECE * MOST_PIECES as f64);
             return Err(Fault::because(
                 "rate",
@@ -89,11 +108,13 @@ impl Chain {
                 "the fastest part of the knob is too fast for it",
             ));
         }
-        let modes = all.iter().map(|&mode| network.linear(mode, period / pieces)).collect();
+        let modes = MODES.map(|mode| network.linear(mode, period / pieces));
+        let p = &build.parameters;
         let mut chain = Self {
             network,
             modes,
             fastest,
+            stale: [false; 8],
             pieces: pieces as usize,
             period,
             waved,
@@ -168,6 +189,32 @@ impl Chain {
             twice += stops.stiffness * self.depth(side) * self.depth(side);
         }
         0.5 * twice + build.cogging.energy(self.angle())
+    }
+
+    /// Its winding has another resistance (ohms) from here on, as it has when it is warm: up to ten times that of its build. What
+    /// the current loop was set for stays. A difference of less than a sixteenth of a kelvin in copper waits until it is more.
+    pub fn warm(&mut self, resistance: f64) {
+        let Some(winding) = self.network.build.winding() else { return };
+        let most = 10.0 * winding.resistance;
+        let step = WARMER * self.network.resistance;
+        if !(resistance > 0.0 && resistance <= most && (resistance - self.network.resistance).abs() >= step) {
+            return;
+        }
+        self.network.resistance = resistance;
+        let (fastest, pieces) = pieces(&self.network, self.waved, self.period);
+        let pieces = pieces.min(MOST_PIECES as f64) as usize;
+        self.stale = MODES.map(|mode| self.network.comes_into(mode));
+        let all = pieces != self.pieces;
+        (self.fastest, self.pieces) = (fastest, pieces);
+        while all && self.renew() {}
+    }
+
+    /// Renews a mode that was made for a colder winding: one a step, so that no step waits for all. Returns whether there was one.
+    fn renew(&mut self) -> bool {
+        let Some(n) = self.stale.iter().position(|stale| *stale) else { return false };
+        self.stale[n] = false;
+        self.modes[n] = self.network.linear(MODES[n], self.period / self.pieces as f64);
+        true
     }
 
     /// Puts all of it at an angle (within ±1e9 rad) with a speed (within ±1e9 rad/s), without current.

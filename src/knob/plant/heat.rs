@@ -24,9 +24,10 @@ impl Heat {
         Ok(Self { thermal: Thermal::new(cooling)?, sum: 0.0, steps: 0, every, period })
     }
 
-    /// A step in which the current (A) went from one value to another, in a straight line. What is no number warms nothing.
+    /// A step in which the current (A) went from one value to another, in a straight line: whether temperatures moved with it. What is no number
+    /// warms nothing.
     #[inline]
-    pub fn pass(&mut self, from: f64, to: f64) {
+    pub fn pass(&mut self, from: f64, to: f64) -> bool {
         let square = (from * from + from * to + to * to) / 3.0;
         self.sum += if square.is_finite() { square } else { 0.0 };
         self.steps += 1;
@@ -35,6 +36,7 @@ impl Heat {
             self.thermal.step(self.sum / count, count * self.period);
             (self.sum, self.steps) = (0.0, 0);
         }
+        self.steps == 0
     }
 
     /// Temperatures, and what is left of what the winding bears.
@@ -46,24 +48,14 @@ impl Heat {
 #[cfg(test)]
 mod tests {
     use super::{Cooling, Heat, Thermal};
-
-    fn cooling() -> Cooling {
-        Cooling {
-            resistance: 1.26,
-            rise: 0.0039,
-            to_housing: 3.1,
-            to_air: 14.0,
-            winding_time: 12.0,
-            housing_time: 910.0,
-            most: 100.0,
-        }
-    }
+    use crate::actuator::thermal::RE25;
 
     #[test]
     fn a_held_current_warms_as_the_exact_step_says() {
-        let mut heat = Heat::new(&cooling(), 1e-3, 10).unwrap();
-        let mut thermal = Thermal::new(&cooling()).unwrap();
-        (0..60_000).for_each(|_| heat.pass(1.4, 1.4));
+        let mut heat = Heat::new(&RE25, 1e-3, 10).unwrap();
+        let mut thermal = Thermal::new(&RE25).unwrap();
+        let moved = (0..60_000).filter(|_| heat.pass(1.4, 1.4)).count();
+        assert_eq!(moved, 6_000);
         thermal.step(1.96, 60.0);
         assert!((heat.thermal().winding() / thermal.winding() - 1.0).abs() < 1e-11);
         assert!((heat.thermal().housing() / thermal.housing() - 1.0).abs() < 1e-11);
@@ -71,14 +63,14 @@ mod tests {
 
     #[test]
     fn a_ramp_warms_by_its_mean_square_and_nonsense_by_nothing() {
-        let mut heat = Heat::new(&cooling(), 0.5, 1).unwrap();
-        let mut thermal = Thermal::new(&cooling()).unwrap();
+        let mut heat = Heat::new(&RE25, 0.5, 1).unwrap();
+        let mut thermal = Thermal::new(&RE25).unwrap();
         heat.pass(0.0, 3.0);
         thermal.step(3.0, 0.5);
         assert!((heat.thermal().winding() - thermal.winding()).abs() < 1e-15);
         heat.pass(f64::NAN, 1e300);
         assert!(heat.thermal().winding() < thermal.winding() && heat.thermal().winding() > 0.0);
-        assert!(Heat::new(&cooling(), 0.0, 1).is_err() && Heat::new(&cooling(), 1.0, 0).is_err());
-        assert!(Heat::new(&Cooling { most: 0.0, ..cooling() }, 1.0, 1).is_err());
+        assert!(Heat::new(&RE25, 0.0, 1).is_err() && Heat::new(&RE25, 1.0, 0).is_err());
+        assert!(Heat::new(&Cooling { most: 0.0, ..RE25 }, 1.0, 1).is_err());
     }
 }

@@ -41,6 +41,13 @@ impl Plant {
         }
     }
 
+    /// Its winding, where there is one, has another resistance from here on, ohms: see [`Chain::warm`].
+    pub fn warm(&mut self, resistance: f64) {
+        if let Self::Chain(chain) = self {
+            chain.warm(resistance);
+        }
+    }
+
     /// Puts it at an angle (rad) with a speed (rad/s), each within ±1e9.
     ///
     /// # Errors

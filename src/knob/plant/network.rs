@@ -41,6 +41,8 @@ pub(super) struct Network {
     pub current: Option<usize>,
     pub integral: Option<usize>,
     pub target: Option<usize>,
+    /// Of the winding as warm as it is, ohms; what the current loop was set for is that of its build.
+    pub resistance: f64,
     pub build: Build,
 }
 
@@ -56,7 +58,8 @@ impl Network {
         let current = take(build.winding().is_some(), 1);
         let integral = take(matches!(build.drive, Drive::Current { .. }), 1);
         let target = take(build.grasp.is_some(), 1);
-        Self { size, knob, current, integral, target, build: *build }
+        let resistance = build.winding().map_or(0.0, |winding| winding.resistance);
+        Self { size, knob, current, integral, target, resistance, build: *build }
     }
 
     /// Inertia of what hand and stops act on.
@@ -72,6 +75,14 @@ impl Network {
             }
             _ => (0.0, 0.0),
         }
+    }
+
+    /// Whether it can be in a mode at all.
+    pub fn comes_into(&self, mode: Mode) -> bool {
+        let p = &self.build.parameters;
+        (!mode.stuck || p.stiction > 0.0)
+            && (!mode.touching || p.stops.is_some())
+            && (!mode.saturated || self.integral.is_some())
     }
 
     /// A of a mode.
@@ -104,7 +115,7 @@ impl Network {
         }
         if let (Some(winding), Some(i)) = (self.build.winding(), self.current) {
             a[SPEED][i] = winding.gain / p.inertia;
-            a[i][i] = -winding.resistance / winding.inductance;
+            a[i][i] = -self.resistance / winding.inductance;
             a[i][SPEED] = -winding.gain / winding.inductance;
             if let Some(q) = self.integral {
                 let (proportional, integral) = self.loop_gains();

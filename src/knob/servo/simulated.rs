@@ -99,7 +99,9 @@ impl Simulated {
             let before = self.current;
             self.current = self.amperes.map_or_else(|| self.plant.current(), |amperes| torque * amperes);
             // A torque that is there at once is there from the tick's beginning on.
-            heat.pass(if self.amperes.is_some() { self.current } else { before }, self.current);
+            if heat.pass(if self.amperes.is_some() { self.current } else { before }, self.current) {
+                self.plant.warm(heat.thermal().resistance());
+            }
         }
     }
 
@@ -116,8 +118,8 @@ impl Simulated {
         &self.plant
     }
 
-    /// How warm its winding and its housing are, where that is known. What it warms by does not come back: its resistance stays that of
-    /// the air's temperature in what turns.
+    /// How warm its winding and its housing are, where that is known. A warmer winding has more resistance: under a voltage it takes less
+    /// current and brakes less, and a current loop comes to the end of its supply sooner.
     pub fn thermal(&self) -> Option<&Thermal> {
         self.heat.as_ref().map(Heat::thermal)
     }

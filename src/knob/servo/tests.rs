@@ -1,6 +1,7 @@
+mod warmth;
+
 use super::setup::Setup;
-use super::simulated::{Model, Simulated, both};
-use crate::actuator::thermal::{Cooling, Thermal};
+use super::simulated::{Model, both};
 use crate::knob::effect::program::Any;
 use crate::knob::effect::{constant::Constant, spring::Spring, wall::Stops};
 use crate::knob::governor::device::{Delay, Device};
@@ -8,7 +9,7 @@ use crate::knob::local_model::model::LocalModel;
 use crate::knob::local_model::pending::Message;
 use crate::knob::passivity::Cap;
 use crate::knob::plant::parameters::Parameters;
-use crate::knob::plant::parts::{Build, Drive, Hand, Winding};
+use crate::knob::plant::parts::{Build, Hand};
 use crate::knob::plant::wave::Wave;
 use crate::knob::safety::chain::{Limits, Stage, Trip};
 use crate::knob::velocity::choice::Choice;
@@ -212,42 +213,4 @@ fn the_passivity_controller_takes_back_what_hold_and_delay_create() {
     };
     let (free, braked) = (swing(None), swing(Some(Cap { inertia: 6e-6, share: 0.5, least_speed: 1e-3 })));
     assert!(free > 0.02 && braked < 1e-3, "{free} {braked}");
-}
-
-/// The RE25 of the founding article, held at its peak from cold, with a winding of 12 s, 3.1 and 14 K/W: after 2.25 s it would be 100 K warmer if
-/// nothing went to its housing.
-/// The current is the torque's, or that of a winding at a standstill.
-#[test]
-fn a_winding_warms_by_its_current_as_the_closed_form_says() {
-    let cooling = Cooling {
-        resistance: 1.26,
-        rise: 0.0039,
-        to_housing: 3.1,
-        to_air: 14.0,
-        winding_time: 12.0,
-        housing_time: 910.0,
-        most: 100.0,
-    };
-    let gain = 16.3e-3;
-    let blocked = Parameters { inertia: 6e-6, coulomb: 1.0, stiction: 1.0, ..Parameters::default() };
-    let winding = Winding { resistance: 1.26, inductance: 0.15e-3, gain, supply: 48.0 };
-    let current = Drive::Current { winding, bandwidth: 6e3, peak: 20.0 };
-    for drive in [Drive::Torque, current] {
-        let build = Build { parameters: blocked, drive, ..Build::default() };
-        let mut knob =
-            Simulated::new(&Model { warms: Some((cooling, 1.0 / gain)), ..model(build, 0) }, PERIOD).unwrap();
-        assert_eq!(knob.thermal().unwrap().winding(), 0.0);
-        let ticks = (2.25 / PERIOD) as u32;
-        (0..ticks).for_each(|_| knob.pass(0.175, &Hand::default()));
-        let mut exact = Thermal::new(&cooling).unwrap();
-        exact.step((0.175f64 / gain).powi(2), 2.25);
-        let (got, want) = (knob.thermal().unwrap().winding(), exact.winding());
-        assert!((85.0..100.0).contains(&want), "{want}");
-        // The loop's rise of 167 us is left out of the closed form, twice.
-        let off = if drive == Drive::Torque { 1e-9 } else { 3e-4 };
-        assert!((got / want - 1.0).abs() < off, "{drive:?}: {got} {want}");
-        (0..80_000).for_each(|_| knob.pass(f64::NAN, &Hand::default()));
-        assert!(knob.thermal().unwrap().winding() < got, "it cools");
-    }
-    assert!(Simulated::new(&model(plain(), 0), PERIOD).unwrap().thermal().is_none());
 }

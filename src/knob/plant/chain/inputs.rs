@@ -28,6 +28,7 @@ impl Chain {
         if let Some(target) = self.network.target {
             self.x[target] = self.hand.target - self.origin;
         }
+        self.renew();
         self.begin();
         let piece = self.period / self.pieces as f64;
         for n in 0..self.pieces {
