@@ -196,7 +196,6 @@ fn a_knob_is_turned_by_keys_and_its_dial_goes_with_it() {
         [[trigger]]\non = \"knob.detent\"\nplay = \"click\"\n[control.depth]\ndefault = 1\n";
     scratch.write("patch.toml", format!("format = \"pacinian-patch/1\"\ntitle = \"Dial\"\n{knob}"));
     let command = scratch.command(&["knob", "patch.toml", "--keys"]);
-    let Some(mut seat) = Seat::at(&command, (100, 30), "xterm-256color", true) else { return };
     // What the dial says of the angle, rad.
     let angle = |text: &str| -> Option<f64> {
         let line =
@@ -205,12 +204,35 @@ fn a_knob_is_turned_by_keys_and_its_dial_goes_with_it() {
         let unit = words.iter().position(|word| *word == "rad")?;
         words[unit - 1].parse().ok()
     };
-    seat.see("the dial", |text| angle(text).is_some_and(|angle| angle.abs() < 0.1) && text.contains("mN m"));
-    // Right: two steps of a fiftieth of two turns either way.
-    seat.press("\x1b[C\x1b[C");
-    seat.see("a turn", |text| angle(text).is_some_and(|angle| angle > 0.3) && text.contains("click"));
-    seat.press("0");
-    seat.see("the way back", |text| angle(text).is_some_and(|angle| angle.abs() < 0.15));
-    seat.press("q");
-    assert!(seat.end().success());
+    // With q, and with Ctrl-C.
+    for (key, success) in [("q", true), ("\x03", false)] {
+        let Some(mut seat) = Seat::at(&command, (100, 30), "xterm-256color", true) else { return };
+        seat.see("the dial", |text| {
+            angle(text).is_some_and(|angle| angle.abs() < 0.1) && text.contains("mN m")
+        });
+        // Right: two steps of a fiftieth of two turns either way.
+        seat.press("\x1b[C\x1b[C");
+        seat.see("a turn", |text| angle(text).is_some_and(|angle| angle > 0.3) && text.contains("click"));
+        seat.press("0");
+        seat.see("the way back", |text| angle(text).is_some_and(|angle| angle.abs() < 0.15));
+        seat.press(key);
+        assert_eq!(seat.end().success(), success);
+        assert!(seat.is_given_back());
+        // What it did is said where the shell goes on.
+        let text = seat.shows("what it did");
+        let row = |head: &str| {
+            let line = text.lines().find(|line| line.trim_start().starts_with(head));
+            line.unwrap_or_else(|| panic!("no {head} in\n{text}")).split_whitespace().collect::<Vec<_>>()
+        };
+        let turned = row("turned");
+        let to = turned.iter().position(|word| *word == "to").unwrap();
+        let most: f64 = turned[to + 1].parse().unwrap();
+        assert!((0.3..1.0).contains(&most), "{turned:?}");
+        let speed: f64 = row("speed")[1].parse().unwrap();
+        assert!(speed > 0.5, "{text}");
+        // Forth and back: two notches at least each way.
+        let set_off = row("set off");
+        let times: usize = set_off[set_off.len() - 2].parse().unwrap();
+        assert!(set_off.contains(&"knob.detent") && times >= 2, "{set_off:?}");
+    }
 }

@@ -6,6 +6,7 @@ use super::failure::Failure;
 use super::guard;
 use super::hearers::Hearers;
 use super::keep::{Keep, Sound};
+use super::knob::turning::Turning;
 use super::load::{Loaded, Scene};
 use super::osc::Osc;
 use super::problems;
@@ -210,6 +211,11 @@ impl Play {
         let journal = self.keep.journal(&reload, scenery.device, armed)?;
         let announcer = self.osc.announcer(&reload.scene.plan)?;
         let hearers = Hearers { journal: journal.clone(), announcer: announcer.clone(), post };
+        let knob = self.turned.then(|| Turning::of(&reload.scene.plan));
+        let mut listener = hearers.clone().listener();
+        if let Some(knob) = &knob {
+            listener = knob.beside(listener);
+        }
         let mut session = Session::start(Beginning {
             block: self.block,
             armed,
@@ -220,7 +226,7 @@ impl Play {
             record: self.keep.record.is_some(),
             record_input: self.keep.events.is_some(),
             song: loaded.song.clone(),
-            listener: Some(hearers.clone().listener()),
+            listener: Some(listener),
             audience: hearers.clone().audience(verdict),
             fate: hearers.fate(),
             ..Beginning::of(reload, device)
@@ -330,7 +336,8 @@ impl Play {
             terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }
         let concluded = self.conclude(&loaded, &session, &peaks, &held, terminal);
-        let concluded = kept.finish(terminal).and(concluded);
+        let told = knob.map_or(Ok(()), |knob| knob.told(&loaded, session.board(), terminal));
+        let concluded = kept.finish(terminal).and(concluded).and(told);
         match ended {
             // A terminal that is closed cannot be written to either.
             Some(code) => Err(Failure::told(code)),

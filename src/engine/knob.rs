@@ -3,9 +3,12 @@
 //! The servo runs ahead of the graph by the stretch of samples that is computed next, so that nodes read its angle without delay and what it
 //! sets off begins at its tick. What the patch sends the other way is [`CELL`] engine samples late, whatever the stretches are.
 
+pub mod tally;
+
 use super::event::{Event, Play, Source};
 use super::watch::{Crossing, Watcher};
 use super::workspace::{BLOCK, Workspace};
+use crate::actuator::thermal::Thermal;
 use crate::dsp::lanes::{LANES, Real};
 use crate::graph::knob::{CELL, Feed, Start};
 use crate::graph::plan::{Plan, Shared};
@@ -20,6 +23,7 @@ use crate::knob::servo::tick::{Given, Servo};
 use crate::patch::Happening;
 use crate::patch::knob::Reading;
 use crate::schedule::{Instant, Queue};
+use tally::{Moment, Tally};
 
 const CELLS: usize = CELL as usize;
 
@@ -94,6 +98,7 @@ pub struct Knob {
     first_watch: usize,
     dropped: u64,
     link: Option<Fast>,
+    tally: Tally,
 }
 
 impl Knob {
@@ -155,6 +160,7 @@ impl Knob {
             first_watch: plan.watches.len(),
             dropped: 0,
             link: None,
+            tally: Tally::default(),
             plan: of.clone(),
         }))
     }
@@ -167,6 +173,13 @@ impl Knob {
     /// The knob that is not there.
     pub fn simulated(&self) -> Option<&Simulated> {
         self.simulated.as_ref()
+    }
+
+    /// What it did so far.
+    pub fn tally(&self) -> Tally {
+        let (chain, mut tally) = (self.servo.chain(), self.tally);
+        (tally.stages, tally.trip) = (*chain.counts(), chain.trip());
+        tally
     }
 
     /// The effects' names.
@@ -258,6 +271,7 @@ impl Knob {
         self.link = old.link.take().or(self.link.take());
         self.held_at = old.held_at;
         self.read = old.read;
+        self.tally = old.tally;
         // So that no id comes again.
         let number = old.numbers.iter().copied().max().unwrap_or(0);
         self.numbers.fill(number);
@@ -333,6 +347,12 @@ impl Knob {
         }
         self.held_at = target;
         let Given { angle, velocity, torque, .. } = *self.servo.last();
+        let turns = self.simulated.as_ref().map(|knob| (knob.plant(), knob.thermal()));
+        let (held, speed) =
+            turns.map_or((angle, velocity), |(plant, _)| (plant.knob_angle(), plant.knob_speed()));
+        let warm = turns.and_then(|(_, thermal)| thermal).map(Thermal::winding);
+        let absorbed = self.servo.energy().absorbed();
+        self.tally.add(&Moment { angle: held, speed, estimated: velocity, torque, absorbed, warm });
         if let Some(link) = &self.link {
             link.put(&Seen { tick: self.servo.ticks(), angle, velocity, torque });
         }

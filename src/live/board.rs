@@ -8,6 +8,7 @@ use super::midi_board::MidiBoard;
 use super::torque::Torque;
 use super::values::Values;
 use super::way::Refusals;
+use crate::engine::knob::tally::Tally;
 
 /// A figure that one thread writes and others read.
 #[derive(Debug, Default)]
@@ -113,6 +114,8 @@ pub struct Board {
     pub(super) knob: Figure,
     /// Of a knob, there or simulated, see [`Board::knob`]: its ticks, and bits of its angle, speed and torque.
     pub(super) turned: [Figure; 4],
+    /// What that did so far, see [`Board::tally`].
+    pub(super) tally: [Figure; Tally::NUMBERS],
     /// Run time of the callbacks.
     pub load: Load,
     /// Gaps that the device told of.
@@ -161,6 +164,12 @@ impl Board {
         let [ticks, angle, speed, torque] = &self.turned;
         let of = |figure: &Figure| f64::from_bits(figure.get());
         (ticks.get() > 0).then(|| Turned { angle: of(angle), speed: of(speed), torque: of(torque) })
+    }
+
+    /// What a knob did so far, there or simulated, once it has ticked. While a session runs, parts of it may be a block apart.
+    pub fn tally(&self) -> Option<Tally> {
+        self.knob()?;
+        Some(Tally::of(&std::array::from_fn(|n| self.tally[n].get())))
     }
 
     /// Channels.

@@ -380,6 +380,8 @@ impl Callback {
             let [angle, speed, torque] = [given.angle, given.velocity, given.torque].map(f64::to_bits);
             let shown = [knob.servo().ticks(), angle, speed, torque];
             self.board.turned.iter().zip(shown).for_each(|(figure, value)| figure.set(value));
+            let tally = knob.tally().numbers();
+            self.board.tally.iter().zip(tally).for_each(|(figure, value)| figure.set(value));
         }
         self.board.frames.set(self.frames);
         self.board.block.set(frames);

@@ -1,10 +1,10 @@
 //! What a knob did that was turned.
 
 use super::figures::{Figures, short};
-use super::turn::{Set, Turned};
-use crate::cli::load::Loaded;
+use super::set_off::{Set, SetOff};
 use crate::cli::paint::Paint;
 use crate::cli::table::{Table, many};
+use pacinian::engine::knob::tally::Tally;
 use pacinian::knob::safety::chain::{Stage, Trip};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -50,36 +50,30 @@ const STAGES: [(Stage, &str); 8] = [
 ];
 
 impl Answer {
-    /// Of a knob that was turned.
-    pub fn new(loaded: &Loaded, turned: &Turned) -> Self {
-        let knob = turned.player.knob();
-        let chain = knob.map(|knob| knob.servo().chain());
-        let figures = &turned.record.figures;
-        let mut set_off = BTreeMap::new();
-        for set in &turned.set_off {
-            *set_off.entry(format!("{} plays {}", set.by, set.voice)).or_insert(0) += 1;
-        }
-        let held = |stage: Stage| chain.map_or(0, |chain| chain.count(stage));
+    /// Of a knob of a patch: what it is; what it did, at so many samples a second; what it set off.
+    pub fn new(patch: &str, knob: Option<Figures>, rate: f64, tally: &Tally, set_off: SetOff) -> Self {
+        let [low, high] = if tally.samples > 0 { tally.angle } else { [0.0; 2] };
+        let held = |stage: Stage| tally.stages[stage as usize];
         Self {
-            patch: loaded.name().into(),
-            knob: knob.and_then(|knob| Figures::new(turned.player.plan(), knob)),
-            seconds: turned.record.seconds(),
-            set_off,
-            events: turned.set_off.clone(),
-            least_angle: figures.angle[0],
-            most_angle: figures.angle[1],
-            most_speed: figures.most_speed,
-            speed_error: figures.speed_error(),
-            most_torque: figures.most_torque,
-            winding_rise: figures.most_warm,
-            absorbed: figures.absorbed,
-            created: -figures.least_absorbed,
+            patch: patch.into(),
+            knob,
+            seconds: tally.samples as f64 / rate,
+            set_off: set_off.times,
+            events: set_off.each.unwrap_or_default(),
+            least_angle: low,
+            most_angle: high,
+            most_speed: tally.most_speed,
+            speed_error: tally.speed_error(),
+            most_torque: tally.most_torque,
+            winding_rise: tally.most_warm,
+            absorbed: tally.absorbed,
+            created: -tally.least_absorbed,
             held_back: STAGES
                 .iter()
                 .map(|(stage, word)| (*word, held(*stage)))
                 .filter(|(_, n)| *n > 0)
                 .collect(),
-            tripped: chain.and_then(|chain| chain.trip()).map(|trip| match trip {
+            tripped: tally.trip.map(|trip| match trip {
                 Trip::Reading => "the angle was no number",
                 Trip::Lost => "readings failed",
                 Trip::OverSpeed => "the knob was too fast",

@@ -3,7 +3,9 @@
 mod answer;
 pub mod figures;
 mod record;
+mod set_off;
 mod turn;
+pub mod turning;
 
 use super::check::json;
 use super::failure::Failure;
@@ -15,6 +17,7 @@ use super::render::seconds;
 use super::terminal::Terminal;
 use answer::Answer;
 use clap::Args;
+use figures::Figures;
 use pacinian::actuator::fault::Fault;
 use pacinian::io::gesture::Gesture;
 use pacinian::io::out;
@@ -115,7 +118,10 @@ impl KnobCommand {
         };
         let turned = turn.run(&loaded, terminal)?;
         self.draw(&loaded.patch.title, &turned)?;
-        let answer = Answer::new(&loaded, &turned);
+        let (plan, knob) = (turned.player.plan(), turned.player.knob());
+        let figures = knob.and_then(|knob| Figures::new(plan, knob));
+        let tally = knob.map(|knob| knob.tally()).unwrap_or_default();
+        let answer = Answer::new(loaded.name(), figures, plan.engine_rate(), &tally, turned.set_off);
         terminal.print(&if self.json { json(&answer) } else { answer.text(terminal.out) })?;
         turned.ending
     }
@@ -128,7 +134,7 @@ impl KnobCommand {
         let Some(setup) = turned.player.plan().knob.as_ref().map(|knob| &knob.setup) else { return Ok(()) };
         let impossible = |fault: Fault| Failure::said(78, fault.to_string());
         if let Some(path) = &self.curve {
-            let [least, most] = turned.record.figures.angle;
+            let [least, most] = turned.player.knob().map(|knob| knob.tally()).unwrap_or_default().angle;
             let range = if most > least { [least, most] } else { [-1.0, 1.0] };
             let curve =
                 Curve::new(setup.effects.clone(), range, CURVE).map_err(|(_, fault)| impossible(fault))?;

@@ -1,4 +1,4 @@
-//! What a knob did: figures, what pictures need of it, and every sample of it as a table.
+//! What a knob did: what pictures need of it, and every sample of it as a table.
 
 use crate::cli::failure::Failure;
 use pacinian::io::error::FileError;
@@ -26,52 +26,12 @@ pub struct Sample {
     pub hand: (Option<f64>, f64),
 }
 
-/// Figures of all samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Figures {
-    /// Least and greatest angle, rad.
-    pub angle: [f64; 2],
-    /// rad/s.
-    pub most_speed: f64,
-    /// N m.
-    pub most_torque: f64,
-    /// Energy that went into the virtual world by the end, and at its least, J.
-    pub absorbed: f64,
-    pub least_absorbed: f64,
-    /// K above the air, of its winding, where that is known.
-    pub most_warm: Option<f64>,
-    /// Squares of the errors of the estimated speed, summed, and how many there are.
-    squares: f64,
-    samples: u64,
-}
-
-impl Figures {
-    /// Root-mean-square error of the estimated speed, rad/s.
-    pub fn speed_error(&self) -> f64 {
-        (self.squares / self.samples.max(1) as f64).sqrt()
-    }
-
-    fn push(&mut self, sample: &Sample) {
-        let Sample { angle, speed, read, torque, absorbed, .. } = *sample;
-        self.angle = [self.angle[0].min(angle), self.angle[1].max(angle)];
-        self.most_speed = self.most_speed.max(speed.abs());
-        self.most_torque = self.most_torque.max(torque[1].abs());
-        (self.absorbed, self.least_absorbed) = (absorbed, self.least_absorbed.min(absorbed));
-        if let Some(warm) = sample.warm {
-            self.most_warm = Some(self.most_warm.unwrap_or(warm).max(warm));
-        }
-        self.squares += (read[1] - speed).powi(2);
-        self.samples += 1;
-    }
-}
-
 /// What is kept of them, in a bounded size however long it goes on.
 pub struct Record {
     /// For pictures.
     pub course: Course,
-    /// In numbers.
-    pub figures: Figures,
     rate: f64,
+    samples: u64,
     table: Option<(PathBuf, BufWriter<File>)>,
 }
 
@@ -89,17 +49,7 @@ impl Record {
             writeln!(file, "{NAMES}").map_err(|e| FileError::creating(path, &e))?;
             Ok::<_, Failure>((path.to_path_buf(), file))
         });
-        let figures = Figures {
-            angle: [f64::INFINITY, f64::NEG_INFINITY],
-            most_speed: 0.0,
-            most_torque: 0.0,
-            absorbed: 0.0,
-            least_absorbed: 0.0,
-            most_warm: None,
-            squares: 0.0,
-            samples: 0,
-        };
-        Ok(Self { course: Course::new(rate), figures, rate, table: table.transpose()? })
+        Ok(Self { course: Course::new(rate), rate, samples: 0, table: table.transpose()? })
     }
 
     /// The next sample.
@@ -107,8 +57,8 @@ impl Record {
     /// # Errors
     /// What keeps the table from being written.
     pub fn push(&mut self, sample: &Sample) -> Result<(), Failure> {
-        let time = self.figures.samples as f64 / self.rate;
-        self.figures.push(sample);
+        let time = self.samples as f64 / self.rate;
+        self.samples += 1;
         let Sample { angle, speed, read, torque, absorbed, hand, .. } = *sample;
         let [asked, given] = torque;
         let estimated = read[1];
@@ -138,11 +88,6 @@ impl Record {
     pub fn finish(&mut self) -> Result<(), Failure> {
         let Some((path, mut file)) = self.table.take() else { return Ok(()) };
         file.flush().map_err(|e| FileError::creating(&path, &e).into())
-    }
-
-    /// How long it is, s.
-    pub fn seconds(&self) -> f64 {
-        self.figures.samples as f64 / self.rate
     }
 }
 

@@ -1,6 +1,7 @@
 //! A hand turns a simulated knob.
 
 use super::record::{Record, Sample};
+use super::set_off::{Set, SetOff};
 use crate::cli::failure::Failure;
 use crate::cli::load::Loaded;
 use crate::cli::progress::Progress;
@@ -9,8 +10,7 @@ use crate::cli::terminal::Terminal;
 use pacinian::io::gesture::Gesture;
 use pacinian::io::wav::{Encoding, WavSpec, WavWriter};
 use pacinian::patch::knob::HAND;
-use pacinian::player::{Happening, Player};
-use serde::Serialize;
+use pacinian::player::Player;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -46,23 +46,12 @@ pub fn forth_and_back() -> Gesture {
     Gesture { angles, torques: Vec::new(), seconds: 6.25 }
 }
 
-/// Something that the knob set off.
-#[derive(Debug, Clone, Serialize)]
-pub struct Set {
-    /// Seconds.
-    pub at: f64,
-    /// What set it off, and what that played.
-    pub by: String,
-    /// The voice.
-    pub voice: String,
-}
-
 /// What came of it.
 pub struct Turned {
     /// What the knob did.
     pub record: Record,
     /// What it set off.
-    pub set_off: Vec<Set>,
+    pub set_off: SetOff,
     /// The player at its end.
     pub player: Player,
     /// Why it ended early, if it did.
@@ -76,14 +65,10 @@ impl Turn<'_> {
     /// A gesture beyond what the hand can do, a file that cannot be written.
     pub fn run(&self, loaded: &Loaded, terminal: &Terminal) -> Result<Turned, Failure> {
         let mut player = loaded.player()?;
-        let set_off: Arc<Mutex<Vec<Set>>> = Arc::default();
+        let set_off = Arc::new(Mutex::new(SetOff { each: Some(Vec::new()), ..SetOff::default() }));
         let heard = Arc::clone(&set_off);
         player.listen(Box::new(move |event| {
-            let (Some(origin), Happening::Voice { name, .. }) = (&event.origin, &event.what) else { return };
-            if origin.pattern.starts_with("knob.") {
-                let set = Set { at: event.at, by: origin.pattern.to_string(), voice: (*name).to_string() };
-                heard.lock().unwrap_or_else(PoisonError::into_inner).push(set);
-            }
+            heard.lock().unwrap_or_else(PoisonError::into_inner).hear(event);
         }));
         let (rate, ratio, channels) =
             (player.plan().engine_rate(), player.plan().ratio, player.plan().channels);
@@ -139,7 +124,7 @@ impl Turn<'_> {
         let set_off = std::mem::take(&mut *set_off.lock().unwrap_or_else(PoisonError::into_inner));
         // One notch may set off several voices.
         let mut seen: Option<&Set> = None;
-        for set in &set_off {
+        for set in set_off.each.iter().flatten() {
             if seen.is_none_or(|last| (last.at, &last.by) != (set.at, &set.by)) {
                 record.event(set.at, &set.by);
             }

@@ -213,6 +213,11 @@ impl Chain {
         self.counts[stage as usize]
     }
 
+    /// In how many ticks each stage acted, in their order.
+    pub fn counts(&self) -> &[u64; STAGES] {
+        &self.counts
+    }
+
     /// The winding's load, 0 to 1.
     pub fn load(&self) -> f64 {
         self.budget.load()
