@@ -1,5 +1,8 @@
 //! The plant against trajectories of 50 digits. `KNOB_REFERENCE` names another directory of the same form to read instead.
 
+#[path = "knob/shipped.rs"]
+mod shipped;
+
 use pacinian::knob::plant::chain::Chain;
 use pacinian::knob::plant::encoder::{Delay, Encoder};
 use pacinian::knob::plant::parameters::Parameters;

@@ -301,6 +301,41 @@ fn a_flood_is_refused() {
     }
 }
 
+/// From a fault of the line on, torque is sent for as long as nobody can notice it, and not an exchange longer: what says something else than a
+/// reading is noticed with the next exchange, and what says nothing, or too much to be heard behind it, with the end of patience. (Lines that
+/// nobody asked for between right answers are none until they are too many: `a_flood_is_refused`.)
+#[test]
+fn no_torque_is_sent_once_a_fault_can_be_noticed() {
+    let faults: [(&str, bool, fn(&mut crate::odrive::Mischief)); 7] = [
+        ("echo", true, |m| m.echo = true),
+        ("other words", true, |m| m.says = Some("ok")),
+        ("another knob", true, |m| m.says = Some("\u{1}\u{2}knob")),
+        ("no checksums", true, |m| m.no_checksum = true),
+        ("wrong checksums", true, |m| m.bad_checksum = 1),
+        ("silence", false, |m| m.mute = true),
+        ("flood", false, |m| m.flood = 1e6),
+    ];
+    for (name, at_once, fault) in faults {
+        let mut line = running(Names::Old);
+        line.hand.forced = Some(0.03);
+        line.lives(0.1);
+        let (from, settings) = (line.now, Settings::default());
+        fault(&mut line.device.mischief);
+        let _ = line.run(0.3);
+        line.quiet(1e-3);
+        let asks = |bytes: &[u8]| {
+            let text = String::from_utf8_lossy(bytes).into_owned();
+            text.starts_with("c 0 ") && !text.starts_with("c 0 0 ")
+        };
+        let pushes = line.said.iter().filter(|(_, bytes)| asks(bytes));
+        let last = pushes.map(|(time, _)| *time).fold(0.0, f64::max);
+        // Answers to what was asked before, then one exchange.
+        let most = 2.0 * line.delay + 2.0 / settings.rate + if at_once { 0.0 } else { settings.patience };
+        assert!((from - 2e-3..from + most + STEP).contains(&last), "{name}: {} s", last - from);
+        assert!(is_idle(&line), "{name}: {} N m", line.device.torque());
+    }
+}
+
 #[test]
 fn other_dialects_are_named() {
     let cases = [("\u{1}\u{2}knob", false), ("SmartKnob starting", false), ("ok", false), ("ok", true)];

@@ -125,6 +125,11 @@ pub(in crate::report) fn short(v: f64) -> String {
     signed(text)
 }
 
+/// A count or a rate where there is room for all of its digits: 48000, 4096, and from ten millions on as [`short`] has it.
+pub(in crate::report) fn whole(v: f64) -> String {
+    if v.abs() < 1e7 && (v - v.round()).abs() < 1e-6 * v.abs() { format!("{v:.0}") } else { short(v) }
+}
+
 fn trimmed(v: f64) -> String {
     let decimals = (2.0 - v.abs().log10().floor()).clamp(0.0, 6.0) as usize;
     let text = format!("{v:.decimals$}");
@@ -138,7 +143,7 @@ pub(in crate::report) fn signed(text: String) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Scale, nice, short};
+    use super::{Scale, nice, short, whole};
 
     fn labels(scale: &Scale, most: usize) -> Vec<String> {
         scale.ticks(most).into_iter().map(|(_, text)| text).collect()
@@ -203,6 +208,10 @@ mod tests {
             [(0.0, "0"), (50.0, "50"), (2e4, "20k"), (0.05, "0.05"), (-1e-6, "−1e−6"), (1.5e9, "1.5e9")]
         {
             assert_eq!(short(v), text);
+        }
+        for (v, text) in [(4096.0, "4096"), (1.0 / 2.083_333_333_3e-5, "48000"), (7999.5, "8k"), (2e7, "2e7")]
+        {
+            assert_eq!(whole(v), text);
         }
     }
 }

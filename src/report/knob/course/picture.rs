@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::{Course, Event};
-use crate::report::plot::axis::short;
+use crate::report::plot::axis::{short, whole};
 use crate::report::plot::colour::Ink;
 use crate::report::plot::panels::{Across, Form, Panel, Panels, Shape, span};
 
@@ -166,7 +166,7 @@ impl Course {
     }
 
     fn about(&self, step: f64) -> String {
-        let mut about = format!("{} s, {} samples a second", short(self.seconds()), short(self.rate));
+        let mut about = format!("{} s, {} samples a second", short(self.seconds()), whole(self.rate));
         if step * self.rate > 1.5 {
             about +=
                 &format!("; a point stands for {} s, with the least and the greatest in it", short(step));

@@ -2,7 +2,7 @@
 
 use super::{Map, Point};
 use crate::knob::governor::limit::Remedy;
-use crate::report::plot::axis::short;
+use crate::report::plot::axis::{short, whole};
 use crate::report::plot::colour::Ink;
 use crate::report::plot::panels::{Across, Form, Panel, Panels, Shape};
 
@@ -127,13 +127,13 @@ impl Map {
             short(d.inertia),
             short(d.damping),
             short(d.period),
-            short(1.0 / d.period),
+            whole(1.0 / d.period),
             short(ticks),
             short(ticks * d.period),
         )];
         let counts = std::f64::consts::TAU / d.count;
         let mut more =
-            format!("Encoder of {} counts a turn, peak torque {} N m, ", short(counts), short(d.peak));
+            format!("Encoder of {} counts a turn, peak torque {} N m, ", whole(counts), short(d.peak));
         more += &match d.friction {
             Some(friction) => format!("dry friction {} N m", short(friction)),
             None => "dry friction not known".into(),
