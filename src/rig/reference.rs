@@ -203,7 +203,7 @@ pub const TOPICS: &[Topic] = &[
                negative levels and orders are nothing and are counted, and clicks backward and `drive-home` are refused. Where the amplifier gives what it \
                takes, a click through four diodes turns the mass within 2.5 % of as far as was ordered; through one within an eighth, as its \
                half-waves are few and cannot be cut. What a click comes to where that is more than 5 % from what is ordered, says \
-               `pacinian check`. Of the amplifier `max_volts` is the peak, of the motor the mean.",
+               `pacinian check`. Of the amplifier `max_volts` is the peak, of the motor the mean. What vibrates goes through neither a rectifier nor a bridge.",
         tables: &[&amplifier::TABLE],
         example: "[device]\n\
                   channels = 1\n\

@@ -38,18 +38,23 @@ pub struct Bridge {
 const ROLLS: f64 = 10.0;
 
 impl Rig {
-    /// That what vibrates would come out of a rectifier as something else.
+    /// That what vibrates would come out of a rectifier or a bridge as something else.
     pub(super) fn rectified(&self) -> Option<Problem> {
-        let of = |output: &Output| self.amplifier(output.amplifier.as_ref()?);
-        let behind = |output: &&Output| {
-            of(output).is_some_and(|amplifier| matches!(amplifier.drive, Drive::Carrier(_)))
-        };
-        let mut vibrating = self.outputs.iter().filter(|output| output.kind == OutputKind::Vibration);
-        let output = vibrating.find(behind)?;
+        let vibrating = self.outputs.iter().filter(|output| output.kind == OutputKind::Vibration);
+        let (output, amplifier, why) = vibrating.into_iter().find_map(|output| {
+            let amplifier = self.amplifier(output.amplifier.as_ref()?)?;
+            let why = match amplifier.drive {
+                Drive::Carrier(_) => "has a rectifier behind it: no vibration comes out of that",
+                Drive::Bridge { .. } => {
+                    "is a bridge, which knows on and off alone: no vibration goes into that"
+                }
+                Drive::Voltage | Drive::Current => return None,
+            };
+            Some((output, amplifier, why))
+        })?;
         let what = format!(
-            "output `{}` is for vibration, and its amplifier `{}` has a rectifier behind it: no vibration comes out of that",
-            output.name,
-            of(output).map_or("", |amplifier| amplifier.name.as_str())
+            "output `{}` is for vibration, and its amplifier `{}` {why}",
+            output.name, amplifier.name
         );
         let help =
             "a motor behind it is an [[output]] of kind = \"drive\"; for all else take another amplifier"

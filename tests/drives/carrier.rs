@@ -487,3 +487,21 @@ fn the_most_is_that_of_the_largest_carrier() {
     assert!(coin.one_way && pad.one_way);
     assert_eq!(plan.drives[0].terminals, Terminals::Carrier(Carrier { hertz: 4000.0, rectifier }));
 }
+
+/// A tactor behind diodes or a bridge would get something else than what is played.
+#[test]
+fn nothing_vibrates_behind_a_rectifier_or_a_bridge() {
+    let tactor = "[[tactor]]\nname = \"skin\"\nchannel = 1\namplifier = \"rectified\"\n";
+    let (head, _) = RIG.split_once("[[output]]").unwrap();
+    let of = |rig: &str| Rig::parse("rig.toml", rig.as_bytes()).map(|_| ()).map_err(|told| told.to_string());
+    let rig = format!("{head}{tactor}[[tactor]]\nname = \"other\"\nchannel = 2\n");
+    let told = of(&rig).unwrap_err();
+    assert!(told.contains("`skin` is for vibration") && told.contains("a rectifier behind it"), "{told}");
+    let (before, behind) = rig.split_once("[amplifier.rectified]").unwrap();
+    let (_, behind) = behind.split_once("[actuator.coin]").unwrap();
+    let with =
+        |amplifier: &str| of(&format!("{before}[amplifier.rectified]\n{amplifier}\n[actuator.coin]{behind}"));
+    let told = with("drive = \"bridge\"\nmax_volts = 6.0").unwrap_err();
+    assert!(told.contains("`skin` is for vibration") && told.contains("is a bridge"), "{told}");
+    assert_eq!(with("gain = 4.0"), Ok(()));
+}
