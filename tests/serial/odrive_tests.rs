@@ -306,7 +306,8 @@ fn a_flood_is_refused() {
 /// nobody asked for between right answers are none until they are too many: `a_flood_is_refused`.)
 #[test]
 fn no_torque_is_sent_once_a_fault_can_be_noticed() {
-    let faults: [(&str, bool, fn(&mut crate::odrive::Mischief)); 7] = [
+    type Do = fn(&mut crate::odrive::Mischief);
+    let faults: [(&str, bool, Do); 7] = [
         ("echo", true, |m| m.echo = true),
         ("other words", true, |m| m.says = Some("ok")),
         ("another knob", true, |m| m.says = Some("\u{1}\u{2}knob")),
