@@ -5,14 +5,16 @@ use super::load::Loaded;
 use pacinian::graph::plan::{Plan, Shared};
 use pacinian::io::knob::driver::Running;
 use pacinian::io::knob::patched;
+use pacinian::knob::effect::program::Any;
 use pacinian::live::remote::{Heard, remote};
 use pacinian::rig::knob::controller::AMPLITUDE;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 
 /// A knob that is talked to until this is dropped.
 pub struct OnLine {
     _running: Running,
     says: Receiver<String>,
+    orders: Sender<Vec<Any>>,
     /// What is told of it at first.
     pub note: String,
 }
@@ -39,14 +41,22 @@ impl OnLine {
         let patience = if controller.renders() { STILL } else { controller.patience };
         let (heard, line) = remote(knob.allowance, patience, AMPLITUDE, sensor.channels);
         let (told, says) = channel();
-        let running = patched::begin(of_rig, controller, &knob.setup.effects, line, told).map_err(|why| {
-            match why.message.split_once("; ") {
-                Some((what, help)) => Failure::usage(what, help).with_code(why.exit_code),
-                None => Failure::said(why.exit_code, why.message),
-            }
-        })?;
+        let (orders, taken) = channel();
+        let running =
+            patched::begin(of_rig, controller, &knob.setup.effects, taken, line, told).map_err(|why| {
+                match why.message.split_once("; ") {
+                    Some((what, help)) => Failure::usage(what, help).with_code(why.exit_code),
+                    None => Failure::said(why.exit_code, why.message),
+                }
+            })?;
         let note = format!("its knob is on {}", controller.port);
-        Ok(Some((Box::new(heard), Self { _running: running, says, note })))
+        Ok(Some((Box::new(heard), Self { _running: running, says, orders, note })))
+    }
+
+    /// What a patch that took over wants it to be.
+    pub fn follow(&self, effects: Vec<Any>) {
+        // Where nobody takes it any more, the knob is gone.
+        let _ = self.orders.send(effects);
     }
 
     /// What it has said since this was asked last.

@@ -300,8 +300,12 @@ impl Play {
             }
             for news in watching.iter().flat_map(Watching::news) {
                 show.watched(&news);
-                if let News::Took(new, ..) = news {
+                if let News::Took(new, .., effects) = news {
                     loaded = *new;
+                    #[cfg(feature = "serial")]
+                    line.iter().for_each(|line| line.follow(effects.clone()));
+                    #[cfg(not(feature = "serial"))]
+                    drop(effects);
                     if let Some(osc) = &osc {
                         osc.follow(&loaded.patch);
                     }

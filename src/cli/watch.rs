@@ -9,6 +9,7 @@ use super::named::named;
 use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Wish;
 use pacinian::io::{assets::Folder, error::FileErrorKind, text, watch};
+use pacinian::knob::effect::program::Any;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::{Handle, Refused, Signal};
 use pacinian::patch::{Patch, Permissions};
@@ -23,8 +24,8 @@ use std::time::{Duration, Instant, SystemTime};
 /// What became of something that was saved.
 #[derive(Debug)]
 pub enum News {
-    /// It plays now. What it is, the patterns that play from the beginning, and which files are different.
-    Took(Box<Loaded>, Vec<usize>, Vec<PathBuf>),
+    /// It plays now. What it is, the patterns that play from the beginning, which files are different, and what its knob is to be.
+    Took(Box<Loaded>, Vec<usize>, Vec<PathBuf>, Vec<Any>),
     /// It cannot be played at all.
     Broken(Failure),
     /// It cannot take over while something else plays: why, and what to do.
@@ -186,8 +187,9 @@ impl Watcher {
             Ok(Err((why, help))) => News::Kept(why, help),
             Ok(Ok((loaded, reload))) => {
                 let first = reload.scene.patterns.clone();
+                let effects = reload.scene.plan.knob.as_ref().map(|knob| knob.setup.effects.clone());
                 match self.send(&loaded, reload)? {
-                    Ok(Ok(())) => News::Took(loaded, first, changed),
+                    Ok(Ok(())) => News::Took(loaded, first, changed, effects.unwrap_or_default()),
                     Ok(Err(why)) => News::Kept(why, AGAIN.into()),
                     Err(failure) => News::Broken(failure),
                 }

@@ -207,6 +207,40 @@ fn a_smartknob_is_told_what_to_be_once_somebody_asks() {
     }
 }
 
+/// What is saved while it plays is told to a knob that renders by itself, where it stands: that its torque is off, as of any knob that becomes
+/// another, and once somebody asks again, what it is now.
+#[test]
+fn a_smartknob_becomes_what_is_saved() {
+    let terminal = Terminal::new(FakeSmartKnob::new(false));
+    let room = Room::new("saved", SMARTKNOB, terminal.name());
+    let notches = |count: u32| {
+        let text = format!(
+            "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[knob.effects]\n\
+             notches = {{ type = \"detents\", count = {count}, torque = 1e-3 }}\n"
+        );
+        std::fs::write(room.0.join("p.toml"), text).unwrap();
+    };
+    notches(24);
+    let free = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = free.local_addr().unwrap().port().to_string();
+    drop(free);
+    let playing = room.play(&["--torque", "--watch", "--duration", "120", "--osc", &port]);
+    let is = |count: f64| (terminal.device().width() * count / TAU - 1.0).abs() < 1e-3;
+    wait("24 notches", || is(24.0));
+    notches(16);
+    let limp = || terminal.device().taken.last().is_some_and(|taken| taken == b"pacinian: torque off");
+    wait("no torque", limp);
+    let on = rosc::OscMessage { addr: "/torque".into(), args: vec![1.into()] };
+    let on = rosc::encoder::encode(&rosc::OscPacket::Message(on)).unwrap();
+    let surface = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    wait("16 notches", || {
+        surface.send_to(&on, format!("127.0.0.1:{port}")).unwrap();
+        is(16.0)
+    });
+    let all = ended(playing);
+    assert!(limp(), "{all}");
+}
+
 #[test]
 fn a_port_that_is_not_there_is_told() {
     let room = Room::new("none", ODRIVE, "/dev/pacinian-none");

@@ -94,6 +94,11 @@ pub struct FakeSmartKnob {
 }
 
 impl FakeSmartKnob {
+    /// Radians from notch to notch, of what it is.
+    pub fn width(&self) -> f64 {
+        f64::from(self.figures.width)
+    }
+
     pub fn new(fork: bool) -> Self {
         let parameters = Parameters { inertia: 4e-5, viscous: 4e-4, ..Parameters::default() };
         let plant = Plant::new(&Build { parameters, ..Build::default() }, RATE).unwrap();

@@ -15,7 +15,7 @@ impl Show {
         let now = self.fetch.now();
         self.due = true;
         let (why, brief, wrong) = match news {
-            News::Took(loaded, first, changed) => {
+            News::Took(loaded, first, changed, _) => {
                 self.snapshot.title = title(loaded);
                 for (place, name) in self.snapshot.tactors.iter_mut().zip(loaded.tactors()) {
                     place.0 = name;

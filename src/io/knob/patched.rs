@@ -1,6 +1,6 @@
 //! A knob of a patch on a serial line: between the line's thread and a session's callback.
 
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{Receiver, Sender};
 
 use super::driver::{Running, run};
 use super::lost::Lost;
@@ -31,8 +31,8 @@ impl Refused {
     }
 }
 
-/// Talks to a rig's knob on its own thread until what it gives is dropped; `effects` are what a patch wants it to be, `says` hears what people should
-/// know.
+/// Talks to a rig's knob on its own thread until what it gives is dropped; `effects` are what a patch wants it to be, and `orders` brings what it
+/// wants later; `says` hears what people should know.
 ///
 /// # Errors
 /// A port that cannot be opened; a figure that the device would refuse.
@@ -40,6 +40,7 @@ pub fn begin(
     knob: &rig::Knob,
     controller: &Controller,
     effects: &[Any],
+    orders: Receiver<Vec<Any>>,
     line: Line,
     says: Sender<String>,
 ) -> Result<Running, Refused> {
@@ -48,7 +49,7 @@ pub fn begin(
             .map_err(|error| Refused { exit_code: error.exit_code(), message: error.message })
     };
     let sign = if controller.inverted { -1.0 } else { 1.0 };
-    let hands = |myself| Hands { line, says, sign, name: controller.port.clone(), myself };
+    let hands = |myself| Hands { line, says, sign, name: controller.port.clone(), myself, angle: None };
     let ran = match controller.kind {
         Kind::ODrive { axis, exchanges, watchdog, unwatched } => {
             let settings = odrive::Settings {
@@ -65,7 +66,7 @@ pub fn begin(
             run(open()?.say_ready(), session, hands(None))
         }
         Kind::SmartKnob(stiffness) => {
-            let myself = Myself::new(effects, stiffness).map_err(|fault| Refused::figure(&fault))?;
+            let myself = Myself::new(effects, orders, stiffness).map_err(|fault| Refused::figure(&fault))?;
             let settings = smartknob::Settings { parting: Some(limp()), ..smartknob::Settings::default() };
             let (session, remote) = SmartKnob::new(settings).map_err(|fault| Refused::figure(&fault))?;
             run(open()?, session, hands(Some((remote, myself))))
@@ -82,6 +83,8 @@ fn limp() -> Config {
 /// What a knob that renders by itself is told to be.
 struct Myself {
     effects: Vec<Any>,
+    /// What it is to be in place of that.
+    orders: Receiver<Vec<Any>>,
     device: compile::Device,
     /// Whether it is what the patch says, and between which angles that holds.
     on: bool,
@@ -93,11 +96,21 @@ struct Myself {
 }
 
 impl Myself {
-    fn new(effects: &[Any], stiffness: f64) -> Result<Self, Fault> {
+    fn new(effects: &[Any], orders: Receiver<Vec<Any>>, stiffness: f64) -> Result<Self, Fault> {
         let device = compile::Device { stiffness };
         // What cannot be is refused before anything turns.
         compile(effects, &device, 0.0, "").map_err(|(_, fault)| fault)?;
-        Ok(Self { effects: effects.to_vec(), device, on: false, holds: None, told: false, known: false })
+        let effects = effects.to_vec();
+        Ok(Self { effects, orders, device, on: false, holds: None, told: false, known: false })
+    }
+
+    /// Takes what it is to be from now on, if that is something else.
+    fn take_orders(&mut self) {
+        let newest = self.orders.try_iter().last();
+        if let Some(effects) = newest.filter(|effects| *effects != self.effects) {
+            self.effects = effects;
+            (self.told, self.known) = (false, false);
+        }
     }
 
     /// Tells it what to be at an angle, if that is to change.
@@ -143,6 +156,8 @@ struct Hands {
     sign: f64,
     name: String,
     myself: Option<(Remote, Myself)>,
+    /// Where it was when it said so last.
+    angle: Option<f64>,
 }
 
 impl Hands {
@@ -156,12 +171,20 @@ impl Servo for Hands {
     fn tick(&mut self, reading: &Reading) -> f64 {
         // What is inverted is turned round where it is heard; its torque is turned round here.
         self.line.put(reading.angle);
-        if let Some((remote, myself)) = &mut self.myself {
-            myself.follow(self.line.is_wanted(), reading.angle, remote, &self.says);
+        self.angle = Some(reading.angle);
+        if self.myself.is_some() {
+            self.rest();
             // It renders by itself, and whether that comes in time is its own affair.
             return 0.0;
         }
         self.sign * self.line.torque()
+    }
+
+    fn rest(&mut self) {
+        if let (Some((remote, myself)), Some(angle)) = (&mut self.myself, self.angle) {
+            myself.take_orders();
+            myself.follow(self.line.is_wanted(), angle, remote, &self.says);
+        }
     }
 
     fn lost(&mut self, why: &Lost) {
@@ -169,6 +192,7 @@ impl Servo for Hands {
         if let Some((_, myself)) = &mut self.myself {
             myself.known = false;
         }
+        self.angle = None;
         self.say(&why.to_string());
     }
 

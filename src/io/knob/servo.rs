@@ -38,6 +38,9 @@ pub trait Servo: Send {
     /// takes none: then it is of no account.
     fn tick(&mut self, reading: &Reading) -> f64;
 
+    /// The device is there, and has said nothing new: one that renders by itself may be silent while it stands.
+    fn rest(&mut self) {}
+
     /// Torque has ended. It may begin again: then `tick` is called again.
     fn lost(&mut self, why: &Lost);
 

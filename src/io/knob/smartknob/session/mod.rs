@@ -359,7 +359,10 @@ impl SmartKnob {
                 }
                 Turn::Until { time: self.ping.as_ref().map_or(now, |ping| ping.sent + AGAIN), awaits: true }
             }
-            Stage::Ready => self.turn_ready(now, servo, out),
+            Stage::Ready => {
+                servo.rest();
+                self.turn_ready(now, servo, out)
+            }
             Stage::Leaving { since } => {
                 let turn = self.turn_ready(now, servo, out);
                 let told = self.telling.as_ref().is_none_or(|telling| telling.acknowledged.is_some());
