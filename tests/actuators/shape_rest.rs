@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::shape::{RATE, motors, plant};
 use pacinian::actuator::motor::{Drive, Motor};
-use pacinian::actuator::shape::{Click, Course, Ending, Home, Park, Switching};
+use pacinian::actuator::shape::{Click, Clicked, Course, Ending, Home, Park, Switching};
 
 /// How far apart angles (rad) lie at most, in degrees.
 fn apart(angles: &[f64]) -> f64 {
@@ -40,8 +40,22 @@ fn parked_clicks_kick_the_same_way() {
         };
         let blind = quarter(0.0);
         let (mut parked, mut free) = (vec![Vec::new(); 4], vec![Vec::new(); 4]);
+        // What is left of the peak speed when the drive ends, of the first click of each.
+        let left = |from: f64, click: &Clicked| {
+            let mut plant = plant(&motor, from);
+            let mut most = 0.0_f64;
+            click.course.play(&mut plant, RATE, (click.course.duration() * RATE).ceil() as usize, |plant| {
+                most = most.max(plant.reading().speed.abs());
+            });
+            plant.reading().speed.abs() / most
+        };
+        let (mut left_parked, mut left_free) = (0.0_f64, 0.0_f64);
         for first in (0..16).map(|n| TAU * (f64::from(n) + 0.37) / 16.0) {
             let (mut one, mut other) = (plant(&motor, first), plant(&motor, first));
+            let mut at_home = plant(&motor, first);
+            play(&mut at_home, &home.course);
+            left_parked = left_parked.max(left(at_home.reading().angle, &click));
+            left_free = left_free.max(left(first, &blind));
             for (parked, free) in parked.iter_mut().zip(&mut free) {
                 play(&mut one, &home.course);
                 parked.push(one.reading().angle);
@@ -52,12 +66,16 @@ fn parked_clicks_kick_the_same_way() {
         }
         let worst = |angles: &[Vec<f64>]| angles.iter().map(|a| apart(a)).fold(0.0, f64::max);
         println!(
-            "{name}: home in {:.0} ms within {:.1} degrees; clicks begin within {:.1} degrees when parked, {:.0} when not",
+            "{name}: home in {:.0} ms within {:.1} degrees; clicks begin within {:.1} degrees when parked, {:.0} when not; of their peak speed \
+             up to {:.2} % is left when parked, {:.2} % when not",
             home.course.duration() * 1e3,
             home.spread.to_degrees(),
             worst(&parked),
-            worst(&free)
+            worst(&free),
+            100.0 * left_parked,
+            100.0 * left_free
         );
+        assert!(left_parked < left_free, "{name}: {left_parked} {left_free}");
         // Within 60 degrees, more than half of each kick goes the way of any other.
         assert!(worst(&parked) < 60.0 && worst(&free) > 150.0, "{name}");
         assert!(home.angle.sin() > 0.0, "on the way up");
