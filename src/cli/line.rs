@@ -44,8 +44,8 @@ impl OnLine {
         let (orders, taken) = channel();
         let running =
             patched::begin(of_rig, controller, &knob.setup.effects, taken, line, told).map_err(|why| {
-                match why.message.split_once("; ") {
-                    Some((what, help)) => Failure::usage(what, help).with_code(why.exit_code),
+                match why.help {
+                    Some(help) => Failure::usage(why.message, help).with_code(why.exit_code),
                     None => Failure::said(why.exit_code, why.message),
                 }
             })?;

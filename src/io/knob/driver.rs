@@ -200,9 +200,9 @@ impl Driver {
                 }
                 // That it is away is known.
                 Err(error) if error.kind == Trouble::Missing => {}
-                Err(error) if said.as_ref() != Some(&error.message) => {
-                    self.servo.news(&News::Note(error.message.clone()));
-                    said = Some(error.message);
+                Err(error) if said.as_ref() != Some(&error) => {
+                    self.servo.news(&News::Note(error.to_string()));
+                    said = Some(error);
                 }
                 Err(_) => {}
             }

@@ -29,8 +29,10 @@ pub trait Line: Send {
 pub struct LineError {
     /// What kind of trouble it is.
     pub kind: Trouble,
-    /// What happened at which port, and what to do about it.
+    /// What happened at which port.
     pub message: String,
+    /// What to do about it.
+    pub help: &'static str,
 }
 
 /// Kinds of trouble with a line, by what helps against them.
@@ -62,7 +64,7 @@ impl LineError {
 
 impl fmt::Display for LineError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
+        write!(f, "{}; {}", self.message, self.help)
     }
 }
 

@@ -19,15 +19,17 @@ use crate::rig::knob::controller::{Controller, Kind};
 /// Why a knob is not talked to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refused {
-    /// What happened and what to do about it.
+    /// What happened.
     pub message: String,
+    /// What to do about it, where `message` does not say.
+    pub help: Option<&'static str>,
     /// The exit code of a program that ends for it, as `sysexits.h` has them.
     pub exit_code: u8,
 }
 
 impl Refused {
     fn figure(fault: &Fault) -> Self {
-        Self { message: fault.to_string(), exit_code: 65 }
+        Self { message: fault.to_string(), help: None, exit_code: 65 }
     }
 }
 
@@ -45,8 +47,11 @@ pub fn begin(
     says: Sender<String>,
 ) -> Result<Running, Refused> {
     let open = || {
-        Port::open(&controller.port, controller.baud)
-            .map_err(|error| Refused { exit_code: error.exit_code(), message: error.message })
+        Port::open(&controller.port, controller.baud).map_err(|error| Refused {
+            exit_code: error.exit_code(),
+            message: error.message,
+            help: Some(error.help),
+        })
     };
     let sign = if controller.inverted { -1.0 } else { 1.0 };
     let hands = |myself| Hands { line, says, sign, name: controller.port.clone(), myself, angle: None };
@@ -72,7 +77,11 @@ pub fn begin(
             run(open()?, session, hands(Some((remote, myself))))
         }
     };
-    ran.map_err(|error| Refused { message: format!("no thread for the knob: {error}"), exit_code: 71 })
+    ran.map_err(|error| Refused {
+        message: format!("no thread for the knob: {error}"),
+        help: None,
+        exit_code: 71,
+    })
 }
 
 /// A SmartKnob that pulls to nowhere.

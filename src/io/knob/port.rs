@@ -71,13 +71,15 @@ impl Port {
             Some(other) => Err(LineError {
                 kind: Trouble::Other,
                 message: format!(
-                    "{} is now {other}, and was {before}: plug that in again; no other is driven in its place",
+                    "{} is now {other}, and was {before}; no other is driven in its place",
                     self.path
                 ),
+                help: "plug it in again",
             }),
             None => Err(LineError {
                 kind: Trouble::Missing,
-                message: format!("{before} is not there: plug it in again"),
+                message: format!("{before} is not there"),
+                help: "plug it in again",
             }),
         }
     }
@@ -99,7 +101,7 @@ fn refused(path: &str, error: &serialport::Error) -> LineError {
         ),
         _ => (Trouble::Failed, "see whether it is a serial port; `pacinian devices` lists what is there"),
     };
-    LineError { kind, message: format!("{path}: {error}; {help}") }
+    LineError { kind, message: format!("{path}: {error}"), help }
 }
 
 impl Line for Port {
@@ -166,7 +168,7 @@ mod tests {
         let denied =
             refused("/dev/x", &Error::new(ErrorKind::Io(std::io::ErrorKind::PermissionDenied), "no"));
         assert_eq!((denied.kind, denied.exit_code()), (Trouble::Forbidden, 77));
-        assert!(denied.message.contains("/dev/x") && denied.message.contains("usermod -aG dialout $USER"));
+        assert!(denied.message.contains("/dev/x") && denied.help.contains("usermod -aG dialout $USER"));
         let busy = refused("/dev/x", &Error::new(ErrorKind::NoDevice, "locked"));
         assert_eq!((busy.kind, busy.exit_code()), (Trouble::Busy, 75));
         let missing = Port::open("/dev/no-such-port", 115_200).err().unwrap();
