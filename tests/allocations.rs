@@ -415,6 +415,54 @@ fn motors_that_are_ordered_about() {
     motors_are_ordered_about(&carried, &MOVES.replace("turns = -1.5", "turns = 1.5"));
 }
 
+/// Clicks that the motor's model ends, as it is known where the mass hangs.
+#[test]
+fn clicks_after_the_way_home() {
+    use common::scenes::MOTORS;
+    use pacinian::engine::event::Play;
+    use pacinian::graph::scene::{Options, scene};
+    use pacinian::graph::start::FIELDS;
+    use pacinian::rig::Rig;
+
+    let rig = MOTORS.replace("amplifier = \"bridge\"\n", "amplifier = \"bridge\"\ntilt = 0.0\n");
+    let moves = "[voice.home]\noutput = \"go\"\n[voice.home.nodes]\ngo = { type = \"drive-home\" }\n[voice.click]\noutput = \"tap\"\n\
+         [voice.click.nodes]\ntap = { type = \"drive-click\" }\n";
+    let rig = Rig::parse("rig.toml", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+    let none = pacinian::node::asset::NoAssets;
+    let plan = scene(&common::patch(moves), &rig, &options, &none).unwrap_or_else(|p| panic!("{p}")).plan;
+    let mut engine = Engine::new(&plan).unwrap();
+    let mut frames = vec![0.0; 480 * 3];
+    let (mut total, mut moved) = (0, 0.0_f32);
+    for n in 0..400_u32 {
+        let play = |instrument: u32, level: f64| Play {
+            felt: None,
+            instrument,
+            place: Spot::Row(1),
+            level,
+            duration: 0.01,
+            own: [0.0; FIELDS],
+            id: u64::from(n),
+        };
+        total += counted(|| {
+            let at = Instant { sample: engine.clock() + 3, fraction: 1 << 30 };
+            if n == 2 {
+                engine.schedule(at, Source::Program, Event::Play(play(0, 1.0)));
+            } else if n > 120 && n % 10 == 0 {
+                let level = if n % 20 == 0 { 1.0 } else { -0.5 };
+                engine.schedule(at, Source::Program, Event::Play(play(1, level)));
+            }
+            engine.process(&mut frames);
+        });
+        moved = frames.iter().fold(moved, |most, x| most.max(x.abs()));
+        if n == 120 || n == 300 {
+            assert!(engine.stage().drives().hangs(0).is_some(), "it is home");
+        }
+    }
+    assert_eq!(total, 0, "allocations and frees");
+    assert!(moved > 0.1, "{moved}");
+}
+
 fn motors_are_ordered_about(rig: &str, moves: &str) {
     use pacinian::engine::event::Play;
     use pacinian::graph::scene::{Options, scene};

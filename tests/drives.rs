@@ -9,6 +9,8 @@ mod coupled;
 #[cfg(feature = "live")]
 #[path = "drives/halt.rs"]
 mod halt;
+#[path = "drives/home.rs"]
+mod home;
 #[path = "drives/swell.rs"]
 mod swell;
 #[path = "drives/warm.rs"]

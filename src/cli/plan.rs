@@ -175,7 +175,9 @@ impl OutputReport {
         let coupled = motor.coupled.as_ref().map_or(String::new(), |coupled| coupled.text(unit));
         let home = motor.home.map_or(String::new(), |[seconds, angle, spread]| {
             let (angle, spread) = (angle.to_degrees(), spread.to_degrees());
-            format!(", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°")
+            format!(
+                ", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°, clicks from there on with gravity"
+            )
         });
         Some(format!(
             "{} within {:.3} {unit}{by}, {:.1} ms late{pulses}{home}{rolls}{pushes}{swells}{coupled}",

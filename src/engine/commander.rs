@@ -27,7 +27,7 @@ struct Motor {
     setup: Setup,
     /// By turns.
     clicks: Vec<(f64, Arc<Book>)>,
-    home: Option<Pieces>,
+    home: Option<(Pieces, f64)>,
     /// By number.
     swells: Vec<Arc<Settings>>,
 }
@@ -45,7 +45,7 @@ impl Commander {
             setup: drive.setup,
             clicks: of(n),
             swells: plan.swells_of(n).map(|swell| Arc::clone(&swell.settings)).collect(),
-            home: plan.homes.iter().find(|(drive, _)| *drive == n).map(|(_, home)| home.pieces),
+            home: plan.homes.iter().find(|(drive, _)| *drive == n).map(|(_, home)| (home.pieces, home.angle)),
         });
         Self { commands, motors: motors.collect() }
     }
@@ -84,7 +84,12 @@ impl Motor {
         match command {
             Command::Click(turns) => {
                 let (_, book) = self.clicks.iter().find(|(of, _)| of == turns)?;
-                book.at(level).map(Order::Click)
+                let pieces = book.at(level)?;
+                // Where nothing is brought home, it is never known where the mass hangs.
+                Some(match self.home {
+                    Some(_) => Order::Turn(pieces, turns * level.signum()),
+                    None => Order::Click(pieces),
+                })
             }
             Command::Spin(share, shaping) => {
                 let speed = self.setup.speed_of(share * level);
@@ -102,7 +107,7 @@ impl Motor {
                 let root = level.abs().min(1.0).sqrt().copysign(level);
                 Some(Order::Swell(number as u32, root, *shaping))
             }
-            Command::Home => self.home.map(Order::Click),
+            Command::Home => self.home.map(|(pieces, angle)| Order::Home(pieces, angle)),
             Command::Brake => Some(Order::Brake),
         }
     }

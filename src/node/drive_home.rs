@@ -10,7 +10,8 @@ pub static SPEC: NodeSpec = NodeSpec {
     summary: "The mass of a motor is brought to where gravity catches it.",
     detail: "Which way a click kicks depends on where the mass hangs, and every click leaves it elsewhere. This spins it, and then lets it \
              creep with too little to lift it over the top: it is caught at the same place, wherever it was before, and friction \
-             keeps it there, so that clicks kick the same way; their times are those of a motor that lies flat all the same. It takes some tenths of a second and is felt a little, so it belongs before a row of clicks; a weak click \
+             keeps it there, so that clicks kick the same way. From there on it is known where the mass hangs, and clicks are solved with gravity \
+             (see `drive-click`). It takes some tenths of a second and is felt a little, so it belongs before a row of clicks; a weak click \
              back, with the `turns` of the click forward but negative, then keeps it near. The motor must have a `tilt` in the rig, or \
              gravity is not known, and a steady voltage: the pulses of a bridge and the carrier of a rectifier shake the mass loose. How \
              long it takes, where the mass hangs then and how certainly, says `pacinian check`. Level and release change nothing. It is an \

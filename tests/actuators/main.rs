@@ -22,6 +22,7 @@ mod shape_inverse;
 mod shape_rest;
 mod silent;
 mod turner;
+mod turner_home;
 mod turner_levels;
 mod turner_orders;
 mod turner_reach;

@@ -1,8 +1,9 @@
 //! Through the program.
 
 use crate::program::Scratch;
+use pacinian::actuator::motor::{Drive, GRAVITY, Level, Motor, Parameters, Plan};
 use pacinian::feel::{Feel, Wish};
-use pacinian::rig::Rig;
+use pacinian::rig::{Actuator, Rig, part};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -69,6 +70,73 @@ fn the_file_is_what_the_library_makes_of_the_rendering() {
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }
+}
+
+/// A rendering of the way home and clicks after it: by what the casing does, the mass stands when the drive of each is over. As if it lay flat, it would not.
+#[test]
+fn what_is_felt_of_a_click_after_the_way_home_ends_with_its_drive() {
+    let scratch = Scratch::new("feel-home");
+    let rig = shipped("rigs/motors.toml");
+    let of = |home: bool| {
+        let event = |at: f64, voice: &str| {
+            format!("{{ at = {at:?}, voice = \"{voice}\", place = \"wrist\", duration = 0.05 }}, ")
+        };
+        let events = [event(1.0, "click"), event(1.3, "back"), event(1.6, "thump")].concat();
+        let home = if home { event(0.0, "home") } else { String::new() };
+        let patch = format!(
+            "format = \"pacinian-patch/1\"\ntitle = \"Home\"\n[voice.home]\noutput = \"go\"\n[voice.home.nodes]\ngo = {{ type = \"drive-home\" }}\n\
+             [voice.click]\noutput = \"go\"\n[voice.click.nodes]\ngo = {{ type = \"drive-click\" }}\n\
+             [voice.back]\noutput = \"go\"\n[voice.back.nodes]\ngo = {{ type = \"drive-click\", turns = -0.25 }}\n\
+             [voice.thump]\noutput = \"go\"\n[voice.thump.nodes]\ngo = {{ type = \"drive-click\", turns = 1 }}\n\
+             [pattern.p]\ntime = \"seconds\"\nevents = [{home}{events}]\n"
+        );
+        scratch.write("home.toml", &patch);
+        let words =
+            ["render", "home.toml", "--rig", &rig, "-o", "x.wav", "--duration", "2", "--feel", "f.wav"];
+        scratch.run(&[&words[..], &["--feel-error", "1e-6"]].concat()).succeeds();
+        let ((spec, sent), (_, felt)) = (scratch.wav("x.wav"), scratch.wav("f.wav"));
+        // Across and upright are channels 2 and 3 of 5.
+        let moves: Vec<f64> = felt.chunks(5).map(|frame| f64::from(frame[1].hypot(frame[2]))).collect();
+        let rate = f64::from(spec.sample_rate);
+        let coin = Actuator::of_part(part::find("coin-10mm").unwrap()).rumble_motor().unwrap();
+        let coin = Parameters { gravity: GRAVITY, ..coin };
+        let mut motor = Motor::<false>::new(&coin, &Plan::whole(Level::Fine), rate).unwrap();
+        let (mut speeds, mut pulls) = (Vec::new(), Vec::new());
+        for frame in sent.chunks(3) {
+            motor.drive(Drive::Voltage(12.5 * f64::from(frame[0])));
+            motor.step();
+            speeds.push(motor.speed().abs());
+            pulls.push((motor.speed() * motor.speed()).hypot(motor.angular_acceleration()));
+        }
+        [1.0, 1.3, 1.6].map(|at| {
+            let window = (at * rate) as usize..((at + 0.3) * rate) as usize;
+            // Forward first, of which the first frame may be less; then backward as much, until it is not any more.
+            let given: Vec<f32> =
+                sent.chunks(3).map(|frame| frame[0]).skip(window.start).take(window.len()).collect();
+            let full = *given.iter().filter(|x| x.abs() > 0.02).nth(1).unwrap();
+            let back = given.iter().position(|x| x / full < -0.999).unwrap();
+            let over = window.start + back + given[back..].iter().position(|x| x / full > -0.999).unwrap();
+            let [peak, most] =
+                [&speeds, &pulls].map(|all| all[window.clone()].iter().fold(0.0_f64, |m, x| m.max(*x)));
+            // What is felt is what such a motor does.
+            let felt = moves[window.clone()].iter().fold(0.0_f64, |most, x| most.max(*x));
+            for n in (window.start..over).step_by(37) {
+                assert!(
+                    (moves[n] / felt - pulls[n] / most).abs() < 0.01,
+                    "{at} {n}: {} {}",
+                    moves[n] / felt,
+                    pulls[n] / most
+                );
+            }
+            speeds[over] / peak
+        })
+    };
+    let (known, flat) = (of(true), of(false));
+    println!("{known:?} {flat:?}");
+    assert!(
+        known.iter().all(|left| *left < 0.005) && flat.iter().all(|left| *left > 0.005),
+        "{known:?} {flat:?}"
+    );
 }
 
 /// A bracelet of known coils behind a jack; what is not known of the others is told beside.

@@ -9,6 +9,8 @@
 //! | [`track`] | envelopes that are known as a whole, made into speeds that it can follow |
 //! | [`order`], [`book`] | clicks, spins and brakes; clicks worked out for every level |
 //! | [`homing`] | the way to where gravity catches the mass |
+//! | [`hanging`] | where the mass hangs since, and for how long that is known |
+//! | [`stopping`] | where a motor comes to stand that is driven backward from now on |
 //! | [`warmth`] | how warm it becomes, and what of it all is held back for that |
 //! | [`turner`] | all of it, one engine sample at a time |
 //!
@@ -17,11 +19,13 @@
 pub mod ahead;
 pub mod book;
 pub mod coast;
+pub mod hanging;
 pub mod homing;
 pub mod law;
 pub mod order;
 pub mod reach;
 pub mod setup;
+pub mod stopping;
 pub mod track;
 pub mod turner;
 pub mod warmth;

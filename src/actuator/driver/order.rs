@@ -58,6 +58,11 @@ impl From<f64> for Switch {
 pub enum Order {
     /// A click, from rest.
     Click(Pieces),
+    /// A click of so many turns, from rest: where it is known where the mass hangs, it is ended by the motor's model, gravity included; where it is not,
+    /// it is these pieces.
+    Turn(Pieces, f64),
+    /// To where gravity catches the mass, rad from straight down; where that is known already as far as it can be, none the less.
+    Home(Pieces, f64),
     /// To a speed (rad/s), as fast as may be, until the voice is released.
     Spin(f64),
     /// A speed (rad/s), as levels are shaped, until the voice is released: then to rest as fast as may be, or of [`Shaping::Plain`] by what nothing does.
@@ -76,7 +81,9 @@ impl Order {
     /// Whether it is for the way that diodes do not let.
     pub fn is_backward(self) -> bool {
         match self {
-            Self::Click(pieces) => pieces.list.iter().any(|(seconds, drive)| *seconds > 0.0 && *drive < 0.0),
+            Self::Click(pieces) | Self::Turn(pieces, _) | Self::Home(pieces, _) => {
+                pieces.list.iter().any(|(seconds, drive)| *seconds > 0.0 && *drive < 0.0)
+            }
             Self::Spin(x) | Self::Keep(x, _) | Self::Swell(_, x, _) | Self::On(Switch { amount: x, .. }) => {
                 x < 0.0
             }
@@ -87,10 +94,13 @@ impl Order {
     /// The same within a speed and a drive, and with times of 0 s to 10 s; what is no number is 0.
     pub fn sane(self, speed: f64, drive: f64) -> Self {
         let within = |x: f64, most: f64| if x.is_nan() { 0.0 } else { x.clamp(-most, most) };
+        let click = |pieces: Pieces| Pieces {
+            list: pieces.list.map(|(s, x)| (within(s, 10.0).max(0.0), within(x, drive))),
+        };
         match self {
-            Self::Click(pieces) => Self::Click(Pieces {
-                list: pieces.list.map(|(s, x)| (within(s, 10.0).max(0.0), within(x, drive))),
-            }),
+            Self::Click(pieces) => Self::Click(click(pieces)),
+            Self::Turn(pieces, turns) => Self::Turn(click(pieces), within(turns, 1000.0)),
+            Self::Home(pieces, angle) => Self::Home(click(pieces), within(angle, std::f64::consts::PI)),
             Self::Spin(to) => Self::Spin(within(to, speed)),
             Self::Keep(to, shaping) => Self::Keep(within(to, speed), shaping),
             Self::Swell(track, root, shaping) => Self::Swell(track, within(root, 1.0), shaping),

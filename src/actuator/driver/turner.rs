@@ -2,13 +2,16 @@
 
 mod counts;
 mod given;
+mod known;
 mod orders;
 
 pub use counts::Counts;
 
+use known::{Aim, Click};
 use std::sync::Arc;
 
 use super::ahead::Ahead;
+use super::hanging::Hanging;
 use super::law::{Follow, Seek};
 use super::order::{After, Agenda, Pieces, Switch};
 use super::setup::{Setup, Shaping};
@@ -69,6 +72,10 @@ pub struct Turner {
     rests: bool,
     /// Which way a switching drive goes.
     forward: bool,
+    /// Where the mass hangs, since it was home; `None`: that is not known.
+    hangs: Option<Hanging>,
+    /// What the click that is under way is for.
+    aim: Aim,
     /// What it made itself by turning, on average over the last sample, V.
     emf: f64,
     clock: u64,
@@ -80,7 +87,7 @@ enum Mode {
     /// As levels say.
     Level,
     /// To a speed; and at rest, a click. Since when.
-    Speed(f64, Option<Pieces>, u64),
+    Speed(f64, Option<Click>, u64),
     /// A click: the piece that is under way, and when it ends, in samples.
     Click(Pieces, usize, f64),
     /// A drive.
@@ -135,6 +142,8 @@ impl Turner {
             halts: false,
             rests: false,
             forward: true,
+            hangs: None,
+            aim: Aim::Pieces,
             emf: 0.0,
             clock: 0,
             counts: Counts::default(),
@@ -257,6 +266,7 @@ impl Turner {
             let given = self.given(&speeds, done == 0.0);
             let given = self.held(given);
             let mut until = 1.0;
+            self.foresee(begin + done, given, 1.0 - done);
             if let Mode::Click(_, _, ends) = self.mode {
                 until = (ends - begin).min(until);
             }
@@ -269,6 +279,7 @@ impl Turner {
             spread(parts, done, until, given);
             done = until;
         }
+        self.come_home();
         if self.mode == Mode::Level && played > 0.0 {
             self.counts.played += played;
             self.counts.missed += short;
@@ -312,6 +323,9 @@ impl Turner {
         let held = warmth.hold(given);
         // The inverse knows nothing of it, and would take the motor to be where it should be.
         self.away |= held != given && matches!(self.mode, Mode::Level | Mode::Swell(_));
+        if held != given && matches!(self.aim, Aim::Home(_)) {
+            self.aim = Aim::Pieces;
+        }
         held
     }
 }

@@ -53,6 +53,11 @@ impl Drives {
         self.lines.iter().find(|line| line.channel == channel).map(|line| line.turner.late())
     }
 
+    /// Where the mass of the motor of a channel (from 0) hangs, rad from straight down; `None` where that is not known, or no motor is there.
+    pub fn hangs(&self, channel: usize) -> Option<f64> {
+        self.lines.iter().find(|line| line.channel == channel)?.turner.hangs()
+    }
+
     /// What happened to the motor of a channel (from 0).
     pub fn counts_of(&self, channel: usize) -> Option<turner::Counts> {
         self.lines.iter().find(|line| line.channel == channel).map(|line| line.turner.counts())

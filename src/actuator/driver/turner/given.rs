@@ -112,6 +112,7 @@ impl Turner {
     pub(super) fn move_model(&mut self, given: f64, share: f64) -> f64 {
         let Some(motor) = &mut self.motor else { return given };
         let (gain, before, was) = (self.setup.parameters.gain, motor.speed(), Before::of(motor));
+        let turned = motor.turned();
         // So close above what the motor makes itself, what flows is nothing, and the carrier for it would be all but none.
         let blocked = self.setup.one_way && given <= gain * before.max(0.0) + OPENS * self.setup.limit;
         if blocked {
@@ -120,6 +121,9 @@ impl Turner {
         } else {
             motor.drive(self.setup.drive(given));
             if share == 1.0 { motor.step() } else { motor.part(share) }
+        }
+        if let Some(hangs) = &mut self.hangs {
+            hangs.turned(motor.turned() - turned);
         }
         let emf = 0.5 * gain * (before + motor.speed());
         self.emf += share * emf;

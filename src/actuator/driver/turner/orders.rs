@@ -1,5 +1,6 @@
 //! What becomes of orders: they wait, are carried out, and end.
 
+use super::known::{Aim, Click};
 use super::{Mode, PATIENCE, Swell, Turner};
 use crate::actuator::driver::order::{After, Entry, Order, PIECES, Pieces};
 use crate::actuator::driver::setup::Shaping;
@@ -30,6 +31,9 @@ impl Turner {
         }
         (self.halts, self.rests) = (halts, rests);
         self.away |= halts;
+        if halts {
+            self.aim = Aim::Pieces;
+        }
     }
 
     /// Knows other envelopes from now on. Where they differ from those before, what was ordered of these ends.
@@ -73,10 +77,16 @@ impl Turner {
             self.counts.unplayed += 1;
             return;
         }
-        match order.sane(self.setup.full_speed(), self.setup.limit) {
-            Order::Click(pieces) => {
+        let order = order.sane(self.setup.full_speed(), self.setup.limit);
+        match order {
+            Order::Click(pieces) | Order::Turn(pieces, _) | Order::Home(pieces, _) => {
+                let aim = match order {
+                    Order::Turn(_, turns) => Aim::Turns(turns),
+                    Order::Home(_, angle) => Aim::Home(angle),
+                    _ => Aim::Pieces,
+                };
                 // At rest it begins at once.
-                self.mode = Mode::Speed(0.0, Some(pieces), self.clock);
+                self.mode = Mode::Speed(0.0, Some(Click { pieces, aim }), self.clock);
                 self.voice = None;
             }
             Order::Spin(speed) => {
@@ -112,6 +122,7 @@ impl Turner {
             }
         }
         self.away = true;
+        self.aim = Aim::Pieces;
     }
 
     /// Goes on to what comes behind what has been reached, at this instant (samples).
@@ -130,9 +141,10 @@ impl Turner {
         if let Mode::Speed(0.0, click, since) = self.mode {
             let waited = (self.clock - since) as f64 > PATIENCE * self.setup.rate;
             if self.voice.is_none() && (self.stands() || waited) {
-                self.mode = match click {
-                    Some(pieces) if self.begins(&pieces) => {
-                        Mode::Click(pieces, 0, now + pieces.list[0].0 * self.setup.rate)
+                self.mode = match click.map(|click| self.as_it_hangs(click)) {
+                    Some(Click { pieces, aim }) if self.begins(&pieces) => {
+                        self.aim = aim;
+                        Mode::Click(pieces, 0, now + self.lasts(&pieces, 0))
                     }
                     _ => Mode::Level,
                 };
@@ -144,10 +156,16 @@ impl Turner {
             }
             self.mode = match pieces.list.get(piece + 1) {
                 _ if self.cut => Mode::Speed(0.0, None, self.clock),
-                Some((seconds, _)) if piece + 1 < PIECES => {
-                    Mode::Click(pieces, piece + 1, ends + seconds * self.setup.rate)
+                Some(_) if piece + 1 < PIECES => {
+                    Mode::Click(pieces, piece + 1, ends + self.lasts(&pieces, piece + 1))
                 }
-                _ => Mode::Level,
+                _ => {
+                    self.aim = match self.aim {
+                        Aim::Home(angle) => Aim::Homed(angle),
+                        _ => Aim::Pieces,
+                    };
+                    Mode::Level
+                }
             };
         }
     }
