@@ -199,8 +199,12 @@ fn blocks_of_any_length_and_samples_of_every_format_are_what_would_be_rendered()
     // What plays from the beginning waits for the ramp of 200 ms.
     let lead = 3 * 9_600;
     assert!((0..3).all(|c| rendered.iter().skip(c).step_by(3).any(|x| x.abs() > 0.15)));
-    let full =
-        [(SampleFormat::F32, 1.0), (SampleFormat::I32, 2_147_483_648.0), (SampleFormat::I16, 32_768.0)];
+    let full = [
+        (SampleFormat::F32, 1.0),
+        (SampleFormat::I32, 2_147_483_648.0),
+        (SampleFormat::I24, 8_388_608.0),
+        (SampleFormat::I16, 32_768.0),
+    ];
     for (format, full) in full {
         // What comes too late, since the machine stood still, is counted; then it is tried again.
         for attempt in 0..5 {

@@ -13,7 +13,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use bench::{HUM, floats, hums, is_delayed, scene, signal, wait};
 
@@ -68,6 +68,10 @@ impl Rig {
         let server = format!("pt{}{name}", std::process::id());
         let mut rig = Self { folder, server, jackd: None, _alone: alone };
         if let Err(why) = rig.try_start() {
+            // Servers that were killed, by whomever: that is to be put right, and is no machine without JACK.
+            let full =
+                "all places of JACK's registry are taken: with no server running, rm -r /dev/shm/jack*";
+            assert!(!why.contains("Too many servers"), "{full}");
             println!("skipped: jackd does not run here: {why}");
             return None;
         }
@@ -148,7 +152,16 @@ impl Rig {
 
 impl Drop for Rig {
     fn drop(&mut self) {
-        self.kill();
+        // One that is asked to end gives its place among the servers back; JACK has eight, and dead ones keep theirs.
+        if let Some(mut jackd) = self.jackd.take() {
+            signal(&jackd, "TERM");
+            let end = Instant::now() + Duration::from_secs(5);
+            while matches!(jackd.try_wait(), Ok(None)) && Instant::now() < end {
+                std::thread::sleep(Duration::from_millis(20));
+            }
+            let _ = jackd.kill();
+            let _ = jackd.wait();
+        }
         let _ = fs::remove_dir_all(&self.folder);
         // What a killed server leaves.
         for entry in fs::read_dir("/dev/shm").into_iter().flatten().flatten() {
@@ -204,8 +217,10 @@ fn a_second_program_hears_every_channel_to_the_bit() {
     }
 }
 
+/// Twice, or as often as `PACINIAN_KILLS` says.
 #[test]
 fn a_server_that_is_killed_is_waited_for() {
+    let kills = std::env::var("PACINIAN_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(2);
     let Some(mut rig) = Rig::new("killed") else { return };
     scene(&rig.folder, CHANNELS);
     fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
@@ -215,7 +230,7 @@ fn a_server_that_is_killed_is_waited_for() {
         // JACK's library says much to itself; a pipe that nobody reads would make it wait.
         let told = fs::File::create(rig.folder.join("told")).unwrap();
         let mut child = play.stdout(Stdio::null()).stderr(told).spawn().unwrap();
-        for _ in 0..2 {
+        for _ in 0..kills {
             std::thread::sleep(Duration::from_millis(800));
             rig.kill();
             std::thread::sleep(Duration::from_millis(800));
@@ -237,7 +252,7 @@ fn a_server_that_is_killed_is_waited_for() {
         let status = child.wait().unwrap();
         let said = String::from_utf8_lossy(&fs::read(rig.folder.join("told")).unwrap()).into_owned();
         assert_eq!(status.code(), Some(130), "{said}");
-        assert_eq!(said.matches("the device is back").count(), 2, "{said}");
+        assert_eq!(said.matches("the device is back").count(), kills, "{said}");
         assert!(hums(&heard, CHANNELS), "it sounds again");
     }
 }

@@ -9,6 +9,7 @@ use pacinian::io::osc::endpoint::{BindError, Endpoint};
 use pacinian::io::osc::server::Server;
 use pacinian::live::signal::Handle;
 use pacinian::patch::Patch;
+use std::net::UdpSocket;
 
 /// Addresses that are told of markers, at most.
 const MOST: usize = 16;
@@ -51,12 +52,21 @@ impl Osc {
         Ok(Some(announcer))
     }
 
-    /// Listens, if it is to, and says so.
+    /// Takes hold of the address where it is to listen, if it is to.
     ///
     /// # Errors
-    /// As [`Server::start`].
+    /// As [`Endpoint::bind`].
+    pub fn bind(&self) -> Result<Option<UdpSocket>, Failure> {
+        Ok(self.osc.map(|at| at.bind()).transpose()?)
+    }
+
+    /// Listens there, and says so.
+    ///
+    /// # Errors
+    /// As [`Server::of`].
     pub fn listen(
         &self,
+        socket: Option<UdpSocket>,
         session: &Handle,
         patch: &Patch,
         announcer: Option<&Announcer>,
@@ -65,8 +75,8 @@ impl Osc {
         for endpoint in &self.osc_to {
             terminal.note(&format!("markers are told over OSC to {}\n", endpoint.0));
         }
-        let Some(at) = self.osc else { return Ok(None) };
-        let server = Server::start(at, session.clone(), patch, announcer.cloned())?;
+        let (Some(at), Some(socket)) = (self.osc, socket) else { return Ok(None) };
+        let server = Server::of(socket, at, session.clone(), patch, announcer.cloned())?;
         let by = if at.is_open() { "all that can reach it" } else { "programs on this machine" };
         terminal.note(&format!("OSC is heard on {}, from {by}\n", server.address()));
         Ok(Some(server))

@@ -30,7 +30,7 @@ use pacinian::patch::knob::HAND;
 use pacinian::text::problem::escaped;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
-use std::time::{Instant, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 /// Plays a patch on a sound card, in real time
 #[derive(Debug, Args)]
@@ -43,8 +43,8 @@ use std::time::{Instant, SystemTime};
     the output at once (c opens it again), a is full level or -20 dB, q ends it; t lets a knob's torque rise or go; Tab chooses a control, left and right move it (with \
     Shift further), 0 or d resets it. Anywhere else, and with --plain, it writes a line for \
     everything that happens.\n\
-    With --watch, what is saved takes over while it sounds: what still exists keeps sounding, controls keep their values, and of a file \
-    that is broken the errors are shown while the old one plays on.\n\
+    With --watch, what is saved takes over while it sounds: what still exists keeps sounding, as the new patch has it, controls keep \
+    their values, and of a file that is broken the errors are shown while the old one plays on.\n\
     Ctrl-C ends it: the output goes to exact zeros within 2 ms."
 )]
 pub struct Play {
@@ -108,6 +108,9 @@ fn brief(seconds: f64) -> String {
     if seconds < 1e-6 { format!("{:.1} ns", 1e9 * seconds) } else { format!("{:.1} µs", 1e6 * seconds) }
 }
 
+/// So long a device may take before its first frame; from then on a duration counts.
+const FIRST: Duration = Duration::from_secs(3);
+
 /// What is done where a rig leaves open what its card lets through.
 const UNSAID: &str = "the rig does not say whether the card lets steady voltages through, so none leaves but on outputs declared for \
                       them: say `coupling` in [device]\n";
@@ -161,6 +164,7 @@ impl Play {
             Chosen::Virtual(why) => *why,
             Chosen::Card(..) => None,
         };
+        let mixes = device.mixes(loaded.rig.device.channels as usize);
         let name = match &device {
             Chosen::Card(_, found) => found.name.clone(),
             Chosen::Virtual(why) => {
@@ -209,6 +213,8 @@ impl Play {
         let (verdict, verdicts) = channel();
         let stop = Stop::listen()?;
         let journal = self.keep.journal(&reload, scenery.device, armed)?;
+        // Before anything sounds: an address that cannot be had ends it.
+        let socket = self.osc.bind()?;
         let announcer = self.osc.announcer(&reload.scene.plan)?;
         let hearers = Hearers { journal: journal.clone(), announcer: announcer.clone(), post };
         let knob = self.turned.then(|| Turning::of(&reload.scene.plan));
@@ -247,10 +253,13 @@ impl Play {
         if on_card && loaded.rig_source.is_some() && loaded.rig.device.coupling.is_none() {
             terminal.note(UNSAID);
         }
+        if let Some(mixes) = mixes {
+            terminal.note(&format!("{mixes}\n"));
+        }
         if let Some(hears) = hears {
             terminal.note(&format!("{hears}\n"));
         }
-        let osc = self.osc.listen(session.handle(), &loaded.patch, announcer.as_ref(), terminal)?;
+        let osc = self.osc.listen(socket, session.handle(), &loaded.patch, announcer.as_ref(), terminal)?;
         // What nothing listens to is not opened.
         let wanted = self.midi_in.clone().filter(|name| name != "none");
         let listen = |patch: &Patch| {
@@ -357,8 +366,12 @@ impl Play {
         show: &mut Show,
         mut meanwhile: impl FnMut(&mut Show),
     ) -> Option<u8> {
-        let begin = Instant::now();
+        // A device may need a while before it asks for the first frame; it is waited for, but not for ever.
+        let (opened, mut begin) = (Instant::now(), None);
         loop {
+            if session.board().frames.get() > 0 || opened.elapsed() >= FIRST {
+                begin = begin.or(Some(Instant::now()));
+            }
             meanwhile(show);
             if let Some(code) = stop.asked() {
                 return Some(code);
@@ -366,7 +379,8 @@ impl Play {
             if guard::has_panicked() {
                 return Some(guard::BUG);
             }
-            if self.duration.is_some_and(|seconds| begin.elapsed().as_secs_f64() >= seconds) {
+            let played = begin.map_or(0.0, |begin| begin.elapsed().as_secs_f64());
+            if self.duration.is_some_and(|seconds| played >= seconds) {
                 return None;
             }
             match show.step(session) {

@@ -82,6 +82,13 @@ impl Rise {
         }
     }
 
+    /// A voice that has sounded without one may have one from now on: it begins with the step to the next sample.
+    pub fn retune(&mut self, lane: usize) {
+        if self.seen[lane] == 0 {
+            self.age[lane] = 1.0;
+        }
+    }
+
     /// By how much the integral rises to the next sample, where the values (a sample) are `d`.
     #[inline(always)]
     pub fn step(&mut self, d: &[f64; LANES]) -> [f64; LANES] {
@@ -154,6 +161,12 @@ impl Clockwork {
         self.step[lane] = phase::turns(turns);
         self.phase[lane] = phase::turns(turns * (age - 1.0));
         self.deviation.start(lane, age);
+    }
+
+    /// A voice goes on from its phase with another known frequency (Hz).
+    pub fn retune(&mut self, lane: usize, frequency: f64) {
+        self.step[lane] = phase::turns(frequency * self.turns_a_hertz);
+        self.deviation.retune(lane);
     }
 
     /// Phase of the last sample and step of a lane's known frequency, for loops that hold them in registers.

@@ -73,6 +73,11 @@ impl Filters {
     pub fn start(&mut self, lane: usize, cutoff: f64, q: f64) {
         self.one[lane] = 0.0;
         self.two[lane] = 0.0;
+        self.retune(lane, cutoff, q);
+    }
+
+    /// Tunes a lane, which keeps what is in it.
+    pub fn retune(&mut self, lane: usize, cutoff: f64, q: f64) {
         let (damping, a) = self.solve(&[cutoff; LANES], &[q; LANES]);
         self.damping[lane] = damping[lane];
         for (row, new) in self.a.iter_mut().zip(&a) {

@@ -203,11 +203,17 @@ impl<R: Real> TableLanes<R> {
 
     /// See [`Clockwork::start`].
     pub fn start(&mut self, lane: usize, frequency: f64, age: f64) {
+        self.retune(lane, frequency);
+        self.clock.start(lane, self.known[lane], age);
+        self.fresh[lane] = true;
+    }
+
+    /// See [`Clockwork::retune`].
+    pub fn retune(&mut self, lane: usize, frequency: f64) {
         let frequency = if frequency.is_finite() { frequency } else { 0.0 };
-        self.clock.start(lane, frequency, age);
+        self.clock.retune(lane, frequency);
         self.known[lane] = frequency;
         self.steady[lane] = self.tables.tone(self.band / frequency.abs());
-        self.fresh[lane] = true;
     }
 
     /// Phases and tones of the next sample of a voice whose frequency and phase stay as they are.

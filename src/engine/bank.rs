@@ -4,6 +4,7 @@ use super::core::GRID;
 use super::event::{Move, Play};
 use super::journey::Journeys;
 use super::lane::{Dying, Lane, Status};
+use super::lookup::always_id;
 use super::mixer::Routes;
 use super::ops::Ops;
 use super::workspace::{Buffer, Bus, Workspace};
@@ -172,7 +173,7 @@ impl<R: Real> Bank<R> {
         gain
     }
 
-    /// Takes over, as the instrument of this number, the voices of an old bank of the same size: its lanes, and the states of the ops that `ops` names. Ops
+    /// Takes over, from the instrument of an old number as that of a new one, the voices of an old bank of the same size: its lanes, and the states of the ops that `ops` names. Ops
     /// without a counterpart begin now, before sample `clock`; voices that were let go of, and of which such an op is to say when they
     /// end, fade. The old bank is left empty.
     pub fn adopt(
@@ -180,14 +181,15 @@ impl<R: Real> Bank<R> {
         old: &mut Self,
         ops: &[Option<usize>],
         places: &mut Places,
-        number: usize,
+        (from, number): (usize, usize),
         spot: impl Fn(Spot) -> Option<Spot>,
         clock: u64,
     ) {
         if self.lanes.len() != old.lanes.len() {
             return;
         }
-        // A voice of its own that is always on has begun here already; that of the old bank goes on in its place.
+        // A voice of its own that is always on has begun here already; that of the old bank goes on in its place, and as this would.
+        let own = self.lanes.iter().find(|lane| lane.status != Status::Free).map(|lane| lane.play);
         (0..self.lanes.len()).for_each(|lane| self.free(lane));
         self.ops.take_states(&mut old.ops, ops);
         std::mem::swap(&mut self.lanes, &mut old.lanes);
@@ -201,16 +203,21 @@ impl<R: Real> Bank<R> {
         std::mem::swap(&mut self.sounding, &mut old.sounding);
         (self.masked, self.stolen) = (old.masked, old.stolen);
         for lane in 0..self.lanes.len() {
-            let voice = self.lanes[lane];
+            let mut voice = self.lanes[lane];
             if voice.status == Status::Free {
                 continue;
+            }
+            // A place that is no more is silence.
+            let mut place = spot(voice.play.place);
+            if let Some(own) = own.filter(|_| voice.play.id == always_id(from)) {
+                (voice.play, place) = (own, Some(own.place));
+                self.lanes[lane].play = own;
             }
             if let Some(id) = self.ids.get_mut(lane) {
                 *id = voice.play.id;
             }
             self.ops.set(lane, &voice.play.fields());
-            // A place that is no more is silence.
-            let place = spot(voice.play.place);
+            self.ops.retune(lane, &old.ops, ops);
             self.lanes[lane].play.place = place.unwrap_or(Spot::Row(u32::MAX));
             let strength = voice.play.strength();
             let gain = self.place(lane, place.map_or(&[], |place| places.felt(number, place, strength)));

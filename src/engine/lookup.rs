@@ -8,6 +8,11 @@ use crate::graph::start::FIELDS;
 use crate::space::spot::{Spot, Spread};
 use crate::text::{Problem, nearest};
 
+/// The id of the voice of an instrument that sounds from the beginning on.
+pub(crate) fn always_id(instrument: usize) -> u64 {
+    u64::MAX - 1 - instrument as u64
+}
+
 impl Plan {
     /// A voice by its name, with values for its fields; what is not named is as the voice has it. Besides the fields that the
     /// voice declares there are `level` (1 for a full one), `felt` (dB above the threshold that a level of 1 is felt like) and `duration` (seconds until the release; without it the voice is
@@ -101,7 +106,7 @@ impl Plan {
     /// The voices that sound from the beginning on, each under an id that nothing else has.
     pub(crate) fn always(&self) -> impl Iterator<Item = Play> + Clone {
         let always = self.instruments.iter().enumerate().filter(|(_, instrument)| instrument.always);
-        always.map(|(i, instrument)| Play { id: u64::MAX - 1 - i as u64, ..held(i, instrument) })
+        always.map(|(i, instrument)| Play { id: always_id(i), ..held(i, instrument) })
     }
 
     /// A control's number, for [`super::event::Event::Control`].

@@ -143,16 +143,33 @@ impl<R: Real> Ops<R> {
 
     /// Starts one op of a lane.
     fn start_one(&mut self, op: usize, lane: usize, id: u64, age: f64) {
+        let (start, inputs) = self.known(op, lane);
+        let stream = random::stream(self.seed, id, self.program.ops[op].node.stream());
+        let onset = Onset { age, stream, start: &start[..inputs] };
+        self.states[op].start(lane / LANES, lane % LANES, &onset);
+    }
+
+    /// What is known of the inputs of an op of a lane before it runs, and how many there are.
+    fn known(&self, op: usize, lane: usize) -> ([f64; INPUTS], usize) {
         let (group, l) = (lane / LANES, lane % LANES);
         let rows = self.program.steady.len();
-        let of = &self.program.ops[op];
-        let mut start = [0.0; INPUTS];
-        for (value, input) in start.iter_mut().zip(&of.inputs) {
+        let inputs = &self.program.ops[op].inputs;
+        let mut known = [0.0; INPUTS];
+        for (value, input) in known.iter_mut().zip(inputs) {
             *value = self.bases[group * rows + input.base as usize][l];
         }
-        let stream = random::stream(self.seed, id, of.node.stream());
-        let onset = Onset { age, stream, start: &start[..of.inputs.len().min(INPUTS)] };
-        self.states[op].start(group, l, &onset);
+        (known, inputs.len().min(INPUTS))
+    }
+
+    /// Lets the ops of a lane, whose steady rows are set, run on as those say, where they were those of an old program whose rows said something else.
+    pub fn retune(&mut self, lane: usize, old: &Self, ops: &[Option<usize>]) {
+        for (op, from) in ops.iter().enumerate() {
+            let Some(from) = *from else { continue };
+            let ((was, inputs), (now, _)) = (old.known(from, lane), self.known(op, lane));
+            if was != now {
+                self.states[op].retune(lane / LANES, lane % LANES, &was[..inputs], &now[..inputs]);
+            }
+        }
     }
 
     /// Releases a lane at the voice time `at` (samples).

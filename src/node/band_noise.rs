@@ -72,7 +72,14 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         let [a, b] = [onset.start[0], onset.start[1]];
         self.above.start(lane, if b < a { b } else { a }, Q);
         self.below.start(lane, if b < a { a } else { b }, Q);
-        self.scale[lane] = ratio(onset.start[0], onset.start[1], self.rate).sqrt();
+        self.scale[lane] = ratio(a, b, self.rate).sqrt();
+    }
+
+    fn retune(&mut self, lane: usize, _was: &[f64], now: &[f64]) {
+        let [a, b] = [now[0], now[1]];
+        self.above.retune(lane, if b < a { b } else { a }, Q);
+        self.below.retune(lane, if b < a { a } else { b }, Q);
+        self.scale[lane] = ratio(a, b, self.rate).sqrt();
     }
 
     #[inline(always)]

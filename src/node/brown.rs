@@ -59,11 +59,14 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {
-        let corner = within(onset.start[0], LEAST, MOST);
-        // (1 + c) / (1 − c) is the hyperbolic cotangent of half the exponent.
-        self.gain[lane] = 1.0 / (std::f64::consts::PI * corner / self.rate).tanh().sqrt();
+        let corner = self.turn(lane, onset.start[0]);
         self.source.start(lane, onset.stream);
         self.filters.start(lane, |filter| filter.set_cutoff(corner));
+    }
+
+    fn retune(&mut self, lane: usize, _was: &[f64], now: &[f64]) {
+        let corner = self.turn(lane, now[0]);
+        self.filters.change(lane, |filter| filter.set_cutoff(corner));
     }
 
     #[inline(always)]
@@ -76,6 +79,16 @@ impl<R: Real> Kernel<R> for Lanes<R> {
                 out[l] = R::of(low * self.gain[l]) * gain[l];
             }
         }
+    }
+}
+
+impl<R> Lanes<R> {
+    /// Sets the gain of a lane, and gives its corner, Hz.
+    fn turn(&mut self, lane: usize, corner: f64) -> f64 {
+        let corner = within(corner, LEAST, MOST);
+        // (1 + c) / (1 − c) is the hyperbolic cotangent of half the exponent.
+        self.gain[lane] = 1.0 / (std::f64::consts::PI * corner / self.rate).tanh().sqrt();
+        corner
     }
 }
 

@@ -72,17 +72,15 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {
-        let frequency = within(onset.start[0], 0.0, MOST);
+        self.turn(lane, onset.start[0]);
         match &mut self.system {
-            System::Lorenz(leaf) => {
-                self.frequency[lane] = (LORENZ * frequency) as f32;
-                leaf.start(lane, |unit| unit.set_hash(onset.stream));
-            }
-            System::Rossler(leaf) => {
-                self.frequency[lane] = (ROSSLER * frequency) as f32;
-                leaf.start(lane, |unit| unit.set_hash(onset.stream));
-            }
+            System::Lorenz(leaf) => leaf.start(lane, |unit| unit.set_hash(onset.stream)),
+            System::Rossler(leaf) => leaf.start(lane, |unit| unit.set_hash(onset.stream)),
         }
+    }
+
+    fn retune(&mut self, lane: usize, _was: &[f64], now: &[f64]) {
+        self.turn(lane, now[0]);
     }
 
     #[inline(always)]
@@ -99,6 +97,14 @@ impl<R: Real> Kernel<R> for Lanes<R> {
                 out[l] = R::of(x.into()) * gain[l];
             }
         }
+    }
+}
+
+impl<R> Lanes<R> {
+    /// Lets a lane swing so often a second.
+    fn turn(&mut self, lane: usize, frequency: f64) {
+        let unit = if let System::Lorenz(_) = self.system { LORENZ } else { ROSSLER };
+        self.frequency[lane] = (unit * within(frequency, 0.0, MOST)) as f32;
     }
 }
 

@@ -37,25 +37,33 @@ pub struct Lanes<R> {
     track: Track<R>,
 }
 
+/// The legs, as inputs have them.
+fn legs(start: &[f64]) -> Legs {
+    let [attack, decay, release] = [0, 1, 3].map(|i| within(start[i], 0.0, LONGEST));
+    let sustain = within(start[2], 0.0, 1.0);
+    let [up, down, off] = [4, 5, 6].map(|i| within(start[i], -CURVIEST, CURVIEST));
+    Legs {
+        first: [
+            Leg { to: 1.0, seconds: attack, curve: up },
+            Leg { to: sustain, seconds: decay, curve: down },
+            Leg { to: sustain, seconds: 0.0, curve: 0.0 },
+        ],
+        release: Some(Leg { to: 0.0, seconds: release, curve: off }),
+    }
+}
+
 impl<R: Real> Kernel<R> for Lanes<R> {
     fn new(setup: &Setup) -> Self {
         Self { script: LegScript::new(setup.rate), track: Track::new() }
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {
-        let [attack, decay, release] = [0, 1, 3].map(|i| within(onset.start[i], 0.0, LONGEST));
-        let sustain = within(onset.start[2], 0.0, 1.0);
-        let [up, down, off] = [4, 5, 6].map(|i| within(onset.start[i], -CURVIEST, CURVIEST));
-        let legs = Legs {
-            first: [
-                Leg { to: 1.0, seconds: attack, curve: up },
-                Leg { to: sustain, seconds: decay, curve: down },
-                Leg { to: sustain, seconds: 0.0, curve: 0.0 },
-            ],
-            release: Some(Leg { to: 0.0, seconds: release, curve: off }),
-        };
-        self.script.start(lane, legs);
+        self.script.start(lane, legs(onset.start));
         self.track.start(lane, onset.age);
+    }
+
+    fn retune(&mut self, lane: usize, _was: &[f64], now: &[f64]) {
+        self.script.retune(lane, &legs(now));
     }
 
     fn release(&mut self, lane: usize, at: f64) {

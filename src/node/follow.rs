@@ -119,6 +119,11 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         self.down[lane] = left(onset.start[2], self.rate);
     }
 
+    fn retune(&mut self, lane: usize, _was: &[f64], now: &[f64]) {
+        self.up[lane] = left(now[1], self.rate);
+        self.down[lane] = left(now[2], self.rate);
+    }
+
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
         let [input, attack, release] = [io.inputs[0], io.inputs[1], io.inputs[2]];

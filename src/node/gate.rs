@@ -29,20 +29,28 @@ pub struct Lanes<R> {
     track: Track<R>,
 }
 
+/// The legs, as inputs have them.
+fn legs(start: &[f64]) -> Legs {
+    let [rise, fall] = [0, 1].map(|i| within(start[i], 0.0, LONGEST));
+    let on = Leg { to: 1.0, ..Leg::default() };
+    Legs {
+        first: [Leg { seconds: rise, ..on }, on, on],
+        release: Some(Leg { to: 0.0, seconds: fall, curve: 0.0 }),
+    }
+}
+
 impl<R: Real> Kernel<R> for Lanes<R> {
     fn new(setup: &Setup) -> Self {
         Self { script: LegScript::new(setup.rate), track: Track::new() }
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {
-        let [rise, fall] = [0, 1].map(|i| within(onset.start[i], 0.0, LONGEST));
-        let on = Leg { to: 1.0, ..Leg::default() };
-        let legs = Legs {
-            first: [Leg { seconds: rise, ..on }, on, on],
-            release: Some(Leg { to: 0.0, seconds: fall, curve: 0.0 }),
-        };
-        self.script.start(lane, legs);
+        self.script.start(lane, legs(onset.start));
         self.track.start(lane, onset.age);
+    }
+
+    fn retune(&mut self, lane: usize, _was: &[f64], now: &[f64]) {
+        self.script.retune(lane, &legs(now));
     }
 
     fn release(&mut self, lane: usize, at: f64) {

@@ -121,6 +121,12 @@ pub(crate) trait Kernel<R: Real>: Send + Sized {
     fn start(&mut self, lane: usize, onset: &Onset) {
         let _ = (lane, onset);
     }
+    /// The patch of the voice on `lane` was changed while it sounds: what each input had at its onset, and what it would have now. It goes on from
+    /// where it is, with no jump, and runs as the new values say from the next sample on. What they say of a course that began at the onset, an
+    /// envelope's legs or where a recording starts, holds for the next voice.
+    fn retune(&mut self, lane: usize, was: &[f64], now: &[f64]) {
+        let _ = (lane, was, now);
+    }
     /// The voice on `lane` is released at voice time `at`, in samples: one to two samples after the next one to be computed.
     fn release(&mut self, lane: usize, at: f64) {
         let _ = (lane, at);

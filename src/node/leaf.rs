@@ -51,6 +51,11 @@ impl<U: AudioNode<Outputs = U1>> Leaf<U> {
         (self.rests[lane], self.heard[lane], self.calm[lane]) = (false, true, 0);
     }
 
+    /// Tells a unit something in the middle of its work.
+    pub fn change(&mut self, lane: usize, set: impl FnOnce(&mut U)) {
+        set(&mut self.units[lane]);
+    }
+
     /// The next sample of a unit that makes a signal: once it has died away, it rests until the next start.
     #[inline(always)]
     pub fn draw(&mut self, lane: usize, input: &Frame<f32, U::Inputs>) -> f32 {

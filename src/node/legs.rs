@@ -52,6 +52,12 @@ impl LegScript {
         self.legs[lane] = legs;
         self.at[lane] = 0;
     }
+    /// A voice that was not released yet will end as these do; the way until then stays as it is.
+    pub fn retune(&mut self, lane: usize, legs: &Legs) {
+        if self.at[lane] <= RELEASE {
+            self.legs[lane].release = legs.release;
+        }
+    }
     /// Makes the release what comes next; `false` where there is none or it has been.
     pub fn release(&mut self, lane: usize) -> bool {
         let can = self.legs[lane].release.is_some() && self.at[lane] <= RELEASE;

@@ -88,6 +88,13 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         self.ease[lane] = within(onset.start[4], 0.0, 1000.0);
     }
 
+    fn retune(&mut self, lane: usize, was: &[f64], now: &[f64]) {
+        self.step[lane] = phase::turns(now[0] * self.turns_a_hertz);
+        self.phase[lane] =
+            self.phase[lane].wrapping_add(phase::turns(now[1])).wrapping_sub(phase::turns(was[1]));
+        self.ease[lane] = within(now[4], 0.0, 1000.0);
+    }
+
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
         match self.wave {

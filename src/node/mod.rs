@@ -139,6 +139,10 @@ macro_rules! registry {
             pub fn start(&mut self, group: usize, lane: usize, onset: &Onset) {
                 match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::start(&mut s[group], lane, onset)),* }
             }
+            /// See [`Kernel::retune`].
+            pub fn retune(&mut self, group: usize, lane: usize, was: &[f64], now: &[f64]) {
+                match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::retune(&mut s[group], lane, was, now)),* }
+            }
             /// See [`Kernel::release`].
             pub fn release(&mut self, group: usize, lane: usize, at: f64) {
                 match self { $($(#[$attr])* Self::$variant(s) => Kernel::<R>::release(&mut s[group], lane, at)),* }

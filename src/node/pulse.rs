@@ -56,6 +56,10 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         self.0.start(lane, onset.start[0], onset.age);
     }
 
+    fn retune(&mut self, lane: usize, _was: &[f64], now: &[f64]) {
+        self.0.retune(lane, now[0]);
+    }
+
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
         let [frequency, phase, amplitude, width] = [io.inputs[0], io.inputs[1], io.inputs[2], io.inputs[3]];

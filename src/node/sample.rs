@@ -134,6 +134,14 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         self.entered[lane] = entered;
     }
 
+    fn retune(&mut self, lane: usize, was: &[f64], now: &[f64]) {
+        // Where the next sample would have been.
+        self.origin[lane] += (self.moved[lane] + was[1]) * self.stride;
+        (self.moved[lane], self.count[lane]) = (0.0, 0.0);
+        self.rise.start(lane, 0.0);
+        self.speed[lane] = now[1];
+    }
+
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
         let Some(copies) = &self.copies else {
@@ -334,5 +342,48 @@ mod tests {
         assert!(none.kernel::<f32>(10, &[64]).iter().all(|v| *v == 0.0));
         let empty = Bench::new("sample", 8000.0).asset(Vec::new(), 16_000.0).choice("loop", 1);
         assert!(empty.kernel::<f32>(10, &[64]).iter().all(|v| *v == 0.0));
+    }
+
+    /// With another speed in the middle of it, a recording goes on from where it is: whichever of the two speeds is moved by a signal.
+    #[test]
+    fn another_speed_goes_on_from_the_place() {
+        use super::{Io, Kernel, LANES, Lanes, Onset, Setup};
+        use crate::node::kernel::Input;
+        let samples = (0..16_000).map(|n| (TAU * 200.0 * f64::from(n) / 16_000.0).sin() as f32).collect();
+        let asset = std::sync::Arc::new(crate::node::asset::Asset { samples, rate: 16_000.0 });
+        let setup = Setup {
+            rate: 8000.0,
+            engine_rate: 8000.0,
+            constants: vec![0.0; 3],
+            choices: vec![0],
+            points: Vec::new(),
+            asset: Some(asset),
+            begins: false,
+        };
+        for (before, after) in [((1.0, true), (1.5, true)), ((1.0, true), (1.5, false)), ((1.0, false), (1.5, true))] {
+            let mut lanes: Lanes<f64> = Lanes::new(&setup);
+            // What a signal moves is not known at the onset.
+            let known = |(speed, steady): (f64, bool)| [0.1, if steady { speed } else { 0.0 }, 1.0];
+            lanes.start(0, &Onset { age: -1.5, stream: 0, start: &known(before) });
+            let mut played = Vec::new();
+            for (speed, steady) in [before, after] {
+                let (rows, ones, base) = ([[speed; LANES]], [[1.0; LANES]], [speed; LANES]);
+                let input = |rows, steady| Input { rows, step: 0, steady, base: &base };
+                let mut output = [[0.0; LANES]; 400];
+                let mut io = Io { inputs: &[input(&ones, true), input(&rows, steady), input(&ones, true)], output: &mut output, still: false };
+                lanes.run(&mut io);
+                played.extend(output.iter().map(|row| row[0]));
+                lanes.retune(0, &known(before), &known(after));
+            }
+            let place = |n: usize| 0.1 + (n.min(400) as f64 - 1.5 + 1.5 * n.saturating_sub(400) as f64) / 8000.0;
+            let far = played.iter().enumerate().skip(8).map(|(n, value)| {
+                // Within a sample at the change.
+                let near = [-1.0, 0.0, 1.0].map(|off| (TAU * 200.0 * (place(n) + off / 8000.0)).sin());
+                let [least, most] = [near.iter().copied().fold(f64::INFINITY, f64::min), near.iter().copied().fold(f64::NEG_INFINITY, f64::max)];
+                (least - value).max(value - most)
+            });
+            let far = far.fold(0.0, f64::max);
+            assert!(far < 1e-3, "{before:?} {after:?}: {far}");
+        }
     }
 }

@@ -42,6 +42,10 @@ impl<R: Real, P: Part> Kernel<R> for Lanes<R, P> {
         self.filters.start(lane, frequency, P::q(frequency, given, self.rate));
     }
 
+    fn retune(&mut self, lane: usize, _was: &[f64], now: &[f64]) {
+        self.filters.retune(lane, now[1], P::q(now[1], now[2], self.rate));
+    }
+
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
         let [input, frequency, given] = [io.inputs[0], io.inputs[1], io.inputs[2]];

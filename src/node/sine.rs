@@ -63,12 +63,13 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {
-        let left = R::of(left(onset.start[0], self.rate));
-        if left != R::ONE || self.left.is_some() {
-            self.left.get_or_insert([R::ONE; LANES])[lane] = left;
-            self.left = self.left.filter(|all| *all != [R::ONE; LANES]);
-        }
+        self.leave(lane, onset.start[0]);
         self.clock.start(lane, onset.start[0], onset.age);
+    }
+
+    fn retune(&mut self, lane: usize, _was: &[f64], now: &[f64]) {
+        self.leave(lane, now[0]);
+        self.clock.retune(lane, now[0]);
     }
 
     #[inline(always)]
@@ -106,6 +107,17 @@ impl<R: Real> Kernel<R> for Lanes<R> {
                     out[l] *= left[l];
                 }
             }
+        }
+    }
+}
+
+impl<R: Real> Lanes<R> {
+    /// What is left of a lane of that frequency.
+    fn leave(&mut self, lane: usize, frequency: f64) {
+        let left = R::of(left(frequency, self.rate));
+        if left != R::ONE || self.left.is_some() {
+            self.left.get_or_insert([R::ONE; LANES])[lane] = left;
+            self.left = self.left.filter(|all| *all != [R::ONE; LANES]);
         }
     }
 }

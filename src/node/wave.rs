@@ -26,6 +26,10 @@ impl<R: Real, S: Shape> Kernel<R> for Lanes<R, S> {
         self.0.start(lane, onset.start[0], onset.age);
     }
 
+    fn retune(&mut self, lane: usize, _was: &[f64], now: &[f64]) {
+        self.0.retune(lane, now[0]);
+    }
+
     #[inline(always)]
     fn run(&mut self, io: &mut Io<R>) {
         let [frequency, phase, amplitude] = [io.inputs[0], io.inputs[1], io.inputs[2]];

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
 use cpal::{
-    Data, DeviceDescription, DeviceDescriptionBuilder, DeviceId, Error, ErrorKind, FrameCount, HostId,
+    Data, DeviceDescription, DeviceDescriptionBuilder, DeviceId, Error, ErrorKind, FrameCount, HostId, I24,
     InputCallbackInfo, InputStreamTimestamp, OutputCallbackInfo, OutputStreamTimestamp, SampleFormat,
     StreamConfig, StreamInstant, SupportedBufferSize, SupportedStreamConfig, SupportedStreamConfigRange,
 };
@@ -247,6 +247,7 @@ fn instant(begin: Instant, now: Instant) -> StreamInstant {
 enum Samples {
     F32(Vec<f32>),
     I32(Vec<i32>),
+    I24(Vec<I24>),
     I16(Vec<i16>),
 }
 
@@ -255,6 +256,7 @@ impl Samples {
         match format {
             SampleFormat::F32 => Self::F32(vec![f32::NAN; length]),
             SampleFormat::I32 => Self::I32(vec![i32::MIN; length]),
+            SampleFormat::I24 => Self::I24(vec![I24::new_unchecked(-8_388_608); length]),
             _ => Self::I16(vec![i16::MIN; length]),
         }
     }
@@ -263,6 +265,9 @@ impl Samples {
         match format {
             SampleFormat::F32 => Self::F32(values.collect()),
             SampleFormat::I32 => Self::I32(values.map(|x| (f64::from(x) * 2_147_483_648.0) as i32).collect()),
+            SampleFormat::I24 => {
+                Self::I24(values.map(|x| I24::new_unchecked((f64::from(x) * 8_388_608.0) as i32)).collect())
+            }
             _ => Self::I16(values.map(|x| (x * 32_768.0) as i16).collect()),
         }
     }
@@ -273,6 +278,7 @@ impl Samples {
             match self {
                 Self::F32(all) => Data::from_parts(all.as_mut_ptr().cast(), all.len(), SampleFormat::F32),
                 Self::I32(all) => Data::from_parts(all.as_mut_ptr().cast(), all.len(), SampleFormat::I32),
+                Self::I24(all) => Data::from_parts(all.as_mut_ptr().cast(), all.len(), SampleFormat::I24),
                 Self::I16(all) => Data::from_parts(all.as_mut_ptr().cast(), all.len(), SampleFormat::I16),
             }
         }
@@ -282,6 +288,7 @@ impl Samples {
         match self {
             Self::F32(all) => all.iter().map(|x| f64::from(*x)).collect(),
             Self::I32(all) => all.iter().map(|x| f64::from(*x)).collect(),
+            Self::I24(all) => all.iter().map(|x| f64::from(x.inner())).collect(),
             Self::I16(all) => all.iter().map(|x| f64::from(*x)).collect(),
         }
     }

@@ -39,6 +39,7 @@ impl<R: Real> Core<R> {
         }
         if let (Some(new), Some(old)) = (&mut self.shared, &mut old.shared) {
             new.take_states(old, &inheritance.shared);
+            new.retune(0, old, &inheritance.shared);
         }
         let now = Instant { sample: self.clock, fraction: 0 };
         for (number, ((bank, first), from)) in
@@ -46,11 +47,11 @@ impl<R: Real> Core<R> {
         {
             let from = from
                 .as_ref()
-                .and_then(|(from, ops)| Some((old.banks.get_mut(*from)?, ops, old.first.get(*from)?)));
+                .and_then(|(from, ops)| Some((*from, old.banks.get_mut(*from)?, ops, old.first.get(*from)?)));
             match from {
-                Some((bank_of_old, ops, first_of_old)) => {
+                Some((from, bank_of_old, ops, first_of_old)) => {
                     let spot = |old| inheritance.spot(old);
-                    bank.adopt(bank_of_old, ops, &mut self.places, number, spot, self.clock);
+                    bank.adopt(bank_of_old, ops, &mut self.places, (from, number), spot, self.clock);
                     for lane in 0..bank.lanes() {
                         if let Some((at, serial)) = old.ends.get(first_of_old + lane) {
                             self.ends.set(first + lane, at, serial);

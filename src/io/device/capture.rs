@@ -80,6 +80,7 @@ impl Capture {
         let stream = match format {
             SampleFormat::F32 => stream::<f32, _>(device, config, hear, tell),
             SampleFormat::I32 => stream::<i32, _>(device, config, hear, tell),
+            SampleFormat::I24 => stream::<cpal::I24, _>(device, config, hear, tell),
             _ => stream::<i16, _>(device, config, hear, tell),
         };
         let stream = stream.map_err(|error| trouble(&error))?;

@@ -109,6 +109,7 @@ impl Card {
                 None,
             ),
             SampleFormat::I32 => convert::<i32, _>(device, config, player, tell),
+            SampleFormat::I24 => convert::<cpal::I24, _>(device, config, player, tell),
             _ => convert::<i16, _>(device, config, player, tell),
         };
         let stream = stream.map_err(|error| DeviceError::of(&found.name, &error))?;
@@ -237,8 +238,8 @@ pub(super) fn known_format(
             && (range.min_sample_rate()..=range.max_sample_rate()).contains(&shape.rate)
     };
     let formats: Vec<SampleFormat> = ranges.filter(fits).map(|range| range.sample_format()).collect();
-    let known = [SampleFormat::F32, SampleFormat::I32, SampleFormat::I16];
+    let known = [SampleFormat::F32, SampleFormat::I32, SampleFormat::I24, SampleFormat::I16];
     known.into_iter().find(|format| formats.contains(format)).ok_or_else(|| {
-        cpal::Error::with_message(ErrorKind::UnsupportedConfig, "none of its sample formats is known here")
+        cpal::Error::with_message(ErrorKind::UnsupportedConfig, "none of its sample formats is known here; ALSA converts them where a card is named plughw:... in place of hw:...")
     })
 }

@@ -35,6 +35,20 @@ impl Chosen {
         }
     }
 
+    /// What a server may do with so many channels behind a device of ALSA's, which hands them to it by the names of loudspeakers: those beyond
+    /// eight have none, and are mixed into others or into nothing.
+    pub fn mixes(&self, channels: usize) -> Option<String> {
+        let Self::Card(_, found) = self else { return None };
+        let hands_on = MIXERS.contains(&found.id.as_str());
+        (hands_on && channels > NAMED).then(|| {
+            format!(
+                "{} may hand {channels} channels to a server that mixes them by the names of loudspeakers, of which there are {NAMED}: \
+                 `pacinian walk` shows what arrives where; a card by its own name (hw:...), JACK and PipeWire are exact",
+                found.id
+            )
+        })
+    }
+
     /// The numbers of channels that it offers, ascending; none: any.
     pub fn channels(&self) -> &[u16] {
         match self {
@@ -64,6 +78,10 @@ impl Chosen {
         }
     }
 }
+
+/// Devices of ALSA's behind which PulseAudio may be, and channels that have a name there.
+const MIXERS: [&str; 3] = ["alsa:pulse", "alsa:default", "alsa:sysdefault"];
+const NAMED: usize = 8;
 
 /// Frames of a block where nobody says otherwise: a system's own choice may be a second long.
 const USUAL_BLOCK: u32 = 256;

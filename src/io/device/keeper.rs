@@ -9,7 +9,7 @@ use super::card::{Card, News, Shape};
 use super::choose::{Chosen, again};
 use super::failure::{DeviceError, Trouble};
 use super::hosts::Hosts;
-use super::minder::{Minder, Pulse, Search, let_go};
+use super::minder::{Minder, Pulse, Search, Watch, let_go};
 use super::returning::{Returning, Stand};
 use super::virtual_card::VirtualCard;
 use crate::live::board::Board;
@@ -68,6 +68,7 @@ struct Keeping {
     fate: Box<dyn FnMut(Fate) + Send>,
     pulse: Pulse,
     search: Search,
+    watch: Watch,
     /// The session is about to end.
     resting: Arc<AtomicBool>,
     /// What was said last of why it does not play.
@@ -100,6 +101,7 @@ impl Keeper {
             fate,
             pulse: Pulse::new(),
             search: Search::new(),
+            watch: Watch::default(),
             resting: Arc::default(),
             trouble: None,
         };
@@ -111,6 +113,7 @@ impl Keeper {
                 keeping.playing = Playing::Card(Card::open(&device, &found, shape, lent, board, tell)?);
                 keeping.news = Some(news);
                 keeping.default = found.default;
+                keeping.watch = Watch::of(found.host());
                 keeping.sought = Some((found.hosts, found.id));
             }
             Chosen::Virtual(_) => keeping.tick(driver)?,
@@ -184,8 +187,15 @@ impl Keeping {
                 self.complain(why);
             }
             None if self.search.is_due(now, self.is_present()) => self.find(),
+            None if self.is_present() && self.watch.is_due(now) && self.is_away() => self.moved(),
             None => {}
         }
+    }
+
+    /// Of a host that moves streams without a word: whether the device is none of its any more.
+    fn is_away(&self) -> bool {
+        let Some((hosts, id)) = &self.sought else { return false };
+        again(hosts, id).is_err_and(|error| error.kind == Trouble::Missing)
     }
 
     fn hear(&mut self, news: News) {

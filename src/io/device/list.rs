@@ -110,10 +110,15 @@ pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Dev
             trouble.get_or_insert(error);
         }
     };
-    #[cfg_attr(not(all(feature = "jack", target_os = "linux")), expect(unused_mut))]
     let mut output = device.supported_output_configs().map_err(&mut refused).ok().and_then(Offer::of);
-    #[cfg_attr(not(all(feature = "jack", target_os = "linux")), expect(unused_mut))]
     let mut input = device.supported_input_configs().map_err(&mut refused).ok().and_then(Offer::of);
+    // PulseAudio takes any number of channels, and mixes those that are not the device's own into others, or into nothing.
+    if id.starts_with("pulseaudio:") {
+        let own =
+            |config: Result<cpal::SupportedStreamConfig, _>| config.ok().map(|config| config.channels());
+        limit(&mut output, own(device.default_output_config()));
+        limit(&mut input, own(device.default_input_config()));
+    }
     #[cfg(all(feature = "jack", target_os = "linux"))]
     match id.as_str() {
         "jack:output" => super::jack_ports::limit(&mut output, "system:playback_.*"),
@@ -123,6 +128,13 @@ pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Dev
     let default = default == Some(id.as_str());
     let found = Found { id, name, default, output, input, trouble, hosts: hosts.clone() };
     (device, found)
+}
+
+/// Leaves so many channels of what is offered, where it is known how many.
+fn limit(offer: &mut Option<Offer>, channels: Option<u16>) {
+    if let (Some(offer), Some(channels)) = (offer, channels) {
+        offer.channels = vec![channels];
+    }
 }
 
 /// The device that a person means by `name`: its id, its name, or a part of its name that no other has. Where several hosts have

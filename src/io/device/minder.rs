@@ -119,6 +119,29 @@ impl Search {
     }
 }
 
+/// A look now and then at a device that plays, where its host does not tell that a stream plays on another one now.
+#[derive(Debug, Default)]
+pub(super) struct Watch {
+    /// When it was looked at last; `None` where the host tells.
+    last: Option<Instant>,
+}
+
+impl Watch {
+    /// PulseAudio moves the streams of a device that goes, and cpal does not hear of it.
+    pub fn of(host: &str) -> Self {
+        Self { last: (host == "pulseaudio").then(Instant::now) }
+    }
+
+    /// Whether it is to be looked at now.
+    pub fn is_due(&mut self, now: Instant) -> bool {
+        let due = self.last.is_some_and(|last| now.saturating_duration_since(last) >= SEARCH);
+        if due {
+            self.last = Some(now);
+        }
+        due
+    }
+}
+
 /// What a stream is given to tell of its errors: `gap` counts those after which it has gone on by itself, `lost` hears at once of those
 /// after which it is of no use, such as that it plays on another device now.
 pub(super) fn teller(

@@ -56,8 +56,21 @@ impl Server {
         patch: &Patch,
         announcer: Option<Announcer>,
     ) -> Result<Self, BindError> {
+        Self::of(endpoint.bind()?, endpoint, handle, patch, announcer)
+    }
+
+    /// The same on what [`Endpoint::bind`] gave, so that an address which cannot be had is known of before a session begins.
+    ///
+    /// # Errors
+    /// A system that has no thread left.
+    pub fn of(
+        socket: UdpSocket,
+        endpoint: Endpoint,
+        handle: Handle,
+        patch: &Patch,
+        announcer: Option<Announcer>,
+    ) -> Result<Self, BindError> {
         let failed = |error: std::io::Error| BindError::of(endpoint.0, &error);
-        let socket = endpoint.bind()?;
         let address = socket.local_addr().map_err(failed)?;
         socket.set_write_timeout(Some(LOOK)).map_err(failed)?;
         let (counts, stop) = (Arc::new(Counts::default()), Arc::new(AtomicBool::new(false)));

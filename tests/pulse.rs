@@ -1,0 +1,211 @@
+//! Playing through PulseAudio to a second program, `parec`, and what happens when its sink goes away: the server then moves the stream to
+//! another one, and says nothing.
+//!
+//! It needs the feature `pulseaudio`, and pulseaudio and pulseaudio-utils (on Debian packages of these names). The server runs in a folder of
+//! the test's own, with sinks that have no hardware. Where it is missing, a test says that it was skipped, and why.
+#![cfg(target_os = "linux")]
+
+#[path = "common/bench.rs"]
+mod bench;
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use bench::{HUM, floats, hums, is_delayed, scene, signal, wait};
+
+const CHANNELS: u32 = 24;
+
+/// One server at a time leaves the others the processor.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// A server with two sinks, `glove` and `belt`, and a folder of a test's own.
+struct Rig {
+    folder: PathBuf,
+    server: Child,
+    _alone: MutexGuard<'static, ()>,
+}
+
+/// The channels of a sink by the names that have no loudspeaker.
+fn map() -> String {
+    (0..CHANNELS).map(|n| format!("aux{n}")).collect::<Vec<_>>().join(",")
+}
+
+fn sink(name: &str) -> String {
+    format!(
+        "module-null-sink sink_name={name} channels={CHANNELS} channel_map={} rate=48000 format=float32le sink_properties=device.description={name}",
+        map()
+    )
+}
+
+impl Rig {
+    fn new(name: &str) -> Option<Self> {
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        for program in ["pulseaudio", "pactl", "parec"] {
+            if let Err(error) = Command::new(program).arg("--version").stdout(Stdio::null()).status() {
+                println!("skipped: {program}: {error}");
+                return None;
+            }
+        }
+        let folder = std::env::temp_dir().join(format!("pacinian-pulse-{}-{name}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let socket = format!(
+            "module-native-protocol-unix socket={} auth-anonymous=1",
+            folder.join("native").display()
+        );
+        let mut server = in_folder(&folder, "pulseaudio");
+        server.args(["-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--disallow-exit"]);
+        for module in [&sink("glove"), &sink("belt"), &socket] {
+            server.args(["-L", module]);
+        }
+        let says = fs::File::create(folder.join("says")).unwrap();
+        let server = server.stdout(Stdio::null()).stderr(says).spawn().unwrap();
+        let rig = Self { folder, server, _alone: alone };
+        wait("the server", || rig.pactl(&["info"]).is_some());
+        Some(rig)
+    }
+
+    /// What `pactl` says; `None` where it fails.
+    fn pactl(&self, words: &[&str]) -> Option<String> {
+        let output = in_folder(&self.folder, "pactl").args(words).output().unwrap();
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+
+    fn unload(&self, name: &str) {
+        let modules = self.pactl(&["list", "short", "modules"]).unwrap();
+        let line = modules.lines().find(|line| line.contains(&format!("sink_name={name} "))).unwrap();
+        self.pactl(&["unload-module", line.split_whitespace().next().unwrap()]).unwrap();
+    }
+
+    fn load(&self, name: &str) {
+        let module = sink(name);
+        let words: Vec<&str> = ["load-module"].into_iter().chain(module.split(' ')).collect();
+        self.pactl(&words).unwrap();
+    }
+
+    fn program(&self, arguments: &[&str]) -> Command {
+        let mut command = in_folder(&self.folder, env!("CARGO_BIN_EXE_pacinian"));
+        command.args(arguments);
+        command
+    }
+
+    /// What a sink plays, recorded by a second program until it is told to stop; it listens when this returns.
+    fn record(&self, sink: &str, file: &str) -> Child {
+        let mut command = in_folder(&self.folder, "parec");
+        command.args([&format!("--device={sink}.monitor"), "--format=float32le", "--rate=48000", "--raw"]);
+        command.args([
+            &format!("--channels={CHANNELS}"),
+            &format!("--channel-map={}", map()),
+            "--latency-msec=50",
+        ]);
+        let child = command.stdout(fs::File::create(self.folder.join(file)).unwrap()).spawn().unwrap();
+        wait("the recorder", || fs::metadata(self.folder.join(file)).map_or(0, |about| about.len()) > 20_000);
+        child
+    }
+
+    /// What it has heard, interleaved.
+    fn heard(&self, mut child: Child, file: &str) -> Vec<f32> {
+        signal(&child, "INT");
+        child.wait().unwrap();
+        let bytes = fs::read(self.folder.join(file)).unwrap();
+        bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+    }
+}
+
+fn in_folder(folder: &PathBuf, program: &str) -> Command {
+    let mut command = Command::new(program);
+    command
+        .env("XDG_RUNTIME_DIR", folder)
+        .env("XDG_CONFIG_HOME", folder)
+        .env("HOME", folder)
+        .env("PULSE_RUNTIME_PATH", folder)
+        .env("PULSE_SERVER", format!("unix:{}", folder.join("native").display()))
+        .current_dir(folder)
+        .stdin(Stdio::null());
+    command
+}
+
+impl Drop for Rig {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+#[test]
+fn a_second_program_hears_every_channel_to_the_bit() {
+    let Some(rig) = Rig::new("bits") else { return };
+    scene(&rig.folder, CHANNELS);
+    let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
+    assert!(rig.program(&render).output().unwrap().status.success());
+    let offline = floats(&rig.folder.join("offline.wav"));
+    // This machine may stop for a moment, and a block is lost; then it is tried again.
+    for attempt in 0..5 {
+        let recorder = rig.record("glove", "heard.raw");
+        let play = ["play", "patch.toml", "--rig", "rig.toml", "--device", "pulseaudio:glove"];
+        let played = rig.program(&play).args(["--block", "1024", "--duration", "2"]).output().unwrap();
+        let said =
+            String::from_utf8_lossy(&played.stdout).into_owned() + &String::from_utf8_lossy(&played.stderr);
+        std::thread::sleep(Duration::from_millis(500));
+        let heard = rig.heard(recorder, "heard.raw");
+        assert!(played.status.success(), "{said}");
+        if is_delayed(&heard, &offline, CHANNELS) {
+            return;
+        }
+        assert!(attempt < 4, "other samples, five times: {said}");
+    }
+}
+
+/// It would take any number, and mix them by their names.
+#[test]
+fn channels_that_a_sink_does_not_have_are_refused() {
+    let Some(rig) = Rig::new("few") else { return };
+    scene(&rig.folder, 8);
+    let play =
+        ["play", "patch.toml", "--rig", "rig.toml", "--device", "pulseaudio:glove", "--duration", "0.5"];
+    let played = rig.program(&play).output().unwrap();
+    let said = String::from_utf8_lossy(&played.stderr);
+    assert!(!played.status.success(), "{said}");
+    assert!(said.contains("8 channels are not offered") && said.contains("it offers 24"), "{said}");
+}
+
+/// The sink goes, and the server moves the stream to another: that one hears it for no longer than it takes to look, and is not played on.
+#[test]
+fn a_stream_that_is_moved_without_a_word_is_shut() {
+    let Some(rig) = Rig::new("moved") else { return };
+    scene(&rig.folder, CHANNELS);
+    fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
+    let told = rig.folder.join("told");
+    let mut play = rig.program(&["play", "hum.toml", "--rig", "rig.toml", "--device", "pulseaudio:glove"]);
+    play.args(["--block", "1024"]);
+    let mut child = play.stdout(Stdio::null()).stderr(fs::File::create(&told).unwrap()).spawn().unwrap();
+    let says = |what: &str| fs::read_to_string(&told).unwrap_or_default().matches(what).count();
+    wait("the beginning", || says("plays on") == 1);
+    let sounds = rig.record("glove", "first.raw");
+    std::thread::sleep(Duration::from_millis(4000));
+    assert!(hums(&rig.heard(sounds, "first.raw"), CHANNELS), "{}", fs::read_to_string(&told).unwrap());
+
+    let recorder = rig.record("belt", "other.raw");
+    rig.unload("glove");
+    wait("the move", || says("moved the stream") == 1);
+    std::thread::sleep(Duration::from_millis(2500));
+    let other = rig.heard(recorder, "other.raw");
+    let sounding = other.chunks(CHANNELS as usize).filter(|frame| frame.iter().any(|x| *x != 0.0)).count();
+    // A look is due ten times a second; the server holds a few blocks more.
+    assert!(sounding < 24_000, "{sounding} frames");
+    assert!(
+        other[other.len() - 48_000 * CHANNELS as usize..].iter().all(|x| *x == 0.0),
+        "it is still played on"
+    );
+
+    rig.load("glove");
+    wait("its return", || says("the device is back") == 1);
+    let recorder = rig.record("glove", "again.raw");
+    std::thread::sleep(Duration::from_millis(4000));
+    assert!(hums(&rig.heard(recorder, "again.raw"), CHANNELS), "it sounds again");
+    signal(&child, "INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{}", fs::read_to_string(&told).unwrap());
+}
