@@ -11,6 +11,8 @@ mod coupled;
 mod halt;
 #[path = "drives/home.rs"]
 mod home;
+#[path = "drives/staged.rs"]
+mod staged;
 #[path = "drives/swell.rs"]
 mod swell;
 #[path = "drives/warm.rs"]

@@ -294,6 +294,103 @@ fn a_motor_at_a_current_clicks_by_its_current() {
     assert_ne!(of(&volts[0])["peak"].as_f64(), Some(volts[0].done.as_ref().unwrap().figures.peak));
 }
 
+/// A patch on a rig: what it does to the motor is what the same drive does on the bench, which shares no code with it but the motor's model.
+#[test]
+fn a_patch_moves_a_motor_as_its_drive_does() {
+    let scratch = Scratch::new("motor-patch");
+    scratch.write("rig.toml", format!("{RIG}{WRIST}{PALM}").replace("tilt = 1.0\n", ""));
+    let voice = |name: &str, node: &str| {
+        format!("[voice.{name}]\noutput = \"go\"\n[voice.{name}.nodes]\ngo = {node}\n")
+    };
+    let swell = "{ type = \"envelope\", attack = 0.1, decay = 0.05, sustain = 0.6, release = 0.1 }";
+    let patch = [
+        "format = \"pacinian-patch/1\"\ntitle = \"Moves\"\n".to_string(),
+        voice("plain", "{ type = \"drive-on\" }"),
+        voice("buzz", "{ type = \"drive-spin\", level = 0.5 }"),
+        voice("swell", swell),
+        "[pattern.p]\ntime = \"seconds\"\nevents = [\n{ at = 0.1, voice = \"plain\", place = \"wrist\", duration = 0.1 },\n\
+         { at = 0.7, voice = \"buzz\", place = \"wrist\", duration = 0.2 },\n\
+         { at = 1.3, voice = \"swell\", place = \"wrist\", duration = 0.4 },\n]\n".to_string(),
+    ]
+    .concat();
+    scratch.write("patch.toml", &patch);
+    let base = ["motor", "rig.toml", "--output", "wrist", "--patch", "patch.toml"];
+    let said = scratch
+        .run(&[&base[..], &["--json", "--plot", "p.svg", "--csv", "p.csv"]].concat())
+        .succeeds()
+        .json();
+    let stretches = said["ways"][0]["stretches"].as_array().unwrap();
+    assert_eq!(stretches.len(), 3);
+    assert_eq!(
+        stretches.iter().map(|s| s["voices"][0].as_str().unwrap()).collect::<Vec<_>>(),
+        ["plain", "buzz", "swell"]
+    );
+    let bench = scratch
+        .run(&["motor", "rig.toml", "--output", "wrist", "--drive", "0.1:4, short", "--json"])
+        .succeeds()
+        .json();
+    let (way, plain) = (&bench["ways"][0], &stretches[0]);
+    let number = |value: &Value| value.as_f64().unwrap();
+    for (is, due, within) in [
+        (number(&plain["peak"]), number(&way["peak"]), 0.01),
+        (number(&plain["turns"]), number(&way["turns"]), 1e-3),
+        (number(&plain["energy"]), number(&way["energy"]["supplied"]), 2e-3),
+        (number(&plain["stop"]), number(&way["stop"]), 0.02),
+        (number(&plain["peak_at"]) - number(&plain["at"]), number(&way["peak_at"]), 0.01),
+    ] {
+        assert!((is / due - 1.0).abs() < within, "{is} {due}: {plain} {way}");
+    }
+    // A spin wishes for the root of its share of the rated speed; when the motor is that fast stands in the table.
+    let csv = std::fs::read_to_string(scratch.0.join("p.csv")).unwrap();
+    assert!(csv.starts_with("seconds,drive,rad_per_s,wanted_rad_per_s,m_per_s2\n"), "{}", &csv[..80]);
+    let rows: Vec<Vec<f64>> =
+        csv.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    let buzz = &stretches[1];
+    let at = |n: usize| rows[n][0];
+    let from = rows.iter().position(|row| row[0] > 0.69 && row[3] > 0.0).unwrap();
+    let wished = bench["motor"]["rated_speed"].as_f64().unwrap() * 0.5_f64.sqrt();
+    assert!((rows[from + 100][3] / wished - 1.0).abs() < 1e-6, "{} {wished}", rows[from + 100][3]);
+    for (key, share) in [("rise_50", 0.5), ("rise_90", 0.9)] {
+        let n = (from..rows.len()).find(|n| rows[*n][2].powi(2) >= share * wished * wished).unwrap();
+        assert!((number(&buzz[key]) - (at(n) - at(from) + 1.0 / 48_000.0)).abs() < 3e-5, "{key}");
+    }
+    // An envelope that the motor can follow is followed.
+    assert!(number(&stretches[2]["error"]) < 0.1, "{}", stretches[2]);
+    roxmltree::Document::parse(&std::fs::read_to_string(scratch.0.join("p.svg")).unwrap()).unwrap();
+    // Side by side: what overdrives is sooner there than what holds the speed.
+    let said =
+        scratch.run(&[&base[..], &["--shaping", "plain,overdrive", "--json"]].concat()).succeeds().json();
+    let rise = |n: usize| number(&said["ways"][n]["stretches"][2]["rise_50"]);
+    assert_eq!(
+        (&said["ways"][0]["shaping"], &said["ways"][1]["shaping"]),
+        (&"plain".into(), &"overdrive".into())
+    );
+    assert!(rise(1) < rise(0), "{} {}", rise(0), rise(1));
+    let text = scratch.run(&base).succeeds().out.clone();
+    for word in ["patch.toml of", "to 90 %", "mJ in", "buzz"] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    for (words, code, why) in [
+        (
+            &["motor", "coin-10mm", "--patch", "patch.toml"][..],
+            2,
+            &["is a part", "--output NAME --patch PATCH"][..],
+        ),
+        (&[&base[..], &["--turns", "1"]].concat(), 2, &["--turns is of the comparison", "--patch"]),
+        (&[&base[..], &["--shaping", "plane"]].concat(), 2, &["`plane` is no shaping", "on-off"]),
+        (&[&base[..], &["--duration", "90"]].concat(), 2, &["at most 60 s"]),
+        (&["motor", "coin-10mm", "--pattern", "p"], 2, &["--patch"]),
+        (
+            &["motor", "rig.toml", "--output", "palm", "--patch", "patch.toml"],
+            65,
+            &["nothing in patch.toml is played on `palm`"],
+        ),
+        (&["motor", "rig.toml", "--output", "wrist", "--patch", "gone.toml"], 66, &["gone.toml"]),
+    ] {
+        scratch.run(words).fails(code, why);
+    }
+}
+
 /// A motor that is known from outside has no amperes and no joules, unless its resistance is known.
 #[test]
 fn what_is_not_known_is_not_told() {

@@ -183,17 +183,10 @@ impl Scene {
         self.understand(patch, rig, failure, all, duration)
     }
 
-    /// A scene from texts and recordings that are at hand; nothing else is read from the disk but what they name.
-    ///
-    /// # Errors
-    /// As [`Scene::load`].
-    pub fn of_texts(
-        patch: (&str, &str),
-        rig: (&str, &str),
-        held: &'static [(&'static str, &'static [u8])],
-    ) -> Result<Loaded, Failure> {
-        let scene = Self {
-            patch: patch.0.into(),
+    /// A patch as it is where nothing else is said.
+    fn bare(patch: PathBuf) -> Self {
+        Self {
+            patch,
             rig: None,
             pattern: None,
             rate: None,
@@ -210,8 +203,25 @@ impl Scene {
             hears: false,
             simulated: false,
             block: None,
-            held,
-        };
+            held: &[],
+        }
+    }
+
+    /// A patch on a rig, of which nothing else is said.
+    pub fn of_files(patch: &Path, rig: &Path, pattern: Option<String>, rate: Option<u32>) -> Self {
+        Self { rig: Some(rig.into()), pattern, rate, ..Self::bare(patch.into()) }
+    }
+
+    /// A scene from texts and recordings that are at hand; nothing else is read from the disk but what they name.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn of_texts(
+        patch: (&str, &str),
+        rig: (&str, &str),
+        held: &'static [(&'static str, &'static [u8])],
+    ) -> Result<Loaded, Failure> {
+        let scene = Self { held, ..Self::bare(patch.0.into()) };
         let text = |(name, text): (&str, &str)| Text { name: name.into(), bytes: Some(text.into()) };
         scene.understand(text(patch), Some(text(rig)), Failure::default(), false, None)
     }

@@ -12,6 +12,8 @@ use super::patterns::{PatternReport, lines, patterns};
 use super::pushes::Push;
 use super::table::{Table, hertz, many};
 use pacinian::actuator::driver::coast::{Coast, STANDS};
+use pacinian::actuator::driver::order::{After, By};
+use pacinian::actuator::driver::setup::Stage;
 use pacinian::graph::plan::{OutputKind, Plan, Precision};
 use pacinian::player::Player;
 use pacinian::rig::{self, Bridge, Peak, Terminals};
@@ -144,6 +146,10 @@ struct MotorReport {
     coupled: Option<Coupled>,
     /// Envelopes that voices order: by what voice, the share of the largest vibration that is reached, and the share of its speeds that is missed.
     swells: Vec<(String, f64, f64)>,
+    /// Of levels that are plain or switch: what a drive is held by, and what follows it, where something is said.
+    held: Option<String>,
+    /// Seconds of rest after which its mass is turned back home.
+    park: Option<f64>,
     /// The way home, where a voice sends it there: s, where the mass hangs then, rad from straight down, and by how much it may be elsewhere.
     home: Option<[f64; 3]>,
 }
@@ -176,12 +182,16 @@ impl OutputReport {
         let home = motor.home.map_or(String::new(), |[seconds, angle, spread]| {
             let (angle, spread) = (angle.to_degrees(), spread.to_degrees());
             format!(
-                ", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°, clicks from there on with gravity"
+                ", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°, clicks from there on with gravity{}",
+                motor.park.map_or(String::new(), |seconds| format!(", parked after {seconds} s of rest"))
             )
         });
         Some(format!(
-            "{} within {:.3} {unit}{by}, {:.1} ms late{pulses}{home}{rolls}{pushes}{swells}{coupled}",
-            motor.shaping, motor.limit, motor.late_ms
+            "{}{} within {:.3} {unit}{by}, {:.1} ms late{pulses}{home}{rolls}{pushes}{swells}{coupled}",
+            motor.shaping,
+            motor.held.as_deref().unwrap_or_default(),
+            motor.limit,
+            motor.late_ms
         ))
     }
 
@@ -420,6 +430,26 @@ fn out_of_reach((voice, reached, missed): &(String, f64, f64)) -> Option<String>
     })
 }
 
+/// How levels that are plain or switch are held and let go, where that is said.
+fn held(turning: &rig::Turning) -> Option<String> {
+    let Stage { by, after, share, on_at, off_at } = turning.stage;
+    let mut text = String::new();
+    if turning.word() == "on-off" {
+        text += &format!(" (on at {on_at}, off at {off_at}, {share} of the most)");
+    }
+    text += match by {
+        By::Amplifier => "",
+        By::Voltage => " by voltage",
+        By::Current => " by current",
+    };
+    text += match after {
+        After::Nothing => "",
+        After::Short => ", then short",
+        After::Open => ", then open",
+    };
+    (!text.is_empty()).then_some(text)
+}
+
 /// Of an envelope's speeds, what may be missed and nothing is said.
 const NEAR: f64 = 0.02;
 
@@ -464,6 +494,8 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
     let pulses = switching.map(|switching| [switching.hertz(plan.device_rate), switching.resolution()]);
     Some(MotorReport {
         shaping: turning.word(),
+        held: held(turning),
+        park: turning.park,
         is_current: drive.setup.imposes == pacinian::actuator::drive::Drive::Current,
         limit: drive.setup.limit,
         late_ms: 1e3 * (late as f64 / plan.engine_rate() + player.engine().delay().lead + switched),

@@ -4,6 +4,7 @@ use super::chain::{Lines, assumed_of, carrier, chain};
 use super::figures::{Counts, Figures, Meter};
 use super::left::Left;
 use super::mover::Mover;
+use super::now::Now;
 use super::trace::{Trace, Unit};
 use super::wish::Wish;
 use crate::actuator::fault::Fault;
@@ -118,6 +119,15 @@ impl Felt {
     /// What of the model was left out, and why.
     pub fn left_out(&self) -> &[Left] {
         &self.mover.left_out
+    }
+
+    /// What it does at the end of the last frame that was computed: that is [`Felt::is_joined`] later than the one that was given last.
+    pub fn now(&self) -> Now {
+        let last =
+            self.drives.len().saturating_sub(if self.between.is_some() { self.steps() as usize } else { 1 });
+        let given = self.drives.get(last..).unwrap_or_default();
+        let drive = given.iter().sum::<f64>() / given.len().max(1) as f64;
+        Now { drive, ..self.mover.now() }
     }
 
     /// What it did so far.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`Feel`] | all outputs of a rig, frame by frame |
 //! | [`Felt`], [`Figures`] | one of them, and what it did: peak, root mean square, travel or speed, energy, heat |
+//! | [`Now`] | what one does at the end of a frame: drive, speed, energy |
 //! | [`Trace`] | what a channel of what is felt holds |
 //! | [`Wish`], [`Left`] | how well it is to be known; what the models left out for that |
 //! | [`Unfelt`] | an output of which it is not known what it moves |
@@ -46,6 +47,7 @@ mod figures;
 mod heat;
 mod left;
 mod mover;
+mod now;
 mod simulation;
 mod spinner;
 mod swinger;
@@ -56,6 +58,7 @@ mod wish;
 pub use felt::Felt;
 pub use figures::{Counts, Figures};
 pub use left::Left;
+pub use now::Now;
 pub use simulation::Feel;
 pub use trace::{Axis, Trace, Unit};
 pub use unfelt::Unfelt;

@@ -3,6 +3,7 @@
 use super::figures::Figures;
 use super::heat::Heat;
 use super::left::Left;
+use super::now::Now;
 use super::spinner::{Spinner, plan, with_coil};
 use super::swinger::Swinger;
 use super::trace::{Axis, Unit};
@@ -104,6 +105,19 @@ impl Mover {
         match &mut self.moves {
             Moves::Coil(swinger) => swinger.run(drives, felt),
             Moves::Motor(spinner, _) => spinner.run(drives, felt),
+        }
+    }
+
+    /// What it does now, its drive aside.
+    pub fn now(&self) -> Now {
+        match &self.moves {
+            Moves::Coil(swinger) => Now { energy: Some(swinger.energy()), ..Now::default() },
+            Moves::Motor(spinner, resistance) => Now {
+                drive: 0.0,
+                speed: Some(spinner.speed()),
+                turned: Some(spinner.turned()),
+                energy: resistance.then(|| spinner.energy()),
+            },
         }
     }
 

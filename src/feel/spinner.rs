@@ -167,6 +167,16 @@ impl Spinner {
         (self.current, self.turned) = (current, turned);
     }
 
+    /// How fast it turns, rad/s.
+    pub fn speed(&self) -> f64 {
+        self.motor.speed()
+    }
+
+    /// How far it has turned, rad from where its mass hangs straight down.
+    pub fn turned(&self) -> f64 {
+        self.motor.turned()
+    }
+
     /// The fastest so far, rad/s.
     pub fn fastest(&self) -> f64 {
         self.fastest

@@ -135,7 +135,9 @@ pub fn homes(
     problems: &mut Vec<Problem>,
 ) -> Vec<(usize, Homing)> {
     let mut homes: Vec<(usize, Homing)> = Vec::new();
-    let sends = |instrument: &&Instrument| instrument.commands().contains(&Command::Home);
+    let sends = |instrument: &&Instrument| {
+        instrument.commands().iter().any(|command| matches!(command, Command::Home(_)))
+    };
     let Some(instrument) = instruments.iter().find(sends) else { return homes };
     let mut refused = None;
     for (number, drive) in drives.iter().enumerate() {

@@ -12,7 +12,7 @@ pub static SPEC: NodeSpec = NodeSpec {
              the rotor, which is less than forward, then a last moment forward that empties the coil. The times are solved on the \
              motor's own model, with its inductance. Where it is known where the mass hangs (after `drive-home`, and from there on, \
              wherever clicks, spins and brakes turn it, until the motor's figures, if they are 5 % off, may have led its model 60 degrees astray: five quarter turns one way, \
-             twenty and more to and fro), gravity is part of it: the model ends each drive while the click is under way, and less \
+             twenty and more to and fro, nine that are parked), gravity is part of it: the model ends each drive while the click is under way, and less \
              than 0.1 % of its peak speed is left. Where it is not, the times are those of a motor that lies flat: of a coin motor that stands upright, \
              gravity then leaves 1 to 16 %, by where the mass hangs and how weak the click is. The event's level is the share of the strongest acceleration that the motor \
              can make in such a click; a weaker one than what turns it at all is played as strong as that. A quarter of a \

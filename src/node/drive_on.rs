@@ -41,12 +41,12 @@ pub static SPEC: NodeSpec = NodeSpec {
 
 /// What a choice of `by` means.
 pub fn by(choice: usize) -> By {
-    [By::Amplifier, By::Voltage, By::Current].get(choice).copied().unwrap_or_default()
+    By::ALL.get(choice).copied().unwrap_or_default()
 }
 
 /// What a choice of `after` means.
 pub fn after(choice: usize) -> After {
-    [After::Nothing, After::Short, After::Open].get(choice).copied().unwrap_or_default()
+    After::ALL.get(choice).copied().unwrap_or_default()
 }
 
 /// Eight lanes of silence.

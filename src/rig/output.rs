@@ -2,7 +2,8 @@
 
 use super::MAX_CHANNELS;
 use super::device::MAX_LEVEL;
-use crate::actuator::driver::setup::Shaping;
+use crate::actuator::driver::order::{After, By};
+use crate::actuator::driver::setup::{Shaping, Stage};
 use crate::patch::place;
 use crate::perception::site::Site;
 use crate::text::field::{Field, Form, Table};
@@ -71,17 +72,18 @@ pub struct Turning {
     pub look_ahead: Option<f64>,
     /// The channel, from 1, of the line that says which way a bridge turns it; `None`: none.
     pub direction: Option<u32>,
+    /// How drives are held and what follows them, where they are plain or switched.
+    pub stage: Stage,
+    /// Seconds of rest after which the mass is turned back home; `None`: it is left where it is.
+    pub park: Option<f64>,
     /// By how much the plane in which its mass spins is tilted off upright, rad; `None`: unknown, and gravity has no part in what is worked out.
     pub tilt: Option<f64>,
 }
 
-/// The words of [`Shaping::ALL`].
-const SHAPINGS: &[&str] = &["inverse", "overdrive", "switching", "plain", "clicks"];
-
 impl Turning {
     /// The word for its shaping in a file.
     pub fn word(&self) -> &'static str {
-        SHAPINGS[self.shaping as usize]
+        self.shaping.word()
     }
 }
 
@@ -208,9 +210,45 @@ pub static TABLE: Table = Table {
         Field::new("pulse", Form::number(0.005, 1e-5, 10.0), "s", "For a trigger: length of the pulse."),
         Field::new(
             "shaping",
-            Form::Word(SHAPINGS),
+            Form::Word(Shaping::WORDS),
             "",
             "For a drive: from the level that is played to what reaches the motor's terminals.",
+        ),
+        Field::new(
+            "by",
+            Form::Word(&["amplifier", "voltage", "current"]),
+            "",
+            "For a drive whose shaping is \"plain\" or \"on-off\": what is held, what the amplifier imposes, a voltage (the faster the motor turns the less flows) or a current (as much torque at every speed, as long as there are volts for it).",
+        ),
+        Field::new(
+            "after",
+            Form::Word(&["nothing", "short", "open"]),
+            "",
+            "For the same: what is done while the motor is to be slower than it is, or off; nothing is sent (of \"plain\": what holds the lower speed is), a short circuit, which brakes, or open terminals, where friction alone slows it.",
+        ),
+        Field::new(
+            "share",
+            Form::number(1.0, 0.001, 1.0),
+            "",
+            "For a drive whose shaping is \"on-off\": the share of the most that there may be that it is on with. Held by a current at a voltage amplifier, below 1: a current takes more volts as the motor becomes faster.",
+        ),
+        Field::new(
+            "on_at",
+            Form::number(0.5, 0.001, 1.0),
+            "",
+            "For a drive whose shaping is \"on-off\": the level from which on the motor is on.",
+        ),
+        Field::new(
+            "off_at",
+            Form::number(0.25, 0.0, 1.0),
+            "",
+            "For the same: the level at which it is off again, no more than `on_at`, so that what wavers does not switch it.",
+        ),
+        Field::new(
+            "park",
+            Form::any_number(0.01, 60.0),
+            "s",
+            "For a drive with `tilt`: how long its mass rests before it is turned back, slowly and the shorter way, to where `drive-home` has brought it, so that the next click kicks the same way; it is left where it is where nothing is said, and where it is not known any more where it hangs.",
         ),
         Field::new(
             "look_ahead",
@@ -234,11 +272,55 @@ pub static TABLE: Table = Table {
     others: None,
 };
 
+/// How drives are held, and what follows them.
+fn stage(reader: &Reader) -> Stage {
+    let shaping = Shaping::ALL.get(reader.word("shaping")).copied().unwrap_or_default();
+    let stage = Stage {
+        by: By::ALL.get(reader.word("by")).copied().unwrap_or_default(),
+        after: After::ALL.get(reader.word("after")).copied().unwrap_or_default(),
+        share: reader.number_or_default("share"),
+        on_at: reader.number_or_default("on_at"),
+        off_at: reader.number_or_default("off_at"),
+    };
+    for (keys, of) in [
+        (&["by", "after"][..], &[Shaping::Plain, Shaping::OnOff][..]),
+        (&["share", "on_at", "off_at"], &[Shaping::OnOff]),
+    ] {
+        for key in keys.iter().filter(|key| !of.contains(&shaping) && reader.has(key)) {
+            let words: Vec<String> = of.iter().map(|shaping| format!("\"{}\"", shaping.word())).collect();
+            let what =
+                format!("{} has `{key}`, which is of shaping = {} alone", reader.who, words.join(" or "));
+            let help = format!("leave `{key}` out, or say shaping = {}", words[words.len() - 1]);
+            reader.sink.push(Problem::error(&reader.span_of(key), what).help(help));
+        }
+    }
+    // Where one of them alone is said, the other goes with it.
+    let off_at = if reader.has("off_at") { stage.off_at } else { stage.off_at.min(0.5 * stage.on_at) };
+    if off_at > stage.on_at {
+        let what = format!(
+            "{} is off at a level of {off_at} and on at {}: it would be both in between",
+            reader.who, stage.on_at
+        );
+        let help = "`off_at` must be no more than `on_at`".to_string();
+        reader.sink.push(Problem::error(&reader.span_of("off_at"), what).help(help));
+        return Stage::default();
+    }
+    if reader.has("park") && !reader.has("tilt") {
+        let what =
+            format!("{} has `park`, and without `tilt` it is not known how its mass hangs", reader.who);
+        let help = "say how its plane is tilted off upright: tilt = 0.0; or leave `park` out".to_string();
+        reader.sink.push(Problem::error(&reader.span_of("park"), what).help(help));
+    }
+    Stage { off_at, ..stage }
+}
+
 pub(crate) fn read(reader: &Reader, is_tactor: bool) -> Output {
     let kind = match if is_tactor { 0 } else { reader.word("kind") } {
         1 => OutputKind::Drive(Turning {
             shaping: Shaping::ALL.get(reader.word("shaping")).copied().unwrap_or(Shaping::Inverse),
             look_ahead: reader.number("look_ahead"),
+            stage: stage(reader),
+            park: reader.number("park"),
             direction: reader.count("direction").and_then(|n| u32::try_from(n).ok()),
             tilt: reader.number("tilt"),
         }),
@@ -255,7 +337,22 @@ pub(crate) fn read(reader: &Reader, is_tactor: bool) -> Output {
             (matches!(kind, OutputKind::Trigger { .. }), matches!(kind, OutputKind::Drive(_)));
         for (is, keys, of) in [
             (triggers, &["marker", "pulse"][..], "a trigger"),
-            (turns, &["shaping", "look_ahead", "direction", "tilt"], "a drive"),
+            (
+                turns,
+                &[
+                    "shaping",
+                    "by",
+                    "after",
+                    "share",
+                    "on_at",
+                    "off_at",
+                    "park",
+                    "look_ahead",
+                    "direction",
+                    "tilt",
+                ],
+                "a drive",
+            ),
         ] {
             for key in keys.iter().filter(|key| !is && reader.has(key)) {
                 let what = format!("{} is of kind {}; only {of} has `{key}`", reader.who, kind.word());

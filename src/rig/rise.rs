@@ -45,7 +45,10 @@ impl Rig {
             // The rate has no part in it.
             let setup = self.wiring(output)?.ok()?.setup(8000.0);
             let seconds = spin_up(&setup, level)?;
-            let way = if turning.shaping == Shaping::Plain { Way::Overdrive } else { Way::Volts };
+            let way = match turning.shaping {
+                Shaping::Plain => Way::Overdrive,
+                _ => Way::Volts,
+            };
             return Some(Rise { seconds, way });
         }
         let actuator = self.actuator(output.actuator.as_ref()?)?;
@@ -64,7 +67,8 @@ impl Rig {
 
 /// Seconds in which a motor comes to [`RISEN`] of the acceleration of a level. `None`: it plays no levels, or does not come to that.
 fn spin_up(setup: &Setup, level: f64) -> Option<f64> {
-    if setup.shaping == Shaping::Clicks || level == 0.0 {
+    let is_off = setup.shaping == Shaping::OnOff && level.abs() < setup.stage.on_at;
+    if setup.shaping == Shaping::Clicks || level == 0.0 || is_off {
         return None;
     }
     let (wanted, p) = (setup.speed_of(level).abs(), &setup.parameters);

@@ -26,4 +26,5 @@ mod turner_home;
 mod turner_levels;
 mod turner_orders;
 mod turner_reach;
+mod turner_staged;
 mod turner_swell;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use pacinian::actuator::drive::Drive;
 use pacinian::actuator::driver::book::Book;
 use pacinian::actuator::driver::order::Order;
-use pacinian::actuator::driver::setup::{Setup, Shaping};
+use pacinian::actuator::driver::setup::{Setup, Shaping, Stage};
 use pacinian::actuator::driver::turner::Turner;
 use pacinian::actuator::motor::{self, Casing, Level, Motor, Parameters, Plan};
 use pacinian::actuator::shape::{Spin, Unreachable};
@@ -28,6 +28,8 @@ pub fn setup(parameters: Parameters, shaping: Shaping) -> Setup {
         limit,
         compliance: limit,
         shaping,
+        stage: Stage::default(),
+        park: None,
         look_ahead: None,
         ordered: true,
         rate: RATE,

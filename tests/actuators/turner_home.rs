@@ -212,3 +212,48 @@ fn what_comes_between_is_known_too() {
     }
     assert_eq!(turner.hangs(), None);
 }
+
+/// Turned back after each rest, every click of a row kicks the same way, and it stays known where the mass hangs; left where they end, they would not.
+#[test]
+fn a_parked_mass_begins_every_click_at_home() {
+    for motor in motors() {
+        let parameters = Parameters { gravity: GRAVITY, ..motor };
+        let pieces =
+            Book::new(&Setup { parameters, ..setup(motor, Shaping::Inverse) }, 0.25).unwrap().strongest();
+        let run_with = |park: Option<f64>| {
+            let setup = Setup { parameters, park, ..setup(motor, Shaping::Inverse) };
+            let (mut turner, mut plant) = at(&setup, 1.0);
+            let mut begins = Vec::new();
+            for n in 0..8 {
+                begins.push((plant.turned() - 1.0 + PI).rem_euclid(TAU) - PI);
+                turner.order(8.0 + f64::from(n) * 0.6 * RATE, 1, Order::Turn(pieces, 0.25));
+                run(&mut turner, &mut plant, 0.6);
+            }
+            (
+                begins.iter().fold(0.0_f64, |most, off| most.max(off.abs())),
+                turner.hangs().is_some(),
+                turner.is_idle(),
+            )
+        };
+        let (parked, known, idle) = run_with(Some(0.1));
+        assert!(parked < 0.06 && known && idle, "{parked} {known} {idle}");
+        let (left, known, _) = run_with(None);
+        assert!(left > 1.5 && !known, "{left} {known}");
+    }
+    // An order does the same; where it is not known where the mass hangs, it is the way home.
+    let [coin, ..] = motors()[..] else { panic!() };
+    let setup =
+        Setup { parameters: Parameters { gravity: GRAVITY, ..coin }, ..setup(coin, Shaping::Inverse) };
+    let way = Homing::new(&setup).unwrap();
+    let (mut turner, mut plant) = at(&setup, 1.0);
+    turner.order(8.0, 1, Order::Turn(Book::new(&setup, 0.25).unwrap().strongest(), 0.25));
+    run(&mut turner, &mut plant, 0.2);
+    assert!((plant.turned() - 1.0 - 0.25 * TAU).abs() < 0.05);
+    turner.order(8.0 + 0.2 * RATE, 1, Order::Park(way.pieces, 1.0));
+    run(&mut turner, &mut plant, 0.5);
+    assert!((plant.turned() - 1.0).abs() < 0.05, "{}", plant.turned());
+    let mut lost = Turner::new(&setup, 0).unwrap();
+    lost.order(0.0, 1, Order::Park(way.pieces, way.angle));
+    (0..RATE as usize).for_each(|_| lost.step(0.0, &mut [0.0; PARTS]));
+    assert!((lost.hangs().unwrap() - way.angle).abs() < 1e-9);
+}

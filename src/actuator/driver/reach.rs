@@ -88,7 +88,7 @@ mod tests {
     use super::{Carrier, Order, Setup, Turner, Way};
     use crate::actuator::drive::Drive;
     use crate::actuator::driver::book::Book;
-    use crate::actuator::driver::setup::Shaping;
+    use crate::actuator::driver::setup::{Shaping, Stage};
     use crate::actuator::link::carrier::Rectifier;
     use crate::actuator::link::conduction::Conduction;
     use crate::actuator::motor::{Casing, Parameters};
@@ -116,6 +116,8 @@ mod tests {
             limit: 6.0,
             compliance: 6.0,
             shaping: Shaping::Inverse,
+            stage: Stage::default(),
+            park: None,
             look_ahead: None,
             ordered: true,
             rate: 8000.0,

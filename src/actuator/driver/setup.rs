@@ -1,5 +1,6 @@
 //! A motor that is to be turned, and how.
 
+use super::order::{After, By};
 use crate::actuator::drive::Drive;
 use crate::actuator::fault::{Fault, Limit, within};
 use crate::actuator::link::compensator::Compensator;
@@ -20,15 +21,57 @@ pub enum Shaping {
     Overdrive,
     /// As much as there may be one way or the other, at every sample whichever brings the motor nearer.
     Switching,
-    /// What holds the speed, and nothing behind it: a short circuit, or open terminals where the drive is a current.
+    /// What holds the speed, and nothing behind it: a short circuit, or open terminals where the drive is a current; or as [`Stage`] has it.
     Plain,
     /// Nothing: clicks alone are played, which is all that gets through AC coupling.
     Clicks,
+    /// The most there may be while the level is up, and what follows when it is down: see [`Stage`].
+    OnOff,
+}
+
+/// How a drive is held and what follows it, of [`Shaping::Plain`] and [`Shaping::OnOff`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stage {
+    /// What is held.
+    pub by: By,
+    /// What is done while the motor is to be slower than it is, or off.
+    pub after: After,
+    /// Where it is on, the share of the most that there may be: above 0 to 1. At a voltage, a current takes more volts as the motor becomes faster, for which
+    /// a share below 1 leaves room.
+    pub share: f64,
+    /// Levels from which on it is on, and from which down it is off again: 0 to 1, the second no more than the first.
+    pub on_at: f64,
+    /// See `on_at`.
+    pub off_at: f64,
+}
+
+impl Default for Stage {
+    fn default() -> Self {
+        Self { by: By::Amplifier, after: After::Nothing, share: 1.0, on_at: 0.5, off_at: 0.25 }
+    }
 }
 
 impl Shaping {
     /// All.
-    pub const ALL: [Self; 5] = [Self::Inverse, Self::Overdrive, Self::Switching, Self::Plain, Self::Clicks];
+    pub const ALL: [Self; 6] =
+        [Self::Inverse, Self::Overdrive, Self::Switching, Self::Plain, Self::Clicks, Self::OnOff];
+
+    /// The words for them in a rig.
+    pub const WORDS: &[&str] = &["inverse", "overdrive", "switching", "plain", "clicks", "on-off"];
+
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        Self::WORDS[self as usize]
+    }
+}
+
+impl std::str::FromStr for Shaping {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|shaping| shaping.word() == word);
+        found.ok_or_else(|| format!("`{word}` is no shaping: there are {}", Self::WORDS.join(", ")))
+    }
 }
 
 /// A motor and how it is turned.
@@ -51,6 +94,10 @@ pub struct Setup {
     pub compliance: f64,
     /// What is done with levels.
     pub shaping: Shaping,
+    /// How drives are held, and what follows them; of [`Shaping::Plain`] and [`Shaping::OnOff`] alone.
+    pub stage: Stage,
+    /// Seconds of rest after which the mass is turned back to where it was brought home, 0.01 to 60; `None`: it is left where it is.
+    pub park: Option<f64>,
     /// Seconds by which what is played is known ahead, 0 to 1; `None`: as long as braking from the full speed takes. For
     /// [`Shaping::Inverse`] alone.
     pub look_ahead: Option<f64>,
@@ -73,6 +120,10 @@ impl Setup {
             return Err(Fault::because("one_way", 1.0, Limit::Absent, because));
         }
         within("diode_drop", self.diode_drop, (0.0, 1e6), "V")?;
+        within("share", self.stage.share, (1e-3, 1.0), "of the most that there may be")?;
+        within("on_at", self.stage.on_at, (0.001, 1.0), "of a level")?;
+        within("off_at", self.stage.off_at, (0.0, self.stage.on_at), "of a level")?;
+        within("park", self.park.unwrap_or(1.0), (0.01, 60.0), "s")?;
         within("compliance", self.compliance, (1e-6, 1e6), "V")?;
         within("rate", self.rate, (100.0, 1e6), "samples a second")?;
         within("look_ahead", self.look_ahead.unwrap_or(0.0), (0.0, 1.0), "s")

@@ -4,6 +4,7 @@ mod counts;
 mod given;
 mod known;
 mod orders;
+mod staged;
 
 pub use counts::Counts;
 
@@ -14,7 +15,7 @@ use super::ahead::Ahead;
 use super::hanging::Hanging;
 use super::law::{Follow, Seek};
 use super::order::{After, Agenda, Pieces, Switch};
-use super::setup::{Setup, Shaping};
+use super::setup::{Setup, Shaping, Stage};
 use super::track::Track;
 use super::warmth::Warmth;
 use crate::actuator::fault::Fault;
@@ -76,8 +77,15 @@ pub struct Turner {
     hangs: Option<Hanging>,
     /// What the click that is under way is for.
     aim: Aim,
+    /// Samples of rest so far.
+    rested: u64,
+    /// Of levels that switch: which way it is on, 1 or -1, or 0; and whether a motor that is faster than it is to be was let go.
+    on: f64,
+    rolls: bool,
     /// What it made itself by turning, on average over the last sample, V.
     emf: f64,
+    /// The speed that was wished for in the last sample, rad/s.
+    wished: f64,
     clock: u64,
     counts: Counts,
 }
@@ -120,7 +128,8 @@ impl Turner {
         let setup = &setup.on_average();
         let tracks = setup.ordered
             || setup.one_way
-            || matches!(setup.shaping, Shaping::Overdrive | Shaping::Switching);
+            || matches!(setup.shaping, Shaping::Overdrive | Shaping::Switching | Shaping::OnOff)
+            || setup.stage != Stage::default();
         let loses = setup.shaping == Shaping::Clicks;
         let model = || model(setup);
         Ok(Self {
@@ -144,7 +153,11 @@ impl Turner {
             forward: true,
             hangs: None,
             aim: Aim::Pieces,
+            rested: 0,
+            on: 0.0,
+            rolls: false,
             emf: 0.0,
+            wished: 0.0,
             clock: 0,
             counts: Counts::default(),
         })
@@ -216,9 +229,15 @@ impl Turner {
         self.emf
     }
 
+    /// The speed that was wished for in the sample that was taken last, rad/s, as late as what is sent: that of the level that is played, or of what is
+    /// ordered in its place. Of a click, a brake and a drive that is switched on, 0.
+    pub fn wished(&self) -> f64 {
+        self.wished
+    }
+
     /// Whether nothing is sent, nothing waits and the motor stands.
     pub fn is_idle(&self) -> bool {
-        self.agenda.is_empty() && self.rests()
+        self.agenda.is_empty() && self.rests() && !self.waits_to_park()
     }
 
     /// Whether nothing is sent and the motor stands, whatever waits.
@@ -237,18 +256,23 @@ impl Turner {
         let backward = self.setup.one_way && level < -NOTHING;
         self.counts.backward += u64::from(backward);
         let level = if self.setup.one_way { level.max(0.0) } else { level };
-        self.emf = 0.0;
+        (self.emf, self.wished) = (0.0, 0.0);
         let clicks_alone = self.setup.shaping == Shaping::Clicks;
         self.counts.unplayed += u64::from(clicks_alone && level.abs() > NOTHING);
         let level = if clicks_alone { 0.0 } else { level };
         let speeds = self.ahead.step(self.setup.speed_of(level));
         // Orders that are not due yet change nothing: they may come early or late, with the blocks of the caller.
         if speeds == [0.0; 3] && self.due().is_none() && self.rests() {
+            self.park();
+        }
+        if speeds == [0.0; 3] && self.due().is_none() && self.rests() {
+            self.on = 0.0;
             parts.fill(0.0);
             self.clock += 1;
             self.moved = false;
             return;
         }
+        let level_wish = self.ahead.short()[0].abs().max(speeds[0].abs()).copysign(speeds[0]);
         let [played, short] = self.ahead.short().map(|speed| speed / self.setup.full_speed());
         let limited = self.counts.limited;
         if let (Some(before), Some(motor)) = (&mut self.before, &self.motor) {
@@ -280,6 +304,7 @@ impl Turner {
             done = until;
         }
         self.come_home();
+        self.wished = self.wish(level_wish);
         if self.mode == Mode::Level && played > 0.0 {
             self.counts.played += played;
             self.counts.missed += short;

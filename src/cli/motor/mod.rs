@@ -2,6 +2,7 @@
 
 mod coil;
 mod picture;
+mod played;
 mod report;
 mod response;
 mod rumble;
@@ -13,6 +14,7 @@ use super::failure::Failure;
 use super::place::check_made;
 use super::terminal::Terminal;
 use clap::{Args, ValueEnum};
+use pacinian::actuator::driver::setup::Shaping;
 use pacinian::actuator::fault::Fault;
 use pacinian::report::motion::Envelope;
 use pacinian::rig::Model;
@@ -26,6 +28,7 @@ use written::{Through, Written};
 #[command(after_help = "Examples:\n  pacinian motor coin-10mm --level 0.5 --plot coin.svg\n  \
     pacinian motor coin-10mm --drive \"0.02:3, 0.01:-3, open\"\n  \
     pacinian motor coin-10mm --coupling 2,10,20,20+10\n  \
+    pacinian motor rigs/motors.toml --output wrist --patch patches/30-motor.toml --plot patch.svg\n  \
     pacinian motor eai-c-mf --response response.svg\n\n\
     Rumble motors: a burst and a click in every way in which they can be driven. Voice coils, inertial motors and resonant actuators:\n\
     resonance, response, a burst plain, overdriven and braked, an equaliser. Everything is computed from figures; which of them nobody\n\
@@ -43,6 +46,18 @@ pub struct Motor {
     /// do without seconds and holds for good (amperes where the amplifier of the rig imposes a current)
     #[arg(long, value_name = "COURSE", allow_hyphen_values = true)]
     drive: Option<Written>,
+    /// A patch that is played on the rig in place of the comparison, and what it does to the actuator of the output
+    #[arg(long, value_name = "PATCH")]
+    patch: Option<PathBuf>,
+    /// With --patch: the pattern to play [default: those that a trigger starts, else the first]
+    #[arg(long, value_name = "NAME", requires = "patch")]
+    pattern: Option<String>,
+    /// With --patch: what levels are shaped by in place of what the rig says; several, separated by commas, are compared side by side
+    #[arg(long, value_name = "WORD,WORD", value_delimiter = ',', requires = "patch")]
+    shaping: Vec<Shaping>,
+    /// With --patch: the most of it that is played, seconds, 60 at most [default: until it is over and all is at rest]
+    #[arg(long, value_name = "S", requires = "patch", allow_negative_numbers = true)]
+    duration: Option<f64>,
     /// Turns of the click, negative backward [default: 0.25]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     turns: Option<f64>,
@@ -126,6 +141,11 @@ impl Motor {
             return Err(Failure::usage(what, "choose another for --response"));
         }
         match subject.actuator.model {
+            Model::RumbleMotor | Model::VoiceCoil | Model::InertialMotor | Model::Lra
+                if self.patch.is_some() =>
+            {
+                played::run(self, &subject, terminal)
+            }
             Model::RumbleMotor => rumble::run(self, &subject, terminal),
             Model::VoiceCoil | Model::InertialMotor | Model::Lra => coil::run(self, &subject, terminal),
             model @ (Model::Generic | Model::Piezo) => {

@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 /// An actuator, and what reaches it.
 #[derive(Debug)]
 pub struct Subject {
+    /// The output of the rig; none of a part.
+    pub output: Option<String>,
     /// As people call it: the part's name, or output and rig.
     pub name: String,
     /// What it is.
@@ -127,6 +129,7 @@ impl Subject {
             Chain { full_scale: 1.0, corners: Corners::none(), amplifier }
         });
         Self {
+            output: None,
             name: part.name.into(),
             title: part.title.clone(),
             limit,
@@ -185,6 +188,7 @@ impl Subject {
             }
         }
         Ok(Self {
+            output: Some(output.name.clone()),
             name: format!("{} of {}", output.name, source.file),
             title: part.map_or(of.clone(), |part| format!("{of}, {}", part.title)),
             limit,

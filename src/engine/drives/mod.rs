@@ -58,6 +58,11 @@ impl Drives {
         self.lines.iter().find(|line| line.channel == channel)?.turner.hangs()
     }
 
+    /// The speed that is wished of the motor of a channel (from 0) in the engine sample that was sent last, rad/s: see [`turner::Turner::wished`].
+    pub fn wished(&self, channel: usize) -> Option<f64> {
+        self.lines.iter().find(|line| line.channel == channel).map(|line| line.turner.wished())
+    }
+
     /// What happened to the motor of a channel (from 0).
     pub fn counts_of(&self, channel: usize) -> Option<turner::Counts> {
         self.lines.iter().find(|line| line.channel == channel).map(|line| line.turner.counts())

@@ -7,6 +7,7 @@
 //! | [`Figures`] | rise, peak, stop, error |
 //! | [`bursts`], [`clicks`] | one wish, driven in several ways |
 //! | [`behind`] | what of a click arrives behind coupling that keeps steady voltages off |
+//! | [`Played`], [`Stretch`] | what an actuator does under a patch |
 //! | [`coil`] | resonance, response and bursts of actuators with a coil |
 //!
 //! ```
@@ -39,11 +40,13 @@ mod bench;
 pub mod coil;
 mod coupled;
 mod figures;
+mod played;
 mod ways;
 mod wish;
 
 pub use bench::{Bench, Felt, Given, Run, Traces};
 pub use coupled::{Arrival, Behind, behind};
 pub use figures::Figures;
+pub use played::{Played, Stretch};
 pub use ways::{Done, Row, Way, bursts, clicks, own};
 pub use wish::{Envelope, Wish};

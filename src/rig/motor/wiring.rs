@@ -43,6 +43,8 @@ impl Wiring {
             limit: self.limit,
             compliance: self.compliance,
             shaping: self.turning.shaping,
+            stage: self.turning.stage,
+            park: self.turning.park,
             look_ahead: self.turning.look_ahead,
             // An order may come with any patch that takes over.
             ordered: true,

@@ -12,7 +12,6 @@ impl Turner {
     pub(super) fn given(&mut self, speeds: &[f64; 3], whole: bool) -> f64 {
         let (speed, current) =
             self.motor.as_ref().map_or((0.0, 0.0), |motor| (motor.speed(), motor.current()));
-        let (least, limit) = (self.setup.least(), self.setup.limit);
         let (shaping, speeds) = match self.mode {
             _ if self.rests => return 0.0,
             _ if self.halts => return self.seek.step(speed, current, 0.0),
@@ -25,7 +24,8 @@ impl Turner {
             Mode::Level => (self.setup.shaping, *speeds),
         };
         match shaping {
-            Shaping::Plain => self.setup.held_by(speeds[0]).clamp(least, limit),
+            Shaping::Plain => self.plain(speeds[0]),
+            Shaping::OnOff => self.on_off(speeds[0]),
             Shaping::Overdrive => self.seek.step(speed, current, speeds[1]),
             Shaping::Switching => self.switched(speed, current, speeds[1]),
             Shaping::Clicks => self.seek.step(speed, current, 0.0),
@@ -42,6 +42,20 @@ impl Turner {
                 self.seek.step(speed, current, speeds[1])
             }
             Shaping::Inverse => self.followed(&speeds),
+        }
+    }
+
+    /// What is wished for now, rad/s, where levels wish for that.
+    pub(super) fn wish(&self, level: f64) -> f64 {
+        match self.mode {
+            _ if self.halts || self.rests => 0.0,
+            Mode::Level => level,
+            Mode::Speed(wished, ..) | Mode::Keep(wished, _) => wished,
+            Mode::Swell(Swell { number, root, begin, .. }) => {
+                let track = self.tracks.get(number as usize);
+                track.map_or(0.0, |track| track.wished(self.clock as f64 - begin, root))
+            }
+            Mode::Click(..) | Mode::On(_) | Mode::Roll(_) => 0.0,
         }
     }
 
@@ -62,7 +76,7 @@ impl Turner {
     }
 
     /// A drive that is switched on.
-    fn on(&self, switch: Switch) -> f64 {
+    pub(super) fn on(&self, switch: Switch) -> f64 {
         let p = &self.setup.parameters;
         let wanted = match (self.setup.imposes, switch.by) {
             (Drive::Voltage, By::Current) => switch.amount + self.rolling(),
@@ -73,7 +87,7 @@ impl Turner {
     }
 
     /// What follows it.
-    fn after(&self, after: After) -> f64 {
+    pub(super) fn after(&self, after: After) -> f64 {
         let wanted = match (self.setup.imposes, after) {
             (Drive::Voltage, After::Open) => self.rolling(),
             (Drive::Current, After::Short) => -self.rolling() / self.setup.parameters.resistance,

@@ -10,6 +10,7 @@ use super::{Mode, Turner};
 use crate::actuator::drive::Drive;
 use crate::actuator::driver::hanging::Hanging;
 use crate::actuator::driver::order::{PIECES, Pieces};
+use crate::actuator::driver::setup::Setup;
 use crate::actuator::driver::stopping::{Stopping, certain};
 
 /// The most looks at where within a sample a drive ends; how near is near enough, as a share of it.
@@ -19,6 +20,12 @@ const NEAR: f64 = 1e-6;
 /// How much longer than of a motor that lies flat a drive may last, as a multiple, and s beyond that.
 const LONGER: f64 = 4.0;
 const BEYOND: f64 = 0.05;
+
+/// A mass that hangs no farther from home than that is there, rad: 3 degrees.
+const THERE: f64 = 0.05;
+
+/// The most that a drive of a slow turn lasts, s.
+const SLOW: f64 = 0.5;
 
 /// A click that waits for rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +43,8 @@ pub(super) enum Aim {
     Turns(f64),
     /// To where the model's angle is this, rad.
     To(f64),
+    /// Back to where that is, rad from straight down, if it is known where the mass hangs; else home.
+    Park(f64),
     /// Home, rad from straight down; and that it was brought there, and is to come to rest.
     Home(f64),
     Homed(f64),
@@ -52,13 +61,27 @@ impl Turner {
 
     /// The same click as it is from where the mass hangs.
     pub(super) fn as_it_hangs(&self, click: Click) -> Click {
-        let Aim::Turns(turns) = click.aim else { return click };
-        let Click { mut pieces, .. } = click;
-        let (Some(hangs), Some(motor)) = (self.hangs(), &self.motor) else {
-            return Click { pieces, aim: Aim::Pieces };
+        let Click { mut pieces, aim } = click;
+        let known = self.hangs().filter(|_| can_be_ended(&self.setup));
+        let (Some(hangs), Some(motor)) = (known, &self.motor) else {
+            return Click {
+                pieces,
+                aim: match aim {
+                    Aim::Home(angle) | Aim::Park(angle) => Aim::Home(angle),
+                    _ => Aim::Pieces,
+                },
+            };
         };
-        if self.setup.one_way || self.setup.imposes == Drive::Current || turns == 0.0 {
-            return Click { pieces, aim: Aim::Pieces };
+        let turns = match aim {
+            Aim::Turns(turns) => turns,
+            Aim::Park(angle) => {
+                pieces.list = [(SLOW, 0.0); PIECES];
+                ((angle - hangs + PI).rem_euclid(TAU) - PI) / TAU
+            }
+            _ => return click,
+        };
+        if matches!(aim, Aim::Park(_)) && turns.abs() * TAU < THERE || turns == 0.0 {
+            return Click { pieces: Pieces::default(), aim: Aim::Pieces };
         }
         let way = turns.signum();
         let amount = certain(&self.setup.parameters, hangs, way, pieces.list[0].1.abs(), self.setup.limit);
@@ -66,6 +89,32 @@ impl Turner {
             piece.1 = sign * way * amount;
         }
         Click { pieces, aim: Aim::To(motor.turned() + TAU * turns) }
+    }
+
+    /// Whether a mass that rests is to be turned back home after a while.
+    pub(super) fn waits_to_park(&self) -> bool {
+        let (Some(_), Some(hanging), Some(hangs)) = (self.setup.park, &self.hangs, self.hangs()) else {
+            return false;
+        };
+        let off = (hanging.home - hangs + PI).rem_euclid(TAU) - PI;
+        can_be_ended(&self.setup) && off.abs() >= THERE
+    }
+
+    /// Of a motor at rest: turns its mass back home once it has rested for long enough.
+    pub(super) fn park(&mut self) {
+        let (Some(seconds), Some(Hanging { home, .. })) = (self.setup.park, self.hangs) else { return };
+        self.rested += 1;
+        if self.halts
+            || self.rests
+            || (self.rested as f64) < seconds * self.setup.rate
+            || !self.waits_to_park()
+        {
+            return;
+        }
+        self.rested = 0;
+        let click = Click { pieces: Pieces::default(), aim: Aim::Park(home) };
+        self.mode = Mode::Speed(0.0, Some(click), self.clock);
+        (self.voice, self.away) = (None, true);
     }
 
     /// Brings forward the end of a drive of a click that is under way, where the model says so, and gives what becomes of the next.
@@ -135,6 +184,9 @@ impl Turner {
 
     /// A mass that was brought home and stands there hangs where home is.
     pub(super) fn come_home(&mut self) {
+        if !(self.mode == Mode::Level && self.stands()) {
+            self.rested = 0;
+        }
         let Aim::Homed(home) = self.aim else { return };
         if self.mode != Mode::Level || !self.ahead.is_still() {
             self.aim = Aim::Pieces;
@@ -146,4 +198,9 @@ impl Turner {
             }
         }
     }
+}
+
+/// Whether the model may end clicks: of voltages that may go either way.
+fn can_be_ended(setup: &Setup) -> bool {
+    !setup.one_way && setup.imposes == Drive::Voltage
 }

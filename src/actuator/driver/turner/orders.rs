@@ -79,10 +79,14 @@ impl Turner {
         }
         let order = order.sane(self.setup.full_speed(), self.setup.limit);
         match order {
-            Order::Click(pieces) | Order::Turn(pieces, _) | Order::Home(pieces, _) => {
+            Order::Click(pieces)
+            | Order::Turn(pieces, _)
+            | Order::Home(pieces, _)
+            | Order::Park(pieces, _) => {
                 let aim = match order {
                     Order::Turn(_, turns) => Aim::Turns(turns),
                     Order::Home(_, angle) => Aim::Home(angle),
+                    Order::Park(_, angle) => Aim::Park(angle),
                     _ => Aim::Pieces,
                 };
                 // At rest it begins at once.
