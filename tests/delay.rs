@@ -59,5 +59,6 @@ fn band_limit_and_up_sampling_take_less_than_1_6_ms() {
         println!("{rate}: {:.3} ms added, {:.3} ms in all", 1e3 * added, 1e3 * delay.total());
         assert!(added < 1.6e-3, "{added} s at {rate} Hz");
         assert!(delay.lead > 0.0 && delay.lead < 0.3e-3);
+        assert!(delay.total() < 1.7e-3, "{} s in all at {rate} Hz", delay.total());
     }
 }

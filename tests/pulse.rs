@@ -118,7 +118,7 @@ fn in_folder(folder: &PathBuf, program: &str) -> Command {
     let mut command = Command::new(program);
     command
         .env("XDG_RUNTIME_DIR", folder)
-        .env("XDG_CONFIG_HOME", folder)
+        .env_remove("XDG_CONFIG_HOME")
         .env("HOME", folder)
         .env("PULSE_RUNTIME_PATH", folder)
         .env("PULSE_SERVER", format!("unix:{}", folder.join("native").display()))

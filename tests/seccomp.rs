@@ -27,7 +27,7 @@ const NO_FILTER: i32 = 43;
 const CHANNELS: usize = 16;
 const FRAMES: usize = 480;
 const EVENTS: u32 = 50_000;
-const PLANS: u32 = 20;
+const PLANS: u32 = 100;
 
 /// From now on, any system call of this thread ends the process. Says whether the system can do that.
 fn forbid() -> bool {

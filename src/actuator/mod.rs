@@ -39,6 +39,8 @@
 //! # Ok::<(), pacinian::actuator::shape::Unreachable>(())
 //! ```
 
+#![deny(clippy::disallowed_methods)]
+
 pub mod coil;
 pub mod drive;
 pub mod driver;

@@ -32,6 +32,7 @@ impl<R: Real, const T: usize> Fractional<R, T> {
     /// Weights for places from `first` to `last`, for frequencies up to `band` (in shares of the rate). The first who asks computes
     /// them, and they stay for as long as the program runs: it is for those who ask for the same few over and over, and not for
     /// the audio thread.
+    #[allow(clippy::disallowed_methods)] // when an engine is made
     pub fn new(first: f64, last: f64, band: f64) -> Self {
         let asked = [first, last, band].map(f64::to_bits);
         let mut tables = TABLES.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,5 +1,7 @@
 //! Blocks that several rooms share.
 
+#![deny(clippy::disallowed_methods)]
+
 pub mod biquad;
 pub(crate) mod blocker;
 pub mod complex;

@@ -35,6 +35,7 @@ pub type Loop = Option<(usize, usize)>;
 impl Copies {
     /// The copies of `samples`, made once for as long as someone holds them. `owner` names the recording; with `round`, its end
     /// is followed by its beginning.
+    #[allow(clippy::disallowed_methods)] // when an engine is made
     pub fn of<T: Send + Sync + 'static>(owner: &Arc<T>, samples: &[f32], round: bool) -> Arc<Self> {
         type Kept = Mutex<Vec<(Weak<dyn std::any::Any + Send + Sync>, Weak<Copies>)>>;
         static KEPT: OnceLock<Kept> = OnceLock::new();

@@ -1,5 +1,7 @@
 //! The run-time: runs a plan. It knows no files, no devices and no formats.
 
+#![deny(clippy::disallowed_methods)]
+
 #[doc(hidden)] // for benches/engine.rs
 pub mod bank;
 mod commander;

@@ -53,6 +53,8 @@
 //!
 //! Angles are radians, torques newton metres on the knob (positive turns it to larger angles), times seconds.
 
+#![deny(clippy::disallowed_methods)]
+
 pub mod angle;
 pub mod effect;
 pub mod governor;

@@ -1,5 +1,7 @@
 //! The board on which the audio thread shows how things stand, for all to read. Neither side ever waits for the other.
 
+#![deny(clippy::disallowed_methods)]
+
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use super::lever::Lever;

@@ -3,6 +3,8 @@
 //! It knows no device, and reads a clock for nothing but to say what its work has cost. Everything that reaches it is stamped with engine
 //! time or takes effect at the frame at which it is found, and it tells [`Report`]s of both, from which a session can be played again to the bit.
 
+#![deny(clippy::disallowed_methods)]
+
 use std::sync::Arc;
 
 use ringbuf::traits::{Consumer, Observer, Producer, Split};

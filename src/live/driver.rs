@@ -1,5 +1,7 @@
 //! Between a device and the callback: reads the clocks that the callback must not know.
 
+#![deny(clippy::disallowed_methods)]
+
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 

@@ -3,6 +3,8 @@
 //!
 //! All it does is a function of frames and of what it was told at which frame, so a replay opens and closes as the session did.
 
+#![deny(clippy::disallowed_methods)]
+
 use crate::engine;
 
 /// Where a gate is told to go.

@@ -1,5 +1,7 @@
 //! What other threads want of the gate: a few values of which the last counts, so that none is ever lost for lack of room.
 
+#![deny(clippy::disallowed_methods)]
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 

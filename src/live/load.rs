@@ -1,5 +1,7 @@
 //! How much of their time callbacks take.
 
+#![deny(clippy::disallowed_methods)]
+
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Buckets to an octave, and octaves: from 2^-12 of a period to 16 periods.

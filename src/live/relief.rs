@@ -2,6 +2,8 @@
 //!
 //! It only decides. What it decides enters the engine as an event with its sample, so that a replay does the same without a clock.
 
+#![deny(clippy::disallowed_methods)]
+
 /// Of the time that a callback has, more than this is too much.
 const TOO_MUCH: f64 = 0.7;
 

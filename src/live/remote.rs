@@ -3,6 +3,8 @@
 //! Two cells hold the newest of each, and neither side ever waits for the other. Every torque carries the time of the angle that it was made
 //! of. One that is older than was allowed for is none: so whatever stops, the line, the callback or a thread, torque does not outlast it.
 
+#![deny(clippy::disallowed_methods)]
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 

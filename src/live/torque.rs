@@ -1,5 +1,7 @@
 //! How it stands with the torque of a knob that is there.
 
+#![deny(clippy::disallowed_methods)]
+
 use crate::engine::knob::Knob;
 use crate::knob::safety::chain::Trip;
 use std::fmt;

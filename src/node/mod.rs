@@ -2,6 +2,8 @@
 //!
 //! To add a node, write its file and add its line to the list at the foot of this one.
 
+#![deny(clippy::disallowed_methods)]
+
 pub mod asset;
 pub(crate) mod course;
 #[cfg(test)]

@@ -3,6 +3,8 @@
 //!
 //! Amplitudes are peaks. Every curve says where it is from and how far it may be off; of what nobody has measured nothing is made up.
 
+#![deny(clippy::disallowed_methods)]
+
 pub mod calibration;
 pub mod fault;
 pub mod gauge;

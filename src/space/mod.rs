@@ -18,6 +18,8 @@
 //! [`Array::weights`](array::Array::weights), [`Law::gain`](law::Law::gain), [`Path::at`](path::Path::at) and what [`Mover`](moving::Mover) does are for the audio thread:
 //! they neither allocate nor panic, every loop in them ends, and they give the same bits on every machine.
 
+#![deny(clippy::disallowed_methods)]
+
 pub mod apparent;
 pub mod array;
 pub mod brush;

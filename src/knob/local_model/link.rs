@@ -200,7 +200,7 @@ mod tests {
                 before = seen.tick;
             }
             while !slow.flush() {
-                std::thread::yield_now();
+                std::hint::spin_loop();
             }
             done.store(true, Ordering::Release);
             servo.join().unwrap()
