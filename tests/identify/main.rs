@@ -81,18 +81,13 @@ fn record(scratch: &Scratch, name: &str, rate: f64, encoding: Encoding, channels
 /// What is told under a name: within 3 % of the truth, and the interval holds it.
 #[track_caller]
 fn near(said: &Value, name: &str, truth: f64) {
-    near_by(said, name, truth, 0.03);
-}
-
-#[track_caller]
-fn near_by(said: &Value, name: &str, truth: f64, share: f64) {
     let told = said["told"].as_array().unwrap();
     let figure = told
         .iter()
         .find(|f| f["name"] == name)
         .unwrap_or_else(|| panic!("{name} is not told: {:#}", said["untold"]));
     let value = figure["value"].as_f64().unwrap();
-    assert!((value / truth - 1.0).abs() < share, "{name} = {value}, but it is {truth}");
+    assert!((value / truth - 1.0).abs() < 0.03, "{name} = {value}, but it is {truth}");
     let [least, most] = [0, 1].map(|n| figure["interval"][n].as_f64().unwrap());
     assert!((least..=most).contains(&truth), "{name}: {least} to {most}, but it is {truth}");
 }

@@ -2,8 +2,7 @@
 
 use super::program::Scratch;
 use super::{
-    Noise, RIG, SCALE, WRIST, coin, coin_take, driven, groups, late, near, near_by, of_part, record, turn,
-    why_not,
+    Noise, RIG, SCALE, WRIST, coin, coin_take, driven, groups, late, near, of_part, record, turn, why_not,
 };
 use pacinian::actuator::motor::{Drive, GRAVITY, Motor, Parameters, Plan, Wish};
 use pacinian::io::wav::Encoding;
@@ -148,13 +147,12 @@ fn a_looped_back_drive_and_a_current_tell_more() {
         ("resistance", p.resistance),
         ("torque_constant", p.gain),
         ("inertia", p.inertia),
+        ("coulomb_friction", p.coulomb),
         ("eccentric_moment", p.eccentric),
     ] {
         near(&said, name, truth);
     }
     assert!((said["delay"].as_f64().unwrap() * rate - 3001.0).abs() < 0.2, "{}", said["delay"]);
-    // A rotor that is fast beside its coil tells less of its dry friction, and says so by the interval.
-    near_by(&said, "coulomb_friction", p.coulomb, 0.08);
     // With all that it is made of, how it moves follows.
     let figure =
         |name: &str| said["told"].as_array().unwrap().iter().find(|f| f["name"] == name).unwrap().clone();
