@@ -3,7 +3,8 @@
 //! F. Janabi-Sharifi, V. Hayward, C.-S. J. Chen: "Discrete-time adaptive windowing for velocity estimation", IEEE Transactions on Control Systems
 //! Technology, 2000. The window grows while a line through the newest reading stays within one tolerance of every reading in it;
 //! the tolerance of an encoder that rounds down is one count. Each older reading allows a range of slopes, and those ranges only
-//! shrink, so that one pass over the window decides, not one for each length of it.
+//! shrink, so that one pass over the window decides, not one for each length of it. It goes by eight readings at a time: where all of them lie
+//! within what all eight leave of the range, none of them ends the window.
 
 use super::Estimator;
 use super::ring::Ring;
@@ -62,10 +63,51 @@ impl Adaptive {
         self.length
     }
 
+    /// How many readings a line through each of them and the newest explains, all before the first that it does not.
+    #[inline(always)]
+    fn longest_line(&self, angle: f64) -> usize {
+        let past = self.ring.past();
+        let (mut least, mut most, mut length) = (f64::NEG_INFINITY, f64::INFINITY, 0);
+        for (past, inverse) in past.chunks_exact(TOGETHER).zip(self.inverse.chunks_exact(TOGETHER)) {
+            let (mut ends, mut lows, mut highs) = ([0.0; TOGETHER], [0.0; TOGETHER], [0.0; TOGETHER]);
+            for k in 0..TOGETHER {
+                (ends[k], lows[k], highs[k]) = self.slopes(angle - past[k], inverse[k]);
+            }
+            let left = (larger(least, fold(&lows, larger)), smaller(most, fold(&highs, smaller)));
+            if left.0 <= fold(&ends, smaller) && fold(&ends, larger) <= left.1 {
+                (least, most) = left;
+                length += TOGETHER;
+                continue;
+            }
+            for k in 0..TOGETHER {
+                if !(least <= ends[k] && ends[k] <= most) {
+                    return length;
+                }
+                (least, most) = (larger(least, lows[k]), smaller(most, highs[k]));
+                length += 1;
+            }
+        }
+        for (past, inverse) in past.iter().zip(&self.inverse).skip(length) {
+            let (end, low, high) = self.slopes(angle - past, *inverse);
+            if !(least <= end && end <= most) {
+                break;
+            }
+            (least, most) = (larger(least, low), smaller(most, high));
+            length += 1;
+        }
+        length
+    }
+
+    /// The slope a tick to a reading, and the least and the most that it allows; its own lies between them.
+    #[inline(always)]
+    fn slopes(&self, rise: f64, inverse: f64) -> (f64, f64, f64) {
+        (rise * inverse, (rise - self.tolerance) * inverse, (rise + self.tolerance) * inverse)
+    }
+
     /// The slope a tick of least squares over a window.
     fn best(&self, angle: f64, length: usize) -> f64 {
         let (mut sum, mut moment, mut age) = (0.0, 0.0, 0.0);
-        for past in self.ring.past().iter().rev().take(length) {
+        for past in self.ring.past().iter().take(length) {
             age += 1.0;
             let rise = angle - past;
             sum += rise;
@@ -75,27 +117,31 @@ impl Adaptive {
     }
 }
 
+/// Readings that are looked at together.
+const TOGETHER: usize = 8;
+
+/// The extreme one, in two lanes that do not wait for each other.
+#[inline(always)]
+fn fold(values: &[f64; TOGETHER], extreme: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut lanes = [values[0], values[1]];
+    for pair in values.chunks_exact(2).skip(1) {
+        lanes = [extreme(lanes[0], pair[0]), extreme(lanes[1], pair[1])];
+    }
+    extreme(lanes[0], lanes[1])
+}
+
 impl Estimator for Adaptive {
     fn push(&mut self, angle: f64) -> f64 {
         if !angle.is_finite() {
             return self.speed;
         }
         self.ring.push(angle);
-        // Slopes a tick that every reading so far allows.
-        let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
-        let (mut slope, mut length) = (0.0, 0);
-        for (past, inverse) in self.ring.past().iter().rev().zip(&self.inverse) {
-            let rise = angle - past;
-            let end = rise * inverse;
-            // A reading's own range holds its slope.
-            if !(least <= end && end <= most) {
-                break;
-            }
-            least = larger(least, (rise - self.tolerance) * inverse);
-            most = smaller(most, (rise + self.tolerance) * inverse);
-            slope = end;
-            length += 1;
-        }
+        let length = self.longest_line(angle);
+        let past = self.ring.past();
+        let mut slope = match length {
+            0 => 0.0,
+            _ => (angle - past[length - 1]) * self.inverse[length - 1],
+        };
         if self.fit == Fit::Best && length > 0 {
             slope = self.best(angle, length);
         }

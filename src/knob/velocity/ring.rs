@@ -5,7 +5,7 @@
 pub(super) struct Ring {
     twice: Box<[f64]>,
     size: usize,
-    /// Where the newest is, in the first half.
+    /// Where the newest is, in the first half; older ones are behind it.
     newest: usize,
     filled: usize,
 }
@@ -19,7 +19,7 @@ impl Ring {
 
     #[inline(always)]
     pub(super) fn push(&mut self, reading: f64) {
-        self.newest = if self.newest + 1 == self.size { 0 } else { self.newest + 1 };
+        self.newest = if self.newest == 0 { self.size - 1 } else { self.newest - 1 };
         self.twice[self.newest] = reading;
         self.twice[self.newest + self.size] = reading;
         self.filled += usize::from(self.filled < self.size);
@@ -31,17 +31,16 @@ impl Ring {
         self.filled.saturating_sub(1)
     }
 
-    /// What was read before the newest, the oldest first.
+    /// What was read before the newest, by age.
     #[inline(always)]
     pub(super) fn past(&self) -> &[f64] {
-        let newest = self.newest + self.size;
-        &self.twice[newest - self.before()..newest]
+        &self.twice[self.newest + 1..=self.newest + self.before()]
     }
 
     /// The reading so many before the newest; no more than [`before`](Self::before).
     #[inline(always)]
     pub(super) fn at(&self, age: usize) -> f64 {
-        self.twice[self.newest + self.size - age]
+        self.twice[self.newest + age]
     }
 
     /// As if nothing but `reading` had ever been read.
@@ -64,8 +63,8 @@ mod tests {
             for n in 0..50 {
                 ring.push(f64::from(n));
                 all.push(f64::from(n));
-                let past = &all[all.len() - size.min(all.len())..all.len() - 1];
-                assert_eq!((ring.past(), ring.before()), (past, past.len()));
+                let past: Vec<f64> = all.iter().rev().skip(1).take(size - 1).copied().collect();
+                assert_eq!((ring.past(), ring.before()), (&past[..], past.len()));
                 (0..=past.len()).for_each(|age| assert_eq!(ring.at(age), all[all.len() - 1 - age]));
             }
             ring.fill(0.5);

@@ -92,13 +92,22 @@ fn without_counts_each_is_late_by_its_lag() {
 /// The window against its definition, reading by reading: the longest whose line passes within a count of all in it.
 #[test]
 fn the_window_is_the_longest_that_a_line_explains() {
-    let (t, longest) = (1e-3, 24);
+    // Whatever is left where readings are looked at by eights.
+    for (longest, most) in [(24, 4.0), (1, 4.0), (7, 1.0), (8, 1.0), (9, 1.0), (100, 0.2)] {
+        let used = explained(longest, most);
+        assert!(used.contains(&longest) && (longest < 9 || used.len() > longest / 2), "{longest}: {used:?}");
+    }
+}
+
+/// At up to so many rad/s; the lengths that came.
+fn explained(longest: usize, most: f64) -> std::collections::BTreeSet<usize> {
+    let (t, mut used) = (1e-3, std::collections::BTreeSet::new());
     let mut e = Adaptive::new(Fit::End, longest, COUNT, t).unwrap();
     let mut best = Adaptive::new(Fit::Best, longest, COUNT, t).unwrap();
     let mut all: Vec<f64> = Vec::new();
     let mut angle = 0.0;
     for k in 0..3000 {
-        let speed = 4.0 * (f64::from(k) * 0.004).sin() + uniform(5, k as u64);
+        let speed = most * ((f64::from(k) * 0.004).sin() + 0.25 * uniform(5, k as u64));
         angle += speed * t;
         all.push(COUNT * (angle / COUNT).floor());
         let newest = all[all.len() - 1];
@@ -113,6 +122,7 @@ fn the_window_is_the_longest_that_a_line_explains() {
         let got = e.push(newest);
         let slope = best.push(newest);
         assert_eq!(e.window(), n, "{k}");
+        used.insert(n);
         if n > 0 {
             assert!((got - (newest - all[all.len() - 1 - n]) / (n as f64 * t)).abs() < 1e-9);
             // Least squares by its normal equation.
@@ -124,6 +134,7 @@ fn the_window_is_the_longest_that_a_line_explains() {
             assert!((slope - rise / run / t).abs() < 1e-9);
         }
     }
+    used
 }
 
 /// The closed form against the recursion of the filter's variance.
