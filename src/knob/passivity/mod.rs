@@ -3,13 +3,15 @@
 //! B. Hannaford, J.-H. Ryu: "Time-domain passivity control of haptic interfaces", IEEE Transactions on Robotics and Automation, 2002. A torque that is held
 //! over a tick does exactly torque times angle of work, so the observer's sum is exact and needs no speed. Where more has come out
 //! than went in, the controller adds damping that would take the difference back within a tick. It repairs what the hold creates, wholly so only if it
-//! may go on braking once the knob has left a wall; a delay of two ticks and more it does not repair. Its gain must have a cap: beyond J / T
-//! the knob turns back within the tick.
+//! may go on braking once the knob has left a wall. Its gain must have a cap: beyond J / T the knob turns back within the tick.
+//!
+//! Torque that acts ticks after it was given must be reckoned with, or the same excess is braked once for every tick of the delay, and the knob
+//! sticks or is driven back. What was asked for and is not yet seen in the sum therefore counts as taken back. Delays of one tick are made good so; of more, in part.
 
 #[cfg(test)]
 mod tests;
 
-use crate::actuator::fault::{Fault, not_negative, positive};
+use crate::actuator::fault::{Fault, Limit, check, not_negative, positive};
 
 /// Books energy.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -74,22 +76,32 @@ pub struct Cap {
     pub least_speed: f64,
 }
 
+/// The longest delay that is reckoned with, ticks.
+const MOST_LATE: f64 = (1 << 20) as f64;
+
 /// An observer that brakes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Controller {
     observer: Observer,
     period: f64,
     most: f64,
     least: f64,
     acted: u64,
+    /// Joules that will be taken back by what was asked for and has not acted yet, a place a tick of the delay.
+    way: Box<[f64]>,
+    place: usize,
+    /// Their sum, and how many of them are not 0.
+    under_way: f64,
+    braking: usize,
 }
 
 impl Controller {
-    /// At ticks of `period` seconds. An infinite share is no cap.
+    /// At ticks of `period` seconds, of torque that acts `late` ticks after it was given. An infinite share is no cap.
     ///
     /// # Errors
-    /// A figure that cannot be.
-    pub fn new(cap: &Cap, period: f64) -> Result<Self, Fault> {
+    /// A figure that cannot be; more than 2²⁰ ticks.
+    pub fn new(cap: &Cap, period: f64, late: usize) -> Result<Self, Fault> {
+        check("late", late as f64, Limit::Most(MOST_LATE))?;
         positive("period", period)?;
         positive("inertia", cap.inertia)?;
         not_negative("least_speed", cap.least_speed)?;
@@ -97,21 +109,45 @@ impl Controller {
             not_negative("share", cap.share)?;
         }
         let most = cap.share * cap.inertia / period;
-        Ok(Self { observer: Observer::default(), period, most, least: cap.least_speed, acted: 0 })
+        Ok(Self {
+            observer: Observer::default(),
+            period,
+            most,
+            least: cap.least_speed,
+            acted: 0,
+            way: vec![0.0; late].into_boxed_slice(),
+            place: 0,
+            under_way: 0.0,
+            braking: 0,
+        })
     }
 
     /// One tick: a reading, its speed (rad/s), the torque that was held since the one before and the torque wanted now (N m). Returns the
     /// torque with the damping it needs.
     #[inline(always)]
     pub fn tick(&mut self, angle: f64, speed: f64, held: f64, wanted: f64) -> f64 {
-        let balance = self.observer.observe(angle, held);
-        if balance < 0.0 && speed.abs() > self.least && speed.is_finite() {
-            self.acted += 1;
-            let alpha = f64::min(-balance / (self.period * speed * speed), self.most);
-            wanted - alpha * speed
-        } else {
-            wanted
+        let balance = self.observer.observe(angle, held) + self.under_way;
+        let brakes = balance < 0.0 && speed.abs() > self.least && speed.is_finite();
+        let alpha = if brakes { f64::min(-balance / (self.period * speed * speed), self.most) } else { 0.0 };
+        if !self.way.is_empty() {
+            self.send(if brakes { alpha * speed * speed * self.period } else { 0.0 });
         }
+        if !brakes {
+            return wanted;
+        }
+        self.acted += 1;
+        wanted - alpha * speed
+    }
+
+    /// What is asked for now is under way; what was asked for a delay ago acts from here on, and is seen with the next reading.
+    #[inline(always)]
+    fn send(&mut self, energy: f64) {
+        let Some(place) = self.way.get_mut(self.place) else { return };
+        let acts = std::mem::replace(place, energy);
+        self.place = if self.place + 1 == self.way.len() { 0 } else { self.place + 1 };
+        self.braking = self.braking + usize::from(energy != 0.0) - usize::from(acts != 0.0);
+        // What rounding left of a sum of nothing is nothing.
+        self.under_way = if self.braking == 0 { 0.0 } else { self.under_way + energy - acts };
     }
 
     /// The books.

@@ -78,7 +78,7 @@ impl Servo {
             .map_err(|(effect, fault)| Unfit { effect: Some(effect), fault })?;
         let period = setup.period();
         let books = match &setup.passivity {
-            Some(cap) => Books::Braked(Controller::new(cap, period)?),
+            Some(cap) => Books::Braked(Controller::new(cap, period, setup.late().min(MOST_DELAY))?),
             None => Books::Watched(Observer::default()),
         };
         let governor = Governor::new(&setup.device, setup.margin)?;
