@@ -7,6 +7,9 @@ use pacinian::text::Problem;
 /// How long the line is where nobody says.
 pub const USUAL: u32 = 8;
 
+/// A device that offers all numbers of channels from one to this takes any.
+const ANY: usize = 16;
+
 /// A line of tactors: as many as the patch names, or more, for a device that offers these numbers of channels; any, where there are none.
 pub fn rig(patch: &Patch, offered: &[u16]) -> Rig {
     Rig::default_for(fit(needed(patch), offered))
@@ -17,6 +20,10 @@ pub fn rig(patch: &Patch, offered: &[u16]) -> Rig {
 pub fn fit(needed: u32, offered: &[u16]) -> u32 {
     if offered.is_empty() {
         return needed.max(USUAL);
+    }
+    // Who takes any number converts it, and does not say what there is behind: most likely headphones.
+    if offered.len() >= ANY && offered.iter().enumerate().all(|(n, count)| usize::from(*count) == n + 1) {
+        return needed.max(2);
     }
     let enough = || offered.iter().map(|count| u32::from(*count)).filter(|count| *count >= needed);
     enough().filter(|count| *count <= USUAL).max().or(enough().min()).unwrap_or(needed)
@@ -94,6 +101,9 @@ mod tests {
             (1, &[1, 2, 4, 6, 8, 16], 8),
             (9, &[1, 2, 4, 6, 8, 16], 16),
             (0, &[16, 32], 16),
+            (0, &Vec::from_iter(1..=64), 2),
+            (5, &Vec::from_iter(1..=64), 5),
+            (0, &Vec::from_iter(1..=10), 8),
         ] {
             assert_eq!(fit(needed, offered), length, "{needed} of {offered:?}");
         }

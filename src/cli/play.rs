@@ -30,7 +30,7 @@ use pacinian::patch::knob::HAND;
 use pacinian::text::problem::escaped;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Instant, SystemTime};
 
 /// Plays a patch on a sound card, in real time
 #[derive(Debug, Args)]
@@ -108,8 +108,8 @@ fn brief(seconds: f64) -> String {
     if seconds < 1e-6 { format!("{:.1} ns", 1e9 * seconds) } else { format!("{:.1} µs", 1e6 * seconds) }
 }
 
-/// So long a device may take before its first frame; from then on a duration counts.
-const FIRST: Duration = Duration::from_secs(3);
+/// So many seconds a device may be behind at the end of a session of so long.
+const SLOW: f64 = 3.0;
 
 /// What is done where a rig leaves open what its card lets through.
 const UNSAID: &str = "the rig does not say whether the card lets steady voltages through, so none leaves but on outputs declared for \
@@ -366,12 +366,8 @@ impl Play {
         show: &mut Show,
         mut meanwhile: impl FnMut(&mut Show),
     ) -> Option<u8> {
-        // A device may need a while before it asks for the first frame; it is waited for, but not for ever.
-        let (opened, mut begin) = (Instant::now(), None);
+        let begin = Instant::now();
         loop {
-            if session.board().frames.get() > 0 || opened.elapsed() >= FIRST {
-                begin = begin.or(Some(Instant::now()));
-            }
             meanwhile(show);
             if let Some(code) = stop.asked() {
                 return Some(code);
@@ -379,8 +375,13 @@ impl Play {
             if guard::has_panicked() {
                 return Some(guard::BUG);
             }
-            let played = begin.map_or(0.0, |begin| begin.elapsed().as_secs_f64());
-            if self.duration.is_some_and(|seconds| played >= seconds) {
+            let (passed, played) =
+                (begin.elapsed().as_secs_f64(), session.board().frames.get() as f64 / session.rate());
+            // A device may need a while before it asks for frames regularly; it is waited for, but not for ever.
+            if self
+                .duration
+                .is_some_and(|whole| passed >= whole && (played >= whole || passed >= whole + SLOW))
+            {
                 return None;
             }
             match show.step(session) {
