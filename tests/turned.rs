@@ -2,9 +2,11 @@
 
 use pacinian::engine::Engine;
 use pacinian::engine::event::{Event, Source};
+use pacinian::engine::exchange::exchange;
 use pacinian::graph::knob::CELL;
 use pacinian::graph::plan::{Plan, Why};
 use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::watch::LATENCY;
 use pacinian::knob::local_model::model::{Contact, LocalModel};
 use pacinian::knob::local_model::pending::Message;
 use pacinian::node::asset::NoAssets;
@@ -174,6 +176,90 @@ nodes.o = { type = "multiply", inputs = ["knob.torque", 50] }
     let lead = (engine.delay().lead * plan.engine_rate()).round() as u64;
     assert_eq!(first, at + lead + CELL + 1, "a control goes there within a sample");
     assert_eq!(torques[3999], 0.01);
+}
+
+/// `knob.detent` and `knob.wall` are there in the samples at which triggers begin, and in no others.
+#[test]
+fn nodes_read_what_happens_to_the_knob_when_it_happens() {
+    let text = format!(
+        "{NOTCHES}
+[shared.nodes]
+up = {{ type = \"multiply\", inputs = [\"knob.detent\", 1] }}
+down = {{ type = \"multiply\", inputs = [\"knob.detent\", -1] }}
+hit = {{ type = \"multiply\", inputs = [\"knob.wall\", 1] }}
+{}",
+        ["up rises 0.5", "down rises 0.5", "hit rises 2", "hit rises 50"]
+            .map(|on| format!(
+                "[[trigger]]\non = \"node.{on}\"\nplay = \"click\"\nset = {{ duration = 0.01 }}\n"
+            ))
+            .concat()
+    );
+    let never =
+        text.replace("ends = ", "# ends = ").replace("on = \"knob.wall ends\"", "on = \"knob.detent\"");
+    let never =
+        Patch::parse("t", format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{never}").as_bytes());
+    assert!(never.unwrap_err().to_string().contains("`knob.wall` never happens"));
+    let plan = plan(&text);
+    let mut engine = Engine::new(&plan).unwrap();
+    let hand = plan.control("hand").unwrap();
+    for (sample, angle, seconds) in [(0, 2.5, 0.3), (4000, -2.5, 0.8)] {
+        let event = Event::Glide(hand, angle, seconds);
+        engine.schedule(Instant { sample, fraction: 0 }, Source::Program, event);
+    }
+    let mut frame = [0.0; 18];
+    let watches = plan.watches.len() + plan.knob.as_ref().unwrap().starts.len();
+    let mut at: Vec<Vec<u64>> = vec![Vec::new(); watches];
+    for _ in 0..16_000 {
+        engine.process(&mut frame);
+        for crossing in engine.crossings() {
+            at[crossing.watch as usize].push(crossing.at.sample);
+        }
+    }
+    let samples = |of: &[u64], late: u64| of.iter().map(|sample| sample + late).collect::<Vec<_>>();
+    let [up, down, hit, never, detent, wall] = &at[..] else { panic!("{watches}") };
+    assert!(up.len() > 4 && down.len() > 8 && wall.len() == 2 && never.is_empty(), "{at:?}");
+    let mut both = [&up[..], down].concat();
+    both.sort_unstable();
+    // What nodes set off is as late as the engine says, and always as late.
+    let late = both[0] - detent[0];
+    assert!(late < LATENCY, "{late}");
+    assert_eq!(both, samples(detent, late));
+    assert_eq!(*hit, samples(wall, late));
+}
+
+/// A patch that takes over and says the same of the knob changes no bit of it; one that says something else goes on from where it is.
+#[test]
+fn a_knob_goes_on_behind_a_patch_that_takes_over() {
+    let of = |more: &str, stiffness: f64| {
+        plan(&format!("[knob.effects]\ns = {{ type = \"spring\", stiffness = {stiffness} }}\n{more}"))
+    };
+    let sound = "[voice.v]\noutput = \"o\"\nplace = \"a\"\nnodes.o = { type = \"sine\", frequency = 100 }\n";
+    let first = of("", 0.08);
+    let run = |next: Option<&Plan>| {
+        let (mut director, mut stagehand) = exchange(&first).unwrap();
+        let hand = first.control("hand").unwrap();
+        stagehand.engine().schedule(Instant::default(), Source::Program, Event::Glide(hand, 0.25, 0.1));
+        let mut frames = [0.0; 3 * 48];
+        let turn = |n: usize| {
+            if let Some(next) = next.filter(|_| n == 500) {
+                assert!(director.send(next).unwrap());
+            }
+            stagehand.process(&[], &mut frames);
+            director.collect();
+            let knob = stagehand.engine().knob().unwrap();
+            assert_eq!(knob.servo().chain().trip(), None, "{n}");
+            knob.last().torque.to_bits()
+        };
+        (0..1500).map(turn).collect::<Vec<_>>()
+    };
+    let plain = run(None);
+    let end = |torques: &[u64]| f64::from_bits(torques[torques.len() - 1]);
+    // The hand holds with 0.3 N m/rad at 0.25 rad.
+    let held = |stiffness: f64| -0.25 * stiffness * 0.3 / (stiffness + 0.3);
+    assert!((end(&plain) - held(0.08)).abs() < 5e-4, "{}", end(&plain));
+    assert_eq!(run(Some(&of(sound, 0.08))), plain);
+    let softer = end(&run(Some(&of(sound, 0.04))));
+    assert!((softer - held(0.04)).abs() < 5e-4, "{softer}");
 }
 
 #[test]

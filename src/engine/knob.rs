@@ -275,6 +275,8 @@ impl Knob {
         // So that no id comes again.
         let number = old.numbers.iter().copied().max().unwrap_or(0);
         self.numbers.fill(number);
+        // Before anything changes places.
+        let hand = old.hand.and_then(|from| old.past.get(from)).copied();
         if self.plan.model == old.plan.model {
             std::mem::swap(&mut self.simulated, &mut old.simulated);
         }
@@ -290,10 +292,10 @@ impl Knob {
                 self.servo.disarm();
             }
         }
-        if let (Some(hand), Some(from)) = (self.hand, old.hand)
-            && let (Some(past), Some(from)) = (self.past.get_mut(hand), old.past.get(from))
+        if let (Some(at), Some(values)) = (self.hand, hand)
+            && let Some(past) = self.past.get_mut(at)
         {
-            *past = *from;
+            *past = values;
         }
     }
 
@@ -325,6 +327,7 @@ impl Knob {
         let target = self.hand.map_or(self.held_at, |hand| value(&self.past, hand));
         let speed = (target - self.held_at) * self.rate;
         let ticks = self.plan.ticks.max(1);
+        let (mut passed, mut hit) = (0.0, 0.0_f64);
         for tick in 0..ticks {
             let share = f64::from(tick) / f64::from(ticks);
             let hand = Hand {
@@ -336,6 +339,12 @@ impl Knob {
                 Some(knob) => knob.tick(&mut self.servo, &hand),
                 None => self.felt(),
             };
+            for event in self.servo.events().list() {
+                match event.what {
+                    What::Detent { passed: notches, .. } => passed += notches as f64,
+                    What::Wall { speed, .. } => hit = hit.max(speed),
+                }
+            }
             if !self.servo.events().list().is_empty() {
                 let fraction = (u64::from(tick) << 32) / u64::from(ticks);
                 self.happened(Instant { sample, fraction: fraction as u32 }, queue, watcher);
@@ -356,7 +365,7 @@ impl Knob {
         if let Some(link) = &self.link {
             link.put(&Seen { tick: self.servo.ticks(), angle, velocity, torque });
         }
-        for (read, value) in self.read.iter_mut().zip([angle, velocity, torque]) {
+        for (read, value) in self.read.iter_mut().zip([angle, velocity, torque, passed, hit]) {
             read[at] = if value.is_finite() { value } else { 0.0 };
         }
     }

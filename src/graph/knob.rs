@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::build::{Want, Wanted};
+use super::plan::Shared;
 use super::start::{Binary, FIELDS, Fields, StartProgram, Step, Unary};
 use crate::knob::angle::decoder::Sensor;
 use crate::knob::effect::Bound;
@@ -53,6 +54,14 @@ pub struct Knob {
 }
 
 impl Knob {
+    /// Its sensor is heard on the channels behind those of `input` nodes.
+    pub(super) fn hear_behind(&mut self, shared: &[Shared]) {
+        let nodes =
+            shared.iter().map(|shared| if let Shared::Input(c) = shared { *c as usize + 1 } else { 0 });
+        let first = nodes.max().unwrap_or(0);
+        self.sensor.iter_mut().for_each(|sensor| sensor.channels = [first, first + 1]);
+    }
+
     /// How stiff and how viscous all effects are together at most, those whose gain moves at a gain of 1.
     pub fn bound(&self) -> Bound {
         let mut sum = Bound::default();

@@ -171,7 +171,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         attached: options.attached,
         block: options.block.unwrap_or(BLOCK),
     };
-    let knob = knob(&made, &mut wanted, &mut problems);
+    let mut knob = knob(&made, &mut wanted, &mut problems);
     let watches = watches(patch, rig, &finder, &watched, &of_voice, &mut wanted, &mut problems);
     left_out.extend(still.iter().filter_map(|place| {
         let trigger = patch.triggers.get(*place)?;
@@ -181,6 +181,9 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     let (shared, shared_program) =
         shared(patch, &mut wanted, assets, device_rate / ratio as f64, &mut left_out, &mut problems);
     let (shared, controls) = controls(patch, shared, &mut left_out);
+    if rig.knob.as_ref().is_some_and(|knob| knob.controller.is_some()) {
+        knob.iter_mut().for_each(|knob| knob.hear_behind(&shared));
+    }
     let mut markers = Vec::new();
     let steady = rig.device.passes_steady(options.on_card);
     let outputs: Vec<Output> = rig

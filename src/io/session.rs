@@ -20,13 +20,14 @@ use super::input::{Heard, Input};
 use crate::engine::exchange::exchange;
 use crate::engine::task::Task;
 use crate::engine::{Delay, Duty};
+use crate::knob::local_model::link::Slow;
 use crate::live::board::Board;
 use crate::live::callback::Callback;
 use crate::live::clock::StreamClock;
 use crate::live::conductor::{Audience, Conductor};
 use crate::live::driver::Driver;
 use crate::live::gate::{Gate, RAMP_IN, RAMP_OUT, UNARMED};
-use crate::live::intake::{Ears, bridge};
+use crate::live::intake::{Ears, Hearing, bridge};
 use crate::live::reload::Reload;
 use crate::live::remote;
 use crate::live::signal::{Handle, Signal};
@@ -46,6 +47,10 @@ pub struct Beginning {
     pub armed: bool,
     /// What it hears.
     pub input: Ear,
+    /// The knob that is on a line: its angle is heard beside `input`, and its torque goes back.
+    pub knob: Option<Box<remote::Heard>>,
+    /// Whether a slow thread sends worlds to the knob, and sees it, through [`Session::linked_knob`].
+    pub link_knob: bool,
     /// Whether everything that goes out is to be fetched through [`Session::recording`].
     pub record: bool,
     /// Whether everything that it hears is to be fetched through [`Session::recording_input`].
@@ -67,7 +72,7 @@ pub struct Beginning {
 pub enum Ear {
     /// Silence.
     Nothing,
-    /// The angle of a knob that is on a line, to which its torque goes back.
+    /// The angle of a knob that is on a line, to which its torque goes back, and nothing beside it.
     Knob(Box<remote::Heard>),
     /// A file, from the beginning on.
     File(Arc<Input>),
@@ -89,6 +94,8 @@ impl Beginning {
             block: None,
             armed: true,
             input: Ear::Nothing,
+            knob: None,
+            link_knob: false,
             record: false,
             record_input: false,
             tasks: Vec::new(),
@@ -110,6 +117,7 @@ pub struct Session {
     conductor: Option<JoinHandle<()>>,
     recording: Option<HeapCons<f32>>,
     recording_input: Option<(HeapCons<f32>, usize)>,
+    linked: Option<Slow>,
     clock: StreamClock,
     duties: Vec<Arc<Duty>>,
     rate: f64,
@@ -131,6 +139,8 @@ impl Session {
             block,
             armed,
             input,
+            knob,
+            link_knob,
             record,
             record_input,
             tasks,
@@ -157,6 +167,7 @@ impl Session {
         }
         performer.await_clock().map_err(|why| SessionError::Plan(why.to_string()))?;
         let delay = stagehand.engine().delay();
+        let linked = if link_knob { stagehand.engine().link_knob() } else { None };
         // The clock is asked once here, so that the audio thread finds it running.
         stamp::nanoseconds();
         let mut duties: Vec<_> = tasks.into_iter().map(|task| stagehand.engine().add_task(task)).collect();
@@ -182,26 +193,39 @@ impl Session {
         let block = block.or_else(|| device.usual_block());
         let expected = block.map_or(BLOCK, |block| block as usize);
         let (mut driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
+        let (knob, input) = match input {
+            Ear::Knob(heard) => (Some(heard), Ear::Nothing),
+            input => (knob, input),
+        };
+        // A knob on a line is heard behind all else.
+        let others = knob.as_ref().map_or(inputs, |knob| knob.first());
         let mut listening = None;
-        match input {
+        let hearing: Option<Box<dyn Hearing>> = match input {
             // What nothing listens to is not opened.
-            _ if inputs == 0 => {}
-            Ear::Nothing => {}
-            Ear::Knob(heard) => {
-                driver.give(heard.given());
-                driver.listen(heard);
-            }
-            Ear::File(input) => driver.listen(Box::new(Heard::new(input))),
+            _ if others == 0 => None,
+            Ear::Nothing | Ear::Knob(_) => None,
+            Ear::File(input) => Some(Box::new(Heard::new(input))),
             Ear::Device { device, fate } => {
                 let shape =
-                    capture::shape(&device.1, inputs, rate as u32, block).map_err(SessionError::Device)?;
+                    capture::shape(&device.1, others, rate as u32, block).map_err(SessionError::Device)?;
                 let block = shape.block.map_or(BLOCK, |block| block as usize);
                 let ears = Ears { rate: f64::from(shape.rate), channels: shape.channels, block };
                 let (intake, feed) = bridge(ears, rate, expected, epoch, &board);
-                driver.listen(Box::new(feed));
                 let started = Listening::start(intake, device, shape, &board, fate);
                 listening = Some(started.map_err(SessionError::Device)?);
+                Some(Box::new(feed))
             }
+        };
+        match (knob.filter(|_| inputs > 0), hearing) {
+            (Some(knob), hearing) => {
+                driver.give(knob.given());
+                driver.listen(match hearing {
+                    Some(other) => Box::new(knob.beside(other)),
+                    None => knob,
+                });
+            }
+            (None, Some(hearing)) => driver.listen(hearing),
+            (None, None) => {}
         }
         let (mut conductor, handle) =
             Conductor::new(performer, director, rings, clock.clone(), epoch, &board, audience);
@@ -226,6 +250,7 @@ impl Session {
             conductor,
             recording,
             recording_input,
+            linked,
             clock,
             duties,
             rate,
@@ -277,6 +302,12 @@ impl Session {
     /// The same of what it hears, if that is recorded and it hears anything: frames of so many channels.
     pub fn recording_input(&mut self) -> Option<(HeapCons<f32>, usize)> {
         self.recording_input.take()
+    }
+
+    /// The end by which a slow thread sends local models to the knob and sees it, if that was asked for and the plan has a knob; patches that take over
+    /// go on with it. What is sent is no part of a journal, so a session of which it is a part cannot be replayed.
+    pub fn linked_knob(&mut self) -> Option<Slow> {
+        self.linked.take()
     }
 
     /// Closes the gate, waits until the device has been given silence, and lets go of it.

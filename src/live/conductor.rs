@@ -320,7 +320,8 @@ impl Conductor {
         let clock = self.board.clock.get();
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan, cause: id };
         let outlet = &mut outlet;
-        let reads = self.performer.plan().sensor().is_some();
+        let plan = self.performer.plan();
+        let (has_knob, reads) = (plan.knob.is_some(), plan.sensor().is_some());
         let done = match signal {
             Signal::Play(number, voice, note) => self.performer.play(at, &voice, &note, outlet).map(|id| {
                 // Numbers come in order. Whoever has let go of none for so long has no use for the oldest.
@@ -384,9 +385,9 @@ impl Conductor {
                 self.board.lever.gain(if armed { 1.0 } else { UNARMED });
                 Ok(())
             }
-            Signal::Torque(rises) if reads => sent(self.performer.torque(at, rises, outlet)),
-            Signal::Torque(_) => Err(Problem::of_file("no knob is read, so there is no torque")
-                .help("the rig says how its angle comes in: [knob] sensor = { ... }".to_string())),
+            Signal::Torque(rises) if has_knob => sent(self.performer.torque(at, rises, outlet)),
+            Signal::Torque(_) => Err(Problem::of_file("the patch has no knob, so there is no torque")
+                .help("say what one feels like: [knob.effects]".to_string())),
             Signal::Reload(reload) => {
                 // One that still waits is out of date.
                 self.waiting = None;

@@ -24,6 +24,40 @@ struct Shared {
     /// Whether torque came too late at the line's end, and whether it is wanted at all.
     late: AtomicBool,
     wanted: AtomicBool,
+    /// How often torque was so many [`STEP`]s older than its angle when it was written; the last place is for all that were older.
+    ages: Ages,
+}
+
+/// How finely ages are told apart, nanoseconds, and into how many steps.
+const STEP: u64 = 50_000;
+const STEPS: usize = 2000;
+
+#[derive(Debug)]
+struct Ages([AtomicU64; STEPS]);
+
+impl Default for Ages {
+    fn default() -> Self {
+        Self([const { AtomicU64::new(0) }; STEPS])
+    }
+}
+
+/// How late torque was written, as long as a knob was on its line.
+#[derive(Debug, Clone)]
+pub struct Lateness(Arc<Shared>);
+
+impl Lateness {
+    /// Seconds within which the given share of torques was written after their angles were read, to 0.05 ms; `None`: none was, or they took
+    /// more than 0.1 s.
+    pub fn within(&self, share: f64) -> Option<f64> {
+        let ages = || self.0.ages.0.iter().map(|count| count.load(Ordering::Relaxed));
+        let wanted = share * ages().sum::<u64>() as f64;
+        let mut sum = 0;
+        let place = ages().position(|count| {
+            sum += count;
+            sum > 0 && sum as f64 >= wanted
+        })?;
+        (place + 1 < STEPS).then(|| ((place as u64 + 1) * STEP) as f64 * 1e-9)
+    }
 }
 
 /// The end of the thread that talks to the knob.
@@ -33,16 +67,19 @@ pub struct Line {
     /// The oldest that an angle may be when its torque is there, nanoseconds.
     oldest: u64,
     torque: Seen,
+    /// How old the torque was that was asked for last, nanoseconds.
+    age: Option<u64>,
 }
 
 /// The callback's end: what it hears.
-#[derive(Debug)]
 pub struct Heard {
     shared: Arc<Shared>,
     /// The oldest that an angle may be when it is heard, nanoseconds.
     oldest: u64,
     amplitude: f64,
     channels: [usize; 2],
+    /// What is heard on all other channels.
+    beside: Option<Box<dyn Hearing>>,
     seen: Seen,
     /// The angle at the end of the last block.
     before: Option<f64>,
@@ -63,9 +100,12 @@ fn whole(seconds: f64) -> u64 {
 /// sine and cosine of `amplitude` on two `channels`.
 pub fn remote(allowance: f64, patience: f64, amplitude: f64, channels: [usize; 2]) -> (Heard, Line) {
     let shared = Arc::<Shared>::default();
-    let line = Line { shared: Arc::clone(&shared), oldest: whole(allowance), torque: Seen::default() };
+    let line =
+        Line { shared: Arc::clone(&shared), oldest: whole(allowance), torque: Seen::default(), age: None };
     let oldest = whole(patience);
-    (Heard { shared, oldest, amplitude, channels, seen: Seen::default(), before: None }, line)
+    let heard =
+        Heard { shared, oldest, amplitude, channels, beside: None, seen: Seen::default(), before: None };
+    (heard, line)
 }
 
 impl Line {
@@ -93,10 +133,24 @@ impl Line {
         // While it is being written it is the one before.
         self.torque = self.shared.torque.read().unwrap_or(self.torque);
         let Seen { tick, torque, .. } = self.torque;
+        self.age = (tick != 0).then(|| now.saturating_sub(tick));
         let late = tick == 0 || now.saturating_sub(tick) > self.oldest;
         // Before the first there is nothing to be late.
         self.shared.late.store(late && tick != 0, Ordering::Relaxed);
         if late || !torque.is_finite() { 0.0 } else { torque }
+    }
+
+    /// Counts how old the torque was that was asked for last: it is written now.
+    pub fn note(&self) {
+        let place = self.age.map(|age| usize::try_from(age / STEP).unwrap_or(STEPS).min(STEPS - 1));
+        if let Some(count) = place.and_then(|place| self.shared.ages.0.get(place)) {
+            count.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// How late it is written.
+    pub fn lateness(&self) -> Lateness {
+        Lateness(Arc::clone(&self.shared))
     }
 
     /// Whether somebody wants torque, and nothing has taken it away.
@@ -111,14 +165,36 @@ impl Heard {
         Given { shared: Arc::clone(&self.shared) }
     }
 
-    fn hear_at(&mut self, now: u64, channels: usize, frames: &mut [f32]) {
+    /// What `other` hears is heard as well, on the channels before those of the knob.
+    pub fn beside(self, other: Box<dyn Hearing>) -> Self {
+        Self { beside: Some(other), ..self }
+    }
+
+    /// The first of its channels, from 0.
+    pub fn first(&self) -> usize {
+        let [a, b] = self.channels;
+        a.min(b)
+    }
+
+    fn hear_at(&mut self, now: u64, due: f64, channels: usize, frames: &mut [f32]) {
+        match &mut self.beside {
+            Some(other) => other.hear(due, channels, frames),
+            None => frames.fill(0.0),
+        }
         self.seen = self.shared.angle.read().unwrap_or(self.seen);
         let Seen { tick, angle, .. } = self.seen;
         let channels = channels.max(1);
+        let put = |frame: &mut [f32], values: [f32; 2]| {
+            for (channel, value) in self.channels.into_iter().zip(values) {
+                if let Some(slot) = frame.get_mut(channel) {
+                    *slot = value;
+                }
+            }
+        };
         if tick == 0 || now.saturating_sub(tick) > self.oldest || !angle.is_finite() {
             self.before = None;
             self.shared.heard.store(0, Ordering::Relaxed);
-            frames.fill(NOT_HEARD);
+            frames.chunks_exact_mut(channels).for_each(|frame| put(frame, [NOT_HEARD; 2]));
             return;
         }
         self.shared.heard.store(tick, Ordering::Relaxed);
@@ -127,21 +203,17 @@ impl Heard {
         let count = (frames.len() / channels) as f64;
         for (n, frame) in frames.chunks_exact_mut(channels).enumerate() {
             let (sine, cosine) = (from + (angle - from) * (n + 1) as f64 / count).sin_cos();
-            frame.fill(0.0);
-            for (channel, value) in self.channels.into_iter().zip([sine, cosine]) {
-                if let Some(slot) = frame.get_mut(channel) {
-                    *slot = (self.amplitude * value) as f32;
-                }
-            }
+            put(frame, [sine, cosine].map(|value| (self.amplitude * value) as f32));
         }
     }
 }
 
 impl Hearing for Heard {
-    fn hear(&mut self, _due: f64, channels: usize, frames: &mut [f32]) {
-        self.hear_at(nanoseconds(), channels, frames);
+    fn hear(&mut self, due: f64, channels: usize, frames: &mut [f32]) {
+        self.hear_at(nanoseconds(), due, channels, frames);
     }
 
+    /// Its own are filled here.
     fn mark(&mut self, _channels: &[usize]) {}
 }
 
@@ -179,7 +251,7 @@ mod tests {
         let (mut heard, mut line) = remote(0.01, 0.004, 0.5, [0, 1]);
         let mut hear = |now: u64| {
             let mut frames = [0.0; 8];
-            heard.hear_at(now * MS, 2, &mut frames);
+            heard.hear_at(now * MS, 0.0, 2, &mut frames);
             angles(&frames)
         };
         assert_eq!(hear(1), [None; 4], "nothing was read yet");
@@ -207,18 +279,64 @@ mod tests {
         let given = heard.given();
         assert_eq!((line.torque_at(0), given.in_time(), line.is_wanted()), (0.0, true, false));
         line.put_at(5 * MS, 0.2);
-        heard.hear_at(6 * MS, 2, &mut [0.0; 8]);
+        heard.hear_at(6 * MS, 0.0, 2, &mut [0.0; 8]);
         // One that comes meanwhile is not the one that was heard.
         line.put_at(7 * MS, 0.3);
         given.put(0.03, true);
         assert_eq!((line.torque_at(15 * MS), given.in_time(), line.is_wanted()), (0.03, true, true));
         assert_eq!((line.torque_at(16 * MS), given.in_time()), (0.0, false));
-        heard.hear_at(10 * MS, 2, &mut [0.0; 8]);
+        heard.hear_at(10 * MS, 0.0, 2, &mut [0.0; 8]);
         given.put(f64::NAN, true);
         assert_eq!((line.torque_at(16 * MS), given.in_time()), (0.0, true), "it is no number");
         // What was made of nothing is none, and not late.
-        heard.hear_at(30 * MS, 2, &mut [0.0; 8]);
+        heard.hear_at(30 * MS, 0.0, 2, &mut [0.0; 8]);
         given.put(0.02, false);
         assert_eq!((line.torque_at(30 * MS), given.in_time(), line.is_wanted()), (0.0, true, false));
+    }
+
+    #[test]
+    fn how_late_torque_is_written_is_counted() {
+        let (mut heard, mut line) = remote(0.01, 1.0, 0.5, [0, 1]);
+        let (given, lateness) = (heard.given(), line.lateness());
+        line.note();
+        assert_eq!(lateness.within(1.0), None, "none was written");
+        for (count, late) in [(90, 2), (9, 3), (1, 150)] {
+            for _ in 0..count {
+                line.put_at(5 * MS, 0.2);
+                heard.hear_at(6 * MS, 0.0, 2, &mut [0.0; 8]);
+                given.put(0.03, true);
+                line.torque_at((5 + late) * MS);
+                line.note();
+            }
+        }
+        let within =
+            [0.0, 0.9, 0.99, 0.991].map(|share| lateness.within(share).map(|s| (1e5 * s).round() as u32));
+        // To the next 0.05 ms; what takes longer than 0.1 s is told as nothing.
+        assert_eq!(within, [Some(205), Some(205), Some(305), None]);
+    }
+
+    /// Counts on every channel, and says when it was due.
+    struct Counting;
+
+    impl super::Hearing for Counting {
+        fn hear(&mut self, due: f64, channels: usize, frames: &mut [f32]) {
+            assert_eq!((due, channels), (0.25, 5));
+            frames.iter_mut().enumerate().for_each(|(n, slot)| *slot = n as f32);
+        }
+
+        fn mark(&mut self, _channels: &[usize]) {}
+    }
+
+    #[test]
+    fn what_a_card_hears_is_heard_beside_it_whether_it_is_there_or_not() {
+        let (heard, mut line) = remote(0.01, 0.004, 0.5, [3, 4]);
+        let mut heard = heard.beside(Box::new(Counting));
+        assert_eq!(heard.first(), 3);
+        let mut frames = [0.0; 10];
+        heard.hear_at(MS, 0.25, 5, &mut frames);
+        assert_eq!(frames, [0.0, 1.0, 2.0, NOT_HEARD, NOT_HEARD, 5.0, 6.0, 7.0, NOT_HEARD, NOT_HEARD]);
+        line.put_at(2 * MS, 0.0);
+        heard.hear_at(3 * MS, 0.25, 5, &mut frames);
+        assert_eq!(frames, [0.0, 1.0, 2.0, 0.0, 0.5, 5.0, 6.0, 7.0, 0.0, 0.5]);
     }
 }

@@ -9,7 +9,7 @@ use std::fmt;
 /// Whether torque flows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Torque {
-    /// There is no knob, or it is simulated.
+    /// There is no knob, or it is simulated and has its torque.
     #[default]
     None,
     /// Nobody has asked for it.
@@ -36,10 +36,11 @@ const ALL: [Torque; 8] = [
 impl Torque {
     /// That of a knob.
     pub(super) fn of(knob: Option<&Knob>) -> Self {
-        let Some(knob) = knob.filter(|knob| knob.is_attached()) else { return Self::None };
+        let Some(knob) = knob else { return Self::None };
         let chain = knob.servo().chain();
         match chain.trip() {
             _ if knob.is_asked() => Self::Asked,
+            None if chain.armed() && !knob.is_attached() => Self::None,
             Some(trip) => Self::Fallen(trip),
             None if chain.armed() => Self::On,
             None => Self::Off,
@@ -74,7 +75,7 @@ impl fmt::Display for Torque {
                 "the knob's torque has fallen: its angle was lost, or came later than `delay` of the rig says"
             }
             Self::Fallen(Trip::OverSpeed) => {
-                "the knob's torque has fallen: it was faster than `over_speed` of the rig"
+                "the knob's torque has fallen: it was faster than `over_speed` of the rig, and stays away until it is asked for"
             }
             Self::Fallen(Trip::Panic) => "the knob's torque has fallen: somebody asked for it",
         })

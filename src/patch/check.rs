@@ -23,7 +23,7 @@ impl Patch {
     /// `broken` are names that are in the file although they are not in the patch.
     pub(super) fn problems(&self, broken: &[String]) -> Vec<Problem> {
         let broken_names = broken.iter().map(String::as_str).collect();
-        let mut check = Check { problems: Vec::new(), broken: broken_names, has_knob: self.knob.is_some() };
+        let mut check = Check { problems: Vec::new(), broken: broken_names, knob: self.knob.as_ref() };
         check.names(self);
         self.controls.iter().for_each(|control| check.control(control));
         let shared = Scope::new(self, None);
@@ -37,7 +37,7 @@ impl Patch {
         }
         check.nesting(self);
         for trigger in &self.triggers {
-            check.trigger(trigger, &names, &shared, self.knob.as_ref());
+            check.trigger(trigger, &names, &shared);
             check.midi(trigger);
         }
         for bind in &self.binds {
@@ -54,7 +54,7 @@ impl Patch {
 struct Check<'a> {
     problems: Vec<Problem>,
     broken: HashSet<&'a str>,
-    has_knob: bool,
+    knob: Option<&'a Knob>,
 }
 
 impl Check<'_> {
@@ -194,7 +194,7 @@ impl Check<'_> {
                             self.touch(span, &who, (starts || voice.is_none()).then_some(param.name), voice);
                             continue;
                         }
-                        Reads::Knob => {
+                        Reads::Knob(reading) => {
                             if starts {
                                 let what = format!(
                                     "`{}` of {who} cannot follow the knob: it is read once, when the voice starts",
@@ -204,6 +204,8 @@ impl Check<'_> {
                                 self.error(span, what, help);
                             }
                             self.no_knob(span, &who);
+                            let never = |what| self.knob?.never(what, None, span);
+                            self.problems.extend(reading.happens().and_then(never));
                             continue;
                         }
                         Reads::Name(name) => name,
@@ -254,7 +256,7 @@ impl Check<'_> {
 
     /// That there is no knob that could be read.
     fn no_knob(&mut self, span: &Span, who: &str) {
-        if !self.has_knob {
+        if self.knob.is_none() {
             let what = format!("{who} reads the knob, and the patch has none");
             let help = "describe what it feels like: [knob.effects] notches = { type = \"detents\", count = 24, torque = 0.02 }";
             self.error(span, what, help.to_string());
@@ -398,7 +400,7 @@ impl Check<'_> {
         }
     }
 
-    fn trigger(&mut self, trigger: &Trigger, names: &Names, shared: &Scope, knob: Option<&Knob>) {
+    fn trigger(&mut self, trigger: &Trigger, names: &Names, shared: &Scope) {
         let voice = names.voice(&trigger.play);
         if voice.is_none() && names.pattern(&trigger.play).is_none() {
             let all = names.voices.keys().chain(names.patterns.keys()).copied();
@@ -421,8 +423,8 @@ impl Check<'_> {
         }
         if let Source::Knob { what, effect } = &trigger.on {
             self.no_knob(&trigger.on_span, "this trigger");
-            self.problems
-                .extend(knob.and_then(|knob| knob.never(*what, effect.as_deref(), &trigger.on_span)));
+            let never = |knob: &Knob| knob.never(*what, effect.as_deref(), &trigger.on_span);
+            self.problems.extend(self.knob.and_then(never));
         }
         let of_pattern = voice.is_none() && names.pattern(&trigger.play).is_some();
         crossing::check(trigger, of_pattern, &mut self.problems);
@@ -475,7 +477,7 @@ impl Check<'_> {
                 Reads::Name(name) if known.contains(&name) => {}
                 Reads::Name(name) | Reads::Event(name) => unknown.push((name, span)),
                 Reads::Touch(_) => unknown.push(("touch", span)),
-                Reads::Knob => unknown.push(("knob", span)),
+                Reads::Knob(_) => unknown.push(("knob", span)),
             });
             for (name, span) in unknown {
                 let help = if matches!(shared.find(name), Some(Target::Shared(_) | Target::Control(_))) {

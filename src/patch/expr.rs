@@ -16,7 +16,7 @@ pub enum Expr {
     Event(String, Span),
     /// What the hand does that holds the voice: `touch.pressure`, `touch.timbre`; `touch.bend` is read as `1 + detune`.
     Touch(Motion, Span),
-    /// What the knob does: `knob.angle`, `knob.speed`, `knob.torque`.
+    /// What the knob does: `knob.angle`, `knob.speed`, `knob.torque`, `knob.detent`, `knob.wall`.
     Knob(Reading, Span),
     /// Minus.
     Negate(Box<Expr>),
@@ -36,7 +36,7 @@ pub(crate) enum Reads<'a> {
     /// What the hand does.
     Touch(Motion),
     /// What the knob does.
-    Knob,
+    Knob(Reading),
 }
 
 /// Between two operands.
@@ -191,7 +191,7 @@ impl Expr {
             Self::Name(name, span) => see(Reads::Name(name), span),
             Self::Event(field, span) => see(Reads::Event(field), span),
             Self::Touch(motion, span) => see(Reads::Touch(*motion), span),
-            Self::Knob(_, span) => see(Reads::Knob, span),
+            Self::Knob(reading, span) => see(Reads::Knob(*reading), span),
             Self::Negate(a) => a.visit(see),
             Self::Binary(_, a, b) => {
                 a.visit(see);

@@ -61,13 +61,26 @@ pub enum Reading {
     Speed,
     /// Newton metres that it was given.
     Torque,
+    /// Notches passed within the sample, with the sign of the turn; else 0.
+    Detent,
+    /// How fast a wall was hit within the sample, rad/s; else 0.
+    Wall,
 }
 
 impl Reading {
     /// All, as they are numbered.
-    pub const ALL: [Self; 3] = [Self::Angle, Self::Speed, Self::Torque];
+    pub const ALL: [Self; 5] = [Self::Angle, Self::Speed, Self::Torque, Self::Detent, Self::Wall];
     /// Their words.
-    pub const WORDS: [&'static str; 3] = ["angle", "speed", "torque"];
+    pub const WORDS: [&'static str; 5] = ["angle", "speed", "torque", "detent", "wall"];
+
+    /// Of what happens to it, what that is.
+    pub(crate) fn happens(self) -> Option<Happening> {
+        match self {
+            Self::Angle | Self::Speed | Self::Torque => None,
+            Self::Detent => Some(Happening::Detent),
+            Self::Wall => Some(Happening::Wall),
+        }
+    }
 
     /// That of a word.
     pub(crate) fn of_word(word: &str) -> Option<Self> {
@@ -696,6 +709,24 @@ mod tests {
             let what = patch(effects, &more(on)).unwrap_err();
             assert!(what.contains(told), "{on}: {what}");
         }
+    }
+
+    #[test]
+    fn what_never_happens_cannot_be_read() {
+        let reads = |word: &str| {
+            format!(
+                "[voice.v]\noutput = \"o\"\nnodes.o = {{ type = \"multiply\", inputs = [\"knob.{word}\", 1] }}\n"
+            )
+        };
+        let notches = "a = { type = \"detents\", count = 4, torque = 0.1 }\n";
+        for word in ["angle", "speed", "torque", "detent"] {
+            assert!(patch(notches, &reads(word)).is_ok(), "{word}");
+        }
+        let told = patch(notches, &reads("wall")).unwrap_err();
+        assert!(
+            told.contains("`knob.wall` never happens") && told.contains("end-stops or contact"),
+            "{told}"
+        );
     }
 
     #[test]

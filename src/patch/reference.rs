@@ -112,7 +112,7 @@ pub const TOPICS: &[Topic] = &[
         doc: "A short sum in quotes wherever a parameter of a node may stand.",
         text: "It has numbers, + - * / and parentheses, names of nodes and controls, fields of the event (event.level, event.duration, \
                event.frequency and those that the voice declares under `defaults`), what the hand does that holds the voice (touch.bend, \
-               touch.pressure, touch.timbre), what the knob does (knob.angle in rad, knob.speed in rad/s, knob.torque in N m), and these functions:\n\n\
+               touch.pressure, touch.timbre), what the knob does (knob.angle in rad, knob.speed in rad/s, knob.torque in N m; knob.detent, 1 or -1 in the very sample in which a notch is passed, and knob.wall, the speed in rad/s with which a wall is hit in that sample, else 0), and these functions:\n\n\
                - `min(a, b)`: the lesser of two\n\
                - `max(a, b)`: the greater of two\n\
                - `clamp(x, least, most)`: x, but no less and no more than those\n\
@@ -420,7 +420,7 @@ pub const TOPICS: &[Topic] = &[
                - contact: a round body in the way (Hertz). angle, side, factor, torque (the most)\n\
                - transient: a ringing as a wall is hit, as strong as that was fast. strength, frequency, decay, least, torque (the most)\n\n\
                Angles are in rad, positive torques turn to larger angles. The servo runs at some 8 kHz on the engine's clock, whatever the card's \
-               blocks are, and nodes read knob.angle, knob.speed and knob.torque of that very sample. What the patch sends the other way, `gain`, \
+               blocks are, and nodes read knob.angle, knob.speed, knob.torque, knob.detent and knob.wall of that very sample: the last two are clicks for what rings or remembers, such as a resonator. What the patch sends the other way, `gain`, \
                `shift` and `signal`, is expressions of shared nodes and controls, and half a millisecond late (4 samples of the engine). The signal \
                \"voices\" is what is played at the knob's output: a voice with place = \"NAME\" of an output of kind torque is felt in the fingers.\n\n\
                However stiff it is written, a governor lets the knob have no more than it bears at its rate, delay, friction and encoder: half of what makes it swing. \

@@ -11,6 +11,8 @@ pub struct Hand {
     pub centre: f64,
     /// Takes the spring's place.
     pub forced: Option<f64>,
+    /// What it gives once an exchange is due.
+    pub newest: Option<f64>,
     /// The thread is to end in the middle.
     pub panics_at: Option<u64>,
     pub ticks: u64,
@@ -29,6 +31,10 @@ impl Servo for Hand {
         }
         let pull = -self.stiffness * (reading.angle - self.centre);
         self.forced.unwrap_or(pull - self.damping * reading.velocity.unwrap_or(0.0))
+    }
+
+    fn newest(&mut self) -> Option<f64> {
+        self.newest
     }
 
     fn lost(&mut self, why: &Lost) {

@@ -167,6 +167,31 @@ fn a_stall_takes_torque_away_and_is_told() {
     assert_eq!(line.hand.notes("its watchdog had stopped it"), 1);
 }
 
+/// Nobody knows yet whether an answer is late or lost; torque is 0 after an exchange all the same, and is back with the next reading.
+#[test]
+fn an_answer_that_is_late_has_no_torque() {
+    let mut line = running(Names::Old);
+    line.hand.forced = Some(0.03);
+    line.lives(0.1);
+    let (from, settings) = (line.now, Settings::default());
+    line.device.mischief.mute = true;
+    while line.session.torque() != 0.0 {
+        assert_eq!(line.step(), None);
+    }
+    // The rest of one exchange, and the next one.
+    let tick = (1.0 / settings.rate).max(1.25 * line.session.round_trip().worst);
+    assert!(line.now - from < 1.0 / settings.rate + tick + 2.0 * STEP, "{}", line.now - from);
+    assert!(line.now - from < 0.5 * settings.patience && line.session.counts().dropped == 0);
+    let until = line.now + line.delay + 2.0 * STEP;
+    while line.now < until {
+        assert_eq!(line.step(), None);
+    }
+    assert!(is_idle(&line), "{} N m", line.device.torque());
+    line.device.mischief.mute = false;
+    line.lives(0.1);
+    assert_eq!((line.session.torque(), line.device.torque()), (0.03, 0.03));
+}
+
 #[test]
 fn a_short_stall_is_ridden_out() {
     let mut line = running(Names::Old);
@@ -195,6 +220,32 @@ fn a_bad_checksum_costs_one_tick() {
     line.lives(1.0);
     let counts = line.session.counts();
     assert!(counts.bad_checksum > 10 && counts.lost == 0 && counts.readings > 800, "{counts:?}");
+}
+
+/// An exchange says the torque that there is when it is written, and none that is newer than a fault: with the same torque all along it is as if it
+/// were asked for with readings alone.
+#[test]
+fn an_exchange_takes_the_newest_torque_and_none_before_a_reading() {
+    let said = |newest: Option<f64>, bad_checksum: u64| {
+        let mut line = running(Names::Old);
+        (line.hand.forced, line.hand.newest) = (Some(0.03), newest);
+        line.lives(0.05);
+        line.device.mischief.bad_checksum = bad_checksum;
+        let from = line.said.len();
+        line.lives(0.5);
+        line.said.split_off(from)
+    };
+    for every in [0, 40, 7] {
+        assert!(said(None, every) == said(Some(0.03), every), "every {every}");
+    }
+    let pushes = |said: &[(f64, Vec<u8>)], torque: &str| {
+        said.iter().filter(|(_, bytes)| bytes.starts_with(format!("c 0 {torque} ").as_bytes())).count()
+    };
+    let newer = said(Some(0.004), 0);
+    assert!(pushes(&newer, "0.004") > 450 && pushes(&newer, "0.03") == 0, "{}", pushes(&newer, "0.004"));
+    // What is no number is 0, and what is too much is held to the limit.
+    assert_eq!(pushes(&said(Some(f64::NAN), 0), "0"), newer.len());
+    assert_eq!(pushes(&said(Some(9.0), 0), "0.05"), newer.len());
 }
 
 #[test]
@@ -316,9 +367,9 @@ fn no_torque_is_sent_once_a_fault_can_be_noticed() {
         ("silence", false, |m| m.mute = true),
         ("flood", false, |m| m.flood = 1e6),
     ];
-    for (name, at_once, fault) in faults {
+    for ((name, at_once, fault), newest) in faults.into_iter().flat_map(|of| [(of, None), (of, Some(0.03))]) {
         let mut line = running(Names::Old);
-        line.hand.forced = Some(0.03);
+        (line.hand.forced, line.hand.newest) = (Some(0.03), newest);
         line.lives(0.1);
         let (from, settings) = (line.now, Settings::default());
         fault(&mut line.device.mischief);

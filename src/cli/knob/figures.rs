@@ -66,7 +66,8 @@ impl Figures {
             inertia: device.inertia,
             damping: device.damping,
             friction: device.friction,
-            counts: std::f64::consts::TAU / device.count,
+            // As they stand in the rig.
+            counts: (std::f64::consts::TAU / device.count * 1e6).round() / 1e6,
             count: device.count,
             count_speed: device.count / device.period,
             peak_torque: device.peak,

@@ -287,7 +287,8 @@ impl Show {
         self.snapshot.knob = board.knob();
         let torque = board.torque();
         self.snapshot.torque = (torque != Torque::None).then(|| torque.is_wanted());
-        if torque != std::mem::replace(&mut self.torque, torque) {
+        let changed = torque != std::mem::replace(&mut self.torque, torque);
+        if changed && torque != Torque::None {
             let mood = match torque {
                 Torque::Fallen(_) => Mood::Bad,
                 Torque::On => Mood::Good,

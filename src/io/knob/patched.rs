@@ -189,6 +189,12 @@ impl Servo for Hands {
         self.sign * self.line.torque()
     }
 
+    fn newest(&mut self) -> Option<f64> {
+        let torque = self.line.torque();
+        self.line.note();
+        Some(self.sign * torque)
+    }
+
     fn rest(&mut self) {
         if let (Some((remote, myself)), Some(angle)) = (&mut self.myself, self.angle) {
             myself.take_orders();

@@ -38,6 +38,11 @@ pub trait Servo: Send {
     /// takes none: then it is of no account.
     fn tick(&mut self, reading: &Reading) -> f64;
 
+    /// The torque of an exchange that is about to be written, N m, if it may have changed since `tick`.
+    fn newest(&mut self) -> Option<f64> {
+        None
+    }
+
     /// The device is there, and has said nothing new: one that renders by itself may be silent while it stands.
     fn rest(&mut self) {}
 

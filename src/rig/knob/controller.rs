@@ -46,7 +46,7 @@ const CHANNELS: [usize; 2] = [0, 1];
 /// Its keys.
 pub(crate) static CONTROLLER: Table = Table {
     name: "knob controller",
-    doc: "The serial line of a knob that is there, with `pacinian play`. Its angle is heard as input, in place of a sound card.",
+    doc: "The serial line of a knob that is there, with `pacinian play`. Its angle is heard as input, on the two channels behind those that `input` nodes hear of a sound card.",
     fields: &[
         Field::new(
             "type",
@@ -62,7 +62,7 @@ pub(crate) static CONTROLLER: Table = Table {
             "patience",
             Form::number(0.004, 1e-3, 0.25),
             "s",
-            "How long an ODrive's answer may take. Without one torque is 0 at once, until the next; for `stale` longer, and it stays so until somebody asks. Half the watchdog's time at most.",
+            "How long an ODrive's answer is waited for. Torque is 0 from the end of its exchange on, or from a quarter more than the slowest of the last answers took, until it comes; for `stale` longer, and it stays so until somebody asks. Half the watchdog's time at most.",
         ),
         Field::new("axis", Form::count(0, 0, 1), "", "Of an ODrive."),
         Field::new("exchanges", Form::number(1000.0, 100.0, 20_000.0), "Hz", "Torques out and angles back a second, of an ODrive."),

@@ -13,6 +13,7 @@ impl ODrive {
         let dt = self.read.map_or(self.period(), |last| (now - last).max(LEAST));
         (self.awaited, self.answered, self.read, self.flushing) = (None, now, Some(now), false);
         self.counts.readings += 1;
+        self.felt = true;
         if let Stage::Falling { since, from } = self.stage {
             let left = 1.0 - (now - since) / self.settings.ramp.max(1e-9);
             self.torque = from * left.max(0.0);
@@ -20,6 +21,10 @@ impl ODrive {
         }
         let round_trip = self.trips.sum_up();
         let asked = servo.tick(&Reading { angle, velocity: Some(velocity), dt, round_trip });
+        self.set_torque(asked);
+    }
+
+    fn set_torque(&mut self, asked: f64) {
         let most = self.settings.most_torque;
         self.torque = if !asked.is_finite() {
             self.counts.not_finite += 1;
@@ -28,6 +33,34 @@ impl ODrive {
             self.counts.clipped += u64::from(asked.abs() > most);
             asked.clamp(-most, most)
         };
+    }
+
+    /// Seconds after which an answer is late: those of an exchange; on a line that is slower or wavers, a quarter more than the slowest of the last
+    /// answers took, so that what is usual there is not late.
+    fn tick(&self) -> f64 {
+        self.period().max(1.25 * self.trips.sum_up().worst)
+    }
+
+    /// While an answer is late there is no torque; whether it was taken away just now.
+    pub(super) fn ease(&mut self, now: f64, out: &mut Vec<u8>) -> bool {
+        let Some((_, asked)) = self.awaited.filter(|_| self.stage == Stage::Driven && !self.eased) else {
+            return false;
+        };
+        if self.torque == 0.0 || now - asked <= self.tick() {
+            return false;
+        }
+        (self.torque, self.eased) = (0.0, true);
+        command(out, format_args!("c {} 0", self.settings.axis));
+        true
+    }
+
+    /// The next exchange takes the torque that there is by then, and not the one that there was with the last answer.
+    pub(super) fn refresh(&mut self, now: f64, servo: &mut dyn Servo) {
+        let quiet = self.awaited.is_none() && self.drain.is_none() && self.probe.is_none();
+        let due = self.stage == Stage::Driven && self.felt && quiet && now >= self.next;
+        if let Some(torque) = due.then(|| servo.newest()).flatten() {
+            self.set_torque(torque);
+        }
     }
 
     /// It is no longer in closed loop.
@@ -90,9 +123,14 @@ impl ODrive {
                 command(out, format_args!("f {axis}"));
             }
             self.awaited = Some((question, now));
+            self.eased = false;
         }
         let fall = if let Stage::Falling { since, .. } = self.stage { since + ramp } else { f64::INFINITY };
         let (time, awaits) = match self.awaited {
+            // A hair later, so that it is over by then whatever rounding does.
+            Some((_, asked)) if !self.eased && self.torque != 0.0 => {
+                (asked + patience.min(self.tick() + LEAST), true)
+            }
             Some((_, asked)) => (asked + patience, true),
             None => (self.next, false),
         };

@@ -120,6 +120,10 @@ pub struct ODrive {
     /// When its watchdog was fed last.
     fed: f64,
     torque: f64,
+    /// Whether it was read since torque was taken away.
+    felt: bool,
+    /// Whether torque was taken away while an answer is awaited.
+    eased: bool,
     /// What it is, how it tells its errors and whether it tells its state.
     identity: Vec<String>,
     errors: Option<Errors>,
@@ -153,6 +157,8 @@ impl ODrive {
             next: 0.0,
             fed: 0.0,
             torque: 0.0,
+            felt: false,
+            eased: false,
             identity: Vec::new(),
             errors: None,
             tells_state: false,
@@ -187,6 +193,7 @@ impl ODrive {
         // Readings that are still on their way come before the answer to this, and an old state does no harm.
         self.probe = Some(if self.tells_state { Question::State } else { Question::Feedback });
         (self.torque, self.awaited, self.drain, self.release) = (0.0, None, Some(now), true);
+        self.felt = false;
     }
 
     fn line(&mut self, line: &[u8], now: f64, servo: &mut dyn Servo) {
@@ -298,7 +305,7 @@ impl Session for ODrive {
         self.identity.clear();
         self.surplus = Budget::new(SURPLUS);
         (self.awaited, self.drain, self.release, self.read) = (None, None, false, None);
-        (self.errors, self.tells_state, self.torque) = (None, false, 0.0);
+        (self.errors, self.tells_state, self.torque, self.felt) = (None, false, 0.0, false);
         (self.heard, self.answered, self.fed) = (now, now, now);
     }
 
@@ -325,11 +332,16 @@ impl Session for ODrive {
         }
     }
 
-    fn turn(&mut self, now: f64, _servo: &mut dyn Servo, out: &mut Vec<u8>) -> Turn {
+    fn turn(&mut self, now: f64, servo: &mut dyn Servo, out: &mut Vec<u8>) -> Turn {
         let before = out.len();
+        self.refresh(now, servo);
+        let eased = self.ease(now, out);
         let turn = self.step(now, out);
         if out.len() > before {
-            self.sent.clear();
+            // What is awaited may still be said back.
+            if !eased {
+                self.sent.clear();
+            }
             self.sent.extend_from_slice(&out[before..]);
         }
         turn
