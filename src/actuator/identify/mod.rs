@@ -15,6 +15,8 @@
 //! Nothing of this is for real time, and nothing reads a file: samples come in as slices.
 
 mod coil;
+#[cfg(test)]
+mod coverage;
 mod estimate;
 mod held;
 mod initial;
