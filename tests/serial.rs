@@ -5,6 +5,9 @@
 //! simulated knob that really turns.
 #![cfg(target_os = "linux")]
 
+#[cfg(feature = "cli")]
+#[path = "common/bench.rs"]
+mod bench;
 #[path = "serial/cable.rs"]
 mod cable;
 #[path = "serial/driven.rs"]

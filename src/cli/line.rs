@@ -2,17 +2,21 @@
 
 use super::failure::Failure;
 use super::load::Loaded;
-use pacinian::graph::plan::{Plan, Shared};
+use super::table::grouped;
+use pacinian::graph::plan::Plan;
 use pacinian::io::knob::driver::Running;
 use pacinian::io::knob::patched;
 use pacinian::knob::effect::program::Any;
-use pacinian::live::remote::{Heard, remote};
+use pacinian::live::remote::{Heard, Lateness, remote};
 use pacinian::rig::knob::controller::AMPLITUDE;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 /// A knob that is talked to until this is dropped.
 pub struct OnLine {
-    _running: Running,
+    running: Running,
+    port: String,
+    /// Of one whose torque is computed here: how late it is written, and how late it was expected to be, seconds.
+    late: Option<(Lateness, f64)>,
     says: Receiver<String>,
     orders: Sender<Vec<Any>>,
     /// What is told of it at first.
@@ -22,24 +26,23 @@ pub struct OnLine {
 /// Seconds for which one that renders by itself may say nothing: it may when it stands, and is lost by its session.
 const STILL: f64 = 10.0;
 
+/// The share of torques that a measured delay is to hold for; those few that are later are a tick without torque.
+const OFTEN: f64 = 0.99;
+
 impl OnLine {
     /// Opens the line, where the plan reads a knob that is on one; with what the session hears of it.
     ///
     /// # Errors
-    /// A port that cannot be opened; a patch that would hear a sound card as well.
+    /// A port that cannot be opened.
     pub fn begin(loaded: &Loaded, plan: &Plan) -> Result<Option<(Box<Heard>, Self)>, Failure> {
         let knob = loaded.rig.knob.as_ref().filter(|_| loaded.input.is_none());
         let (Some(of_rig), Some(knob), Some(sensor)) = (knob, &plan.knob, plan.sensor()) else {
             return Ok(None);
         };
         let Some(controller) = &of_rig.controller else { return Ok(None) };
-        if plan.shared.iter().any(|shared| matches!(shared, Shared::Input(_))) {
-            let what = "the patch listens to a sound card, and its knob is on a serial line: one of them can be heard, not both";
-            let help = "play it with --simulated, or without `input` nodes";
-            return Err(Failure::usage(what, help).with_code(65));
-        }
         let patience = if controller.renders() { STILL } else { controller.patience };
         let (heard, line) = remote(knob.allowance, patience, AMPLITUDE, sensor.channels);
+        let late = (!controller.renders()).then(|| (line.lateness(), knob.allowance));
         let (told, says) = channel();
         let (orders, taken) = channel();
         let running =
@@ -50,7 +53,42 @@ impl OnLine {
                 }
             })?;
         let note = format!("its knob is on {}", controller.port);
-        Ok(Some((Box::new(heard), Self { _running: running, says, orders, note })))
+        let port = controller.port.clone();
+        Ok(Some((Box::new(heard), Self { running, port, late, says, orders, note })))
+    }
+
+    /// What it did, and what that is worth.
+    pub fn conclude(&self) -> String {
+        let standing = self.running.standing();
+        let trip = standing.round_trip;
+        let of = &standing.counts;
+        let mut text = format!("  the knob on {}: {} readings", self.port, grouped(of.readings));
+        let faults = [(of.dropped, "without an answer"), (of.bad_checksum + of.unexpected, "not understood")];
+        for (count, what) in faults.into_iter().filter(|(count, _)| *count > 0) {
+            text += &format!(", {} {what}", grouped(count));
+        }
+        if trip.worst > 0.0 {
+            text += &format!(
+                "; of the last answers the mean took {:.2} ms, the slowest {:.2} ms",
+                1e3 * trip.mean,
+                1e3 * trip.worst
+            );
+        }
+        let Some((lateness, expected)) = &self.late else { return text + "\n" };
+        let Some(within) = lateness.within(OFTEN) else { return text + "\n" };
+        // The angle was on its way before that, and the torque after it: one answer's time together.
+        let delay = ((within + trip.mean) * 1e4).ceil() * 1e-4;
+        text += &format!(
+            "\n    from an angle to its torque {:.1} ms (99 of 100), {:.1} ms are reckoned with",
+            1e3 * delay,
+            1e3 * expected
+        );
+        if delay < 0.9 * expected {
+            text += &format!(": `delay = {delay:.4}` in [knob] of the rig makes the knob stiffer");
+        } else if delay > *expected {
+            text += ": what was later is no torque; smaller blocks, or a longer `delay` in [knob] of the rig, give it back";
+        }
+        text + "\n"
     }
 
     /// What a patch that took over wants it to be.

@@ -317,7 +317,7 @@ impl Scene {
             .at_rate(recordings_rate(rate))
             .holding(self.held);
         let folder = Arc::new(folder);
-        let hears = self.hears || rig.device.input.is_some() || serial(&rig);
+        let (hears, on_line) = (self.hears || rig.device.input.is_some(), serial(&rig));
         let options = Options {
             rate: Some(rate),
             precision: match self.precision {
@@ -328,7 +328,7 @@ impl Scene {
             seed: self.seed,
             pattern: self.pattern.clone(),
             // What comes in by a file is what the sensor says.
-            attached: !self.simulated && (self.input.is_some() || (self.live && hears)),
+            attached: !self.simulated && (self.input.is_some() || (self.live && (hears || on_line))),
             block: self.block,
             on_card: self.on_card,
             live: self.midi.is_some() || (all && patch.triggers.iter().any(|t| t.on.is_live())),
@@ -440,7 +440,8 @@ impl Scene {
             |path: &PathBuf| if path.as_os_str() == "-" { "/dev/stdin".into() } else { path.clone() };
         loaded.files.extend(read.map(on_disk));
         let hears = self.hears || (self.live && hears);
-        let deaf = self.input.is_none() && !hears && !listened.is_empty();
+        let by_card = |channel: &usize| !on_line || !sensed.contains(channel);
+        let deaf = self.input.is_none() && !hears && listened.iter().any(by_card);
         loaded.warnings.extend(unheard);
         loaded.warnings.extend(short);
         loaded.warnings.extend(capped);

@@ -22,7 +22,7 @@ use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
 use pacinian::io::midi_in::MidiPorts;
-use pacinian::io::session::{Beginning, Ear, Session, SessionError};
+use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
@@ -190,15 +190,16 @@ impl Play {
             .map_or((None, None), |(heard, line)| (Some(heard), Some(line)));
         #[cfg(not(feature = "serial"))]
         let on_line: Option<Box<pacinian::live::remote::Heard>> = None;
-        let mut listens = match &on_line {
-            None => Listens::of(&loaded, listens, &heard_from, rate, self.block)?,
-            Some(_) => Listens::default(),
-        };
-        #[cfg(feature = "serial")]
-        if let Some(line) = &line {
-            listens.note = Some(line.note.clone());
-        }
+        // What is on a line is no affair of the card.
+        let first = on_line.as_ref().map_or(usize::MAX, |knob| knob.first());
+        let by_card: Vec<usize> = heard_from.iter().copied().filter(|channel| *channel < first).collect();
+        let mut listens = Listens::of(&loaded, listens, &by_card, rate, self.block)?;
         let hears = listens.note.take();
+        #[cfg(feature = "serial")]
+        let hears = match (hears, line.as_ref().map(|line| line.note.clone())) {
+            (Some(card), Some(knob)) => Some(format!("{card}; {knob}")),
+            (card, knob) => card.or(knob),
+        };
         let scenery = Scenery {
             loaded: &loaded,
             first: &reload.scene.patterns,
@@ -225,10 +226,8 @@ impl Play {
         let mut session = Session::start(Beginning {
             block: self.block,
             armed,
-            input: match on_line {
-                Some(heard) => Ear::Knob(heard),
-                None => listens.ear(Box::new(move |what| ears.input_fate(what))),
-            },
+            input: listens.ear(Box::new(move |what| ears.input_fate(what))),
+            knob: on_line,
             record: self.keep.record.is_some(),
             record_input: self.keep.events.is_some(),
             song: loaded.song.clone(),
@@ -349,6 +348,8 @@ impl Play {
             terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }
         let concluded = self.conclude(&loaded, &session, &peaks, &held, terminal);
+        #[cfg(feature = "serial")]
+        line.iter().for_each(|line| terminal.note(&line.conclude()));
         let told = knob.map_or(Ok(()), |knob| knob.told(&loaded, session.board(), terminal));
         let concluded = kept.finish(terminal).and(concluded).and(told);
         match ended {

@@ -72,8 +72,6 @@ pub struct Beginning {
 pub enum Ear {
     /// Silence.
     Nothing,
-    /// The angle of a knob that is on a line, to which its torque goes back, and nothing beside it.
-    Knob(Box<remote::Heard>),
     /// A file, from the beginning on.
     File(Arc<Input>),
     /// A device.
@@ -193,17 +191,13 @@ impl Session {
         let block = block.or_else(|| device.usual_block());
         let expected = block.map_or(BLOCK, |block| block as usize);
         let (mut driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
-        let (knob, input) = match input {
-            Ear::Knob(heard) => (Some(heard), Ear::Nothing),
-            input => (knob, input),
-        };
         // A knob on a line is heard behind all else.
         let others = knob.as_ref().map_or(inputs, |knob| knob.first());
         let mut listening = None;
         let hearing: Option<Box<dyn Hearing>> = match input {
             // What nothing listens to is not opened.
             _ if others == 0 => None,
-            Ear::Nothing | Ear::Knob(_) => None,
+            Ear::Nothing => None,
             Ear::File(input) => Some(Box::new(Heard::new(input))),
             Ear::Device { device, fate } => {
                 let shape =
