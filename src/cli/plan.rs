@@ -179,7 +179,8 @@ impl OutputReport {
         let pushes: String = motor.pushes.iter().filter_map(Push::text).collect();
         let swells: String = motor.swells.iter().filter_map(out_of_reach).collect();
         let coupled = motor.coupled.as_ref().map_or(String::new(), |coupled| coupled.text(unit));
-        let home = motor.home.map_or(String::new(), |[seconds, angle, spread]| {
+        let unparked = motor.park.map_or("", |_| ", never parked since no voice sends it home (drive-home)");
+        let home = motor.home.map_or(unparked.to_string(), |[seconds, angle, spread]| {
             let (angle, spread) = (angle.to_degrees(), spread.to_degrees());
             format!(
                 ", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°, clicks from there on with gravity{}",
