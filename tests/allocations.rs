@@ -455,7 +455,7 @@ fn clicks_after_the_way_home() {
             engine.process(&mut frames);
         });
         moved = frames.iter().fold(moved, |most, x| most.max(x.abs()));
-        if n == 120 || n == 300 {
+        if n == 120 || n == 170 {
             assert!(engine.stage().drives().hangs(0).is_some(), "it is home");
         }
     }

@@ -148,7 +148,7 @@ struct MotorReport {
     swells: Vec<(String, f64, f64)>,
     /// Of levels that are plain or switch: what a drive is held by, and what follows it, where something is said.
     held: Option<String>,
-    /// Seconds of rest after which its mass is turned back home.
+    /// Seconds of rest after which its mass goes home again.
     park: Option<f64>,
     /// The way home, where a voice sends it there: s, where the mass hangs then, rad from straight down, and by how much it may be elsewhere.
     home: Option<[f64; 3]>,
@@ -184,7 +184,7 @@ impl OutputReport {
             let (angle, spread) = (angle.to_degrees(), spread.to_degrees());
             format!(
                 ", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°, clicks from there on with gravity{}",
-                motor.park.map_or(String::new(), |seconds| format!(", parked after {seconds} s of rest"))
+                motor.park.map_or(String::new(), |seconds| format!(", and there again after {seconds} s of rest"))
             )
         });
         Some(format!(

@@ -107,8 +107,7 @@ impl Motor {
                 let root = level.abs().min(1.0).sqrt().copysign(level);
                 Some(Order::Swell(number as u32, root, *shaping))
             }
-            Command::Home(false) => self.home.map(|(pieces, angle)| Order::Home(pieces, angle)),
-            Command::Home(true) => self.home.map(|(pieces, angle)| Order::Park(pieces, angle)),
+            Command::Home => self.home.map(|(pieces, angle)| Order::Home(pieces, angle)),
             Command::Brake => Some(Order::Brake),
         }
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Settings;
 use crate::actuator::driver::order::{After, By};
 use crate::actuator::driver::setup::Shaping;
-use crate::node::{NodeKind, drive_home, drive_on, drive_spin, drive_swell};
+use crate::node::{NodeKind, drive_on, drive_spin, drive_swell};
 
 /// An order, as a patch has it: what it means in volts depends on the motor.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,8 +18,8 @@ pub enum Command {
     On(f64, By, After),
     /// An envelope, times the event's level: that of these settings of its node.
     Swell(Arc<Settings>, Shaping),
-    /// To where gravity catches the mass; whether by a slow turn, where it is known where it hangs.
-    Home(bool),
+    /// To where gravity catches the mass.
+    Home,
     /// To rest.
     Brake,
 }
@@ -41,7 +41,7 @@ impl Command {
                 first.map(|share| Self::On(share, drive_on::by(choice(0)), drive_on::after(choice(1))))
             }
             NodeKind::DRIVE_SWELL => Some(Self::Swell(Arc::clone(settings), drive_swell::shaping(choice(0)))),
-            NodeKind::DRIVE_HOME => Some(Self::Home(drive_home::is_turn(choice(0)))),
+            NodeKind::DRIVE_HOME => Some(Self::Home),
             NodeKind::DRIVE_BRAKE => Some(Self::Brake),
             _ => None,
         }

@@ -136,7 +136,7 @@ pub fn homes(
 ) -> Vec<(usize, Homing)> {
     let mut homes: Vec<(usize, Homing)> = Vec::new();
     let sends = |instrument: &&Instrument| {
-        instrument.commands().iter().any(|command| matches!(command, Command::Home(_)))
+        instrument.commands().iter().any(|command| matches!(command, Command::Home))
     };
     let Some(instrument) = instruments.iter().find(sends) else { return homes };
     let mut refused = None;

@@ -11,9 +11,10 @@ pub static SPEC: NodeSpec = NodeSpec {
     detail: "The mass is turned so far and stands again: the full drive forward, then backward for as long as it takes to stop \
              the rotor, which is less than forward, then a last moment forward that empties the coil. The times are solved on the \
              motor's own model, with its inductance. Where it is known where the mass hangs (after `drive-home`, and from there on, \
-             wherever clicks, spins and brakes turn it, until the motor's figures, if they are 5 % off, may have led its model 60 degrees astray: five quarter turns one way, \
-             twenty and more to and fro, nine that are parked), gravity is part of it: the model ends each drive while the click is under way, and less \
-             than 0.1 % of its peak speed is left. Where it is not, the times are those of a motor that lies flat: of a coin motor that stands upright, \
+             wherever clicks, spins and brakes turn it, until the motor's figures, if they are 5 % off, may have led its model 30 degrees astray: after two quarter turns one way, \
+             eight to and fro), gravity is part of it: the model ends each drive while the click is under way, and less \
+             than 0.1 % of its peak speed is left of the first click from home, as far as the mass hangs where home is said to be. Near the top a small error grows by itself, \
+             most in weak clicks: where it matters, go home again before each. Where it is not, the times are those of a motor that lies flat: of a coin motor that stands upright, \
              gravity then leaves 1 to 16 %, by where the mass hangs and how weak the click is. The event's level is the share of the strongest acceleration that the motor \
              can make in such a click; a weaker one than what turns it at all is played as strong as that. A quarter of a \
              turn is a click, a whole turn or more a thump. Behind a rectifier (drive = \"carrier\" in the rig) nothing brakes, and a click \

@@ -1,7 +1,7 @@
 //! The mass of a motor is brought to where gravity catches it.
 
 use super::order;
-use super::spec::{Family, Kind, NodeSpec, Param};
+use super::spec::{Family, NodeSpec};
 
 /// What the node says about itself.
 pub static SPEC: NodeSpec = NodeSpec {
@@ -12,26 +12,15 @@ pub static SPEC: NodeSpec = NodeSpec {
              creep with too little to lift it over the top: it is caught at the same place, wherever it was before, and friction \
              keeps it there, so that clicks kick the same way. From there on it is known where the mass hangs, and clicks are solved with gravity \
              (see `drive-click`). It takes some tenths of a second and is felt a little, so it belongs before a row of clicks; a weak click \
-             back, with the `turns` of the click forward but negative, then keeps it near, and so does a slow turn back (`way = \"turn\"`, or `park` in the rig, which \
-             does so after every rest). The motor must have a `tilt` in the rig, or \
+             back, with the `turns` of the click forward but negative, then keeps it near for a few; `park` in the rig goes home again by itself, after every rest. The motor must have a `tilt` in the rig, or \
              gravity is not known, and a steady voltage: the pulses of a bridge and the carrier of a rectifier shake the mass loose. How \
              long it takes, where the mass hangs then and how certainly, says `pacinian check`. Level and release change nothing. It is an \
              order to the rumble motors at the voice's place (outputs of kind drive), worked out \
              for each of them; elsewhere, and as a signal, it is silence. The newest order of a motor holds, and what was under way \
              is braked first.",
-    params: &[Param {
-        name: "way",
-        kind: Kind::Choice(&["spin", "turn"], 0),
-        unit: "",
-        doc: "How: a spin and a creep, whatever is known; or, where it is known where the mass hangs, a slow turn back there, the shorter way, which is hardly felt.",
-    }],
-    example: r#"go = { type = "drive-home", way = "turn" }"#,
+    params: &[],
+    example: r#"go = { type = "drive-home" }"#,
 };
-
-/// Whether a choice of `way` is a turn back where that is known.
-pub fn is_turn(choice: usize) -> bool {
-    choice == 1
-}
 
 /// Eight lanes of silence.
 pub type Lanes<R> = order::Lanes<R, false>;

@@ -74,7 +74,7 @@ pub struct Turning {
     pub direction: Option<u32>,
     /// How drives are held and what follows them, where they are plain or switched.
     pub stage: Stage,
-    /// Seconds of rest after which the mass is turned back home; `None`: it is left where it is.
+    /// Seconds of rest after which the mass goes home again; `None`: it is left where it is.
     pub park: Option<f64>,
     /// By how much the plane in which its mass spins is tilted off upright, rad; `None`: unknown, and gravity has no part in what is worked out.
     pub tilt: Option<f64>,
@@ -248,7 +248,7 @@ pub static TABLE: Table = Table {
             "park",
             Form::any_number(0.01, 60.0),
             "s",
-            "For a drive with `tilt`: how long its mass rests before it is turned back, slowly and the shorter way, to where `drive-home` has brought it, so that the next click kicks the same way; it is left where it is where nothing is said, and where it is not known any more where it hangs.",
+            "For a drive with `tilt`: how long its mass rests before it goes home again, the way of `drive-home` that a voice has ordered before, so that the next click kicks the same way: longer than the pauses within a row of clicks. It is left where it is where nothing is said.",
         ),
         Field::new(
             "look_ahead",

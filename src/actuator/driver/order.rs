@@ -71,10 +71,8 @@ pub enum Order {
     /// A click of so many turns, from rest: where it is known where the mass hangs, it is ended by the motor's model, gravity included; where it is not,
     /// it is these pieces.
     Turn(Pieces, f64),
-    /// To where gravity catches the mass, rad from straight down; where that is known already as far as it can be, none the less.
+    /// To where gravity catches the mass, rad from straight down.
     Home(Pieces, f64),
-    /// The same where it is not known where the mass hangs; where it is, a slow turn back, the shorter way.
-    Park(Pieces, f64),
     /// To a speed (rad/s), as fast as may be, until the voice is released.
     Spin(f64),
     /// A speed (rad/s), as levels are shaped, until the voice is released: then to rest as fast as may be, or of [`Shaping::Plain`] by what nothing does.
@@ -93,7 +91,7 @@ impl Order {
     /// Whether it is for the way that diodes do not let.
     pub fn is_backward(self) -> bool {
         match self {
-            Self::Click(pieces) | Self::Turn(pieces, _) | Self::Home(pieces, _) | Self::Park(pieces, _) => {
+            Self::Click(pieces) | Self::Turn(pieces, _) | Self::Home(pieces, _) => {
                 pieces.list.iter().any(|(seconds, drive)| *seconds > 0.0 && *drive < 0.0)
             }
             Self::Spin(x) | Self::Keep(x, _) | Self::Swell(_, x, _) | Self::On(Switch { amount: x, .. }) => {
@@ -113,7 +111,6 @@ impl Order {
             Self::Click(pieces) => Self::Click(click(pieces)),
             Self::Turn(pieces, turns) => Self::Turn(click(pieces), within(turns, 1000.0)),
             Self::Home(pieces, angle) => Self::Home(click(pieces), within(angle, std::f64::consts::PI)),
-            Self::Park(pieces, angle) => Self::Park(click(pieces), within(angle, std::f64::consts::PI)),
             Self::Spin(to) => Self::Spin(within(to, speed)),
             Self::Keep(to, shaping) => Self::Keep(within(to, speed), shaping),
             Self::Swell(track, root, shaping) => Self::Swell(track, within(root, 1.0), shaping),

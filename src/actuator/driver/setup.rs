@@ -96,7 +96,7 @@ pub struct Setup {
     pub shaping: Shaping,
     /// How drives are held, and what follows them; of [`Shaping::Plain`] and [`Shaping::OnOff`] alone.
     pub stage: Stage,
-    /// Seconds of rest after which the mass is turned back to where it was brought home, 0.01 to 60; `None`: it is left where it is.
+    /// Seconds of rest after which the mass is brought home again, once it was, 0.01 to 60; `None`: it is left where it is.
     pub park: Option<f64>,
     /// Seconds by which what is played is known ahead, 0 to 1; `None`: as long as braking from the full speed takes. For
     /// [`Shaping::Inverse`] alone.

@@ -77,6 +77,8 @@ pub struct Turner {
     hangs: Option<Hanging>,
     /// What the click that is under way is for.
     aim: Aim,
+    /// The way home that was ordered last.
+    way: Pieces,
     /// Samples of rest so far.
     rested: u64,
     /// Of levels that switch: which way it is on, 1 or -1, or 0; and whether a motor that is faster than it is to be was let go.
@@ -153,6 +155,7 @@ impl Turner {
             forward: true,
             hangs: None,
             aim: Aim::Pieces,
+            way: Pieces::default(),
             rested: 0,
             on: 0.0,
             rolls: false,

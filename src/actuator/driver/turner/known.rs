@@ -24,9 +24,6 @@ const BEYOND: f64 = 0.05;
 /// A mass that hangs no farther from home than that is there, rad: 3 degrees.
 const THERE: f64 = 0.05;
 
-/// The most that a drive of a slow turn lasts, s.
-const SLOW: f64 = 0.5;
-
 /// A click that waits for rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Click {
@@ -43,8 +40,6 @@ pub(super) enum Aim {
     Turns(f64),
     /// To where the model's angle is this, rad.
     To(f64),
-    /// Back to where that is, rad from straight down, if it is known where the mass hangs; else home.
-    Park(f64),
     /// Home, rad from straight down; and that it was brought there, and is to come to rest.
     Home(f64),
     Homed(f64),
@@ -64,23 +59,11 @@ impl Turner {
         let Click { mut pieces, aim } = click;
         let known = self.hangs().filter(|_| can_be_ended(&self.setup));
         let (Some(hangs), Some(motor)) = (known, &self.motor) else {
-            return Click {
-                pieces,
-                aim: match aim {
-                    Aim::Home(angle) | Aim::Park(angle) => Aim::Home(angle),
-                    _ => Aim::Pieces,
-                },
-            };
+            let aim = if let Aim::Home(_) = aim { aim } else { Aim::Pieces };
+            return Click { pieces, aim };
         };
-        let turns = match aim {
-            Aim::Turns(turns) => turns,
-            Aim::Park(angle) => {
-                pieces.list = [(SLOW, 0.0); PIECES];
-                ((angle - hangs + PI).rem_euclid(TAU) - PI) / TAU
-            }
-            _ => return click,
-        };
-        if matches!(aim, Aim::Park(_)) && turns.abs() * TAU < THERE || turns == 0.0 {
+        let Aim::Turns(turns) = aim else { return click };
+        if turns == 0.0 {
             return Click { pieces: Pieces::default(), aim: Aim::Pieces };
         }
         let way = turns.signum();
@@ -91,16 +74,18 @@ impl Turner {
         Click { pieces, aim: Aim::To(motor.turned() + TAU * turns) }
     }
 
-    /// Whether a mass that rests is to be turned back home after a while.
+    /// Whether a mass that rests is to be brought home again after a while: one that was brought there before, and has moved since.
     pub(super) fn waits_to_park(&self) -> bool {
-        let (Some(_), Some(hanging), Some(hangs)) = (self.setup.park, &self.hangs, self.hangs()) else {
-            return false;
-        };
-        let off = (hanging.home - hangs + PI).rem_euclid(TAU) - PI;
-        can_be_ended(&self.setup) && off.abs() >= THERE
+        let (Some(_), Some(hanging)) = (self.setup.park, &self.hangs) else { return false };
+        let there = self.hangs().is_some_and(|hangs| {
+            let off = (hanging.home - hangs + PI).rem_euclid(TAU) - PI;
+            off.abs() < THERE
+        });
+        can_be_ended(&self.setup) && !there
     }
 
-    /// Of a motor at rest: turns its mass back home once it has rested for long enough.
+    /// Of a motor at rest: sends its mass home once it has rested for long enough. That is the whole way home: turned back by its model, slowly and
+    /// near the top, it would be farther off each time.
     pub(super) fn park(&mut self) {
         let (Some(seconds), Some(Hanging { home, .. })) = (self.setup.park, self.hangs) else { return };
         self.rested += 1;
@@ -112,7 +97,7 @@ impl Turner {
             return;
         }
         self.rested = 0;
-        let click = Click { pieces: Pieces::default(), aim: Aim::Park(home) };
+        let click = Click { pieces: self.way, aim: Aim::Home(home) };
         self.mode = Mode::Speed(0.0, Some(click), self.clock);
         (self.voice, self.away) = (None, true);
     }

@@ -79,16 +79,15 @@ impl Turner {
         }
         let order = order.sane(self.setup.full_speed(), self.setup.limit);
         match order {
-            Order::Click(pieces)
-            | Order::Turn(pieces, _)
-            | Order::Home(pieces, _)
-            | Order::Park(pieces, _) => {
+            Order::Click(pieces) | Order::Turn(pieces, _) | Order::Home(pieces, _) => {
                 let aim = match order {
                     Order::Turn(_, turns) => Aim::Turns(turns),
                     Order::Home(_, angle) => Aim::Home(angle),
-                    Order::Park(_, angle) => Aim::Park(angle),
                     _ => Aim::Pieces,
                 };
+                if let Aim::Home(_) = aim {
+                    self.way = pieces;
+                }
                 // At rest it begins at once.
                 self.mode = Mode::Speed(0.0, Some(Click { pieces, aim }), self.clock);
                 self.voice = None;
