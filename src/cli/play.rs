@@ -185,6 +185,8 @@ impl Play {
         }
         let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
         let heard_from = reload.scene.plan.inputs();
+        // Before anything is opened: from here on, a signal ends it in order.
+        let stop = Stop::listen()?;
         #[cfg(feature = "serial")]
         let (on_line, line) = super::line::OnLine::begin(&loaded, &reload.scene.plan)?
             .map_or((None, None), |(heard, line)| (Some(heard), Some(line)));
@@ -212,7 +214,6 @@ impl Play {
         let (mut show, post) = Show::new(&scenery, terminal)?;
         let (ears, ports) = (post.clone(), post.clone());
         let (verdict, verdicts) = channel();
-        let stop = Stop::listen()?;
         let journal = self.keep.journal(&reload, scenery.device, armed)?;
         // Before anything sounds: an address that cannot be had ends it.
         let socket = self.osc.bind()?;
