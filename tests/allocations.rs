@@ -419,38 +419,24 @@ fn motors_that_are_ordered_about() {
 #[test]
 fn clicks_after_the_way_home() {
     use common::scenes::MOTORS;
-    use pacinian::engine::event::Play;
-    use pacinian::graph::scene::{Options, scene};
-    use pacinian::graph::start::FIELDS;
-    use pacinian::rig::Rig;
 
     let rig = MOTORS.replace("amplifier = \"bridge\"\n", "amplifier = \"bridge\"\ntilt = 0.0\n");
     let moves = "[voice.home]\noutput = \"go\"\n[voice.home.nodes]\ngo = { type = \"drive-home\" }\n[voice.click]\noutput = \"tap\"\n\
          [voice.click.nodes]\ntap = { type = \"drive-click\" }\n";
-    let rig = Rig::parse("rig.toml", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let none = pacinian::node::asset::NoAssets;
-    let plan = scene(&common::patch(moves), &rig, &options, &none).unwrap_or_else(|p| panic!("{p}")).plan;
-    let mut engine = Engine::new(&plan).unwrap();
+    let mut engine = with_motors(&rig, moves);
     let mut frames = vec![0.0; 480 * 3];
     let (mut total, mut moved) = (0, 0.0_f32);
     for n in 0..400_u32 {
-        let play = |instrument: u32, level: f64| Play {
-            felt: None,
-            instrument,
-            place: Spot::Row(1),
-            level,
-            duration: 0.01,
-            own: [0.0; FIELDS],
-            id: u64::from(n),
+        let ordered = |instrument: u32, level: f64| {
+            Event::Play(Play { level, ..play(instrument, 1, 0.0, 0.01, u64::from(n)) })
         };
         total += counted(|| {
             let at = Instant { sample: engine.clock() + 3, fraction: 1 << 30 };
             if n == 2 {
-                engine.schedule(at, Source::Program, Event::Play(play(0, 1.0)));
+                engine.schedule(at, Source::Program, ordered(0, 1.0));
             } else if n > 120 && n % 10 == 0 {
                 let level = if n % 20 == 0 { 1.0 } else { -0.5 };
-                engine.schedule(at, Source::Program, Event::Play(play(1, level)));
+                engine.schedule(at, Source::Program, ordered(1, level));
             }
             engine.process(&mut frames);
         });
@@ -463,17 +449,17 @@ fn clicks_after_the_way_home() {
     assert!(moved > 0.1, "{moved}");
 }
 
-fn motors_are_ordered_about(rig: &str, moves: &str) {
-    use pacinian::engine::event::Play;
-    use pacinian::graph::scene::{Options, scene};
-    use pacinian::graph::start::FIELDS;
-    use pacinian::rig::Rig;
-
+/// An engine that plays a patch on a rig.
+fn with_motors(rig: &str, moves: &str) -> Engine {
     let rig = Rig::parse("rig.toml", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
     let none = pacinian::node::asset::NoAssets;
     let plan = scene(&common::patch(moves), &rig, &options, &none).unwrap_or_else(|p| panic!("{p}")).plan;
-    let mut engine = Engine::new(&plan).unwrap();
+    Engine::new(&plan).unwrap()
+}
+
+fn motors_are_ordered_about(rig: &str, moves: &str) {
+    let mut engine = with_motors(rig, moves);
     let mut frames = vec![0.0; 480 * 3];
     let (mut total, mut moved) = (0, 0.0_f32);
     for n in 0..400_u32 {
@@ -482,15 +468,7 @@ fn motors_are_ordered_about(rig: &str, moves: &str) {
                 let (instrument, place) = ((n + i) % 6, i % 3);
                 let at = Instant { sample: engine.clock() + u64::from(i % 80), fraction: 1 << 30 };
                 let (level, duration) = (f64::from(i % 7) / 3.0 - 1.0, 0.001 * f64::from(i));
-                let play = Play {
-                    felt: None,
-                    instrument,
-                    place: Spot::Row(place),
-                    level,
-                    duration,
-                    own: [0.0; FIELDS],
-                    id: u64::from(i),
-                };
+                let play = Play { level, ..play(instrument, place, 0.0, duration, u64::from(i)) };
                 engine.schedule(at, Source::Program, Event::Play(play));
             }
             if n % 50 == 49 {

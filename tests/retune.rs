@@ -210,27 +210,31 @@ fn a_tone_goes_on_from_its_phase() {
 /// How what is held will end is what the new patch says; how it began stays.
 #[test]
 fn what_is_held_ends_as_the_new_patch_says() {
-    let voice = |release: f64| {
-        format!(
-            "[voice.v]\noutput = \"out\"\n[voice.v.nodes]\ntone = {{ type = \"sine\", frequency = 100, amplitude = 0.5 }}\n\
-             hit = {{ type = \"envelope\", attack = 0.01, sustain = 1, release = {release} }}\n\
-             out = {{ type = \"multiply\", inputs = [\"tone\", \"hit\"] }}\n"
-        )
-    };
-    let plan = |text: &str| compiled(text, 1, RATE).plan;
-    let (mut director, mut stagehand) = exchange(&plan(&voice(3.0))).unwrap();
-    schedule(stagehand.engine(), &[(0.0, play(0, 0, 60.0, 1.0, 1))]);
-    let mut output = vec![0.0; 2 * RATE as usize];
-    for (n, part) in output.chunks_mut(BLOCK).enumerate() {
-        if n == 500 {
-            assert!(director.send(&plan(&voice(0.02))).unwrap());
+    for (node, ends) in [
+        ("type = \"envelope\", attack = 0.01, sustain = 1", "release"),
+        ("type = \"gate\", rise = 0.01", "fall"),
+    ] {
+        let voice = |seconds: f64| {
+            format!(
+                "[voice.v]\noutput = \"out\"\n[voice.v.nodes]\ntone = {{ type = \"sine\", frequency = 100, amplitude = 0.5 }}\n\
+                 hit = {{ {node}, {ends} = {seconds} }}\nout = {{ type = \"multiply\", inputs = [\"tone\", \"hit\"] }}\n"
+            )
+        };
+        let plan = |text: &str| compiled(text, 1, RATE).plan;
+        let (mut director, mut stagehand) = exchange(&plan(&voice(3.0))).unwrap();
+        schedule(stagehand.engine(), &[(0.0, play(0, 0, 60.0, 1.0, 1))]);
+        let mut output = vec![0.0; 2 * RATE as usize];
+        for (n, part) in output.chunks_mut(BLOCK).enumerate() {
+            if n == 500 {
+                assert!(director.send(&plan(&voice(0.02))).unwrap());
+            }
+            stagehand.process(&[], part);
         }
-        stagehand.process(&[], part);
+        let loudest = |from: f64, to: f64| {
+            let part = &output[(from * RATE) as usize..(to * RATE) as usize];
+            part.iter().fold(0.0_f32, |most, x| most.max(x.abs()))
+        };
+        assert!(loudest(0.4, 0.99) > 0.47, "{node}");
+        assert!(loudest(1.05, 2.0) < 1e-5, "{node}: {}", loudest(1.05, 2.0));
     }
-    let loudest = |from: f64, to: f64| {
-        let part = &output[(from * RATE) as usize..(to * RATE) as usize];
-        part.iter().fold(0.0_f32, |most, x| most.max(x.abs()))
-    };
-    assert!(loudest(0.4, 0.99) > 0.47);
-    assert!(loudest(1.05, 2.0) < 1e-5, "{}", loudest(1.05, 2.0));
 }

@@ -293,6 +293,28 @@ mod tests {
         (off - off.round()).abs()
     }
 
+    /// Whatever it did before, a voice that has another frequency from now on, and one that is moved from now on, goes on from its phase.
+    #[test]
+    fn another_frequency_goes_on_from_the_phase() {
+        for begins in [false, true] {
+            for moved in [false, true] {
+                let mut clock = Clockwork::new(8000.0).of_what_begins(begins);
+                clock.start(2, 100.0, -1.7);
+                // While nothing moves it, it is stepped by whoever has its hands.
+                let (hands, step) = clock.hands();
+                (0..500).for_each(|_| hands[2] = hands[2].wrapping_add(step[2]));
+                let turns = 100.0 * (-2.7 + 500.0) / 8000.0;
+                assert!(apart(hands[2], turns) < 1e-9);
+                clock.retune(2, 300.0);
+                let off = if moved { 200.0 } else { 0.0 };
+                let phase = clock.advance_by(&[off; LANES])[2];
+                // What begins may do so within this very sample.
+                let share = if begins { WEIGHTS[0] } else { 1.0 };
+                assert!(apart(phase, turns + (300.0 + share * off) / 8000.0) < 1e-9, "{begins} {moved}");
+            }
+        }
+    }
+
     #[test]
     fn the_rule_is_exact_for_polynomials_of_degree_five() {
         for degree in 0..6 {

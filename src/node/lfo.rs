@@ -224,6 +224,33 @@ mod tests {
     use super::WAVES;
     use crate::node::harness::{Bench, error_db, low_pass};
 
+    /// A phase that is another now is one from now on; the rate goes on from there.
+    #[test]
+    fn another_phase_is_taken_at_once() {
+        use super::{Io, Kernel, LANES, Lanes, Onset};
+        use crate::node::kernel::Input;
+        let bench = bench(0, 3.0);
+        let known = |rate: f64, phase: f64| [rate, phase, 0.0, 1.0, 0.005];
+        let run = |lanes: &mut Lanes<f64>, rate: f64| {
+            let (zeros, ones, base) = ([[0.0; LANES]], [[1.0; LANES]], [rate; LANES]);
+            let input = |rows| Input { rows, step: 0, steady: true, base: &base };
+            let mut output = [[0.0; LANES]; 300];
+            let inputs = [input(&zeros), input(&zeros), input(&zeros), input(&ones)];
+            lanes.run(&mut Io { inputs: &inputs, output: &mut output, still: false });
+            output.map(|row| row[0])
+        };
+        let mut changed: Lanes<f64> = Lanes::new(&bench.setup);
+        let mut other: Lanes<f64> = Lanes::new(&bench.setup);
+        changed.start(0, &Onset { age: -1.5, stream: 0, start: &known(3.0, 0.1) });
+        other.start(0, &Onset { age: -1.5, stream: 0, start: &known(3.0, 0.45) });
+        assert_ne!(run(&mut changed, 3.0), run(&mut other, 3.0));
+        changed.retune(0, &known(3.0, 0.1), &known(7.0, 0.45));
+        other.retune(0, &known(3.0, 0.45), &known(7.0, 0.45));
+        let (changed, other) = (run(&mut changed, 7.0), run(&mut other, 7.0));
+        let most = changed.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(most < 1e-12, "{most}");
+    }
+
     fn bench(wave: usize, rate: f64) -> Bench {
         Bench::new("lfo", 8000.0).choice("wave", wave).steady("rate", rate).steady("phase", 0.137)
     }

@@ -8,7 +8,7 @@ const OFF: f64 = 0.1;
 const STRAYS: f64 = 0.03;
 
 /// The doubt from which on it is not known, rad: 30 degrees. What is off grows by itself where gravity helps it on, so it may be more than is reckoned.
-pub const DOUBT: f64 = std::f64::consts::FRAC_PI_6;
+const DOUBT: f64 = std::f64::consts::FRAC_PI_6;
 
 /// Since the mass was home.
 #[derive(Debug, Clone, Copy, PartialEq)]

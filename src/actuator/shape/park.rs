@@ -12,7 +12,9 @@ const NEAR: f64 = 1e-3;
 /// A slow turn of the mass from where it hangs to where it shall hang, the shorter way.
 ///
 /// Which way a click kicks depends on where the mass hangs, and a click leaves it elsewhere. Friction keeps it wherever it stops in most motors,
-/// so it is turned back, at a voltage just above what starts it: what is felt goes with the square of the speed.
+/// so it is turned back, at a voltage just above what starts it: what is felt goes with the square of the speed. It goes by figures alone: by how much
+/// the mass hangs elsewhere than they say, it is off afterwards as well, and several times as much where the way leads near the top. A row of
+/// clicks is to go home again ([`super::Home`]) now and then.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Park {
     /// Where it hangs, rad from straight down.

@@ -31,7 +31,7 @@ pub struct Played {
     pub unit: &'static str,
 }
 
-/// A stretch of it in which something was done to it, or it moved.
+/// A stretch of it in which something was wished for or done to it, or it moved.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Stretch {
     /// From when to when, s.
@@ -144,12 +144,14 @@ impl Played {
     /// Stretches between rests of 20 ms.
     pub fn stretches(&self) -> Vec<Stretch> {
         let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let [drive, speed, felt] =
-            [&self.drives, &self.speeds, &self.felt].map(|values| STILL * most(values));
+        let [drive, speed, felt, wished] =
+            [&self.drives, &self.speeds, &self.felt, &self.wished].map(|values| STILL * most(values));
         let moves = |n: usize| {
             let over = |values: &[f64], least: f64| values.get(n).is_some_and(|x| x.abs() > least);
             over(&self.drives, drive)
                 || over(&self.speeds, speed)
+                // Something is to move, though it does not yet, or never does.
+                || over(&self.wished, wished)
                 || (self.speeds.is_empty() && over(&self.felt, felt))
         };
         let apart = (PARTS * self.rate) as usize;
@@ -213,5 +215,51 @@ impl Played {
             energy: gained(&self.energy),
             turns: gained(&self.turned).map(|turned| turned / std::f64::consts::TAU),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Played;
+
+    /// A wish of 100 rad/s from 0.1 s to 0.4 s, and a motor that has that speed from `from` on, if ever, until the wish ends.
+    fn late(from: Option<f64>) -> Played {
+        let rate = 1000.0;
+        let of = |begin: f64| {
+            (0..600).map(move |n| if (begin..0.4).contains(&(n as f64 / rate)) { 100.0 } else { 0.0 })
+        };
+        let speeds: Vec<f64> = of(from.unwrap_or(1.0)).collect();
+        Played {
+            rate,
+            drives: speeds.iter().map(|speed| 0.01 * speed).collect(),
+            felt: speeds.iter().map(|speed| 1e-3 * speed * speed).collect(),
+            energy: vec![0.0; 600],
+            turned: vec![0.0; 600],
+            wished: of(0.1).collect(),
+            voices: vec![(0.1, "v".into())],
+            speeds,
+            ..Played::default()
+        }
+    }
+
+    /// A rise counts from the wish, and what was missed before anything moved counts as well.
+    #[test]
+    fn what_begins_late_has_risen_late() {
+        let stretches = late(Some(0.25)).stretches();
+        assert_eq!(stretches.len(), 1);
+        let [half, most] = stretches[0].rise.map(Option::unwrap);
+        assert!((half - 0.151).abs() < 1e-9 && half == most, "{half} {most}");
+        assert_eq!(stretches[0].voices, ["v"]);
+        // All of it is missed for half of the time.
+        assert!((stretches[0].error.unwrap() - 0.5_f64.sqrt()).abs() < 1e-9);
+    }
+
+    /// What was wished for and never moved was played none the less.
+    #[test]
+    fn what_never_moves_is_told() {
+        let stretches = late(None).stretches();
+        assert_eq!(stretches.len(), 1);
+        assert_eq!((stretches[0].rise, stretches[0].error), ([None; 2], Some(1.0)));
+        assert!((stretches[0].from, stretches[0].to) == (0.1, 0.4) && stretches[0].peak == 0.0);
     }
 }
