@@ -17,7 +17,8 @@ use pacinian::io::session::{Beginning, Session};
 use pacinian::live::callback::{Deed, Report};
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
-use pacinian::live::signal::Signal;
+use pacinian::live::signal::{Handle, Signal, Stamped};
+use pacinian::midi::{Channel, Message};
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
 use pacinian::text::Problem;
@@ -26,7 +27,7 @@ use rosc::{OscMessage, OscPacket, OscType, encoder};
 const CHANNELS: u32 = 2;
 
 /// One voice that sounds as long as it is held, a pattern that plays from the beginning and is over soon, and one that never ends.
-const PATCH: &str = "[control.depth]\ndefault = 1\n[[bind]]\nfrom = \"osc./1/fader1\"\ncontrol = \"depth\"\npickup = false\n[voice.hum]\nvoices = 16\noutput = \"o\"\n[voice.hum.nodes]\n\
+const PATCH: &str = "[[trigger]]\non = \"midi.note\"\nplay = \"hum\"\n[[trigger]]\non = \"start\"\nplay = \"once\"\n[control.depth]\ndefault = 1\n[[bind]]\nfrom = \"osc./1/fader1\"\ncontrol = \"depth\"\npickup = false\n[voice.hum]\nvoices = 16\noutput = \"o\"\n[voice.hum.nodes]\n\
     s = { type = \"sine\", frequency = 200, amplitude = \"1 - 0.5 * touch.pressure\" }\ne = { type = \"envelope\", attack = 0.005, release = 0.02 }\n\
     o = { type = \"multiply\", inputs = [\"s\", \"e\", \"depth\"] }\n\
     [pattern.once]\nevents = [{ at = 0, voice = \"hum\", duration = 0.01 }]\n\
@@ -36,7 +37,7 @@ struct Stage {
     session: Session,
     server: Option<Server>,
     client: UdpSocket,
-    /// What the conductor could not do.
+    /// What the conductor could not do, but for notes that it could not end.
     refused: Arc<AtomicU64>,
     /// Patches that took over.
     swaps: Arc<AtomicU64>,
@@ -57,11 +58,15 @@ impl Stage {
         let refused = Arc::new(AtomicU64::new(0));
         let swaps = Arc::new(AtomicU64::new(0));
         let (count, swapped) = (Arc::clone(&refused), Arc::clone(&swaps));
+        let mut ends = false;
         let session = Session::start(Beginning {
             block: Some(64),
             input: pacinian::io::session::Ear::Nothing,
             audience: Box::new(move |told| match told {
-                Told::Refused(_) => _ = count.fetch_add(1, Ordering::Relaxed),
+                Told::Came(Stamped { signal, .. }) => {
+                    ends = matches!(signal, Signal::Midi(_, Message::NoteOff { .. }));
+                }
+                Told::Refused(_) if !ends => _ = count.fetch_add(1, Ordering::Relaxed),
                 Told::Report(Report { deed: Deed::Swap, .. }, _) => {
                     swapped.fetch_add(1, Ordering::Relaxed);
                 }
@@ -160,7 +165,46 @@ fn the_meter_shows_what_was_asked_for() {
 /// As fast as they can be sent, while other patches take over: playing goes on, and each is played or counted.
 #[test]
 fn a_flood_is_played_or_counted() {
-    const FLOOD: u64 = 100_000;
+    flood(&|_| 0);
+}
+
+/// Likewise, while as many messages of MIDI come in as fast as they can be sent.
+#[test]
+fn floods_of_midi_and_osc_at_once_are_played_or_counted() {
+    flood(&|handle| {
+        let channel = Channel::new(0).unwrap();
+        let mut taken = 0;
+        for n in 0..FLOOD {
+            let note = (n / 2 % 128) as u8;
+            let message = match n % 2 {
+                0 => Message::NoteOn { channel, note, velocity: 1 },
+                _ => Message::NoteOff { channel, note, velocity: 0 },
+            };
+            let room = handle.send(Signal::Midi(0, message)).is_ok();
+            taken += u64::from(room && n % 2 == 0);
+            if n % 128 == 0 {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        }
+        // Notes whose end found no room.
+        until("a last word", || handle.send(Signal::ReleaseAll).is_ok());
+        taken
+    });
+}
+
+const FLOOD: u64 = 100_000;
+
+#[track_caller]
+fn until(what: &str, mut done: impl FnMut() -> bool) {
+    let begin = Instant::now();
+    while !done() {
+        assert!(begin.elapsed() < Duration::from_secs(20), "{what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Beside another that plays voices and gives how many of them were taken.
+fn flood(beside: &(dyn Fn(&Handle) -> u64 + Sync)) {
     let mut stage = Stage::new();
     let play = OscMessage {
         addr: "/voice/hum/play".into(),
@@ -168,31 +212,31 @@ fn a_flood_is_played_or_counted() {
     };
     let play = encoder::encode(&OscPacket::Message(play)).unwrap();
     let board = Arc::clone(stage.session.board());
-    let until = |what: &str, done: &mut dyn FnMut() -> bool| {
-        let begin = Instant::now();
-        while !done() {
-            assert!(begin.elapsed() < Duration::from_secs(20), "{what}");
-            std::thread::sleep(Duration::from_millis(5));
-        }
-    };
     let counts = Arc::clone(stage.server.as_ref().unwrap().counts());
-    until("the first pattern has ended", &mut || board.started.get() == 1 && board.voices.get() == 0);
+    until("the first pattern has ended", || board.started.get() == 1 && board.voices.get() == 0);
     let (before, frames) = (board.started.get(), board.frames.get());
-    for number in 0..FLOOD {
-        if number % 10_000 == 5_000 {
-            // Another graph each time, so that voices and events go from one plan to the next.
-            let other = PATCH.replace("frequency = 200", &format!("frequency = {}", 200 + number / 1000));
-            stage.session.handle().send(Signal::Reload(Box::new(reload(&other)))).unwrap();
+    let handle = stage.session.handle().clone();
+    let beside = std::thread::scope(|scope| {
+        let other = scope.spawn(|| beside(&handle));
+        for number in 0..FLOOD {
+            if number % 10_000 == 5_000 {
+                // Another graph each time, so that voices and events go from one plan to the next.
+                let other = PATCH.replace("frequency = 200", &format!("frequency = {}", 200 + number / 1000));
+                until("room for a reload", || {
+                    stage.session.handle().send(Signal::Reload(Box::new(reload(&other)))).is_ok()
+                });
+            }
+            stage.send(&play);
         }
-        stage.send(&play);
-    }
+        other.join().unwrap()
+    });
     assert!(board.frames.get() > frames, "playing goes on");
-    until("patches take over", &mut || stage.swaps.load(Ordering::Relaxed) >= 3);
+    until("patches take over", || stage.swaps.load(Ordering::Relaxed) >= 3);
 
     // Afterwards all is as it was. What is said too early is dropped by the system as well.
     let mut pings = 0;
     stage.client.set_read_timeout(Some(Duration::from_secs(1))).unwrap();
-    until("it answers", &mut || {
+    until("it answers", || {
         stage.say("/ping", &[]);
         pings += 1;
         stage.client.recv_from(&mut [0; 99]).is_ok()
@@ -200,7 +244,7 @@ fn a_flood_is_played_or_counted() {
     stage.client.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
     // What was taken are voices: started, or told as refused by the conductor.
     let heard = || board.started.get() - before + board.dropped.get() + stage.refused.load(Ordering::Relaxed);
-    until("what was taken is played", &mut || heard() >= counts.taken.get());
+    until("what was taken is played", || heard() >= counts.taken.get() + beside);
     let held = [OscType::Float(0.5), OscType::Inf, s("place"), 2.into()];
     stage.say("/meter/subscribe", &[20.into()]);
     stage.say("/voice/hum/play", &held);
@@ -217,9 +261,9 @@ fn a_flood_is_played_or_counted() {
     assert_eq!(counts.messages.get(), counts.datagrams.get());
     let others = counts.messages.get() - counts.taken.get() - counts.refused.get();
     assert!((2..=pings + 1).contains(&others), "{others} of {pings}: {:?}", counts.trouble());
-    until("what was taken is played", &mut || heard() >= counts.taken.get());
+    until("what was taken is played", || heard() >= counts.taken.get() + beside);
     std::thread::sleep(Duration::from_millis(200));
-    assert_eq!(heard(), counts.taken.get());
+    assert_eq!(heard(), counts.taken.get() + beside);
 }
 
 /// Through the program: where it listens, what went wrong, and a port that is taken.

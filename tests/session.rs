@@ -245,18 +245,23 @@ fn a_flood_of_midi_during_reloads_is_played_or_counted() {
     let keys = format!("{HUM}[[trigger]]\non = \"midi.note\"\nplay = \"tap\"\n");
     let counts = Arc::new([const { AtomicU64::new(0) }; 4]);
     let count = Arc::clone(&counts);
+    // What is refused is what came last.
+    let mut begins = false;
     let mut session = Session::start(Beginning {
         block: Some(64),
         audience: Box::new(move |told| {
+            if let Told::Came(Stamped { signal, .. }) = &told {
+                begins = matches!(signal, Signal::Midi(_, Message::NoteOn { .. }));
+            }
             let which = match told {
-                Told::Came(Stamped { signal: Signal::Midi(_, Message::NoteOn { .. }), .. }) => 0,
+                Told::Came(_) if begins => 0,
                 Told::Report(
                     pacinian::live::callback::Report {
                         deed: Deed::Event { event: Event::Play(_), .. }, ..
                     },
                     _,
                 ) => 1,
-                Told::Refused(_) => 2,
+                Told::Refused(_) if begins => 2,
                 Told::Reloaded => 3,
                 _ => return,
             };
@@ -305,12 +310,14 @@ fn a_flood_of_midi_during_reloads_is_played_or_counted() {
     });
     assert!(session.board().frames.get() > before, "it goes on");
     let of = |which: usize| counts[which].load(Ordering::Relaxed);
-    wait("all of it", || of(0) == taken && of(1) + of(2) + session.board().dropped.get() >= taken);
+    let met = || of(1) + of(2) + session.board().dropped.get();
+    wait("all of it", || of(0) == taken && met() >= taken);
+    // More may not come of it.
+    std::thread::sleep(Duration::from_millis(200));
+    assert_eq!(met(), taken, "{} given to the engine, {} refused with a word", of(1), of(2));
     session.stop();
     assert_eq!(of(0), taken, "what was taken came");
     assert!(taken > 10_000 && of(1) > 1_000, "{taken} taken, {} played", of(1));
-    // Played, refused with a word, or counted; a note-off that found no room is refused, too.
-    assert!(of(1) + of(2) + session.board().dropped.get() >= taken);
     assert!(session.board().refused.get() >= refused, "those that found no room");
     assert!(of(3) >= 1, "a patch took over meanwhile");
     assert_eq!(session.board().untold.get(), 0);
