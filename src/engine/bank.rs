@@ -479,6 +479,9 @@ impl<R: Real> Bank<R> {
 
     /// Every 64 engine samples: settles states, and frees lanes whose voices have ended.
     pub fn settle(&mut self, clock: u64) {
+        if self.taken == 0 {
+            return;
+        }
         for group in 0..self.live.len() {
             if self.live[group] == 0 {
                 continue;

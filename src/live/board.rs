@@ -191,35 +191,65 @@ impl Board {
 
     /// Notes the peaks of interleaved frames.
     pub(super) fn meter(&self, frames: &[f32], channels: usize) {
-        /// Channels that are looked at side by side.
-        const ABREAST: usize = 8;
-        let cells = self.peaks.chunks(ABREAST).zip(self.sent_peaks.chunks(ABREAST));
-        for (number, (cells, sent)) in cells.enumerate() {
-            let first = number * ABREAST;
-            let mut peaks = [0.0_f32; ABREAST];
-            let rise = |peak: &mut f32, value: f32| {
-                let size = value.abs();
-                // Not-a-number has no size.
-                *peak = if size > *peak { size } else { *peak };
-            };
-            for frame in frames.chunks_exact(channels.max(1)) {
-                match frame[first..].first_chunk::<ABREAST>() {
-                    Some(row) => (0..ABREAST).for_each(|lane| rise(&mut peaks[lane], row[lane])),
+        match ABREAST.is_multiple_of(channels) {
+            true => self.meter_narrow(frames, channels),
+            false => self.meter_wide(frames, channels),
+        }
+    }
+
+    /// Where whole frames stand in a row.
+    fn meter_narrow(&self, frames: &[f32], channels: usize) {
+        let mut peaks = [0.0_f32; ABREAST];
+        let (rows, rest) = frames.as_chunks::<ABREAST>();
+        for row in rows {
+            (0..ABREAST).for_each(|lane| rise(&mut peaks[lane], row[lane]));
+        }
+        peaks.iter_mut().zip(rest).for_each(|(peak, value)| rise(peak, *value));
+        let (first, others) = peaks.split_at_mut(channels);
+        for frame in others.chunks_exact(channels) {
+            first.iter_mut().zip(frame).for_each(|(peak, value)| rise(peak, *value));
+        }
+        self.show_peaks(0, first);
+    }
+
+    /// Where a frame is longer than a row or does not divide it.
+    fn meter_wide(&self, frames: &[f32], channels: usize) {
+        const HALF: usize = ABREAST / 2;
+        for first in (0..channels).step_by(HALF) {
+            let mut peaks = [0.0_f32; HALF];
+            for frame in frames.chunks_exact(channels) {
+                match frame[first..].first_chunk::<HALF>() {
+                    Some(row) => (0..HALF).for_each(|lane| rise(&mut peaks[lane], row[lane])),
                     None => {
                         peaks.iter_mut().zip(&frame[first..]).for_each(|(peak, value)| rise(peak, *value))
                     }
                 }
             }
-            for ((cell, sent), peak) in cells.iter().zip(sent).zip(peaks) {
-                for cell in [cell, sent] {
-                    // To look costs less than to exchange, and others only ever take.
-                    if peak > f32::from_bits(cell.load(Ordering::Relaxed)) {
-                        cell.fetch_max(peak.to_bits(), Ordering::Relaxed);
-                    }
+            self.show_peaks(first, &peaks);
+        }
+    }
+
+    /// Peaks of the channels from `first` on.
+    fn show_peaks(&self, first: usize, peaks: &[f32]) {
+        for cells in [&self.peaks, &self.sent_peaks] {
+            for (cell, peak) in cells.iter().skip(first).zip(peaks) {
+                // To look costs less than to exchange, and others only ever take.
+                if *peak > f32::from_bits(cell.load(Ordering::Relaxed)) {
+                    cell.fetch_max(peak.to_bits(), Ordering::Relaxed);
                 }
             }
         }
     }
+}
+
+/// Samples that are looked at side by side.
+const ABREAST: usize = 16;
+
+/// Not-a-number has no size.
+#[inline(always)]
+fn rise(peak: &mut f32, value: f32) {
+    let size = value.abs();
+    *peak = if size > *peak { size } else { *peak };
 }
 
 #[cfg(test)]
@@ -228,21 +258,29 @@ mod tests {
 
     #[test]
     fn peaks_are_those_of_their_channel_and_are_seen_once() {
-        for channels in [1, 8, 17, 40] {
-            let board = Board::new(channels);
-            let mut frames = vec![0.25; channels * 10];
-            frames[3 * channels + channels - 1] = -0.75;
-            frames[5 * channels] = f32::NAN;
-            board.meter(&frames, channels);
-            board.meter(&vec![-0.5; channels], channels);
-            assert_eq!(board.take_peak(channels - 1), 0.75, "{channels}");
-            assert_eq!(board.take_peak(channels - 1), 0.0);
-            if channels > 1 {
-                assert_eq!(board.take_peak(0), 0.5);
+        for channels in [1, 2, 3, 4, 8, 16, 17, 24, 32, 40] {
+            for count in [1, 5, 10] {
+                let board = Board::new(channels);
+                let own = |channel: usize| (channel + 1) as f32 / 64.0;
+                let mut frames = vec![1e-3; channels * count];
+                for channel in 0..channels {
+                    frames[7 * channel % count * channels + channel] =
+                        own(channel) * [1.0, -1.0][channel % 2];
+                }
+                board.meter(&frames, channels);
+                board.meter(&vec![f32::NAN; channels], channels);
+                board.meter(&vec![-0.01; channels], channels);
+                for channel in 0..channels {
+                    assert_eq!(board.take_peak(channel), own(channel), "{channel} of {channels}");
+                    assert_eq!(board.take_peak(channel), 0.0);
+                    // Whoever sends them on has not had any yet.
+                    assert_eq!(
+                        (board.take_sent_peak(channel), board.take_sent_peak(channel)),
+                        (own(channel), 0.0)
+                    );
+                }
+                assert_eq!(board.take_peak(channels), 0.0);
             }
-            assert_eq!(board.take_peak(channels), 0.0);
-            // Whoever sends them on has not had any yet.
-            assert_eq!((board.take_sent_peak(channels - 1), board.take_sent_peak(channels - 1)), (0.75, 0.0));
         }
     }
 }
