@@ -46,9 +46,13 @@ const COIN: u32 = 1;
 const PAD: u32 = 2;
 
 fn compiled(rig: &str) -> plan::Plan {
+    compiled_of(MOVES, rig)
+}
+
+fn compiled_of(voices: &str, rig: &str) -> plan::Plan {
     let rig = Rig::parse("rig.toml", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
     let options = Options { rate: Some(RATE), live: true, ..Options::default() };
-    scene(&patch(MOVES), &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan
+    scene(&patch(voices), &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan
 }
 
 fn play(instrument: u32, place: u32, level: f64, duration: f64) -> Play {

@@ -183,6 +183,15 @@ fn a_course_of_ones_own_is_played_as_written() {
     assert!(said["ways"][0]["stop"].as_f64() < short["ways"][0]["stop"].as_f64(), "it was braked");
     let warned = scratch.run(&["motor", "coin-10mm", "--drive", "0.02:7"]);
     assert!(warned.succeeds().err.contains("7 V, which is more than the 3 V"), "{}", warned.err);
+    // Amperes would be something else.
+    scratch
+        .run(&["motor", "coin-10mm", "--drive", "0.02:3A"])
+        .fails(2, &["the course has 3 A, and what drives the motor is a voltage", "0.02:3V"]);
+    let units = scratch
+        .run(&["motor", "coin-10mm", "--json", "--drive", "20ms:3V, 10ms:-3000mV, open"])
+        .succeeds()
+        .json();
+    same_way(&units["ways"][0], &own(&bench, &course));
     let on = scratch.run(&["motor", "coin-10mm", "--drive", "1.5"]).succeeds().out.clone();
     assert!(on.contains("goes on"), "{on}");
 }
@@ -263,6 +272,9 @@ fn a_rig_says_what_reaches_its_motor_and_how_it_is_held() {
     scratch.write("amperes.toml", current);
     let run = scratch.run(&["motor", "amperes.toml", "--drive", "0.05:0.1"]);
     assert!(run.succeeds().err.is_empty(), "{}", run.err);
+    scratch
+        .run(&["motor", "amperes.toml", "--drive", "0.05:3V"])
+        .fails(2, &["the course has 3 V, and the amplifier imposes a current", "0.1A"]);
     scratch.run(&["motor", "amperes.toml", "--coupling", "10"]).fails(2, &["impose a voltage"]);
 }
 
@@ -367,7 +379,7 @@ fn a_patch_moves_a_motor_as_its_drive_does() {
     );
     assert!(rise(1) < rise(0), "{} {}", rise(0), rise(1));
     let text = scratch.run(&base).succeeds().out.clone();
-    for word in ["patch.toml of", "to 90 %", "mJ in", "buzz"] {
+    for word in ["patch.toml of", "to 90 %", "mJ in", "buzz", "at level", "gravity: nobody said how"] {
         assert!(text.contains(word), "{word}: {text}");
     }
     for (words, code, why) in [
@@ -389,6 +401,55 @@ fn a_patch_moves_a_motor_as_its_drive_does() {
     ] {
         scratch.run(words).fails(code, why);
     }
+}
+
+/// However late a shaping is, what it is wanted to do stands where the patch has it, and so what it does is measured by its own wish.
+#[test]
+fn shapings_side_by_side_have_one_wish() {
+    let scratch = Scratch::new("motor-side");
+    scratch.write("rig.toml", format!("{RIG}{WRIST}"));
+    scratch.write(
+        "patch.toml",
+        "format = \"pacinian-patch/1\"\ntitle = \"Swells\"\n[voice.swell]\noutput = \"go\"\n[voice.swell.nodes]\n\
+         go = { type = \"envelope\", attack = 0.15, decay = 0.05, sustain = 0.6, release = 0.15 }\n\
+         [pattern.p]\ntime = \"seconds\"\nevents = [{ at = 0.5, voice = \"swell\", place = \"wrist\", duration = 0.4 }]\n",
+    );
+    let words = ["motor", "rig.toml", "--output", "wrist", "--patch", "patch.toml", "--shaping"];
+    let more = ["plain,inverse,switching", "--json", "--csv", "w.csv", "--plot", "w.svg"];
+    let said = scratch.run(&[&words[..], &more].concat()).succeeds().json();
+    let number = |way: usize, key: &str| said["ways"][way][key].as_f64().unwrap();
+    // The inverse must know ahead how to brake; the others do not.
+    assert!(number(1, "late") > number(0, "late") + 0.01 && number(0, "late") == number(2, "late"), "{said}");
+    let stretch = |way: usize, key: &str| said["ways"][way]["stretches"][0][key].as_f64().unwrap();
+    assert!(stretch(1, "error") < 0.01 && stretch(0, "error") > 0.1, "{said}");
+    let csv = std::fs::read_to_string(scratch.0.join("w.csv")).unwrap();
+    let heads: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let rows: Vec<Vec<f64>> =
+        csv.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap_or(0.0)).collect()).collect();
+    let column = |name: &str| heads.iter().position(|head| *head == name).unwrap();
+    let wanted = ["plain", "inverse", "switching"].map(|way| column(&format!("{way}_wanted_rad_per_s")));
+    for row in &rows {
+        assert_eq!((row[wanted[0]], row[wanted[0]]), (row[wanted[1]], row[wanted[2]]), "at {} s", row[0]);
+    }
+    // Six frames make an engine sample, and a corner is band-limited over some of them.
+    let begins = rows.iter().find(|row| row[wanted[0]] > 0.0).unwrap()[0];
+    assert!((begins - 0.5).abs() <= 24.0 / 48_000.0, "{begins}");
+    // Where its speed is most like what is wanted, the inverse is neither early nor late.
+    let is = column("inverse_rad_per_s");
+    let off = |shift: i64| {
+        let of = |n: usize| rows.get((n as i64 + shift) as usize).map_or(0.0, |row| row[is]);
+        (0..rows.len()).map(|n| (of(n) - rows[n][wanted[1]]).powi(2)).sum::<f64>()
+    };
+    let best = (-480..=480).step_by(6).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap();
+    assert!(best.abs() <= 12, "{best} frames");
+    let svg = std::fs::read_to_string(scratch.0.join("w.svg")).unwrap();
+    // One line in the key, and one for each of the two quantities of which something is wanted.
+    let broad = svg.matches("stroke-width=\"5\"").count();
+    assert_eq!(broad, 3, "{svg}");
+    assert!(svg.contains("sent later by: plain") && svg.contains("inverse"), "{svg}");
+    // Nothing shifts a single one either.
+    let alone = scratch.run(&[&words[..], &["inverse", "--json"]].concat()).succeeds().json();
+    assert_eq!(alone["ways"][0], said["ways"][1]);
 }
 
 /// A motor that is known from outside has no amperes and no joules, unless its resistance is known.

@@ -197,6 +197,13 @@ impl Rig {
         if let Drive::Bridge { period } = amplifier.drive {
             return self.bridged(output, turning, actuator, amplifier, parameters, period);
         }
+        if turning.direction.is_some() {
+            let what = format!(
+                "output `{name}` has `direction`, and its amplifier `{}` is no bridge: the sign of a voltage says which way",
+                amplifier.name
+            );
+            return lacks(what, "leave it out, or say drive = \"bridge\" of the amplifier");
+        }
         let Some(full_scale) = self.device.full_scale_volts else {
             let help =
                 "play a full sine, hold a meter to the output, and write the peak: full_scale_volts = 1.4";

@@ -248,13 +248,13 @@ pub static TABLE: Table = Table {
             "park",
             Form::any_number(0.01, 60.0),
             "s",
-            "For a drive with `tilt`: how long its mass rests before it goes home again, the way of `drive-home` that a voice has ordered before, so that the next click kicks the same way: longer than the pauses within a row of clicks. It is left where it is where nothing is said.",
+            "For a drive with `tilt`, but for shaping = \"clicks\": how long its mass rests before it goes home again, the way of `drive-home` that a voice has ordered before, so that the next click kicks the same way: longer than the pauses within a row of clicks. A rendering lasts until it is home again. It is left where it is where nothing is said.",
         ),
         Field::new(
             "look_ahead",
             Form::any_number(0.0, 0.5),
             "s",
-            "For a drive: by how much what is played there is late, so that the motor can be braked in time; as long as braking from its full speed takes where nothing is said. None behind a rectifier, where nothing brakes.",
+            "For a drive whose shaping is \"inverse\": by how much what is played there is late, so that the motor can be braked in time; as long as braking from its full speed takes where nothing is said. None behind a rectifier, where nothing brakes.",
         ),
         Field::new(
             "direction",
@@ -285,14 +285,31 @@ fn stage(reader: &Reader) -> Stage {
     for (keys, of) in [
         (&["by", "after"][..], &[Shaping::Plain, Shaping::OnOff][..]),
         (&["share", "on_at", "off_at"], &[Shaping::OnOff]),
+        (&["look_ahead"], &[Shaping::Inverse]),
+        // Of what is there for clicks alone nothing steady gets through, and so no way home.
+        (
+            &["park"],
+            &[Shaping::Inverse, Shaping::Overdrive, Shaping::Switching, Shaping::Plain, Shaping::OnOff],
+        ),
     ] {
         for key in keys.iter().filter(|key| !of.contains(&shaping) && reader.has(key)) {
             let words: Vec<String> = of.iter().map(|shaping| format!("\"{}\"", shaping.word())).collect();
             let what =
                 format!("{} has `{key}`, which is of shaping = {} alone", reader.who, words.join(" or "));
-            let help = format!("leave `{key}` out, or say shaping = {}", words[words.len() - 1]);
+            let help = match *key {
+                "look_ahead" => "leave it out: of this shaping what is played is as late as all else; or say shaping = \"inverse\"".into(),
+                key => format!("leave `{key}` out, or say shaping = {}", words[words.len() - 1]),
+            };
             reader.sink.push(Problem::error(&reader.span_of(key), what).help(help));
         }
+    }
+    if shaping == Shaping::OnOff && stage.by == By::Current && stage.share == 1.0 {
+        let what = format!(
+            "{} has `by` = \"current\" and is on with all that there may be: an amplifier that imposes a voltage has none left to hold a current with as the motor becomes faster",
+            reader.who
+        );
+        let help = "leave it room: share = 0.5; or leave `by` out".to_string();
+        reader.sink.push(Problem::warning(&reader.span_of("by"), what).help(help));
     }
     // Where one of them alone is said, the other goes with it.
     let off_at = if reader.has("off_at") { stage.off_at } else { stage.off_at.min(0.5 * stage.on_at) };

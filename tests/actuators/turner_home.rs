@@ -255,3 +255,42 @@ fn a_parked_mass_begins_every_click_at_home() {
         }
     }
 }
+
+/// A mass that friction does not hold swings down after every drive. When it is said to be home it is there and at rest, wherever it was before; a click from there
+/// stops it, and where it swings to then is known as well.
+#[test]
+fn a_mass_that_gravity_moves_is_home_when_it_rests() {
+    let [coin, ..] = motors()[..] else { panic!() };
+    for share in [0.2, 0.05, 0.0] {
+        let heavy = Parameters { gravity: GRAVITY, ..coin };
+        let parameters =
+            Parameters { coulomb: 0.8 * share * heavy.weight(), stiction: share * heavy.weight(), ..heavy };
+        let setup = Setup { parameters, ..setup(parameters, Shaping::Inverse) };
+        let way = Homing::new(&setup).unwrap();
+        let pieces = Book::new(&setup, 0.25).unwrap().strongest();
+        for begin in [-2.9, -1.3, 0.4, 1.9, 3.1] {
+            let (mut turner, mut plant) = (Turner::new(&setup, 0).unwrap(), plant(&parameters, begin));
+            turner.order(8.0, 1, Order::Home(way.pieces, way.angle));
+            let mut waited = 0.0;
+            while turner.hangs().is_none() {
+                run(&mut turner, &mut plant, 0.001);
+                waited += 0.001;
+                assert!(waited < way.seconds() + 1.0, "{share} from {begin}");
+            }
+            let off = |turner: &Turner, plant: &Motor| {
+                let hangs = turner.hangs().unwrap();
+                ((plant.turned() - hangs + PI).rem_euclid(TAU) - PI).abs()
+            };
+            assert!(off(&turner, &plant) < way.spread + 0.005, "{share} from {begin}");
+            assert!(plant.speed().abs() < 0.2, "{share} from {begin}: {} rad/s", plant.speed());
+            run(&mut turner, &mut plant, 2.0);
+            assert!(off(&turner, &plant) < way.spread + 0.005, "{share} from {begin}, later");
+            turner.order((waited + 2.1) * RATE, 1, Order::Turn(pieces, 0.25));
+            let sent = run(&mut turner, &mut plant, 0.5);
+            let left = left(&sent, parameters.electrical_time());
+            assert!(left < 0.005, "{share} from {begin}: {left}");
+            run(&mut turner, &mut plant, 2.0);
+            assert!(off(&turner, &plant) < 0.02, "{share} from {begin}: where the click left it");
+        }
+    }
+}

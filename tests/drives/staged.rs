@@ -1,11 +1,14 @@
 //! Output stages of a rig that switch, and a mass that is parked: what a rig says of them, and what leaves the device.
 
-use super::{CLICK, COIN, RATE, SWELL, compiled, play, sent};
-use crate::common::scenes::MOTORS;
+use super::{CLICK, COIN, RATE, SWELL, compiled, compiled_of, play, sent};
+use crate::common::scenes::{MOTORS, MOVES};
 use pacinian::actuator::driver::order::{After, By};
 use pacinian::actuator::driver::setup::{Shaping, Stage};
 use pacinian::engine::event::Event;
 use pacinian::rig::Rig;
+
+/// The voice that is added to those of the scene.
+const HOME: u32 = 6;
 
 /// The rig of motors, of which the coin's output says that too.
 fn with(more: &str) -> String {
@@ -40,6 +43,12 @@ fn a_rig_says_how_levels_switch() {
             &["off at a level of 0.6", "on at 0.4", "no more than"],
         ),
         ("shaping = \"on-off\"\nshare = 0", &["`share`"]),
+        (
+            "shaping = \"overdrive\"\nlook_ahead = 0.1",
+            &["`look_ahead`", "\"inverse\" alone", "as late as all else"],
+        ),
+        ("shaping = \"clicks\"\ntilt = 0.0\npark = 0.5", &["`park`", "alone"]),
+        ("direction = 2", &["`direction`", "`bridge` is no bridge"]),
         ("park = 0.5", &["`park`", "tilt = 0.0"]),
         ("tilt = 0.0\npark = 0", &["`park`"]),
         ("shaping = \"on_off\"", &["on-off"]),
@@ -47,6 +56,57 @@ fn a_rig_says_how_levels_switch() {
         let said = Rig::parse("rig.toml", with(more).as_bytes()).map(|_| ()).unwrap_err().to_string();
         assert!(words.iter().all(|word| said.contains(word)), "{more}: {said}");
     }
+}
+
+/// What a shaping does not read is refused, and what it reads changes what is sent: every shaping with every key that is of some of them.
+#[test]
+fn a_key_that_changes_nothing_is_refused() {
+    let keys = [
+        "look_ahead = 0.4",
+        "by = \"current\"",
+        "after = \"open\"",
+        "share = 0.3",
+        "on_at = 0.9",
+        "off_at = 0.05",
+        "park = 0.05",
+    ];
+    let shapings = Shaping::ALL.into_iter().filter(|shaping| *shaping != Shaping::Clicks);
+    let voices =
+        format!("{MOVES}[voice.z]\noutput = \"go\"\n[voice.z.nodes]\ngo = {{ type = \"drive-home\" }}\n");
+    let mut refused = 0;
+    for shaping in shapings {
+        for key in keys {
+            // Of all that there may be a current cannot be held: that is said, and so it is some of it.
+            let some = if shaping == Shaping::OnOff && key.starts_with("by") { "share = 0.4" } else { "" };
+            let rig =
+                |key: &str| with(&format!("shaping = \"{}\"\ntilt = 0.0\n{some}\n{key}", shaping.word()));
+            let read = Rig::parse("rig.toml", rig(key).as_bytes());
+            let sent = |key: &str| {
+                let played = [(0.01, HOME, 1.0, 0.01), (1.5, SWELL, 0.8, 0.3), (2.6, CLICK, 1.0, 0.01)];
+                let played = played
+                    .map(|(at, which, level, lasts)| (at, Event::Play(play(which, COIN, level, lasts))));
+                sent(&compiled_of(&voices, &rig(key)), &played, 5.0, &[480])
+            };
+            match read {
+                Ok(_) => assert!(sent(key) != sent(""), "{shaping:?}: {key} changes nothing"),
+                Err(problems) => {
+                    refused += 1;
+                    let told = problems.to_string();
+                    let name = key.split(' ').next().unwrap();
+                    assert!(
+                        told.contains(&format!("has `{name}`, which is of shaping")),
+                        "{shaping:?}: {told}"
+                    );
+                }
+            }
+        }
+    }
+    let whole = with("shaping = \"on-off\"\nby = \"current\"");
+    let told =
+        Rig::parse("rig.toml", whole.as_bytes()).unwrap_or_else(|p| panic!("{p}")).warnings.to_string();
+    assert!(told.contains("`by`") && told.contains("share = 0.5"), "{told}");
+    // The look ahead of all but one of five, `by` and `after` of all but two, three keys of all but one.
+    assert_eq!(refused, 4 + 2 * 3 + 3 * 4);
 }
 
 /// A click is what it is, whatever levels are shaped by; a level is full on from its threshold to its other one.

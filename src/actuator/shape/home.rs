@@ -34,8 +34,11 @@ pub struct Homed {
 /// The speed at which it is as good as caught, rad/s: where friction is viscous rather than dry, it creeps ever more slowly.
 const STILL: f64 = 0.01;
 
-/// Seconds in which it must be caught.
+/// Seconds in which it must be caught, and in which it must have swung out once it is let go.
 const CAUGHT: f64 = 4.0;
+
+/// What swings no farther rests, rad.
+const RESTS: f64 = 1e-3;
 
 /// Angles from which it is tried, of which every so manieth is tried first, and shares of the weight by which the creeping drive may exceed
 /// friction: twentieths.
@@ -49,7 +52,8 @@ impl Home {
     /// Works it out.
     ///
     /// # Errors
-    /// A number beyond its limits; no gravity; a voltage that does not start the motor from everywhere; a motor that nothing catches within 4 s.
+    /// A number beyond its limits; no gravity; a voltage that does not start the motor from everywhere; a motor that nothing catches within 4 s, or that
+    /// swings for longer than that once it is let go.
     pub fn solve(&self, parameters: &Parameters) -> Result<Homed, Unreachable> {
         within("volts", self.volts.abs(), (1e-6, 1e6), "V")?;
         parameters.check()?;
@@ -78,54 +82,88 @@ impl Home {
         // What some of them show, the others can only make worse: so most shares need not be tried from all.
         let some: Vec<Trial> = trials.iter().step_by(ROUGHLY).cloned().collect();
         let caught = |trials: &[Trial], share: f64| self.caught(parameters, trials.to_vec(), spin, share);
-        let shares = SHARES.map(|n| f64::from(n) / 20.0);
-        let mut rough: Vec<(f64, f64)> =
-            shares.filter_map(|share| Some((caught(&some, share)?.spread, share))).collect();
+        let mut why = Unreachable::Adrift(CAUGHT);
+        let mut rough: Vec<(f64, f64)> = Vec::new();
+        for share in SHARES.map(|n| f64::from(n) / 20.0) {
+            match caught(&some, share) {
+                Ok(homed) => rough.push((homed.spread, share)),
+                Err(other) => why = other,
+            }
+        }
         rough.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut best: Option<Homed> = None;
         for (least, share) in rough {
             if best.as_ref().is_some_and(|best| best.spread <= least) {
                 break;
             }
-            let homed = caught(&trials, share);
-            best = best.into_iter().chain(homed).min_by(|a, b| a.spread.total_cmp(&b.spread));
+            match caught(&trials, share) {
+                Ok(homed) => {
+                    best = best.into_iter().chain([homed]).min_by(|a, b| a.spread.total_cmp(&b.spread));
+                }
+                Err(other) => why = other,
+            }
         }
-        best.ok_or(Unreachable::Adrift(CAUGHT))
+        best.ok_or(why)
     }
 
-    /// Where those that spin come to rest when the creeping drive exceeds friction by a share of the weight; `None` where one does not.
+    /// Where those that spin come to rest when the creeping drive exceeds friction by a share of the weight.
+    ///
+    /// # Errors
+    /// One of them does not.
     fn caught(
         &self,
         parameters: &Parameters,
         mut trials: Vec<Trial>,
         spin: f64,
         share: f64,
-    ) -> Option<Homed> {
+    ) -> Result<Homed, Unreachable> {
         let torque = parameters.coulomb + share * parameters.weight();
         let creep = (torque * parameters.resistance / parameters.gain).copysign(self.volts);
         let mut hold = 0.0_f64;
         for trial in &trials {
             let moves = |motor: &Motor| if motor.is_stuck() { 0.0 } else { motor.speed().abs() - STILL };
-            hold = hold.max(trial.clone().until(Drive::Voltage(creep), CAUGHT, moves)? + 1.0 / SLOW);
+            let caught = trial.clone().until(Drive::Voltage(creep), CAUGHT, moves);
+            hold = hold.max(caught.ok_or(Unreachable::Adrift(CAUGHT))? + 1.0 / SLOW);
         }
+        let mut swings = 0.0_f64;
         for trial in &mut trials {
             trial.run(hold, Drive::Voltage(creep));
-            trial.run(0.05, Drive::SHORT);
+            // Whether friction holds it without the drive as well shows a step later.
+            trial.run(1.0 / SLOW, Drive::SHORT);
+            if !trial.motor.is_stuck() {
+                let still = trial.until(Drive::SHORT, CAUGHT, |motor| swing(motor) - RESTS);
+                swings = swings.max(still.ok_or(Unreachable::Swings(CAUGHT))? + 1.0 / SLOW);
+            }
         }
-        let first = trials.first()?.angle();
+        let first = trials.first().ok_or(Unreachable::Adrift(CAUGHT))?.angle();
         let off = trials.iter().map(|trial| (trial.angle() - first + PI).rem_euclid(TAU) - PI);
         let (least, most) = off.fold((0.0_f64, 0.0_f64), |(l, m), x| (l.min(x), m.max(x)));
         let course = Course::ending_in(Drive::SHORT)
             .then(spin, Drive::Voltage(self.volts))
-            .then(hold, Drive::Voltage(creep));
-        Some(Homed { course, angle: first + 0.5 * (least + most), spread: 0.5 * (most - least) })
+            .then(hold, Drive::Voltage(creep))
+            .then(swings, Drive::SHORT);
+        Ok(Homed { course, angle: first + 0.5 * (least + most), spread: 0.5 * (most - least) })
     }
+}
+
+/// How far from its lowest place a mass that is left to itself can still get, rad, by what it has of energy: E = J ω²/2 + L i²/2 + m g r (1 − cos θ) never
+/// grows, and with all of it as height 1 − cos θ = E/(m g r). 0 of one that friction holds, which stays where it is; infinite of one that can get over the top.
+fn swing(motor: &Motor) -> f64 {
+    if motor.is_stuck() {
+        return 0.0;
+    }
+    let (p, speed, current) = (motor.parameters(), motor.speed(), motor.current());
+    let moving = 0.5 * (p.effective_inertia() * speed * speed + p.inductance * current * current);
+    // 1 − cos θ = 2 sin² θ/2, to all digits near the bottom.
+    let height = (0.5 * angle(motor)).sin().powi(2) + 0.5 * moving / p.weight();
+    if height < 1.0 { 2.0 * height.sqrt().asin() } else { f64::INFINITY }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{CAUGHT, Drive, Home, Parameters, Trial, Unreachable};
     use crate::actuator::motor::GRAVITY;
+    use std::f64::consts::{PI, TAU};
 
     /// A flywheel takes longer to slow down than it is waited for, by whichever drive that it creeps with: nothing catches it, and it is not said to be caught.
     #[test]
@@ -137,12 +175,78 @@ mod tests {
         assert_eq!(Home { volts }.solve(&wheel), Err(Unreachable::Adrift(CAUGHT)));
         // The same by hand: a turn, then the least drive that the search tries, as long as it waits; it turns all the while.
         let mut trial = Trial::new(&wheel, 0.0, 8000.0).unwrap();
-        let turn = trial.until(Drive::Voltage(volts), 10.0, |motor| std::f64::consts::TAU - motor.turned());
+        let turn = trial.until(Drive::Voltage(volts), 10.0, |motor| TAU - motor.turned());
         assert!(turn.is_some());
         let torque = wheel.coulomb + 0.05 * wheel.weight();
         trial.run(CAUGHT, Drive::Voltage(torque * wheel.resistance / wheel.gain));
         assert!(trial.motor.speed() > 1.0, "{}", trial.motor.speed());
         let told = Unreachable::Adrift(CAUGHT).to_string();
         assert!(told.contains("within 4 s") && told.contains("tilt = 0.0"), "{told}");
+    }
+
+    /// Where friction does not hold a mass against its weight it swings down once it is let go: home is where it is when that is over, and the course lasts
+    /// until then, from wherever it hung, also from angles that were not tried.
+    #[test]
+    fn what_gravity_moves_at_rest_is_home_when_it_has_swung_out() {
+        let coin = Parameters { gravity: GRAVITY, ..Parameters::COIN };
+        let light = |share: f64| Parameters {
+            coulomb: 0.8 * share * coin.weight(),
+            stiction: share * coin.weight(),
+            ..coin
+        };
+        for (share, quick) in [(0.6, 1.0), (0.2, 1.0), (0.05, 1.0), (0.0, 1.0), (0.05, 0.3)] {
+            // With less damping it swings to and fro.
+            let motor = Parameters { gain: quick * coin.gain, ..light(share) };
+            let homed = Home { volts: 1.5 * motor.start_volts() }.solve(&motor).unwrap();
+            // What stays near the top as well as near the bottom is nowhere at home, and told to be.
+            assert_eq!(homed.spread > std::f64::consts::FRAC_PI_4, share > 0.5, "{homed:?}");
+            if share > 0.5 {
+                continue;
+            }
+            let near = |angle: f64, of: f64| ((angle - of + PI).rem_euclid(TAU) - PI).abs();
+            for begin in (0..23).map(|n| TAU * (f64::from(n) + 0.37) / 23.0) {
+                let mut trial = Trial::new(&motor, begin, 48_000.0).unwrap();
+                let mut before = 0.0;
+                for (end, drive) in homed.course.pieces() {
+                    trial.run(end - before, *drive);
+                    before = *end;
+                }
+                let rests = trial.angle();
+                assert!(
+                    near(rests, homed.angle) < homed.spread + 0.01,
+                    "{share} {quick} from {begin}: {rests} {homed:?}"
+                );
+                assert!(
+                    rests.sin().abs() < share + 0.01,
+                    "{share} {quick}: {rests}: it would not stay there"
+                );
+                trial.run(5.0, Drive::SHORT);
+                assert!(
+                    near(trial.angle(), rests) < 2e-3,
+                    "{share} {quick} from {begin}: {rests} {}",
+                    trial.angle()
+                );
+            }
+        }
+        // A mass that friction holds is let go, and there is nothing to wait for.
+        assert_eq!(Home { volts: 1.5 * coin.start_volts() }.solve(&coin).unwrap().course.pieces().len(), 2);
+    }
+
+    /// One that hardly anything damps swings on, and that is said.
+    #[test]
+    fn what_swings_on_is_no_home() {
+        let coin = Parameters { gravity: GRAVITY, ..Parameters::COIN };
+        let free = Parameters {
+            gain: 0.1 * coin.gain,
+            viscous: 0.01 * coin.viscous,
+            coulomb: 0.0,
+            stiction: 0.0,
+            ..coin
+        };
+        let told = Home { volts: 1.5 * free.start_volts() }.solve(&free).unwrap_err();
+        // What is left of a swing falls with B/2J.
+        assert!(free.damping() / (2.0 * free.effective_inertia()) * CAUGHT < 6.0);
+        assert!(matches!(told, Unreachable::Swings(_) | Unreachable::Adrift(_)), "{told}");
+        assert!(Unreachable::Swings(CAUGHT).to_string().contains("swings for more than 4 s"));
     }
 }

@@ -16,6 +16,8 @@ pub enum Unreachable {
     Slow(Drive, f64),
     /// Gravity does not bring its mass to rest within so many seconds, however slowly it creeps.
     Adrift(f64),
+    /// Let go, its mass swings for more than so many seconds.
+    Swings(f64),
     /// Gravity brings its mass to rest, but anywhere within so much of a place, rad.
     Loose(f64),
 }
@@ -43,6 +45,12 @@ impl fmt::Display for Unreachable {
                 write!(
                     f,
                     "gravity does not catch its mass within {seconds} s: upright (tilt = 0.0) it is heaviest"
+                )
+            }
+            Self::Swings(seconds) => {
+                write!(
+                    f,
+                    "let go, its mass swings for more than {seconds} s: hardly any friction or back-EMF damps it"
                 )
             }
             Self::Loose(spread) => {

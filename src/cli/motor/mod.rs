@@ -35,7 +35,8 @@ use written::{Through, Written};
     measured is said, and `pacinian parts` says where the others are from.\n\
     Rise: until the vibration is 50 % and 90 % of what is wanted. Stop: from the end of the wish until the rotor stands. Error: root mean\n\
     square of what the vibration misses during the wish, as a share of the most that is wanted. Ahead: by how much the end of the wish must be\n\
-    known before.")]
+    known before.\n\n\
+    With --patch all times are the patch's, whatever shapes its levels: by how much later it is sent is said, and every way is measured by its own wish.")]
 pub struct Motor {
     /// A part, as `pacinian parts` lists them, or a rig, a TOML file
     what: String,
@@ -43,7 +44,8 @@ pub struct Motor {
     #[arg(long, value_name = "NAME")]
     output: Option<String>,
     /// A course of one's own in place of the comparison: SECONDS:VOLTS, separated by commas, open or short in place of volts; the last may
-    /// do without seconds and holds for good (amperes where the amplifier of the rig imposes a current)
+    /// do without seconds and holds for good. Amperes where the amplifier of the rig imposes a current; units may stand behind numbers (20ms:3V,
+    /// 0.02:100mA), and one that does not fit is refused
     #[arg(long, value_name = "COURSE", allow_hyphen_values = true)]
     drive: Option<Written>,
     /// A patch that is played on the rig in place of the comparison, and what it does to the actuator of the output

@@ -1,22 +1,21 @@
 //! `pacinian motor RIG --patch PATCH`.
 
+mod picture;
+mod shown;
+
 use super::super::check::json;
 use super::super::failure::Failure;
 use super::super::load::{Loaded, Scene};
-use super::super::paint::Paint;
 use super::super::problems;
-use super::super::table::Table;
 use super::super::terminal::Terminal;
-use super::shown::ms;
 use super::subject::Subject;
-use super::{Motor, usage};
+use super::{Motor, rumble, usage};
 use pacinian::actuator::driver::setup::Shaping;
 use pacinian::io::out;
 use pacinian::report::motion::{Played, Stretch};
-use pacinian::report::plot::{Column, Curve, Panel, Strips};
-use pacinian::rig::{Model, OutputKind};
+use pacinian::rig::OutputKind;
+use picture::{csv, picture};
 use serde::Serialize;
-use std::fmt::Write;
 
 /// The most of a patch that is played, s.
 const LONGEST: f64 = 60.0;
@@ -30,7 +29,23 @@ struct Answer {
     patch: String,
     output: String,
     unit: &'static str,
+    computed: Computed,
     ways: Vec<WayReport>,
+}
+
+/// How well it was computed, and what the model leaves out.
+#[derive(Debug, Serialize)]
+struct Computed {
+    /// Null of what is exact.
+    level: Option<&'static str>,
+    rate: f64,
+    steps: u32,
+    /// Of what is felt, as a share of that at the rated drive.
+    wished_error: f64,
+    /// The error that is left where the wish cannot be granted; else null.
+    reaches: Option<f64>,
+    left_out: Vec<String>,
+    assumed: Vec<String>,
 }
 
 /// What came of the patch, as an output's levels are shaped.
@@ -38,6 +53,8 @@ struct Answer {
 struct WayReport {
     shaping: Option<&'static str>,
     seconds: f64,
+    /// By how much what is sent is later than the patch, by whose time all is told.
+    late: f64,
     stretches: Vec<StretchReport>,
 }
 
@@ -96,14 +113,17 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
         return Err(Failure::usage(what, "leave it out"));
     }
     let error = asked.error.unwrap_or(1e-4);
-    let mut ways: Vec<(Option<Shaping>, Played)> = Vec::new();
     let shapings: Vec<Option<Shaping>> = match asked.shaping.as_slice() {
         [] => vec![None],
         all => all.iter().map(|shaping| Some(*shaping)).collect(),
     };
-    for shaping in shapings {
-        ways.push((shaping, play(&mut loaded, output, shaping, seconds, error)?));
+    let mut all = Vec::new();
+    for shaping in &shapings {
+        all.push(play(&mut loaded, output, *shaping, seconds, error)?);
     }
+    Played::align(&mut all);
+    let ways: Vec<(Option<Shaping>, Played)> = shapings.into_iter().zip(all).collect();
+    let Some((_, first)) = ways.first() else { return Ok(()) };
     if ways.iter().all(|(_, played)| played.stretches().is_empty()) {
         let what = format!("nothing in {} is played on `{output}`", loaded.name());
         return Err(Failure::usage(what, "name another output or pattern: --output, --pattern").with_code(65));
@@ -121,7 +141,8 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
         model: subject.actuator.model.word(),
         patch: loaded.name().to_string(),
         output: output.clone(),
-        unit: ways.first().map_or("", |(_, played)| played.unit),
+        unit: first.unit,
+        computed: Computed::new(first),
         ways: ways.iter().map(|(shaping, played)| WayReport::new(*shaping, played)).collect(),
     };
     let text = if asked.json { json(&answer) } else { answer.text(subject, terminal.out) };
@@ -162,11 +183,27 @@ fn word(shaping: Option<Shaping>) -> &'static str {
     shaping.map_or("as the rig has it", Shaping::word)
 }
 
+impl Computed {
+    fn new(played: &Played) -> Self {
+        let modelled = &played.modelled;
+        Self {
+            level: modelled.level.map(rumble::level),
+            rate: played.rate,
+            steps: modelled.steps,
+            wished_error: modelled.error,
+            reaches: modelled.reaches,
+            left_out: modelled.left_out.iter().map(ToString::to_string).collect(),
+            assumed: modelled.assumed.clone(),
+        }
+    }
+}
+
 impl WayReport {
     fn new(shaping: Option<Shaping>, played: &Played) -> Self {
         Self {
             shaping: shaping.map(Shaping::word),
             seconds: played.seconds(),
+            late: played.late,
             stretches: played.stretches().into_iter().map(StretchReport::new).collect(),
         }
     }
@@ -189,106 +226,4 @@ impl StretchReport {
             energy: stretch.energy,
         }
     }
-}
-
-impl Answer {
-    fn text(&self, subject: &Subject, paint: Paint) -> String {
-        let mut text = format!("{}: {}\n", paint.bold(&self.name), self.title);
-        let mut table = Table::default();
-        let assumed = match subject.known.assumed.as_slice() {
-            [] => String::new(),
-            assumed => format!("; nobody measured {}", assumed.join(", ")),
-        };
-        table.row(["model".into(), self.model.to_string()]);
-        table.row(["figures".into(), format!("{}{assumed}", subject.known.text())]);
-        text += &table.text();
-        for way in &self.ways {
-            let shaped = way.shaping.map_or(String::new(), |shaping| format!(", levels shaped by {shaping}"));
-            let _ = write!(text, "\n{} of {:.2} s{shaped}\n", paint.bold(&self.patch), way.seconds);
-            let mut table = Table::default();
-            let peak = format!("peak {}", self.unit);
-            let heads =
-                ["at", "lasts", "to 50 %", "to 90 %", &peak, "at", "stop", "error", "turns", "mJ in", ""];
-            table.row(heads.map(|head| paint.dim(head)));
-            let or_none = |value: Option<String>| value.unwrap_or_else(|| "-".into());
-            let is_motor = subject.actuator.model == Model::RumbleMotor;
-            for stretch in &way.stretches {
-                table.row([
-                    format!("{:.3} s", stretch.at),
-                    ms(stretch.seconds),
-                    or_none(stretch.rise_50.map(ms)),
-                    or_none(stretch.rise_90.map(ms)),
-                    format!("{:.3}", stretch.peak),
-                    format!("{:.3} s", stretch.peak_at),
-                    stretch.stop.map_or(if is_motor { "goes on" } else { "-" }.into(), ms),
-                    or_none(stretch.error.map(|error| format!("{:.1} %", 100.0 * error))),
-                    or_none(stretch.turns.map(|turns| format!("{turns:.2}"))),
-                    or_none(stretch.energy.map(|energy| format!("{:.3}", 1e3 * energy))),
-                    stretch.voices.join(", "),
-                ]);
-            }
-            text += &table.text();
-        }
-        text
-    }
-}
-
-fn picture(title: &str, loaded: &Loaded, subject: &Subject, ways: &[(Option<Shaping>, Played)]) -> Strips {
-    let curve = |name: &str, played: &Played, values: &[f64], wanted| Curve {
-        name: name.into(),
-        rate: played.rate,
-        values: values.to_vec(),
-        wanted,
-    };
-    let panel = |label: String, of: &dyn Fn(&Played) -> Vec<f64>, wanted: Option<Vec<f64>>| {
-        let first = ways.first().map(|(_, played)| played);
-        let wanted = first.zip(wanted).filter(|(_, wanted)| wanted.iter().any(|x| *x != 0.0));
-        let wanted = wanted.map(|(played, wanted)| curve("wanted", played, &wanted, true));
-        let curves = ways.iter().map(|(shaping, played)| curve(word(*shaping), played, &of(played), false));
-        Panel { label, curves: wanted.into_iter().chain(curves).collect() }
-    };
-    let unit = ways.first().map_or("", |(_, played)| played.unit);
-    let felt = if unit == "N" { "force" } else { "acceleration" };
-    let given = if subject.current.is_some() { "drive (A)" } else { "drive (V)" };
-    let mut panels = vec![panel(given.into(), &|played| played.drives.clone(), None)];
-    let wished = ways.first().map(|(_, played)| played.wished.clone());
-    let per_square =
-        subject.actuator.rumble_motor().ok().map(|p| p.eccentric / p.casing.mass().unwrap_or(1.0));
-    if let Some(per_square) = per_square {
-        panels.push(panel("speed (rad/s)".into(), &|played| played.speeds.clone(), wished.clone()));
-        let wanted = wished.map(|wished| wished.iter().map(|speed| per_square * speed * speed).collect());
-        panels.push(panel(format!("{felt} ({unit})"), &|played| played.felt.clone(), wanted));
-    } else {
-        panels.push(panel(format!("{felt} ({unit})"), &|played| played.felt.clone(), None));
-    }
-    let seconds = ways.iter().map(|(_, played)| played.seconds()).fold(0.0, f64::max);
-    let column = Column { heading: loaded.patch.title.clone(), seconds, panels };
-    let subtitle = format!("under {}; amplitudes as they are felt", loaded.name());
-    Strips { title: title.into(), subtitle, columns: vec![column] }
-}
-
-/// A line for each frame of the device: time, and drive, speed, what was wished for and what was felt in each way.
-fn csv(ways: &[(Option<Shaping>, Played)]) -> String {
-    let mut text = String::from("seconds");
-    for (shaping, played) in ways {
-        let way = shaping.map_or(String::new(), |shaping| format!("{}_", shaping.word()));
-        let unit = played.unit.replace('/', "_per_");
-        let _ = write!(text, ",{way}drive,{way}rad_per_s,{way}wanted_rad_per_s,{way}{unit}");
-    }
-    text.push('\n');
-    let frames = ways.iter().map(|(_, played)| played.drives.len()).max().unwrap_or(0);
-    for n in 0..frames {
-        let rate = ways.first().map_or(1.0, |(_, played)| played.rate);
-        let _ = write!(text, "{:.9}", (n + 1) as f64 / rate);
-        for (_, played) in ways {
-            for values in [&played.drives, &played.speeds, &played.wished, &played.felt] {
-                match values.get(n) {
-                    Some(value) => drop(write!(text, ",{value:.9}")),
-                    None => text.push(','),
-                }
-            }
-        }
-        text.push('\n');
-    }
-    text
 }

@@ -87,7 +87,14 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
                 let what = format!("{option} is of the comparison, which --drive takes the place of");
                 return Err(Failure::usage(what, format!("leave {option} or --drive out")));
             }
-            vec![own(&bench, &written.course(subject.current.map(|[_, volts]| volts)))]
+            let course = written.course(subject.current.map(|[_, volts]| volts)).map_err(|what| {
+                let help = match subject.current {
+                    Some(_) => "write amperes: --drive \"0.02:0.1A, 0.01:-0.1A, short\"",
+                    None => "write volts: --drive \"0.02:3V, 0.01:-3V, short\"; amperes are for an amplifier of drive = \"current\" in a rig",
+                };
+                Failure::usage(what, help)
+            })?;
+            vec![own(&bench, &course)]
         }
         None => {
             if subject.current.is_some() {
@@ -181,7 +188,8 @@ fn coupled(
     asked.coupling.iter().map(one).collect()
 }
 
-fn level(level: Level) -> &'static str {
+/// The word for a level.
+pub(super) fn level(level: Level) -> &'static str {
     match level {
         Level::Economy => "economy",
         Level::Default => "default",

@@ -7,7 +7,7 @@
 //! | [`Figures`] | rise, peak, stop, error |
 //! | [`bursts`], [`clicks`] | one wish, driven in several ways |
 //! | [`behind`] | what of a click arrives behind coupling that keeps steady voltages off |
-//! | [`Played`], [`Stretch`] | what an actuator does under a patch |
+//! | [`Played`], [`Stretch`], [`Modelled`] | what an actuator does under a patch, and how that was computed |
 //! | [`coil`] | resonance, response and bursts of actuators with a coil |
 //!
 //! ```
@@ -40,6 +40,7 @@ mod bench;
 pub mod coil;
 mod coupled;
 mod figures;
+mod modelled;
 mod played;
 mod ways;
 mod wish;
@@ -47,6 +48,7 @@ mod wish;
 pub use bench::{Bench, Felt, Given, Run, Traces};
 pub use coupled::{Arrival, Behind, behind};
 pub use figures::Figures;
+pub use modelled::Modelled;
 pub use played::{Played, Stretch};
 pub use ways::{Done, Row, Way, bursts, clicks, own};
 pub use wish::{Envelope, Wish};

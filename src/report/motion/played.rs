@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::modelled::Modelled;
 use crate::actuator::fault::Fault;
 use crate::feel::{Feel, Wish};
 use crate::performer::Happening;
@@ -13,6 +14,13 @@ use crate::rig::Rig;
 pub struct Played {
     /// Frames a second.
     pub rate: f64,
+    /// By how much what is sent is later than the patch has it, s: a whole number of frames.
+    pub late: f64,
+    /// How much of what follows lies before the patch begins, s: all by which it is late, unless it was [aligned](Self::align). All times are those of
+    /// the patch.
+    pub before: f64,
+    /// How it was computed.
+    pub modelled: Modelled,
     /// What it was given on average, V; A where its amplifier imposes a current.
     pub drives: Vec<f64>,
     /// Of a rumble motor, rad/s; empty for what is none.
@@ -25,7 +33,7 @@ pub struct Played {
     pub energy: Vec<f64>,
     /// Turned by the end of each, rad; empty for what is no rumble motor.
     pub turned: Vec<f64>,
-    /// When (s, as late as what is sent) a voice began on it, and its name.
+    /// When a voice began on it, s, and its name.
     pub voices: Vec<(f64, String)>,
     /// m/s², or N.
     pub unit: &'static str,
@@ -34,7 +42,7 @@ pub struct Played {
 /// A stretch of it in which something was wished for or done to it, or it moved.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Stretch {
-    /// From when to when, s.
+    /// From when to when, s, as the patch has it.
     pub from: f64,
     /// See `from`.
     pub to: f64,
@@ -92,6 +100,7 @@ impl Played {
             Some(late) => late as f64 * ratio as f64 / rate + player.engine().delay().lead,
             None => player.engine().delay().total(),
         };
+        let late = (late * rate).round() / rate;
         let voices = Arc::new(Mutex::new(Vec::new()));
         let heard = Arc::clone(&voices);
         let name = output.to_string();
@@ -99,13 +108,12 @@ impl Played {
             if let Happening::Voice { name: voice, place, .. } = event.what
                 && place.split([',', ' ', '+']).any(|part| part == name)
             {
-                heard
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .push((event.at + late, voice.to_string()));
+                heard.lock().unwrap_or_else(PoisonError::into_inner).push((event.at, voice.to_string()));
             }
         }));
-        let mut new = Self { rate, unit: feel.felt()[place].unit().word(), ..Self::default() };
+        let modelled = Modelled::new(&feel.felt()[place], error);
+        let unit = feel.felt()[place].unit().word();
+        let mut new = Self { rate, late, before: late, modelled, unit, ..Self::default() };
         let (mut block, mut felt) = (vec![0.0; channels * ratio], Vec::new());
         let (most, mut still) = ((seconds * rate).ceil() as usize, 0);
         let waits = (PARTS * rate) as usize;
@@ -141,6 +149,40 @@ impl Played {
         self.drives.len() as f64 / self.rate
     }
 
+    /// When a frame begins, s.
+    pub fn time(&self, frame: usize) -> f64 {
+        frame as f64 / self.rate - self.before
+    }
+
+    /// Shifts several so that what is played at an instant stands at the same frame in all of them, however late each is. What is sent before
+    /// the patch begins, as coupling may ask for, is kept.
+    pub fn align(all: &mut [Self]) {
+        let early = |played: &Self| {
+            let least = STILL * played.drives.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let first = played.drives.iter().position(|drive| drive.abs() > least);
+            let before = played.frames_before();
+            first.map_or(0, |first| before.saturating_sub(first))
+        };
+        let before = all.iter().map(early).max().unwrap_or(0);
+        for played in all {
+            let is = played.frames_before();
+            let of = [&mut played.drives, &mut played.speeds, &mut played.wished];
+            let more = [&mut played.felt, &mut played.energy, &mut played.turned];
+            for values in of.into_iter().chain(more).filter(|values| !values.is_empty()) {
+                if is > before {
+                    values.drain(..(is - before).min(values.len()));
+                } else {
+                    values.splice(..0, std::iter::repeat_n(0.0, before - is));
+                }
+            }
+            played.before = before as f64 / played.rate;
+        }
+    }
+
+    fn frames_before(&self) -> usize {
+        (self.before * self.rate).round() as usize
+    }
+
     /// Stretches between rests of 20 ms.
     pub fn stretches(&self) -> Vec<Stretch> {
         let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -166,7 +208,7 @@ impl Played {
     }
 
     fn stretch(&self, from: usize, to: usize) -> Stretch {
-        let time = |n: usize| n as f64 / self.rate;
+        let time = |n: usize| self.time(n);
         let (begin, end) = (time(from), time(to));
         let square = |values: &[f64], n: usize| values.get(n).map_or(0.0, |x| x * x);
         let (peak_at, peak) =
@@ -219,47 +261,4 @@ impl Played {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::Played;
-
-    /// A wish of 100 rad/s from 0.1 s to 0.4 s, and a motor that has that speed from `from` on, if ever, until the wish ends.
-    fn late(from: Option<f64>) -> Played {
-        let rate = 1000.0;
-        let of = |begin: f64| {
-            (0..600).map(move |n| if (begin..0.4).contains(&(n as f64 / rate)) { 100.0 } else { 0.0 })
-        };
-        let speeds: Vec<f64> = of(from.unwrap_or(1.0)).collect();
-        Played {
-            rate,
-            drives: speeds.iter().map(|speed| 0.01 * speed).collect(),
-            felt: speeds.iter().map(|speed| 1e-3 * speed * speed).collect(),
-            energy: vec![0.0; 600],
-            turned: vec![0.0; 600],
-            wished: of(0.1).collect(),
-            voices: vec![(0.1, "v".into())],
-            speeds,
-            ..Played::default()
-        }
-    }
-
-    /// A rise counts from the wish, and what was missed before anything moved counts as well.
-    #[test]
-    fn what_begins_late_has_risen_late() {
-        let stretches = late(Some(0.25)).stretches();
-        assert_eq!(stretches.len(), 1);
-        let [half, most] = stretches[0].rise.map(Option::unwrap);
-        assert!((half - 0.151).abs() < 1e-9 && half == most, "{half} {most}");
-        assert_eq!(stretches[0].voices, ["v"]);
-        // All of it is missed for half of the time.
-        assert!((stretches[0].error.unwrap() - 0.5_f64.sqrt()).abs() < 1e-9);
-    }
-
-    /// What was wished for and never moved was played none the less.
-    #[test]
-    fn what_never_moves_is_told() {
-        let stretches = late(None).stretches();
-        assert_eq!(stretches.len(), 1);
-        assert_eq!((stretches[0].rise, stretches[0].error), ([None; 2], Some(1.0)));
-        assert!((stretches[0].from, stretches[0].to) == (0.1, 0.4) && stretches[0].peak == 0.0);
-    }
-}
+mod tests;
