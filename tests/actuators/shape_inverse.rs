@@ -14,18 +14,29 @@ fn burst(inverse: &Inverse, peak: f64, seconds: f64) -> Vec<f64> {
         .collect()
 }
 
-/// RMS of what the envelope of the casing's acceleration misses, as a share of its peak.
-fn missed(volts: &[f64], plant_of: &Parameters, peak: f64, wished: &[f64]) -> f64 {
+/// The envelope of the casing's acceleration under volts, at the end of each sample.
+fn envelope(volts: &[f64], plant_of: &Parameters) -> Vec<f64> {
     let mut motor = plant(plant_of, 0.0);
     let per = plant_of.eccentric / plant_of.casing.mass().unwrap();
-    let mut sum = 0.0;
-    for (volts, wish) in volts.iter().zip(&wished[1..]) {
+    let step = |volts: &f64| {
         motor.drive(Drive::Voltage(*volts));
         motor.step();
-        let envelope = per * motor.speed() * motor.speed();
-        sum += (envelope - per * wish * wish).powi(2);
-    }
-    (sum / volts.len() as f64).sqrt() / peak
+        per * motor.speed() * motor.speed()
+    };
+    volts.iter().map(step).collect()
+}
+
+/// Root mean square of what two envelopes differ by, as a share of the peak.
+fn apart(one: &[f64], other: &[f64], peak: f64) -> f64 {
+    let sum: f64 = one.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum();
+    (sum / one.len() as f64).sqrt() / peak
+}
+
+/// RMS of what the envelope of the casing's acceleration misses, as a share of its peak.
+fn missed(volts: &[f64], plant_of: &Parameters, peak: f64, wished: &[f64]) -> f64 {
+    let per = plant_of.eccentric / plant_of.casing.mass().unwrap();
+    let wished: Vec<f64> = wished[1..].iter().map(|wish| per * wish * wish).collect();
+    apart(&envelope(volts, plant_of), &wished, peak)
 }
 
 #[test]
@@ -65,27 +76,60 @@ fn an_envelope_is_followed_where_a_static_map_misses_a_quarter() {
             .sum();
         let least = (unreachable / wished.len() as f64).sqrt() / 8.0;
         println!("  no drive can miss less than {least:.4}");
+        // What a motor can do, as 150 ms of it, is followed; what it cannot is missed by little more than any drive must miss.
+        assert_eq!(least == 0.0, seconds == 0.15, "{seconds}: {least}");
         assert!(
-            by < 0.01 + 3.0 * least && by < 0.7 * plain && plain > 0.25,
+            by < 1e-3 + 1.4 * least && by < 0.7 * plain && plain > 0.28,
             "{seconds}: {by} {least} {plain}"
         );
     }
-    let wished = burst(&inverse, 8.0, 0.15);
-    let shaped = inverse.shape(&wished).unwrap();
-    let off = |change: &dyn Fn(&mut Parameters)| {
-        let mut other = coin;
-        change(&mut other);
-        missed(&shaped.volts, &other, 8.0, &wished)
+}
+
+/// With a figure 10 % off the other way or the one, nothing open loop does better by much: a drive that has a motor with the one follow has a motor with the
+/// other miss as much as they differ, and whatever drive it is, by the triangle inequality one of them misses half of what they differ by under it.
+#[test]
+fn figures_that_are_off_are_missed_by_what_no_drive_can_know() {
+    let coin = motors()[0];
+    let of = |parameters: Parameters| Inverse {
+        parameters,
+        limit: coin.rated_volts,
+        rate: RATE,
+        angle: Some(0.0),
     };
-    for (what, change) in [
-        ("R", &(|p: &mut Parameters, by: f64| p.resistance *= by) as &dyn Fn(&mut Parameters, f64)),
-        ("k", &|p, by| p.gain *= by),
-        ("J", &|p, by| p.inertia *= by),
-        ("friction", &|p, by| (p.coulomb, p.stiction) = (p.coulomb * by, p.stiction * by)),
+    let wished = burst(&of(coin), 8.0, 0.15);
+    let believing = |parameters: Parameters| of(parameters).shape(&wished).unwrap().volts;
+    for (what, change, reached) in [
+        ("R", &(|p: &mut Parameters, by: f64| p.resistance *= by) as &dyn Fn(&mut Parameters, f64), 0.12),
+        ("k", &|p, by| p.gain *= by, 0.07),
+        ("J", &|p, by| p.inertia *= by, 0.05),
+        ("friction", &|p, by| (p.coulomb, p.stiction) = (p.coulomb * by, p.stiction * by), 0.035),
     ] {
-        let [low, high] = [0.9, 1.1].map(|by| off(&|p| change(p, by)));
-        println!("{what} 10 % less: {low:.3}, more: {high:.3}");
-        assert!(low.max(high) < 0.28, "{what}");
+        let with = |by: f64| {
+            let mut other = coin;
+            change(&mut other, by);
+            other
+        };
+        let ends = [with(0.9), with(1.1)];
+        let miss = |volts: &[f64]| ends.map(|motor| missed(volts, &motor, 8.0, &wished));
+        let [low, high] = miss(&believing(coin));
+        // What is believed may be anything in between, and what has the one follow has the other miss.
+        let (mut best, mut bound) = (f64::INFINITY, f64::INFINITY);
+        for by in (0..=20).map(|n| 0.9 + 0.01 * f64::from(n)) {
+            let volts = believing(with(by));
+            let [one, other] = miss(&volts);
+            let half = 0.5 * apart(&envelope(&volts, &ends[0]), &envelope(&volts, &ends[1]), 8.0);
+            assert!(one.max(other) >= half - 1e-12, "{what} {by}");
+            (best, bound) = (best.min(one.max(other)), bound.min(half));
+        }
+        println!(
+            "{what} 10 % less: {low:.3}, more: {high:.3}; the best that can be believed {best:.3}, no drive of these less than {bound:.3}"
+        );
+        assert!(low.max(high) < reached, "{what}: {low} {high}");
+        assert!(low.max(high) < 1.4 * best && best > 0.01 && bound > 0.01, "{what}: {best} {bound}");
+        for (follows, other) in [(0, 1), (1, 0)] {
+            let by = miss(&believing(ends[follows]));
+            assert!(by[follows] < 1e-3 && by[other] > 2.0 * bound * 0.8, "{what}: {by:?} {bound}");
+        }
     }
 }
 

@@ -13,6 +13,10 @@ use crate::actuator::motor::Parameters;
 /// What the voltage cannot do is taken out of the wish before: speeds that would have to rise faster than the motor can are reached later, and
 /// those that would have to fall faster are left earlier. So the brake begins ahead of the fall, which is why the whole envelope must be
 /// known.
+///
+/// It is open loop, and as good as the figures: what it misses where one of them is off is what the same volts make of another motor. Of a raised
+/// cosine of 150 ms that the motor can follow, nothing (below 0.005 % of its peak, root mean square); with a figure 10 % off, a coin motor misses 3 %
+/// (friction) to 12 % (resistance).
 #[derive(Debug, Clone, Copy)]
 pub struct Inverse {
     /// The motor.
