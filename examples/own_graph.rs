@@ -46,6 +46,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         shared_program: Program::default(),
         controls: Vec::new(),
         watches: Vec::new(),
+        answering: Vec::new(),
+        answer: 0,
         instruments: vec![Instrument {
             name: "voice".into(),
             program: compiled.program,

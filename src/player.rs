@@ -9,6 +9,7 @@ use crate::engine::knob::Knob;
 use crate::engine::{Counters, Engine};
 use crate::graph::plan::Plan;
 use crate::graph::scene::{Options, scene};
+use crate::graph::watch::LATENCY;
 use crate::knob::local_model::link::Slow;
 use crate::midi::Message;
 use crate::node::asset::Assets;
@@ -260,10 +261,10 @@ impl Player {
         self.tell_crossings();
     }
 
-    /// Tells of what signals have set off.
+    /// Tells of what signals have set off, and starts patterns for it.
     fn tell_crossings(&mut self) {
         for crossing in self.engine.crossings() {
-            self.performer.tell_crossing(&self.callings, &crossing);
+            self.performer.cross(&self.callings, &crossing);
         }
     }
 }
@@ -271,6 +272,14 @@ impl Player {
 impl stretch::Feeds for Player {
     fn engine(&mut self) -> &mut Engine {
         &mut self.engine
+    }
+
+    fn most(&self) -> usize {
+        match self.callings.has_patterns() {
+            // What nodes have seen is set off some samples later, and the engine is fed some ahead.
+            true => self.plan().answer.saturating_sub(LATENCY + 4).max(1) as usize,
+            false => usize::MAX,
+        }
     }
 
     fn feed(&mut self, until: u64) -> Option<u64> {

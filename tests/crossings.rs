@@ -6,6 +6,7 @@ use common::{compiled, patch};
 use pacinian::engine::Engine;
 use pacinian::engine::event::Play;
 use pacinian::engine::exchange::exchange;
+use pacinian::graph::answer::{Answer, Voiced};
 use pacinian::graph::plan::{Plan, Precision};
 use pacinian::graph::scene::Options;
 use pacinian::graph::start::FIELDS;
@@ -60,7 +61,7 @@ fn run(plan: &Plan, seconds: f64, calls: &[usize], input: &[f32]) -> (Vec<f32>, 
         let (now, later) = rest.split_at_mut(frames * plan.channels);
         let (hears, later_heard) = heard.split_at((frames * ears).min(heard.len()));
         engine.process_input(hears, now);
-        found.extend(engine.crossings().map(|c| (c.at, c.watch, c.play.id)));
+        found.extend(engine.crossings().map(|c| (c.at, c.watch, c.id())));
         (rest, heard) = (later, later_heard);
     }
     assert_eq!((engine.counters().dropped, engine.unkept_crossings()), (0, 0));
@@ -216,6 +217,14 @@ fn a_storm_is_bounded_and_the_same_however_it_is_cut() {
     }
 }
 
+/// The voice that a watch sets off.
+fn voiced(watch: &mut Watch) -> &mut Voiced {
+    match &mut watch.answer {
+        Answer::Voice(voiced) => voiced,
+        Answer::Pattern(started) => panic!("{started:?}"),
+    }
+}
+
 #[test]
 fn watches_that_no_plan_should_have_do_no_harm() {
     let plain = plan("lfo = { type = \"lfo\", rate = 50 }", &[("node.lfo rises 0.5", "")]);
@@ -233,14 +242,14 @@ fn watches_that_no_plan_should_have_do_no_harm() {
         assert_eq!(started(&|watch| watch.threshold = bad), 0);
         started(&|watch| watch.rearm = bad);
         started(&|watch| watch.hold = bad);
-        started(&|watch| watch.level = bad);
-        started(&|watch| watch.duration = bad);
-        started(&|watch| watch.own = [bad; FIELDS]);
+        started(&|watch| voiced(watch).level = bad);
+        started(&|watch| voiced(watch).duration = bad);
+        started(&|watch| voiced(watch).own = [bad; FIELDS]);
     }
     assert_eq!(started(&|watch| watch.hold = f64::INFINITY), 1);
     assert_eq!(started(&|watch| watch.signal = 99), 0);
-    assert_eq!(started(&|watch| watch.instrument = 99), 0);
-    assert_eq!(started(&|watch| watch.place = Spot::Row(99)), 9);
+    assert_eq!(started(&|watch| voiced(watch).instrument = 99), 0);
+    assert_eq!(started(&|watch| voiced(watch).place = Spot::Row(99)), 9);
 }
 
 /// What is set off in a run in which other plans take over, before the calls (of 6 frames, a sample of the engine) that `change` names.
@@ -257,7 +266,7 @@ fn with_swaps(
             director.send(&plan).unwrap();
         }
         stagehand.process(&[], &mut frames);
-        found.extend(stagehand.engine().crossings().map(|c| (c.at, c.watch, c.play.id)));
+        found.extend(stagehand.engine().crossings().map(|c| (c.at, c.watch, c.id())));
         output.extend_from_slice(&frames);
     }
     (output, found, stagehand.engine().counters().dropped)

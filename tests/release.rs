@@ -77,7 +77,7 @@ fn a_listener_hears_of_all_that_the_program_does() {
     player.listen(Box::new(move |event| {
         let what = match event.what {
             Happening::Voice { name, place, .. } => format!("{name} on {place}"),
-            Happening::Marker(name) => name.into(),
+            Happening::Start(name) | Happening::Marker(name) => name.into(),
             Happening::Control(name, value) => format!("{name} to {value}"),
             Happening::Release => "release".into(),
             Happening::ReleaseAll => "all".into(),

@@ -131,7 +131,7 @@ fn a_click_begins_at_the_tick_that_passes_the_notch() {
         assert_eq!(now, sample + 1, "a tick a sample, and none too early");
         for crossing in engine.crossings() {
             assert_eq!(crossing.at, Instant { sample, fraction: 0 });
-            let own = crossing.play.own;
+            let own = crossing.play().unwrap().own;
             assert_eq!(own.iter().filter(|x| **x == index + 1.0).count(), 1, "{own:?}");
             index += 1.0;
             heard += 1;
@@ -294,9 +294,10 @@ fn a_wall_sets_off_as_hard_as_it_is_hit_and_where_it_is_told() {
     let mut frames = vec![0.0; 3 * 24_000];
     engine.process(&mut frames);
     let walls: Vec<_> = engine.crossings().filter(|c| c.watch as usize == 1).collect();
-    assert_eq!(walls[0].play.duration, 0.05);
+    let wall = walls[0].play().unwrap();
+    assert_eq!(wall.duration, 0.05);
     // The hand goes with 10 rad/s, and the knob about as fast.
-    assert!(walls[0].play.level > 0.3 && walls[0].play.level < 0.7, "{}", walls[0].play.level);
+    assert!(wall.level > 0.3 && wall.level < 0.7, "{}", wall.level);
     assert!(engine.knob().unwrap().simulated().unwrap().plant().angle() > 1.5);
 }
 

@@ -93,7 +93,7 @@ impl Until {
         let who = match (endless, always, watch) {
             (Some(pattern), ..) => format!("pattern `{}` repeats without end", pattern.name),
             (_, Some(voice), _) => format!("voice `{}` is always on", voice.name),
-            (.., Some(watch)) => format!("`{}` may set off a voice at any time", watch.name),
+            (.., Some(watch)) => format!("`{}` may set off something at any time", watch.name),
             (None, None, None) if player.plan().instruments.is_empty() => {
                 let what = format!("{}: nothing in this patch plays by itself", loaded.name());
                 let notes = patch.triggers.iter().any(|t| t.on == Source::MidiNote);

@@ -14,6 +14,7 @@ use super::table::{Table, hertz, many};
 use pacinian::actuator::driver::coast::{Coast, STANDS};
 use pacinian::actuator::driver::order::{After, By};
 use pacinian::actuator::driver::setup::Stage;
+use pacinian::graph::answer::{Answer, Started, Voiced};
 use pacinian::graph::plan::{OutputKind, Plan, Precision};
 use pacinian::player::Player;
 use pacinian::rig::{self, Bridge, Peak, Terminals};
@@ -91,11 +92,12 @@ struct WatchReport {
     /// What sets it off, as the patch has it.
     on: String,
     play: String,
-    place: String,
+    /// Of a voice; null of a pattern, whose events say so.
+    place: Option<String>,
     /// Seconds during which it does not set it off again.
     hold: f64,
     rearm: f64,
-    /// From the instant at which the threshold is passed to the voice's onset.
+    /// From the instant at which the threshold is passed to the onset of the voice or the beginning of the pattern.
     delay_ms: f64,
 }
 
@@ -354,7 +356,10 @@ impl PlanReport {
                 if watch.hold > 0.0 { format!("; not again within {} s", watch.hold) } else { String::new() };
             table.row([
                 watch.on.clone(),
-                format!("{} on {}", watch.play, watch.place),
+                match &watch.place {
+                    Some(place) => format!("{} on {place}", watch.play),
+                    None => format!("pattern {}", watch.play),
+                },
                 format!("{:.2} ms later{hold}", watch.delay_ms),
             ]);
         }
@@ -543,13 +548,25 @@ fn peaks(loaded: &Loaded, name: &str) -> Vec<PeakReport> {
 }
 
 fn watches(plan: &Plan, delay: f64) -> Vec<WatchReport> {
-    let report = |watch: &pacinian::graph::watch::Watch| WatchReport {
-        on: watch.name.to_string(),
-        play: plan.instruments.get(watch.instrument as usize).map_or(String::new(), |i| i.name.to_string()),
-        place: plan.called(watch.place).into_owned(),
-        hold: watch.hold,
-        rearm: watch.rearm,
-        delay_ms: 1e3 * delay,
+    let report = |watch: &pacinian::graph::watch::Watch| {
+        let (play, place, delay) = match watch.answer {
+            Answer::Voice(Voiced { instrument, place, .. }) => {
+                let name = plan.instruments.get(instrument as usize).map(|i| i.name.to_string());
+                (name, Some(plan.called(place).into_owned()), delay)
+            }
+            Answer::Pattern(Started { pattern, .. }) => {
+                let name = plan.answering.get(pattern as usize).map(ToString::to_string);
+                (name, None, plan.answer as f64 / plan.engine_rate())
+            }
+        };
+        WatchReport {
+            on: watch.name.to_string(),
+            play: play.unwrap_or_default(),
+            place,
+            hold: watch.hold,
+            rearm: watch.rearm,
+            delay_ms: 1e3 * delay,
+        }
     };
     plan.watches.iter().map(report).collect()
 }

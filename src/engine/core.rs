@@ -6,6 +6,7 @@ use super::control::Ramp;
 use super::declick::Declick;
 use super::event::{Event, Source};
 use super::knob::Knob;
+use super::knob::followed::Followed;
 use super::ops::Ops;
 use super::refusal::Refusal;
 use super::roster::{Duty, Roster};
@@ -72,6 +73,8 @@ pub struct Core<R: Real> {
     work: Workspace<R>,
     latest: Vec<R>,
     watcher: Watcher,
+    /// Engine samples from what sets off a pattern to its beginning.
+    answer: u64,
     declick: Declick<R>,
     stage: Stage,
     knob: Option<Box<Knob>>,
@@ -122,6 +125,7 @@ impl<R: Real> Core<R> {
             work: Workspace::new(buffers, plan.shared.len(), plan.channels),
             latest: vec![R::ZERO; plan.shared.len()],
             watcher: Watcher::new(plan, rate),
+            answer: plan.answer,
             declick: Declick::new(groups),
             stage: Stage::new(plan, isa)?,
             knob: Knob::new(plan)?.map(Box::new),
@@ -161,6 +165,11 @@ impl<R: Real> Core<R> {
     /// The periodic tasks.
     pub fn tasks(&mut self) -> &mut Roster {
         &mut self.tasks
+    }
+
+    /// Seconds from what sets off a pattern to its beginning.
+    pub fn answer_delay(&self) -> f64 {
+        self.answer as f64 / self.rate
     }
 
     /// What signals set off.
@@ -218,6 +227,16 @@ impl<R: Real> Core<R> {
         let Some(knob) = &mut self.knob else { return false };
         knob.listen(link);
         true
+    }
+
+    /// Lets the knob take a world once more that was taken in a run that is repeated.
+    pub fn follow_again(&mut self, followed: Followed) {
+        self.knob.iter_mut().for_each(|knob| knob.follow_again(followed));
+    }
+
+    /// Worlds that the knob has taken since this was asked last.
+    pub fn followed(&mut self) -> impl Iterator<Item = Followed> {
+        self.knob.iter_mut().flat_map(|knob| knob.followed())
     }
 
     /// Voices that sound.

@@ -1,5 +1,6 @@
 //! What reaches the engine: plain copies of a fixed size.
 
+use crate::graph::answer::Voiced;
 use crate::graph::places::Strength;
 use crate::graph::start::{FIELDS, Fields};
 use crate::node::motion::Motion;
@@ -25,6 +26,12 @@ pub struct Play {
 }
 
 impl Play {
+    /// What is set off, under an id.
+    pub(crate) fn of(voiced: &Voiced, id: u64) -> Self {
+        let &Voiced { instrument, place, level, felt, duration, own } = voiced;
+        Self { instrument, place, level, felt, duration, own, id }
+    }
+
     /// Whether its id agrees with `id` but for so many of the lowest bits.
     pub(crate) fn is_of(&self, id: u64, bits: u8) -> bool {
         is_of(self.id, id, bits)

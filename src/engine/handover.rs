@@ -12,6 +12,7 @@ use std::sync::Arc;
 use super::Engine;
 use super::succession::Succession;
 use super::vibration::single;
+use crate::graph::answer::Answer;
 use crate::graph::plan::{Output, Plan};
 use crate::graph::program::Program;
 use crate::graph::watch::Watch;
@@ -194,11 +195,16 @@ fn jumps(old: &Plan, new: &Plan, rows: &[Option<u32>]) -> Vec<bool> {
     jumps
 }
 
-/// For each watch of an old plan the new one with the same signal, threshold, direction and voice that has not been given away.
+/// For each watch of an old plan the new one with the same signal, threshold, direction and voice or pattern that has not been given away.
 fn watches(old: &Plan, new: &Plan) -> Vec<Option<usize>> {
     let key = |plan: &Plan, watch: &Watch| {
-        let voice = plan.instruments.get(watch.instrument as usize).map(|i| Arc::clone(&i.name));
-        (Arc::clone(&watch.name), voice)
+        let voice = |number: u32| plan.instruments.get(number as usize).map(|i| Arc::clone(&i.name));
+        let pattern = |number: u32| plan.answering.get(number as usize).cloned();
+        let plays = match watch.answer {
+            Answer::Voice(voiced) => (voice(voiced.instrument), None),
+            Answer::Pattern(started) => (None, pattern(started.pattern)),
+        };
+        (Arc::clone(&watch.name), plays)
     };
     let mut known: HashMap<_, VecDeque<usize>> = HashMap::new();
     for (place, watch) in new.watches.iter().enumerate() {

@@ -3,16 +3,17 @@
 //! The servo runs ahead of the graph by the stretch of samples that is computed next, so that nodes read its angle without delay and what it
 //! sets off begins at its tick. What the patch sends the other way is [`CELL`] engine samples late, whatever the stretches are.
 
+pub mod followed;
 pub mod tally;
 
-use super::event::{Event, Play, Source};
-use super::watch::{Crossing, Watcher};
+use super::event::{Event, Source};
+use super::watch::{Crossing, SetOff, Watcher};
 use super::workspace::{BLOCK, Workspace};
 use crate::actuator::thermal::Thermal;
 use crate::dsp::lanes::{LANES, Real};
+use crate::graph::knob;
 use crate::graph::knob::{CELL, Feed, Start};
 use crate::graph::plan::{Plan, Shared};
-use crate::graph::{knob, watch};
 use crate::knob::angle::decoder::Sensor;
 use crate::knob::effect::events::What;
 use crate::knob::local_model::link::{Fast, Seen};
@@ -23,6 +24,7 @@ use crate::knob::servo::tick::{Given, Servo};
 use crate::patch::Happening;
 use crate::patch::knob::Reading;
 use crate::schedule::{Instant, Queue};
+use followed::{Followed, Worlds};
 use tally::{Moment, Tally};
 
 const CELLS: usize = CELL as usize;
@@ -93,11 +95,13 @@ pub struct Knob {
     /// Whether torque is to rise with the next reading, and whether a card brings and takes in time.
     asked: bool,
     in_time: bool,
-    /// Voices set off so far, by what set them off.
+    /// What was set off so far, by what did so.
     numbers: Vec<u64>,
     first_watch: usize,
+    /// Engine samples from what sets off a pattern to its beginning.
+    answer: u64,
     dropped: u64,
-    link: Option<Fast>,
+    worlds: Worlds,
     tally: Tally,
 }
 
@@ -158,8 +162,9 @@ impl Knob {
             in_time: true,
             numbers: vec![0; of.starts.len()],
             first_watch: plan.watches.len(),
+            answer: plan.answer,
             dropped: 0,
-            link: None,
+            worlds: Worlds::default(),
             tally: Tally::default(),
             plan: of.clone(),
         }))
@@ -194,7 +199,22 @@ impl Knob {
 
     /// A slow thread sends worlds from here on, and sees the knob.
     pub(super) fn listen(&mut self, link: Fast) {
-        self.link = Some(link);
+        self.worlds.listen(link);
+    }
+
+    /// Takes a world once more that was taken in a run that is repeated.
+    pub(super) fn follow_again(&mut self, followed: Followed) {
+        self.worlds.follow_again(followed);
+    }
+
+    /// Worlds that were taken since this was asked last.
+    pub(super) fn followed(&mut self) -> std::vec::Drain<'_, Followed> {
+        self.worlds.taken()
+    }
+
+    /// How many worlds that were taken were not kept.
+    pub fn unkept(&self) -> u64 {
+        self.worlds.unkept()
     }
 
     /// A hand pushes with so many newton metres from here on; what is no number is no hand.
@@ -268,7 +288,7 @@ impl Knob {
         self.push = old.push;
         std::mem::swap(&mut self.readings, &mut old.readings);
         (self.asked, self.in_time) = (old.asked, old.in_time);
-        self.link = old.link.take().or(self.link.take());
+        self.worlds.adopt(&mut old.worlds);
         self.held_at = old.held_at;
         self.read = old.read;
         self.tally = old.tally;
@@ -321,7 +341,7 @@ impl Knob {
             control.shift = value(&self.past, wires[1]);
             control.fed = value(&self.past, wires[2]);
         }
-        if let Some(message) = self.link.as_mut().and_then(Fast::take) {
+        if let Some(message) = self.worlds.take(sample) {
             self.servo.follow(&message);
         }
         let target = self.hand.map_or(self.held_at, |hand| value(&self.past, hand));
@@ -362,9 +382,7 @@ impl Knob {
         let warm = turns.and_then(|(_, thermal)| thermal).map(Thermal::winding);
         let absorbed = self.servo.energy().absorbed();
         self.tally.add(&Moment { angle: held, speed, estimated: velocity, torque, absorbed, warm });
-        if let Some(link) = &self.link {
-            link.put(&Seen { tick: self.servo.ticks(), angle, velocity, torque });
-        }
+        self.worlds.put(&Seen { tick: self.servo.ticks(), angle, velocity, torque });
         for (read, value) in self.read.iter_mut().zip([angle, velocity, torque, passed, hit]) {
             read[at] = if value.is_finite() { value } else { 0.0 };
         }
@@ -398,22 +416,16 @@ impl Knob {
             };
             for (place, start) in self.plan.starts.iter().enumerate().filter(|(_, start)| waits(start)) {
                 let Some(number) = self.numbers.get_mut(place) else { continue };
-                let values = start.values(&values);
                 let watch = (self.first_watch + place) as u32;
-                let play = Play {
-                    instrument: start.instrument,
-                    place: start.place,
-                    level: values.level,
-                    felt: values.felt,
-                    duration: values.duration,
-                    own: values.own,
-                    id: watch::id(self.first_watch + place, *number),
-                };
-                let crossing = Crossing { at, watch, number: *number, play };
+                let crossing = Crossing::new(at, (watch, *number), &start.answer(&values), self.answer);
                 *number += 1;
-                match queue.push(at, Source::Knob as u16, Event::Play(play)) {
-                    Ok(()) => watcher.keep(crossing),
-                    Err(_) => self.dropped += 1,
+                let fits = match crossing.what {
+                    SetOff::Voice(play) => queue.push(at, Source::Knob as u16, Event::Play(play)).is_ok(),
+                    SetOff::Pattern(_) => true,
+                };
+                match fits {
+                    true => watcher.keep(crossing),
+                    false => self.dropped += 1,
                 }
             }
         }

@@ -52,6 +52,7 @@ use crate::schedule::Instant;
 use core::Core;
 use event::{Event, Source};
 use handover::Handover;
+use knob::followed::Followed;
 use listener::Listener;
 use refusal::Refusal;
 use stage::Stage;
@@ -277,7 +278,13 @@ impl Engine {
         LATENCY as f64 / each!(self, core => core.rate())
     }
 
-    /// What signals have set off since this was asked last, in order of its onsets; some 4,000 are kept. It is that of the plan that
+    /// Seconds from the instant at which a signal or the knob sets off a pattern to the beginning of that, where whoever feeds the engine is in
+    /// time.
+    pub fn answer_delay(&self) -> f64 {
+        each!(self, core => core.answer_delay())
+    }
+
+    /// What signals have set off since this was asked last, in the order in which it was; some 4,000 are kept. It is that of the plan that
     /// plays: to be asked before another takes over.
     pub fn crossings(&mut self) -> std::vec::Drain<'_, Crossing> {
         each!(mut self, core => core.watcher().begun())
@@ -310,6 +317,16 @@ impl Engine {
     pub fn link_knob(&mut self) -> Option<Slow> {
         let (slow, fast) = link();
         each!(mut self, core => core.link_knob(fast)).then_some(slow)
+    }
+
+    /// Hands the worlds that a slow thread has sent to `see`, as the knob took them since this was asked last; some 4,000 are kept.
+    pub fn followed(&mut self, mut see: impl FnMut(Followed)) {
+        each!(mut self, core => core.followed().for_each(&mut see));
+    }
+
+    /// Lets the knob take a world once more that it took in a run that is repeated, at its sample; in order. It allocates.
+    pub fn follow_again(&mut self, followed: Followed) {
+        each!(mut self, core => core.follow_again(followed));
     }
 
     /// Makes room to take over the voices of another engine. It allocates.

@@ -1,7 +1,8 @@
-//! Voices that signals set off: looks at every sample of what is watched, and keeps what is to begin until its time has come.
+//! Voices and patterns that signals set off: looks at every sample of what is watched, and keeps what is to begin until its time has come.
 
 use super::core::GRID;
 use super::event::Play;
+use crate::graph::answer::{Answer, Started};
 use crate::graph::plan::Plan;
 use crate::graph::watch::{LATENCY, MOST_STARTS, Watch, id};
 use crate::node::kernel::LEAD;
@@ -17,17 +18,52 @@ const WAITING: usize = (LATENCY + STRETCH) as usize / 2 + 1;
 /// What has been set off and nobody has asked for yet, at most.
 const KEPT: usize = 4096;
 
-/// A signal, or the knob, has set off a voice, by itself.
+/// A signal, or the knob, has set something off, by itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// The voice's onset.
+    /// When that begins: a voice by itself, a pattern where whoever feeds the engine sees to it.
     pub at: Instant,
     /// What watched the signal, by its place in [`Plan::watches`]; those of the knob are counted on behind them.
     pub watch: u32,
-    /// How many voices watches of that place had set off before.
+    /// How often watches of that place had set something off before.
     pub number: u64,
-    /// The voice.
-    pub play: Play,
+    /// What.
+    pub what: SetOff,
+}
+
+/// What was set off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SetOff {
+    /// A voice.
+    Voice(Play),
+    /// A pattern.
+    Pattern(Started),
+}
+
+impl Crossing {
+    /// What a watch sets off that does so `at` an instant; a pattern begins `answer` samples after that.
+    pub(super) fn new(at: Instant, (watch, number): (u32, u64), what: &Answer, answer: u64) -> Self {
+        match what {
+            Answer::Voice(voiced) => {
+                let play = Play::of(voiced, id(watch as usize, number));
+                Self { at, watch, number, what: SetOff::Voice(play) }
+            }
+            Answer::Pattern(started) => {
+                let at = Instant { sample: at.sample.saturating_add(answer), ..at };
+                Self { at, watch, number, what: SetOff::Pattern(*started) }
+            }
+        }
+    }
+
+    /// Its id: that of the voice.
+    pub fn id(&self) -> u64 {
+        id(self.watch as usize, self.number)
+    }
+
+    /// The voice, if it is one.
+    pub fn play(&self) -> Option<&Play> {
+        if let SetOff::Voice(play) = &self.what { Some(play) } else { None }
+    }
 }
 
 /// What is known of one signal.
@@ -41,7 +77,7 @@ struct Seen {
     armed: bool,
     /// No onset before this.
     free: Instant,
-    /// Voices that it has set off.
+    /// How often it has set something off.
     number: u64,
 }
 
@@ -94,34 +130,20 @@ struct Rising {
     rearm: f64,
     /// Samples.
     hold: f64,
-    play: Play,
+    answer: Answer,
 }
 
 impl Rising {
     fn new(watch: &Watch, rate: f64) -> Self {
-        let &Watch {
-            signal,
-            threshold,
-            rises,
-            rearm,
-            hold,
-            instrument,
-            place,
-            level,
-            felt,
-            duration,
-            own,
-            ..
-        } = watch;
+        let &Watch { signal, threshold, rises, rearm, hold, answer, .. } = watch;
         let sign = if rises { 1.0 } else { -1.0 };
-        let play = Play { instrument, place, level, felt, duration, own, id: 0 };
         Self {
             signal: signal as usize,
             sign,
             threshold: sign * threshold,
             rearm: sign * rearm,
             hold: hold * rate,
-            play,
+            answer,
         }
     }
 }
@@ -141,6 +163,8 @@ pub struct Watcher {
     waiting: Queue<Start>,
     /// Onsets from here on do not take place.
     until: Instant,
+    /// Samples from the onset of a voice that is set off to the beginning of a pattern that is.
+    answer: u64,
     /// The stretch of the grid in which something was set off last, and how much.
     stretch: (u64, u64),
     begun: Vec<Crossing>,
@@ -159,6 +183,7 @@ impl Watcher {
             seen: vec![Seen::new(LEAD as u64); count],
             waiting: Queue::new(WAITING * count),
             until: Instant::NEVER,
+            answer: plan.answer.saturating_sub(LATENCY),
             stretch: (0, 0),
             begun: Vec::with_capacity(if count > 0 || knob { KEPT } else { 0 }),
             unkept: 0,
@@ -213,8 +238,8 @@ impl Watcher {
         dropped
     }
 
-    /// What begins before the next sample, if something does: when, and the voice; `None` for one that is too much.
-    pub fn begin(&mut self, clock: u64) -> Option<(Instant, Option<Play>)> {
+    /// What is set off before the next sample, if something is: when, and what; `None` for what is too much.
+    pub fn begin(&mut self, clock: u64) -> Option<(Instant, Option<SetOff>)> {
         let entry = self.waiting.pop_due(clock)?;
         let Start { watch, number } = entry.what;
         let stretch = clock / GRID;
@@ -226,9 +251,9 @@ impl Watcher {
         }
         self.stretch.1 += 1;
         let Some(rising) = self.watches.get(watch as usize) else { return Some((entry.at, None)) };
-        let play = Play { id: id(watch as usize, number), ..rising.play };
-        self.keep(Crossing { at: entry.at, watch, number, play });
-        Some((entry.at, Some(play)))
+        let crossing = Crossing::new(entry.at, (watch, number), &rising.answer, self.answer);
+        self.keep(crossing);
+        Some((entry.at, Some(crossing.what)))
     }
 
     /// Keeps what has been set off, until somebody asks.
@@ -286,9 +311,7 @@ impl Watcher {
 
 #[cfg(test)]
 mod tests {
-    use super::{Instant, Rising, STRETCH, Seen, Watch};
-    use crate::graph::start::FIELDS;
-    use crate::space::spot::Spot;
+    use super::{Answer, Instant, Rising, STRETCH, Seen, Started, Watch};
 
     fn rising(threshold: f64, rearm: f64, hold: f64) -> Rising {
         let watch = Watch {
@@ -298,12 +321,7 @@ mod tests {
             rises: true,
             rearm,
             hold,
-            instrument: 0,
-            place: Spot::Row(0),
-            level: 1.0,
-            felt: None,
-            duration: 0.1,
-            own: [0.0; FIELDS],
+            answer: Answer::Pattern(Started::new(0, 1.0, 1.0)),
         };
         Rising::new(&watch, 8000.0)
     }

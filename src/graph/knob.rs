@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::answer::{Answer, Started, Voiced};
 use super::build::{Want, Wanted};
 use super::plan::Shared;
 use super::start::{Binary, FIELDS, Fields, StartProgram, Step, Unary};
@@ -97,7 +98,7 @@ pub enum Feed {
     Voices,
 }
 
-/// A voice that the knob sets off.
+/// A voice or a pattern that the knob sets off.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Start {
     /// What sets it off, as the patch has it: `knob.detent notches`.
@@ -106,23 +107,13 @@ pub struct Start {
     pub what: Happening,
     /// To which effect, by its place; `None`: any.
     pub effect: Option<u32>,
-    /// The voice's instrument, by its place in the plan.
-    pub instrument: u32,
-    /// Where it sounds.
-    pub place: Spot,
-    /// What the voice is where the trigger says nothing: level, decibels above the threshold, seconds, fields.
-    pub level: f64,
-    /// See [`super::watch::Watch::felt`].
-    pub felt: Option<f64>,
-    /// Seconds until its release.
-    pub duration: f64,
-    /// Its own fields.
-    pub own: [f64; FIELDS],
+    /// What it sets off, where the trigger says nothing of it.
+    pub answer: Answer,
     /// What the trigger says, to be worked out of what happened: that has the fields of [`Happening::names`].
     pub set: Vec<(Slot, StartProgram)>,
 }
 
-/// What a trigger says of a voice.
+/// What a trigger says of what it plays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slot {
     /// Its level, 0 to 100.
@@ -133,40 +124,53 @@ pub enum Slot {
     Duration,
     /// One of its own fields, ±1e9.
     Own(u8),
+    /// A pattern's gain, 0 to 100.
+    Gain,
+    /// How many times as fast a pattern plays, 0.001 to 1000.
+    Rate,
 }
 
 impl Start {
     /// What `happened` sets off, by the values of [`Happening::names`].
-    pub(crate) fn values(&self, happened: &[f64]) -> Values {
+    pub(crate) fn answer(&self, happened: &[f64]) -> Answer {
         let mut own = [0.0; FIELDS];
         own.iter_mut().zip(happened).for_each(|(to, from)| *to = *from);
         let fields = Fields { level: 0.0, duration: 0.0, own };
-        let mut values =
-            Values { level: self.level, felt: self.felt, duration: self.duration, own: self.own };
+        let mut answer = self.answer;
         for (slot, program) in &self.set {
             let value = program.value(&fields);
-            match slot {
-                Slot::Level => (values.level, values.felt) = (value.clamp(0.0, 100.0), None),
-                Slot::Felt => (values.level, values.felt) = (1.0, Some(value)),
-                Slot::Duration => values.duration = value.clamp(0.0, 1e6),
-                Slot::Own(slot) => {
-                    if let Some(to) = values.own.get_mut(usize::from(*slot)) {
-                        *to = value.clamp(-1e9, 1e9);
-                    }
-                }
+            match &mut answer {
+                Answer::Voice(voiced) => slot.of_voice(voiced, value),
+                Answer::Pattern(started) => slot.of_pattern(started, value),
             }
         }
-        values
+        answer
     }
 }
 
-/// What a voice is that was set off.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Values {
-    pub level: f64,
-    pub felt: Option<f64>,
-    pub duration: f64,
-    pub own: [f64; FIELDS],
+impl Slot {
+    fn of_voice(self, voiced: &mut Voiced, value: f64) {
+        match self {
+            Self::Level => (voiced.level, voiced.felt) = (value.clamp(0.0, 100.0), None),
+            Self::Felt => (voiced.level, voiced.felt) = (1.0, Some(value)),
+            Self::Duration => voiced.duration = value.clamp(0.0, 1e6),
+            Self::Own(slot) => {
+                if let Some(to) = voiced.own.get_mut(usize::from(slot)) {
+                    *to = value.clamp(-1e9, 1e9);
+                }
+            }
+            Self::Gain | Self::Rate => {}
+        }
+    }
+
+    fn of_pattern(self, started: &mut Started, value: f64) {
+        let Started { pattern, gain, rate } = *started;
+        match self {
+            Self::Gain => *started = Started::new(pattern, value, rate),
+            Self::Rate => *started = Started::new(pattern, gain, value),
+            Self::Level | Self::Felt | Self::Duration | Self::Own(_) => {}
+        }
+    }
 }
 
 /// What a knob is made from.
@@ -186,7 +190,13 @@ pub(super) struct Made<'a> {
 }
 
 /// The knob of a patch on a rig, if the patch has one.
-pub(super) fn knob(from: &Made, wanted: &mut Wanted, problems: &mut Vec<Problem>) -> Option<Knob> {
+/// `answering`: the names of the patterns that are set off so far.
+pub(super) fn knob(
+    from: &Made,
+    wanted: &mut Wanted,
+    answering: &mut Vec<Arc<str>>,
+    problems: &mut Vec<Problem>,
+) -> Option<Knob> {
     let &Made { patch, rig, finder, of_voice, rates, is_live, attached, block } = from;
     let felt = patch.knob.as_ref()?;
     let ratio = (rates[1] / rates[0]).round() as u32;
@@ -215,7 +225,11 @@ pub(super) fn knob(from: &Made, wanted: &mut Wanted, problems: &mut Vec<Problem>
     let voice = |name: &str| patch.voices.iter().position(|voice| voice.name == name);
     let mut starts = Vec::new();
     for trigger in patch.triggers.iter().filter(|t| matches!(t.on, Source::Knob { .. })) {
-        let Some(number) = voice(&trigger.play) else { continue };
+        let Some(number) = voice(&trigger.play) else {
+            let started = patch.pattern_of(trigger).map(|name| answering_as(answering, name));
+            starts.extend(started.and_then(|pattern| start(trigger, patch, Played::Pattern(pattern))));
+            continue;
+        };
         let (Some(voice), Some(instrument)) =
             (patch.voices.get(number), of_voice.get(number).copied().flatten())
         else {
@@ -226,7 +240,7 @@ pub(super) fn knob(from: &Made, wanted: &mut Wanted, problems: &mut Vec<Problem>
             None => (voice.place.as_ref(), &voice.place_span),
         };
         match rig.resolve_by(finder, place, span) {
-            Ok(place) => starts.extend(start(trigger, patch, voice, instrument, place)),
+            Ok(place) => starts.extend(start(trigger, patch, Played::Voice(voice, instrument, place))),
             Err(problem) => problems.push(problem),
         }
     }
@@ -281,33 +295,72 @@ fn hand(patch: &Patch, wanted: &mut Wanted) -> Option<u32> {
     Some(wanted.number(Want::Control(control)))
 }
 
-/// The start of a voice by a trigger, if a knob sets that off; `place`: where it sounds.
-fn start(trigger: &Trigger, patch: &Patch, voice: &Voice, instrument: u32, place: Spot) -> Option<Start> {
+/// The place of a pattern among those that are set off.
+pub(super) fn answering_as(answering: &mut Vec<Arc<str>>, name: &str) -> u32 {
+    let place = answering.iter().position(|known| **known == *name).unwrap_or_else(|| {
+        answering.push(name.into());
+        answering.len() - 1
+    });
+    place as u32
+}
+
+/// What a trigger plays.
+enum Played<'a> {
+    /// A voice, its instrument, and where it sounds.
+    Voice(&'a Voice, u32, Spot),
+    /// A pattern, by its place among those that are set off.
+    Pattern(u32),
+}
+
+impl Played<'_> {
+    fn answer(&self) -> Answer {
+        match *self {
+            Self::Voice(voice, instrument, place) => {
+                let mut own = [0.0; FIELDS];
+                own.iter_mut().zip(&voice.fields).for_each(|(value, (_, default))| *value = *default);
+                let (level, felt) = voice.strength(None, None);
+                Answer::Voice(Voiced { instrument, place, level, felt, duration: voice.duration, own })
+            }
+            Self::Pattern(pattern) => Answer::Pattern(Started::new(pattern, 1.0, 1.0)),
+        }
+    }
+
+    fn slot(&self, field: &str) -> Option<Slot> {
+        match (self, field) {
+            (Self::Pattern(_), "gain") => Some(Slot::Gain),
+            (Self::Pattern(_), "rate") => Some(Slot::Rate),
+            (Self::Pattern(_), _) => None,
+            (Self::Voice(..), "level") => Some(Slot::Level),
+            (Self::Voice(..), "felt") => Some(Slot::Felt),
+            (Self::Voice(..), "duration") => Some(Slot::Duration),
+            (Self::Voice(voice, ..), own) => {
+                let place = voice.fields.iter().position(|(name, _)| name == own);
+                place.map(|slot| Slot::Own(slot as u8))
+            }
+        }
+    }
+}
+
+/// What a trigger sets off, if a knob sets that off.
+fn start(trigger: &Trigger, patch: &Patch, played: Played) -> Option<Start> {
     let Source::Knob { what, effect } = &trigger.on else { return None };
     let effects = patch.knob.iter().flat_map(|knob| &knob.effects);
     let effect = match effect {
         Some(name) => Some(effects.into_iter().position(|e| e.name == *name)? as u32),
         None => None,
     };
-    let mut own = [0.0; FIELDS];
-    own.iter_mut().zip(&voice.fields).for_each(|(value, (_, default))| *value = *default);
-    let slot = |field: &str| match field {
-        "level" => Some(Slot::Level),
-        "felt" => Some(Slot::Felt),
-        "duration" => Some(Slot::Duration),
-        own => voice.fields.iter().position(|(name, _)| name == own).map(|slot| Slot::Own(slot as u8)),
-    };
     let program = |expr: &Expr| {
         let mut steps = Vec::new();
         push(expr, what.names(), &mut steps);
         StartProgram::new(steps).ok()
     };
-    let set =
-        trigger.set.iter().filter_map(|(field, expr, _)| Some((slot(field)?, program(expr)?))).collect();
-    let (level, felt) = voice.strength(None, None);
+    let set = trigger
+        .set
+        .iter()
+        .filter_map(|(field, expr, _)| Some((played.slot(field)?, program(expr)?)))
+        .collect();
     let name = [Some(what.word()), effect_name(trigger)].into_iter().flatten().collect::<Vec<_>>().join(" ");
-    let duration = voice.duration;
-    Some(Start { name: name.into(), what: *what, effect, instrument, place, level, felt, duration, own, set })
+    Some(Start { name: name.into(), what: *what, effect, answer: played.answer(), set })
 }
 
 fn effect_name(trigger: &Trigger) -> Option<&str> {

@@ -1,6 +1,7 @@
 //! A checked node graph and the passes that turn it into a [`plan::Plan`]: loops are opened (late), then prune, fold, onset,
 //! order, prune again. Each pass is one function.
 
+pub mod answer;
 mod arrival;
 pub mod budget;
 mod build;

@@ -68,8 +68,12 @@ pub struct Plan {
     pub shared_program: Program,
     /// Live parameters.
     pub controls: Vec<Control>,
-    /// Voices that engine-wide signals set off.
+    /// Voices and patterns that engine-wide signals set off.
     pub watches: Vec<Watch>,
+    /// Names of the patterns that they and the knob set off.
+    pub answering: Vec<Arc<str>>,
+    /// Engine samples from what sets such a pattern off to its beginning; see [`super::answer::latency`].
+    pub answer: u64,
     /// The voices' programs.
     pub instruments: Vec<Instrument>,
     /// Gain rows: a place as channels (from 0) with gains.
@@ -111,6 +115,12 @@ impl Plan {
     /// The envelopes of a motor, by their numbers.
     pub fn swells_of(&self, drive: usize) -> impl Iterator<Item = &Swell> {
         self.swells.iter().filter(move |swell| swell.drive == drive)
+    }
+
+    /// What sets something off by itself, as the patch has it and as ids count: watches, and behind them what the knob does.
+    pub fn watching(&self) -> impl Iterator<Item = &Arc<str>> {
+        let starts = self.knob.iter().flat_map(|knob| &knob.starts);
+        self.watches.iter().map(|watch| &watch.name).chain(starts.map(|start| &start.name))
     }
 
     /// Whether a voice may move.

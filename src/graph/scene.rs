@@ -3,9 +3,10 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
+use super::answer::{self, Answer};
 use super::budget::Need;
 use super::build::{self, Want, Wanted};
-use super::knob::{Made, knob};
+use super::knob::{Made, answering_as, knob};
 use super::not_yet::{never_fed, not_yet};
 use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
@@ -39,7 +40,8 @@ pub struct Options {
     pub live: bool,
     /// Whether a knob that the rig reads by a sound card's inputs is there; else it is simulated.
     pub attached: bool,
-    /// Frames of a device's block, as far as that is known; `None`: [`BLOCK`]. A knob that a card reads waits for blocks.
+    /// Frames of a device's block, as far as that is known; `None`: [`BLOCK`]. A knob that a card reads waits for blocks, and so do patterns
+    /// that a knob or a node sets off.
     pub block: Option<u32>,
     /// Whether it is played on a real card. Where the rig does not say what the card's outputs let through, steady voltages are taken to
     /// leave it, and are kept off; else they are taken not to.
@@ -171,8 +173,10 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         attached: options.attached,
         block: options.block.unwrap_or(BLOCK),
     };
-    let mut knob = knob(&made, &mut wanted, &mut problems);
-    let watches = watches(patch, rig, &finder, &watched, &of_voice, &mut wanted, &mut problems);
+    let mut answering = Vec::new();
+    let mut knob = knob(&made, &mut wanted, &mut answering, &mut problems);
+    let watches =
+        watches(patch, rig, &finder, &watched, &of_voice, &mut wanted, &mut answering, &mut problems);
     left_out.extend(still.iter().filter_map(|place| {
         let trigger = patch.triggers.get(*place)?;
         let what = format!("trigger `{}` of `{}`", watch::words(trigger)?, trigger.play);
@@ -236,6 +240,8 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         shared_program,
         controls,
         watches,
+        answering,
+        answer: answer::latency(options.block.unwrap_or(BLOCK), device_rate, engine_rate),
         instruments,
         places: places_of(rig, &finder, knob.is_some()),
         together: finder.called().map(Arc::from).collect(),
@@ -419,9 +425,13 @@ fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Ve
     let started: Vec<usize> =
         patch.triggers.iter().filter(|t| t.on == Source::Start).filter_map(|t| find(&t.play)).collect();
     let any_start = patch.triggers.iter().any(|t| t.on == Source::Start);
-    // Where keys and messages play, patterns wait for them. What a node sets off is a voice.
-    let sets_off = |trigger: &Trigger| !matches!(trigger.on, Source::Node { .. } | Source::Knob { .. });
-    let waits = options.live && patch.triggers.iter().any(sets_off);
+    // Where keys and messages play, patterns wait for them; and where nodes or a knob play patterns.
+    let by_itself = |trigger: &Trigger| matches!(trigger.on, Source::Node { .. } | Source::Knob { .. });
+    let sets_off = |trigger: &Trigger| match by_itself(trigger) {
+        true => patch.pattern_of(trigger).is_some(),
+        false => options.live,
+    };
+    let waits = patch.triggers.iter().any(sets_off);
     let mut playing = if any_start || waits || patch.patterns.is_empty() { started } else { vec![0] };
     // What a clock starts is ready for it.
     let clocked = patch.patterns.iter().enumerate().filter(|(_, pattern)| pattern.follows).map(|(i, _)| i);
@@ -455,9 +465,12 @@ fn voices(
         open.extend(0..patch.patterns.len());
     }
     found.extend(patch.triggers.iter().filter(|t| t.on == Source::Start).filter_map(|t| voice(&t.play)));
-    let by_knob = |trigger: &&Trigger| matches!(trigger.on, Source::Knob { .. });
-    found.extend(patch.triggers.iter().filter(by_knob).filter_map(|t| voice(&t.play)));
-    found.extend(watched.iter().filter_map(|place| voice(&patch.triggers.get(*place)?.play)));
+    let by_knob = patch.triggers.iter().filter(|trigger| matches!(trigger.on, Source::Knob { .. }));
+    let by_nodes = watched.iter().filter_map(|place| patch.triggers.get(*place));
+    for trigger in by_knob.chain(by_nodes) {
+        found.extend(voice(&trigger.play));
+        open.extend(patch.pattern_of(trigger).and_then(pattern));
+    }
     while let Some(p) = open.pop() {
         if !played.insert(p) {
             continue;
@@ -508,12 +521,18 @@ fn watches(
     watched: &[usize],
     of_voice: &[Option<u32>],
     wanted: &mut Wanted,
+    answering: &mut Vec<Arc<str>>,
     problems: &mut Vec<Problem>,
 ) -> Vec<Watch> {
     let scope = Scope::new(patch, None);
     let voices = places(patch.voices.iter().map(|v| v.name.as_str()));
     let mut watches = Vec::with_capacity(watched.len());
     for trigger in watched.iter().filter_map(|place| patch.triggers.get(*place)) {
+        if let Some(name) = patch.pattern_of(trigger) {
+            let started = watch::started(trigger, answering_as(answering, name));
+            watches.extend(watch::watch(trigger, Answer::Pattern(started), &scope, wanted));
+            continue;
+        }
         let voice = voices
             .get(trigger.play.as_str())
             .and_then(|v| Some((patch.voices.get(*v)?, (*of_voice.get(*v)?)?)));
@@ -524,7 +543,10 @@ fn watches(
             None => (voice.place.as_ref(), &voice.place_span),
         };
         match rig.resolve_by(finder, place, span) {
-            Ok(place) => watches.extend(watch::watch(trigger, voice, &scope, wanted, instrument, place)),
+            Ok(place) => {
+                let voiced = watch::voiced(trigger, voice, instrument, place);
+                watches.extend(watch::watch(trigger, Answer::Voice(voiced), &scope, wanted));
+            }
             Err(problem) => problems.push(problem),
         }
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::answer::{Answer, Started, Voiced};
 use super::build::{self, Want, Wanted};
 use super::plan::compile;
 use super::program::Feed;
@@ -15,13 +16,14 @@ use crate::space::spot::Spot;
 /// what is seen only when some samples have been computed still begins at its instant.
 pub const LATENCY: u64 = 8;
 
-/// Voices that signals may set off in a stretch of 64 engine samples on the engine's grid; what would be more is dropped, and counted.
+/// Voices and patterns that signals may set off in a stretch of 64 engine samples on the engine's grid; what would be more is dropped, and counted.
 pub const MOST_STARTS: u64 = 1024;
 
-/// A voice that a shared signal sets off as it passes a threshold.
+/// A voice or a pattern that a shared signal sets off as it passes a threshold.
 ///
 /// It is set off where a value lies on the far side of the threshold or on it and the one a sample before on the near side, at the instant
-/// at which a straight line between the two passes it; [`LATENCY`] later the voice begins. Values that are no numbers are passed over, and
+/// at which a straight line between the two passes it; [`LATENCY`] later the voice begins, and a pattern
+/// [`super::plan::Plan::answer`] later. Values that are no numbers are passed over, and
 /// nothing is set off between them and the next.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Watch {
@@ -33,22 +35,12 @@ pub struct Watch {
     pub threshold: f64,
     /// Upwards; else downwards.
     pub rises: bool,
-    /// What it must come back to, short of this, before it can set the voice off again.
+    /// What it must come back to, short of this, before it can set that off again.
     pub rearm: f64,
-    /// Seconds after an onset during which it does not set it off again.
+    /// Seconds after it has set something off during which it does not do so again.
     pub hold: f64,
-    /// The voice's instrument, by its place in the plan.
-    pub instrument: u32,
-    /// Where it sounds: a row of [`super::plan::Plan::places`].
-    pub place: Spot,
-    /// Its level.
-    pub level: f64,
-    /// Decibels above the threshold that a level of 1 is to be felt like; `None`: as loud as it comes.
-    pub felt: Option<f64>,
-    /// Seconds until its release.
-    pub duration: f64,
-    /// The voice's own fields, in the order in which it declares them.
-    pub own: [f64; FIELDS],
+    /// What it sets off.
+    pub answer: Answer,
 }
 
 /// Bits of an id that count what one watch has set off.
@@ -104,14 +96,12 @@ fn still(patch: &Patch, nodes: &[usize], assets: &dyn Assets, rate: f64) -> BTre
     outputs.filter(|(_, feed)| matches!(feed, Feed::Steady(_))).map(|(node, _)| *node).collect()
 }
 
-/// The watch for a trigger that plays `voice`, and the signal that it wants. `place`: where it sounds.
+/// The watch for a trigger, and the signal that it wants.
 pub(super) fn watch(
     trigger: &Trigger,
-    voice: &Voice,
+    answer: Answer,
     scope: &Scope<'_>,
     wanted: &mut Wanted,
-    instrument: u32,
-    place: Spot,
 ) -> Option<Watch> {
     let Source::Node { node, rises, threshold } = &trigger.on else { return None };
     let signal = wanted.number(match scope.find(node)? {
@@ -119,6 +109,19 @@ pub(super) fn watch(
         Target::Control(control) => Want::Control(control),
         Target::Node(_) => return None,
     });
+    Some(Watch {
+        name: words(trigger)?.into(),
+        signal,
+        threshold: *threshold,
+        rises: *rises,
+        rearm: trigger.rearm.unwrap_or(*threshold),
+        hold: trigger.hold,
+        answer,
+    })
+}
+
+/// The voice that a trigger plays which a node sets off. `place`: where it sounds.
+pub(super) fn voiced(trigger: &Trigger, voice: &Voice, instrument: u32, place: Spot) -> Voiced {
     let mut own = [0.0; FIELDS];
     own.iter_mut().zip(&voice.fields).for_each(|(value, (_, default))| *value = *default);
     let (mut level, mut felt, mut duration) = (None, None, voice.duration);
@@ -140,25 +143,22 @@ pub(super) fn watch(
         }
     }
     let (level, felt) = voice.strength(level, felt);
-    Some(Watch {
-        name: words(trigger)?.into(),
-        signal,
-        threshold: *threshold,
-        rises: *rises,
-        rearm: trigger.rearm.unwrap_or(*threshold),
-        hold: trigger.hold,
-        instrument,
-        place,
-        level,
-        felt,
-        duration,
-        own,
-    })
+    Voiced { instrument, place, level, felt, duration, own }
+}
+
+/// The pattern that a trigger plays which a node sets off.
+pub(super) fn started(trigger: &Trigger, pattern: u32) -> Started {
+    let known = |name: &str| trigger.on.known(name);
+    let says = |wanted: &str| {
+        let (_, expr, _) = trigger.set.iter().find(|(field, ..)| field == wanted)?;
+        expr.value(&known).filter(|value| value.is_finite())
+    };
+    Started::new(pattern, says("gain").unwrap_or(1.0), says("rate").unwrap_or(1.0))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::id;
+    use super::{Answer, Watch, id};
     use crate::graph::plan::{Plan, Shared, Why};
     use crate::graph::scene::{Options, scene};
     use crate::node::asset::NoAssets;
@@ -197,6 +197,11 @@ mod tests {
             assert!(matches!(plan.shared[push.signal as usize], Shared::Control(0)));
             assert_eq!((heard.threshold, heard.rises, heard.rearm, heard.hold), (0.25, true, 0.25, 0.5));
             assert_eq!((push.threshold, push.rises, push.rearm, push.hold), (0.5, false, 0.6, 0.0));
+            let voiced = |watch: &Watch| match watch.answer {
+                Answer::Voice(voiced) => voiced,
+                Answer::Pattern(started) => panic!("{started:?}"),
+            };
+            let (heard, push) = (voiced(heard), voiced(push));
             assert_eq!((heard.place, heard.level, heard.duration), (Spot::Row(2), 0.7, 0.3));
             assert_eq!((push.place, push.level, push.duration), (Spot::Row(1), 0.7, 0.1));
             let field = |name: &str| plan.instruments[0].fields.iter().position(|f| **f == *name).unwrap();

@@ -99,6 +99,7 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
     let fraction = f64::from(heard.instant.fraction) / 4_294_967_296.0;
     let kind = match heard.what {
         Happening::Voice { .. } => "voice",
+        Happening::Start(_) => "start",
         Happening::Marker(_) => "marker",
         Happening::Control(..) => "control",
         Happening::Touch(..) => "touch",
@@ -137,7 +138,7 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
             cell(to, &others)?;
             write!(to, ",{duration},")?;
         }
-        Happening::Marker(name) => {
+        Happening::Start(name) | Happening::Marker(name) => {
             cell(to, name)?;
             to.push_str(",,,,,,");
         }

@@ -18,6 +18,7 @@ use super::torque::Torque;
 use crate::engine::Duty;
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Stagehand;
+use crate::engine::knob::followed::Followed;
 use crate::engine::watch::Crossing;
 use crate::schedule::Instant;
 
@@ -74,6 +75,8 @@ pub enum Deed {
     },
     /// A signal of the engine set off a voice, by itself: nobody gave the engine an event.
     Crossing(Crossing),
+    /// The knob took a world that a slow thread has sent.
+    Followed(Followed),
     /// It told the gate something.
     Order(Order),
     /// It let a new plan take over.
@@ -337,14 +340,19 @@ impl Callback {
         }
     }
 
-    /// Tells what signals have set off in the frames that were just computed.
+    /// Tells what signals have set off in the frames that were just computed, and which worlds the knob took.
     fn tell_crossings(&mut self) {
         let mut untold = 0;
         for crossing in self.stagehand.engine().crossings() {
             let report = Report { frame: self.frames, deed: Deed::Crossing(crossing) };
             untold += u64::from(self.reports.try_push(report).is_err());
         }
-        let unkept = self.stagehand.engine().unkept_crossings();
+        let (reports, frame) = (&mut self.reports, self.frames);
+        self.stagehand.engine().followed(|followed| {
+            untold += u64::from(reports.try_push(Report { frame, deed: Deed::Followed(followed) }).is_err());
+        });
+        let engine = self.stagehand.engine();
+        let unkept = engine.knob().map_or(0, |knob| knob.unkept()) + engine.unkept_crossings();
         untold += unkept - std::mem::replace(&mut self.unkept, unkept).min(unkept);
         self.board.untold.add(untold);
     }

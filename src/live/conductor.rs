@@ -30,6 +30,9 @@ const AHEAD: f64 = 0.05;
 /// How often it looks whether patterns must be fed, where no signal comes.
 const EVERY: Duration = Duration::from_millis(5);
 
+/// The same where nodes or a knob may set off patterns, whose time is short ([`crate::graph::answer::TELLING`]).
+const OFTEN: Duration = Duration::from_millis(1);
+
 /// How long a callback may take to shut the gate at the end; one whose device stands still never does.
 const LAST: Duration = Duration::from_millis(500);
 
@@ -169,7 +172,11 @@ impl Conductor {
     pub fn lead(mut self) {
         self.inbox.attend();
         while !self.ended {
-            self.inbox.wait(if self.behind { Duration::ZERO } else { EVERY });
+            self.inbox.wait(match (self.behind, self.callings.has_patterns()) {
+                (true, _) => Duration::ZERO,
+                (false, true) => OFTEN,
+                (false, false) => EVERY,
+            });
             self.listen();
             self.go_on();
         }
@@ -212,9 +219,10 @@ impl Conductor {
         self.hear();
     }
 
-    /// Hears what the callback did.
-    fn hear(&mut self) {
+    /// Hears what the callback did. Says whether patterns were set off.
+    fn hear(&mut self) -> bool {
         let moment = self.clock.moment();
+        let mut set_off = false;
         while let Some(report) = self.rings.reports.try_pop() {
             match &report.deed {
                 Deed::Swap => {
@@ -222,13 +230,14 @@ impl Conductor {
                         self.callings = callings;
                     }
                 }
-                Deed::Crossing(crossing) => self.performer.tell_crossing(&self.callings, crossing),
-                Deed::Event { .. } | Deed::Order(_) => {}
+                Deed::Crossing(crossing) => set_off |= self.performer.cross(&self.callings, crossing),
+                Deed::Event { .. } | Deed::Followed(_) | Deed::Order(_) => {}
             }
             (self.audience)(Told::Report(&report, moment));
         }
         // The callback at this moment had not done anything yet; what those before it did has been told.
         self.board.told.set(moment.map_or(0, |moment| moment.frames));
+        set_off
     }
 
     /// Sends what sounds from the beginning, and opens the gate.
@@ -252,7 +261,9 @@ impl Conductor {
         if let Some(reload) = self.waiting.take() {
             self.reload(reload);
         }
-        self.hear();
+        if self.hear() {
+            self.feed();
+        }
         self.tell_playing();
         self.director.collect();
     }

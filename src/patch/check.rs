@@ -427,7 +427,7 @@ impl Check<'_> {
             self.problems.extend(self.knob.and_then(never));
         }
         let of_pattern = voice.is_none() && names.pattern(&trigger.play).is_some();
-        crossing::check(trigger, of_pattern, &mut self.problems);
+        crossing::check(trigger, &mut self.problems);
         if let Some(voice) = voice {
             self.problems.extend(steered::fits(voice, trigger.place.as_ref(), &trigger.span));
         }

@@ -3,18 +3,10 @@
 use super::{Source, Trigger};
 use crate::text::Problem;
 
-/// What is wrong with what a trigger says of a node that sets it off; `of_pattern`: it is to play a pattern.
-pub(super) fn check(trigger: &Trigger, of_pattern: bool, problems: &mut Vec<Problem>) {
+/// What is wrong with what a trigger says of a node that sets it off.
+pub(super) fn check(trigger: &Trigger, problems: &mut Vec<Problem>) {
     let Source::Node { rises, threshold, .. } = trigger.on else {
         let said = [(trigger.hold != 0.0, "hold"), (trigger.rearm.is_some(), "rearm")];
-        if of_pattern && let Source::Knob { .. } = trigger.on {
-            let what = format!(
-                "a knob cannot set off pattern `{}`: patterns are worked out ahead of time, and a knob is known only as it is turned",
-                trigger.play
-            );
-            let help = "let it play a voice, one trigger for each that is to sound; what comes later comes out of a node `delay`";
-            problems.push(Problem::error(&trigger.play_span, what).help(help.to_string()));
-        }
         for (_, key) in said.into_iter().filter(|(is, _)| *is) {
             let what = format!("`{key}` goes with nodes, and this trigger is set off by something else");
             let help = "set it off by on = \"node.NAME rises 0.3\"".to_string();
@@ -22,15 +14,6 @@ pub(super) fn check(trigger: &Trigger, of_pattern: bool, problems: &mut Vec<Prob
         }
         return;
     };
-    if of_pattern {
-        let what = format!(
-            "a node cannot set off pattern `{}`: patterns are worked out ahead of time, and a node is known only as it comes",
-            trigger.play
-        );
-        let help = "let it play a voice, one trigger for each that is to sound; what comes later comes out of a node `delay` of the \
-             voice. A pattern is set off by MIDI, OSC or a key";
-        problems.push(Problem::error(&trigger.play_span, what).help(help.to_string()));
-    }
     // What is made in code may be anything.
     if !(0.0..=super::trigger::MOST_HOLD).contains(&trigger.hold) {
         let what = format!("`hold` of a trigger is {}", trigger.hold);
@@ -70,8 +53,9 @@ mod tests {
     }
 
     #[test]
-    fn nodes_and_controls_set_off_voices() {
+    fn nodes_and_controls_set_off_voices_and_patterns() {
         for fine in [
+            "on = \"node.breath rises 0.3\"\nplay = \"p\"\nhold = 0.1\nset = { gain = \"2 * value\", rate = 0.5 }",
             "on = \"node.breath rises 0.3\"\nplay = \"v\"",
             "on = \"node.push falls -0.3\"\nplay = \"v\"\nhold = 0.05\nrearm = -0.2\nplace = 2",
             "on = \"node.breath rises 0.3\"\nplay = \"v\"\nrearm = 0.3\nset = { level = \"2 * value\", duration = 0.2 }",
@@ -84,9 +68,14 @@ mod tests {
     fn what_cannot_be_is_told_with_what_to_do() {
         for (trigger, what, help) in [
             (
-                "on = \"node.breath rises 0.3\"\nplay = \"p\"",
-                "a node cannot set off pattern `p`",
-                "let it play a voice",
+                "on = \"node.breath rises 0.3\"\nplay = \"p\"\nplace = 2",
+                "a trigger cannot say where pattern `p` plays",
+                "its events say so",
+            ),
+            (
+                "on = \"node.breath rises 0.3\"\nplay = \"p\"\nset = { level = 0.5 }",
+                "a trigger cannot set `level` of a pattern",
+                "gain",
             ),
             ("on = \"node.breth rises 0.3\"\nplay = \"v\"", "no shared node `breth`", "`breath`"),
             (

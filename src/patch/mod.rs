@@ -281,6 +281,14 @@ impl Patch {
         }
     }
 
+    /// The pattern that a trigger plays, if it plays one: a voice of the same name goes before it.
+    pub(crate) fn pattern_of<'a>(&self, trigger: &'a Trigger) -> Option<&'a str> {
+        let name = trigger.play.as_str();
+        let is = !self.voices.iter().any(|voice| voice.name == name)
+            && self.patterns.iter().any(|pattern| pattern.name == name);
+        is.then_some(name)
+    }
+
     /// Every place in it, those of triggers by hand included.
     pub(crate) fn each_place_written(&self, mut see: impl FnMut(&Place)) {
         self.voices.iter().filter_map(|voice| voice.place.as_ref()).for_each(&mut see);

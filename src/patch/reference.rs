@@ -335,7 +335,7 @@ pub const TOPICS: &[Topic] = &[
         text: "`on` is one of these:\n\n\
                - start: the beginning. Where any trigger says so, only those patterns play by themselves\n\
                - node.NAME rises 0.3, node.NAME falls 0.3: a shared node, or a control, passes a threshold; `set` may read `value`, which is \
-               the threshold. It plays a voice, no pattern\n\
+               the threshold\n\
                - midi.note: a note begins; `set` may read `note`, `pitch` (its frequency in Hz, with its bend unless the voice reads \
                touch.bend by itself), `velocity`, `channel`, and how it is bent and pressed then: `bend` (semitones), `pressure` and `timbre` \
                (0 to 1)\n\
@@ -345,12 +345,17 @@ pub const TOPICS: &[Topic] = &[
                - osc./address: a message to that address; `set` may read `value`, its first number\n\
                - key.1: a key of the computer, from 1\n\
                - knob.detent, knob.wall: a knob passes a notch, runs into a wall; knob.wall ENDS for that effect alone. `set` may read `angle` \
-               (rad), `speed` (rad/s, without a sign), `way` (1 or -1) and, of a notch, `index`, counted from the one at rest. It plays a voice, no \
-               pattern, which begins at the tick of the servo that felt it\n\n\
+               (rad), `speed` (rad/s, without a sign), `way` (1 or -1) and, of a notch, `index`, counted from the one at rest. A voice begins \
+               at the tick of the servo that felt it\n\n\
                A note sounds as long as its key or the pedal holds it, unless `set` gives it a `duration`; its velocity is its level, unless \
                `set` gives it a `level`. Of a pattern, `set` gives `gain` and `rate`. A pattern that ends plays to its end; one that repeats \
                without `times` plays as long as the key or the pedal holds it, and where no key does, the next hit begins it anew. At most \
                256 patterns play at a time.\n\n\
+               A voice that a node or a knob sets off is begun by the engine itself. A pattern has to be told first, so it begins a fixed time after \
+               the threshold, the notch or the wall: 10 ms and one block of the card, 256 frames where nobody says how long that is \
+               (15.4 ms at 48 kHz in a rendering, 11.4 ms with --block 64). `pacinian check` and `pacinian knob` say how long. However long the card's \
+               calls are, it is always as long; should the machine be too late for that, the pattern's first events are played as soon as may be, \
+               and counted as late. What is to be felt at once is a voice of its own.\n\n\
                Controllers 120 (all sound off) and 123 (all notes off, which 124 to 127 imply) are a panic, pedals or not, and not the note-offs \
                that the standard has for 123, since panic buttons send it: each \
                silences what its channel has started, voices that die away and patterns included, and a reset, or a cable that had promised to stay \
@@ -364,7 +369,8 @@ pub const TOPICS: &[Topic] = &[
                patch takes over, sets nothing off. A value that is no number sets nothing off, and a node that never moves is left out. \
                More than 1024 voices in 8 ms are not set off: the rest is counted as dropped.\n\n\
                In `pacinian play` and with `--midi`, no pattern begins by \
-               itself in a patch that has triggers, but those with start, unless all of them are set off by nodes or a knob.",
+               itself in a patch that has triggers, but those with start, unless all of them are set off by nodes or a knob and play voices. Where one of \
+               those plays a pattern, none begins by itself anywhere.",
         tables: &[&trigger::TABLE],
         example: "[shared.nodes]\n\
                   breath = { type = \"lfo\", rate = 0.5 }\n\

@@ -46,7 +46,7 @@ pub struct MidiCounts {
 
 /// What sets triggers off.
 #[derive(Clone, Copy, Default)]
-struct Hit {
+pub(super) struct Hit {
     /// The level where nothing else is said.
     velocity: Option<f64>,
     /// The port and channel through which it came.
@@ -433,7 +433,7 @@ impl Performer {
 
     /// Starts a pattern for a trigger. One without end plays as long as the key is held that started it; one that no key holds begins
     /// anew with every hit, since two of it would never end.
-    fn start_by(
+    pub(super) fn start_by(
         &mut self,
         at: When,
         pattern: &str,

@@ -53,6 +53,8 @@ pub enum Happening<'a> {
         /// Their values.
         own: &'a [f64],
     },
+    /// A pattern begins that a signal or the knob has set off.
+    Start(&'a str),
     /// A marker.
     Marker(&'a str),
     /// A control is sent to a value.

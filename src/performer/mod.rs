@@ -40,6 +40,7 @@ use crate::text::Problem;
 
 use clocked::Clocked;
 pub use crossed::Callings;
+use crossed::Crossed;
 use hands::Hands;
 pub use hands::{MidiCounts, PORTS};
 pub use heard::{Happening, Heard, Listener, Origin};
@@ -92,6 +93,9 @@ pub struct Performer {
     cause: u64,
     /// What lets go and found no room.
     owed: VecDeque<Event>,
+    /// Patterns that were set off in the engine and have not begun yet, and how many have.
+    crossed: Vec<Crossed>,
+    crossings: u64,
     /// What is to stop when it has been fed so far.
     stops: Vec<Stop>,
     /// What the patterns of the beginning have sent and the engine has not come to yet: when, its id, and its pattern.
@@ -196,6 +200,8 @@ impl Performer {
             asleep: BTreeSet::new(),
             cause: 0,
             owed: VecDeque::new(),
+            crossed: Vec::new(),
+            crossings: 0,
             stops: Vec::new(),
             ahead: VecDeque::new(),
             moved: true,
@@ -277,7 +283,10 @@ impl Performer {
 
     /// Whether all patterns have ended, and a song if there is one.
     pub fn is_over(&self) -> bool {
-        self.runs.is_empty() && self.song.is_empty() && self.clocked.begin.is_none()
+        self.runs.is_empty()
+            && self.crossed.is_empty()
+            && self.song.is_empty()
+            && self.clocked.begin.is_none()
     }
 
     /// Plays messages of MIDI, each at its time in seconds from the beginning, in order of time.

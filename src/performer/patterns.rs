@@ -53,11 +53,11 @@ impl Performer {
             let what = format!("pattern `{name}` does not play: {MOST_RUNS} patterns play already");
             return Err(Problem::of_file(what).help("stop some, or start fewer".to_string()));
         }
-        let serial = self.started + 1;
         let follows = self.follows(at, pattern);
         let root = Root { pattern, at: if follows.is_some() { 0.0 } else { at.seconds }, gain, rate };
+        let serial = self.next_serial(whence);
         let score = self.score(&[root], self.seed_of(serial))?;
-        self.started = serial;
+        self.count_started(whence);
         let run = Run::new(serial, vec![root], score).by(whence, self.cause);
         self.runs.push(match follows {
             Some((beat, beats)) => run.following(beat, beats),
@@ -109,6 +109,7 @@ impl Performer {
         let song = self.feed_song(until, outlet, &mut work);
         let song_is_done = work > 0;
         self.begin_clocked();
+        self.begin_crossed(until, outlet);
         let with_song =
             |(done, full): (bool, Option<u64>)| (song_is_done && done, song.into_iter().chain(full).min());
         while let Some(at) = self.next_stop().filter(|at| *at < until) {

@@ -33,6 +33,7 @@ impl Performer {
         let has = |run: &&Run| run.roots.iter().any(|root| root.pattern == pattern);
         let stop = |run: &Run| Stop { at, serial: run.serial, name: Some(name.into()) };
         let stops: Vec<Stop> = self.runs.iter().filter(has).map(stop).collect();
+        self.stop_crossed(name);
         stops.into_iter().for_each(|stop| self.stop_at(stop, outlet));
     }
 
@@ -40,6 +41,7 @@ impl Performer {
     pub fn stop_patterns(&mut self, at: When, outlet: &mut dyn Outlet) {
         self.cut |= self.runs.iter().any(Run::is_cut);
         self.runs.clear();
+        self.crossed.clear();
         self.stops.clear();
         self.clocked.begin = None;
         self.remember_stopped(true);

@@ -37,6 +37,7 @@ impl Performer {
         self.asleep = std::mem::take(&mut new.asleep);
         self.owed = std::mem::take(&mut new.owed);
         self.stops = std::mem::take(&mut new.stops);
+        (self.crossed, self.crossings) = (std::mem::take(&mut new.crossed), new.crossings);
         let become_of = |pattern: usize| {
             let name = &old.patterns.get(pattern)?.name;
             self.patch.patterns.iter().position(|p| p.name == *name)

@@ -26,6 +26,9 @@ impl Whence {
     /// The patch, or the program.
     pub const HERE: Self = Self(0);
 
+    /// What the engine set off by itself: a channel of no port.
+    pub const CROSSED: Self = Self(1);
+
     /// A port, or one of its channels.
     pub fn midi(port: usize, channel: Option<Channel>) -> Self {
         let port = (port + 1) as u16 & 0x7F;
@@ -70,6 +73,7 @@ mod tests {
         let channel = |index| Channel::new(index);
         let all = [
             Whence::HERE,
+            Whence::CROSSED,
             Whence::midi(0, None),
             Whence::midi(0, channel(0)),
             Whence::midi(0, channel(15)),
@@ -85,11 +89,11 @@ mod tests {
             ];
             for (port, of) in [(0, None), (0, channel(0)), (0, channel(15)), (1, None), (63, channel(15))] {
                 let expected = match (port, of.map(Channel::index)) {
-                    (0, None) => (1..=3).contains(&n),
-                    (0, Some(0)) => n == 2,
-                    (0, _) => n == 3,
-                    (1, _) => n == 4,
-                    _ => n == 5,
+                    (0, None) => (2..=4).contains(&n),
+                    (0, Some(0)) => n == 3,
+                    (0, _) => n == 4,
+                    (1, _) => n == 5,
+                    _ => n == 6,
                 };
                 assert_eq!(whence.is_of(port, of), expected, "{n} of {port} {of:?}");
                 for id in ids {

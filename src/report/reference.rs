@@ -15,11 +15,12 @@ use crate::dsp::fade::{FADE, fade};
 use crate::dsp::random;
 use crate::engine::event::{Move, Play};
 use crate::graph::Base;
+use crate::graph::answer::Answer;
 use crate::graph::places::Places;
 use crate::graph::plan::{Plan, Shared};
 use crate::graph::program::{Feed, Program};
 use crate::graph::start::{FIELDS, Fields};
-use crate::graph::watch::{LATENCY, Watch, id};
+use crate::graph::watch::{LATENCY, id};
 use crate::node::kernel::{LEAD, Onset, Twin};
 use crate::node::white::REACH;
 use crate::node::{spec::Kind, twin};
@@ -164,12 +165,10 @@ fn crossings(plan: &Plan, shared: &[Vec<f64>], over: usize, until: f64) -> Vec<(
                 if let Some(before) = before.filter(|_| ready) {
                     let at = n as f64 - 1.0 + before / (before - past) + LATENCY as f64;
                     if at >= free && at < until * rate {
-                        let &Watch { instrument, place: at_place, level, felt, duration, own, .. } = watch;
-                        let id = id(place, number);
-                        found.push((
-                            at / rate,
-                            Play { instrument, place: at_place, level, felt, duration, own, id },
-                        ));
+                        // The events of a pattern are played, and known as such.
+                        if let Answer::Voice(voiced) = &watch.answer {
+                            found.push((at / rate, Play::of(voiced, id(place, number))));
+                        }
                         number += 1;
                         free = at + watch.hold * rate;
                     }

@@ -2,6 +2,8 @@
 
 use crate::cli::table::Table;
 use pacinian::engine::knob::Knob;
+use pacinian::graph::answer::Answer;
+use pacinian::graph::knob::Start;
 use pacinian::graph::plan::Plan;
 use pacinian::knob::governor::device::Device;
 use serde::Serialize;
@@ -49,6 +51,21 @@ struct Share {
     granted: f64,
 }
 
+/// What a start plays; a pattern some milliseconds later.
+fn sets_off(plan: &Plan, Start { name, answer, .. }: &Start) -> String {
+    match answer {
+        Answer::Voice(voiced) => {
+            let voice = plan.instruments.get(voiced.instrument as usize);
+            format!("{name} plays {}", voice.map_or("", |i| &*i.name))
+        }
+        Answer::Pattern(started) => {
+            let pattern = plan.answering.get(started.pattern as usize);
+            let late = 1e3 * plan.answer as f64 / plan.engine_rate();
+            format!("{name} plays pattern {} {late:.1} ms later", pattern.map_or("", |name| &**name))
+        }
+    }
+}
+
 impl Figures {
     /// Those of a plan's knob, as its effects are scaled now.
     pub fn new(plan: &Plan, knob: &Knob) -> Option<Self> {
@@ -58,7 +75,6 @@ impl Figures {
         let ask = if servo.ticks() == 0 { of.bound() } else { servo.demand() };
         let allowed = servo.governor().allow(&ask);
         let most = device.peak / limits.continuous;
-        let called = |instrument: u32| plan.instruments.get(instrument as usize).map_or("", |i| &*i.name);
         Some(Self {
             simulated: of.model.is_some(),
             rate: 1.0 / device.period,
@@ -77,11 +93,7 @@ impl Figures {
             stiffness: Share { asked: ask.stiffness, granted: ask.stiffness * allowed.stiffness },
             computed_damping: Share { asked: ask.damping, granted: ask.damping * allowed.damping },
             bears: servo.governor().explain(ask.damping).ok().map(|why| why.to_string()),
-            sets_off: of
-                .starts
-                .iter()
-                .map(|s| format!("{} plays {}", s.name, called(s.instrument)))
-                .collect(),
+            sets_off: of.starts.iter().map(|start| sets_off(plan, start)).collect(),
         })
     }
 

@@ -11,14 +11,14 @@ pub struct Set {
     pub at: f64,
     /// What set it off, and what that played.
     pub by: String,
-    /// The voice.
+    /// The voice or pattern.
     pub voice: String,
 }
 
 /// All of it: how often, and if wished each of them.
 #[derive(Debug, Clone, Default)]
 pub struct SetOff {
-    /// How often each trigger set off its voice.
+    /// How often each trigger set off its voice or pattern.
     pub times: BTreeMap<String, usize>,
     /// Each of them; `None` where nobody wants them, however long it goes on.
     pub each: Option<Vec<Set>>,
@@ -27,7 +27,8 @@ pub struct SetOff {
 impl SetOff {
     /// An event of a session.
     pub fn hear(&mut self, event: &Heard<'_>) {
-        let (Some(origin), Happening::Voice { name, .. }) = (&event.origin, &event.what) else { return };
+        let Some(origin) = &event.origin else { return };
+        let (Happening::Voice { name, .. } | Happening::Start(name)) = &event.what else { return };
         if !origin.pattern.starts_with("knob.") {
             return;
         }

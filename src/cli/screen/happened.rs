@@ -76,6 +76,7 @@ impl Happened {
                         false => write!(text, ", held"),
                     })
             }
+            Happening::Start(name) => write!(text, "pattern {name} begins"),
             Happening::Marker(name) => write!(text, "marker {name}"),
             Happening::Control(name, value) => write!(text, "{name} to {}", short(value)),
             Happening::Touch(..) => write!(text, "a voice is bent or pressed"),
@@ -89,7 +90,8 @@ impl Happened {
         }
         let mood = match heard.what {
             Happening::Voice { .. } | Happening::Touch(..) | Happening::Release => Mood::Usual,
-            Happening::Marker(_)
+            Happening::Start(_)
+            | Happening::Marker(_)
             | Happening::Control(..)
             | Happening::ReleaseAll
             | Happening::Silence(_)

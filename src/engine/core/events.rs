@@ -3,6 +3,7 @@
 use super::Core;
 use crate::dsp::lanes::Real;
 use crate::engine::event::{Event, Play, is_of};
+use crate::engine::watch::SetOff;
 use crate::schedule::Instant;
 
 impl<R: Real> Core<R> {
@@ -30,10 +31,11 @@ impl<R: Real> Core<R> {
         }
     }
 
-    /// Starts what a signal has set off next.
+    /// Starts the voice that a signal has set off next; a pattern is told of.
     fn cross(&mut self) {
         match self.watcher.begin(self.clock) {
-            Some((at, Some(play))) => self.play(&play, at),
+            Some((at, Some(SetOff::Voice(play)))) => self.play(&play, at),
+            Some((_, Some(SetOff::Pattern(_)))) => {}
             Some((_, None)) => self.counters.dropped += 1,
             None => {}
         }

@@ -8,8 +8,10 @@ use super::kind::Kind;
 use super::line::Line;
 use super::names::Names;
 use super::words;
+use super::world;
 use crate::engine::event::Event;
-use crate::engine::watch::Crossing;
+use crate::engine::watch::{Crossing, SetOff};
+use crate::graph::answer::Started;
 use crate::graph::plan::Plan;
 use crate::live::board::Board;
 use crate::live::callback::{Deed, Report};
@@ -130,9 +132,16 @@ impl Chronicle {
                 let line = self.event(*at, *due, words::of_source(*source), event, moment);
                 Line { cause: Some(*cause).filter(|cause| *cause > 0), ..line }
             }
-            Deed::Crossing(Crossing { at, play, .. }) => {
-                self.event(*at, *at, words::NODE, &Event::Play(*play), moment)
-            }
+            Deed::Crossing(crossing @ Crossing { at, .. }) => match &crossing.what {
+                SetOff::Voice(play) => self.event(*at, *at, words::NODE, &Event::Play(*play), moment),
+                SetOff::Pattern(started) => self.set_off(crossing, started),
+            },
+            Deed::Followed(followed) => Line {
+                sample: Some(followed.sample),
+                fraction: Some(0.0),
+                fields: world::fields(&followed.message),
+                ..Line::new(Kind::Model)
+            },
             Deed::Order(order) => {
                 let (name, value) = words::of_order(*order);
                 // What the device still holds goes out whatever the gate does.
@@ -156,6 +165,26 @@ impl Chronicle {
             line.utc = line.seconds.and_then(|seconds| self.date(seconds));
         }
         line
+    }
+
+    /// A pattern is started by what the engine has come to: like something that came in.
+    fn set_off(&self, crossing: &Crossing, started: &Started) -> Line {
+        let Crossing { at, watch, .. } = crossing;
+        let name = self.names.watches.get(*watch as usize).map(ToString::to_string);
+        let source =
+            if name.as_ref().is_some_and(|name| name.starts_with("knob.")) { "knob" } else { words::NODE };
+        let pattern = self.names.patterns.get(started.pattern as usize).map_or("", |name| &**name);
+        let fields = [("gain", started.gain), ("rate", started.rate)];
+        Line {
+            source: Some(source.into()),
+            id: Some(crossing.id()),
+            name,
+            message: Some(format!("start {pattern}")),
+            fields: fields.into_iter().map(|(name, value)| (name.to_string(), value)).collect(),
+            due_sample: Some(at.sample),
+            due_fraction: Some(f64::from(at.fraction) / 4_294_967_296.0),
+            ..Line::new(Kind::In)
+        }
     }
 
     fn event(

@@ -29,6 +29,8 @@ pub enum Kind {
     Push,
     /// The knob's torque may rise (`value` 1) or goes (0).
     Arm,
+    /// The knob took a world that a slow thread has sent.
+    Model,
     /// The card keeps to the time that a knob's governor was told of (`value` 1), or not (0).
     Deadline,
     /// The gate was told something.
@@ -51,7 +53,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Voice,
         Self::Release,
         Self::ReleaseAll,
@@ -63,6 +65,7 @@ impl Kind {
         Self::Shed,
         Self::Push,
         Self::Arm,
+        Self::Model,
         Self::Deadline,
         Self::Gate,
         Self::Swap,
@@ -88,6 +91,7 @@ impl Kind {
             Self::Shed => "shed",
             Self::Push => "push",
             Self::Arm => "arm",
+            Self::Model => "model",
             Self::Deadline => "deadline",
             Self::Gate => "gate",
             Self::Swap => "swap",
@@ -115,6 +119,7 @@ impl Kind {
                 | Self::Shed
                 | Self::Push
                 | Self::Arm
+                | Self::Model
                 | Self::Deadline
                 | Self::Gate
                 | Self::Swap

@@ -15,7 +15,7 @@ pub struct Line {
     /// Frames that had been given out before.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<u64>,
-    /// Where an event comes from: `pattern` or `program`, `stop` for the stop of a pattern, or `node` for a voice that a node has set off, which a replay sets off anew; what came in: `midi`, `osc`, `key` or `program`.
+    /// Where an event comes from: `pattern` or `program`, `stop` for the stop of a pattern, or `node` for a voice that a node has set off, which a replay sets off anew; what came in: `midi`, `osc`, `key` or `program`, and `knob` or `node` for what starts a pattern by itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
     /// The id of a voice, by which it is released and its random numbers are drawn; of what came in, its number within the session.

@@ -16,6 +16,7 @@ mod recorded;
 pub mod remake;
 pub mod replay;
 mod words;
+mod world;
 mod writer;
 
 use std::collections::BTreeMap;

@@ -23,6 +23,9 @@ pub struct Names {
     places: Places,
     controls: Vec<Arc<str>>,
     markers: Vec<Arc<str>>,
+    /// What sets something off, as their ids count, and the patterns that are set off.
+    pub watches: Vec<Arc<str>>,
+    pub patterns: Vec<Arc<str>>,
     /// Device frames for each engine sample.
     pub ratio: f64,
 }
@@ -37,6 +40,8 @@ impl Names {
             places: Places::new(plan),
             controls: plan.controls.iter().map(|control| Arc::clone(&control.name)).collect(),
             markers: plan.markers.clone(),
+            watches: plan.watching().cloned().collect(),
+            patterns: plan.answering.clone(),
             ratio: plan.ratio as f64,
         }
     }

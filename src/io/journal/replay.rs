@@ -12,9 +12,10 @@ use super::line::Line;
 use super::reader::{Item, Reader};
 use super::recorded::Recorded;
 use super::remake::{Recordings, RemakeError, remake};
-use super::{INPUT_FRAMES, INPUT_UNRECORDED, UNTOLD, words};
+use super::{INPUT_FRAMES, INPUT_UNRECORDED, UNTOLD, words, world};
 use crate::engine::event::{Event, Move, Play};
 use crate::engine::exchange::{Director, Stagehand, exchange};
+use crate::engine::knob::followed::Followed;
 use crate::graph::plan::Plan;
 use crate::io::error::FileError;
 use crate::live::gate::Gate;
@@ -323,6 +324,12 @@ impl<R: BufRead> Replay<R> {
                     words::order(name, line.value).ok_or_else(|| format!("a gate does not know `{name}`"))?;
                 self.gate.order(order);
                 self.stagehand.engine().hold_motors(self.gate.holds());
+                return Ok(());
+            }
+            Kind::Model => {
+                let sample = line.sample.ok_or("a model must have a `sample`")?;
+                let message = world::message(&line.fields)?;
+                self.stagehand.engine().follow_again(Followed { sample, message });
                 return Ok(());
             }
             Kind::Voice => Event::Play(self.voice(name, line)?),
