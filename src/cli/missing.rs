@@ -1,5 +1,7 @@
 //! What is missing on this machine for playing live, and how to get it.
 
+#[cfg(target_os = "linux")]
+use pacinian::io::device::access;
 use pacinian::io::device::priority::{self, Priority};
 
 /// How several sound cards become one device, by what joins them.
@@ -35,18 +37,14 @@ pub fn missing() -> Vec<(String, String)> {
 
 #[cfg(target_os = "linux")]
 fn sound(say: &mut impl FnMut(&str, &str)) {
-    let Ok(cards) = std::fs::read_dir("/dev/snd") else {
+    if !std::path::Path::new("/dev/snd").is_dir() {
         return say(
             "This system has no sound hardware: there is no /dev/snd.",
             "plug a card in, or load its driver (sudo modprobe snd-usb-audio); in a container, pass the device: --device /dev/snd",
         );
-    };
-    let refused = |path: &std::path::Path| {
-        let opened = std::fs::OpenOptions::new().read(true).open(path);
-        opened.is_err_and(|error| error.kind() == std::io::ErrorKind::PermissionDenied)
-    };
-    if cards.flatten().any(|entry| refused(&entry.path())) {
-        say("Sound cards may not be used by this user.", "sudo usermod -aG audio $USER; log in again");
+    }
+    if access::forbidden() {
+        say("Sound cards may not be used by this user.", access::HELP);
     }
     if !std::path::Path::new("/dev/snd/seq").exists() {
         say("ALSA has no sequencer, so there are no ports of MIDI.", "sudo modprobe snd-seq");

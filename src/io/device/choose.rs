@@ -2,6 +2,7 @@
 
 use cpal::Device;
 
+use super::access;
 use super::failure::{DeviceError, Trouble};
 use super::hosts::Hosts;
 use super::list::{self, Found, Offer};
@@ -117,7 +118,10 @@ impl Wish {
         match self {
             Self::Virtual => Ok(Chosen::Virtual(None)),
             Self::Default => {
-                let mut why = "no sound card is there";
+                let mut why = match access::forbidden() {
+                    true => "this user may not use the sound cards (`pacinian devices` says what helps)",
+                    false => "no sound card is there",
+                };
                 for place in hosts.places() {
                     let all = place.devices().unwrap_or_default();
                     let others = all.iter().any(|(_, found)| found.output.is_some());
@@ -153,7 +157,19 @@ fn named<'a>(
     name: &str,
     fits: impl Fn(&Found) -> bool,
 ) -> Result<&'a (Device, Found), DeviceError> {
-    let device = list::find(all, name, |found| fits(found) || found.trouble.is_some())?;
+    let device = list::find(all, name, |found| fits(found) || found.trouble.is_some()).map_err(|error| {
+        match error.kind == Trouble::Missing && access::forbidden() {
+            true => DeviceError::new(
+                Trouble::Forbidden,
+                format!(
+                    "{}, or this user may not use it: sound cards are there that the system keeps from it",
+                    error.what
+                ),
+            )
+            .help(access::HELP),
+            false => error,
+        }
+    })?;
     match &device.1.trouble {
         Some(trouble) if !fits(&device.1) => Err(trouble.clone()),
         _ => Ok(device),

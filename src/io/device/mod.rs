@@ -1,5 +1,6 @@
 //! Sound cards, those that are there and one that is not.
 
+pub mod access;
 pub mod capture;
 pub mod card;
 pub mod choose;
