@@ -514,6 +514,7 @@ fn voices(
 }
 
 /// What engine-wide signals set off: triggers by their places in the patch.
+#[expect(clippy::too_many_arguments, reason = "what is found goes three ways")]
 fn watches(
     patch: &Patch,
     rig: &Rig,

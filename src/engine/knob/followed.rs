@@ -65,7 +65,9 @@ impl Worlds {
     #[cold]
     fn take_again(&mut self, sample: u64) -> Option<Message> {
         let mut all: Option<Message> = None;
-        while let Some(next) = self.again.pop_front_if(|next| next.sample <= sample) {
+        while self.again.front().is_some_and(|next| next.sample <= sample)
+            && let Some(next) = self.again.pop_front()
+        {
             all = Some(all.map_or(next.message, |before| before.then(&next.message)));
         }
         all
