@@ -203,12 +203,30 @@ fn nothing_turns_until_somebody_asks() {
 
 #[test]
 fn torque_of_a_line_that_stalled_stays_away_when_it_is_back() {
+    // A machine that is too busy misses the short time that a reading may be old here, and torque never rises; then it is tried again.
+    (0..5).find(|attempt| torque_stays_away(*attempt < 4)).expect("torque");
+}
+
+/// Whether torque was there to be lost; with `patient`, that it never was is no failure.
+fn torque_stays_away(patient: bool) -> bool {
     let terminal = Terminal::new(FakeODrive::new(Names::Old));
     let quick = ODRIVE.replace("stale = 5", "stale = 0.3").replace("release = 5", "release = 0.1");
     let room = Room::new("stall", &quick, terminal.name());
-    terminal.device().hand = 1e-3;
     let mut playing = room.play(&["--torque", "--duration", "60"]);
-    wait("torque", || terminal.device().torque() < -5e-4);
+    // It is pushed once it is read: what turns meanwhile seems to jump where a busy machine has left readings out, and is then too fast.
+    wait("exchanges", || terminal.device().exchanges > 100);
+    terminal.device().hand = 1e-3;
+    let pulls = || terminal.device().torque() < -5e-4;
+    let begin = std::time::Instant::now();
+    while patient && !pulls() {
+        if begin.elapsed() > std::time::Duration::from_secs(30) {
+            playing.kill().unwrap();
+            println!("no torque: {:?}", playing.wait_with_output().unwrap());
+            return false;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    wait("torque", pulls);
     let now = terminal.now();
     terminal.device().mischief.stall = Some((now, now + 3.0));
     wait("its end", || terminal.device().torque() == 0.0);
@@ -224,6 +242,7 @@ fn torque_of_a_line_that_stalled_stays_away_when_it_is_back() {
     assert!(all.contains("no answer"), "{all}");
     // Killed, it leaves a board whose watchdog stops the motor.
     wait("the watchdog", || terminal.device().error == 0x800);
+    true
 }
 
 #[test]
