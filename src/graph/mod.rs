@@ -15,6 +15,7 @@ mod motors;
 mod not_yet;
 mod onset;
 mod order;
+mod outputs;
 pub mod places;
 pub mod plan;
 pub mod program;

@@ -8,16 +8,15 @@ use super::budget::Need;
 use super::build::{self, Want, Wanted};
 use super::knob::{Made, answering_as, knob};
 use super::not_yet::{never_fed, not_yet};
-use super::plan::{Control, Instrument, LeftOut, Output, OutputKind, Plan, Precision, Shared, Why, compile};
+use super::outputs::{output, places_of, spread};
+use super::plan::{Control, Instrument, LeftOut, Output, Plan, Precision, Shared, Why, compile};
 use super::program::Program;
 use super::watch::{self, Watch};
 use super::{felt, motions, motors, swells};
-use crate::dsp::biquad::Biquad;
 use crate::node::NodeKind;
 use crate::node::asset::Assets;
 use crate::patch::{Action, Events, Patch, Place, Scope, Source, Start, Trigger, Voice};
 use crate::rig::{self, Finder, RATES, Rig, usual_ratio};
-use crate::space::array::Array;
 use crate::space::spot::{Spot, Spread};
 use crate::text::{Problem, Problems};
 
@@ -280,125 +279,6 @@ fn nowhere(voice: &Voice) -> Option<Problem> {
         voice.name, node.name
     );
     Some(Problem::error(&node.span, what).help("give the tactors a `position`".to_string()))
-}
-
-/// Each output, and then what sounds together.
-fn places_of(rig: &Rig, finder: &Finder, has_knob: bool) -> Vec<Vec<(u32, f64)>> {
-    // What is played on a knob is for its effects, and goes nowhere where there is none.
-    let place = if has_knob { place_of } else { place };
-    let of =
-        |all: &Vec<usize>| all.iter().filter_map(|output| rig.outputs.get(*output)).flat_map(place).collect();
-    rig.outputs.iter().map(place).chain(finder.together().iter().map(of)).collect()
-}
-
-/// The tactors that share points.
-fn spread(rig: &Rig, problems: &mut Vec<Problem>) -> Option<Spread> {
-    let tactors = rig.outputs.iter().filter(|output| output.kind == rig::OutputKind::Vibration);
-    let (positions, channels): (Vec<_>, Vec<_>) =
-        tactors.filter_map(|output| Some((output.position?, *place(output).first()?))).unzip();
-    if positions.is_empty() {
-        return None;
-    }
-    match Array::new(&positions) {
-        Ok(array) => Spread::new(array, channels),
-        Err(fault) => {
-            problems.push(Problem::of_file(format!(
-                "points cannot be shared by the tactors of the rig: {fault}"
-            )));
-            None
-        }
-    }
-}
-
-fn place(output: &rig::Output) -> Vec<(u32, f64)> {
-    if output.kind == rig::OutputKind::Torque {
-        return Vec::new();
-    }
-    place_of(output)
-}
-
-fn place_of(output: &rig::Output) -> Vec<(u32, f64)> {
-    let gain = if output.inverted { -output.gain } else { output.gain };
-    vec![(output.channel.saturating_sub(1), gain)]
-}
-
-fn output(
-    output: &rig::Output,
-    rig: &Rig,
-    steady: bool,
-    rate: f64,
-    markers: &mut Vec<Arc<str>>,
-    problems: &mut Vec<Problem>,
-) -> Output {
-    let kind = match &output.kind {
-        rig::OutputKind::Trigger { marker, pulse } => {
-            let number = |name: &String| {
-                let place = markers.iter().position(|m| **m == **name).unwrap_or_else(|| {
-                    markers.push(name.as_str().into());
-                    markers.len() - 1
-                });
-                place as u32
-            };
-            OutputKind::Trigger { marker: marker.as_ref().map(number), pulse: *pulse }
-        }
-        rig::OutputKind::Vibration => OutputKind::Vibration,
-        rig::OutputKind::Raw => OutputKind::Raw,
-        rig::OutputKind::Drive(_) => OutputKind::Drive,
-        rig::OutputKind::Torque => OutputKind::Silent,
-    };
-    let actuator = output.actuator.as_ref().and_then(|name| rig.actuator(name));
-    let equaliser = match (kind, actuator) {
-        (OutputKind::Vibration, Some(actuator)) => equaliser(rig, output, actuator, rate, problems),
-        _ => Vec::new(),
-    };
-    Output {
-        name: output.name.as_str().into(),
-        channel: output.channel.saturating_sub(1),
-        kind,
-        equaliser,
-        keeps_dc_off: steady && !output.is_for_dc(),
-        max_level: rig.max_level(output),
-    }
-}
-
-/// The sections of an actuator's equaliser at the engine's rate: what its model asks for, and then its own filters.
-fn equaliser(
-    rig: &Rig,
-    output: &rig::Output,
-    actuator: &rig::Actuator,
-    rate: f64,
-    problems: &mut Vec<Problem>,
-) -> Vec<Biquad> {
-    let even = match rig.evened(output) {
-        Some(Ok(even)) => {
-            let (b, a) = even.section(rate);
-            Some(Biquad { b, a })
-        }
-        Some(Err(problem)) => {
-            let problem = Problem { span: None, ..problem };
-            if !problems.contains(&problem) {
-                problems.push(problem);
-            }
-            None
-        }
-        None => None,
-    };
-    let section = |peak: &rig::Peak| {
-        if peak.frequency >= 0.5 * rate {
-            let what = format!(
-                "actuator `{}` has a filter at {} Hz; at an engine rate of {rate} Hz they end below {} Hz",
-                actuator.name,
-                peak.frequency,
-                0.5 * rate
-            );
-            let problem = Problem::of_file(what).help("what vibrates stays below 1000 Hz".to_string());
-            if !problems.contains(&problem) {
-                problems.push(problem);
-            }
-        }
-        Biquad::peaking(peak.frequency, peak.q, peak.gain_db, rate)
-    };
-    even.into_iter().chain(actuator.equaliser.iter().map(section)).collect()
 }
 
 /// Where each name stands first.
