@@ -152,8 +152,9 @@ struct MotorReport {
     held: Option<String>,
     /// Seconds of rest after which its mass goes home again.
     park: Option<f64>,
-    /// The way home, where a voice sends it there: s, where the mass hangs then, rad from straight down, and by how much it may be elsewhere.
-    home: Option<[f64; 3]>,
+    /// The way home, where a voice sends it there: s, where the mass hangs then, rad from straight down, and by how much it may be elsewhere, with its
+    /// figures as they are and with one of them 5 % off.
+    home: Option<[f64; 4]>,
 }
 
 impl OutputReport {
@@ -182,11 +183,11 @@ impl OutputReport {
         let swells: String = motor.swells.iter().filter_map(out_of_reach).collect();
         let coupled = motor.coupled.as_ref().map_or(String::new(), |coupled| coupled.text(unit));
         let unparked = motor.park.map_or("", |_| ", never parked since no voice sends it home (drive-home)");
-        let home = motor.home.map_or(unparked.to_string(), |[seconds, angle, spread]| {
-            let (angle, spread) = (angle.to_degrees(), spread.to_degrees());
+        let home = motor.home.map_or(unparked.to_string(), |[seconds, angle, spread, astray]| {
+            let [angle, spread, astray] = [angle, spread, astray].map(f64::to_degrees);
             format!(
-                ", home in {seconds:.2} s at {angle:.0}° within {spread:.1}°, clicks from there on with gravity{}",
-                motor.park.map_or(String::new(), |seconds| format!(", and there again after {seconds} s of rest"))
+                ", home in {seconds:.2} s at {angle:.0}° within {spread:.1}° ({astray:.0}° where a figure of the motor is 5 % off), clicks from there on with gravity{}",
+                motor.park.map_or(String::new(), |seconds| format!(", and there again after {seconds} s of rest, for which a rendering waits"))
             )
         });
         Some(format!(
@@ -510,7 +511,7 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
         pushes,
         coupled,
         swells: swells.collect(),
-        home: home.map(|(_, home)| [home.seconds(), home.angle, home.spread]),
+        home: home.map(|(_, home)| [home.seconds(), home.angle, home.spread, home.astray]),
     })
 }
 

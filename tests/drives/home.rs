@@ -9,10 +9,10 @@ use pacinian::graph::plan;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::graph::start::FIELDS;
 use pacinian::node::asset::NoAssets;
-use pacinian::rig::Rig;
+use pacinian::rig::{OutputKind, Rig};
 use pacinian::schedule::Instant;
 use pacinian::space::spot::Spot;
-use std::f64::consts::{LN_2, TAU};
+use std::f64::consts::{LN_2, PI, TAU};
 
 /// Three upright motors, two of them coins, the third with and without a coil that counts.
 fn rig(henries: f64) -> Rig {
@@ -152,5 +152,57 @@ fn clicks_after_the_way_home_stop_the_rotor() {
             assert!(worst.iter().all(|left| *left < 0.005), "{n} {henries}: {worst:?} {flat:?}");
             assert!(flat[0] > 0.005, "{n}: gravity counts: {flat:?}");
         }
+    }
+}
+
+/// Through the whole engine too: with `park` in the rig every click of a row begins where the mass was brought, wherever it hung at first and whatever the
+/// clicks before it left; without it they begin elsewhere. A render is over once the last of them is home again.
+#[test]
+fn every_parked_click_begins_at_home() {
+    let planned = |park: bool| {
+        let mut rig = rig(4.2e-3);
+        for output in &mut rig.outputs {
+            if let OutputKind::Drive(turning) = &mut output.kind {
+                turning.park = park.then_some(0.1);
+            }
+        }
+        let options = Options { rate: Some(RATE), live: true, ..Options::default() };
+        scene(&patch(VOICES), &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan
+    };
+    let plans = [planned(true), planned(false)];
+    let way = plans[0].homes.iter().map(|(_, home)| home.seconds()).fold(0.0, f64::max);
+    // Long enough to come to rest, to rest, to go home and to rest there.
+    let pause = 0.6 + 0.1 + way + 0.3;
+    let levels = [1.0, 0.5, 1.0, 0.3, -0.8, 1.0];
+    let begins = |n: usize| 0.02 + way + 0.6 + pause * n as f64;
+    let mut played = vec![(0.01, HOME, 1.0)];
+    played.extend(levels.iter().enumerate().map(|(n, level)| (begins(n), CLICK, *level)));
+    let [parked, left] = plans.each_ref().map(|plan| sent(plan, &played, begins(levels.len()), &[480, 64]));
+    for (n, drive) in plans[0].drives.iter().enumerate() {
+        let (_, home) = plans[0].homes.iter().find(|(of, _)| *of == n).unwrap();
+        let late = crate::late(&plans[0], drive.channel as usize);
+        let farthest = |volts: &[f64], first: f64| {
+            let mut motor =
+                Motor::<false>::new(&drive.setup.parameters, &Plan::whole(Level::Fine), RATE).unwrap();
+            motor.place(first, 0.0);
+            let mut most = 0.0_f64;
+            let mut frame = 0;
+            for click in 0..levels.len() {
+                let until = ((begins(click) + late) * RATE) as usize;
+                for volts in &volts[frame..until] {
+                    motor.drive(Drive::Voltage(*volts));
+                    motor.step();
+                }
+                frame = until;
+                assert!(motor.is_stuck() && volts[until + 1] != 0.0, "{n}: click {click} begins at rest");
+                most = most.max(((motor.turned() - home.angle + PI).rem_euclid(TAU) - PI).abs());
+            }
+            most
+        };
+        for first in [-2.8, -1.2, 0.3, 2.1] {
+            let off = farthest(&parked[n], first);
+            assert!(off < home.spread + 0.02, "motor {n} from {first}: {off} {home:?}");
+        }
+        assert!(farthest(&left[n], 0.3) > 1.0, "motor {n}: left where clicks end");
     }
 }

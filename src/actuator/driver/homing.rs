@@ -15,15 +15,17 @@ const STARTS: f64 = 1.5;
 /// What is farther apart is no home, rad.
 const NEAR: f64 = std::f64::consts::FRAC_PI_4;
 
-/// A spin and a creep after which gravity has caught the mass, worked out ahead.
+/// A spin, a creep after which gravity has caught the mass, and what follows, worked out ahead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Homing {
     /// The drives.
     pub pieces: Pieces,
     /// Where the mass hangs then, rad from straight down: -π to π.
     pub angle: f64,
-    /// The most by which it may hang elsewhere, rad.
+    /// The most by which it may hang elsewhere, rad; and where one of the motor's figures is 5 % off.
     pub spread: f64,
+    /// See `spread`.
+    pub astray: f64,
 }
 
 impl Homing {
@@ -47,13 +49,14 @@ impl Homing {
         if homed.spread > NEAR {
             return Err(Unreachable::Loose(homed.spread));
         }
-        let mut pieces = Pieces::default();
-        for (piece, (seconds, drive)) in pieces.list.iter_mut().zip(homed.course.pieces()) {
+        let (mut pieces, mut begin) = (Pieces::default(), 0.0);
+        for (piece, (end, drive)) in pieces.list.iter_mut().zip(homed.course.pieces()) {
             let Drive::Voltage(volts) = drive else { continue };
-            *piece = (*seconds, *volts);
+            *piece = (end - begin, *volts);
+            begin = *end;
         }
         let angle = (homed.angle + PI).rem_euclid(TAU) - PI;
-        Ok(Self { pieces, angle, spread: homed.spread })
+        Ok(Self { pieces, angle, spread: homed.spread, astray: homed.astray })
     }
 
     /// How long it takes, s.
