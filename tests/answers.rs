@@ -217,3 +217,30 @@ fn what_is_set_off_does_not_begin_by_itself() {
     let first = told.iter().find(|told| told.origin == "roll").unwrap().at;
     assert!(first.sample > late(), "{first:?}");
 }
+
+/// `check` says by what, and how much later, and nothing of patterns that play by themselves.
+#[cfg(feature = "cli")]
+#[test]
+fn check_and_knob_say_what_sets_a_pattern_off() {
+    let folder = std::env::temp_dir().join(format!("pacinian-answers-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let text = format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{TEXT}");
+    std::fs::write(folder.join("p.toml"), text).unwrap();
+    let said = |command: &str| {
+        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_pacinian"));
+        let output = program.args([command, "p.toml"]).current_dir(&folder).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let check = said("check");
+    for line in [
+        "roll  set off by knob.detent notches, node.sway rises 0.6",
+        "beat  set off by knob.wall",
+        "knob.wall plays pattern beat 15.4 ms later",
+        "node.sway rises 0.6  pattern roll",
+    ] {
+        assert!(check.contains(line), "{line}: {check}");
+    }
+    assert!(said("knob").contains("knob.detent notches plays pattern roll 15.4 ms later"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}

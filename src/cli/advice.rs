@@ -61,7 +61,7 @@ fn plays(loaded: &Loaded) -> bool {
     let starts = patch.triggers.iter().filter(|t| !t.on.is_live());
     let started: HashSet<&str> = starts.map(|t| t.play.as_str()).collect();
     let voice = patch.voices.iter().any(|v| v.start == Start::Always || started.contains(v.name.as_str()));
-    voice || !playing(loaded).is_empty()
+    voice || patch.set_off().next().is_some() || !playing(loaded).is_empty()
 }
 
 /// Tactors of the line that there is without a rig.

@@ -19,6 +19,8 @@ pub struct PatternReport {
     reached: bool,
     /// Patterns that play it.
     played_by: Vec<String>,
+    /// What nodes or a knob do that sets it off.
+    set_off_by: Vec<String>,
     endless: bool,
     seconds: Option<f64>,
     file: Option<String>,
@@ -41,6 +43,7 @@ pub fn lines(patterns: &[PatternReport]) -> String {
         let from = p.file.as_ref().map_or(String::new(), |file| format!(" from {file}"));
         let plays = match (p.plays, p.reached) {
             (true, _) => "plays".into(),
+            (false, _) if !p.set_off_by.is_empty() => format!("set off by {}", p.set_off_by.join(", ")),
             (false, true) => format!("played by {}", p.played_by.join(", ")),
             (false, false) => "does not play".into(),
         };
@@ -57,7 +60,11 @@ pub fn lines(patterns: &[PatternReport]) -> String {
 pub fn patterns(loaded: &Loaded) -> Vec<PatternReport> {
     let patch = &loaded.patch;
     let playing = playing(loaded);
-    let reached = reached(patch, &playing);
+    let set_off: Vec<(&str, String)> = patch.set_off().collect();
+    let waiting =
+        patch.patterns.iter().enumerate().filter(|(_, p)| set_off.iter().any(|(name, _)| *name == p.name));
+    let roots: Vec<usize> = playing.iter().copied().chain(waiting.map(|(number, _)| number)).collect();
+    let reached = reached(patch, &roots);
     let (players, mut onsets) = (players(patch), Onsets::new(patch));
     let report = |(i, pattern): (usize, &Pattern)| {
         let refuse = |path: &str| Err(Problem::of_file(path));
@@ -74,6 +81,11 @@ pub fn patterns(loaded: &Loaded) -> Vec<PatternReport> {
             plays: playing.contains(&i),
             reached: reached.contains(&i),
             played_by: players.get(pattern.name.as_str()).cloned().unwrap_or_default(),
+            set_off_by: set_off
+                .iter()
+                .filter(|(name, _)| *name == pattern.name)
+                .map(|(_, by)| by.clone())
+                .collect(),
             endless: is_endless(pattern),
             seconds: score.ok().and_then(|s| s.length()),
             file,
@@ -189,7 +201,9 @@ pub fn playing(loaded: &Loaded) -> Vec<usize> {
         return find(name).into_iter().collect();
     }
     let mut starts = patch.triggers.iter().filter(|t| t.on == Source::Start).peekable();
-    if starts.peek().is_none() && !patch.patterns.is_empty() {
+    // Where nodes or a knob set some off, they wait for that.
+    let waits = patch.set_off().next().is_some();
+    if starts.peek().is_none() && !patch.patterns.is_empty() && !waits {
         return vec![0];
     }
     starts.filter_map(|t| find(&t.play)).collect()

@@ -359,12 +359,8 @@ fn start(trigger: &Trigger, patch: &Patch, played: Played) -> Option<Start> {
         .iter()
         .filter_map(|(field, expr, _)| Some((played.slot(field)?, program(expr)?)))
         .collect();
-    let name = [Some(what.word()), effect_name(trigger)].into_iter().flatten().collect::<Vec<_>>().join(" ");
+    let name = trigger.on.by_itself()?;
     Some(Start { name: name.into(), what: *what, effect, answer: played.answer(), set })
-}
-
-fn effect_name(trigger: &Trigger) -> Option<&str> {
-    if let Source::Knob { effect, .. } = &trigger.on { effect.as_deref() } else { None }
 }
 
 /// An expression of named values as steps, the values in their order.

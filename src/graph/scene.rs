@@ -306,12 +306,8 @@ fn patterns(patch: &Patch, options: &Options, problems: &mut Vec<Problem>) -> Ve
         patch.triggers.iter().filter(|t| t.on == Source::Start).filter_map(|t| find(&t.play)).collect();
     let any_start = patch.triggers.iter().any(|t| t.on == Source::Start);
     // Where keys and messages play, patterns wait for them; and where nodes or a knob play patterns.
-    let by_itself = |trigger: &Trigger| matches!(trigger.on, Source::Node { .. } | Source::Knob { .. });
-    let sets_off = |trigger: &Trigger| match by_itself(trigger) {
-        true => patch.pattern_of(trigger).is_some(),
-        false => options.live,
-    };
-    let waits = patch.triggers.iter().any(sets_off);
+    let by_hand = |trigger: &Trigger| trigger.on.by_itself().is_none();
+    let waits = options.live && patch.triggers.iter().any(by_hand) || patch.set_off().next().is_some();
     let mut playing = if any_start || waits || patch.patterns.is_empty() { started } else { vec![0] };
     // What a clock starts is ready for it.
     let clocked = patch.patterns.iter().enumerate().filter(|(_, pattern)| pattern.follows).map(|(i, _)| i);

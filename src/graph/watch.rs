@@ -58,8 +58,7 @@ pub fn id(watch: usize, number: u64) -> u64 {
 
 /// What sets off a trigger, in the words of a patch.
 pub(super) fn words(trigger: &Trigger) -> Option<String> {
-    let Source::Node { node, rises, threshold } = &trigger.on else { return None };
-    Some(format!("node.{node} {} {threshold}", if *rises { "rises" } else { "falls" }))
+    trigger.on.by_itself()
 }
 
 /// The triggers of a patch that nodes set off, by their places in it: those that may be, and those whose nodes never move. `rate` is the

@@ -289,6 +289,12 @@ impl Patch {
         is.then_some(name)
     }
 
+    /// The patterns that nodes and a knob set off, each with what does so.
+    pub fn set_off(&self) -> impl Iterator<Item = (&str, String)> {
+        let by_itself = |trigger: &Trigger| trigger.on.by_itself();
+        self.triggers.iter().filter_map(move |trigger| Some((self.pattern_of(trigger)?, by_itself(trigger)?)))
+    }
+
     /// Every place in it, those of triggers by hand included.
     pub(crate) fn each_place_written(&self, mut see: impl FnMut(&Place)) {
         self.voices.iter().filter_map(|voice| voice.place.as_ref()).for_each(&mut see);

@@ -268,6 +268,18 @@ impl Source {
         !self.is_live()
     }
 
+    /// What nodes and a knob do, in the words of a patch; `None` for all else.
+    pub fn by_itself(&self) -> Option<String> {
+        match self {
+            Self::Node { node, rises, threshold } => {
+                Some(format!("node.{node} {} {threshold}", if *rises { "rises" } else { "falls" }))
+            }
+            Self::Knob { what, effect: Some(effect) } => Some(format!("{} {effect}", what.word())),
+            Self::Knob { what, effect: None } => Some(what.word().into()),
+            _ => None,
+        }
+    }
+
     /// What the expressions in `set` may read.
     pub fn names(&self) -> &'static [&'static str] {
         match self {
