@@ -81,6 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         clicks: Vec::new(),
         swells: Vec::new(),
         homes: Vec::new(),
+        homeless: Vec::new(),
         protections: Vec::new(),
         markers: Vec::new(),
         knob: None,

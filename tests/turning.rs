@@ -250,6 +250,81 @@ fn a_level_where_clicks_alone_are_played_is_warned_of() {
     }
 }
 
+/// A way home that one motor has and another has not: a warning with the voice, the output, why and what helps, wherever the voice is played there; the
+/// plan says it of the output, and a rendering counts the orders that did nothing.
+#[test]
+fn a_motor_that_cannot_be_sent_home_is_told_of() {
+    let scratch = Scratch::new("turning-home");
+    let output = |name: &str, channel: u32, more: &str| {
+        format!(
+            "[[output]]\nkind = \"drive\"\nname = \"{name}\"\nchannel = {channel}\nactuator = \"coin\"\namplifier = \"a\"\n{more}\n"
+        )
+    };
+    let rig = |more: &str| {
+        format!(
+            "format = \"pacinian-rig/1\"\ntitle = \"Coins\"\n[device]\nchannels = 3\nrate = 48000\nfull_scale_volts = 5.0\ncoupling = \"dc\"\n\
+             [amplifier.a]\ngain = 3.0\nmax_volts = 12.0\ncoupling = \"dc\"\n[actuator.coin]\npart = \"coin-10mm\"\n{}{}",
+            output("palm", 1, "tilt = 0.0"),
+            output("side", 2, more)
+        )
+    };
+    let sent = |place: &str| {
+        format!(
+            "format = \"pacinian-patch/1\"\ntitle = \"Home\"\n[voice.go]\noutput = \"o\"\nplace = \"{place}\"\n\
+             nodes.o = {{ type = \"drive-home\" }}\n[pattern.p]\nevents = [{{ at = 0.0, voice = \"go\" }}, {{ at = 1.5, voice = \"go\" }}]\n"
+        )
+    };
+    let head = "voice `go` sends the motor of `side` home";
+    let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "out.wav"];
+    let unsent = |json: &Value, name: &str| {
+        let of = json["held_back"].as_array().unwrap().iter().find(|one| one["name"] == name);
+        of.unwrap()["homeless"].as_u64().unwrap()
+    };
+    for (more, why) in [
+        ("", "`gravity` is 0"),
+        ("tilt = 1.5707963", "anywhere within"),
+        ("tilt = 1.5707963\npark = 0.5", "anywhere within"),
+        ("shaping = \"clicks\"", "clicks alone"),
+    ] {
+        let (text, warned, json) = checked(&scratch, &sent("side"), &rig(more));
+        for word in [head, why, "ignored there", "tilt = 0.0", "brought home: `palm`", "patch.toml:"] {
+            assert!(warned.contains(word), "{more}: {word}: {warned}");
+        }
+        assert!(!text.contains("nothing is wrong") && warned.matches(head).count() == 1, "{text}{warned}");
+        let problems = json["problems"].as_array().unwrap();
+        assert!(problems.iter().any(|p| p["message"].as_str().is_some_and(|p| p.contains(head))), "{json}");
+        let motor = |n: usize| &json["plan"]["outputs"][n]["motor"];
+        assert!(motor(0)["home"].is_array() && motor(0)["homeless"].is_null(), "{json}");
+        assert!(motor(1)["home"].is_null() && motor(1)["homeless"].as_str().unwrap().contains(why), "{json}");
+        assert!(text.contains("not to be brought home"), "{text}");
+        assert_eq!(text.contains("never parked"), more.contains("park"), "{text}");
+        let run = scratch.run(&render);
+        assert!(run.succeeds().err.contains(head), "{}", run.err);
+        let told = run.out.clone() + &run.err;
+        let line = told.lines().find(|line| line.contains("2 orders to go home did nothing"));
+        assert!(line.is_some_and(|line| line.contains("side")), "{told}");
+        let json = scratch.run(&[&render[..], &["--json"]].concat()).succeeds().json();
+        assert_eq!((unsent(&json, "side"), unsent(&json, "palm")), (2, 0), "{json}");
+    }
+    // By a place of an event, from an events file, by a trigger.
+    let home = sent("palm");
+    let event = home.replacen("voice = \"go\" }", "voice = \"go\", place = \"side\" }", 1);
+    scratch.write("e.csv", "at,voice,place\n0.0,go,side\n1.5,go,palm\n");
+    let file = format!("{}events = \"e.csv\"\n", home.split("events").next().unwrap());
+    let triggered = format!("{home}[[trigger]]\non = \"key.1\"\nplay = \"go\"\nplace = \"side\"\n");
+    for patch in [event, file, triggered] {
+        let (_, warned, _) = checked(&scratch, &patch, &rig(""));
+        assert_eq!(warned.matches(head).count(), 1, "{patch}\n{warned}");
+    }
+    // Where nobody sends there, or where both can go, there is nothing to warn of and nothing to count.
+    for (patch, rig) in [(home, rig("")), (sent("side"), rig("tilt = 0.0"))] {
+        let (text, warned, _) = checked(&scratch, &patch, &rig);
+        assert!(text.contains("nothing is wrong") && warned.is_empty(), "{text}{warned}");
+        let json = scratch.run(&[&render[..], &["--json"]].concat()).succeeds().json();
+        assert_eq!((unsent(&json, "side"), unsent(&json, "palm")), (0, 0), "{json}");
+    }
+}
+
 /// A bridge is switched by steady voltages: clicks alone or not, coupling keeps them off it.
 #[test]
 fn a_bridge_behind_coupling_is_refused_for_clicks_too() {

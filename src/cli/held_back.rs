@@ -29,7 +29,9 @@ pub struct HeldBack {
     backward: u64,
     /// Of a motor that is there for clicks alone: engine samples of levels and orders that were none.
     unplayed: u64,
-    /// Of such a motor: clicks of which some did not get through the coupling.
+    /// Of a motor that cannot be brought home: orders to go there.
+    homeless: u64,
+    /// Of a motor that is there for clicks alone: clicks of which some did not get through the coupling.
     cut: u64,
     /// Of a motor that was warm: clicks that began weaker than they were ordered, and clicks that were not begun.
     weakened: u64,
@@ -72,6 +74,7 @@ pub fn held_back(plan: &Plan, stage: &Stage) -> Vec<HeldBack> {
             dropped: motor.dropped,
             backward: motor.backward,
             unplayed: motor.unplayed,
+            homeless: motor.homeless,
             cut: motor.cut,
             weakened: motor.weakened,
             refused: motor.refused,
@@ -98,7 +101,16 @@ fn by(counts: &Counts, unit: &'static str) -> Vec<By> {
 pub fn text(all: &[HeldBack]) -> String {
     let mut table = Table::default();
     let is_told = |one: &&HeldBack| {
-        let counts = [one.short, one.dropped, one.backward, one.unplayed, one.cut, one.weakened, one.refused];
+        let counts = [
+            one.short,
+            one.dropped,
+            one.backward,
+            one.unplayed,
+            one.homeless,
+            one.cut,
+            one.weakened,
+            one.refused,
+        ];
         one.samples + counts.iter().sum::<u64>() > 0
     };
     for one in all.iter().filter(is_told) {
@@ -135,6 +147,13 @@ pub fn text(all: &[HeldBack]) -> String {
             told.push(format!(
                 "{} engine samples and orders were no clicks, and nothing else is played there",
                 grouped(one.unplayed)
+            ));
+        }
+        if one.homeless > 0 {
+            let orders = if one.homeless == 1 { "order" } else { "orders" };
+            told.push(format!(
+                "{} {orders} to go home did nothing: `pacinian check` says why its mass cannot be brought there",
+                grouped(one.homeless)
             ));
         }
         if one.cut > 0 {

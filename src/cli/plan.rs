@@ -155,6 +155,8 @@ struct MotorReport {
     /// The way home, where a voice sends it there: s, where the mass hangs then, rad from straight down, and by how much it may be elsewhere, with its
     /// figures as they are and with one of them 5 % off.
     home: Option<[f64; 4]>,
+    /// Why its mass cannot be brought home, where a voice sends motors there.
+    homeless: Option<String>,
 }
 
 impl OutputReport {
@@ -182,8 +184,13 @@ impl OutputReport {
         let pushes: String = motor.pushes.iter().filter_map(Push::text).collect();
         let swells: String = motor.swells.iter().filter_map(out_of_reach).collect();
         let coupled = motor.coupled.as_ref().map_or(String::new(), |coupled| coupled.text(unit));
-        let unparked = motor.park.map_or("", |_| ", never parked since no voice sends it home (drive-home)");
-        let home = motor.home.map_or(unparked.to_string(), |[seconds, angle, spread, astray]| {
+        let unhomed = match (&motor.homeless, motor.park) {
+            (Some(why), None) => format!(", not to be brought home: {why}"),
+            (Some(why), Some(_)) => format!(", not to be brought home and so never parked: {why}"),
+            (None, Some(_)) => ", never parked since no voice sends it home (drive-home)".into(),
+            (None, None) => String::new(),
+        };
+        let home = motor.home.map_or(unhomed, |[seconds, angle, spread, astray]| {
             let [angle, spread, astray] = [angle, spread, astray].map(f64::to_degrees);
             format!(
                 ", home in {seconds:.2} s at {angle:.0}° within {spread:.1}° ({astray:.0}° where a figure of the motor is 5 % off), clicks from there on with gravity{}",
@@ -473,6 +480,7 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
         (swell.voice.to_string(), reached, missed)
     });
     let home = plan.homes.iter().find(|(of, _)| plan.drives.get(*of) == Some(drive));
+    let homeless = plan.homeless.iter().find(|(of, _)| plan.drives.get(*of) == Some(drive));
     let switching = match drive.terminals {
         Terminals::Bridge(Bridge { switching, .. }) => Some(switching),
         Terminals::Straight | Terminals::Carrier(_) | Terminals::Coupled(_) => None,
@@ -512,6 +520,7 @@ fn motor(loaded: &Loaded, player: &Player, output: &pacinian::graph::plan::Outpu
         coupled,
         swells: swells.collect(),
         home: home.map(|(_, home)| [home.seconds(), home.angle, home.spread, home.astray]),
+        homeless: homeless.map(|(_, why)| why.to_string()),
     })
 }
 

@@ -107,7 +107,9 @@ impl Motor {
                 let root = level.abs().min(1.0).sqrt().copysign(level);
                 Some(Order::Swell(number as u32, root, *shaping))
             }
-            Command::Home => self.home.map(|(pieces, angle)| Order::Home(pieces, angle)),
+            Command::Home => {
+                Some(self.home.map_or(Order::Homeless, |(pieces, angle)| Order::Home(pieces, angle)))
+            }
             Command::Brake => Some(Order::Brake),
         }
     }

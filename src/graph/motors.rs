@@ -30,6 +30,9 @@ const ALIKE: f64 = 0.02;
 /// A share of a click below that is rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// A motor that cannot be brought home, by its place among the drives, and why.
+type Homeless = (usize, Arc<str>);
+
 /// The motors of a rig, at an engine's rate and a device's.
 pub fn drives(rig: &Rig, [rate, device_rate]: [f64; 2], problems: &mut Vec<Problem>) -> Vec<Drive> {
     let mut drives = Vec::new();
@@ -126,26 +129,26 @@ pub(super) fn name_of<'a>(rig: &'a Rig, drive: &Drive) -> &'a str {
     of_channel(rig, drive).map_or("", |output| output.name.as_str())
 }
 
-/// The way home of every motor that has one, where an instrument may order it; of motors that are alike it is worked out once. That none has
-/// one is a problem; an order to one that has none is nothing.
+/// The way home of every motor that has one, where an instrument may order it, and why of the others; of motors that are alike it is worked out
+/// once. That none has one is a problem; an order to one that has none is nothing, and is counted.
 pub fn homes(
     rig: &Rig,
     drives: &[Drive],
     instruments: &[Instrument],
     problems: &mut Vec<Problem>,
-) -> Vec<(usize, Homing)> {
+) -> (Vec<(usize, Homing)>, Vec<Homeless>) {
     let mut homes: Vec<(usize, Homing)> = Vec::new();
+    let mut homeless: Vec<Homeless> = Vec::new();
     let sends = |instrument: &&Instrument| {
         instrument.commands().iter().any(|command| matches!(command, Command::Home))
     };
-    let Some(instrument) = instruments.iter().find(sends) else { return homes };
-    let mut refused = None;
+    let Some(instrument) = instruments.iter().find(sends) else { return (homes, homeless) };
     for (number, drive) in drives.iter().enumerate() {
         let alike =
             homes.iter().find(|(known, _)| drives.get(*known).is_some_and(|d| d.setup == drive.setup));
         let home = match alike {
             _ if drive.setup.shaping == Shaping::Clicks => {
-                Err("it is there for clicks alone: shaping = \"clicks\"".into())
+                Err("it is there for clicks alone: shaping = \"clicks\"".to_string())
             }
             _ if matches!(drive.terminals, Terminals::Bridge(_)) => {
                 Err("the pulses of a bridge shake loose what gravity caught".into())
@@ -155,9 +158,10 @@ pub fn homes(
         };
         match home {
             Ok(home) => homes.push((number, home)),
-            Err(why) => drop(refused.get_or_insert((drive, why))),
+            Err(why) => homeless.push((number, why.into())),
         }
     }
+    let refused = homeless.first().and_then(|(number, why)| drives.get(*number).zip(Some(why)));
     if let (true, Some((drive, why))) = (homes.is_empty(), refused) {
         let what = format!(
             "voice `{}` sends motors home, where the mass of that of `{}` cannot be brought: {why}",
@@ -168,7 +172,7 @@ pub fn homes(
             "an upright plane (tilt = 0.0) and a steady voltage are what it takes; or leave `drive-home` out";
         problems.push(Problem::of_file(what).help(help.to_string()));
     }
-    homes
+    (homes, homeless)
 }
 
 /// The clicks that instruments may order, of every motor; of motors that are alike they are worked out once.

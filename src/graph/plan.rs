@@ -98,6 +98,8 @@ pub struct Plan {
     pub swells: Vec<Swell>,
     /// The way home of motors that voices may send there, by their places in [`Plan::drives`].
     pub homes: Vec<(usize, Homing)>,
+    /// The motors that voices may send home and that cannot be brought there, by their places in [`Plan::drives`], and why.
+    pub homeless: Vec<(usize, Arc<str>)>,
     /// The force-feedback knob; `None`: the patch has none, and nothing of one is built.
     pub knob: Option<Knob>,
     /// Names of the markers that some output listens to.
@@ -154,6 +156,7 @@ impl Plan {
             output.kind = OutputKind::Silent;
         }
         (plan.drives, plan.clicks, plan.swells, plan.homes, plan.protections) = Default::default();
+        plan.homeless.clear();
         plan.knob = None;
         plan
     }

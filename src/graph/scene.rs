@@ -214,7 +214,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
     let protections = motors::protections(rig, device_rate, &mut problems);
     let clicks = motors::clicks(rig, &drives, device_rate, &instruments, &mut problems);
     let swells = swells::swells(rig, &drives, &instruments, &mut problems);
-    let homes = motors::homes(rig, &drives, &instruments, &mut problems);
+    let (homes, homeless) = motors::homes(rig, &drives, &instruments, &mut problems);
     if !problems.is_empty() {
         return Err(patch.origin.problems(problems));
     }
@@ -253,6 +253,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         clicks,
         swells,
         homes,
+        homeless,
         markers,
         knob,
         left_out,

@@ -73,6 +73,8 @@ pub enum Order {
     Turn(Pieces, f64),
     /// To where gravity catches the mass, rad from straight down.
     Home(Pieces, f64),
+    /// Home, of a motor that cannot be brought there: nothing, and counted.
+    Homeless,
     /// To a speed (rad/s), as fast as may be, until the voice is released.
     Spin(f64),
     /// A speed (rad/s), as levels are shaped, until the voice is released: then to rest as fast as may be, or of [`Shaping::Plain`] by what nothing does.
@@ -97,7 +99,7 @@ impl Order {
             Self::Spin(x) | Self::Keep(x, _) | Self::Swell(_, x, _) | Self::On(Switch { amount: x, .. }) => {
                 x < 0.0
             }
-            Self::Release | Self::Brake => false,
+            Self::Homeless | Self::Release | Self::Brake => false,
         }
     }
 
@@ -115,7 +117,7 @@ impl Order {
             Self::Keep(to, shaping) => Self::Keep(within(to, speed), shaping),
             Self::Swell(track, root, shaping) => Self::Swell(track, within(root, 1.0), shaping),
             Self::On(switch) => Self::On(Switch { amount: within(switch.amount, drive), ..switch }),
-            Self::Release | Self::Brake => self,
+            Self::Homeless | Self::Release | Self::Brake => self,
         }
     }
 }

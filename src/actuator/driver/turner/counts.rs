@@ -18,6 +18,8 @@ pub struct Counts {
     pub backward: u64,
     /// Of a motor that is there for clicks alone: samples of levels and orders that were none.
     pub unplayed: u64,
+    /// Orders home of a motor that cannot be brought there, and which are nothing.
+    pub homeless: u64,
     /// Clicks of which some did not arrive, and which so turn the mass less far.
     pub cut: u64,
     /// Clicks that began weaker than they were ordered, as the motor had become warm, and so turn the mass less far.

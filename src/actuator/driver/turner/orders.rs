@@ -46,24 +46,30 @@ impl Turner {
     }
 
     /// When the next order is due, in samples, if it is in this one. Releases of voices whose orders hold no longer are nothing, and are
-    /// forgotten: they must not part a sample either.
+    /// forgotten, and so is a way home that there is not: they must not part a sample either.
     pub(super) fn due(&mut self) -> Option<f64> {
         let end = (self.clock + 1) as f64;
         while let Some(first) = self.agenda.first().filter(|first| first.at < end) {
             if self.heeds(first) {
                 return Some(first.at);
             }
+            self.counts.homeless += u64::from(first.order == Order::Homeless);
             self.agenda.pop_before(end);
         }
         None
     }
 
     fn heeds(&self, entry: &Entry) -> bool {
-        entry.order != Order::Release || self.voice == Some(entry.voice)
+        match entry.order {
+            Order::Homeless => false,
+            Order::Release => self.voice == Some(entry.voice),
+            _ => true,
+        }
     }
 
     pub(super) fn carry_out(&mut self, entry: Entry) {
         if !self.heeds(&entry) {
+            self.counts.homeless += u64::from(entry.order == Order::Homeless);
             return;
         }
         let Entry { voice, order, .. } = entry;
@@ -119,6 +125,8 @@ impl Turner {
                     _ => Mode::Speed(0.0, None, self.clock),
                 };
             }
+            // Not heeded above.
+            Order::Homeless => return,
             Order::Brake => {
                 self.voice = None;
                 self.mode = Mode::Speed(0.0, None, self.clock);
