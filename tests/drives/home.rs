@@ -43,6 +43,22 @@ const THUMP: u32 = 2;
 
 /// What is played live: when (s), which voice, how strongly; on every motor.
 fn sent(plan: &plan::Plan, played: &[(f64, u32, f64)], seconds: f64, calls: &[usize]) -> Vec<Vec<f64>> {
+    let frames = run(&mut engine(plan, played), (seconds * RATE) as usize, calls);
+    volts(plan, &frames)
+}
+
+/// The same until nothing sounds, nothing waits and every motor is where it stays: in fewer seconds than these.
+fn rendered(plan: &plan::Plan, played: &[(f64, u32, f64)], most: f64) -> Vec<Vec<f64>> {
+    let (mut engine, mut frames) = (engine(plan, played), Vec::new());
+    while !engine.is_silent() {
+        frames.extend(run(&mut engine, 480, &[480]));
+        assert!(frames.len() < 3 * (most * RATE) as usize, "it is never over");
+    }
+    volts(plan, &frames)
+}
+
+/// In which that is to be played.
+fn engine(plan: &plan::Plan, played: &[(f64, u32, f64)]) -> Engine {
     let mut engine = Engine::new(plan).unwrap();
     for (at, instrument, level) in played {
         for place in 0..3 {
@@ -59,9 +75,13 @@ fn sent(plan: &plan::Plan, played: &[(f64, u32, f64)], seconds: f64, calls: &[us
             assert!(engine.schedule(at, Source::Program, Event::Play(play)));
         }
     }
-    let frames = run(&mut engine, (seconds * RATE) as usize, calls);
+    engine
+}
+
+/// What reaches every motor.
+fn volts(plan: &plan::Plan, frames: &[f32]) -> Vec<Vec<f64>> {
     let volts = |drive: &plan::Drive| {
-        let samples = channel(&frames, 3, drive.channel as usize);
+        let samples = channel(frames, 3, drive.channel as usize);
         samples.iter().map(|sample| sample * drive.per_sample).collect()
     };
     plan.drives.iter().map(volts).collect()
@@ -205,4 +225,27 @@ fn every_parked_click_begins_at_home() {
         }
         assert!(farthest(&left[n], 0.3) > 1.0, "motor {n}: left where clicks end");
     }
+    // After one click that is the last: all that is rendered until nothing is to come.
+    let last = [(0.01, HOME, 1.0), (begins(0), CLICK, 1.0)];
+    let [parked, left] = plans.each_ref().map(|plan| rendered(plan, &last, begins(3)));
+    for (n, drive) in plans[0].drives.iter().enumerate() {
+        let (_, home) = plans[0].homes.iter().find(|(of, _)| *of == n).unwrap();
+        let off = |volts: &[f64]| {
+            let mut motor =
+                Motor::<false>::new(&drive.setup.parameters, &Plan::whole(Level::Fine), RATE).unwrap();
+            motor.place(0.3, 0.0);
+            for volts in volts {
+                motor.drive(Drive::Voltage(*volts));
+                motor.step();
+            }
+            ((motor.turned() - home.angle + PI).rem_euclid(TAU) - PI).abs()
+        };
+        assert!(
+            off(&parked[n]) < home.spread + 0.02,
+            "motor {n}: over before it is home: {}",
+            off(&parked[n])
+        );
+        assert!(off(&left[n]) > 0.3, "motor {n}: {}", off(&left[n]));
+    }
+    assert!(parked[0].len() > left[0].len() + (0.1 * RATE) as usize);
 }
