@@ -3,5 +3,7 @@
 mod cli;
 
 fn main() -> std::process::ExitCode {
+    #[cfg(feature = "pipewire")]
+    cli::stay_on_one_device();
     cli::main().into()
 }

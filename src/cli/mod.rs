@@ -57,6 +57,8 @@ mod schema;
 mod screen;
 mod servers;
 mod setting;
+#[cfg(any(feature = "pipewire", test))]
+mod stay;
 mod stop;
 mod summary;
 mod table;
@@ -69,6 +71,8 @@ mod wrap;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
+#[cfg(feature = "pipewire")]
+pub use stay::stay_on_one_device;
 use terminal::{Terminal, When};
 
 /// Plays the skin the way a synthesizer plays the ear.

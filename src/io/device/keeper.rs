@@ -210,6 +210,11 @@ impl Keeping {
     fn lose(&mut self, why: String) {
         self.news = None;
         self.trouble = Some(why.clone());
+        // What the system plays on by default may be another device by the time it is there again.
+        if self.default {
+            self.board.lever.gain(UNARMED);
+            (self.fate)(Fate::Lowered);
+        }
         (self.fate)(Fate::Lost(why));
         if let Some(driver) = self.take_home() {
             self.go_on(*driver);
@@ -219,10 +224,6 @@ impl Keeping {
     /// The stream plays somewhere else: it is let go of, and its own device looked for.
     fn moved(&mut self) {
         (self.fate)(Fate::Moved);
-        if self.default {
-            self.board.lever.gain(UNARMED);
-            (self.fate)(Fate::Lowered);
-        }
         self.lose("what is played goes to no other; its own is waited for".into());
     }
 
