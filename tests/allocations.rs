@@ -6,7 +6,7 @@ use pacinian::space::spot::Spot;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use common::scenes::busy;
+use common::scenes::{busy, every};
 #[cfg(feature = "fundsp-nodes")]
 use common::scenes::leaves;
 use common::storm::{due, event};
@@ -19,7 +19,7 @@ use pacinian::engine::task::{Task, Values};
 use pacinian::graph::budget::Need;
 use pacinian::graph::plan::{Plan, Precision};
 use pacinian::graph::scene::{Options, scene};
-use pacinian::node::asset::NoAssets;
+use pacinian::node::asset::{Asset, Assets, NoAssets};
 use pacinian::rig::Rig;
 use pacinian::schedule::{Beat, Instant};
 
@@ -129,6 +129,52 @@ fn a_hundred_thousand_events_and_a_hundred_plans() {
     }
     assert_eq!(total, 0, "allocations and frees in {events} events and {sent} plans");
     assert!(stagehand.engine().counters().started > 50_000);
+}
+
+/// States of every node are copied where a plan takes over, recordings of both plans included.
+#[test]
+fn every_node_is_copied_in_place() {
+    struct Hum;
+    impl Assets for Hum {
+        fn load(&self, _path: &str, _channel: usize) -> Result<std::sync::Arc<Asset>, String> {
+            let samples = (0..4_800).map(|n| (n as f32 * 0.02).sin()).collect();
+            Ok(std::sync::Arc::new(Asset { samples, rate: 48_000.0 }))
+        }
+    }
+    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+    let mut texts = vec![[0.1, 0.2].map(every)];
+    #[cfg(feature = "fundsp-nodes")]
+    texts.push(["180", "200"].map(|hertz| {
+        let bodies = leaves(12, 8).replace("180", hertz);
+        // A string cannot be copied, and then nothing is.
+        let strings = bodies.find("[voice.string]").unwrap_or(bodies.len());
+        bodies[..strings].replace("pluck\", frequency = \"event.frequency\"", "white\"")
+    }));
+    for texts in texts {
+        let plan = |text: &String| {
+            scene(&patch(text), &Rig::default_for(2), &options, &Hum).unwrap_or_else(|p| panic!("{p}")).plan
+        };
+        let plans = [plan(&texts[0]), plan(&texts[1])];
+        let (mut director, mut stagehand) = exchange(&plans[0]).unwrap();
+        let mut frames = vec![0.0; 480 * 2];
+        let (mut total, mut sent) = (0, 0);
+        for n in 0..900_u32 {
+            if n % 7 == 3 {
+                // The one that went back is freed, and one of its own is made; the audio thread has no part in it.
+                sent += usize::from(director.send(&plan(&texts[(sent + 1) % 2])).unwrap());
+            }
+            total += counted(|| {
+                let at = Instant { sample: stagehand.engine().clock() + 3, fraction: 7 };
+                let play = play(0, n % 2, 60.0, 0.05, u64::from(n));
+                stagehand.engine().schedule(at, Source::Program, Event::Play(play));
+                stagehand.process(&[], &mut frames);
+            });
+            assert!(frames.iter().all(|x| x.is_finite()));
+        }
+        assert!(frames.iter().any(|x| x.abs() > 1e-3));
+        assert!(sent > 90, "{sent}");
+        assert_eq!(total, 0, "allocations and frees");
+    }
 }
 
 /// Points anywhere, also where there is no number, on lines, surfaces and clouds of tactors, with and without a width.

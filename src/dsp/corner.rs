@@ -189,7 +189,7 @@ fn quotient(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 const RING: usize = 16;
 
 /// The corrections under way on a group of lanes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Corrections<R> {
     rows: [[R; LANES]; RING],
     head: usize,

@@ -4,6 +4,10 @@
 /// Seconds in which a voice that must make room falls silent, and in which one without an envelope comes and goes.
 pub const FADE: f64 = 0.004;
 
+/// Seconds in which a voice that sounds goes over into what a new plan makes of it. From there to 0 or to 1 in less, a vibration of 50 Hz would
+/// take larger steps than it does by itself.
+pub const CROSS: f64 = 0.05;
+
 /// Seconds in which a voice falls silent that must do so at once: 5 ms later less than a hundredth of it is left. One that went faster
 /// would make the band limit ring for longer.
 pub const HUSH: f64 = 0.003;

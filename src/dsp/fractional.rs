@@ -22,7 +22,7 @@ type Table = ([u64; 3], Box<dyn Any + Send>);
 static TABLES: Mutex<Vec<Table>> = Mutex::new(Vec::new());
 
 /// Weights for places from `first` on.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Fractional<R: 'static, const T: usize> {
     rows: &'static [[R; T]],
     first: f64,

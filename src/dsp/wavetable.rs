@@ -173,7 +173,7 @@ fn spread(values: &mut [[f64; 2]]) {
 }
 
 /// Phase and tone of eight lanes that play tables.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct TableLanes<R: Real> {
     /// The tables.
     pub tables: &'static Tables<R>,

@@ -8,7 +8,7 @@ use super::lookup::always_id;
 use super::mixer::Routes;
 use super::ops::Ops;
 use super::workspace::{Buffer, Bus, Workspace};
-use crate::dsp::fade::{FADE, HUSH, fade};
+use crate::dsp::fade::{CROSS, FADE, HUSH, fade};
 use crate::dsp::isa::Isa;
 use crate::dsp::lanes::{LANES, Real};
 use crate::graph::budget;
@@ -46,6 +46,9 @@ pub struct Bank<R: Real> {
     rising: Vec<u8>,
     fading: Vec<u8>,
     ending: Vec<u8>,
+    /// Lanes whose voices come from another bank, in which they fade meanwhile, and since when.
+    crossing: Vec<u8>,
+    crossed: u64,
     peaks: Vec<[R; LANES]>,
     routes: Vec<Routes<R>>,
     /// Lanes whose voices move, and how.
@@ -89,6 +92,8 @@ impl<R: Real> Bank<R> {
             rising: vec![0; groups],
             fading: vec![0; groups],
             ending: vec![0; groups],
+            crossing: vec![0; groups],
+            crossed: 0,
             peaks: vec![[R::ZERO; LANES]; groups],
             routes: (0..groups).map(|_| Routes::new(channel_groups)).collect(),
             moving: vec![0; groups],
@@ -175,19 +180,21 @@ impl<R: Real> Bank<R> {
 
     /// Takes over, from the instrument of an old number as that of a new one, the voices of an old bank of the same size: its lanes, and the states of the ops that `ops` names. Ops
     /// without a counterpart begin now, before sample `clock`; voices that were let go of, and of which such an op is to say when they
-    /// end, fade. The old bank is left empty.
+    /// end, fade. The old bank is left empty, but for the copies of those voices that cross: `crosses` says which do, of those on these channels.
     pub fn adopt(
         &mut self,
         old: &mut Self,
         ops: &[Option<usize>],
-        places: &mut Places,
+        (places, old_places): (&mut Places, &mut Places),
         (from, number): (usize, usize),
         spot: impl Fn(Spot) -> Option<Spot>,
+        crosses: Option<impl Fn(&[(u32, f64)]) -> bool>,
         clock: u64,
     ) {
         if self.lanes.len() != old.lanes.len() {
             return;
         }
+        self.crossed = clock;
         // A voice of its own that is always on has begun here already; that of the old bank goes on in its place, and as this would.
         let own = self.lanes.iter().find(|lane| lane.status != Status::Free).map(|lane| lane.play);
         (0..self.lanes.len()).for_each(|lane| self.free(lane));
@@ -202,10 +209,30 @@ impl<R: Real> Bank<R> {
         self.journeys.swap(&mut old.journeys);
         std::mem::swap(&mut self.sounding, &mut old.sounding);
         (self.masked, self.stolen) = (old.masked, old.stolen);
+        if crosses.is_some() {
+            self.give_copies(old, ops);
+        }
         for lane in 0..self.lanes.len() {
             let mut voice = self.lanes[lane];
             if voice.status == Status::Free {
                 continue;
+            }
+            if let Some(crosses) = &crosses {
+                let strength = voice.play.strength();
+                let was = crosses(old_places.felt(from, voice.play.place, strength));
+                let is = |place| crosses(places.felt(number, place, strength));
+                match was || spot(voice.play.place).is_none_or(is) {
+                    // One that fades does so where it is.
+                    true if matches!(voice.status, Status::Fading(..)) => {
+                        self.free(lane);
+                        continue;
+                    }
+                    true => {
+                        old.let_fade(lane, Instant { sample: clock, fraction: 0 }, FADE / CROSS);
+                        self.crossing[lane / LANES] |= 1 << (lane % LANES);
+                    }
+                    false => old.free(lane),
+                }
             }
             // A place that is no more is silence.
             let mut place = spot(voice.play.place);
@@ -238,6 +265,19 @@ impl<R: Real> Bank<R> {
         }
     }
 
+    /// Leaves copies of what was taken over from an old bank there.
+    fn give_copies(&self, old: &mut Self, ops: &[Option<usize>]) {
+        self.ops.give_copies(&mut old.ops, ops);
+        old.lanes.copy_from_slice(&self.lanes);
+        old.live.copy_from_slice(&self.live);
+        old.rising.copy_from_slice(&self.rising);
+        old.fading.copy_from_slice(&self.fading);
+        old.ending.copy_from_slice(&self.ending);
+        old.peaks.copy_from_slice(&self.peaks);
+        old.journeys.copy(&self.journeys);
+        (old.taken, old.sounding) = (self.taken, self.sounding);
+    }
+
     /// Makes room to take over the voices of another bank. It allocates.
     pub fn expect_voices(&mut self) {
         self.ops.expect_voices();
@@ -257,11 +297,11 @@ impl<R: Real> Bank<R> {
         }
     }
 
-    /// Lets all voices fall silent from `at` on.
-    pub fn fade_all(&mut self, at: Instant) {
+    /// Lets all voices fall silent from `at` on, so many times as fast as most do.
+    pub fn fade_all(&mut self, at: Instant, pace: f64) {
         for lane in 0..self.lanes.len() {
             if matches!(self.lanes[lane].status, Status::Held | Status::Released) {
-                self.let_fade(lane, at, 1.0);
+                self.let_fade(lane, at, pace);
             }
         }
     }
@@ -396,7 +436,7 @@ impl<R: Real> Bank<R> {
         if !R::all_finite(block) {
             self.masked += mask(block, self.live[group]);
         }
-        if (self.rising[group] | self.fading[group]) != 0 {
+        if (self.rising[group] | self.fading[group] | self.crossing[group]) != 0 {
             self.fade(group, block, clock);
         }
         if self.ending[group] != 0 {
@@ -468,6 +508,16 @@ impl<R: Real> Bank<R> {
                     self.rising[group] &= !(1 << l);
                 }
             }
+            if self.crossing[group] & (1 << l) != 0 {
+                // What its copy in the old bank lacks of 1.
+                let age = Instant { sample: self.crossed, fraction: 0 }.until(clock) - LEAD;
+                for (frame, row) in block.iter_mut().enumerate() {
+                    row[l] *= R::of(1.0 - fade((age + frame as f64) / self.rate * (FADE / CROSS)));
+                }
+                if age > CROSS * self.rate {
+                    self.crossing[group] &= !(1 << l);
+                }
+            }
             if let Status::Fading(since, pace) = self.lanes[group * LANES + l].status {
                 let age = since.until(clock) - LEAD;
                 for (frame, row) in block.iter_mut().enumerate() {
@@ -492,7 +542,9 @@ impl<R: Real> Bank<R> {
                 let lane = group * LANES + l;
                 let over = match self.lanes[lane].status {
                     Status::Free => continue,
-                    Status::Fading(since, _) => since.until(clock) - LEAD > FADE * self.rate,
+                    Status::Fading(since, pace) => {
+                        since.until(clock) - LEAD > FADE / pace.min(1.0) * self.rate
+                    }
                     Status::Held | Status::Released => {
                         let bit = 1 << l;
                         if self.ending[group] & bit != 0 && self.peaks[group][l] < R::of(SILENCE) {
@@ -532,6 +584,7 @@ impl<R: Real> Bank<R> {
         self.rising[group] &= keep;
         self.fading[group] &= keep;
         self.ending[group] &= keep;
+        self.crossing[group] &= keep;
         self.moving[group] &= keep;
         self.routes[group].disconnect(l);
     }

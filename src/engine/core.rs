@@ -83,6 +83,10 @@ pub struct Core<R: Real> {
     counters: Counters,
     /// The clock of the last housekeeping.
     settled: Option<u64>,
+    /// Of an old engine: whether its signals go on.
+    lingers: bool,
+    /// What has been silenced since an old engine was told last.
+    silenced: Option<(u64, u8, Instant)>,
 }
 
 impl<R: Real> Core<R> {
@@ -133,6 +137,8 @@ impl<R: Real> Core<R> {
             standing: Standing::default(),
             counters: Counters::default(),
             settled: None,
+            lingers: false,
+            silenced: None,
         };
         if plan.moves() {
             core.work.mover = plan.spread.as_ref().map(Mover::new);
@@ -292,7 +298,11 @@ impl<R: Real> Core<R> {
         let mut done = 0;
         while done < samples {
             self.run_due();
+            let silenced = self.silenced.take();
             if let Some(old) = &mut leaving {
+                if let Some((id, bits, at)) = silenced {
+                    old.banks.iter_mut().for_each(|bank| bank.silence(|play| play.is_of(id, bits), at, |_, _| ()));
+                }
                 old.settle();
             }
             let left = (samples - done) as u64;
@@ -316,6 +326,9 @@ impl<R: Real> Core<R> {
             let frames = (next - self.clock).min(left) as usize;
             self.render(frames, done, input);
             if let Some(old) = &mut leaving {
+                if old.lingers && !old.is_idle() {
+                    old.signals(frames, done, input, self.knob.as_deref());
+                }
                 old.sound(frames, done);
                 old.clock += frames as u64;
             }
@@ -397,6 +410,16 @@ impl<R: Real> Core<R> {
     }
 
     fn render(&mut self, frames: usize, offset: usize, input: &[Vec<f32>]) {
+        self.signals(frames, offset, input, None);
+        if !self.watcher.is_idle() {
+            self.watch(frames);
+        }
+        self.sound(frames, offset);
+    }
+
+    /// Computes engine-wide signals, those of a knob after its own or another's.
+    fn signals(&mut self, frames: usize, offset: usize, input: &[Vec<f32>], knob: Option<&Knob>) {
+        let knob = knob.or(self.knob.as_deref());
         for (i, source) in self.sources.iter().enumerate() {
             match *source {
                 Shared::Control(c) => {
@@ -417,7 +440,7 @@ impl<R: Real> Core<R> {
                 }
                 Shared::Knob(reading) => {
                     let signal = &mut self.work.shared[i];
-                    match &self.knob {
+                    match knob {
                         Some(knob) => {
                             signal.still = false;
                             for (frame, row) in signal.rows.iter_mut().take(frames).enumerate() {
@@ -457,10 +480,6 @@ impl<R: Real> Core<R> {
                 }
             }
         }
-        if !self.watcher.is_idle() {
-            self.watch(frames);
-        }
-        self.sound(frames, offset);
     }
 
     /// Looks at the signals that are watched, as they are before what is no number in them becomes 0.

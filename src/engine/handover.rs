@@ -2,8 +2,13 @@
 //!
 //! The control thread compares the two plans, allocates everything the new one needs and says which part of the old goes
 //! where. The audio thread swaps pointers: voices that still exist keep sounding with their states, controls keep their
-//! values, waiting events keep their times. Voices that have no counterpart fall silent within 4 ms in the old engine, which
-//! then goes back to the control thread to be freed.
+//! values, waiting events keep their times. A voice that the new plan computes in another way, or sends elsewhere, sounds from both engines
+//! meanwhile, in the old one from a copy of its states: its part there falls from 1 to 0 while that in the new one rises from 0 to 1
+//! ([`crate::dsp::fade::CROSS`]). Between two vibrations there is then no step larger than those of the larger one. Voices that have no counterpart
+//! fall silent in the same time in the old engine, which then goes back to the control thread to be freed.
+//!
+//! Where states cannot be copied at once (a string, or delays of a megabyte), voices change from one sample to the next, and what their sum would
+//! jump by there is faded out ([`super::declick`]).
 
 use std::collections::{HashMap, VecDeque};
 use std::fmt;
@@ -13,9 +18,11 @@ use super::Engine;
 use super::succession::Succession;
 use super::vibration::single;
 use crate::graph::answer::Answer;
-use crate::graph::plan::{Output, Plan};
+use crate::graph::budget;
+use crate::graph::plan::{Instrument, Output, Plan};
 use crate::graph::program::Program;
 use crate::graph::watch::Watch;
+use crate::node::States;
 use crate::space::path::Route;
 use crate::space::spot::Spot;
 
@@ -40,8 +47,12 @@ pub(crate) struct Inheritance {
     pub swells: bool,
     /// The most that leaves each channel, where that differs.
     pub levels: Option<Vec<f32>>,
-    /// By channel: whether what is played there may jump, as it is computed, or goes there, in another way.
+    /// By channel: whether what is played there may jump, as it goes there in another way.
     pub jumps: Vec<bool>,
+    /// For each instrument of the new plan: whether its voices may jump, as they are computed in another way.
+    pub changed: Vec<bool>,
+    /// Whether what may jump is heard from the old engine too until it has gone over; else only its first sample is seen to.
+    pub copies: bool,
 }
 
 impl Inheritance {
@@ -144,13 +155,17 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
     let levels = (succession.is_some() || old.max_levels() != levels)
         .then(|| levels.into_iter().map(single).collect());
     let same_signals = old.shared_program == new.shared_program && old.shared == new.shared;
-    let goes_on = old.instruments == new.instruments
-        && same_signals
-        && (&old.spread, &old.paths) == (&new.spread, &new.paths);
+    let same_ways = (&old.spread, &old.paths) == (&new.spread, &new.paths);
+    let goes_on = old.instruments == new.instruments && same_signals && same_ways;
     let path = |path: &Route| new.paths.iter().position(|other| other == path).map(|n| n as u32);
     let paths = old.paths.iter().map(path).collect();
     let (watches, places) = (watches(old, new), places(old, new));
-    let jumps = if goes_on { jumps(old, new, &places) } else { vec![true; new.channels] };
+    let copies = can_be_copied(old);
+    let jumps = if goes_on || copies { jumps(old, new, &places) } else { vec![true; new.channels] };
+    let is_another = |instrument: &Instrument| {
+        !same_signals || !same_ways || !old.instruments.iter().any(|o| o == instrument)
+    };
+    let changed = new.instruments.iter().map(is_another).collect();
     if let Some(succession) = succession {
         engine.expect_succession(succession);
     }
@@ -166,6 +181,8 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
         swells,
         levels,
         jumps,
+        changed,
+        copies,
     };
     Ok(Handover { engine, inheritance })
 }
@@ -178,6 +195,22 @@ fn places(old: &Plan, new: &Plan) -> Vec<Option<u32>> {
         |name: &Arc<str>| new.together.iter().position(|other| other == name).map(|row| outputs + row);
     let rows = old.outputs.iter().map(output).chain(old.together.iter().map(together));
     rows.take(old.places.len()).map(|row| row.map(|row| row as u32)).collect()
+}
+
+/// Bytes of states that are copied in one callback at most: a matter of some 100 us.
+const MOST_COPIED: usize = 1 << 20;
+
+/// Whether the audio thread can copy the states of all nodes of a plan.
+fn can_be_copied(plan: &Plan) -> bool {
+    let rate = plan.engine_rate();
+    let mut bytes = 0;
+    let programs = plan.instruments.iter().map(|i| (&i.program, budget::groups(i.voices)));
+    programs.chain([(&plan.shared_program, 1)]).all(|(program, groups)| {
+        program.ops.iter().all(|op| {
+            bytes += groups * States::<f64>::bytes(op.node.kind, &op.node.setup(rate, rate));
+            States::<f64>::can_be_copied(op.node.kind) && bytes <= MOST_COPIED
+        })
+    })
 }
 
 /// By channel, whether a row of places that goes on as another has another gain there, or one that does not go on has any.

@@ -98,6 +98,13 @@ impl Journeys {
         }
     }
 
+    /// Becomes a copy of what is under way elsewhere, if there are as many lanes.
+    pub fn copy(&mut self, from: &Self) {
+        if self.list.len() == from.list.len() {
+            self.list.clone_from_slice(&from.list);
+        }
+    }
+
     /// The feeds that say where voices are.
     pub fn steers(&self) -> Option<[Feed; 4]> {
         self.steers

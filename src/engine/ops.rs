@@ -196,6 +196,7 @@ impl<R: Real> Ops<R> {
 
     /// Swaps in the states of an old program's ops.
     pub fn take_states(&mut self, old: &mut Self, ops: &[Option<usize>]) {
+        self.take_late(old, ops);
         let lanes = self.lanes();
         for (op, (states, from)) in self.states.iter_mut().zip(ops).enumerate() {
             let Some(from) = *from else { continue };
@@ -207,6 +208,30 @@ impl<R: Real> Ops<R> {
             let old = old.behind.get(from * lanes..(from + 1) * lanes);
             if let (Some(behind), Some(old)) = (self.behind.get_mut(op * lanes..(op + 1) * lanes), old) {
                 behind.copy_from_slice(old);
+            }
+        }
+    }
+
+    /// Makes the states of an old program's ops, which [`Ops::take_states`] has taken, copies of what they have become here.
+    pub fn give_copies(&self, old: &mut Self, ops: &[Option<usize>]) {
+        for (states, from) in self.states.iter().zip(ops) {
+            if let Some(old) = from.and_then(|from| old.states.get_mut(from)) {
+                old.copy(states);
+            }
+        }
+    }
+
+    /// What ops read of others a sample later goes on where the same op is read late in both programs.
+    fn take_late(&mut self, old: &Self, ops: &[Option<usize>]) {
+        let (here, there) = (self.program.late.len(), old.program.late.len());
+        for (place, buffer) in self.program.late.iter().enumerate() {
+            let op = self.program.ops.iter().position(|op| op.output == *buffer);
+            let from = op.and_then(|op| old.program.ops.get((*ops.get(op)?)?));
+            let Some(was) = from.and_then(|from| old.program.late.iter().position(|b| *b == from.output)) else {
+                continue;
+            };
+            for group in 0..self.groups.min(old.groups) {
+                self.late[group * here + place] = old.late[group * there + was];
             }
         }
     }

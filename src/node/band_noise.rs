@@ -42,7 +42,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 const Q: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Eight streams and their filters.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     source: Source,
     above: Filters,

@@ -52,6 +52,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 const OCTAVES: f64 = std::f64::consts::LOG2_10 / 20.0;
 
 /// Eight filters.
+#[derive(Clone)]
 pub struct Lanes<R> {
     filters: Leaf<Svf<f64, BellMode<f64>>>,
     most: f64,

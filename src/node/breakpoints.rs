@@ -37,13 +37,13 @@ pub static SPEC: NodeSpec = NodeSpec {
 const LARGEST: f64 = 1e6;
 
 /// Where eight lanes are among the points.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     script: Points,
     track: Track<R>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Points {
     rate: f64,
     /// Value, seconds from the point before, curve.
@@ -54,7 +54,7 @@ struct Points {
     released: [bool; LANES],
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Leg {
     to: f64,
     seconds: f64,
@@ -76,6 +76,18 @@ impl Script for Points {
 }
 
 impl<R: Real> Kernel<R> for Lanes<R> {
+    fn copy(&mut self, from: &Self) {
+        let Points { rate, points, sustain, at, released } = &from.script;
+        // Of the same settings there are as many.
+        if self.script.points.len() != points.len() {
+            return;
+        }
+        self.track.clone_from(&from.track);
+        self.script.points.iter_mut().zip(points).for_each(|(to, from)| to.clone_from(from));
+        (self.script.rate, self.script.sustain) = (*rate, *sustain);
+        (self.script.at, self.script.released) = (*at, *released);
+    }
+
     fn heap(setup: &Setup) -> usize {
         setup.points.len() * size_of::<Leg>()
     }

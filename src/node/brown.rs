@@ -39,6 +39,7 @@ const LEAST: f64 = 0.1;
 const MOST: f64 = 1000.0;
 
 /// Eight streams and their filters.
+#[derive(Clone)]
 pub struct Lanes<R> {
     source: Source,
     filters: Leaf<Lowpole<f64, U1>>,

@@ -51,12 +51,14 @@ const LORENZ: f64 = 0.75;
 const ROSSLER: f64 = 5.88 / 2.91;
 
 /// Eight systems.
+#[derive(Clone)]
 pub struct Lanes<R> {
     system: System,
     frequency: [f32; LANES],
     _real: std::marker::PhantomData<R>,
 }
 
+#[derive(Clone)]
 enum System {
     Lorenz(Leaf<Lorenz>),
     Rossler(Leaf<Rossler>),

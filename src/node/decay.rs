@@ -37,13 +37,13 @@ pub static SPEC: NodeSpec = NodeSpec {
 const SPAN: f64 = 13.815_510_557_964_274;
 
 /// The times of eight lanes, and what comes next.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     script: Times,
     track: Track<R>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Times {
     rate: f64,
     attack: [f64; LANES],

@@ -49,7 +49,7 @@ const LAST: f64 = 7.0;
 const BAND: f64 = 0.136;
 
 /// Eight lines.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R: 'static> {
     /// By lane: a ring, followed by its first samples again so that taps are always side by side. Lanes are a little more than a
     /// power of two apart, or all their places would share a few lines of the cache.
@@ -81,6 +81,15 @@ impl<R: Real> Kernel<R> for Lanes<R> {
             table: Fractional::new(FIRST, LAST, BAND),
             rate: setup.rate,
             most,
+        }
+    }
+
+    fn copy(&mut self, from: &Self) {
+        // Lines of the same settings are as long.
+        if self.lines.len() == from.lines.len() {
+            self.lines.copy_from_slice(&from.lines);
+            (self.stride, self.next, self.mask) = (from.stride, from.next, from.mask);
+            (self.rate, self.most) = (from.rate, from.most);
         }
     }
 

@@ -31,7 +31,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// The legs of eight lanes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     script: LegScript,
     track: Track<R>,

@@ -75,7 +75,7 @@ const fn weights() -> [[f64; POINTS]; READINGS] {
 }
 
 /// Eight followers, in `f64`, as a long release moves by little at a sample.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     rms: bool,
     rate: f64,

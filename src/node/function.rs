@@ -60,7 +60,7 @@ impl Op {
 }
 
 /// The function that was chosen.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     op: Op,
     _real: std::marker::PhantomData<R>,

@@ -36,7 +36,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// The part of the state-variable filter that this is.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub enum High {}
 
 impl Part for High {

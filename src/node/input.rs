@@ -21,7 +21,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// No state: the engine brings the signal.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R>(std::marker::PhantomData<R>);
 
 impl<R: Real> Kernel<R> for Lanes<R> {

@@ -109,13 +109,20 @@ impl<R: Real> Io<'_, R> {
 ///
 /// `run` is called from the audio thread: it may not allocate, lock, block or panic, and its result may not depend on how
 /// a stretch of time is cut into blocks. Lanes are independent of one another.
-pub(crate) trait Kernel<R: Real>: Send + Sized {
+pub(crate) trait Kernel<R: Real>: Send + Sized + Clone {
+    /// Whether [`Kernel::copy`] can make a copy without allocating or freeing.
+    const COPIES: bool = true;
+
     /// State for a group of silent lanes.
     fn new(setup: &Setup) -> Self;
     /// Bytes that [`Kernel::new`] takes besides the state itself.
     fn heap(setup: &Setup) -> usize {
         let _ = setup;
         0
+    }
+    /// Becomes a copy of a state of the same node with the same settings. Neither allocates nor frees.
+    fn copy(&mut self, from: &Self) {
+        self.clone_from(from);
     }
     /// A voice begins on `lane`; whatever was there is forgotten.
     fn start(&mut self, lane: usize, onset: &Onset) {

@@ -48,6 +48,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 const MOST: f64 = 0.45;
 
 /// Eight filters.
+#[derive(Clone)]
 pub struct Lanes<R> {
     filters: Leaf<Moog<f64, U3>>,
     most: f64,

@@ -21,6 +21,7 @@ const NOTHING: f32 = 1e-7;
 const PATIENCE: u32 = 128;
 
 /// Eight units.
+#[derive(Clone)]
 pub struct Leaf<U> {
     units: [U; LANES],
     /// A lane that rests gives 0 and costs nothing.

@@ -30,7 +30,7 @@ pub struct Legs {
 }
 
 /// The legs of a group of lanes, as a script for a [`super::segment::Track`].
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct LegScript {
     rate: f64,
     legs: [Legs; LANES],

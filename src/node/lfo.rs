@@ -59,7 +59,7 @@ const WAVES: &[&str] = &["sine", "triangle", "square", "saw"];
 const NARROWEST: f64 = 1e-9;
 
 /// Phase and step of eight lanes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     wave: usize,
     phase: [u64; LANES],

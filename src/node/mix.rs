@@ -30,7 +30,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// What was chosen.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     choice: usize,
     _real: std::marker::PhantomData<R>,

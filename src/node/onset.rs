@@ -18,7 +18,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// Eight jumps.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     track: Track<R>,
 }

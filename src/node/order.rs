@@ -4,7 +4,7 @@ use super::kernel::{Io, Kernel, Onset, Setup, Twin};
 use crate::dsp::lanes::{LANES, Real};
 
 /// Eight lanes of silence; with `HOLDS` each lasts until its release, else it is over as soon as it begins.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R, const HOLDS: bool> {
     held: [bool; LANES],
     silence: R,

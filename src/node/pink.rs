@@ -59,7 +59,7 @@ fn design(rate: f64) -> ([f64; SECTIONS], [f64; SECTIONS], f64) {
 }
 
 /// Eight streams and their filters. In `f64`, as the lowest pole is close to 1.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     source: Source,
     poles: [f64; SECTIONS],

@@ -31,7 +31,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// Eight lanes of silence: the engine reads what it is given.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R>(R);
 
 impl<R: Real> Kernel<R> for Lanes<R> {

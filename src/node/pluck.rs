@@ -53,6 +53,7 @@ const LEAST: f64 = 10.0;
 const MOST: f64 = 1000.0;
 
 /// Eight strings.
+#[derive(Clone)]
 pub struct Lanes<R> {
     strings: Leaf<Pluck>,
     rate: f64,
@@ -60,6 +61,11 @@ pub struct Lanes<R> {
 }
 
 impl<R: Real> Kernel<R> for Lanes<R> {
+    // A string's copy would take memory of its own.
+    const COPIES: bool = false;
+
+    fn copy(&mut self, _from: &Self) {}
+
     fn heap(setup: &Setup) -> usize {
         LANES * size_of::<f32>() * (setup.rate / LEAST) as usize
     }

@@ -44,7 +44,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// Eight lanes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R: Real>(TableLanes<R>);
 
 impl<R: Real> Kernel<R> for Lanes<R> {

@@ -41,7 +41,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// The part of the state-variable filter that this is, by the decay of its poles.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub enum Ring {}
 
 /// With less the poles are real, and the slower of them would ring longer.

@@ -36,7 +36,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// The wave of this node.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub enum Saw {}
 
 impl Shape for Saw {

@@ -34,7 +34,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// No state.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R>(std::marker::PhantomData<R>);
 
 impl<R: Real> Kernel<R> for Lanes<R> {

@@ -56,9 +56,12 @@ fn material(setup: &Setup) -> (Option<Arc<Copies>>, f64, Loop) {
 }
 
 /// Eight readers.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R: 'static> {
     copies: Option<Arc<Copies>>,
+    /// A recording that a copy of another state took the place of, and that is not freed by the audio thread.
+    #[expect(dead_code, reason = "held, and dropped")]
+    displaced: Option<Arc<Copies>>,
     around: Loop,
     table: Fractional<R, TAPS>,
     asset_rate: f64,
@@ -72,6 +75,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         let (copies, asset_rate, around) = material(setup);
         Self {
             copies,
+            displaced: None,
             around,
             table: Fractional::new(7.0, 8.0, 0.25),
             asset_rate,
@@ -79,6 +83,10 @@ impl<R: Real> Kernel<R> for Lanes<R> {
             before: [0.0; LANES],
             fresh: [false; LANES],
         }
+    }
+
+    fn copy(&mut self, from: &Self) {
+        *self = Self { displaced: self.copies.take(), ..from.clone() };
     }
 
     fn start(&mut self, lane: usize, _onset: &Onset) {

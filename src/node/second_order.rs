@@ -8,7 +8,7 @@ use crate::dsp::lanes::{LANES, Real};
 use crate::dsp::svf::{Filters, Single};
 
 /// A part of the filter. Inputs of its node: what is filtered, frequency (Hz), and what gives q.
-pub trait Part: Send + 'static {
+pub trait Part: Send + Clone + 'static {
     /// From what went in, what is left below the frequency, and what is left around it.
     fn of(input: f64, low: f64, band: f64) -> f64;
 
@@ -25,7 +25,7 @@ pub trait Part: Send + 'static {
 }
 
 /// Eight filters.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R, P> {
     filters: Filters,
     rate: f64,

@@ -97,7 +97,7 @@ pub trait Script {
 ///
 /// A correction begins up to two samples before its instant, so the segments are evaluated two samples ahead, and what
 /// they give comes out two samples later.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Track<R> {
     /// What is evaluated: base + slope·n + (level + curve), n counted within the run; level and curve are 0 for straight
     /// segments and base and slope for curved ones.

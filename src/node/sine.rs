@@ -49,7 +49,7 @@ fn left(frequency: f64, rate: f64) -> f64 {
 }
 
 /// Phases of eight lanes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     clock: Clockwork,
     rate: f64,

@@ -57,7 +57,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// Eight sweeps.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     exponential: bool,
     period: f64,

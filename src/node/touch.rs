@@ -40,7 +40,7 @@ fn read(setup: &Setup) -> (Motion, f64) {
 }
 
 /// Where eight lanes are on their way to.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     motion: Motion,
     script: Ways,
@@ -48,7 +48,7 @@ pub struct Lanes<R> {
 }
 
 /// The ways of eight lanes, as a script.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Ways {
     rate: f64,
     smoothing: f64,

@@ -8,13 +8,13 @@ use crate::dsp::quadrature::Turns;
 use crate::dsp::wavetable::{Additive, TableLanes, Wave};
 
 /// Which wave a node plays.
-pub trait Shape: Send + 'static {
+pub trait Shape: Send + Clone + 'static {
     /// The wave.
     const WAVE: Wave;
 }
 
 /// Eight lanes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R: Real, S>(TableLanes<R>, PhantomData<S>);
 
 impl<R: Real, S: Shape> Kernel<R> for Lanes<R, S> {

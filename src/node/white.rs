@@ -25,7 +25,7 @@ pub static SPEC: NodeSpec = NodeSpec {
 };
 
 /// Eight streams.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Lanes<R> {
     source: Source,
     _real: std::marker::PhantomData<R>,

@@ -64,6 +64,38 @@ string = {{ type = "pluck", frequency = "event.frequency" }}
     )
 }
 
+/// A voice of every other node whose states are copied when a plan takes over, so loud; `hum` stands for a recording.
+pub fn every(level: f64) -> String {
+    format!(
+        r#"
+[voice.every]
+voices = 12
+output = "out"
+[voice.every.nodes]
+tri = {{ type = "triangle", frequency = 60, amplitude = {level} }}
+edge = {{ type = "pulse", frequency = 45, width = 0.3 }}
+pink = {{ type = "pink" }}
+band = {{ type = "band_noise", low = 80, high = 250 }}
+rise = {{ type = "sweep", law = "exponential", from = 40, to = 300, duration = 1.5 }}
+scrape = {{ type = "sample", file = "hum", speed = 0.7, loop = true }}
+weave = {{ type = "scan", file = "hum", position = "0.01 + 0.001 * tri" }}
+swell = {{ type = "breakpoints", points = [{{ at = 0.1, value = 1, shape = "slow" }}, {{ at = 0.5, value = 0.5 }}] }}
+ring = {{ type = "decay", time = 0.04 }}
+tap = {{ type = "burst", attack = 0.001, decay = 0.03, decay_curve = -4 }}
+on = {{ type = "gate", rise = 0.002, fall = 0.002 }}
+loud = {{ type = "follow", input = "pink", attack = 0.002, release = 0.1 }}
+bell = {{ type = "resonator", input = "tap", frequency = 180, decay = 0.2 }}
+less = {{ type = "notch", input = "edge", frequency = 50, q = 10 }}
+high = {{ type = "highpass", input = "less", cutoff = 30 }}
+mid = {{ type = "bandpass", input = "band", frequency = 150, q = 2 }}
+echo = {{ type = "delay", input = "high + 0.3 * echo", time = 0.02, longest = 0.05 }}
+both = {{ type = "crossfade", a = "echo", b = "mid", position = "loud" }}
+sum = {{ type = "add", inputs = ["tri", "rise", "scrape", "weave", "ring", "bell", "both"] }}
+out = {{ type = "multiply", inputs = ["sum", "on", "swell"] }}
+"#
+    )
+}
+
 /// Two motors and a tactor, on three channels: a coin motor, one of a game pad that is wired the other way round, and what vibrates.
 pub const MOTORS: &str = r#"
 format = "pacinian-rig/1"

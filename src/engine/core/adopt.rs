@@ -2,6 +2,7 @@
 
 use super::Core;
 use crate::dsp::lanes::Real;
+use crate::dsp::fade::{CROSS, FADE};
 use crate::engine::event::Event;
 use crate::engine::handover::Inheritance;
 use crate::schedule::Instant;
@@ -26,7 +27,8 @@ impl<R: Real> Core<R> {
         std::mem::swap(&mut self.tasks, &mut old.tasks);
         std::mem::swap(&mut self.standing, &mut old.standing);
         std::mem::swap(&mut self.declick, &mut old.declick);
-        if inheritance.jumps.contains(&true) {
+        let copies = inheritance.copies;
+        if !copies && inheritance.jumps.contains(&true) {
             self.declick.arm(&inheritance.jumps);
         }
         for (ramp, from) in self.controls.iter_mut().zip(&inheritance.controls) {
@@ -39,6 +41,9 @@ impl<R: Real> Core<R> {
         }
         if let (Some(new), Some(old)) = (&mut self.shared, &mut old.shared) {
             new.take_states(old, &inheritance.shared);
+            if copies {
+                new.give_copies(old, &inheritance.shared);
+            }
             new.retune(0, old, &inheritance.shared);
         }
         let now = Instant { sample: self.clock, fraction: 0 };
@@ -51,7 +56,14 @@ impl<R: Real> Core<R> {
             match from {
                 Some((from, bank_of_old, ops, first_of_old)) => {
                     let spot = |old| inheritance.spot(old);
-                    bank.adopt(bank_of_old, ops, &mut self.places, (from, number), spot, self.clock);
+                    let changed = inheritance.changed.get(number).copied().unwrap_or(true);
+                    let jumps = |channel: &(u32, f64)| {
+                        inheritance.jumps.get(channel.0 as usize).copied().unwrap_or(true)
+                    };
+                    let crosses = |place: &[(u32, f64)]| changed || place.iter().any(jumps);
+                    let places = (&mut self.places, &mut old.places);
+                    let crosses = (copies && (changed || inheritance.jumps.contains(&true))).then_some(crosses);
+                    bank.adopt(bank_of_old, ops, places, (from, number), spot, crosses, self.clock);
                     for lane in 0..bank.lanes() {
                         if let Some((at, serial)) = old.ends.get(first_of_old + lane) {
                             self.ends.set(first + lane, at, serial);
@@ -92,10 +104,11 @@ impl<R: Real> Core<R> {
             counters.dropped += u64::from(kept.is_none() && matches!(event, Event::Play(_)));
             kept.is_some()
         });
-        // What stays behind hears the signals as they were.
-        for (signal, latest) in old.work.shared.iter_mut().zip(&old.latest) {
+        old.lingers = copies;
+        // What stays behind hears the signals as they were, where they do not go on there.
+        for (signal, latest) in old.work.shared.iter_mut().zip(&old.latest).filter(|_| !copies) {
             signal.hold(*latest);
         }
-        old.banks.iter_mut().for_each(|bank| bank.fade_all(now));
+        old.banks.iter_mut().for_each(|bank| bank.fade_all(now, FADE / CROSS));
     }
 }

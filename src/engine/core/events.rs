@@ -133,6 +133,8 @@ impl<R: Real> Core<R> {
                 },
             );
         }
+        // What an old engine still sounds of it; where it is told of several at once, of all.
+        self.silenced = Some(self.silenced.map_or((id, bits, at), |(.., since)| (0, 64, since)));
         self.queue.edit(|event| !matches!(event, Event::Play(play) if play.is_of(id, bits)));
         if self.banks.iter().all(|bank| bank.only_sounds(|play| play.is_of(id, bits))) {
             self.stage.shut(self.clock);

@@ -41,6 +41,8 @@ impl Shape {
 pub enum News {
     /// It is gone, or its stream is of no use any more.
     Lost(String),
+    /// Its stream failed, which says nothing of the device: it is opened again.
+    Broke(String),
     /// The system lets it play on another device than before.
     Moved,
     /// Anything else, for the log.

@@ -201,20 +201,30 @@ impl Keeping {
     fn hear(&mut self, news: News) {
         match news {
             News::Lost(why) => self.lose(why),
+            // ALSA's device is opened as it was.
+            News::Broke(why) if self.sought.as_ref().is_some_and(|(_, id)| id.starts_with("alsa:")) => {
+                self.leave(format!("{why}: it was not fed in time, or its server let go of it; a larger --block helps"))
+            }
+            // Whoever moves streams may have done so.
+            News::Broke(why) => self.lose(why),
             News::Moved => self.moved(),
             News::Said(what) => (self.fate)(Fate::Said(what)),
         }
     }
 
-    /// The device is gone.
+    /// The device is gone. What the system plays on by default may be another by the time it is there again.
     fn lose(&mut self, why: String) {
-        self.news = None;
-        self.trouble = Some(why.clone());
-        // What the system plays on by default may be another device by the time it is there again.
         if self.default {
             self.board.lever.gain(UNARMED);
             (self.fate)(Fate::Lowered);
         }
+        self.leave(why);
+    }
+
+    /// Goes on in silence until the device is opened again.
+    fn leave(&mut self, why: String) {
+        self.news = None;
+        self.trouble = Some(why.clone());
         (self.fate)(Fate::Lost(why));
         if let Some(driver) = self.take_home() {
             self.go_on(*driver);

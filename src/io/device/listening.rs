@@ -105,7 +105,7 @@ impl Keeping {
         let pause = self.pulse.pause(now, frames);
         while let Some(Ok(news)) = self.news.as_ref().map(Receiver::try_recv) {
             match news {
-                News::Lost(why) => self.lose(why),
+                News::Lost(why) | News::Broke(why) => self.lose(why),
                 News::Moved => (self.fate)(Fate::Moved),
                 News::Said(what) => (self.fate)(Fate::Said(what)),
             }

@@ -157,6 +157,11 @@ pub(super) fn teller(
             drop(news.send(News::Moved));
         }
         ErrorKind::RealtimeDenied => drop(news.send(News::Said(error.to_string()))),
+        // ALSA's plug-ins say so of an underrun.
+        ErrorKind::BackendError => {
+            lost();
+            drop(news.send(News::Broke(error.to_string())));
+        }
         _ => {
             lost();
             drop(news.send(News::Lost(error.to_string())));

@@ -83,7 +83,7 @@ impl Returning {
     pub fn stand(&mut self, now: Instant) -> Stand {
         while let Ok(news) = self.news.try_recv() {
             match news {
-                News::Lost(why) => return Stand::Fails(why),
+                News::Lost(why) | News::Broke(why) => return Stand::Fails(why),
                 other => self.said.push(other),
             }
         }

@@ -278,7 +278,7 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
         samples.extend(samples_out.pop_iter());
         while let Ok(news) = told.try_recv() {
             match news {
-                News::Lost(why) => {
+                News::Lost(why) | News::Broke(why) => {
                     let what = format!("a device went away while it was measured: {why}");
                     return Err(
                         DeviceError::new(Trouble::Missing, what).help("plug it in, and measure again")
