@@ -6,9 +6,9 @@ use pacinian::space::spot::Spot;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use common::scenes::{busy, every};
 #[cfg(feature = "fundsp-nodes")]
 use common::scenes::leaves;
+use common::scenes::{busy, every};
 use common::storm::{due, event};
 use common::{compiled, patch, play};
 use pacinian::engine::Engine;

@@ -17,7 +17,11 @@ const FIGURES: [(&str, &str, [&str; 2]); 15] = [
     ("a frequency, far down", r#"out = { type = "sine", frequency = #, amplitude = 0.5 }"#, ["700", "40"]),
     ("an amplitude", r#"out = { type = "sine", frequency = 50, amplitude = # }"#, ["0.1", "0.5"]),
     ("an amplitude, down", r#"out = { type = "sine", frequency = 250, amplitude = # }"#, ["0.5", "0.1"]),
-    ("an amplitude of a high tone", r#"out = { type = "sine", frequency = 800, amplitude = # }"#, ["0.1", "0.5"]),
+    (
+        "an amplitude of a high tone",
+        r#"out = { type = "sine", frequency = 800, amplitude = # }"#,
+        ["0.1", "0.5"],
+    ),
     ("a phase", r#"out = { type = "sine", frequency = 250, phase = #, amplitude = 0.5 }"#, ["0", "0.5"]),
     ("a triangle", r#"out = { type = "triangle", frequency = #, amplitude = 0.5 }"#, ["60", "120"]),
     ("a sawtooth", r#"out = { type = "sawtooth", frequency = #, amplitude = 0.5 }"#, ["60", "90"]),
@@ -116,13 +120,18 @@ fn another_figure_of_a_loop_makes_no_larger_step() {
 #[test]
 fn what_begins_meanwhile_is_not_faded() {
     let text = |amplitude: f64| {
-        format!("[voice.v]\noutput = \"out\"\n[voice.v.nodes]\nout = {{ type = \"sine\", frequency = 130, amplitude = {amplitude} }}\n")
+        format!(
+            "[voice.v]\noutput = \"out\"\n[voice.v.nodes]\nout = {{ type = \"sine\", frequency = 130, amplitude = {amplitude} }}\n"
+        )
     };
     let [old, new] = [0.1, 0.4].map(|amplitude| compiled(&text(amplitude), 2, 48_000.0).plan);
     let take = |first: &Plan, then: Option<&Plan>| {
         let (mut director, mut stagehand) = exchange(first).unwrap();
         // One that sounds on the first channel, and one that begins on the second 5 ms after the change.
-        schedule(stagehand.engine(), &[(0.0, play(0, 0, 50.0, 10.0, 1)), (1_640.3, play(0, 1, 50.0, 10.0, 2))]);
+        schedule(
+            stagehand.engine(),
+            &[(0.0, play(0, 0, 50.0, 10.0, 1)), (1_640.3, play(0, 1, 50.0, 10.0, 2))],
+        );
         let mut frames = vec![0.0; 2 * 24_000];
         let (before, after) = frames.split_at_mut(2 * 9_600);
         stagehand.process(&[], before);
@@ -141,7 +150,9 @@ fn what_begins_meanwhile_is_not_faded() {
 #[test]
 fn what_is_silenced_meanwhile_is_silent() {
     let text = |amplitude: f64| {
-        format!("[voice.v]\noutput = \"out\"\n[voice.v.nodes]\nout = {{ type = \"sine\", frequency = 130, amplitude = {amplitude} }}\n")
+        format!(
+            "[voice.v]\noutput = \"out\"\n[voice.v.nodes]\nout = {{ type = \"sine\", frequency = 130, amplitude = {amplitude} }}\n"
+        )
     };
     let [old, new] = [0.4, 0.3].map(|amplitude| compiled(&text(amplitude), 2, 48_000.0).plan);
     for bits in [0, 64] {
@@ -167,9 +178,8 @@ fn what_is_silenced_meanwhile_is_silent() {
 /// Plans that follow one another as fast as they may, each with another figure, while voices come and go.
 #[test]
 fn a_hundred_changes_make_no_larger_step() {
-    let plans = [100, 130, 190, 230].map(|hertz| {
-        voice(&format!("out = {{ type = \"sine\", frequency = {hertz}, amplitude = 0.5 }}"))
-    });
+    let plans = [100, 130, 190, 230]
+        .map(|hertz| voice(&format!("out = {{ type = \"sine\", frequency = {hertz}, amplitude = 0.5 }}")));
     let alone = plans.iter().map(|plan| largest_step(&run(plan, None))).fold(0.0, f32::max);
     let (mut director, mut stagehand) = exchange(&plans[0]).unwrap();
     schedule(stagehand.engine(), &[(0.0, Play { duration: 1e6, ..play(0, 0, 50.0, 1.0, 1) })]);

@@ -333,9 +333,14 @@ fn what_the_system_does_with_a_stream_is_told_and_another_default_is_nobodys_bus
     );
 }
 
-/// What the system plays on by default may lead to other devices: after a move it is at -20 dB, however it was armed.
+/// What the system plays on by default may lead to other devices: after a move or a loss it is at -20 dB, however it was armed.
 #[test]
-fn a_default_that_was_moved_comes_back_as_if_nobody_had_armed_it() {
+fn a_default_that_was_moved_or_lost_comes_back_as_if_nobody_had_armed_it() {
+    lowered(ErrorKind::DeviceChanged, &["moved", "lowered", "lost", "back"]);
+    lowered(ErrorKind::DeviceNotAvailable, &["lowered", "lost", "back"]);
+}
+
+fn lowered(by: ErrorKind, told: &[&str]) {
     let card = Scripted::new(Make::default());
     let system = System::of(&[&card]);
     let device = Wish::Default.choose_among(&system.hosts()).unwrap_or_else(|error| panic!("{error}"));
@@ -348,7 +353,7 @@ fn a_default_that_was_moved_comes_back_as_if_nobody_had_armed_it() {
     };
     let mut session = Session::start(beginning).unwrap_or_else(|error| panic!("{error}"));
     wait("sound", || card.latest().samples.iter().any(|x| x.abs() > 0.47));
-    card.is(|mood| mood.says.extend([ErrorKind::DeviceChanged]));
+    card.is(|mood| mood.says.extend([by]));
     wait("its return", || fates.lock().unwrap().contains(&Fate::Back));
     wait("sound", || card.latest().samples.iter().any(|x| x.abs() > 0.04));
     clock_goes_on(&session, 9_600);
@@ -360,7 +365,14 @@ fn a_default_that_was_moved_comes_back_as_if_nobody_had_armed_it() {
     wait("its level", || most(&card.latest().samples) > 0.47);
     session.stop();
     let fates = fates.lock().unwrap();
-    assert!(matches!(&fates[..], [Fate::Moved, Fate::Lowered, Fate::Lost(_), Fate::Back]), "{fates:?}");
+    let names = fates.iter().map(|fate| match fate {
+        Fate::Moved => "moved",
+        Fate::Lowered => "lowered",
+        Fate::Lost(_) => "lost",
+        Fate::Back => "back",
+        Fate::Said(_) => "said",
+    });
+    assert!(names.eq(told.iter().copied()), "{fates:?}");
     assert_eq!(card.opened(), 2);
 }
 

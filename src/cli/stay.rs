@@ -28,7 +28,8 @@ mod tests {
     fn the_user_has_the_last_word() {
         assert_eq!(staying(""), "{ node.dont-reconnect = true  }");
         let both = "{ node.dont-reconnect = true node.dont-reconnect=false media.role=Music }";
-        for given in ["{ node.dont-reconnect=false media.role=Music }", " node.dont-reconnect=false media.role=Music"]
+        for given in
+            ["{ node.dont-reconnect=false media.role=Music }", " node.dont-reconnect=false media.role=Music"]
         {
             assert_eq!(staying(given), both);
         }

@@ -187,8 +187,7 @@ impl<R: Real> Bank<R> {
         ops: &[Option<usize>],
         (places, old_places): (&mut Places, &mut Places),
         (from, number): (usize, usize),
-        spot: impl Fn(Spot) -> Option<Spot>,
-        crosses: Option<impl Fn(&[(u32, f64)]) -> bool>,
+        (spot, crosses): (impl Fn(Spot) -> Option<Spot>, Option<impl Fn(&[(u32, f64)]) -> bool>),
         clock: u64,
     ) {
         if self.lanes.len() != old.lanes.len() {

@@ -301,7 +301,9 @@ impl<R: Real> Core<R> {
             let silenced = self.silenced.take();
             if let Some(old) = &mut leaving {
                 if let Some((id, bits, at)) = silenced {
-                    old.banks.iter_mut().for_each(|bank| bank.silence(|play| play.is_of(id, bits), at, |_, _| ()));
+                    old.banks
+                        .iter_mut()
+                        .for_each(|bank| bank.silence(|play| play.is_of(id, bits), at, |_, _| ()));
                 }
                 old.settle();
             }

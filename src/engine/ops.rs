@@ -227,7 +227,8 @@ impl<R: Real> Ops<R> {
         for (place, buffer) in self.program.late.iter().enumerate() {
             let op = self.program.ops.iter().position(|op| op.output == *buffer);
             let from = op.and_then(|op| old.program.ops.get((*ops.get(op)?)?));
-            let Some(was) = from.and_then(|from| old.program.late.iter().position(|b| *b == from.output)) else {
+            let Some(was) = from.and_then(|from| old.program.late.iter().position(|b| *b == from.output))
+            else {
                 continue;
             };
             for group in 0..self.groups.min(old.groups) {

@@ -1,8 +1,8 @@
 //! Taking over from the engine of another plan.
 
 use super::Core;
-use crate::dsp::lanes::Real;
 use crate::dsp::fade::{CROSS, FADE};
+use crate::dsp::lanes::Real;
 use crate::engine::event::Event;
 use crate::engine::handover::Inheritance;
 use crate::schedule::Instant;
@@ -62,8 +62,9 @@ impl<R: Real> Core<R> {
                     };
                     let crosses = |place: &[(u32, f64)]| changed || place.iter().any(jumps);
                     let places = (&mut self.places, &mut old.places);
-                    let crosses = (copies && (changed || inheritance.jumps.contains(&true))).then_some(crosses);
-                    bank.adopt(bank_of_old, ops, places, (from, number), spot, crosses, self.clock);
+                    let crosses =
+                        (copies && (changed || inheritance.jumps.contains(&true))).then_some(crosses);
+                    bank.adopt(bank_of_old, ops, places, (from, number), (spot, crosses), self.clock);
                     for lane in 0..bank.lanes() {
                         if let Some((at, serial)) = old.ends.get(first_of_old + lane) {
                             self.ends.set(first + lane, at, serial);

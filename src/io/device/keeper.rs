@@ -202,9 +202,10 @@ impl Keeping {
         match news {
             News::Lost(why) => self.lose(why),
             // ALSA's device is opened as it was.
-            News::Broke(why) if self.sought.as_ref().is_some_and(|(_, id)| id.starts_with("alsa:")) => {
-                self.leave(format!("{why}: it was not fed in time, or its server let go of it; a larger --block helps"))
-            }
+            News::Broke(why) if self.sought.as_ref().is_some_and(|(_, id)| id.starts_with("alsa:")) => self
+                .leave(format!(
+                    "{why}: it was not fed in time, or its server let go of it; a larger --block helps"
+                )),
             // Whoever moves streams may have done so.
             News::Broke(why) => self.lose(why),
             News::Moved => self.moved(),
