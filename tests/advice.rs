@@ -137,7 +137,7 @@ fn patch_and_rig_that_change_places_are_told_how_they_go() {
     assert!(code == 78 && err.contains("pacinian check q.toml --rig RIG"), "{err}");
     let far = patch("[pattern.p]\nevents = [{ at = 0, voice = \"tap\", place = 4 }]");
     let (code, _, err) = scratch.check(&far, &["--rig", "r.toml"]);
-    assert!(code == 65 && err.contains("this rig has 2 channels; the patch needs channel 4"), "{err}");
+    assert!(code == 65 && err.contains("this rig has 2 channels; there is no channel 4"), "{err}");
 }
 
 #[test]

@@ -131,10 +131,27 @@ fn patches_that_mean_nothing() {
         "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\n[[tactor]]\nname = \"top\"\nchannel = 1\n",
     );
     scratch.write("far.toml", with("[pattern.p]\nevents = [{ at = 0, voice = \"beat\", place = 7 }]\n"));
-    scratch
-        .run(&["check", "far.toml", "--rig", "rig.toml"])
-        .fails(65, &["the patch needs channel 7", "has 2"]);
+    scratch.run(&["check", "far.toml", "--rig", "rig.toml"]).fails(65, &["there is no channel 7", "has 2"]);
     scratch.run(&["check", "far.toml"]).succeeds();
+}
+
+/// A file that its user lets grow no further is told, and does not kill the program.
+#[cfg(unix)]
+#[test]
+fn a_file_that_may_not_grow_is_told() {
+    let scratch = Scratch::new("limit");
+    let tone = "[voice.a]\noutput = \"tone\"\n[voice.a.nodes]\ntone = { type = \"sine\", frequency = 100 }\n\
+                [pattern.p]\nevents = [{ at = 0, voice = \"a\", duration = 9 }]\n";
+    scratch.write("long.toml", format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{tone}"));
+    let command = "ulimit -f 100; exec \"$0\" render long.toml -o out.wav";
+    let run = Command::new("sh")
+        .args(["-c", command, env!("CARGO_BIN_EXE_pacinian")])
+        .current_dir(&scratch.0)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert_eq!(run.status.code(), Some(74), "{said}");
+    assert!(said.contains("out.wav") && said.contains("ulimit -f"), "{said}");
 }
 
 #[test]

@@ -194,3 +194,65 @@ fn a_hundred_changes_make_no_larger_step() {
     assert!(step <= 1.003 * alone, "{step} and {alone}");
     assert!(frames[4_800..].windows(960).all(|part| part.iter().any(|x| x.abs() > 0.2)), "it has no gap");
 }
+
+/// Any of the patches that come with this may follow any other at any moment: what leaves stays a number within full scale, and no engine stays
+/// behind.
+#[cfg(feature = "io")]
+#[test]
+fn any_patch_follows_any_other() {
+    use pacinian::graph::scene::{Options, scene};
+    use pacinian::node::asset::{Asset, Assets};
+    use pacinian::rig::Rig;
+    use std::sync::Arc;
+
+    struct Hum;
+    impl Assets for Hum {
+        fn load(&self, _path: &str, _channel: usize) -> Result<Arc<Asset>, String> {
+            let samples = (0..9_600).map(|n| 0.5 * (n as f32 * 0.02).sin()).collect();
+            Ok(Arc::new(Asset { samples, rate: 48_000.0 }))
+        }
+    }
+    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+    let mut paths: Vec<_> =
+        std::fs::read_dir("patches").unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    let mut plans = Vec::new();
+    for path in paths.iter().filter(|path| path.extension().is_some_and(|end| end == "toml")) {
+        let Ok(patch) = pacinian::io::load::patch(path) else { continue };
+        // Those that need a rig of their own are left to it.
+        if let Ok(scene) = scene(&patch.value, &Rig::default_for(8), &options, &Hum) {
+            plans.push(scene.plan);
+        }
+    }
+    assert!(plans.len() > 15, "{}", plans.len());
+    let (mut director, mut stagehand) = exchange(&plans[0]).unwrap();
+    let (mut at, mut sent, mut refused, mut frames) = (0, 0_u32, 0_u32, vec![0.0; 8 * 173]);
+    for n in 0..6_000_u32 {
+        if n % 11 == 3 {
+            // A walk that comes by every pair sooner or later.
+            let next = (at + 1 + (n as usize / 11) % 17) % plans.len();
+            match director.send(&plans[next]) {
+                Ok(true) => (at, sent) = (next, sent + 1),
+                Ok(false) => {}
+                Err(_) => {
+                    refused += 1;
+                    (director, stagehand) = exchange(&plans[next]).unwrap();
+                    at = next;
+                }
+            }
+        }
+        let voices = plans[at].instruments.len() as u32;
+        for k in 0..n % 3 {
+            let now = Instant { sample: stagehand.engine().clock() + u64::from(k), fraction: 99 };
+            let play = play((n + k) % voices.max(1), n % 8, f64::from(40 + n % 300), 0.05, u64::from(n));
+            stagehand.engine().schedule(now, Source::Program, Event::Play(play));
+        }
+        stagehand.process(&[], &mut frames);
+        assert!(frames.iter().all(|x| x.abs() <= 1.0), "after plan {at}, {sent} sent");
+    }
+    assert!(sent > 300, "{sent} sent, {refused} refused");
+    for _ in 0..200 {
+        stagehand.process(&[], &mut frames);
+    }
+    assert_eq!(director.collect(), 0, "an engine stays behind");
+}

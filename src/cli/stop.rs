@@ -18,6 +18,14 @@ fn unheard(error: &std::io::Error) -> Failure {
     Failure::said(71, format!("Ctrl-C cannot be listened to ({error})"))
 }
 
+/// From now on, a file that may not grow any further (`ulimit -f`) is an error of that file and no end of the program: what plays is to fade, and
+/// other files are to be finished.
+pub fn outlive_large_files() {
+    // Where it cannot be, the system has the last word.
+    #[cfg(unix)]
+    let _ = flag::register(signal_hook::consts::signal::SIGXFSZ, Arc::default());
+}
+
 /// Whether somebody has asked to stop.
 #[derive(Debug, Clone, Default)]
 pub struct Stop {

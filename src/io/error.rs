@@ -127,7 +127,7 @@ impl FileError {
             }
             io::ErrorKind::FileTooLarge => {
                 format!(
-                    "`{shown}` has grown as large as its file system allows: render less at a time, or choose another disk"
+                    "`{shown}` has grown as large as its file system, or the limit of the shell (`ulimit -f`), allows: write less at a time, raise the limit, or choose another disk"
                 )
             }
             io::ErrorKind::NotSeekable => {

@@ -62,8 +62,8 @@ enum About {
         number: (u64, u64),
     },
     Folder,
-    /// A pipe or a device, which are not read.
-    Other,
+    /// A pipe or a device, which are not read: which one.
+    Other((u64, u64)),
     Not(ErrorKind),
 }
 
@@ -77,7 +77,7 @@ enum Content {
     /// More than is read.
     Large(About),
     Folder,
-    Other,
+    Other((u64, u64)),
     Not(ErrorKind),
     /// It was touched before anything was read here.
     Unknown,
@@ -211,7 +211,7 @@ impl About {
             Ok(about) if about.is_file() => {
                 Self::File { length: about.len(), modified: about.modified().ok(), number: number(&about) }
             }
-            Ok(_) => Self::Other,
+            Ok(about) => Self::Other(number(&about)),
             Err(error) => Self::Not(error.kind()),
         }
     }
@@ -250,7 +250,7 @@ impl Content {
             About::File { length, .. } if length > SMALL => Self::Large(about),
             About::File { .. } => read(path).unwrap_or_else(|error| Self::Not(error.kind())),
             About::Folder => Self::Folder,
-            About::Other => Self::Other,
+            About::Other(which) => Self::Other(which),
             About::Not(why) => Self::Not(why),
         }
     }
@@ -338,6 +338,12 @@ mod tests {
             assert_eq!(bench.told(SOON), ["a"]);
             fs::write(bench.path("c"), "behind the link").unwrap();
             assert_eq!(bench.told(SOON), ["a"]);
+            fs::remove_file(&file).unwrap();
+            let _socket = std::os::unix::net::UnixListener::bind(&file).unwrap();
+            assert_eq!(bench.told(SOON), ["a"], "what is not read");
+            fs::remove_file(&file).unwrap();
+            std::os::unix::fs::symlink("/dev/null", &file).unwrap();
+            assert_eq!(bench.told(SOON), ["a"], "something else that is not read");
         }
     }
 

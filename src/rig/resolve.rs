@@ -65,7 +65,7 @@ impl Rig {
             (None, Some(Place::Channel(channel))) if *channel == 0 || *channel > self.device.channels => {
                 let has = self.device.channels;
                 let what = format!(
-                    "this rig has {has} channel{}; the patch needs channel {channel}",
+                    "this rig has {has} channel{}; there is no channel {channel}",
                     if has == 1 { "" } else { "s" }
                 );
                 let help = if *channel == 0 {
@@ -223,7 +223,7 @@ mod tests {
         assert_eq!(name.what, "the rig has no tactor `t33`");
         assert_eq!(name.help.as_deref(), Some("did you mean `t3`?"));
         assert_eq!(name.span, Some(5..9));
-        assert_eq!(wrong(&rig, Place::Channel(5)).what, "this rig has 4 channels; the patch needs channel 5");
+        assert_eq!(wrong(&rig, Place::Channel(5)).what, "this rig has 4 channels; there is no channel 5");
         assert_eq!(wrong(&rig, Place::Channel(4)).what, "the rig has no tactor on channel 4");
         rig.outputs[0].kind = OutputKind::Trigger { marker: None, pulse: 0.005 };
         assert!(wrong(&rig, Place::Channel(1)).what.contains("is a trigger"));

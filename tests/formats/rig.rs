@@ -265,7 +265,7 @@ fn places_of_a_patch_are_checked_against_it() {
     let problems = pacinian::text::Problems { file: "p.toml".into(), source: source.into(), list };
     let expected = [
         (5, "no tactor `t9`"),
-        (10, "this rig has 8 channels; the patch needs channel 9"),
+        (10, "this rig has 8 channels; there is no channel 9"),
         (11, "did you mean `t1`?"),
     ];
     assert_told(source, &problems, &expected);

@@ -62,7 +62,7 @@ impl Counts {
             .filter(|(figure, _)| figure.get() != 0)
             .map(|(figure, kind)| format!("{} {kind}", figure.get()))
             .collect();
-        (!told.is_empty()).then(|| format!("OSC, of {} messages: {}", self.messages.get(), told.join(", ")))
+        (!told.is_empty()).then(|| format!("OSC, {} messages read: {}", self.messages.get(), told.join(", ")))
     }
 }
 
@@ -78,6 +78,6 @@ mod tests {
         assert_eq!(counts.trouble(), None);
         counts.late.add(2);
         counts.malformed.add(1);
-        assert_eq!(counts.trouble().unwrap(), "OSC, of 9 messages: 1 malformed, 2 late");
+        assert_eq!(counts.trouble().unwrap(), "OSC, 9 messages read: 1 malformed, 2 late");
     }
 }
