@@ -73,7 +73,7 @@ fn main() {
     let governor = Governor::new(&device, MARGIN).unwrap();
     let slow = Device {
         period: 1.0 / 48e3,
-        delay: Delay { fixed: 0.0, block: 512, frames: 1.0, blocks: 2.0 },
+        delay: Delay { fixed: 0.0, block: 512, frames: 1.0, blocks: 2.0, local: None },
         ..device.clone()
     };
     let start = ThreadTime::now();

@@ -698,6 +698,65 @@ fn a_knob_and_its_servo_take_no_memory() {
     }
 }
 
+/// What a servo leaves to the thread of a line, with effects that remember, and what that makes of it.
+#[test]
+fn a_profile_takes_no_memory() {
+    use pacinian::knob::effect::{detent, friction, inertia, transient, wall};
+    use pacinian::knob::governor::device::{Delay, Device};
+    use pacinian::knob::safety::chain::Limits;
+    use pacinian::knob::servo::setup::Setup;
+    use pacinian::knob::servo::tick::Servo;
+    use pacinian::live::local::{Bounds, Counts, Local, Told};
+
+    let device = Device {
+        inertia: 2e-5,
+        damping: 4e-4,
+        friction: None,
+        count: 1e-4,
+        period: 1.0 / 8000.0,
+        delay: Delay { local: Some(12.0), ..Delay::ticks(40.0) },
+        resonance: None,
+        low_pass: None,
+        velocity: pacinian::knob::velocity::choice::Choice::Adaptive(0.01),
+        peak: 0.05,
+    };
+    let limits = Limits {
+        period: device.period,
+        slew: 100.0,
+        low_pass: None,
+        continuous: 0.02,
+        winding: 12.0,
+        peak: 0.05,
+        soft_start: 0.1,
+        stale: 3,
+        release: 0.02,
+        over_speed: 60.0,
+    };
+    let effects = vec![
+        wall::Stops { low: -0.3, high: 0.3, stiffness: 0.05, damping: 1e-4 }.into(),
+        detent::Detent::with_stiffness(24.0, 0.01).into(),
+        friction::Friction { torque: 1e-3, stretch: 0.01, law: friction::Law::Dahl }.into(),
+        inertia::Inertia { inertia: 1e-4, stiffness: 0.01, damping: 1e-4 }.into(),
+        transient::Transient { strength: 1e-3, hertz: 120.0, decay: 0.02, least: 0.01, most: 0.05 }.into(),
+    ];
+    let mut servo = Servo::new(&Setup::new(effects, device, limits)).unwrap();
+    servo.arm();
+    let bounds = Bounds { slew: 100.0, over_speed: 60.0, inverted: false };
+    let (mut local, counts, mut most) = (Local::new(bounds), Counts::default(), 0.0_f64);
+    let total = counted(|| {
+        for n in 0..4000_u64 {
+            let angle = 0.4 * (n as f64 * 2e-3).sin();
+            servo.tick((n % 9 != 0).then_some(angle), true);
+            let told = Told { number: n + 1, stamp: n + 1, heard: angle, profile: servo.profile() };
+            local.take(&told, &counts);
+            let read = if n % 501 == 500 { f64::NAN } else { angle + 0.02 };
+            most = most.max(local.torque(n * 125_000, read, 1.0, &counts).abs());
+        }
+    });
+    assert_eq!(total, 0, "allocations and frees");
+    assert!(most > 1e-3 && counts.now().taken == 4000);
+}
+
 /// A scene with a knob: turned, pushed by what is no number, silenced, armed, sent worlds, and swapped for another while it turns.
 #[test]
 fn a_knob_in_the_engine_takes_no_memory() {

@@ -7,6 +7,7 @@ use pacinian::graph::plan::Plan;
 use pacinian::io::knob::driver::Running;
 use pacinian::io::knob::patched;
 use pacinian::knob::effect::program::Any;
+use pacinian::live::local::Bounds;
 use pacinian::live::remote::{Heard, Lateness, remote};
 use pacinian::rig::knob::controller::AMPLITUDE;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -16,11 +17,19 @@ pub struct OnLine {
     running: Running,
     port: String,
     /// Of one whose torque is computed here: how late it is written, and how late it was expected to be, seconds.
-    late: Option<(Lateness, f64)>,
+    late: Option<Late>,
     says: Receiver<String>,
     orders: Sender<Vec<Any>>,
     /// What is told of it at first.
     pub note: String,
+}
+
+/// How late torque is written, and how late it was expected to be, seconds; the same of what the line's own thread makes.
+struct Late {
+    lateness: Lateness,
+    expected: f64,
+    alone: Option<f64>,
+    exchange: f64,
 }
 
 /// Seconds for which one that renders by itself may say nothing: it may when it stands, and is lost by its session.
@@ -41,8 +50,15 @@ impl OnLine {
         };
         let Some(controller) = &of_rig.controller else { return Ok(None) };
         let patience = if controller.renders() { STILL } else { controller.patience };
-        let (heard, line) = remote(knob.allowance, patience, AMPLITUDE, sensor.channels);
-        let late = (!controller.renders()).then(|| (line.lateness(), knob.allowance));
+        let bounds =
+            Bounds { slew: of_rig.slew, over_speed: of_rig.over_speed, inverted: controller.inverted };
+        let (heard, line) = remote(knob.allowance, patience, AMPLITUDE, sensor.channels, bounds);
+        let late = (!controller.renders()).then(|| Late {
+            lateness: line.lateness(),
+            expected: knob.allowance,
+            alone: of_rig.local(),
+            exchange: controller.exchange(),
+        });
         let (told, says) = channel();
         let (orders, taken) = channel();
         let running =
@@ -74,7 +90,7 @@ impl OnLine {
                 1e3 * trip.worst
             );
         }
-        let Some((lateness, expected)) = &self.late else { return text + "\n" };
+        let Some(Late { lateness, expected, alone, exchange }) = &self.late else { return text + "\n" };
         let Some(within) = lateness.within(OFTEN) else { return text + "\n" };
         // The angle was on its way before that, and the torque after it: one answer's time together.
         let delay = ((within + trip.mean) * 1e4).ceil() * 1e-4;
@@ -87,6 +103,36 @@ impl OnLine {
             text += &format!(": `delay = {delay:.4}` in [knob] of the rig makes the knob stiffer");
         } else if delay > *expected {
             text += ": what was later is no torque; smaller blocks, or a longer `delay` in [knob] of the rig, give it back";
+        }
+        if let Some((within, alone)) = lateness.local_within(OFTEN).zip(*alone) {
+            let delay = ((within + trip.mean) * 1e4).ceil() * 1e-4;
+            text += &format!(
+                "\n    of what depends on the angle alone, which the line's own thread works out, {:.1} ms, and {:.1} ms are reckoned with",
+                1e3 * (delay + 0.5 * exchange),
+                1e3 * alone
+            );
+            if delay + 0.5 * exchange < 0.9 * alone {
+                text += &format!(": `delay = {delay:.4}` in its controller makes the knob stiffer");
+            } else if delay + 0.5 * exchange > alone {
+                text += &format!(": write `delay = {delay:.4}` into its controller, or it may swing");
+            }
+        }
+        let profiles = lateness.profiles();
+        if profiles.taken > 0 {
+            text += &format!(
+                "\n    {} blocks' torques came over, {} were replaced by newer ones on their way; their changes put in {:.2e} J",
+                grouped(profiles.taken),
+                grouped(profiles.replaced),
+                profiles.booked
+            );
+            let more = [
+                (profiles.beyond, "for angles beyond what was known of"),
+                (profiles.slewed, "held to the slew"),
+                (profiles.too_fast, "0 as it was too fast"),
+            ];
+            for (count, what) in more.into_iter().filter(|(count, _)| *count > 0) {
+                text += &format!("; {} torques {what}", grouped(count));
+            }
         }
         text + "\n"
     }

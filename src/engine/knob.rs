@@ -347,7 +347,7 @@ impl Knob {
         let target = self.hand.map_or(self.held_at, |hand| value(&self.past, hand));
         let speed = (target - self.held_at) * self.rate;
         let ticks = self.plan.ticks.max(1);
-        let (mut passed, mut hit) = (0.0, 0.0_f64);
+        let (mut passed, mut hit, mut given) = (0.0, 0.0_f64, 0.0);
         for tick in 0..ticks {
             let share = f64::from(tick) / f64::from(ticks);
             let hand = Hand {
@@ -359,6 +359,7 @@ impl Knob {
                 Some(knob) => knob.tick(&mut self.servo, &hand),
                 None => self.felt(),
             };
+            given = torque;
             for event in self.servo.events().list() {
                 match event.what {
                     What::Detent { passed: notches, .. } => passed += notches as f64,
@@ -375,7 +376,7 @@ impl Knob {
             }
         }
         self.held_at = target;
-        let Given { angle, velocity, torque, .. } = *self.servo.last();
+        let (Given { angle, velocity, .. }, torque) = (*self.servo.last(), given);
         let turns = self.simulated.as_ref().map(|knob| (knob.plant(), knob.thermal()));
         let (held, speed) =
             turns.map_or((angle, velocity), |(plant, _)| (plant.knob_angle(), plant.knob_speed()));

@@ -68,5 +68,5 @@ pub mod servo;
 pub mod stability;
 #[cfg(test)]
 #[allow(dead_code)] // Each test asks another part of it.
-mod test_plant;
+pub(crate) mod test_plant;
 pub mod velocity;

@@ -20,6 +20,7 @@ use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Stagehand;
 use crate::engine::knob::followed::Followed;
 use crate::engine::watch::Crossing;
+use crate::knob::local_model::profile::Profile;
 use crate::schedule::Instant;
 
 /// Sources of events, in the order in which they go at the same instant.
@@ -287,14 +288,14 @@ impl Callback {
         knob.and_then(|knob| knob.sensor()).map_or(Vec::new(), |sensor| sensor.channels.to_vec())
     }
 
-    /// The torque (N m) that a knob which is there is to give now, as far as the gate is open, and whether somebody wants it.
-    pub fn torque(&mut self) -> (f64, bool) {
+    /// The torque that a knob which is there is to give now and near where it is, as far as the gate is open, and whether somebody wants it.
+    pub fn torque(&mut self) -> (Profile, bool) {
         let opening = f64::from(self.gate.opening());
         let Some(knob) = self.stagehand.engine().knob().filter(|knob| knob.is_attached()) else {
-            return (0.0, false);
+            return (Profile::flat(0.0), false);
         };
         let wanted = opening > 0.0 && Torque::of(Some(knob)).is_wanted();
-        (knob.last().torque * opening, wanted)
+        (knob.servo().profile().scaled(opening), wanted)
     }
 
     /// Seconds that the device may take from the angle of a knob that is there to its torque, if one is read.

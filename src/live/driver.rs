@@ -123,9 +123,9 @@ impl Driver {
                 }
             }
         }
-        if let Some(given) = &self.given {
-            let (torque, wanted) = self.callback.torque();
-            given.put(torque, wanted);
+        if let Some(given) = &mut self.given {
+            let (profile, wanted) = self.callback.torque();
+            given.put(&profile, wanted);
         }
         let (busy, period) = (begin.elapsed().as_secs_f64(), frames as f64 / self.rate);
         self.board.load.note(busy, period);

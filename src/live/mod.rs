@@ -19,6 +19,7 @@ pub mod gate;
 pub mod intake;
 pub mod lever;
 pub mod load;
+pub mod local;
 pub mod midi_board;
 mod owed;
 pub mod provenance;

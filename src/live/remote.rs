@@ -1,7 +1,8 @@
 //! A knob that another thread talks to: its angle is heard as an input is, its torque goes back.
 //!
-//! Two cells hold the newest of each, and neither side ever waits for the other. Every torque carries the time of the angle that it was made
-//! of. One that is older than was allowed for is none: so whatever stops, the line, the callback or a thread, torque does not outlast it.
+//! Two cells hold the newest of each, and neither side ever waits for the other. What goes back is torque over the angle near where the knob is
+//! ([`Profile`]), so that the line's thread gives that of the angle it has just read ([`local`](super::local)). It carries the time of the
+//! angle that it was made of. One that is older than was allowed for is none: so whatever stops, the line, the callback or a thread, torque does not outlast it.
 
 #![deny(clippy::disallowed_methods)]
 
@@ -9,23 +10,29 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::intake::Hearing;
+use super::local::{Bounds, Count, Counts, Local, Told};
 use super::stamp::nanoseconds;
 use crate::knob::angle::decoder::NOT_HEARD;
 use crate::knob::local_model::link::{Cell, Seen};
+use crate::knob::local_model::profile::Profile;
 
 #[derive(Debug, Default)]
 struct Shared {
     /// Nanoseconds and angle, written by the line's thread.
     angle: Cell,
-    /// Nanoseconds of the angle, and the torque that it gave, written by the callback.
-    torque: Cell,
-    /// Nanoseconds of the angle that the callback hears; 0: none.
+    /// Nanoseconds of the angle, and the torques that it gave, written by the callback.
+    torque: Cell<{ Told::WORDS }>,
+    /// Nanoseconds of the angle that the callback hears, 0: none; and that angle.
     heard: AtomicU64,
+    heard_at: AtomicU64,
     /// Whether torque came too late at the line's end, and whether it is wanted at all.
     late: AtomicBool,
     wanted: AtomicBool,
     /// How often torque was so many [`STEP`]s older than its angle when it was written; the last place is for all that were older.
     ages: Ages,
+    /// The same of the angle that the torque was taken of from a profile.
+    local_ages: Ages,
+    counts: Counts,
 }
 
 /// How finely ages are told apart, nanoseconds, and into how many steps.
@@ -41,15 +48,16 @@ impl Default for Ages {
     }
 }
 
-/// How late torque was written, as long as a knob was on its line.
-#[derive(Debug, Clone)]
-pub struct Lateness(Arc<Shared>);
+impl Ages {
+    fn note(&self, age: Option<u64>) {
+        let place = age.map(|age| usize::try_from(age / STEP).unwrap_or(STEPS).min(STEPS - 1));
+        if let Some(count) = place.and_then(|place| self.0.get(place)) {
+            count.fetch_add(1, Ordering::Relaxed);
+        }
+    }
 
-impl Lateness {
-    /// Seconds within which the given share of torques was written after their angles were read, to 0.05 ms; `None`: none was, or they took
-    /// more than 0.1 s.
-    pub fn within(&self, share: f64) -> Option<f64> {
-        let ages = || self.0.ages.0.iter().map(|count| count.load(Ordering::Relaxed));
+    fn within(&self, share: f64) -> Option<f64> {
+        let ages = || self.0.iter().map(|count| count.load(Ordering::Relaxed));
         let wanted = share * ages().sum::<u64>() as f64;
         let mut sum = 0;
         let place = ages().position(|count| {
@@ -60,15 +68,40 @@ impl Lateness {
     }
 }
 
+/// How late torque was written, as long as a knob was on its line.
+#[derive(Debug, Clone)]
+pub struct Lateness(Arc<Shared>);
+
+impl Lateness {
+    /// Seconds within which the given share of torques was written after their angles were read, to 0.05 ms; `None`: none was, or they took
+    /// more than 0.1 s.
+    pub fn within(&self, share: f64) -> Option<f64> {
+        self.0.ages.within(share)
+    }
+
+    /// The same of the angle of which the line's own thread made it.
+    pub fn local_within(&self, share: f64) -> Option<f64> {
+        self.0.local_ages.within(share)
+    }
+
+    /// What became of the profiles that were sent.
+    pub fn profiles(&self) -> Count {
+        self.0.counts.now()
+    }
+}
+
 /// The end of the thread that talks to the knob.
 #[derive(Debug)]
 pub struct Line {
     shared: Arc<Shared>,
     /// The oldest that an angle may be when its torque is there, nanoseconds.
     oldest: u64,
-    torque: Seen,
-    /// How old the torque was that was asked for last, nanoseconds.
+    local: Local,
+    /// When it was read last, and what: angle and speed.
+    read: Option<(u64, [f64; 2])>,
+    /// How old the torque was that was asked for last, nanoseconds; and the angle that it was taken of.
     age: Option<u64>,
+    local_age: Option<u64>,
 }
 
 /// The callback's end: what it hears.
@@ -89,6 +122,8 @@ pub struct Heard {
 #[derive(Debug)]
 pub struct Given {
     shared: Arc<Shared>,
+    /// How often it did.
+    sent: u64,
 }
 
 /// Whole nanoseconds of so many seconds.
@@ -97,11 +132,23 @@ fn whole(seconds: f64) -> u64 {
 }
 
 /// Both ends of a knob that may take `allowance` seconds from an angle to its torque, and `patience` until the next angle. It is heard as
-/// sine and cosine of `amplitude` on two `channels`.
-pub fn remote(allowance: f64, patience: f64, amplitude: f64, channels: [usize; 2]) -> (Heard, Line) {
+/// sine and cosine of `amplitude` on two `channels`, and its line keeps to `bounds`.
+pub fn remote(
+    allowance: f64,
+    patience: f64,
+    amplitude: f64,
+    channels: [usize; 2],
+    bounds: Bounds,
+) -> (Heard, Line) {
     let shared = Arc::<Shared>::default();
-    let line =
-        Line { shared: Arc::clone(&shared), oldest: whole(allowance), torque: Seen::default(), age: None };
+    let line = Line {
+        shared: Arc::clone(&shared),
+        oldest: whole(allowance),
+        local: Local::new(bounds),
+        read: None,
+        age: None,
+        local_age: None,
+    };
     let oldest = whole(patience);
     let heard =
         Heard { shared, oldest, amplitude, channels, beside: None, seen: Seen::default(), before: None };
@@ -109,18 +156,20 @@ pub fn remote(allowance: f64, patience: f64, amplitude: f64, channels: [usize; 2
 }
 
 impl Line {
-    /// The angle, radians, read just now.
-    pub fn put(&mut self, angle: f64) {
-        self.put_at(nanoseconds(), angle);
+    /// The angle, radians, read just now, and the speed with it, rad/s.
+    pub fn put(&mut self, angle: f64, speed: f64) {
+        self.put_at(nanoseconds(), angle, speed);
     }
 
-    fn put_at(&mut self, now: u64, angle: f64) {
+    fn put_at(&mut self, now: u64, angle: f64, speed: f64) {
+        self.read = Some((now, [angle, speed]));
         // 0 stands for none.
         self.shared.angle.write(&Seen { tick: now.max(1), angle, ..Seen::default() });
     }
 
     /// There is no angle any more.
     pub fn lose(&mut self) {
+        self.read = None;
         self.shared.angle.write(&Seen::default());
     }
 
@@ -131,21 +180,28 @@ impl Line {
 
     fn torque_at(&mut self, now: u64) -> f64 {
         // While it is being written it is the one before.
-        self.torque = self.shared.torque.read().unwrap_or(self.torque);
-        let Seen { tick, torque, .. } = self.torque;
-        self.age = (tick != 0).then(|| now.saturating_sub(tick));
-        let late = tick == 0 || now.saturating_sub(tick) > self.oldest;
+        if let Some(words) = self.shared.torque.read_words() {
+            self.local.take(&Told::of_words(&words), &self.shared.counts);
+        }
+        let Told { stamp, profile, .. } = *self.local.told();
+        self.age = (stamp != 0).then(|| now.saturating_sub(stamp));
+        let late = stamp == 0 || now.saturating_sub(stamp) > self.oldest;
         // Before the first there is nothing to be late.
-        self.shared.late.store(late && tick != 0, Ordering::Relaxed);
-        if late || !torque.is_finite() { 0.0 } else { torque }
+        self.shared.late.store(late && stamp != 0, Ordering::Relaxed);
+        self.local_age = self.read.filter(|_| !profile.is_flat()).map(|(then, _)| now.saturating_sub(then));
+        match self.read {
+            Some((_, [angle, speed])) if !late => self.local.torque(now, angle, speed, &self.shared.counts),
+            read => {
+                let angle = read.map_or(f64::NAN, |(_, [angle, _])| angle);
+                self.local.nothing(now, angle, &self.shared.counts)
+            }
+        }
     }
 
     /// Counts how old the torque was that was asked for last: it is written now.
     pub fn note(&self) {
-        let place = self.age.map(|age| usize::try_from(age / STEP).unwrap_or(STEPS).min(STEPS - 1));
-        if let Some(count) = place.and_then(|place| self.shared.ages.0.get(place)) {
-            count.fetch_add(1, Ordering::Relaxed);
-        }
+        self.shared.ages.note(self.age);
+        self.shared.local_ages.note(self.local_age);
     }
 
     /// How late it is written.
@@ -162,7 +218,7 @@ impl Line {
 impl Heard {
     /// What the callback gives back.
     pub fn given(&self) -> Given {
-        Given { shared: Arc::clone(&self.shared) }
+        Given { shared: Arc::clone(&self.shared), sent: 0 }
     }
 
     /// What `other` hears is heard as well, on the channels before those of the knob.
@@ -198,6 +254,7 @@ impl Heard {
             return;
         }
         self.shared.heard.store(tick, Ordering::Relaxed);
+        self.shared.heard_at.store(angle.to_bits(), Ordering::Relaxed);
         // Straight from one reading to the next, so that speeds are no steps.
         let from = self.before.replace(angle).unwrap_or(angle);
         let count = (frames.len() / channels) as f64;
@@ -218,11 +275,19 @@ impl Hearing for Heard {
 }
 
 impl Given {
-    /// The torque, N m, that came of what is heard now.
-    pub fn put(&self, torque: f64, wanted: bool) {
-        let tick = self.shared.heard.load(Ordering::Relaxed);
+    /// The torques that came of what is heard now.
+    pub fn put(&mut self, profile: &Profile, wanted: bool) {
+        self.sent += 1;
+        let stamp = self.shared.heard.load(Ordering::Relaxed);
+        let heard = f64::from_bits(self.shared.heard_at.load(Ordering::Relaxed));
         self.shared.wanted.store(wanted, Ordering::Relaxed);
-        self.shared.torque.write(&Seen { tick, torque, ..Seen::default() });
+        let told = Told { number: self.sent, stamp, heard, profile: *profile };
+        self.shared.torque.write_words(&told.words());
+    }
+
+    /// How many were sent.
+    pub fn sent(&self) -> u64 {
+        self.sent
     }
 
     /// Whether what was given came in time.
@@ -233,7 +298,14 @@ impl Given {
 
 #[cfg(test)]
 mod tests {
-    use super::{NOT_HEARD, remote};
+    use super::{Bounds, Heard, Line, NOT_HEARD};
+    use crate::knob::local_model::profile::Profile;
+
+    const BOUNDS: Bounds = Bounds { slew: 1e3, over_speed: 60.0, inverted: false };
+
+    fn remote(allowance: f64, patience: f64, amplitude: f64, channels: [usize; 2]) -> (Heard, Line) {
+        super::remote(allowance, patience, amplitude, channels, BOUNDS)
+    }
 
     const MS: u64 = 1_000_000;
 
@@ -255,56 +327,56 @@ mod tests {
             angles(&frames)
         };
         assert_eq!(hear(1), [None; 4], "nothing was read yet");
-        line.put_at(2 * MS, 0.2);
+        line.put_at(2 * MS, 0.2, 0.0);
         let near = |got: Vec<Option<f64>>, want: [f64; 4]| {
             got.iter().zip(want).all(|(got, want)| got.is_some_and(|got| (got - want).abs() < 1e-6))
         };
         assert!(near(hear(3), [0.2; 4]));
-        line.put_at(4 * MS, 0.6);
+        line.put_at(4 * MS, 0.6, 0.0);
         assert!(near(hear(5), [0.3, 0.4, 0.5, 0.6]));
         assert!(near(hear(8), [0.6; 4]));
         assert_eq!(hear(9), [None; 4], "5 ms old");
-        line.put_at(10 * MS, 1.0);
+        line.put_at(10 * MS, 1.0, 0.0);
         // Where it was lost it begins anew.
         assert!(near(hear(10), [1.0; 4]));
         line.lose();
         assert_eq!(hear(10), [None; 4]);
-        line.put_at(11 * MS, f64::NAN);
+        line.put_at(11 * MS, f64::NAN, 0.0);
         assert_eq!(hear(11), [None; 4]);
     }
 
     #[test]
     fn no_torque_outlasts_the_angle_that_it_was_made_of() {
         let (mut heard, mut line) = remote(0.01, 0.004, 0.5, [0, 1]);
-        let given = heard.given();
+        let mut given = heard.given();
         assert_eq!((line.torque_at(0), given.in_time(), line.is_wanted()), (0.0, true, false));
-        line.put_at(5 * MS, 0.2);
+        line.put_at(5 * MS, 0.2, 0.0);
         heard.hear_at(6 * MS, 0.0, 2, &mut [0.0; 8]);
         // One that comes meanwhile is not the one that was heard.
-        line.put_at(7 * MS, 0.3);
-        given.put(0.03, true);
+        line.put_at(7 * MS, 0.3, 0.0);
+        given.put(&Profile::flat(0.03), true);
         assert_eq!((line.torque_at(15 * MS), given.in_time(), line.is_wanted()), (0.03, true, true));
         assert_eq!((line.torque_at(16 * MS), given.in_time()), (0.0, false));
         heard.hear_at(10 * MS, 0.0, 2, &mut [0.0; 8]);
-        given.put(f64::NAN, true);
+        given.put(&Profile::flat(f64::NAN), true);
         assert_eq!((line.torque_at(16 * MS), given.in_time()), (0.0, true), "it is no number");
         // What was made of nothing is none, and not late.
         heard.hear_at(30 * MS, 0.0, 2, &mut [0.0; 8]);
-        given.put(0.02, false);
+        given.put(&Profile::flat(0.02), false);
         assert_eq!((line.torque_at(30 * MS), given.in_time(), line.is_wanted()), (0.0, true, false));
     }
 
     #[test]
     fn how_late_torque_is_written_is_counted() {
         let (mut heard, mut line) = remote(0.01, 1.0, 0.5, [0, 1]);
-        let (given, lateness) = (heard.given(), line.lateness());
+        let (mut given, lateness) = (heard.given(), line.lateness());
         line.note();
         assert_eq!(lateness.within(1.0), None, "none was written");
         for (count, late) in [(90, 2), (9, 3), (1, 150)] {
             for _ in 0..count {
-                line.put_at(5 * MS, 0.2);
+                line.put_at(5 * MS, 0.2, 0.0);
                 heard.hear_at(6 * MS, 0.0, 2, &mut [0.0; 8]);
-                given.put(0.03, true);
+                given.put(&Profile::flat(0.03), true);
                 line.torque_at((5 + late) * MS);
                 line.note();
             }
@@ -335,7 +407,7 @@ mod tests {
         let mut frames = [0.0; 10];
         heard.hear_at(MS, 0.25, 5, &mut frames);
         assert_eq!(frames, [0.0, 1.0, 2.0, NOT_HEARD, NOT_HEARD, 5.0, 6.0, 7.0, NOT_HEARD, NOT_HEARD]);
-        line.put_at(2 * MS, 0.0);
+        line.put_at(2 * MS, 0.0, 0.0);
         heard.hear_at(3 * MS, 0.25, 5, &mut frames);
         assert_eq!(frames, [0.0, 1.0, 2.0, 0.0, 0.5, 5.0, 6.0, 7.0, 0.0, 0.5]);
     }

@@ -81,7 +81,10 @@ fn every_knob_that_ships_rests_at_half_its_limit_and_swings_beyond_the_edge() {
         // With little it takes minutes of its time.
         let slow = device.damping < 1e-5;
         for block in BLOCKS.into_iter().filter(|block| !slow || [16, 512].contains(block)) {
-            let d = Device { delay: Late { fixed: 0.0, block, frames: 1.0, blocks: 2.0 }, ..device.clone() };
+            let d = Device {
+                delay: Late { fixed: 0.0, block, frames: 1.0, blocks: 2.0, local: None },
+                ..device.clone()
+            };
             let k = 0.5 * Governor::new(&d, MARGIN).unwrap().most_stiffness(0.0);
             let sampled = d.sampled().unwrap();
             let rest = -sampled.growth(k, 0.0);

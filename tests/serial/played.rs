@@ -115,6 +115,10 @@ fn an_odrive_feels(patient: bool) -> bool {
     wait("the spring", rests);
     let all = ended(playing);
     assert!(all.contains(terminal.name()), "{all}");
+    assert!(
+        all.contains("which the line's own thread works out") && all.contains("blocks' torques came over"),
+        "{all}"
+    );
     wait("the last bytes", || terminal.device().state == 1);
     let left = {
         let device = terminal.device();
@@ -339,4 +343,9 @@ fn a_port_that_is_not_there_is_told() {
     let checked = room.run(&["check", "p.toml", "--rig", "r.toml"]);
     let checked = String::from_utf8_lossy(&checked.stdout).into_owned();
     assert!(checked.contains("N m/rad"), "{checked}");
+    // Two exchanges and 2 ms of the line, at 8 kHz.
+    assert!(
+        checked.contains("torque is 2400 ticks late, 48 where it depends on the angle alone"),
+        "{checked}"
+    );
 }

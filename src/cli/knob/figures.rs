@@ -17,6 +17,8 @@ pub struct Figures {
     rate: f64,
     /// Ticks from a reading to its torque, beside the one for which torque is held.
     delay_ticks: f64,
+    /// The same of what depends on the angle alone, where the line's own thread makes it; null: the same.
+    local_ticks: Option<f64>,
     /// kg m².
     inertia: f64,
     /// Viscous friction under its drive, N m s/rad.
@@ -79,6 +81,7 @@ impl Figures {
             simulated: of.model.is_some(),
             rate: 1.0 / device.period,
             delay_ticks: device.delay.total(),
+            local_ticks: (device.delay.sooner() > 0).then(|| device.delay.spring()),
             inertia: device.inertia,
             damping: device.damping,
             friction: device.friction,
@@ -128,6 +131,8 @@ impl Figures {
             true => "torque follows within the tick".into(),
             false => format!("torque is {} ticks late", short(self.delay_ticks)),
         };
+        let alone = |ticks: f64| format!("{late}, {} where it depends on the angle alone", short(ticks));
+        let late = self.local_ticks.map_or(late.clone(), alone);
         table.row(["servo".into(), format!("{:.0} Hz, {late}", self.rate)]);
         table.row(["effects".into(), self.effects.join(", ")]);
         let share = |share: &Share, unit: &str| match share.granted < share.asked {

@@ -56,7 +56,7 @@ pub fn begin(
     let sign = if controller.inverted { -1.0 } else { 1.0 };
     let hands = |myself| Hands { line, says, sign, name: controller.port.clone(), myself, angle: None };
     let ran = match controller.kind {
-        Kind::ODrive { axis, exchanges, watchdog, unwatched } => {
+        Kind::ODrive { axis, exchanges, watchdog, unwatched, .. } => {
             let settings = odrive::Settings {
                 axis,
                 most_torque: knob.peak,
@@ -179,7 +179,7 @@ impl Hands {
 impl Servo for Hands {
     fn tick(&mut self, reading: &Reading) -> f64 {
         // What is inverted is turned round where it is heard; its torque is turned round here.
-        self.line.put(reading.angle);
+        self.line.put(reading.angle, reading.velocity.unwrap_or(0.0));
         self.angle = Some(reading.angle);
         if self.myself.is_some() {
             self.rest();

@@ -51,6 +51,11 @@ macro_rules! effects {
                 match self { $(Self::$name(e, state) => e.torque(state, r, m, events),)* }
             }
 
+            /// What it would give, and remembers nothing of it.
+            fn peek(&self, r: &Reading, m: &Modulation, events: &mut Events) -> f64 {
+                match self { $(Self::$name(e, state) => { let mut state = *state; e.torque(&mut state, r, m, events) })* }
+            }
+
             fn reset(&mut self) {
                 match self { $(Self::$name(_, state) => *state = Default::default(),)* }
             }
@@ -186,6 +191,16 @@ impl Program {
         if sum.is_finite() { sum } else { self.sum_of_numbers() }
     }
 
+    /// What the sum of all torques (N m) would be were this the next reading, without what is no number; nothing of it is remembered.
+    pub fn peek(&self, reading: &Reading, stiffness: f64, damping: f64) -> f64 {
+        let mut events = Events::default();
+        let torque = |Slot { effect, control, .. }: &Slot| {
+            let m = Modulation { gain: control.gain, fed: control.fed, stiffness, damping };
+            effect.peek(&Reading { angle: reading.angle - control.shift, ..*reading }, &m, &mut events)
+        };
+        self.slots.iter().map(torque).filter(|torque| torque.is_finite()).sum()
+    }
+
     /// The sum of those that are numbers.
     #[cold]
     fn sum_of_numbers(&mut self) -> f64 {
@@ -202,6 +217,16 @@ impl Program {
     /// Potential energy of those effects that have one, at a gain of 1, joules.
     pub fn energy(&self, angle: f64) -> f64 {
         self.slots.iter().filter_map(|slot| slot.effect.energy(angle)).sum()
+    }
+
+    /// Potential energy as effects are scaled now, with the share of stiffness that the governor leaves, joules.
+    pub fn potential(&self, angle: f64, stiffness: f64) -> f64 {
+        let of = |Slot { effect, control, bound, .. }: &Slot| {
+            // What has no stiffness is left as it is.
+            let share = if bound.stiffness > 0.0 { stiffness } else { 1.0 };
+            effect.energy(angle - control.shift).map(|energy| control.gain * share * energy)
+        };
+        self.slots.iter().filter_map(of).filter(|energy| energy.is_finite()).sum()
     }
 
     /// Everything as if it had not been read yet.

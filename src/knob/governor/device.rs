@@ -4,7 +4,7 @@ use super::loops::Loops;
 use crate::actuator::fault::{Fault, Limit, check, not_negative, positive};
 use crate::knob::low_pass::LowPass;
 use crate::knob::stability::rules::quantisation;
-use crate::knob::stability::sampled::{Loop, Rotor, Shaft};
+use crate::knob::stability::sampled::{Loop, MOST_DELAY, Rotor, Shaft};
 use crate::knob::velocity::choice::Choice;
 
 /// Delay from reading to torque, beside the hold's half tick.
@@ -18,17 +18,34 @@ pub struct Delay {
     pub frames: f64,
     /// How many blocks a reading waits for its torque: 2 at least, one in and one out.
     pub blocks: f64,
+    /// From reading to the torque of what depends on the angle alone, ticks, where that is worked out anew without waiting for blocks.
+    pub local: Option<f64>,
 }
 
 impl Delay {
     /// A delay without blocks, ticks.
     pub const fn ticks(fixed: f64) -> Self {
-        Self { fixed, block: 0, frames: 1.0, blocks: 0.0 }
+        Self { fixed, block: 0, frames: 1.0, blocks: 0.0, local: None }
     }
 
     /// All of it, ticks.
     pub fn total(&self) -> f64 {
         self.fixed + f64::from(self.block) * self.blocks / self.frames
+    }
+
+    /// That of a spring: as much as all of it, or less.
+    pub fn spring(&self) -> f64 {
+        self.local.map_or(self.total(), |local| f64::min(local, self.total()))
+    }
+
+    /// Whole ticks by which a spring's torque is sooner than that of the damping.
+    pub fn sooner(&self) -> usize {
+        (self.total() - self.spring()).clamp(0.0, MOST_DELAY) as usize
+    }
+
+    /// So many times as long, in one piece.
+    pub(super) fn times(&self, times: f64) -> Self {
+        Self { local: self.local.map(|local| local * times), ..Self::ticks(self.total() * times) }
     }
 }
 
@@ -85,6 +102,7 @@ impl Device {
         positive("peak", self.peak)?;
         not_negative("fixed", self.delay.fixed)?;
         not_negative("blocks", self.delay.blocks)?;
+        not_negative("local", self.delay.local.unwrap_or(0.0))?;
         positive("frames", self.delay.frames)?;
         let delay = self.delay.total();
         let all = match &self.resonance {
@@ -97,6 +115,7 @@ impl Device {
                 Loop::shaft(&Shaft { motor, knob, clamped, loss, damping: self.damping }, self.period, delay)?
             }
         };
+        let all = all.sooner(self.delay.sooner());
         let all = match self.low_pass {
             None => all,
             Some(hertz) => all.filtered(&LowPass::new(hertz, self.period)?),

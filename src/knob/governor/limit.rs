@@ -31,8 +31,10 @@ pub enum Limit {
 pub enum Remedy {
     /// Blocks of so many frames.
     Block(u32),
-    /// A delay of so many ticks less.
+    /// A delay of so many ticks.
     Delay(f64),
+    /// A delay of so many ticks of what depends on the angle alone, where that is sooner than all else.
+    Local(f64),
     /// A tick at so many hertz, at the same delay in seconds.
     Rate(f64),
     /// An encoder of so many counts a turn.
@@ -80,7 +82,7 @@ pub(super) fn explain(device: &Device, margin: f64, damping: f64) -> Result<Expl
     let now = most(device, margin, damping)?;
     let faster = |times: f64, d: &Device| Device {
         period: d.period / times,
-        delay: Delay::ticks(d.delay.total() * times),
+        delay: d.delay.times(times),
         ..d.clone()
     };
     let no_delay = Device { delay: Delay::ticks(0.0), ..device.clone() };
@@ -111,12 +113,17 @@ pub(super) fn explain(device: &Device, margin: f64, damping: f64) -> Result<Expl
     };
     let mut tries: Vec<(Remedy, Device, f64)> = Vec::new();
     let mut offer = |remedy, device, damping| tries.push((remedy, device, damping));
+    if device.delay.sooner() > 0 {
+        let half = 0.5 * device.delay.spring();
+        let delay = Delay { local: Some(half), ..device.delay };
+        offer(Remedy::Local(half), Device { delay, ..device.clone() }, damping);
+    }
     if device.delay.block > LEAST_BLOCK {
         let delay = Delay { block: LEAST_BLOCK, ..device.delay };
         offer(Remedy::Block(LEAST_BLOCK), Device { delay, ..device.clone() }, damping);
     } else if device.delay.total() > 0.0 {
         let half = 0.5 * device.delay.total();
-        offer(Remedy::Delay(half), Device { delay: Delay::ticks(half), ..device.clone() }, damping);
+        offer(Remedy::Delay(half), Device { delay: device.delay.times(0.5), ..device.clone() }, damping);
     }
     offer(Remedy::Rate(2.0 / device.period), faster(2.0, device), damping);
     let counts = 2.0 * std::f64::consts::TAU / device.count;
@@ -168,6 +175,7 @@ impl fmt::Display for Remedy {
         match self {
             Self::Block(frames) => write!(f, "block {frames}"),
             Self::Delay(ticks) => write!(f, "a delay of {ticks} ticks"),
+            Self::Local(ticks) => write!(f, "a delay of {ticks} ticks on the line"),
             Self::Rate(hertz) => write!(f, "a rate of {hertz:.0} Hz"),
             Self::Counts(counts) => write!(f, "an encoder of {counts:.0} counts a turn"),
             Self::Damping(b) => write!(f, "a damping of {b:.3e} N m s/rad in the device"),

@@ -36,7 +36,7 @@ fn motors() -> Vec<Device> {
 }
 
 fn loops() -> Vec<(f64, Delay)> {
-    let block = |block| Delay { fixed: 1.4, block, frames: 1.0, blocks: 2.0 };
+    let block = |block| Delay { fixed: 1.4, block, frames: 1.0, blocks: 2.0, local: None };
     vec![
         (1e3, Delay::ticks(1.0)),
         (1e4, Delay::ticks(0.0)),
@@ -131,7 +131,7 @@ fn it_says_what_binds_and_what_would_lift_it() {
     // A sound card's block: four times smaller blocks allow four times as much.
     let card = Device {
         period: 1.0 / 48e3,
-        delay: Delay { fixed: 0.0, block: 64, frames: 1.0, blocks: 2.0 },
+        delay: Delay { fixed: 0.0, block: 64, frames: 1.0, blocks: 2.0, local: None },
         ..base.clone()
     };
     let e = at(card.clone(), 0.0);
@@ -229,7 +229,10 @@ fn contradictory_devices_are_refused() {
         (Device { peak: 0.0, ..good.clone() }, "peak"),
         (Device { delay: Delay::ticks(-1.0), ..good.clone() }, "fixed"),
         (
-            Device { delay: Delay { fixed: 0.0, block: 60_000, frames: 1.0, blocks: 2.0 }, ..good.clone() },
+            Device {
+                delay: Delay { fixed: 0.0, block: 60_000, frames: 1.0, blocks: 2.0, local: None },
+                ..good.clone()
+            },
             "delay",
         ),
         (Device { resonance, ..good.clone() }, "knob"),

@@ -27,32 +27,49 @@ pub struct Seen {
 }
 
 /// A cell that one thread writes and another reads, neither of which ever waits: a sequence number, odd while it is being written.
-#[derive(Debug, Default)]
-pub(crate) struct Cell {
+#[derive(Debug)]
+pub(crate) struct Cell<const N: usize = 4> {
     sequence: AtomicU64,
-    words: [AtomicU64; 4],
+    words: [AtomicU64; N],
 }
 
-impl Cell {
-    pub(crate) fn write(&self, seen: &Seen) {
+impl<const N: usize> Default for Cell<N> {
+    fn default() -> Self {
+        Self { sequence: AtomicU64::new(0), words: [const { AtomicU64::new(0) }; N] }
+    }
+}
+
+impl<const N: usize> Cell<N> {
+    pub(crate) fn write_words(&self, words: &[u64; N]) {
         let sequence = self.sequence.load(Ordering::Relaxed);
         self.sequence.store(sequence.wrapping_add(1), Ordering::Relaxed);
         fence(Ordering::Release);
-        let words = [seen.tick, seen.angle.to_bits(), seen.velocity.to_bits(), seen.torque.to_bits()];
         for (word, value) in self.words.iter().zip(words) {
-            word.store(value, Ordering::Relaxed);
+            word.store(*value, Ordering::Relaxed);
         }
         self.sequence.store(sequence.wrapping_add(2), Ordering::Release);
     }
 
-    pub(crate) fn read(&self) -> Option<Seen> {
+    /// What was written last; `None` while it is being written.
+    pub(crate) fn read_words(&self) -> Option<[u64; N]> {
         let before = self.sequence.load(Ordering::Acquire);
-        let [tick, angle, velocity, torque] =
-            [0, 1, 2, 3].map(|n: usize| self.words[n].load(Ordering::Relaxed));
+        let words = std::array::from_fn(|n| self.words[n].load(Ordering::Relaxed));
         fence(Ordering::Acquire);
         let still = before == self.sequence.load(Ordering::Relaxed) && before.is_multiple_of(2);
+        still.then_some(words)
+    }
+}
+
+impl Cell {
+    pub(crate) fn write(&self, seen: &Seen) {
+        let Seen { tick, angle, velocity, torque } = *seen;
+        self.write_words(&[tick, angle.to_bits(), velocity.to_bits(), torque.to_bits()]);
+    }
+
+    pub(crate) fn read(&self) -> Option<Seen> {
+        let [tick, angle, velocity, torque] = self.read_words()?;
         let [angle, velocity, torque] = [angle, velocity, torque].map(f64::from_bits);
-        still.then_some(Seen { tick, angle, velocity, torque })
+        Some(Seen { tick, angle, velocity, torque })
     }
 }
 

@@ -10,10 +10,12 @@
 //! | [`follower`] | what the servo makes of models that come one after another |
 //! | [`pending`] | models on their way: bounded, coalesced when full, never dropped silently |
 //! | [`link`] | the two ends: a lossless queue one way, the newest reading the other |
+//! | [`profile`] | the same idea one step faster: what the servo leaves to a thread that reads the knob oftener than blocks come |
 
 pub mod follower;
 pub mod link;
 pub mod model;
 pub mod pending;
+pub mod profile;
 #[cfg(test)]
 mod tests;

@@ -218,6 +218,16 @@ impl Chain {
         &self.counts
     }
 
+    /// What of a torque passes beside the limits on its size and its change, 0 to 1. With a low-pass nothing does at once.
+    pub fn passes(&self) -> f64 {
+        if self.armed && self.low_pass.is_none() { self.risen * self.held } else { 0.0 }
+    }
+
+    /// The largest torque now, N m.
+    pub fn most(&self) -> f64 {
+        f64::min(self.budget.allowed(), self.limits.peak)
+    }
+
     /// The winding's load, 0 to 1.
     pub fn load(&self) -> f64 {
         self.budget.load()

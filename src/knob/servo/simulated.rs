@@ -18,6 +18,8 @@ pub struct Model {
     pub encoder: Option<Encoder>,
     /// Ticks by which what is seen is late.
     pub delay: usize,
+    /// The same of what is worked out anew of the angle alone, where that does not wait for the servo.
+    pub local: Option<usize>,
     /// Volts for 1 N m at a standstill, of a motor that is driven by a voltage.
     pub volts: Option<f64>,
     /// How its winding sheds its heat, and the current of 1 N m (A), where both are known.
@@ -30,6 +32,7 @@ pub struct Simulated {
     plant: Plant,
     encoder: Option<Encoder>,
     delay: Delay,
+    local: Option<Delay>,
     /// The plant's command for 1 N m.
     command: f64,
     /// Work that the hand and the motor did, joules.
@@ -63,6 +66,7 @@ impl Simulated {
             plant: Plant::new(&model.build, 1.0 / period)?,
             encoder: model.encoder,
             delay: Delay::new(model.delay.min(MOST_DELAY), 0.0)?,
+            local: model.local.map(|ticks| Delay::new(ticks.min(MOST_DELAY), 0.0)).transpose()?,
             command: model.volts.unwrap_or(1.0),
             by_hand: 0.0,
             by_motor: 0.0,
@@ -75,18 +79,18 @@ impl Simulated {
     /// An angle beyond the plant's limits.
     pub fn place(&mut self, angle: f64) -> Result<(), Fault> {
         self.plant.place(angle, 0.0)?;
-        self.delay.reset(self.seen());
+        let seen = self.seen();
+        self.delay.reset(seen);
+        if let Some(local) = &mut self.local {
+            local.reset(seen);
+        }
         Ok(())
     }
 
+    /// The angle in counts.
     fn seen(&self) -> f64 {
         let angle = self.plant.angle();
         self.encoder.as_ref().map_or(angle, |encoder| encoder.read(angle))
-    }
-
-    /// What is read at this tick: late, and in counts.
-    pub fn read(&mut self) -> f64 {
-        self.delay.pass(self.seen())
     }
 
     /// Passes a tick with a torque (N m) held over it, and a hand.
@@ -107,8 +111,12 @@ impl Simulated {
 
     /// A whole tick: reading, servo, plant. Returns the torque of it, N m.
     pub fn tick(&mut self, servo: &mut Servo, hand: &Hand) -> f64 {
-        let angle = self.read();
-        let torque = servo.tick(Some(angle), true);
+        let seen = self.seen();
+        let angle = self.delay.pass(seen);
+        let mut torque = servo.tick(Some(angle), true);
+        if let Some(local) = &mut self.local {
+            torque = servo.profile().at(local.pass(seen)).0;
+        }
         self.pass(torque, hand);
         torque
     }

@@ -1,3 +1,4 @@
+mod profile;
 mod warmth;
 
 use super::setup::Setup;
@@ -45,7 +46,7 @@ fn setup(effects: Vec<Any>, delay: usize) -> Setup {
 }
 
 fn model(build: Build, delay: usize) -> Model {
-    Model { build, encoder: None, delay, volts: None, warms: None }
+    Model { build, encoder: None, delay, local: None, volts: None, warms: None }
 }
 
 fn plain() -> Build {

@@ -4,9 +4,11 @@ use super::setup::{Setup, Unfit};
 use crate::knob::effect::events::Events;
 use crate::knob::effect::program::{Control, Program};
 use crate::knob::effect::{Bound, Reading};
+use crate::knob::governor::device::Device;
 use crate::knob::governor::{Allowed, Governor};
 use crate::knob::local_model::follower::{Followed, Follower};
 use crate::knob::local_model::pending::Message;
+use crate::knob::local_model::profile::{POINTS, Profile, SIDE};
 use crate::knob::passivity::{Controller, Observer};
 use crate::knob::plant::encoder::{Delay, MOST_DELAY};
 use crate::knob::plant::wave::Wave;
@@ -42,6 +44,32 @@ enum Books {
 const TAKE_OVER: f64 = 0.02;
 const TOO_OLD: f64 = 0.25;
 
+/// How far a knob may get until its next profile is there, at a speed: what it does without torque, and a half more; what its own torque adds,
+/// and some counts.
+#[derive(Debug, Clone, Copy)]
+struct Reach {
+    time: f64,
+    beside: f64,
+}
+
+/// Counts that a profile reaches at least, and half a turn, which it never does.
+const LEAST_REACH: f64 = 8.0;
+const MOST_REACH: f64 = std::f64::consts::PI;
+
+impl Reach {
+    /// Of a knob of which what depends on the angle alone is worked out anew without waiting for the servo.
+    fn of(device: &Device) -> Option<Self> {
+        device.delay.local?;
+        let time = device.delay.total() * device.period;
+        let pushed = 0.5 * device.peak / device.inertia * time * time;
+        Some(Self { time: 1.5 * time, beside: pushed + LEAST_REACH * device.count })
+    }
+
+    fn at(&self, velocity: f64) -> f64 {
+        (self.time * velocity.abs() + self.beside).min(MOST_REACH)
+    }
+}
+
 /// A servo at work. Nothing that ticks allocates, locks or panics.
 #[derive(Debug, Clone)]
 pub struct Servo {
@@ -66,6 +94,8 @@ pub struct Servo {
     last: Given,
     ticks: u64,
     events: Events,
+    /// Where its torque is left to a quicker thread.
+    reach: Option<Reach>,
 }
 
 impl Servo {
@@ -103,6 +133,7 @@ impl Servo {
             last: Given::default(),
             ticks: 0,
             events: Events::default(),
+            reach: Reach::of(&setup.device),
         })
     }
 
@@ -195,6 +226,37 @@ impl Servo {
     /// What the last tick gave.
     pub fn last(&self) -> &Given {
         &self.last
+    }
+
+    /// What the last tick gave, and what it would have given near its angle: for a thread that reads the knob oftener than this ticks. The torque
+    /// of all angles is the same where it is told not to be left to such a thread ([`Delay::local`](crate::knob::governor::device::Delay)),
+    /// while none is given, and behind a low-pass.
+    pub fn profile(&self) -> Profile {
+        let Given { torque, angle, velocity, allowed, .. } = self.last;
+        let (share, time) = (self.chain.passes(), self.ticks as f64 * self.period);
+        let flat = Profile { centre: angle, time, ..Profile::flat(torque) };
+        let Some(reach) = self.reach.filter(|_| share > 0.0 && angle.is_finite()) else { return flat };
+        let most = self.chain.most();
+        let at = |angle: f64| {
+            let reading = Reading { angle, velocity, dt: self.period };
+            let mut torque = self.program.peek(&reading, allowed.stiffness, allowed.damping);
+            torque += self.follower.model().torque(angle) * allowed.stiffness;
+            torque -= self.cogging.as_ref().map_or(0.0, |cogging| cogging.at(angle));
+            torque /= self.ripple.as_ref().map_or(1.0, |ripple| f64::max(1.0 + ripple.at(angle), 0.5));
+            torque.clamp(-most, most)
+        };
+        let mut profile = Profile { torque, reach: reach.at(velocity), ..flat };
+        let here = at(angle);
+        // What it gave may be more than it may give now, as the budget goes.
+        let bound = f64::max(most, torque.abs());
+        for k in (0..POINTS).filter(|k| *k != SIDE) {
+            let there = torque + share * (at(angle + profile.away(k)) - here);
+            profile.more[k] = there.clamp(-bound, bound) - torque;
+        }
+        let potential = self.program.potential(angle, allowed.stiffness);
+        profile.energy = share * (potential + self.follower.model().energy(angle) * allowed.stiffness);
+        let sound = profile.reach > 0.0 && profile.more.iter().all(|more| more.is_finite());
+        if sound && profile.energy.is_finite() { profile } else { flat }
     }
 
     /// Ticks so far.

@@ -1,7 +1,7 @@
 //! All roots of a loop's characteristic equation.
 //!
 //! With w = z − 1 it is D(w) z^m + N(w) C(w) = 0: three short polynomials and one long delay; with an estimator that looks back
-//! over n ticks a second one, P(w) z^n. Companion matrices of 500 rows would
+//! over n ticks, or a spring that is sooner than the damping, further ones, P(w) z^n. Companion matrices of 500 rows would
 //! spread the delay over rounding errors; here z^m is one power, so that a root costs the same however long the delay is. The
 //! roots are found together by the iteration of Ehrlich (1967) and Aberth (1973). They are kept as w, so that a root's distance
 //! from the unit circle, (2 Re w + |w|²) / (1 + |z|), has all its digits where it matters: close to 1.
@@ -12,17 +12,15 @@ const MOST_SWEEPS: usize = 400;
 /// Steps below this, relative to the root's distance from 1, change nothing any more.
 const SETTLED: f64 = 4e-16;
 
-/// D(w) z^m + P(w) z^n + N(w) C(w), coefficients from the lowest power.
+/// D(w) z^m + Σ P(w) z^n + N(w) C(w), coefficients from the lowest power.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Characteristic {
     /// D.
     pub delayed: Vec<f64>,
     /// m.
     pub lag: usize,
-    /// P; empty where there is none.
-    pub between: Vec<f64>,
-    /// n, at most m.
-    pub less: usize,
+    /// Each P, and its n, at most m.
+    pub between: Vec<(Vec<f64>, usize)>,
     /// N C.
     pub fed_back: Vec<f64>,
 }
@@ -74,8 +72,6 @@ impl Characteristic {
         let (d, slope_d) = value_and_slope(&self.delayed, w);
         let (n, slope_n) = value_and_slope(&self.fed_back, w);
         let m = self.lag as f64;
-        let (q, slope_q) = value_and_slope(&self.between, w);
-        let less = self.less as f64;
         // z^k and k z^(k − 1).
         let both = |k: usize| match k {
             0 => (Complex::from(1.0), Complex::default()),
@@ -87,14 +83,23 @@ impl Characteristic {
         if z.abs() > 1.0 {
             let over = Complex::from(1.0) / z;
             let back = power(over, self.lag);
-            let apart = power(over, self.lag.saturating_sub(self.less));
-            let p = d + q * apart + n * back;
-            let slope = slope_d + d * m * over + (slope_q + q * less * over) * apart + slope_n * back;
+            let (mut p, mut slope) = (d + n * back, slope_d + d * m * over + slope_n * back);
+            for (between, less) in &self.between {
+                let (q, slope_q) = value_and_slope(between, w);
+                let apart = power(over, self.lag.saturating_sub(*less));
+                p = p + q * apart;
+                slope = slope + (slope_q + q * *less as f64 * over) * apart;
+            }
             p / slope
         } else {
-            let ((on, on_slope), (part, part_slope)) = (both(self.lag), both(self.less));
-            let p = d * on + q * part + n;
-            let slope = slope_d * on + d * on_slope + slope_q * part + q * part_slope + slope_n;
+            let (on, on_slope) = both(self.lag);
+            let (mut p, mut slope) = (d * on + n, slope_d * on + d * on_slope + slope_n);
+            for (between, less) in &self.between {
+                let (q, slope_q) = value_and_slope(between, w);
+                let (part, part_slope) = both(*less);
+                p = p + q * part;
+                slope = slope + slope_q * part + q * part_slope;
+            }
             p / slope
         }
     }
@@ -103,8 +108,8 @@ impl Characteristic {
     pub fn roots(&self) -> Vec<Complex> {
         let degree = |p: &[f64]| p.iter().rposition(|c| *c != 0.0).unwrap_or(0);
         let count = (degree(&self.delayed) + self.lag)
-            .max(degree(&self.between) + self.less)
-            .max(degree(&self.fed_back));
+            .max(degree(&self.fed_back))
+            .max(self.between.iter().map(|(p, less)| degree(p) + less).max().unwrap_or(0));
         let mut roots: Vec<Complex> = (0..count)
             .map(|k| {
                 let turn = std::f64::consts::TAU * (k as f64 + 0.37) / count as f64;

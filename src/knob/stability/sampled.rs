@@ -67,6 +67,8 @@ pub struct Loop {
     beginning: Vec<f64>,
     filtered: bool,
     estimator: Transfer,
+    /// Ticks by which the spring's torque is sooner than the damping's.
+    ahead: usize,
 }
 
 impl Loop {
@@ -141,6 +143,7 @@ impl Loop {
             beginning,
             filtered: false,
             estimator: Transfer::difference(1),
+            ahead: 0,
         })
     }
 
@@ -161,6 +164,14 @@ impl Loop {
         self
     }
 
+    /// The same loop with a spring whose torque comes so many ticks sooner than that of the damping, at most as many as that is late: one
+    /// that is evaluated where the angle is read, and not where the damping is computed.
+    #[must_use]
+    pub fn sooner(mut self, ticks: usize) -> Self {
+        self.ahead = ticks.min(self.lag);
+        self
+    }
+
     /// Seconds between readings.
     pub fn period(&self) -> f64 {
         self.period
@@ -173,7 +184,7 @@ impl Loop {
             let fed_back = self.above.iter().map(|c| c * stiffness).collect();
             return Characteristic {
                 delayed: self.below.clone(),
-                lag: self.lag,
+                lag: self.lag - self.ahead,
                 fed_back,
                 ..Characteristic::default()
             };
@@ -182,6 +193,14 @@ impl Loop {
         let delayed = product(&self.below, below);
         let (spring, damper) = (product(&self.above, below), product(&self.above, above));
         let b = b / *ticks as f64;
+        if self.ahead > 0 {
+            // K z^(m + n) + B (z^n − 1) / n T, over z^n.
+            let scaled = |p: &[f64], by: f64| p.iter().map(|c| c * by).collect::<Vec<_>>();
+            let between =
+                vec![(scaled(&spring, stiffness), self.ahead + ticks), (scaled(&damper, b), *ticks)];
+            let fed_back = scaled(&damper, -b);
+            return Characteristic { delayed, lag: self.lag + ticks, between, fed_back };
+        }
         if *ticks == 1 {
             // K z + B w / T, over z.
             let mut fed_back = product(&spring, &[stiffness, stiffness]);
@@ -192,7 +211,7 @@ impl Loop {
         let mut between: Vec<f64> = spring.iter().map(|c| c * stiffness).collect();
         add(&mut between, &damper.iter().map(|c| c * b).collect::<Vec<_>>());
         let fed_back = damper.iter().map(|c| -c * b).collect();
-        Characteristic { delayed, lag: self.lag + ticks, between, less: *ticks, fed_back }
+        Characteristic { delayed, lag: self.lag + ticks, between: vec![(between, *ticks)], fed_back }
     }
 
     /// How far outside the unit circle the plant's own eigenvalues lie, without the one at 1 that every knob has.
@@ -235,7 +254,9 @@ impl Loop {
             let (up, down) = self.estimator.at(phi, w);
             value(&self.below, w) * turned * down + value(&self.above, w) * up * b
         };
-        let scaled = |phi: f64, w: Complex| value(&self.above, w) * self.estimator.at(phi, w).1;
+        let scaled = |phi: f64, w: Complex| {
+            value(&self.above, w) * self.estimator.at(phi, w).1 * Complex::turned(phi * self.ahead as f64)
+        };
         least(&self.grid(), fixed, scaled)
     }
 
@@ -261,7 +282,7 @@ impl Loop {
         };
         let scaled = |phi: f64, w: Complex| {
             let (up, down) = self.estimator.at(phi, w);
-            value(&self.above, w) * (up * b + down * stiffness)
+            value(&self.above, w) * (up * b + down * stiffness * Complex::turned(phi * self.ahead as f64))
         };
         let edge = least(&self.grid(), fixed, scaled);
         // Without damping of its own the knob may swing however small the factor is.
@@ -287,9 +308,9 @@ impl Loop {
     }
 
     /// The closed loop as a matrix: the state of a tick gives that of the next. States are the plant's, the angle read before
-    /// and the torques under way. `None` with a low-pass or another estimator, whose states are not among them.
+    /// and the torques under way. `None` with a low-pass or another estimator, whose states are not among them, and with a spring that is sooner.
     pub fn matrix(&self, stiffness: f64, damping: f64) -> Option<Vec<Vec<f64>>> {
-        if self.filtered || !self.estimator.is_plain() {
+        if self.filtered || self.ahead > 0 || !self.estimator.is_plain() {
             return None;
         }
         let n = self.states.len();

@@ -4,6 +4,7 @@ mod estimators;
 mod rules;
 mod shafts;
 mod simulated;
+mod sooner;
 
 use super::sampled::{Loop, Rotor, Shaft};
 use crate::knob::plant::parameters::Parameters;

@@ -34,6 +34,8 @@ pub enum Kind {
         watchdog: f64,
         /// Whether to drive a board that has no watchdog.
         unwatched: bool,
+        /// Seconds from an angle to the torque that the line's own thread makes of it, where somebody has measured it.
+        delay: Option<f64>,
     },
     /// A SmartKnob's frames: it renders by itself, N m/rad at a strength of 1.
     SmartKnob(f64),
@@ -72,6 +74,12 @@ pub(crate) static CONTROLLER: Table = Table {
             "s",
             "After which an ODrive stops its motor by itself where nothing reaches it.",
         ),
+        Field::new(
+            "delay",
+            Form::any_number(0.0, 0.1),
+            "s",
+            "Of an ODrive: from an angle to what depends on the angle alone of its torque, measured, beside the exchange for which that is held. The line's own thread works that out at each angle; only what is made of the speed waits for a block, `delay` of the knob. Two exchanges and 2 ms where nothing is said.",
+        ),
         Field::new("unwatched", Form::Flag(false), "", "Whether to drive a board whose watchdog cannot be set: nothing stops its motor then if this program dies."),
         Field::new(
             "strength",
@@ -83,7 +91,7 @@ pub(crate) static CONTROLLER: Table = Table {
     others: None,
 };
 
-const OF_ODRIVE: [&str; 5] = ["axis", "exchanges", "watchdog", "patience", "unwatched"];
+const OF_ODRIVE: [&str; 6] = ["axis", "exchanges", "watchdog", "patience", "unwatched", "delay"];
 const OF_SMARTKNOB: [&str; 1] = ["strength"];
 
 /// Reads it.
@@ -133,6 +141,7 @@ pub(super) fn read(reader: &Reader) -> Option<Controller> {
             exchanges,
             watchdog,
             unwatched: reader.flag("unwatched"),
+            delay: reader.number("delay"),
         }
     } else {
         let Some(strength) = reader.number("strength") else {
@@ -167,6 +176,25 @@ impl Controller {
         match self.kind {
             Kind::ODrive { exchanges, .. } => 2.0 / exchanges + LINE,
             Kind::SmartKnob(_) => LINE,
+        }
+    }
+
+    /// Seconds from exchange to exchange, where torque is computed here; 0 where it is not.
+    pub fn exchange(&self) -> f64 {
+        match self.kind {
+            Kind::ODrive { exchanges, .. } => 1.0 / exchanges,
+            Kind::SmartKnob(_) => 0.0,
+        }
+    }
+
+    /// Seconds from an angle to the torque that the line's own thread makes of it: all of the above but for blocks, or as measured, and half of the
+    /// exchange for which it is held. `None`: the line's thread makes none.
+    pub fn alone(&self) -> Option<f64> {
+        match self.kind {
+            Kind::ODrive { exchanges, delay, .. } => {
+                Some(delay.map_or(self.late(), |delay| delay + 0.5 / exchanges))
+            }
+            Kind::SmartKnob(_) => None,
         }
     }
 }

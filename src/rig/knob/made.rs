@@ -101,6 +101,13 @@ impl Knob {
         self.delay.unwrap_or_else(blocks)
     }
 
+    /// Seconds from an angle to the torque that the line's own thread makes of it, where one does: behind a low-pass none may be sooner than another,
+    /// and what brakes by energy must know all torque.
+    pub fn local(&self) -> Option<f64> {
+        let alone = self.controller.as_ref().and_then(controller::Controller::alone);
+        alone.filter(|_| self.reconstruction.is_none() && self.passivity == 0.0)
+    }
+
     fn delay_at(&self, pace: &Pace) -> Delay {
         let frames = f64::from(pace.frames.max(1));
         // An engine sample is computed from what was heard until it began.
@@ -112,11 +119,12 @@ impl Knob {
             (None, Some(_)) => (INTAKE, BLOCKS),
             (None, None) => (0.0, 0.0),
         };
+        let local = self.local().map(|seconds| seconds * pace.rate);
         match self.delay {
             None if blocks > 0.0 => {
-                Delay { fixed: own + late * pace.rate, block: pace.block, frames, blocks }
+                Delay { fixed: own + late * pace.rate, block: pace.block, frames, blocks, local }
             }
-            seconds => Delay::ticks(own + seconds.unwrap_or(0.0) * pace.rate),
+            seconds => Delay { local, ..Delay::ticks(own + seconds.unwrap_or(0.0) * pace.rate) },
         }
     }
 
@@ -174,10 +182,13 @@ impl Knob {
             (Imposed::Voltage, Some([gain, resistance, ..])) => Some(resistance / gain),
             _ => None,
         };
+        let delay = self.delay_at(pace);
+        let ticks = |ticks: f64| ticks.round().clamp(0.0, 1e6) as usize;
         Model {
             build: build(self),
             encoder: self.counts.and_then(|counts| Encoder::of_counts(counts).ok()),
-            delay: self.delay_at(pace).total().round().clamp(0.0, 1e6) as usize,
+            delay: ticks(delay.total()),
+            local: delay.local.map(|_| ticks(delay.spring())),
             volts,
             warms: self.cooling().zip(self.winding).map(|(cooling, [gain, ..])| (cooling, 1.0 / gain)),
         }

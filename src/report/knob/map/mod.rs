@@ -106,7 +106,7 @@ impl Map {
         let governor = Governor::new(device, margin)?;
         let sampled = device.sampled()?;
         let damping_edge = sampled.damping_edge();
-        let late = device.delay.total() * device.period;
+        let late = device.delay.spring() * device.period;
         let at = |damping: f64| Point {
             damping,
             edge: match damping {

@@ -107,7 +107,7 @@ fn the_operating_point_is_where_it_was_asked() {
 
 #[test]
 fn extremes_are_still_a_map() {
-    let far = Delay { fixed: 1.4, block: 256, frames: 1.0, blocks: 2.0 };
+    let far = Delay { fixed: 1.4, block: 256, frames: 1.0, blocks: 2.0, local: None };
     let lossless = Some(Resonance { clamped: 600.0, knob: 5e-6, loss: 0.0 });
     let cases = [
         ("undamped", Device { damping: 0.0, ..device() }, None),
@@ -155,7 +155,7 @@ fn an_undamped_knob_rests_by_computed_damping_alone() {
 
 #[test]
 fn what_binds_and_what_would_lift_it_stand_below() {
-    let far = Delay { fixed: 0.0, block: 64, frames: 1.0, blocks: 2.0 };
+    let far = Delay { fixed: 0.0, block: 64, frames: 1.0, blocks: 2.0, local: None };
     let slow = Device { period: 1.0 / 48e3, delay: far, damping: 0.21e-3, inertia: 1e-5, ..device() };
     let map = Map::new(&slow, MARGIN, ask(0.4, 1e-4)).unwrap();
     let svg = map.svg("48 kHz, blocks of 64");
@@ -166,7 +166,7 @@ fn what_binds_and_what_would_lift_it_stand_below() {
 /// 512 samples of delay draw within a second; as measured, in 0.6 s of CPU with optimisation.
 #[test]
 fn a_long_delay_does_not_take_long() {
-    let far = Delay { fixed: 0.0, block: 256, frames: 1.0, blocks: 2.0 };
+    let far = Delay { fixed: 0.0, block: 256, frames: 1.0, blocks: 2.0, local: None };
     let device = Device { period: 1.0 / 48e3, delay: far, damping: 0.21e-3, inertia: 1e-5, ..device() };
     let begin = cpu_time::ThreadTime::now();
     let svg = Map::new(&device, MARGIN, ask(0.4, 1e-4)).unwrap().svg("512 samples");
