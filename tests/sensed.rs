@@ -2,6 +2,8 @@
 
 use pacinian::engine::Engine;
 use pacinian::engine::event::{Event, Source};
+use pacinian::engine::exchange::exchange;
+use pacinian::engine::handover::Mismatch;
 use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::knob::angle::decoder::NOT_HEARD;
@@ -338,4 +340,37 @@ fn what_cannot_be_read_is_refused_with_the_key() {
     for (sensor, ..) in SENSORS {
         assert_eq!(refused(sensor), "");
     }
+}
+
+/// A knob on a line is heard behind a card's inputs. A patch that listens to fewer of them takes over and hears the knob where it was heard.
+#[test]
+fn a_knob_on_a_line_goes_on_where_a_patch_that_follows_listens_to_less() {
+    let rig = "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\nrate = 48000\n[[tactor]]\nname = \"a\"\nchannel = 1\n\
+        [knob]\ninertia = 1e-5\nviscous = 2e-4\npeak_torque = 0.1\ncontroller = { type = \"odrive\", port = \"/dev/none\" }\n";
+    let rig = Rig::parse("r", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let plan = |voice: &str, knob_channel: usize| {
+        let text = format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{SPRING}{voice}");
+        let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let options = Options { live: true, knob_channel, ..attached() };
+        scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan
+    };
+    let listens =
+        "[voice.v]\nstart = \"always\"\noutput = \"i\"\nnodes.i = { type = \"input\", channel = 2 }\n";
+    let (before, less, further) = (plan(listens, 0), plan("", 2), plan("", 0));
+    let [first, second] = [&before, &less].map(|plan| plan.sensor().unwrap().channels);
+    assert_eq!((first, second, further.sensor().unwrap().channels), ([2, 3], [2, 3], [0, 1]));
+    let (mut director, mut stagehand) = exchange(&before).unwrap();
+    // Where it would be looked for elsewhere, it cannot follow.
+    assert_eq!(director.send(&further).unwrap_err(), Mismatch::Sensor);
+    let mut turn = |angle: f64| {
+        let frame = [0.0, 0.7, 0.5 * angle.sin() as f32, 0.5 * angle.cos() as f32];
+        for _ in 0..480 {
+            let inputs = stagehand.engine().input_channels();
+            stagehand.process(&frame[..inputs], &mut [0.0]);
+        }
+        stagehand.engine().knob().unwrap().last().angle
+    };
+    assert!((turn(0.3) - 0.3).abs() < 1e-6);
+    assert!(director.send(&less).unwrap());
+    assert!((turn(0.4) - 0.4).abs() < 1e-6);
 }

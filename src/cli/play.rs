@@ -279,6 +279,7 @@ impl Play {
             input: loaded.rig.device.input.clone(),
             input_device: self.input_device.clone(),
             heard: heard_from.clone(),
+            knob_channel: if first == usize::MAX { 0 } else { first },
             channels,
             journalled: self.keep.events.is_some(),
         };

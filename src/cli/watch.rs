@@ -53,6 +53,8 @@ pub struct Course {
     pub input_device: Option<String>,
     /// Channels of the input (from 0) that were listened to from the beginning: no others are heard.
     pub heard: Vec<usize>,
+    /// The first of them by which a knob on a line is heard; 0: none is.
+    pub knob_channel: usize,
     /// Channels of the device.
     pub channels: usize,
     /// Whether a journal is kept, which writes down what takes over.
@@ -265,7 +267,8 @@ impl Course {
     }
 
     fn options(&self, loaded: &Loaded) -> Options {
-        Options { rate: Some(self.device_rate), live: true, ..loaded.options.clone() }
+        let (rate, knob_channel) = (Some(self.device_rate), self.knob_channel);
+        Options { rate, live: true, knob_channel, ..loaded.options.clone() }
     }
 }
 

@@ -55,11 +55,11 @@ pub struct Knob {
 }
 
 impl Knob {
-    /// Its sensor is heard on the channels behind those of `input` nodes.
-    pub(super) fn hear_behind(&mut self, shared: &[Shared]) {
+    /// Its sensor is heard on the channels behind those of `input` nodes, from `least` on.
+    pub(super) fn hear_behind(&mut self, shared: &[Shared], least: usize) {
         let nodes =
             shared.iter().map(|shared| if let Shared::Input(c) = shared { *c as usize + 1 } else { 0 });
-        let first = nodes.max().unwrap_or(0);
+        let first = nodes.max().unwrap_or(0).max(least);
         self.sensor.iter_mut().for_each(|sensor| sensor.channels = [first, first + 1]);
     }
 

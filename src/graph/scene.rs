@@ -45,6 +45,9 @@ pub struct Options {
     /// Whether it is played on a real card. Where the rig does not say what the card's outputs let through, steady voltages are taken to
     /// leave it, and are kept off; else they are taken not to.
     pub on_card: bool,
+    /// The first input channel (from 0) at the least by which a knob on a serial line is heard: that of a scene that is to be followed, so that
+    /// its line goes on where the new one listens to fewer inputs.
+    pub knob_channel: usize,
 }
 
 /// Frames of a block where nobody says how many.
@@ -63,6 +66,7 @@ impl Default for Options {
             attached: false,
             block: None,
             on_card: false,
+            knob_channel: 0,
         }
     }
 }
@@ -185,7 +189,7 @@ pub fn scene(patch: &Patch, rig: &Rig, options: &Options, assets: &dyn Assets) -
         shared(patch, &mut wanted, assets, device_rate / ratio as f64, &mut left_out, &mut problems);
     let (shared, controls) = controls(patch, shared, &mut left_out);
     if rig.knob.as_ref().is_some_and(|knob| knob.controller.is_some()) {
-        knob.iter_mut().for_each(|knob| knob.hear_behind(&shared));
+        knob.iter_mut().for_each(|knob| knob.hear_behind(&shared, options.knob_channel));
     }
     let mut markers = Vec::new();
     let steady = rig.device.passes_steady(options.on_card);

@@ -79,12 +79,29 @@ pub struct Choices {
     block: Option<u32>,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     on_card: bool,
+    #[serde(default, skip_serializing_if = "is_0")]
+    knob_channel: usize,
+}
+
+fn is_0(count: &usize) -> bool {
+    *count == 0
 }
 
 impl From<&Options> for Choices {
     fn from(options: &Options) -> Self {
-        let Options { rate, ratio, precision, taps, seed, pattern, live, attached, block, on_card } =
-            options.clone();
+        let Options {
+            rate,
+            ratio,
+            precision,
+            taps,
+            seed,
+            pattern,
+            live,
+            attached,
+            block,
+            on_card,
+            knob_channel,
+        } = options.clone();
         Self {
             rate,
             ratio,
@@ -96,15 +113,27 @@ impl From<&Options> for Choices {
             attached,
             block,
             on_card,
+            knob_channel,
         }
     }
 }
 
 impl From<&Choices> for Options {
     fn from(choices: &Choices) -> Self {
-        let Choices { rate, ratio, double, taps, seed, pattern, live, attached, block, on_card } =
-            choices.clone();
+        let Choices {
+            rate,
+            ratio,
+            double,
+            taps,
+            seed,
+            pattern,
+            live,
+            attached,
+            block,
+            on_card,
+            knob_channel,
+        } = choices.clone();
         let precision = if double { Precision::Double } else { Precision::Single };
-        Self { rate, ratio, precision, taps, seed, pattern, live, attached, block, on_card }
+        Self { rate, ratio, precision, taps, seed, pattern, live, attached, block, on_card, knob_channel }
     }
 }
