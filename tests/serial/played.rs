@@ -154,6 +154,10 @@ fn a_card_is_heard_beside_the_knob() {
         let cards = ["--device", "card8", "--input-device", "microphone", "--duration", "120"];
         let rig = std::fs::read_to_string(bench.folder.join("r.toml")).unwrap();
         bench.write("r.toml", &rig.replace("channels = 1", "channels = 8\ncoupling = \"dc\""));
+        // What an attempt before has kept is in the way.
+        for name in ["s.csv", "s.wav", "s.input.wav"] {
+            let _ = std::fs::remove_file(bench.folder.join(name));
+        }
         let _ = std::fs::remove_file(bench.played());
         let playing = bench.start(&with(&[&cards[..], &["--events", "s.csv", "--record", "s.wav"]].concat()));
         terminal.device().hand = 1e-3;
