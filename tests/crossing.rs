@@ -116,6 +116,38 @@ fn another_figure_of_a_loop_makes_no_larger_step() {
     assert!(worst <= 1.025, "a step {worst} times as large");
 }
 
+/// Room for more voices, or for fewer: what sounds goes on, and ends when it should.
+#[test]
+fn another_number_of_voices_keeps_what_sounds() {
+    let plan = |voices: u32, amplitude: f64| {
+        let text = format!(
+            "[voice.v]\nvoices = {voices}\noutput = \"out\"\n[voice.v.nodes]\n\
+             out = {{ type = \"sine\", frequency = 130, amplitude = {amplitude} }}\n"
+        );
+        compiled(&text, 1, 48_000.0).plan
+    };
+    for (old, new) in
+        [(plan(2, 0.4), plan(40, 0.4)), (plan(40, 0.4), plan(2, 0.4)), (plan(40, 0.2), plan(2, 0.4))]
+    {
+        assert!(worst(&old, &new) <= 1.003);
+        let (mut director, mut stagehand) = exchange(&old).unwrap();
+        schedule(stagehand.engine(), &[(0.0, play(0, 0, 50.0, 1.0, 1))]);
+        let mut frames = vec![0.0; 2 * 48_000];
+        for (n, part) in frames.chunks_mut(96).enumerate() {
+            if n == 100 {
+                director.send(&new).unwrap();
+            }
+            stagehand.process(&[], part);
+        }
+        assert!(
+            frames[10_000..47_000].windows(480).all(|part| part.iter().any(|x| x.abs() > 0.19)),
+            "it goes on"
+        );
+        assert!(frames[50_000..].iter().all(|x| x.abs() < 1e-6), "it ends after a second");
+        assert_eq!(director.collect(), 0);
+    }
+}
+
 /// What begins after a plan has taken over is that plan's alone: it is not faded in with what sounded before.
 #[test]
 fn what_begins_meanwhile_is_not_faded() {

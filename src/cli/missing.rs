@@ -46,7 +46,8 @@ fn sound(say: &mut impl FnMut(&str, &str)) {
     if access::forbidden() {
         say("Sound cards may not be used by this user.", access::HELP);
     }
-    if !std::path::Path::new("/dev/snd/seq").exists() {
+    // In a build with JACK's MIDI, ports are JACK's.
+    if cfg!(not(feature = "midi-jack")) && !std::path::Path::new("/dev/snd/seq").exists() {
         say("ALSA has no sequencer, so there are no ports of MIDI.", "sudo modprobe snd-seq");
     }
 }

@@ -178,7 +178,7 @@ impl<R: Real> Bank<R> {
         gain
     }
 
-    /// Takes over, from the instrument of an old number as that of a new one, the voices of an old bank of the same size: its lanes, and the states of the ops that `ops` names. Ops
+    /// Takes over, from the instrument of an old number as that of a new one, the voices of an old bank: its lanes, as far as there are as many, and the states of the ops that `ops` names. Ops
     /// without a counterpart begin now, before sample `clock`; voices that were let go of, and of which such an op is to say when they
     /// end, fade. The old bank is left empty, but for the copies of those voices that cross: `crosses` says which do, of those on these channels.
     pub fn adopt(
@@ -190,27 +190,33 @@ impl<R: Real> Bank<R> {
         (spot, crosses): (impl Fn(Spot) -> Option<Spot>, Option<impl Fn(&[(u32, f64)]) -> bool>),
         clock: u64,
     ) {
-        if self.lanes.len() != old.lanes.len() {
+        let as_many = self.lanes.len() == old.lanes.len();
+        if !as_many && crosses.is_none() {
             return;
         }
         self.crossed = clock;
         // A voice of its own that is always on has begun here already; that of the old bank goes on in its place, and as this would.
         let own = self.lanes.iter().find(|lane| lane.status != Status::Free).map(|lane| lane.play);
         (0..self.lanes.len()).for_each(|lane| self.free(lane));
-        self.ops.take_states(&mut old.ops, ops);
-        std::mem::swap(&mut self.lanes, &mut old.lanes);
-        std::mem::swap(&mut self.live, &mut old.live);
-        std::mem::swap(&mut self.taken, &mut old.taken);
-        std::mem::swap(&mut self.rising, &mut old.rising);
-        std::mem::swap(&mut self.fading, &mut old.fading);
-        std::mem::swap(&mut self.ending, &mut old.ending);
-        std::mem::swap(&mut self.peaks, &mut old.peaks);
-        self.journeys.swap(&mut old.journeys);
-        std::mem::swap(&mut self.sounding, &mut old.sounding);
-        (self.masked, self.stolen) = (old.masked, old.stolen);
-        if crosses.is_some() {
-            self.give_copies(old, ops);
+        if as_many {
+            self.ops.take_states(&mut old.ops, ops);
+            std::mem::swap(&mut self.lanes, &mut old.lanes);
+            std::mem::swap(&mut self.live, &mut old.live);
+            std::mem::swap(&mut self.taken, &mut old.taken);
+            std::mem::swap(&mut self.rising, &mut old.rising);
+            std::mem::swap(&mut self.fading, &mut old.fading);
+            std::mem::swap(&mut self.ending, &mut old.ending);
+            std::mem::swap(&mut self.peaks, &mut old.peaks);
+            self.journeys.swap(&mut old.journeys);
+            std::mem::swap(&mut self.sounding, &mut old.sounding);
+            if crosses.is_some() {
+                self.give_copies(old, ops);
+            }
+        } else {
+            self.ops.copy_states(&old.ops, ops);
+            self.copy_lanes(old);
         }
+        (self.masked, self.stolen) = (old.masked, old.stolen);
         for lane in 0..self.lanes.len() {
             let mut voice = self.lanes[lane];
             if voice.status == Status::Free {
@@ -267,14 +273,24 @@ impl<R: Real> Bank<R> {
     /// Leaves copies of what was taken over from an old bank there.
     fn give_copies(&self, old: &mut Self, ops: &[Option<usize>]) {
         self.ops.give_copies(&mut old.ops, ops);
-        old.lanes.copy_from_slice(&self.lanes);
-        old.live.copy_from_slice(&self.live);
-        old.rising.copy_from_slice(&self.rising);
-        old.fading.copy_from_slice(&self.fading);
-        old.ending.copy_from_slice(&self.ending);
-        old.peaks.copy_from_slice(&self.peaks);
-        old.journeys.copy(&self.journeys);
-        (old.taken, old.sounding) = (self.taken, self.sounding);
+        old.copy_lanes(self);
+    }
+
+    /// Takes on what another bank has on its lanes; of those that there are only there, nothing.
+    fn copy_lanes(&mut self, from: &Self) {
+        fn copy<T: Copy>(to: &mut [T], from: &[T]) {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+        }
+        copy(&mut self.lanes, &from.lanes);
+        copy(&mut self.live, &from.live);
+        copy(&mut self.rising, &from.rising);
+        copy(&mut self.fading, &from.fading);
+        copy(&mut self.ending, &from.ending);
+        copy(&mut self.peaks, &from.peaks);
+        self.journeys.copy(&from.journeys);
+        self.taken = self.live.iter().map(|live| live.count_ones() as usize).sum();
+        let sounds = |lane: &&Lane| matches!(lane.status, Status::Held | Status::Released);
+        self.sounding = self.lanes.iter().filter(sounds).count();
     }
 
     /// Makes room to take over the voices of another bank. It allocates.

@@ -98,11 +98,9 @@ impl Journeys {
         }
     }
 
-    /// Becomes a copy of what is under way elsewhere, if there are as many lanes.
+    /// Takes on what is under way on the lanes elsewhere.
     pub fn copy(&mut self, from: &Self) {
-        if self.list.len() == from.list.len() {
-            self.list.clone_from_slice(&from.list);
-        }
+        self.list.iter_mut().zip(&from.list).for_each(|(to, from)| to.clone_from(from));
     }
 
     /// The feeds that say where voices are.

@@ -212,6 +212,22 @@ impl<R: Real> Ops<R> {
         }
     }
 
+    /// Makes the states of as many lanes as there are here and there copies of those of an old program's ops, which it keeps.
+    pub fn copy_states(&mut self, old: &Self, ops: &[Option<usize>]) {
+        self.take_late(old, ops);
+        let (here, there) = (self.lanes(), old.lanes());
+        for (op, (states, from)) in self.states.iter_mut().zip(ops).enumerate() {
+            let Some(from) = *from else { continue };
+            if let Some(old) = old.states.get(from) {
+                states.copy(old);
+            }
+            let old = old.behind.get(from * there..(from + 1) * there);
+            if let (Some(behind), Some(old)) = (self.behind.get_mut(op * here..(op + 1) * here), old) {
+                behind.iter_mut().zip(old).for_each(|(behind, old)| *behind = *old);
+            }
+        }
+    }
+
     /// Makes the states of an old program's ops, which [`Ops::take_states`] has taken, copies of what they have become here.
     pub fn give_copies(&self, old: &mut Self, ops: &[Option<usize>]) {
         for (states, from) in self.states.iter().zip(ops) {

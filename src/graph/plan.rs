@@ -266,10 +266,9 @@ impl Instrument {
         hears
     }
 
-    /// Whether its voices may go on as voices of another: the same name, pool and event fields.
+    /// Whether its voices may go on as voices of another: the same name and event fields.
     pub(crate) fn goes_on_as(&self, new: &Self) -> bool {
         self.name == new.name
-            && self.voices == new.voices
             && self.fields == new.fields
             && self.always == new.always
     }

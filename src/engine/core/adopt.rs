@@ -65,7 +65,7 @@ impl<R: Real> Core<R> {
                     let crosses =
                         (copies && (changed || inheritance.jumps.contains(&true))).then_some(crosses);
                     bank.adopt(bank_of_old, ops, places, (from, number), (spot, crosses), self.clock);
-                    for lane in 0..bank.lanes() {
+                    for lane in 0..bank.lanes().min(bank_of_old.lanes()) {
                         if let Some((at, serial)) = old.ends.get(first_of_old + lane) {
                             self.ends.set(first + lane, at, serial);
                         }
