@@ -114,7 +114,7 @@ impl Profile {
     pub const NUMBERS: usize = 5 + POINTS;
 
     /// As numbers.
-    pub(crate) fn numbers(&self) -> [f64; Self::NUMBERS] {
+    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let mut all = [0.0; Self::NUMBERS];
         all[..5].copy_from_slice(&[self.torque, self.centre, self.reach, self.energy, self.time]);
         all[5..].copy_from_slice(&self.more);
@@ -122,7 +122,7 @@ impl Profile {
     }
 
     /// That of numbers.
-    pub(crate) fn of_numbers(all: &[f64; Self::NUMBERS]) -> Self {
+    pub fn of_numbers(all: &[f64; Self::NUMBERS]) -> Self {
         let [torque, centre, reach, energy, time] = [0, 1, 2, 3, 4].map(|n| all[n]);
         let mut more = [0.0; POINTS];
         more.copy_from_slice(&all[5..]);
