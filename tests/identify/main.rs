@@ -3,6 +3,7 @@
 #![cfg(feature = "cli")]
 
 mod coils;
+mod currents;
 mod mistakes;
 mod motors;
 #[path = "../program/mod.rs"]

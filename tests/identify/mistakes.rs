@@ -2,6 +2,7 @@
 
 use super::program::Scratch;
 use super::{Noise, RIG, TACTOR, WRIST, coin, driven, record, turn};
+use pacinian::actuator::identify::stimulus::steps;
 use pacinian::io::wav::Encoding;
 
 /// Each kind of recording that is no good, and each thing that the command line leaves open: field, limit, and what to do.
@@ -242,4 +243,53 @@ fn what_is_no_good_is_named() {
         scratch.run(&[&["identify"][..], words].concat()).fails(code, said);
     }
     assert!(!scratch.0.join("x.wav").exists());
+}
+
+/// A recording that ends before its drive has done much: neither the drive nor the accelerometer is to blame.
+#[test]
+fn what_ends_too_soon_is_too_short() {
+    let scratch = Scratch::new("identify-soon");
+    let rate = 8000.0;
+    let p = coin();
+    let volts = steps(3.0, p.mechanical_time(), rate).unwrap();
+    let first = volts.iter().position(|v| *v != 0.0).unwrap();
+    record(&scratch, "d.wav", rate, Encoding::F32, &[(&volts, 10.0)]);
+    let [x, i] = turn(&p, rate, &volts);
+    let (hiss, x) = (Noise(3).on(&vec![1.0; x.len()], 40.0), Noise(4).on(&x, 40.0));
+    let whole = format!("is {:.3} s long", volts.len() as f64 / rate);
+    let rests = format!("rests until {:.3} s", first as f64 / rate);
+    for length in [0, 1, 63, 80, first - 1, first, first + 1, first + 80] {
+        // A take of silence alone, of noise, and of what was to be recorded.
+        let silent = vec![0.0; length];
+        for x in [&silent[..], &hiss[..length], &x[..length]] {
+            record(
+                &scratch,
+                "t.wav",
+                rate,
+                Encoding::F32,
+                &[(x, 40.0), (&i[..length], 1.0), (&volts[..length], 10.0)],
+            );
+            for channels in ["acceleration,-,-", "acceleration,current,-", "acceleration,current,drive"] {
+                let words = [
+                    "identify",
+                    "t.wav",
+                    "--drive",
+                    "d.wav",
+                    "--channels",
+                    channels,
+                    "--part",
+                    "coin-10mm",
+                    "--drive-scale",
+                    "10",
+                    "--acceleration-scale",
+                    "40",
+                    "--current-scale",
+                    "1",
+                ];
+                let said = ["`t.wav`: the recording is too short", &rests, &whole, "record all of the drive"];
+                let none = ["`t.wav`", "it holds no samples at all", "record it again"];
+                scratch.run(&words).fails(65, if length == 0 { &none[..] } else { &said[..] });
+            }
+        }
+    }
 }

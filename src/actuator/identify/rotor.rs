@@ -39,6 +39,8 @@ struct Free {
     drag: bool,
     late: bool,
     coast: bool,
+    /// Not fitted: whether volts drive it, by which gravity slows it.
+    volts: bool,
 }
 
 /// Least signal to noise, dB.
@@ -82,7 +84,7 @@ impl Rotor {
                 .any(|o| o.start < run.samples.end && o.end > run.samples.start && o.end > o.start)
         };
         let late = !steady && switches(&runs, push);
-        let free = Free { drag: !steady, late, coast: runs.iter().any(opens) };
+        let free = Free { drag: !steady, late, coast: runs.iter().any(opens), volts: true };
         let rotor = Self::rounds(x, push, law, runs, free).ok_or(short(knots))?;
         if rotor.signal_to_noise < LEAST {
             return Err(Mistake::Noise(Name::Acceleration, rotor.signal_to_noise, LEAST));
@@ -92,7 +94,7 @@ impl Rotor {
 
     /// The same runs under another drive: the current instead of the voltage.
     pub fn again(&self, x: &[f64], push: &Push, law: Law) -> Option<Self> {
-        let free = Free { drag: true, late: switches(&self.runs, push), coast: false };
+        let free = Free { drag: true, late: switches(&self.runs, push), coast: false, volts: false };
         Self::rounds(x, push, law, self.runs.clone(), free)
     }
 
@@ -102,7 +104,7 @@ impl Rotor {
             let mut spun: Vec<Spun> = runs.iter().map(|run| law.spin(run, push)).collect::<Option<_>>()?;
             let mut read = windows(&runs, &spun, x);
             let gravity = gravity(&spun, &read);
-            if round > 0 && push.held {
+            if round > 0 && free.volts {
                 law.gravity = if gravity.0 > SEEN * gravity.1 { gravity.0 } else { 0.0 };
                 law.damping = law.rate;
             }
@@ -182,14 +184,21 @@ impl Rotor {
 
     /// Every run with the speed at each of its samples, rad/s, as it was when the drive was recorded.
     pub fn speeds(&self, push: &Push) -> Vec<(Run, Vec<f64>)> {
-        let law = Law { late: 0.0, ..self.law };
-        let shift = (self.law.late / push.period).round() as isize;
-        let moved = |n: usize| (n as isize - shift).clamp(0, push.samples.len() as isize) as usize;
+        let shift = self.law.late / push.period;
         let all = self.runs.iter().filter_map(|run| {
-            let samples = moved(run.samples.start)..moved(run.samples.end);
-            let run = Run { samples, ..run.clone() };
-            let speed = law.spin(&run, push)?.speed;
-            Some((run, speed))
+            let spun = self.law.spin(run, push)?;
+            // The samples of the drive that lie within, and the speed between two of the recording.
+            let [begin, end] = [run.samples.start as f64 - shift, (run.samples.end - 1) as f64 - shift];
+            let first = (begin.ceil().max(0.0) as usize).min(push.samples.len());
+            let last = ((end.floor() + 1.0).max(0.0) as usize).clamp(first, push.samples.len());
+            let at = |n: usize| {
+                let place = (n as f64 - begin).clamp(0.0, (spun.speed.len() - 1) as f64);
+                let (whole, part) = (place as usize, place.fract());
+                let next = spun.speed.get(whole + 1).unwrap_or(&spun.speed[whole]);
+                (1.0 - part) * spun.speed[whole] + part * next
+            };
+            let speed: Vec<f64> = (first..last).map(at).collect();
+            (!speed.is_empty()).then(|| (Run { samples: first..last, start: speed[0], ..run.clone() }, speed))
         });
         all.collect()
     }

@@ -31,9 +31,9 @@ pub(super) struct Law {
 /// What drives the rotor.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Push<'a> {
-    /// Volts that are held from each sample to the next, or amperes at each.
+    /// What is held from each sample to the next, or a mean over that time; or amperes at each.
     pub samples: &'a [f64],
-    /// Whether they are held.
+    /// Whether each is of the whole sample; else they are of instants, with straight lines between.
     pub held: bool,
     /// Where the terminals are open, and the drive says nothing.
     pub open: &'a [Range<usize>],

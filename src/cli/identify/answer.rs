@@ -97,6 +97,7 @@ impl Answer {
             delay_by: match take.lag {
                 Delay::None => "one recording",
                 Delay::Looped(_) => "the looped-back drive",
+                Delay::Current(_) => "the current",
                 Delay::Answer(_) => "the answer itself",
                 Delay::Untold => "the fit alone",
             },

@@ -129,6 +129,14 @@ impl Figure {
             }
             return None;
         }
+        let before =
+            [("resonance", "stiffness"), ("q", "damping")].into_iter().find(|(key, _)| *key == self.name);
+        if let Some((key, before)) = before
+            && [Model::VoiceCoil, Model::InertialMotor].contains(&target.model)
+            && target.own.iter().any(|own| own == before)
+        {
+            return Some(format!("{before} of the rig says the same: take it out for {key} to be written"));
+        }
         if is_shorted && ["resonance", "q"].contains(&self.name) {
             return Some(
                 "it is that of shorted terminals, a rig's of open ones: record the current as well".into(),
@@ -182,13 +190,6 @@ pub fn contradictions(figures: &[Figure], asked: &Identify, target: &Target) -> 
             inner.join(", "),
             outer.join(", ")
         ));
-    }
-    for (key, before) in [("resonance", "stiffness"), ("q", "damping")] {
-        if kept(key).is_some() && own.iter().any(|own| own == before) {
-            said.push(format!(
-                "{before} of the rig goes before {key}: take it out, or {key} counts for nothing"
-            ));
-        }
     }
     if let (Some(mass), Some(own)) = (asked.mass, target.own_value("mass"))
         && (mass / own - 1.0).abs() > SAME

@@ -4,6 +4,7 @@ use super::super::failure::Failure;
 use super::super::motor::ms;
 use super::Identify;
 use super::late::{Delay, fitted, followed};
+use super::short::{belongs, too_short};
 use super::take::{Take, Trace};
 use super::target::Target;
 use pacinian::actuator::identify::{Channel, Identified, Mistake, Name, motor, resonant};
@@ -57,12 +58,22 @@ struct Cut {
 /// # Errors
 /// What is wrong with the recording.
 pub fn fit(asked: &Identify, take: &Take, target: &Target) -> Result<Found, Failure> {
-    if asked.delay.is_some() && matches!(take.lag, Delay::Answer(_) | Delay::Untold) {
+    if asked.delay.is_some() && matches!(take.lag, Delay::Answer(_) | Delay::Current(_) | Delay::Untold) {
         let what = "--delay is counted from a drive that comes back on a channel, and none does";
         return Err(Failure::usage(what, "leave it out, or record the drive: --channels drive,acceleration"));
     }
     let shown = asked.recording.as_ref().map_or(String::new(), |path| path.display().to_string());
-    let wrong = |mistake: Mistake| {
+    let wrong = |mistake: Mistake, covered: usize| {
+        // Where nothing has happened yet, nothing shows, and neither the drive nor the recording is to blame for that.
+        let shows_nothing = matches!(
+            mistake,
+            Mistake::Constant(_) | Mistake::Silent(..) | Mistake::Noise(Name::Acceleration, ..)
+        );
+        if let Some(drive) = take.drive.as_ref().filter(|_| shows_nothing && asked.drive.is_some())
+            && let Some(short) = too_short(&shown, covered, drive, take.rate)
+        {
+            return short;
+        }
         // What was played is in a file of its own where it did not come back.
         let of_drive = matches!(
             mistake,
@@ -97,26 +108,36 @@ pub fn fit(asked: &Identify, take: &Take, target: &Target) -> Result<Found, Fail
             let sooner = if target.is_motor() { 0.0 } else { SOONER };
             (((seconds - sooner) * take.rate).round() as isize, None)
         }
+        // A current is late by its coil alone: nothing is left to that.
+        Delay::Current(seconds) => ((seconds * take.rate).floor() as isize - 1, None),
         Delay::Untold => (0, None),
+    };
+    let current = match take.lag {
+        Delay::None => Some(0.0),
+        Delay::Looped(seconds) => Some(seconds),
+        Delay::Current(_) | Delay::Answer(_) | Delay::Untold => None,
     };
     let mut round = 0;
     loop {
         round += 1;
         let cut = take.cut(shift, &shown, target)?;
         // Before it is filtered, which hides what is clipped.
-        cut.check().map_err(wrong)?;
+        let covered = cut.drive.len() + (-shift).max(0) as usize;
+        cut.check().map_err(|mistake| wrong(mistake, covered))?;
         let cut = cut.fewer(ENOUGH[usize::from(!target.is_motor())]);
         let is_calibrated = asked.acceleration_scale.is_some();
         let all = if target.is_motor() {
-            cut.motor(delay, is_calibrated, asked.mass.or(target.own_value("mass")))
+            let current = current.map(|late| late - shift as f64 / take.rate);
+            cut.motor([delay, current], is_calibrated, asked.mass.or(target.own_value("mass")))
         } else {
             cut.resonance(is_calibrated, asked.share.or(share(target)))
         };
-        let all = all.map_err(wrong)?;
+        let all = all.map_err(|mistake| wrong(mistake, covered))?;
         let late = all.get("lateness").or(all.get("delay")).map(|estimate| estimate.value);
         let time = all.get("time_constant").map(|estimate| estimate.value);
         if let (Some(late), Some(time), None) = (late, time, delay)
             && target.is_motor()
+            && !matches!(take.lag, Delay::Current(_))
             && round < AGAIN
         {
             // Nobody knows how much of the delay is the coil's: so much of it is left for that, and the interval says it.
@@ -150,6 +171,10 @@ pub fn fit(asked: &Identify, take: &Take, target: &Target) -> Result<Found, Fail
         let (delay, later) = match take.lag {
             Delay::Looped(seconds) => (Some(seconds), later),
             Delay::None => (None, later),
+            Delay::Current(seconds) => {
+                let late = all.get("current_lateness").map(|told| shift as f64 / take.rate + told.value);
+                (late.or(Some(seconds)), None)
+            }
             Delay::Answer(_) | Delay::Untold => (own, None),
         };
         let peak = cut.drive.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
@@ -183,12 +208,7 @@ impl Take {
         let length =
             self.acceleration.samples.len().saturating_sub(begin).min(drive.len().saturating_sub(missed));
         if length < LEAST {
-            let seconds = length as f64 / self.rate;
-            let what =
-                format!("`{shown}`: the recording is too short: {seconds:.4} s of it belong to the drive");
-            return Err(
-                Failure::usage(what, "record all of the drive, and some rest behind it").with_code(65)
-            );
+            return Err(belongs(shown, length, drive, self.rate));
         }
         let before = &drive[..missed];
         if !target.is_motor() && before.iter().any(|volts| *volts != 0.0) {
@@ -273,7 +293,7 @@ impl Cut {
 
     fn motor(
         &self,
-        delay: Option<f64>,
+        [delay, current_delay]: [Option<f64>; 2],
         is_calibrated: bool,
         mass: Option<f64>,
     ) -> Result<Identified, Mistake> {
@@ -285,6 +305,7 @@ impl Cut {
             voltage: self.voltage.as_ref().map(|trace| self.channel(trace)),
             open: &self.open,
             delay,
+            current_delay,
             mass,
         })
     }

@@ -11,6 +11,8 @@ pub enum Delay {
     None,
     /// Seconds, by the drive that came back on a channel.
     Looped(f64),
+    /// Seconds, to some samples: by the current, which jumps as the drive does.
+    Current(f64),
     /// Seconds, about: by the answer.
     Answer(f64),
     /// It does not show.
@@ -33,7 +35,14 @@ const SAMPLES: f64 = 2.0;
 const ROUGH: f64 = 0.05;
 
 /// By how much the recording is behind.
-pub fn lag(drive: &[f64], back: Option<&[f32]>, answer: &[f64], rate: f64, target: &Target) -> Delay {
+pub fn lag(
+    drive: &[f64],
+    back: Option<&[f32]>,
+    current: Option<&[f64]>,
+    answer: &[f64],
+    rate: f64,
+    target: &Target,
+) -> Delay {
     let told = |lag: Option<Lag>, how: fn(f64) -> Delay| lag.map_or(Delay::Untold, |lag| how(lag.seconds));
     if drive.len() < LEAST || answer.len() < LEAST {
         return Delay::Untold;
@@ -43,6 +52,9 @@ pub fn lag(drive: &[f64], back: Option<&[f32]>, answer: &[f64], rate: f64, targe
         return told(looped(drive, &back, rate), Delay::Looped);
     }
     if target.is_motor() {
+        if let Some(lag) = current.and_then(|current| looped(drive, current, rate)) {
+            return Delay::Current(lag.seconds);
+        }
         return told(turned(drive, answer, rate), Delay::Answer);
     }
     // The mean of some samples is enough, and saves work.

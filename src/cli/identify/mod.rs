@@ -4,6 +4,7 @@ mod answer;
 mod figures;
 mod fit;
 mod late;
+mod short;
 mod stimulus;
 mod take;
 mod target;

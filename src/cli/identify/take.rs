@@ -3,6 +3,7 @@
 use super::super::failure::Failure;
 use super::super::table::{hertz, many};
 use super::late::{Delay, lag};
+use super::short::too_short;
 use super::stimulus::unknown_scale;
 use super::target::Target;
 use super::{Holds, Identify, Open};
@@ -104,8 +105,18 @@ impl Take {
             _ if voltage.is_some() => (None, "the channel `voltage`".into(), Delay::None),
             (Some((drive, name)), back) => {
                 let scale = asked.drive_scale.or(target.per_sample).ok_or_else(|| unknown_scale(target))?;
-                let lag = lag(&drive, back.as_deref(), &acceleration.samples, rate, target);
-                if let (Delay::Untold, Some(_)) = (lag, &back) {
+                let lag = lag(
+                    &drive,
+                    back.as_deref(),
+                    current.as_ref().map(|current| &current.samples[..]),
+                    &acceleration.samples,
+                    rate,
+                    target,
+                );
+                if let (Delay::Untold, Some(back)) = (lag, &back) {
+                    if let Some(short) = too_short(&shown, back.len(), &drive, rate) {
+                        return Err(short);
+                    }
                     let what =
                         format!("the looped-back drive of `{shown}` is not `{name}`: nothing in it fits");
                     let help = "check its channel, or leave it out: - in its place under --channels";

@@ -34,7 +34,10 @@ impl Answer {
         let before = if self.rig.is_some() { "the rig has" } else { "known so far" };
         table.row(["figure", "value", "95 % interval", "unit", before].map(|head| paint.dim(head)));
         // How late the fit finds it is part of the delay above.
-        let shown = self.told.iter().filter(|figure| !["lateness", "delay"].contains(&figure.name));
+        let shown = self
+            .told
+            .iter()
+            .filter(|figure| !["lateness", "current_lateness", "delay"].contains(&figure.name));
         shown.for_each(|figure| table.row(figure.row(paint)));
         text += &table.text();
         let groups = grouped(&self.untold);
@@ -73,7 +76,8 @@ impl Answer {
         match (self.delay, self.delay_by) {
             (_, "one recording") => "none: drive and answer are one recording".into(),
             (Some(delay), by) => {
-                let close = self.model == "rumble-motor" && by != "the looped-back drive";
+                let close =
+                    self.model == "rumble-motor" && !["the looped-back drive", "the current"].contains(&by);
                 let more = if close {
                     "; with the drive looped back time_constant is told more closely"
                 } else {

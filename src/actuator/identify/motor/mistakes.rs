@@ -47,6 +47,7 @@ fn what_is_wrong_is_named_with_its_limit() {
     );
     for (field, recording) in [
         ("delay", Recording { delay: Some(f64::NAN), ..run.recording(&good) }),
+        ("current_delay", Recording { current_delay: Some(10.1), ..run.recording(&good) }),
         ("mass", Recording { mass: Some(0.0), ..run.recording(&good) }),
         ("mass", Recording { mass: Some(1e-300), ..run.recording(&good) }),
         ("mass", Recording { mass: Some(1e7), ..run.recording(&good) }),
@@ -83,6 +84,7 @@ fn nothing_panics() {
                         voltage: Some(channel(&sine)),
                         open: if count % 2 == 0 { &open } else { &[] },
                         delay: None,
+                        current_delay: None,
                         mass: Some(0.1),
                     };
                     let _ = identify(&recording);

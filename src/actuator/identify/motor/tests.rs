@@ -71,6 +71,7 @@ impl Run {
             voltage: None,
             open: &self.open,
             delay: None,
+            current_delay: Some(0.0),
             mass: None,
         }
     }
