@@ -644,3 +644,65 @@ fn coils_have_resonance_bursts_and_an_equaliser() {
     let dull = scratch.run(&["motor", "dull.toml"]);
     assert!(dull.succeeds().out.contains("no bursts: `q`"), "{}", dull.out);
 }
+
+/// The table has where the mass is and what torque the casing gets; the answer has the last and the largest of them; and a wish that is beyond the finest level
+/// is said not to be reached.
+#[test]
+fn angle_torque_and_an_unreachable_wish_are_told() {
+    let scratch = Scratch::new("motor-angle");
+    let p = coin();
+    let words = [
+        "motor",
+        "coin-10mm",
+        "--drive",
+        "0.05:3, 0.03:-2, short",
+        "--angle",
+        "0.3",
+        "--csv",
+        "t.csv",
+        "--json",
+    ];
+    let said = scratch.run(&words).succeeds().json();
+    let csv = std::fs::read_to_string(scratch.0.join("t.csv")).unwrap();
+    let heads: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| -> Vec<f64> {
+        let at = heads.iter().position(|head| *head == name).unwrap_or_else(|| panic!("{name}: {heads:?}"));
+        csv.lines().skip(1).filter_map(|line| line.split(',').nth(at).and_then(|x| x.parse().ok())).collect()
+    };
+    let [time, speed, angle, torque] = ["seconds", "drive_rad_per_s", "drive_rad", "drive_N_m"].map(column);
+    assert!(torque.len() == speed.len() && torque.len() > 4000);
+    let step = time[1] - time[0];
+    // The speed is the angle's slope; and what speeds the rotor up acts on the casing the other way, wherever the drive does not change and it turns.
+    let (mut turned, mut largest) = (0.3, 0.0_f64);
+    let mut last = 0.0;
+    for n in 0..speed.len() {
+        turned += 0.5 * step * (last + speed[n]);
+        last = speed[n];
+        assert!((angle[n] - turned).abs() < 1e-2, "{n}: {} for {turned}", angle[n]);
+        largest = largest.max(torque[n].abs());
+    }
+    let close = |n: usize, within: f64| {
+        let slope = (speed[n + 1] - speed[n - 1]) / (2.0 * step);
+        let due = -p.effective_inertia() * slope;
+        assert!((torque[n] - due).abs() < within * largest, "{n}: {} for {due}", torque[n]);
+    };
+    let at = |seconds: f64| (seconds / step) as usize;
+    [at(0.01), at(0.03), at(0.045), at(0.055), at(0.065)].into_iter().for_each(|n| close(n, 2e-3));
+    let way = &said["ways"][0];
+    let end = angle[angle.len() - 1];
+    let within = (way["angle"].as_f64().unwrap() - end) / std::f64::consts::TAU;
+    assert!(
+        (within - within.round()).abs() < 1e-6
+            && way["angle"].as_f64().unwrap().abs() <= std::f64::consts::PI
+    );
+    assert!((way["peak_reaction"].as_f64().unwrap() / largest - 1.0).abs() < 1e-5, "{way}");
+    assert!(said["computed"]["reached"] == true && said["computed"]["error"] == 0.0, "{}", said["computed"]);
+    let fine = ["motor", "coin-10mm", "--tilt", "0", "--error", "1e-12"];
+    let plain = scratch.run(&fine);
+    assert!(plain.succeeds().err.contains("an error of 1e-12 is not reached"), "{}", plain.err);
+    assert!(plain.out.contains("are reached"), "{}", plain.out);
+    let said = scratch.run(&[&fine[..], &["--json"]].concat()).succeeds().json();
+    let computed = &said["computed"];
+    assert!(computed["level"] == "fine" && computed["reached"] == false, "{computed}");
+    assert!(computed["error"].as_f64().unwrap() > 1e-12, "{computed}");
+}

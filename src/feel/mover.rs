@@ -59,13 +59,14 @@ impl Mover {
             // Where the posture is unknown the plan says so, and leaves it out.
             parameters.gravity = tilt.map_or(GRAVITY, |tilt| (GRAVITY * tilt.cos()).abs());
             let mut chosen = plan(&parameters, rate, error, tilt.is_some());
-            let mut left = None;
+            let gravity = 2.0 * chosen.0.error(&parameters, rate * f64::from(chosen.1));
+            let mut left = Some(gravity).filter(|left| *left > error);
             if let Some(carrier) = carrier {
                 chosen.0 = with_coil(chosen.0);
                 // What is felt goes with the square of the speed.
                 let (parts, off) = parts(carrier.hertz, rate, 0.5 * error);
                 chosen.1 = chosen.1.max(parts);
-                left = Some(2.0 * off).filter(|left| *left > error);
+                left = Some(gravity.max(2.0 * off)).filter(|left| *left > error);
             }
             // Where nothing moves, that is told as force.
             let left_out = chosen.0.left_out.into_iter().flatten().filter(|left| left.part != Part::Casing);

@@ -246,7 +246,7 @@ pub(crate) fn read(name: &str, reader: &Reader) -> Actuator {
             None => misread.push(field.key),
         }
     }
-    contradiction::tell(reader, &values);
+    contradiction::tell(reader, model, &values);
     let mut actuator = Actuator {
         name: name.into(),
         model,

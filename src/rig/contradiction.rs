@@ -14,6 +14,12 @@ const AT_MOST: [(&str, &str, &str); 3] = [
     ("max_rms_amperes", "max_amperes", "no root mean square is more than its peak"),
 ];
 
+/// Two ways to say the same, of which the first would count for nothing beside the second.
+const EITHER: [(&str, &str); 2] = [("resonance", "stiffness"), ("q", "damping")];
+/// How a motor is seen to move, which counts for nothing where a rig says what it is made of.
+const OUTSIDE: [&str; 5] =
+    ["time_constant", "speed_per_volt", "running_volts", "start_volts", "eccentric_per_mass"];
+
 impl Actuator {
     /// That all is known which its model needs, and that it cannot be so.
     pub(super) fn contradiction(&self) -> Option<Problem> {
@@ -56,8 +62,33 @@ impl Rig {
     }
 }
 
-/// Tells of limits that a rig says and that cannot both be.
-pub(super) fn tell(reader: &Reader, values: &BTreeMap<&'static str, f64>) {
+/// Tells of figures that a rig itself says and that cannot both be, or of which one would count for nothing.
+pub(super) fn tell(reader: &Reader, model: Model, values: &BTreeMap<&'static str, f64>) {
+    let sprung = [Model::VoiceCoil, Model::InertialMotor].contains(&model);
+    for (idle, counts) in EITHER.into_iter().filter(|_| sprung) {
+        if values.contains_key(idle) && values.contains_key(counts) {
+            let what = format!(
+                "{} has both `{idle}` and `{counts}`, which are two ways to say the same",
+                reader.who
+            );
+            let help = format!("leave one of them out: `{counts}` would count, and `{idle}` for nothing");
+            reader.sink.push(Problem::error(&reader.span_of(idle), what).help(help));
+        }
+    }
+    if model == Model::RumbleMotor && values.contains_key("torque_constant") {
+        let idle: Vec<&str> = OUTSIDE.into_iter().filter(|key| values.contains_key(key)).collect();
+        if let Some(first) = idle.first() {
+            let counts = if idle.len() == 1 { "counts" } else { "count" };
+            let what = format!(
+                "{}: `{}` {counts} for nothing beside `torque_constant`",
+                reader.who,
+                idle.join("`, `")
+            );
+            let help =
+                "say what it is made of or how it is seen to move, not both: leave the one out".to_string();
+            reader.sink.push(Problem::warning(&reader.span_of(first), what).help(help));
+        }
+    }
     for (less, more, why) in AT_MOST {
         let (Some(low), Some(high)) = (values.get(less), values.get(more)) else { continue };
         if low > high {
@@ -134,6 +165,38 @@ mod tests {
         assert!(told.contains("`bias` of 130 V, and actuator `x` bears 0 to 120 V"), "{told}");
         let told = of("part = \"eai-c-mf\"", 1.0).unwrap_err();
         assert!(told.contains("`bias` of 1 V") && told.contains("is no piezo"), "{told}");
+    }
+
+    /// Of two ways to say the same one would count for nothing: both are named, at the line of that one.
+    #[test]
+    fn what_is_said_twice_is_refused() {
+        let coil = |model: &str, more: &str| told(&format!("model = \"{model}\"\n{more}"), TACTOR);
+        for model in ["voice-coil", "inertial-motor"] {
+            for (idle, counts) in [("q = 3", "damping = 0.5"), ("resonance = 200", "stiffness = 3000")] {
+                for both in [format!("{idle}\n{counts}"), format!("{counts}\n{idle}")] {
+                    let said = coil(model, &both).unwrap_err();
+                    let [a, b] = [idle, counts].map(|text| text.split(' ').next().unwrap());
+                    let line = if both.starts_with(idle) { "r.toml:11:" } else { "r.toml:12:" };
+                    assert!(said.contains(&format!("`{a}` and `{b}`")) && said.starts_with(line), "{said}");
+                }
+                assert_eq!((coil(model, idle), coil(model, counts)), (Ok(()), Ok(())));
+            }
+        }
+        // What a part says gives way to what the rig says.
+        assert_eq!(told("part = \"eai-c-mf\"\nq = 3", TACTOR), Ok(()));
+        let motor = |more: &str| {
+            let rig = format!(
+                "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\nfull_scale_volts = 5.0\n[actuator.x]\npart = \"coin-10mm\"\n{more}"
+            );
+            Rig::parse("r.toml", rig.as_bytes()).unwrap().warnings.to_string()
+        };
+        let said = motor("torque_constant = 1e-3\ntime_constant = 0.03\nstart_volts = 1\n");
+        assert!(
+            said.contains("`time_constant`, `start_volts` count for nothing beside `torque_constant`"),
+            "{said}"
+        );
+        assert!(!motor("torque_constant = 1e-3\n").contains("for nothing"));
+        assert!(!motor("time_constant = 0.03\n").contains("for nothing"));
     }
 
     #[test]

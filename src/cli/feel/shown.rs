@@ -91,16 +91,15 @@ impl FeelReport {
         (!names.is_empty()).then(|| format!("{told} ({}); nothing is shifted by that", ranges(&names)))
     }
 
-    /// "behind diodes the error is up to 3.1e-5 (`palm`)".
+    /// "the error may be up to 3.1e-5 (`palm`)".
     fn reached_line(&self) -> Option<String> {
         let told = self.outputs.iter().filter_map(|o| Some((o.reaches?, o.output.as_str())));
         let told: Vec<(String, &str)> = told.map(|(error, name)| (format!("{error:.1e}"), name)).collect();
         let groups = together(told.iter().map(|(error, name)| (error.as_str(), *name)));
         let told: Vec<String> =
             groups.iter().map(|(error, names)| format!("{error} ({})", ranges(names))).collect();
-        (!told.is_empty()).then(|| {
-            format!("behind diodes the error may be up to {}, more than was wished for", told.join(", "))
-        })
+        (!told.is_empty())
+            .then(|| format!("the error may be up to {}, more than was wished for", told.join(", ")))
     }
 
     fn left_out_lines(&self) -> Vec<String> {

@@ -82,8 +82,9 @@ fn column(heading: String, bench: &Bench, wish: Option<&Wish>, all: &[(Way, &Don
     }
 }
 
-/// A line for each step: time, what is wanted, and volts, amperes, speed and vibration in each way. What has ended is empty.
-pub fn csv(bench: &Bench, wish: Option<&Wish>, rows: &[Row]) -> String {
+/// A line for each step: time, what is wanted, and volts, amperes, speed, vibration, angle from straight down and
+/// reaction torque in each way. What has ended is empty, and so is what is not known; by `joules` torques and amperes are multiplied.
+pub fn csv(bench: &Bench, wish: Option<&Wish>, rows: &[Row], joules: Option<f64>) -> String {
     let all: Vec<(Way, &Done)> =
         rows.iter().filter_map(|row| Some((row.way, row.done.as_ref().ok()?))).collect();
     let unit = bench.felt().unit().replace('/', "_per_");
@@ -93,7 +94,7 @@ pub fn csv(bench: &Bench, wish: Option<&Wish>, rows: &[Row]) -> String {
     }
     for (way, _) in &all {
         let way = way.word();
-        let _ = write!(text, ",{way}_volts,{way}_amperes,{way}_rad_per_s,{way}_{unit}");
+        let _ = write!(text, ",{way}_volts,{way}_amperes,{way}_rad_per_s,{way}_{unit},{way}_rad,{way}_N_m");
     }
     text.push('\n');
     let steps = all.iter().map(|(_, done)| done.run.traces.speeds.len()).max().unwrap_or(0);
@@ -106,11 +107,23 @@ pub fn csv(bench: &Bench, wish: Option<&Wish>, rows: &[Row]) -> String {
         }
         for (_, done) in &all {
             let traces = &done.run.traces;
-            for values in [&traces.volts, &traces.amperes, &traces.speeds, &traces.felt] {
-                match values.get(n) {
-                    Some(value) => drop(write!(text, ",{value:.9}")),
+            // Where its resistance is not known, a motor that is known from outside has no amperes and no torques.
+            let [one, known] = [Some(1.0), joules];
+            for (values, scale) in [
+                (&traces.volts, one),
+                (&traces.amperes, known),
+                (&traces.speeds, one),
+                (&traces.felt, one),
+                (&traces.angles, one),
+            ] {
+                match values.get(n).zip(scale) {
+                    Some((value, scale)) => drop(write!(text, ",{:.9}", scale * value)),
                     None => text.push(','),
                 }
+            }
+            match traces.reactions.get(n).zip(known) {
+                Some((value, scale)) => drop(write!(text, ",{:.6e}", scale * value)),
+                None => text.push(','),
             }
         }
         text.push('\n');

@@ -4,6 +4,7 @@ use super::subject::Subject;
 use pacinian::actuator::motor::Parameters;
 use pacinian::report::motion::{Arrival, Behind, Bench, Done, Row};
 use serde::Serialize;
+use std::f64::consts::TAU;
 
 /// Everything there is to say.
 #[derive(Debug, Serialize)]
@@ -58,6 +59,8 @@ pub struct Computed {
     pub wished_error: f64,
     /// What gravity's interpolation leaves, as a share of the rated speed.
     pub error: f64,
+    /// Whether that is within the wish.
+    pub reached: bool,
     pub left_out: Vec<String>,
 }
 
@@ -86,6 +89,10 @@ pub struct WayReport {
     pub felt: Option<[f64; 2]>,
     pub error: Option<f64>,
     pub turns: Option<f64>,
+    /// Where the mass is at the end, rad from straight down, within ±π.
+    pub angle: Option<f64>,
+    /// The largest torque that the casing gets about the shaft, N m.
+    pub peak_reaction: Option<f64>,
     pub look_ahead: Option<f64>,
     /// Joules.
     pub energy: Option<EnergyReport>,
@@ -179,6 +186,12 @@ impl WayReport {
             felt: figures.and_then(|f| f.felt),
             error: figures.and_then(|f| f.error),
             turns: of.map(|done| done.run.turns),
+            angle: of
+                .and_then(|done| done.run.traces.angles.last())
+                .map(|angle| angle - TAU * (angle / TAU).round()),
+            peak_reaction: of.zip(joules).map(|(done, scale)| {
+                done.run.traces.reactions.iter().fold(0.0, |most, torque| torque.abs().max(most)) * scale
+            }),
             look_ahead: of.map(|done| done.look_ahead),
             energy: of.zip(joules).map(|(done, joules)| EnergyReport::new(done, joules)),
             click: of.and_then(|done| done.click.as_ref()).map(|click| click.seconds),

@@ -47,6 +47,7 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
     let held = Parameters { gravity: tilt.map_or(GRAVITY, |_| parameters.gravity), ..parameters };
     let plan = Plan::choose(&held, rate, &wanted);
     let bench = Bench::new(&parameters, plan, rate, asked.angle.unwrap_or(0.0)).map_err(|f| usage(&f))?;
+    let reaches = plan.error(&parameters, rate);
     let wish = Wish {
         level: asked.level.unwrap_or(1.0),
         seconds: asked.seconds,
@@ -54,6 +55,12 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
     };
     let turns = asked.turns.unwrap_or(0.25);
     let mut warnings: Vec<String> = asked.beyond(subject).into_iter().collect();
+    if reaches > error {
+        warnings.push(format!(
+            "an error of {error:e} is not reached: gravity leaves up to {reaches:.1e} of the rated speed at {} steps a second, at the finest level",
+            rate
+        ));
+    }
     match subject.terminals {
         Terminals::Carrier(_) => {
             let what = format!(
@@ -121,7 +128,7 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
     }
     if let Some(path) = &asked.csv {
         let wish = asked.drive.is_none().then_some(&wish);
-        out::write(path, picture::csv(&bench, wish, &rows).as_bytes())?;
+        out::write(path, picture::csv(&bench, wish, &rows, joules(subject)).as_bytes())?;
     }
     let joules = joules(subject);
     let answer = Answer {
@@ -138,7 +145,8 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
             level: level(plan.level),
             rate,
             wished_error: error,
-            error: plan.error(&parameters, rate),
+            error: reaches,
+            reached: reaches <= error,
             left_out: plan.left_out.iter().flatten().map(ToString::to_string).collect(),
         },
         wish: Wished {

@@ -107,10 +107,11 @@ impl Answer {
         table.row([
             "computed".into(),
             format!(
-                "at level {}, {}, for an error of {:e} of the speed",
+                "at level {}, {}, for an error of {:e} of the speed{}",
                 c.level,
                 hertz(c.rate),
-                c.wished_error
+                c.wished_error,
+                if c.reached { String::new() } else { format!(", of which {:.1e} are reached", c.error) }
             ),
         ]);
         for left in &c.left_out {

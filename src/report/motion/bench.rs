@@ -58,6 +58,10 @@ pub struct Traces {
     pub speeds: Vec<f64>,
     /// Magnitude of what is felt ([`Felt`]), that of the rotor's own acceleration included.
     pub felt: Vec<f64>,
+    /// By how much the mass has turned since it hung straight down, whole turns included, rad.
+    pub angles: Vec<f64>,
+    /// What coil and friction do to the casing about the shaft, N m.
+    pub reactions: Vec<f64>,
 }
 
 /// What a motor did under a drive.
@@ -132,7 +136,10 @@ impl Bench {
         let (mut traces, mut moved, mut n) = (Traces::default(), 0, 0);
         let still = STILL * self.parameters.rated_speed();
         let mut see = |motor: &Motor<true>| {
-            traces.volts.push(motor.reading().voltage);
+            let now = motor.reading();
+            traces.volts.push(now.voltage);
+            traces.reactions.push(now.reaction);
+            traces.angles.push(motor.turned());
             traces.amperes.push(motor.current());
             traces.speeds.push(motor.speed());
             traces.felt.push(self.shaken(motor));
