@@ -268,9 +268,7 @@ impl Instrument {
 
     /// Whether its voices may go on as voices of another: the same name and event fields.
     pub(crate) fn goes_on_as(&self, new: &Self) -> bool {
-        self.name == new.name
-            && self.fields == new.fields
-            && self.always == new.always
+        self.name == new.name && self.fields == new.fields && self.always == new.always
     }
 }
 

@@ -35,6 +35,8 @@ pub struct Happened {
     pub mood: Mood,
     /// How often the same happened since, without anything in between.
     pub again: u64,
+    /// The control that has moved, if that is what happened.
+    pub control: Option<String>,
 }
 
 impl Happened {
@@ -46,7 +48,7 @@ impl Happened {
             text =
                 lines.map(|line| line.strip_prefix("help: ").unwrap_or(line)).collect::<Vec<_>>().join(": ");
         }
-        Self { at, text, mood, again: 0 }
+        Self { at, text, mood, again: 0, control: None }
     }
 
     /// The same of a voice that played while the output was shut.
@@ -97,7 +99,11 @@ impl Happened {
             | Happening::Silence(_)
             | Happening::Cancel(_) => Mood::Told,
         };
-        Self::new(heard.at, mood, text)
+        let control = match heard.what {
+            Happening::Control(name, _) => Some(name.into()),
+            _ => None,
+        };
+        Self { control, ..Self::new(heard.at, mood, text) }
     }
 
     /// What became of the device.

@@ -12,6 +12,7 @@ mod line;
 mod lines;
 mod meter;
 mod meters;
+mod moves;
 mod panel;
 mod players;
 mod post;
@@ -42,6 +43,7 @@ use happened::{Happened, Mood};
 use keys::{Act, Keys};
 use lines::Lines;
 use meter::Meter;
+use moves::Moves;
 use players::Players;
 pub use post::Post;
 use post::{PostBox, State, post};
@@ -105,6 +107,7 @@ pub struct Show {
     events: VecDeque<Happened>,
     troubles: VecDeque<Happened>,
     echo: Echo,
+    moves: Moves,
     heard: f64,
     told: f64,
     /// The highest of all channels since the last line that said how things stand.
@@ -165,6 +168,7 @@ impl Show {
             events: VecDeque::new(),
             troubles: VecDeque::new(),
             echo: Echo::default(),
+            moves: Moves::default(),
             heard: 0.0,
             told: 0.0,
             highest: 0.0,
@@ -274,6 +278,7 @@ impl Show {
         if let (Some(held), Out::Lines(lines)) = (self.echo.due(now), &mut self.out) {
             lines.put(&lines::event(&held));
         }
+        self.say_moves(now);
         events.into_iter().for_each(|happened| self.note(happened));
         let panicked = board.is_panicked();
         if panicked != std::mem::replace(&mut self.panicked, panicked) {
@@ -303,10 +308,19 @@ impl Show {
         }
     }
 
+    /// Writes where controls have come to, of which not every move was written.
+    fn say_moves(&mut self, now: f64) {
+        if let Out::Lines(lines) = &mut self.out {
+            self.moves.due(now).iter().for_each(|happened| lines.put(&lines::event(happened)));
+        }
+    }
+
     /// Shows that something happened; where the same happens again and again, how often.
     fn note(&mut self, happened: Happened) {
         if let Out::Lines(lines) = &mut self.out {
-            self.echo.take(happened).for_each(|happened| lines.put(&lines::event(&happened)));
+            if let Some(happened) = self.moves.take(happened) {
+                self.echo.take(happened).for_each(|happened| lines.put(&lines::event(&happened)));
+            }
             return;
         }
         if happened.mood == Mood::Bad {
@@ -456,6 +470,7 @@ impl Show {
     /// Gives the terminal back, and says what went wrong while the screen was there. Gives the highest magnitude of each channel.
     pub fn end(mut self, board: &Board, terminal: &Terminal) -> Vec<f32> {
         self.listen(board);
+        self.say_moves(f64::INFINITY);
         if let (Some(held), Out::Lines(lines)) = (self.echo.release(self.fetch.now()), &mut self.out) {
             lines.put(&lines::event(&held));
         }
