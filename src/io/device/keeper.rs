@@ -112,7 +112,8 @@ impl Keeper {
                 let lent = driver.lend(keeping.lend.clone());
                 keeping.playing = Playing::Card(Card::open(&device, &found, shape, lent, board, tell)?);
                 keeping.news = Some(news);
-                keeping.default = found.default;
+                // JACK has one device, its server.
+                keeping.default = found.default && found.host() != "jack";
                 keeping.watch = Watch::of(found.host());
                 keeping.sought = Some((found.hosts, found.id));
             }
