@@ -142,14 +142,16 @@ fn every_node_is_copied_in_place() {
         }
     }
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let mut texts = vec![[0.1, 0.2].map(every)];
-    #[cfg(feature = "fundsp-nodes")]
-    texts.push(["180", "200"].map(|hertz| {
-        let bodies = leaves(12, 8).replace("180", hertz);
-        // A string cannot be copied, and then nothing is.
-        let strings = bodies.find("[voice.string]").unwrap_or(bodies.len());
-        bodies[..strings].replace("pluck\", frequency = \"event.frequency\"", "white\"")
-    }));
+    let texts = [
+        [0.1, 0.2].map(every),
+        #[cfg(feature = "fundsp-nodes")]
+        ["180", "200"].map(|hertz| {
+            let bodies = leaves(12, 8).replace("180", hertz);
+            // A string cannot be copied, and then nothing is.
+            let strings = bodies.find("[voice.string]").unwrap_or(bodies.len());
+            bodies[..strings].replace("pluck\", frequency = \"event.frequency\"", "white\"")
+        }),
+    ];
     for texts in texts {
         let plan = |text: &String| {
             scene(&patch(text), &Rig::default_for(2), &options, &Hum).unwrap_or_else(|p| panic!("{p}")).plan
@@ -699,6 +701,7 @@ fn a_knob_and_its_servo_take_no_memory() {
 }
 
 /// What a servo leaves to the thread of a line, with effects that remember, and what that makes of it.
+#[cfg(feature = "live")]
 #[test]
 fn a_profile_takes_no_memory() {
     use pacinian::knob::effect::{detent, friction, inertia, transient, wall};

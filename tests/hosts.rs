@@ -256,6 +256,24 @@ fn what_a_stream_says_on_its_way_out_concerns_nobody_and_a_slow_one_is_waited_fo
     assert_eq!(fates.lock().unwrap().len(), 6, "its own end is no loss");
 }
 
+/// A stream that is never done, as one whose server has died may be, keeps neither the clock nor what is to be played.
+#[test]
+fn what_a_stream_does_not_give_back_is_taken_from_it() {
+    let card = Scripted::new(Make::default());
+    let (mut session, fates) = hum(&System::of(&[&card]), "Card");
+    wait("sound", || card.length() > 2 * 4_800);
+    card.is(|mood| (mood.there, mood.hangs) = (false, true));
+    wait("the loss", || fates.lock().unwrap().len() == 1);
+    clock_goes_on(&session, 9_600);
+    card.is(|mood| (mood.there, mood.hangs) = (true, false));
+    wait("its return", || fates.lock().unwrap().len() == 2);
+    clock_goes_on(&session, 4_800);
+    assert!(card.latest().samples.iter().any(|x| x.abs() > 0.47), "it sounds again");
+    let told = fates.lock().unwrap().clone();
+    assert!(matches!(&told[..], [Fate::Lost(_), Fate::Back]), "{told:?}");
+    session.stop();
+}
+
 #[test]
 fn after_a_gap_the_stream_goes_on_and_times_line_up_again() {
     // By how much what the session takes for the time of a callback is ahead of when it came, seconds; the median of several.

@@ -4,11 +4,11 @@
 //! where. The audio thread swaps pointers: voices that still exist keep sounding with their states, controls keep their
 //! values, waiting events keep their times. A voice that the new plan computes in another way, or sends elsewhere, sounds from both engines
 //! meanwhile, in the old one from a copy of its states: its part there falls from 1 to 0 while that in the new one rises from 0 to 1
-//! ([`crate::dsp::fade::CROSS`]). Between two vibrations there is then no step larger than those of the larger one. Voices that have no counterpart
+//! in 50 ms. Between two vibrations there is then no step larger than those of the larger one. Voices that have no counterpart
 //! fall silent in the same time in the old engine, which then goes back to the control thread to be freed.
 //!
 //! Where states cannot be copied at once (a string, or delays of a megabyte), voices change from one sample to the next, and what their sum would
-//! jump by there is faded out ([`super::declick`]).
+//! jump by there is faded out.
 
 use std::collections::{HashMap, VecDeque};
 use std::fmt;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 
 use cpu_time::ThreadTime;
+use crossbeam_utils::atomic::AtomicCell;
 
 use super::board::Board;
 use super::callback::Callback;
@@ -144,23 +145,42 @@ impl Driver {
         self.board.input.latency.get() as f64 * 1e-9 + out
     }
 
-    /// To lend it to a device: when the device drops it, it comes back through `home`.
-    pub fn lend(self, home: Sender<Box<Driver>>) -> Lent {
-        Lent { driver: Some(Box::new(self)), home }
+    /// To lend it to a device: when the device drops it, it comes back through `home`. It can be recalled before.
+    pub fn lend(self, home: Sender<Box<Driver>>) -> (Lent, Recall) {
+        let slot = Arc::new(AtomicCell::new(Some(Box::new(self))));
+        (Lent { slot: Arc::clone(&slot), home }, Recall { slot })
     }
 }
 
+/// Where a driver is between two callbacks. No larger than a pointer, so that it is taken and put back without a lock.
+type Slot = Arc<AtomicCell<Option<Box<Driver>>>>;
+
 /// A driver that a device has.
 pub struct Lent {
-    driver: Option<Box<Driver>>,
+    slot: Slot,
     home: Sender<Box<Driver>>,
+}
+
+/// By which a driver is taken from a device that does not give it back: a stream whose server has died may never be done.
+pub struct Recall {
+    slot: Slot,
+}
+
+impl Recall {
+    /// The driver; `None` while the device fills a block, and where it has been given back. What the device plays from here on is silence.
+    pub fn take(&self) -> Option<Box<Driver>> {
+        self.slot.take()
+    }
 }
 
 impl Lent {
     /// As [`Driver::fill`].
     pub fn fill(&mut self, output: &mut [f32]) {
-        match &mut self.driver {
-            Some(driver) => driver.fill(output),
+        match self.slot.take() {
+            Some(mut driver) => {
+                driver.fill(output);
+                self.slot.store(Some(driver));
+            }
             None => output.fill(0.0),
         }
     }
@@ -168,7 +188,7 @@ impl Lent {
 
 impl Drop for Lent {
     fn drop(&mut self) {
-        if let Some(driver) = self.driver.take() {
+        if let Some(driver) = self.slot.take() {
             // Where nobody waits for it any more, the session is over.
             let _ = self.home.send(driver);
         }

@@ -72,6 +72,8 @@ pub struct Mood {
     pub held: bool,
     /// To let go of a stream takes it so long.
     pub lets_go: Duration,
+    /// It never lets go of what a stream was given.
+    pub hangs: bool,
     /// It says that it is gone when a stream ends, and once more a while after that.
     pub last_words: bool,
     /// What it says before the next block.
@@ -114,6 +116,7 @@ impl Scripted {
             busy: 0,
             held: false,
             lets_go: Duration::ZERO,
+            hangs: false,
             last_words: false,
             says: VecDeque::new(),
             throws_away: 0,
@@ -305,6 +308,9 @@ pub struct Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
+        if self.device.mood().hangs {
+            return;
+        }
         self.ends.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();

@@ -13,7 +13,7 @@ use super::minder::{Minder, Pulse, Search, Watch, let_go};
 use super::returning::{Returning, Stand};
 use super::virtual_card::VirtualCard;
 use crate::live::board::Board;
-use crate::live::driver::Driver;
+use crate::live::driver::{Driver, Lent, Recall};
 use crate::live::gate::{Order, UNARMED};
 
 /// What becomes of a device.
@@ -37,6 +37,10 @@ pub const BLOCK: usize = 128;
 /// So long without a callback, and so many blocks: then the device is taken for lost.
 const SILENT: Duration = Duration::from_millis(300);
 const MISSED: f64 = 12.0;
+
+/// How often a driver is looked for that a device has, which fills a block in less than all of that, and how long after each.
+const RECALLS: u32 = 50;
+const RECALL: Duration = Duration::from_micros(200);
 
 enum Playing {
     Card(Card),
@@ -63,6 +67,8 @@ struct Keeping {
     returning: Option<Returning>,
     home: Receiver<Box<Driver>>,
     lend: Sender<Box<Driver>>,
+    /// By which it is taken from whatever does not give it back.
+    recall: Option<Recall>,
     /// What the device that plays says; of one that was let go of, nobody hears any more.
     news: Option<Receiver<News>>,
     fate: Box<dyn FnMut(Fate) + Send>,
@@ -97,6 +103,7 @@ impl Keeper {
             returning: None,
             home,
             lend,
+            recall: None,
             news: None,
             fate,
             pulse: Pulse::new(),
@@ -109,7 +116,7 @@ impl Keeper {
         match chosen {
             Chosen::Card(device, found) => {
                 let (tell, news) = channel();
-                let lent = driver.lend(keeping.lend.clone());
+                let lent = keeping.lend(driver);
                 keeping.playing = Playing::Card(Card::open(&device, &found, shape, lent, board, tell)?);
                 keeping.news = Some(news);
                 // JACK has one device, its server.
@@ -130,9 +137,15 @@ impl Keeper {
 }
 
 impl Keeping {
+    fn lend(&mut self, driver: Driver) -> Lent {
+        let (lent, recall) = driver.lend(self.lend.clone());
+        self.recall = Some(recall);
+        lent
+    }
+
     fn tick(&mut self, driver: Driver) -> Result<(), DeviceError> {
         let block = self.shape.block.map_or(BLOCK, |block| block as usize);
-        let lent = driver.lend(self.lend.clone());
+        let lent = self.lend(driver);
         let card = VirtualCard::start(lent, self.shape.channels, f64::from(self.shape.rate), block).map_err(
             |error| DeviceError::new(Trouble::Other, format!("no thread for the virtual card: {error}")),
         )?;
@@ -155,7 +168,12 @@ impl Keeping {
             Playing::Card(card) => let_go(card),
             other => drop(other),
         }
-        self.home.try_recv().ok()
+        self.driver()
+    }
+
+    /// The driver, once a device has let go of it or is between two blocks.
+    fn driver(&self) -> Option<Box<Driver>> {
+        self.home.try_recv().ok().or_else(|| self.recall.as_ref()?.take())
     }
 
     fn is_present(&self) -> bool {
@@ -174,7 +192,9 @@ impl Keeping {
         if self.is_present() && pause > silent {
             self.lose("it does not ask for anything any more".into());
         }
-        if let (Playing::Nothing, Ok(driver)) = (&self.playing, self.home.try_recv()) {
+        if matches!(self.playing, Playing::Nothing)
+            && let Some(driver) = self.driver()
+        {
             self.go_on(*driver);
         }
         if self.resting.load(Ordering::Acquire) {
@@ -228,9 +248,24 @@ impl Keeping {
         self.news = None;
         self.trouble = Some(why.clone());
         (self.fate)(Fate::Lost(why));
-        if let Some(driver) = self.take_home() {
+        // The clock goes on before the device has let go: one whose server has died may take seconds for it, or for ever.
+        let left = std::mem::replace(&mut self.playing, Playing::Nothing);
+        if let Some(driver) = self.recall() {
             self.go_on(*driver);
         }
+        if let Playing::Card(card) = left {
+            let_go(card);
+        }
+    }
+
+    /// The driver, taken from a device between two blocks.
+    fn recall(&self) -> Option<Box<Driver>> {
+        (0..RECALLS).find_map(|n| {
+            if n > 0 {
+                std::thread::sleep(RECALL);
+            }
+            self.driver()
+        })
     }
 
     /// The stream plays somewhere else: it is let go of, and its own device looked for.
@@ -264,7 +299,7 @@ impl Keeping {
         let Some(mut driver) = self.take_home() else { return };
         let Some(returning) = self.returning.take() else { return self.go_on(*driver) };
         driver.move_to(self.shape.block.unwrap_or(0) as usize, Order::Return);
-        let (card, said, news) = returning.play(driver.lend(self.lend.clone()));
+        let (card, said, news) = returning.play(self.lend(*driver));
         (self.playing, self.news, self.trouble) = (Playing::Card(card), Some(news), None);
         self.pulse.begin();
         (self.fate)(Fate::Back);

@@ -22,8 +22,10 @@ use crate::live::stamp::Epoch;
 pub const EVERY: f64 = 0.4;
 const BEFORE: f64 = 0.4;
 const WITHIN: f64 = 0.3;
-/// What the system says of its buffers may be too much by so much, seconds.
+/// What the system says of its buffers may be too much by all of it and by so much, seconds: a loop within a server has none of them. More than
+/// the second would reach into what came of the probe before.
 const EARLY: f64 = 0.02;
+const EARLIEST: f64 = 0.09;
 
 /// Callbacks by which a stretch without a gap must be known.
 const FEWEST: usize = 12;
@@ -188,6 +190,7 @@ fn reckon(sent: &[Callback], heard: &[Callback], samples: &[f32], rates: [f64; 2
         says: [sent, heard].map(|all| all.iter().map(|c| c.delay).sum::<f64>() / all.len().max(1) as f64),
         ..Measured::default()
     };
+    let early = (EARLY + measured.says.iter().sum::<f64>()).clamp(EARLY, EARLIEST);
     let (plays, hears) = (stretches(sent), stretches(heard));
     let length = |s: &Stretch| s.last - s.first;
     let longest = |all: &[Stretch]| {
@@ -204,7 +207,7 @@ fn reckon(sent: &[Callback], heard: &[Callback], samples: &[f32], rates: [f64; 2
         let hearing = playing.and_then(|playing| {
             let at = playing.line.at(begin);
             let find = |s: &&Stretch| {
-                s.first <= s.line.place(at - EARLY) && s.line.place(at + WITHIN + probe::SECONDS) <= s.last
+                s.first <= s.line.place(at - early) && s.line.place(at + WITHIN + probe::SECONDS) <= s.last
             };
             Some((playing, at, hears.iter().find(find)?))
         });
@@ -212,7 +215,7 @@ fn reckon(sent: &[Callback], heard: &[Callback], samples: &[f32], rates: [f64; 2
             measured.broken += 1;
             continue;
         };
-        let first = hearing.line.place(at - EARLY).max(0.0) as usize;
+        let first = hearing.line.place(at - early).max(0.0) as usize;
         let last = (hearing.line.place(at + WITHIN + probe::SECONDS) as usize).min(samples.len());
         // Seconds by the clock of the device that plays, between two samples that are heard.
         let step = hearing.line.slope() / (playing.line.slope() * rates[0]);
@@ -355,7 +358,7 @@ mod tests {
     fn a_known_loop_is_reckoned_within_a_hundredth_of_a_sample_at_whatever_clocks() {
         let seconds = 10.0;
         for (nominal, fast) in [(48_000.0, 0.0), (48_000.0, 300e-6), (44_100.0, -200e-6)] {
-            for latency in [0.001_234_5, 0.0, 0.25, -0.005] {
+            for latency in [0.001_234_5, 0.0, 0.25, -0.005, -0.035] {
                 let (out, input) = (48_000.0, nominal * (1.0 + fast));
                 let sent = callbacks(out, 256, 3.0, seconds, 1.0);
                 let heard = callbacks(input, 200, 2.9, seconds + 1.0, -1.0);
