@@ -4,8 +4,9 @@
 /// Seconds in which a voice that must make room falls silent, and in which one without an envelope comes and goes.
 pub const FADE: f64 = 0.004;
 
-/// Seconds in which a voice that sounds goes over into what a new plan makes of it. From there to 0 or to 1 in less, a vibration of 50 Hz would
-/// take larger steps than it does by itself.
+/// Seconds in which a voice that sounds goes over into what a new plan makes of it. In 20 ms, two sawtooths of 60 and 90 Hz step 1.4 % further on
+/// their way than by themselves, and a tone of 800 Hz that becomes louder 2 %, as its sidebands reach where the band limit takes less; in
+/// 50 ms it is 0.3 and 0.1 %.
 pub const CROSS: f64 = 0.05;
 
 /// Seconds in which a voice falls silent that must do so at once: 5 ms later less than a hundredth of it is left. One that went faster

@@ -228,15 +228,6 @@ impl<R: Real> Ops<R> {
         }
     }
 
-    /// Makes the states of an old program's ops, which [`Ops::take_states`] has taken, copies of what they have become here.
-    pub fn give_copies(&self, old: &mut Self, ops: &[Option<usize>]) {
-        for (states, from) in self.states.iter().zip(ops) {
-            if let Some(old) = from.and_then(|from| old.states.get_mut(from)) {
-                old.copy(states);
-            }
-        }
-    }
-
     /// What ops read of others a sample later goes on where the same op is read late in both programs.
     fn take_late(&mut self, old: &Self, ops: &[Option<usize>]) {
         let (here, there) = (self.program.late.len(), old.program.late.len());

@@ -214,6 +214,12 @@ mod tests {
     use crate::patch::Patch;
     use crate::rig::Rig;
 
+    #[test]
+    fn a_driver_is_taken_and_put_back_without_a_lock() {
+        use crossbeam_utils::atomic::AtomicCell;
+        assert!(AtomicCell::<Option<Box<Driver>>>::is_lock_free());
+    }
+
     /// Counts frames.
     struct Counting(f32);
 

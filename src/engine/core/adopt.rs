@@ -1,7 +1,6 @@
 //! Taking over from the engine of another plan.
 
 use super::Core;
-use crate::dsp::fade::{CROSS, FADE};
 use crate::dsp::lanes::Real;
 use crate::engine::event::Event;
 use crate::engine::handover::Inheritance;
@@ -40,9 +39,9 @@ impl<R: Real> Core<R> {
             new.adopt(old);
         }
         if let (Some(new), Some(old)) = (&mut self.shared, &mut old.shared) {
-            new.take_states(old, &inheritance.shared);
-            if copies {
-                new.give_copies(old, &inheritance.shared);
+            match copies {
+                true => new.copy_states(old, &inheritance.shared),
+                false => new.take_states(old, &inheritance.shared),
             }
             new.retune(0, old, &inheritance.shared);
         }
@@ -110,6 +109,6 @@ impl<R: Real> Core<R> {
         for (signal, latest) in old.work.shared.iter_mut().zip(&old.latest).filter(|_| !copies) {
             signal.hold(*latest);
         }
-        old.banks.iter_mut().for_each(|bank| bank.fade_all(now, FADE / CROSS));
+        old.banks.iter_mut().for_each(|bank| bank.fade_all(now));
     }
 }
