@@ -2,11 +2,28 @@
 
 mod common;
 
-use common::{compiled, play, schedule};
+use common::scenes::every;
+#[cfg(feature = "fundsp-nodes")]
+use common::scenes::leaves;
+use common::{compiled, patch, play, schedule};
 use pacinian::engine::event::{Event, Play, Source};
 use pacinian::engine::exchange::exchange;
 use pacinian::graph::plan::Plan;
+use pacinian::graph::scene::{Options, scene};
+use pacinian::node::asset::{Asset, Assets};
+use pacinian::rig::Rig;
 use pacinian::schedule::Instant;
+use std::sync::Arc;
+
+/// Stands for any recording.
+struct Hum;
+
+impl Assets for Hum {
+    fn load(&self, _path: &str, _channel: usize) -> Result<Arc<Asset>, String> {
+        let samples = (0..9_600).map(|n| 0.5 * (n as f32 * 0.02).sin()).collect();
+        Ok(Arc::new(Asset { samples, rate: 48_000.0 }))
+    }
+}
 
 /// What changes, and the nodes before and after.
 const FIGURES: [(&str, &str, [&str; 2]); 15] = [
@@ -89,6 +106,45 @@ fn another_figure_makes_no_larger_step() {
         // What the band limit takes of 800 Hz it does not take of all that goes with the change: a thousandth. And two sawtooths meet.
         assert!(worst <= 1.003, "{name}: a step {worst} times as large");
     }
+}
+
+/// What crosses to a plan that computes the same sounds as if nothing had happened: a copy of every node's state is that state.
+#[test]
+fn a_copy_of_every_node_goes_on_as_the_original() {
+    // Room for a voice more makes the instrument another one, and its sound is the same.
+    // Softly, so that no limiter hears of it.
+    let soft = every(0.1).replace("\"sum\", \"on\"", "\"0.1 * sum\", \"on\"");
+    let mut scenes = vec![[12, 13].map(|voices| soft.replace("voices = 12", &format!("voices = {voices}")))];
+    scenes.extend(bodies());
+    for texts in scenes {
+        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+        let [old, new] = texts.map(|text| {
+            scene(&patch(&text), &Rig::default_for(1), &options, &Hum).unwrap_or_else(|p| panic!("{p}")).plan
+        });
+        let alone = run(&old, None);
+        let loudest = alone.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+        assert!(loudest > 1e-3, "{loudest}");
+        for n in [120, 213, 400] {
+            let crossed = run(&old, Some((n, &new)));
+            let apart = alone.iter().zip(&crossed).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(apart <= 2e-6 * loudest.max(1.0), "{apart} of {loudest} at call {n}");
+        }
+    }
+}
+
+/// Voices of what can be copied of the units of fundsp: all but strings.
+#[cfg(feature = "fundsp-nodes")]
+fn bodies() -> Option<[String; 2]> {
+    Some([12, 13].map(|voices| {
+        let both = leaves(voices, 8);
+        let strings = both.find("[voice.string]").unwrap_or(both.len());
+        both[..strings].replace("pluck\", frequency = \"event.frequency\"", "white\"")
+    }))
+}
+
+#[cfg(not(feature = "fundsp-nodes"))]
+fn bodies() -> Option<[String; 2]> {
+    None
 }
 
 /// Signals that all voices read go on as well, for what sounds in the old way.
@@ -232,18 +288,6 @@ fn a_hundred_changes_make_no_larger_step() {
 #[cfg(feature = "io")]
 #[test]
 fn any_patch_follows_any_other() {
-    use pacinian::graph::scene::{Options, scene};
-    use pacinian::node::asset::{Asset, Assets};
-    use pacinian::rig::Rig;
-    use std::sync::Arc;
-
-    struct Hum;
-    impl Assets for Hum {
-        fn load(&self, _path: &str, _channel: usize) -> Result<Arc<Asset>, String> {
-            let samples = (0..9_600).map(|n| 0.5 * (n as f32 * 0.02).sin()).collect();
-            Ok(Arc::new(Asset { samples, rate: 48_000.0 }))
-        }
-    }
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
     let mut paths: Vec<_> =
         std::fs::read_dir("patches").unwrap().map(|entry| entry.unwrap().path()).collect();
