@@ -744,7 +744,8 @@ fn a_profile_takes_no_memory() {
     ];
     let mut servo = Servo::new(&Setup::new(effects, device, limits)).unwrap();
     servo.arm();
-    let bounds = Bounds { slew: 100.0, over_speed: 60.0, inverted: false };
+    let budget = limits.budget().unwrap();
+    let bounds = Bounds { slew: 100.0, over_speed: 60.0, inverted: false, budget };
     let (mut local, counts, mut most) = (Local::new(bounds), Counts::default(), 0.0_f64);
     let total = counted(|| {
         for n in 0..4000_u64 {

@@ -50,8 +50,13 @@ impl OnLine {
         };
         let Some(controller) = &of_rig.controller else { return Ok(None) };
         let patience = if controller.renders() { STILL } else { controller.patience };
-        let bounds =
-            Bounds { slew: of_rig.slew, over_speed: of_rig.over_speed, inverted: controller.inverted };
+        let budget = knob.setup.limits.budget();
+        let bounds = Bounds {
+            slew: of_rig.slew,
+            over_speed: of_rig.over_speed,
+            inverted: controller.inverted,
+            budget: budget.map_err(|fault| Failure::said(65, fault.to_string()))?,
+        };
         let (heard, line) = remote(knob.allowance, patience, AMPLITUDE, sensor.channels, bounds);
         let late = (!controller.renders()).then(|| Late {
             lateness: line.lateness(),
@@ -120,14 +125,18 @@ impl OnLine {
         let profiles = lateness.profiles();
         if profiles.taken > 0 {
             text += &format!(
-                "\n    {} blocks' torques came over, {} were replaced by newer ones on their way; their changes put in {:.2e} J",
+                "\n    {} blocks' torques came over, {} were replaced by newer ones on their way; their changes put in {:.2e} J; \
+                 {:.3} J went into what is felt, by the torques that were given, and its winding was loaded to {:.0} % at the end",
                 grouped(profiles.taken),
                 grouped(profiles.replaced),
-                profiles.booked
+                profiles.booked,
+                profiles.absorbed,
+                100.0 * profiles.load
             );
             let more = [
                 (profiles.beyond, "for angles beyond what was known of"),
                 (profiles.slewed, "held to the slew"),
+                (profiles.cut, "held to what its winding bears"),
                 (profiles.too_fast, "0 as it was too fast"),
             ];
             for (count, what) in more.into_iter().filter(|(count, _)| *count > 0) {

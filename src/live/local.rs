@@ -2,7 +2,8 @@
 //!
 //! Nothing here has a clock or a thread. What stands between a profile and the motor: an angle or a torque that is no number, a speed that no
 //! hand turns, and a torque that is too old are none; beyond a profile's range torque stays what it is at its end, and that is counted; no
-//! torque changes faster than the knob's own slew allows. Size was limited where the profile was made.
+//! torque changes faster than the knob's own slew allows. Size was limited where the profile was made, by what the servo knows: what was
+//! really given between its blocks is booked here, heat and energy, and no torque is more than the winding's budget has left of that.
 
 #![deny(clippy::disallowed_methods)]
 
@@ -13,6 +14,8 @@ use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::knob::local_model::profile::Profile;
+use crate::knob::passivity::Observer;
+use crate::knob::safety::budget::Budget;
 
 /// What the line's thread keeps to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +26,8 @@ pub struct Bounds {
     pub over_speed: f64,
     /// Whether the angle falls on the line where the servo's rises.
     pub inverted: bool,
+    /// What the winding may spend, as it is at the beginning.
+    pub budget: Budget,
 }
 
 /// A profile on its way.
@@ -69,7 +74,10 @@ pub struct Counts {
     beyond: AtomicU64,
     too_fast: AtomicU64,
     slewed: AtomicU64,
+    cut: AtomicU64,
     booked: AtomicU64,
+    absorbed: AtomicU64,
+    load: AtomicU64,
 }
 
 /// The same at one moment.
@@ -85,8 +93,14 @@ pub struct Count {
     pub too_fast: u64,
     /// Torques that changed as fast as they may.
     pub slewed: u64,
+    /// Torques that were held to what the winding's budget had left.
+    pub cut: u64,
     /// Energy that changes of profiles put in, joules.
     pub booked: f64,
+    /// Energy that went from the hand into what is felt, by the torques that were given and the angles that were read, joules.
+    pub absorbed: f64,
+    /// The winding's load by the torques that were given: 0 cold, 1 where the continuous torque ends.
+    pub load: f64,
 }
 
 impl Counts {
@@ -99,7 +113,10 @@ impl Counts {
             beyond: of(&self.beyond),
             too_fast: of(&self.too_fast),
             slewed: of(&self.slewed),
+            cut: of(&self.cut),
             booked: f64::from_bits(of(&self.booked)),
+            absorbed: f64::from_bits(of(&self.absorbed)),
+            load: f64::from_bits(of(&self.load)),
         }
     }
 }
@@ -121,13 +138,26 @@ pub struct Local {
     /// What was given last, and when, nanoseconds.
     given: f64,
     last: Option<u64>,
+    /// What that heated, and what work it did.
+    budget: Budget,
+    observer: Observer,
 }
 
 impl Local {
     /// Nothing is there yet.
     pub fn new(bounds: Bounds) -> Self {
         let acts = Profile::flat(0.0);
-        Self { bounds, told: Told::NOTHING, turns: 0.0, acts, granted: 0.0, given: 0.0, last: None }
+        Self {
+            bounds,
+            told: Told::NOTHING,
+            turns: 0.0,
+            acts,
+            granted: 0.0,
+            given: 0.0,
+            last: None,
+            budget: bounds.budget,
+            observer: Observer::default(),
+        }
     }
 
     /// The newest that was told.
@@ -155,12 +185,13 @@ impl Local {
 
     /// The torque of an angle (radians) and a speed (rad/s) as the line says them, in the servo's direction, N m.
     pub fn torque(&mut self, now: u64, angle: f64, speed: f64, counts: &Counts) -> f64 {
+        self.book(now, angle, counts);
         let place = self.turned(angle) + self.turns;
         let fast = speed.is_nan() || speed.abs() > self.bounds.over_speed;
         let (torque, beyond) = self.told.profile.at(place);
         if fast || !place.is_finite() || !torque.is_finite() {
             count(&counts.too_fast, u64::from(fast));
-            return self.nothing(now, angle, counts);
+            return self.none(now, angle, counts);
         }
         count(&counts.beyond, u64::from(beyond));
         self.change(self.told.profile, place, counts);
@@ -174,15 +205,33 @@ impl Local {
             count(&counts.slewed, 1);
             self.given + most.copysign(change)
         };
+        if !self.budget.allows(self.given) {
+            count(&counts.cut, 1);
+            self.given = self.budget.allowed().copysign(self.given);
+        }
         self.given
     }
 
     /// No torque, at an angle as the line says it.
     pub fn nothing(&mut self, now: u64, angle: f64, counts: &Counts) -> f64 {
+        self.book(now, angle, counts);
+        self.none(now, angle, counts)
+    }
+
+    fn none(&mut self, now: u64, angle: f64, counts: &Counts) -> f64 {
         let place = self.turned(angle) + self.turns;
         self.change(Profile::flat(0.0), place, counts);
         (self.given, self.last) = (0.0, Some(now));
         0.0
+    }
+
+    /// Books what the torque before has done until now, at an angle as the line says it.
+    fn book(&mut self, now: u64, angle: f64, counts: &Counts) {
+        let passed = self.last.map_or(0.0, |last| now.saturating_sub(last) as f64 * 1e-9);
+        self.budget.spend_over(self.given, passed);
+        self.observer.observe(self.turned(angle), self.given);
+        counts.load.store(self.budget.load().to_bits(), Ordering::Relaxed);
+        counts.absorbed.store(self.observer.absorbed().to_bits(), Ordering::Relaxed);
     }
 
     /// Books what a change at an angle puts in.

@@ -300,11 +300,12 @@ impl Given {
 mod tests {
     use super::{Bounds, Heard, Line, NOT_HEARD};
     use crate::knob::local_model::profile::Profile;
-
-    const BOUNDS: Bounds = Bounds { slew: 1e3, over_speed: 60.0, inverted: false };
+    use crate::knob::safety::budget::Budget;
 
     fn remote(allowance: f64, patience: f64, amplitude: f64, channels: [usize; 2]) -> (Heard, Line) {
-        super::remote(allowance, patience, amplitude, channels, BOUNDS)
+        let budget = Budget::new(1e3, 12.0, 1.0, 1e-3).unwrap();
+        let bounds = Bounds { slew: 1e3, over_speed: 60.0, inverted: false, budget };
+        super::remote(allowance, patience, amplitude, channels, bounds)
     }
 
     const MS: u64 = 1_000_000;

@@ -55,6 +55,14 @@ impl Budget {
         self.load += (torque * torque * self.per_square - self.load) * self.step;
     }
 
+    /// Books a torque that acted for so many seconds; no time or a torque that is no number is nothing.
+    pub fn spend_over(&mut self, torque: f64, seconds: f64) {
+        let more = (torque * torque * self.per_square - self.load) * -exp_m1(-seconds.max(0.0) / self.time);
+        if more.is_finite() {
+            self.load += more;
+        }
+    }
+
     /// 0 cold, 1 where the continuous torque ends.
     pub fn load(&self) -> f64 {
         self.load

@@ -30,6 +30,19 @@ pub struct Limits {
     pub over_speed: f64,
 }
 
+impl Limits {
+    /// What its winding may spend, cold.
+    ///
+    /// # Errors
+    /// A figure that is not above 0.
+    pub fn budget(&self) -> Result<Budget, Fault> {
+        // The peak is there until half of the load is reached, and falls from then on.
+        let over = 2.0 * ((self.peak / self.continuous).powi(2) - 1.0);
+        let release = (self.winding / f64::max(over, 1.0)).max(2.0 * self.period);
+        Budget::new(self.continuous, self.winding, release, self.period)
+    }
+}
+
 /// A stage, as its place in the counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
@@ -152,10 +165,7 @@ impl Chain {
         let low_pass = l.low_pass.map(|hertz| LowPass::new(hertz, l.period)).transpose()?;
         let per_tick = |time: f64| if time > l.period { l.period / time } else { 1.0 };
         positive("continuous", l.continuous)?;
-        // The peak is there until half of the load is reached, and falls from then on.
-        let over = 2.0 * ((l.peak / l.continuous).powi(2) - 1.0);
-        let release = (l.winding / f64::max(over, 1.0)).max(2.0 * l.period);
-        let budget = Budget::new(l.continuous, l.winding, release, l.period)?;
+        let budget = l.budget()?;
         Ok(Self {
             limits: *l,
             low_pass,

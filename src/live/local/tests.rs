@@ -3,6 +3,7 @@ use crate::dsp::random::uniform;
 use crate::knob::effect::{constant::Constant, spring::Spring, wall::Wall};
 use crate::knob::governor::device::{Delay, Device};
 use crate::knob::local_model::profile::Profile;
+use crate::knob::safety::budget::Budget;
 use crate::knob::safety::chain::Limits;
 use crate::knob::servo::setup::Setup;
 use crate::knob::servo::tick::Servo;
@@ -11,7 +12,14 @@ use crate::knob::test_plant::Plant;
 use crate::knob::velocity::choice::Choice;
 use std::f64::consts::TAU;
 
-const BOUNDS: Bounds = Bounds { slew: 1e9, over_speed: 60.0, inverted: false };
+mod books;
+
+/// A winding that bears whatever is asked of it.
+fn bounds() -> Bounds {
+    let budget = Budget::new(1e9, 12.0, 1.0, 1e-3).unwrap();
+    Bounds { slew: 1e9, over_speed: 60.0, inverted: false, budget }
+}
+
 const MS: u64 = 1_000_000;
 
 /// A spring to 0, seen from an angle, so far to either side.
@@ -27,7 +35,7 @@ fn told(number: u64, profile: Profile) -> Told {
 
 #[test]
 fn every_profile_that_was_sent_is_taken_or_was_replaced() {
-    let (mut local, counts) = (Local::new(BOUNDS), Counts::default());
+    let (mut local, counts) = (Local::new(bounds()), Counts::default());
     let (mut sent, mut looks) = (0, 0);
     for n in 0..2000 {
         if uniform(1, n) > -0.3 {
@@ -55,8 +63,8 @@ fn every_profile_that_was_sent_is_taken_or_was_replaced() {
 /// Without a slope it is what it was before anything was left to the line: the servo's torque, to the bit, whatever is read meanwhile.
 #[test]
 fn what_does_not_depend_on_the_angle_is_given_as_it_came() {
-    let bounds = Bounds { slew: 1e-6, ..BOUNDS };
-    let (mut local, counts) = (Local::new(bounds), Counts::default());
+    let slow = Bounds { slew: 1e-6, ..bounds() };
+    let (mut local, counts) = (Local::new(slow), Counts::default());
     for n in 1..1000 {
         let torque = 0.1 * uniform(5, n);
         local.take(&told(n, Profile::flat(torque)), &counts);
@@ -65,7 +73,7 @@ fn what_does_not_depend_on_the_angle_is_given_as_it_came() {
         }
         // And at the angle of which it was made a profile is that as well.
         let centre = uniform(7, n);
-        let mut wide = Local::new(BOUNDS);
+        let mut wide = Local::new(bounds());
         wide.take(&told(1, Profile { torque, ..spring(0.3, centre, 0.02) }), &counts);
         assert_eq!(wide.torque(0, centre, 0.0, &counts), torque);
     }
@@ -74,7 +82,7 @@ fn what_does_not_depend_on_the_angle_is_given_as_it_came() {
 
 #[test]
 fn what_cannot_be_is_no_torque_and_what_is_beyond_stays() {
-    let (mut local, counts) = (Local::new(BOUNDS), Counts::default());
+    let (mut local, counts) = (Local::new(bounds()), Counts::default());
     local.take(&told(1, spring(0.2, 0.0, 0.16)), &counts);
     let near = |got: f64, want: f64| (got - want).abs() < 1e-15;
     assert!(near(local.torque(0, 0.1, 0.0, &counts), -0.02));
@@ -97,8 +105,8 @@ fn what_cannot_be_is_no_torque_and_what_is_beyond_stays() {
 /// Torque changes by no more than the slew of the time that has passed; between two profiles, of the servo's time between them.
 #[test]
 fn torque_keeps_to_the_slew() {
-    let bounds = Bounds { slew: 1.0, ..BOUNDS };
-    let (mut local, counts) = (Local::new(bounds), Counts::default());
+    let slow = Bounds { slew: 1.0, ..bounds() };
+    let (mut local, counts) = (Local::new(slow), Counts::default());
     local.take(&told(1, spring(1.0, 0.0, 0.16)), &counts);
     assert_eq!(local.torque(0, 0.0, 0.0, &counts), 0.0);
     let near = |got: f64, want: f64| assert!((got - want).abs() < 1e-12, "{got} {want}");
@@ -116,7 +124,7 @@ fn torque_keeps_to_the_slew() {
 #[test]
 fn a_line_is_turns_away_and_may_be_inverted() {
     for (inverted, sign) in [(false, 1.0), (true, -1.0)] {
-        let (mut local, counts) = (Local::new(Bounds { inverted, ..BOUNDS }), Counts::default());
+        let (mut local, counts) = (Local::new(Bounds { inverted, ..bounds() }), Counts::default());
         let line = |servo: f64| sign * (servo - 5.0 * TAU);
         // The servo is a little behind what is heard.
         let told = Told { heard: line(0.33), ..told(1, spring(0.2, 0.3, 0.16)) };
@@ -131,7 +139,7 @@ fn a_line_is_turns_away_and_may_be_inverted() {
 /// Stiffened in place by ΔK at a stretch p: ½ ΔK p². Seen from elsewhere, the same world puts in nothing; torque that goes takes what was stored.
 #[test]
 fn a_change_of_profiles_puts_in_what_the_closed_form_says() {
-    let (mut local, counts) = (Local::new(BOUNDS), Counts::default());
+    let (mut local, counts) = (Local::new(bounds()), Counts::default());
     let (k, more, p) = (0.4, 0.3, 0.05);
     local.take(&told(1, spring(k, 0.0, 0.16)), &counts);
     local.torque(0, 0.0, 0.0, &counts);
@@ -158,7 +166,7 @@ fn a_change_of_profiles_puts_in_what_the_closed_form_says() {
 fn the_books_close() {
     let missing = |finer: u64| {
         let (t, every) = (1e-5 / finer as f64, 1000 * finer);
-        let (mut local, counts) = (Local::new(BOUNDS), Counts::default());
+        let (mut local, counts) = (Local::new(bounds()), Counts::default());
         let mut plant = Plant::new(6e-6, 0.0, 0.0, t);
         plant.angle = 0.1;
         let (mut absorbed, mut last) = (0.0, spring(0.0, 0.0, 0.8));
@@ -231,7 +239,7 @@ impl Rig {
         servo.arm();
         Self {
             servo,
-            local: Local::new(Bounds { slew: 1e9, over_speed: 1e9, inverted: false }),
+            local: Local::new(Bounds { slew: 1e9, over_speed: 1e9, ..bounds() }),
             counts: Counts::default(),
             plant: Plant::new(ROTOR.inertia, ROTOR.damping, 0.0, 1.0 / RATE),
             block,

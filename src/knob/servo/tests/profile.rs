@@ -12,6 +12,8 @@ use crate::knob::effect::table::Table;
 use crate::knob::effect::wall::{Stops, Wall};
 use crate::knob::effect::{constant::Constant, damper::Damper};
 use crate::knob::governor::device::Delay;
+use crate::knob::local_model::model::LocalModel;
+use crate::knob::local_model::pending::Message;
 use crate::knob::local_model::profile::SIDE;
 use crate::knob::servo::setup::Setup;
 use crate::knob::servo::tick::Servo;
@@ -90,6 +92,7 @@ fn a_profile_keeps_what_is_no_matter_of_the_angle_and_every_limit() {
     let slope = (profile.at(0.105).0 - profile.at(0.095).0) / 0.01;
     let granted = 0.05 * rising.last().allowed.stiffness;
     assert!((slope / (-0.5 * granted) - 1.0).abs() < 1e-9, "{slope}");
+    assert!((profile.energy / (0.5 * (0.5 * granted) * 0.1 * 0.1) - 1.0).abs() < 1e-9, "{}", profile.energy);
     // Nothing beyond the peak, wherever.
     let mut of = local(vec![spring]);
     (of.limits.peak, of.limits.continuous) = (1e-3, 1e-3);
@@ -101,6 +104,16 @@ fn a_profile_keeps_what_is_no_matter_of_the_angle_and_every_limit() {
         for k in 0..100 {
             assert!(profile.at(weak.last().angle + 0.01 * f64::from(k - 50)).0.abs() <= 1e-3 * (1.0 + 1e-12));
         }
+    }
+    // Nor while it is still on its way to what was asked: from 0 at one end, the other end is twice as far.
+    of.limits.slew = 1e-6;
+    let mut slewed = Servo::new(&of).unwrap();
+    slewed.arm();
+    (0..9).for_each(|_| _ = slewed.tick(Some(0.1), true));
+    let profile = slewed.profile();
+    assert!(profile.torque.abs() < 1e-6 && profile.reach > 0.3);
+    for k in 0..60 {
+        assert!(profile.at(0.1 - 0.01 * f64::from(k)).0.abs() <= 1e-3 * (1.0 + 1e-12), "{k}");
     }
     // Latched, lost, behind a low-pass, and where nobody is quicker: the same at every angle.
     servo.tick(Some(f64::NAN), true);
@@ -115,4 +128,34 @@ fn a_profile_keeps_what_is_no_matter_of_the_angle_and_every_limit() {
     smooth.arm();
     (0..9).for_each(|_| _ = smooth.tick(Some(0.1), true));
     assert!(smooth.profile().is_flat());
+}
+
+/// What a slow thread sent is among it, as the next tick would give it; and it reaches as far as the knob gets by then, at its speed and pushed by
+/// all its torque.
+#[test]
+fn a_profile_holds_a_slow_thread_s_world_and_reaches_where_the_knob_gets() {
+    let of = local(vec![Spring { stiffness: 0.02, centre: 0.0 }.into()]);
+    let world = LocalModel { torque: 2e-3, stiffness: 0.03, centre: 0.05, ..LocalModel::FREE };
+    let mut servo = Servo::new(&of).unwrap();
+    servo.arm();
+    servo.follow(&Message::new(world, 0.0));
+    (0..400).for_each(|_| _ = servo.tick(Some(0.1), true));
+    let profile = servo.profile();
+    for k in 0..=2 * SIDE {
+        let there = 0.1 + profile.away(k);
+        let exact = servo.clone().tick(Some(there), true);
+        assert!((profile.at(there).0 - exact).abs() < 1e-12, "{k}");
+    }
+    let until = of.device.delay.total() * PERIOD;
+    let pushed = 0.5 * of.device.peak / of.device.inertia * until * until;
+    for speed in [0.0, 10.0, -100.0] {
+        let mut servo = Servo::new(&of).unwrap();
+        servo.arm();
+        (0..400).for_each(|n| _ = servo.tick(Some(speed * PERIOD * f64::from(n)), true));
+        let reach = servo.profile().reach;
+        assert!(
+            reach >= until * f64::abs(speed) + pushed && reach <= std::f64::consts::PI,
+            "{speed}: {reach}"
+        );
+    }
 }
