@@ -2,8 +2,10 @@
 
 use pacinian::knob::governor::device::{Delay as Late, Device};
 use pacinian::knob::governor::{Governor, MARGIN};
+use pacinian::knob::plant::Plant;
 use pacinian::knob::plant::encoder::{Delay, Encoder};
 use pacinian::knob::plant::parameters::Parameters;
+use pacinian::knob::plant::parts::{Build, Hand, Shaft};
 use pacinian::knob::plant::rotor::Rotor;
 use pacinian::rig::Rig;
 use pacinian::rig::knob::made::Pace;
@@ -37,7 +39,9 @@ fn shipped() -> Vec<(String, Device, f64)> {
             let rig = Rig::parse(&name, text.as_bytes()).unwrap_or_else(|why| panic!("{name}: {why}")).value;
             let knob = rig.knob.unwrap_or_else(|| panic!("{name} has no knob"));
             let stiction = knob.build().parameters.stiction;
-            (name, Device { resonance: None, low_pass: None, ..knob.device(&Pace::of(RATE)) }, stiction)
+            let device = knob.device(&Pace::of(RATE));
+            assert_eq!(device.low_pass, None, "{name}: what is simulated has none");
+            (name, device, stiction)
         })
         .collect()
 }
@@ -54,16 +58,46 @@ fn simulate(
     let [coulomb, stiction] = dry;
     let parameters =
         Parameters { inertia: d.inertia, viscous: d.damping, coulomb, stiction, ..Parameters::default() };
-    let mut plant = Rotor::<false>::new(&parameters, RATE).unwrap();
-    plant.place(start, 0.0).unwrap();
     let encoder = Encoder::of_counts((std::f64::consts::TAU / d.count).round()).unwrap();
     let mut line = Delay::new(d.delay.total() as usize, -k * encoder.read(start)).unwrap();
-    for tick in 0.. {
-        plant.step(line.pass(-k * encoder.read(plant.angle())) + hand);
-        if watch(tick, plant.angle()) {
-            return;
+    let mut held = move |angle: f64| line.pass(-k * encoder.read(angle)) + hand;
+    let mut plant = Rotor::<false>::new(&parameters, RATE).unwrap();
+    plant.place(start, 0.0).unwrap();
+    let Some(resonance) = d.resonance else {
+        let mut tick = 0;
+        while {
+            plant.step(held(plant.angle()));
+            !watch(tick, plant.angle())
+        } {
+            tick += 1;
         }
+        return;
+    };
+    // What is told is the motor's, with the shaft clamped at its other end.
+    let motor = d.inertia - resonance.knob;
+    let stiffness = motor * (std::f64::consts::TAU * resonance.clamped).powi(2);
+    let shaft = Shaft { inertia: resonance.knob, viscous: 0.0, stiffness, damping: resonance.loss };
+    let parameters = Parameters { inertia: motor, ..parameters };
+    let mut plant = Plant::new(&Build { parameters, shaft: Some(shaft), ..Build::default() }, RATE).unwrap();
+    plant.place(start, 0.0).unwrap();
+    let mut tick = 0;
+    while {
+        plant.step(held(plant.angle()), &Hand::default());
+        !watch(tick, plant.angle())
+    } {
+        tick += 1;
     }
+}
+
+/// The largest of them, worked out by as many threads as there are processors.
+fn worst_of(all: Vec<u32>, swing: impl Fn(u32) -> f64 + Sync) -> f64 {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        let share = |part: &[u32]| part.iter().map(|n| swing(*n)).fold(0.0, f64::max);
+        let parts = all.chunks(all.len().div_ceil(threads));
+        let running: Vec<_> = parts.map(|part| scope.spawn(move || share(part))).collect();
+        running.into_iter().map(|one| one.join().unwrap()).fold(0.0, f64::max)
+    })
 }
 
 /// At half of what the governor grants it settles within two counts, the worst of a hundred hands; at one and a half times the edge, without its
@@ -78,9 +112,7 @@ fn every_knob_that_ships_rests_at_half_its_limit_and_swings_beyond_the_edge() {
             assert_eq!(Governor::new(&device, MARGIN).unwrap().most_stiffness(0.0), 0.0, "{name}");
             continue;
         }
-        // With little it takes minutes of its time.
-        let slow = device.damping < 1e-5;
-        for block in BLOCKS.into_iter().filter(|block| !slow || [16, 512].contains(block)) {
+        for block in BLOCKS {
             let d = Device {
                 delay: Late { fixed: 0.0, block, frames: 1.0, blocks: 2.0, local: None },
                 ..device.clone()
@@ -89,11 +121,11 @@ fn every_knob_that_ships_rests_at_half_its_limit_and_swings_beyond_the_edge() {
             let sampled = d.sampled().unwrap();
             let rest = -sampled.growth(k, 0.0);
             assert!(k > 0.0 && rest > 0.0, "{name}, {block}: {k}");
-            let settle = (6.0 / rest * RATE) as u64;
+            // By then a third of a count is left of what it starts off by.
+            let settle = (3.0 / rest * RATE) as u64;
             let look = (0.3 / rest * RATE) as u64 + (20.0 * RATE * (d.inertia / k).sqrt()) as u64;
             let dry = [d.friction.unwrap_or(0.0), stiction.max(d.friction.unwrap_or(0.0))];
-            let mut worst = 0.0f64;
-            for n in 0..100 {
+            let swing = |n: u32| {
                 let hand = k * d.count * 0.1 * (f64::from(n) + 0.37);
                 let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
                 simulate(&d, dry, k, hand, hand / k + 6.0 * d.count, |tick, angle| {
@@ -102,8 +134,12 @@ fn every_knob_that_ships_rests_at_half_its_limit_and_swings_beyond_the_edge() {
                     }
                     tick > settle + look
                 });
-                worst = worst.max((high - low) / d.count);
-            }
+                (high - low) / d.count
+            };
+            // What is hardly damped takes a minute of its time: within its range of blocks every fifth hand will do.
+            let every = if settle > 1_000_000 && !matches!(block, 16 | 512) { 5 } else { 1 };
+            let worst = worst_of((0..100).step_by(every).collect(), swing);
+            println!("{name}, block {block}: {k:.2e} N m/rad, {worst:.2} counts, {settle} ticks");
             assert!(worst <= 2.0, "{name}, block {block}: {worst} counts at {k} N m/rad");
             let free = Device { friction: None, ..d.clone() }.sampled().unwrap();
             let k = 1.5 * free.edge(0.0).gain;
