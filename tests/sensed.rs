@@ -342,6 +342,27 @@ fn what_cannot_be_read_is_refused_with_the_key() {
     }
 }
 
+/// What only the servo's own rate shows to be wrong is told by the rig's key, with that rate.
+#[test]
+fn what_the_servo_cannot_be_is_told_by_the_key_of_the_rig() {
+    let refused = |knob: &str| {
+        let patch = Patch::parse("t", b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n[knob.effects]\ns = { type = \"spring\", stiffness = 0.01 }\n");
+        let patch = patch.unwrap_or_else(|p| panic!("{p}")).value;
+        let rig = Rig::parse("r", format!("{RIG}{knob}").as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        scene(&patch, &rig, &Options::default(), &NoAssets)
+            .map(|_| String::new())
+            .unwrap_or_else(|p| p.to_string())
+    };
+    for (knob, key, value) in [
+        ("rate = 8000\nreconstruction = 3900\n", "reconstruction", 3900),
+        ("rate = 8000\nvelocity = \"filtered\"\nvelocity_corner = 3900\n", "velocity_corner", 3900),
+    ] {
+        let told = refused(knob);
+        assert!(told.contains(&format!("`{key}` is {value}")) && told.contains("at 8000 Hz"), "{told}");
+    }
+    assert_eq!(refused("rate = 8000\nreconstruction = 3500\n"), "");
+}
+
 /// A knob on a line is heard behind a card's inputs. A patch that listens to fewer of them takes over and hears the knob where it was heard.
 #[test]
 fn a_knob_on_a_line_goes_on_where_a_patch_that_follows_listens_to_less() {

@@ -6,6 +6,7 @@ use super::answer::{Answer, Started, Voiced};
 use super::build::{Want, Wanted};
 use super::plan::Shared;
 use super::start::{Binary, FIELDS, Fields, StartProgram, Step, Unary};
+use crate::actuator::fault::Fault;
 use crate::knob::angle::decoder::Sensor;
 use crate::knob::effect::Bound;
 use crate::knob::servo::setup::Setup;
@@ -212,7 +213,10 @@ pub(super) fn knob(
         let span = effect.map_or(&felt.span, |effect| &effect.span);
         let what = match effect {
             Some(effect) => format!("effect `{}` of the knob: {}", effect.name, why.fault),
-            None => format!("the knob: {}", why.fault),
+            None => format!(
+                "the knob of the rig, whose servo runs at {rate:.0} Hz: {}",
+                named(&why.fault, of_rig)
+            ),
         };
         problems.push(Problem::error(span, what));
         return None;
@@ -262,6 +266,21 @@ pub(super) fn knob(
             .filter(|_| !(is_live && is_simulated) && of_rig.controller.is_none())
             .map(|(_, per)| per),
     })
+}
+
+/// A figure of a servo as its rig calls it.
+fn named(fault: &Fault, of_rig: &rig::Knob) -> Fault {
+    let is_torque = fault.field == "low_pass" && of_rig.reconstruction == Some(fault.value);
+    let field = match fault.field {
+        "low_pass" if is_torque => "reconstruction",
+        "low_pass" => "velocity_corner",
+        "window" => "velocity_window",
+        "winding" => "winding_time",
+        "continuous" => "continuous_torque",
+        "peak" => "peak_torque",
+        field => field,
+    };
+    Fault { field, ..*fault }
 }
 
 /// Ticks of the servo in an engine sample: of the divisors of `ratio` the one nearest to what is wanted.

@@ -342,7 +342,11 @@ fn contradictions(knob: &Knob, reader: &Reader) {
         let span = if reader.has("rate") { reader.span_of("rate") } else { reader.span.clone() };
         reader.sink.push(Problem::warning(&span, what).help("give a higher `rate`".to_string()));
     }
-    if let Err(fault) = made::build(knob).check() {
+    // Which friction holds it was told above.
+    let told = |field: &str| field == "stiction" && knob.friction.is_some_and(|f| knob.stiction < f);
+    if let Err(fault) = made::build(knob).check()
+        && !told(fault.field)
+    {
         wrong(fault.field, fault.to_string(), "it cannot be simulated so");
     }
 }
