@@ -7,6 +7,11 @@
 //!
 //! Torque that acts ticks after it was given must be reckoned with, or the same excess is braked once for every tick of the delay, and the knob
 //! sticks or is driven back. What was asked for and is not yet seen in the sum therefore counts as taken back. Delays of one tick are made good so; of more, in part.
+//!
+//! Energy that is left of 1 after a bounce off a sampled wall (6e-6 kg m², 1 kHz, no damping), for a cap of half of J / T: without delay, braking until the
+//! tick after the wall is left, 1.009 at 0.4 N m/rad and 1.064 at 4, as was published. With one tick of delay 1.018, 1.23 and 1.73 were published at
+//! 0.4, 2 and 4 N m/rad; those are of a controller that does not reckon so, and are not reproduced here: left to brake until the books are even, this one leaves
+//! less, 1.000, 1.000 and 1.10.
 
 #[cfg(test)]
 mod tests;

@@ -114,6 +114,11 @@ fn what_is_under_way_is_not_braked_twice() {
             assert!((1.0 - 1e-9..published.min(bare)).contains(&braked.0), "{k} {delay} {share}: {braked:?}");
         }
     }
+    // As this module's page has it.
+    for (k, left) in [(0.4, 1.000), (2.0, 1.000), (4.0, 1.10)] {
+        let braked = bounce(k, 1, When::Always, 0.5).0;
+        assert!((braked - left).abs() < 0.005, "{k}: {braked}");
+    }
     let even = |k: f64| bounce(k, 1, When::Always, 1.0).0 - 1.0;
     assert!(
         even(0.4) < 1e-6 && even(2.0) < 1e-3 && even(4.0) < 0.01,

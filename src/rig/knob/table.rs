@@ -168,7 +168,7 @@ pub static FIELDS: [Field; 45] = [
         "passivity",
         Form::number(0.0, 0.0, 1.0),
         "",
-        "Brakes by what came out in excess of what went in, up to this share of the speed a tick; 0 watches and does not brake.",
+        "Brakes by what came out in excess of what went in, up to this share of the speed a tick; 0 watches and does not brake. What a delay of up to a tick creates is made good, of more a part.",
     ),
     Field::new("slew", Form::number(1000.0, 1e-6, 1e9), "N m/s", "The fastest change of torque."),
     Field::new(
