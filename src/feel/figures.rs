@@ -18,7 +18,7 @@ pub struct Figures {
     pub fastest: Option<f64>,
     /// What is felt at the end, in the unit of its traces: the largest magnitude of the last 50 to 100 ms, a crest of anything above 10 Hz.
     pub last: f64,
-    /// Drawn from the amplifier, less what came back, J; `None` where the resistance of the winding is not known.
+    /// Drawn from the amplifier, less what came back, J; `None` of a motor that is known from outside alone.
     pub energy: Option<f64>,
     /// The warmest that the winding became, K above the air; `None` where its cooling is not known. The resistance in the model stays the cold
     /// one.

@@ -32,7 +32,7 @@ pub(super) struct Mover {
 #[derive(Debug, Clone)]
 enum Moves {
     Coil(Box<Swinger>),
-    /// And whether the resistance of its winding is known.
+    /// And whether its torques and joules are real ones.
     Motor(Box<Spinner>, bool),
 }
 
@@ -56,9 +56,13 @@ impl Mover {
         if actuator.model == Model::RumbleMotor {
             let Ok(mut parameters) = actuator.rumble_motor() else { return Ok(None) };
             let tilt = if let OutputKind::Drive(turning) = &output.kind { turning.tilt } else { None };
-            // Where the posture is unknown the plan says so, and leaves it out.
-            parameters.gravity = tilt.map_or(GRAVITY, |tilt| (GRAVITY * tilt.cos()).abs());
-            let mut chosen = plan(&parameters, rate, error, tilt.is_some());
+            let posture = tilt.is_some() && actuator.has_torques();
+            // Where the posture, or the weight, is unknown the plan says so, and leaves it out.
+            parameters.gravity = if posture { actuator.gravity(tilt) } else { GRAVITY };
+            let mut chosen = plan(&parameters, rate, error, posture);
+            if tilt.is_some() && !posture {
+                chosen.0 = chosen.0.of_unknown_weight();
+            }
             let gravity = 2.0 * chosen.0.error(&parameters, rate * f64::from(chosen.1));
             let mut left = Some(gravity).filter(|left| *left > error);
             if let Some(carrier) = carrier {
@@ -71,10 +75,8 @@ impl Mover {
             // Where nothing moves, that is told as force.
             let left_out = chosen.0.left_out.into_iter().flatten().filter(|left| left.part != Part::Casing);
             let spinner = Spinner::new(&parameters, chosen, amplifier, carrier, rate, heat)?;
-            // Of a motor that is known from outside, the resistance stands for no real one.
-            let resistance = actuator.value("torque_constant").is_some();
             return Ok(Some(Self {
-                moves: Moves::Motor(Box::new(spinner), resistance),
+                moves: Moves::Motor(Box::new(spinner), actuator.has_torques()),
                 axes: &[Axis::Across, Axis::Upright],
                 unit: if parameters.casing == Casing::Held { Unit::Force } else { Unit::Acceleration },
                 level: Some(chosen.0.level),
@@ -113,11 +115,12 @@ impl Mover {
     pub fn now(&self) -> Now {
         match &self.moves {
             Moves::Coil(swinger) => Now { energy: Some(swinger.energy()), ..Now::default() },
-            Moves::Motor(spinner, resistance) => Now {
+            Moves::Motor(spinner, torques) => Now {
                 drive: 0.0,
                 speed: Some(spinner.speed()),
                 turned: Some(spinner.turned()),
-                energy: resistance.then(|| spinner.energy()),
+                reaction: torques.then(|| spinner.reaction()),
+                energy: torques.then(|| spinner.energy()),
             },
         }
     }
@@ -132,10 +135,10 @@ impl Mover {
                 figures.warmest = swinger.warmest();
                 swinger.counts()
             }
-            Moves::Motor(spinner, resistance) => {
+            Moves::Motor(spinner, torques) => {
                 figures.fastest = Some(spinner.fastest());
-                figures.energy = resistance.then(|| spinner.energy());
-                figures.warmest = spinner.warmest().filter(|_| *resistance);
+                figures.energy = torques.then(|| spinner.energy());
+                figures.warmest = spinner.warmest().filter(|_| *torques);
                 spinner.counts()
             }
         };

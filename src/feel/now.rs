@@ -9,6 +9,9 @@ pub struct Now {
     pub speed: Option<f64>,
     /// How far it has turned, rad from where its mass hangs straight down; likewise.
     pub turned: Option<f64>,
-    /// Drawn so far, J; `None` where the resistance of the winding is not known.
+    /// What its coil and its friction do to the casing about the shaft, N m; `None` for what is none, or is known from outside
+    /// alone.
+    pub reaction: Option<f64>,
+    /// Drawn so far, J; `None` of a motor that is known from outside alone.
     pub energy: Option<f64>,
 }

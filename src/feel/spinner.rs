@@ -177,6 +177,11 @@ impl Spinner {
         self.motor.turned()
     }
 
+    /// What coil and friction do to the casing about the shaft, N m.
+    pub fn reaction(&self) -> f64 {
+        self.motor.reaction()
+    }
+
     /// The fastest so far, rad/s.
     pub fn fastest(&self) -> f64 {
         self.fastest

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Actuator, Amplifier, Coupling, Drive, MAX_CHANNELS, Output, OutputKind, Rig, Turning};
+use super::{Actuator, Amplifier, Coupling, Drive, MAX_CHANNELS, Model, Output, OutputKind, Rig, Turning};
 use crate::text::Problem;
 use crate::text::nearest::suggest;
 use crate::text::sink::Sink;
@@ -40,6 +40,25 @@ impl Rig {
         Some(Problem::warning(&output.span, what).help(help))
     }
 
+    /// That it is of no use to know how a motor is held that is known from outside alone.
+    fn weightless(&self) -> impl Iterator<Item = Problem> {
+        let told = |output: &Output| {
+            let OutputKind::Drive(Turning { tilt: Some(_), .. }) = output.kind else { return None };
+            let actuator = self.actuator(output.actuator.as_ref()?)?;
+            if actuator.model != Model::RumbleMotor || actuator.has_torques() {
+                return None;
+            }
+            let what = format!(
+                "output `{}` has a `tilt`, which counts for nothing: what the mass of `{}` weighs beside its torques is not known from outside",
+                output.name, actuator.name
+            );
+            let help = "say what the motor is made of, `torque_constant` and what goes with it (`pacinian identify` tells it with a current channel), or leave `tilt` out"
+                .to_string();
+            Some(Problem::warning(&output.span, what).help(help))
+        };
+        self.outputs.iter().filter_map(told).take(Sink::MOST)
+    }
+
     /// Amplifiers that make of full scale what none does.
     fn out_of_scale(&self) -> impl Iterator<Item = Problem> {
         let device = self.device.full_scale_volts;
@@ -73,6 +92,7 @@ impl Rig {
             problems.push(Problem::of_file(what));
         }
         problems.extend(self.too_large());
+        problems.extend(self.weightless());
         problems.extend(self.contradiction());
         problems.extend(self.rectified());
         problems.extend(self.biased());

@@ -15,13 +15,6 @@ use crate::actuator::fault::{Fault, Limit};
 use crate::actuator::motor::{Casing, GRAVITY, Parameters, Suspension};
 use crate::text::Problem;
 
-impl Turning {
-    /// What of gravity acts in the plane of the mass, m/s².
-    pub(super) fn gravity(&self) -> f64 {
-        self.tilt.map_or(0.0, |tilt| (GRAVITY * tilt.cos()).abs())
-    }
-}
-
 /// Seconds in which no motor comes to its speed: the smallest take milliseconds.
 const QUICKEST: f64 = 1e-4;
 /// And seconds that none takes.
@@ -31,7 +24,8 @@ impl Actuator {
     /// A rumble motor, from what is known of it: gravity aside.
     ///
     /// Either all that it is made of is known, or what can be told from outside (`time_constant`, `speed_per_volt`, `running_volts`,
-    /// `start_volts`, `eccentric_per_mass`): then resistance and mass are 1 and stand for no real ones, and currents mean nothing.
+    /// `start_volts`, `eccentric_per_mass`). Then a resistance or a mass that is not known is 1 and stands for no real one; see
+    /// [`Actuator::has_torques`].
     ///
     /// # Errors
     /// The first figure that is missing or cannot be.
@@ -39,7 +33,7 @@ impl Actuator {
         let get = |key: &'static str| self.value(key).ok_or(Lack::Figure(key));
         let or = |key: &str, otherwise: f64| self.value(key).unwrap_or(otherwise);
         let rated_volts = get("rated_volts")?;
-        let from_outside = self.value("time_constant").is_some() && self.value("torque_constant").is_none();
+        let from_outside = self.is_from_outside();
         let parameters = if from_outside {
             let gain = 1.0 / get("speed_per_volt")?;
             let running = or("running_volts", 0.0);
@@ -49,15 +43,16 @@ impl Actuator {
                 let fault = Fault::because("start_volts", starts, Limit::Least(running), because);
                 return Err(Lack::Fault(fault));
             }
-            let mass = or("mass", 1.0);
+            let (mass, known) = (or("mass", 1.0), self.value("resistance"));
+            let resistance = known.unwrap_or(1.0);
             Parameters {
-                resistance: 1.0,
-                inductance: 0.0,
+                resistance,
+                inductance: if known.is_some() { or("inductance", 0.0) } else { 0.0 },
                 gain,
-                inertia: get("time_constant")? * gain * gain,
+                inertia: get("time_constant")? * gain * gain / resistance,
                 viscous: 0.0,
-                coulomb: running * gain,
-                stiction: starts * gain,
+                coulomb: running * gain / resistance,
+                stiction: starts * gain / resistance,
                 eccentric: get("eccentric_per_mass")? * mass,
                 gravity: 0.0,
                 casing: Casing::Suspended { mass, across: FREE, upright: FREE },
@@ -102,6 +97,22 @@ impl Actuator {
             return Err(Lack::Fault(Fault::because("inductance", parameters.inductance, most, because)));
         }
         Ok(parameters)
+    }
+
+    /// Whether torques of [`Actuator::rumble_motor`], amperes while it turns, joules, and what gravity does to it are real ones. From outside nobody
+    /// can tell the torque of an ampere, nor how much of what slows it down is friction that grows with the speed: all of it counts as back-EMF.
+    pub fn has_torques(&self) -> bool {
+        !self.is_from_outside()
+    }
+
+    /// What of gravity acts in the plane of the mass of a motor that is held so, m/s²; 0 where nobody knows how it is held, or what the mass weighs
+    /// beside its torques.
+    pub fn gravity(&self, tilt: Option<f64>) -> f64 {
+        tilt.filter(|_| self.has_torques()).map_or(0.0, |tilt| (GRAVITY * tilt.cos()).abs())
+    }
+
+    fn is_from_outside(&self) -> bool {
+        self.value("time_constant").is_some() && self.value("torque_constant").is_none()
     }
 
     /// What of a motor can be told from outside, by what it is made of: `time_constant` and what goes with it.
@@ -226,7 +237,7 @@ impl Rig {
         if !matches!(amplifier.drive, Drive::Carrier(_)) && !passes_clicks {
             self.passes_steady(output, amplifier)?;
         }
-        parameters.gravity = turning.gravity();
+        parameters.gravity = actuator.gravity(turning.tilt);
         let is_current = amplifier.drive == Drive::Current;
         let per_sample = full_scale * amplifier.gain;
         let volts =

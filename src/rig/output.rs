@@ -266,7 +266,7 @@ pub static TABLE: Table = Table {
             "tilt",
             Form::any_number(-4.0, 4.0),
             "rad",
-            "For a drive: by how much the plane in which the mass spins is tilted off upright; gravity has no part in it where nothing is said.",
+            "For a drive: by how much the plane in which the mass spins is tilted off upright; gravity has no part in it where nothing is said, nor of a motor that is known from outside alone (`time_constant` and what goes with it), the weight of whose mass beside its torques nobody can tell.",
         ),
     ],
     others: None,

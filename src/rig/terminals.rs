@@ -82,7 +82,7 @@ impl Rig {
             return Err(Problem::error(&output.span, what).help(help));
         };
         self.passes_steady(output, &Amplifier { coupling: Some(Coupling::Dc), ..amplifier.clone() })?;
-        parameters.gravity = turning.gravity();
+        parameters.gravity = actuator.gravity(turning.tilt);
         let limit = actuator.most_volts().map_or(supply, |most| most.min(supply));
         let limit = limit.min(actuator.volts_of_amperes(amplifier, &parameters));
         let bridge =

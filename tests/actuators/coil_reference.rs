@@ -85,12 +85,13 @@ fn the_frequency_responses_are_those_of_the_reference() {
     }
 }
 
-/// A response that a table has at a frequency, under a hold, as sampled: the sum over all images n of H(ω + n ω_s) times the hold's
-/// (1 − e^(−jωT)) / (j (ω + n ω_s) T). The images lie beyond the table, so those are the plant's, which was held against it above; in pairs they fall
+/// A response that a table has at a frequency, under a hold, as sampled at the end of each step, the drive not yet changed: the sum over all images n of H(ω + n ω_s) times the hold's
+/// (1 − e^(−jωT)) / (j (ω + n ω_s) T). What of it follows the drive at once, `at_once`, is the drive before instead. The images lie beyond the table, so those are the plant's, which was held against it above; in pairs they fall
 /// as n⁻² at least, and what is left after N is the last times N² / (N + ½).
-fn held(hertz: f64, told: Complex, rate: f64, beyond: &impl Fn(f64) -> Complex) -> Complex {
+fn held(hertz: f64, told: Complex, at_once: f64, rate: f64, beyond: &impl Fn(f64) -> Complex) -> Complex {
+    let at_once = Complex::new(at_once, 0.0);
     let hold = Complex::new(1.0, 0.0) - Complex::turned(-TAU * hertz / rate);
-    let held = |h: Complex, at: f64| h * hold / (Complex::oscillation(at) * (1.0 / rate));
+    let held = |h: Complex, at: f64| (h - at_once) * hold / (Complex::oscillation(at) * (1.0 / rate));
     let image = |n: f64| {
         let (above, below) = (hertz + n * rate, n * rate - hertz);
         let mirrored = beyond(below);
@@ -98,7 +99,8 @@ fn held(hertz: f64, told: Complex, rate: f64, beyond: &impl Fn(f64) -> Complex) 
     };
     let last = 1000;
     let rest = image(f64::from(last)) * (f64::from(last).powi(2) / (f64::from(last) + 0.5));
-    (1..=last).fold(held(told, hertz) + rest, |sum, n| sum + image(f64::from(n)))
+    let before = Complex::turned(-TAU * hertz / rate) * at_once;
+    (1..=last).fold(before + held(told, hertz) + rest, |sum, n| sum + image(f64::from(n)))
 }
 
 /// What comes out at a frequency of whole periods in two seconds, once everything else has died away.
@@ -123,13 +125,14 @@ fn the_model_over_time_is_the_response_of_the_reference_under_a_hold() {
     let rate = 48_000.0;
     let (skin, motor) = (tactor(&data["tactor"]), inertial(&data["inertial"]));
     type Beyond<'a> = Box<dyn Fn(f64) -> Complex + 'a>;
-    type Case<'a> = (&'a Plant, Drive, &'a Value, fn(&Outputs) -> f64, Beyond<'a>);
-    let cases: [Case; 3] = [
+    type Case<'a> = (&'a Plant, Drive, &'a Value, fn(&Outputs) -> f64, f64, Beyond<'a>);
+    let cases: [Case; 4] = [
         (
             &skin,
             Drive::Voltage,
             &data["tactor"]["x_per_V"],
             |o| o.displacement,
+            0.0,
             Box::new(|f| skin.per_volt(f).displacement),
         ),
         (
@@ -137,6 +140,7 @@ fn the_model_over_time_is_the_response_of_the_reference_under_a_hold() {
             Drive::Current,
             &data["tactor"]["x_per_A"],
             |o| o.displacement,
+            0.0,
             Box::new(|f| skin.per_ampere(f).displacement),
         ),
         (
@@ -144,16 +148,26 @@ fn the_model_over_time_is_the_response_of_the_reference_under_a_hold() {
             Drive::Voltage,
             &data["inertial"]["acc_per_V"],
             |o| o.casing,
+            0.0,
             Box::new(|f| motor.per_volt(f).casing),
         ),
+        // A current pushes slug and casing apart at once: the casing by Bl/M.
+        (
+            &motor,
+            Drive::Current,
+            &data["inertial"]["acc_per_A"],
+            |o| o.casing,
+            -field(&data["inertial"], "Bl") / field(&data["inertial"], "M"),
+            Box::new(|f| motor.per_ampere(f).casing),
+        ),
     ];
-    for (n, (plant, drive, table, of, beyond)) in cases.into_iter().enumerate() {
+    for (n, (plant, drive, table, of, at_once, beyond)) in cases.into_iter().enumerate() {
         let rows = table.as_array().expect("rows");
         assert_eq!(rows.len(), 21);
         for row in rows {
             let hertz = number(&row[0]);
             let told = Complex::turned(number(&row[2]).to_radians()) * number(&row[1]);
-            let expected = held(hertz, told, rate, &beyond);
+            let expected = held(hertz, told, at_once, rate, &beyond);
             let is = measured(&mut Model::new(plant, rate, drive).expect("sound"), hertz, rate, of);
             let apart = (is - expected).abs() / expected.abs();
             assert!(apart < 1e-6, "{n}, {hertz} Hz: {apart:e}");

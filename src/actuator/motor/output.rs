@@ -46,7 +46,7 @@ impl<const BOOKED: bool> Motor<BOOKED> {
             force: self.force(),
             acceleration: self.acceleration(),
             displacement: self.mount.as_ref().map_or([0.0; 2], Mount::displacement),
-            reaction: self.gravity(phase) - self.rotor.inertia * alpha,
+            reaction: self.reaction(),
         }
     }
 
@@ -96,6 +96,11 @@ impl<const BOOKED: bool> Motor<BOOKED> {
     #[inline]
     pub fn turned(&self) -> f64 {
         std::f64::consts::TAU * (self.state.turns + self.state.phase)
+    }
+
+    /// [`Reading::reaction`].
+    pub fn reaction(&self) -> f64 {
+        self.gravity(self.state.phase) - self.rotor.inertia * self.angular_acceleration()
     }
 
     /// At the terminals, V.

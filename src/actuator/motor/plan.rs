@@ -57,6 +57,8 @@ pub enum Why {
     None,
     /// The posture of the device is unknown.
     Posture,
+    /// What the mass weighs is unknown: see [`Plan::of_unknown_weight`].
+    Weight,
     /// It changes the speed by less than the wish: by this share of the rated speed.
     Small(f64),
     /// Nobody asked.
@@ -137,6 +139,15 @@ impl Plan {
         }
     }
 
+    /// The same, where gravity was left out for want of a posture, and it is the weight of the mass beside the motor's torques that nobody knows,
+    /// as of a motor that is known from outside.
+    #[must_use]
+    pub fn of_unknown_weight(self) -> Self {
+        let why = |why| if why == Why::Posture { Why::Weight } else { why };
+        let left_out = self.left_out.map(|left| left.map(|left| LeftOut { why: why(left.why), ..left }));
+        Self { left_out, ..self }
+    }
+
     /// About the error of the speed that gravity leaves at this level, as a share of the rated speed.
     pub fn error(&self, parameters: &Parameters, rate: f64) -> f64 {
         match self.level {
@@ -179,6 +190,9 @@ impl fmt::Display for LeftOut {
         match self.why {
             Why::None => write!(f, "{part}: there is none"),
             Why::Posture => write!(f, "{part}: nobody said how the device is held"),
+            Why::Weight => {
+                write!(f, "{part}: what the mass weighs beside the motor's torques is not known from outside")
+            }
             Why::Small(share) => write!(f, "{part}: it changes the speed by {:.2e} of the rated", share),
             Why::Unasked => write!(f, "{part}: nobody asked"),
         }

@@ -83,8 +83,8 @@ fn column(heading: String, bench: &Bench, wish: Option<&Wish>, all: &[(Way, &Don
 }
 
 /// A line for each step: time, what is wanted, and volts, amperes, speed, vibration, angle from straight down and
-/// reaction torque in each way. What has ended is empty, and so is what is not known; by `joules` torques and amperes are multiplied.
-pub fn csv(bench: &Bench, wish: Option<&Wish>, rows: &[Row], joules: Option<f64>) -> String {
+/// reaction torque in each way. What has ended is empty, and so is what is not known; `torques` says whether torques and amperes are known.
+pub fn csv(bench: &Bench, wish: Option<&Wish>, rows: &[Row], torques: bool) -> String {
     let all: Vec<(Way, &Done)> =
         rows.iter().filter_map(|row| Some((row.way, row.done.as_ref().ok()?))).collect();
     let unit = bench.felt().unit().replace('/', "_per_");
@@ -107,22 +107,21 @@ pub fn csv(bench: &Bench, wish: Option<&Wish>, rows: &[Row], joules: Option<f64>
         }
         for (_, done) in &all {
             let traces = &done.run.traces;
-            // Where its resistance is not known, a motor that is known from outside has no amperes and no torques.
-            let [one, known] = [Some(1.0), joules];
-            for (values, scale) in [
-                (&traces.volts, one),
-                (&traces.amperes, known),
-                (&traces.speeds, one),
-                (&traces.felt, one),
-                (&traces.angles, one),
+            // A motor that is known from outside has no amperes and no torques.
+            for (values, known) in [
+                (&traces.volts, true),
+                (&traces.amperes, torques),
+                (&traces.speeds, true),
+                (&traces.felt, true),
+                (&traces.angles, true),
             ] {
-                match values.get(n).zip(scale) {
-                    Some((value, scale)) => drop(write!(text, ",{:.9}", scale * value)),
+                match values.get(n).filter(|_| known) {
+                    Some(value) => drop(write!(text, ",{value:.9}")),
                     None => text.push(','),
                 }
             }
-            match traces.reactions.get(n).zip(known) {
-                Some((value, scale)) => drop(write!(text, ",{:.6e}", scale * value)),
+            match traces.reactions.get(n).filter(|_| torques) {
+                Some(value) => drop(write!(text, ",{value:.6e}")),
                 None => text.push(','),
             }
         }

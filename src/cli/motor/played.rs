@@ -70,6 +70,10 @@ struct StretchReport {
     stop: Option<f64>,
     error: Option<f64>,
     turns: Option<f64>,
+    /// Where the mass is at the end, rad within ±π from where it hangs.
+    angle: Option<f64>,
+    /// On the casing about the shaft, N m.
+    peak_reaction: Option<f64>,
     /// Joules.
     energy: Option<f64>,
 }
@@ -223,6 +227,8 @@ impl StretchReport {
             stop: stretch.stop,
             error: stretch.error,
             turns: stretch.turns,
+            angle: stretch.angle,
+            peak_reaction: stretch.peak_reaction,
             energy: stretch.energy,
         }
     }

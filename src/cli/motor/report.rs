@@ -136,21 +136,11 @@ pub struct ArrivalReport {
     pub stop: Option<f64>,
 }
 
-/// By what energies of the model are to be multiplied; `None`: the resistance is not known, and so they are not.
-pub fn joules(subject: &Subject) -> Option<f64> {
-    match (subject.actuator.value("torque_constant"), subject.actuator.value("resistance")) {
-        (Some(_), _) => Some(1.0),
-        // A motor that is known from outside is computed with 1 ohm, and all its torques and currents with it.
-        (None, Some(resistance)) => Some(1.0 / resistance),
-        (None, None) => None,
-    }
-}
-
 impl About {
     /// Of what was computed.
     pub fn new(subject: &Subject, bench: &Bench, limit: f64, posture: bool) -> Self {
         let p: &Parameters = &bench.parameters;
-        let amperes = |volts: f64| joules(subject).map(|scale| scale * volts);
+        let known = |amperes: f64| subject.actuator.has_torques().then_some(amperes);
         Self {
             rated_volts: p.rated_volts,
             limit_volts: limit,
@@ -162,16 +152,16 @@ impl About {
             mechanical_time: p.mechanical_time(),
             electrical_time: p.electrical_time(),
             start_volts: p.start_volts(),
-            running_amperes: amperes(p.steady_current(p.rated_volts)),
-            standstill_amperes: amperes(p.rated_volts / p.resistance),
+            running_amperes: known(p.steady_current(p.rated_volts)),
+            standstill_amperes: subject.actuator.value("resistance").map(|ohms| p.rated_volts / ohms),
             gravity: posture.then_some(p.gravity),
         }
     }
 }
 
 impl WayReport {
-    /// Of what was computed.
-    pub fn new(row: &Row, joules: Option<f64>) -> Self {
+    /// Of what was computed, with torques and joules where they are known.
+    pub fn new(row: &Row, torques: bool) -> Self {
         let done = row.done.as_ref();
         let of = done.ok();
         let figures = of.map(|done| done.figures);
@@ -189,11 +179,11 @@ impl WayReport {
             angle: of
                 .and_then(|done| done.run.traces.angles.last())
                 .map(|angle| angle - TAU * (angle / TAU).round()),
-            peak_reaction: of.zip(joules).map(|(done, scale)| {
-                done.run.traces.reactions.iter().fold(0.0, |most, torque| torque.abs().max(most)) * scale
+            peak_reaction: of.filter(|_| torques).map(|done| {
+                done.run.traces.reactions.iter().fold(0.0, |most, torque| torque.abs().max(most))
             }),
             look_ahead: of.map(|done| done.look_ahead),
-            energy: of.zip(joules).map(|(done, joules)| EnergyReport::new(done, joules)),
+            energy: of.filter(|_| torques).map(EnergyReport::new),
             click: of.and_then(|done| done.click.as_ref()).map(|click| click.seconds),
             why: done.err().map(ToString::to_string),
         }
@@ -202,14 +192,14 @@ impl WayReport {
 
 impl EnergyReport {
     /// Of what was computed.
-    pub fn new(done: &Done, joules: f64) -> Self {
+    pub fn new(done: &Done) -> Self {
         let energy = &done.run.energy;
         Self {
-            supplied: joules * energy.supplied,
-            coil_heat: joules * energy.heat,
-            friction: joules * (energy.viscous + energy.dry),
-            lost_when_opened: joules * energy.opened,
-            stored: joules * (done.run.stored - energy.placed),
+            supplied: energy.supplied,
+            coil_heat: energy.heat,
+            friction: energy.viscous + energy.dry,
+            lost_when_opened: energy.opened,
+            stored: done.run.stored - energy.placed,
         }
     }
 }

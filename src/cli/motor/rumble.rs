@@ -4,7 +4,7 @@ use super::super::check::json;
 use super::super::failure::Failure;
 use super::super::problems;
 use super::super::terminal::Terminal;
-use super::report::{About, Answer, Computed, CouplingReport, Figures, WayReport, Wished, joules};
+use super::report::{About, Answer, Computed, CouplingReport, Figures, WayReport, Wished};
 use super::subject::Subject;
 use super::{Form, Motor, picture, usage, written};
 use pacinian::actuator::motor::{self, GRAVITY, Level, Parameters, Plan};
@@ -42,10 +42,14 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
             "it is a share of the rated speed, above 0 and below 1: --error 0.001",
         ));
     }
-    let wanted = motor::Wish { error, posture: tilt.is_some(), casing: true };
-    // Where nobody says how it is held there is gravity all the same, and it is left out for that.
-    let held = Parameters { gravity: tilt.map_or(GRAVITY, |_| parameters.gravity), ..parameters };
-    let plan = Plan::choose(&held, rate, &wanted);
+    // Where nobody says how it is held, or what its mass weighs, there is gravity all the same, and it is left out for that.
+    let posture = tilt.is_some() && subject.actuator.has_torques();
+    let wanted = motor::Wish { error, posture, casing: true };
+    let held = Parameters { gravity: if posture { parameters.gravity } else { GRAVITY }, ..parameters };
+    let mut plan = Plan::choose(&held, rate, &wanted);
+    if tilt.is_some() && !posture {
+        plan = plan.of_unknown_weight();
+    }
     let bench = Bench::new(&parameters, plan, rate, asked.angle.unwrap_or(0.0)).map_err(|f| usage(&f))?;
     let reaches = plan.error(&parameters, rate);
     let wish = Wish {
@@ -117,6 +121,7 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
             rows
         }
     };
+    let torques = subject.actuator.has_torques();
     let behind = coupled(asked, subject, &bench, turns, limit)?;
     for what in warnings {
         terminal.note(&problems::sentence(&Problem::warning(&(0..0), what), terminal));
@@ -128,14 +133,13 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
     }
     if let Some(path) = &asked.csv {
         let wish = asked.drive.is_none().then_some(&wish);
-        out::write(path, picture::csv(&bench, wish, &rows, joules(subject)).as_bytes())?;
+        out::write(path, picture::csv(&bench, wish, &rows, torques).as_bytes())?;
     }
-    let joules = joules(subject);
     let answer = Answer {
         name: subject.name.clone(),
         title: subject.title.clone(),
         model: subject.actuator.model.word(),
-        motor: About::new(subject, &bench, limit, tilt.is_some()),
+        motor: About::new(subject, &bench, limit, posture),
         figures: Figures {
             origins: subject.known.origins.clone(),
             from_the_rig: subject.known.by_rig,
@@ -157,7 +161,7 @@ pub fn run(asked: &Motor, subject: &Subject, terminal: &Terminal) -> Result<(), 
             angle: bench.angle,
             drive: asked.drive.is_some(),
         },
-        ways: rows.iter().map(|row| WayReport::new(row, joules)).collect(),
+        ways: rows.iter().map(|row| WayReport::new(row, torques)).collect(),
         coupling: behind.iter().map(CouplingReport::new).collect(),
     };
     let text = if asked.json { json(&answer) } else { answer.text(subject, &behind, terminal.out) };

@@ -91,11 +91,18 @@ impl Answer {
             None => ", gravity aside".into(),
         };
         table.row(["starts".into(), format!("at {:.3} V{posture}", m.start_volts)]);
-        let draws = match m.running_amperes.zip(m.standstill_amperes) {
-            Some((runs, stands)) => {
+        let draws = match (m.running_amperes, m.standstill_amperes) {
+            (Some(runs), Some(stands)) => {
                 format!("{:.1} mA running, {:.1} mA at a standstill", 1e3 * runs, 1e3 * stands)
             }
-            None => "not known: its resistance is missing, so there are no amperes and no joules".into(),
+            (_, Some(stands)) => format!(
+                "{:.1} mA at a standstill; running not known: its torque constant is missing, so there are no torques and no joules",
+                1e3 * stands
+            ),
+            _ => {
+                "not known: resistance and torque constant are missing, so there are no amperes and no joules"
+                    .into()
+            }
         };
         table.row(["draws".into(), draws]);
         let assumed = match self.figures.assumed.as_slice() {

@@ -7,7 +7,7 @@ use pacinian::actuator::drive::Drive as Imposes;
 use pacinian::actuator::link::Chain;
 use pacinian::actuator::link::amplifier::Amplifier;
 use pacinian::actuator::link::coupling::Corners;
-use pacinian::actuator::motor::{GRAVITY, Parameters};
+use pacinian::actuator::motor::Parameters;
 use pacinian::io::text;
 use pacinian::rig::part::{self, Origin, Part};
 use pacinian::rig::{Actuator, Model, Output, OutputKind, Rig, Terminals};
@@ -210,7 +210,7 @@ impl Subject {
     pub fn motor(&self, tilt: Option<f64>) -> Result<Parameters, Failure> {
         self.complete()?;
         let mut parameters = self.actuator.rumble_motor().map_err(|lack| self.impossible(&lack))?;
-        parameters.gravity = tilt.map_or(0.0, |tilt| (GRAVITY * tilt.cos()).abs());
+        parameters.gravity = self.actuator.gravity(tilt);
         Ok(parameters)
     }
 

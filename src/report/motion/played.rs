@@ -1,5 +1,6 @@
 //! What an actuator does under a patch.
 
+use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::modelled::Modelled;
@@ -29,10 +30,13 @@ pub struct Played {
     pub wished: Vec<f64>,
     /// The magnitude of what is felt, m/s², or N.
     pub felt: Vec<f64>,
-    /// Drawn by the end of each, J; empty where the resistance of the winding is not known.
+    /// Drawn by the end of each, J; empty of a motor that is known from outside alone.
     pub energy: Vec<f64>,
     /// Turned by the end of each, rad; empty for what is no rumble motor.
     pub turned: Vec<f64>,
+    /// What coil and friction did to its casing about the shaft, N m; empty for one that is known from outside alone, and for what is no rumble
+    /// motor.
+    pub reactions: Vec<f64>,
     /// When a voice began on it, s, and its name.
     pub voices: Vec<(f64, String)>,
     /// m/s², or N.
@@ -63,6 +67,10 @@ pub struct Stretch {
     pub energy: Option<f64>,
     /// Turned, turns.
     pub turns: Option<f64>,
+    /// Where its mass is at the end, rad within ±π from where it hangs straight down.
+    pub angle: Option<f64>,
+    /// The largest torque on the casing about the shaft, of either sign, N m.
+    pub peak_reaction: Option<f64>,
 }
 
 /// Below this share of the most there was nothing moves, and what parts stretches, s.
@@ -131,6 +139,7 @@ impl Played {
                 new.drives.push(now.drive);
                 new.speeds.extend(now.speed);
                 new.turned.extend(now.turned);
+                new.reactions.extend(now.reaction);
                 new.energy.extend(now.energy);
                 new.wished.extend(now.speed.and(wished));
                 let rests = now.drive == 0.0 && now.speed.is_none_or(|speed| speed == 0.0);
@@ -167,7 +176,7 @@ impl Played {
         for played in all {
             let is = played.frames_before();
             let of = [&mut played.drives, &mut played.speeds, &mut played.wished];
-            let more = [&mut played.felt, &mut played.energy, &mut played.turned];
+            let more = [&mut played.felt, &mut played.energy, &mut played.turned, &mut played.reactions];
             for values in of.into_iter().chain(more).filter(|values| !values.is_empty()) {
                 if is > before {
                     values.drain(..(is - before).min(values.len()));
@@ -255,7 +264,12 @@ impl Played {
             stop: stands.map(|stands| (time(stands) - time(over)).max(0.0)),
             error: (wanted > 0.0).then(|| (off / wishes.len() as f64).sqrt() / wanted),
             energy: gained(&self.energy),
-            turns: gained(&self.turned).map(|turned| turned / std::f64::consts::TAU),
+            turns: gained(&self.turned).map(|turned| turned / TAU),
+            angle: self.turned.get(to - 1).map(|angle| angle - TAU * (angle / TAU).round()),
+            peak_reaction: self
+                .reactions
+                .get(from..to)
+                .map(|torques| torques.iter().fold(0.0, |most, torque| torque.abs().max(most))),
         }
     }
 }

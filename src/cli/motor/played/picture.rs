@@ -74,24 +74,30 @@ fn wishes(ways: &[(Option<Shaping>, Played)]) -> Vec<&Played> {
     found
 }
 
-/// A line for each frame of the device: time as the patch has it, and drive, speed, what was wished for and what was felt in each way.
+/// A line for each frame of the device: time as the patch has it, and drive, speed, what was wished for, what was felt, angle and
+/// reaction torque in each way. What is not known, or has ended, is empty.
 pub fn csv(ways: &[(Option<Shaping>, Played)]) -> String {
     let mut text = String::from("seconds");
     for (shaping, played) in ways {
         let way = shaping.map_or(String::new(), |shaping| format!("{}_", shaping.word()));
         let unit = played.unit.replace('/', "_per_");
-        let _ = write!(text, ",{way}drive,{way}rad_per_s,{way}wanted_rad_per_s,{way}{unit}");
+        let _ =
+            write!(text, ",{way}drive,{way}rad_per_s,{way}wanted_rad_per_s,{way}{unit},{way}rad,{way}N_m");
     }
     text.push('\n');
     let frames = ways.iter().map(|(_, played)| played.drives.len()).max().unwrap_or(0);
     for n in 0..frames {
         let _ = write!(text, "{:.9}", ways.first().map_or(0.0, |(_, played)| played.time(n + 1)));
         for (_, played) in ways {
-            for values in [&played.drives, &played.speeds, &played.wished, &played.felt] {
+            for values in [&played.drives, &played.speeds, &played.wished, &played.felt, &played.turned] {
                 match values.get(n) {
                     Some(value) => drop(write!(text, ",{value:.9}")),
                     None => text.push(','),
                 }
+            }
+            match played.reactions.get(n) {
+                Some(torque) => drop(write!(text, ",{torque:.6e}")),
+                None => text.push(','),
             }
         }
         text.push('\n');
