@@ -143,10 +143,7 @@ fn holds(cases: &[(Case, u64, &str)], scratch: &Scratch) -> Vec<Value> {
                 let [least, most] = [0, 1].map(|n| figure["interval"][n].as_f64().unwrap());
                 let text = format!("{title}: {name} = {value} ({least} to {most}), but it is {truth}");
                 let side = if truth < value { value - least } else { most - value };
-                // What an interval says is far off may be so; a group of the motion may not.
-                let wide =
-                    if groups(&case.p).iter().any(|(one, _)| *one == name) { 0.0 } else { side / truth };
-                assert!((value / truth - 1.0).abs() < wide.max(0.03), "{text}");
+                assert!((value / truth - 1.0).abs() < 0.03, "{text}");
                 assert!((value - truth).abs() < 1.6 * side, "{text}");
                 if (least..=most).contains(&truth) { inside += 1 } else { outside.push(text) }
             }

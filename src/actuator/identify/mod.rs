@@ -20,6 +20,7 @@ mod coverage;
 mod estimate;
 mod held;
 mod initial;
+mod joint;
 mod least;
 pub mod motor;
 #[cfg(test)]

@@ -53,7 +53,7 @@ pub(super) struct Winding {
     /// L/R, s: its least, itself, its most.
     times: [f64; 3],
     /// Whether the coil is told from a delay.
-    is_told: bool,
+    pub is_told: bool,
     figures: Figures,
     period: f64,
 }

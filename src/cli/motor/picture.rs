@@ -121,7 +121,8 @@ pub fn csv(bench: &Bench, wish: Option<&Wish>, rows: &[Row], torques: bool) -> S
                 }
             }
             match traces.reactions.get(n).filter(|_| torques) {
-                Some(value) => drop(write!(text, ",{value:.6e}")),
+                // No minus before nothing.
+                Some(value) => drop(write!(text, ",{:.6e}", value + 0.0)),
                 None => text.push(','),
             }
         }

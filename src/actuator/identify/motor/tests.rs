@@ -18,7 +18,7 @@ pub(super) struct Run {
     pub open: Vec<Range<usize>>,
 }
 
-const PAD: Parameters = Parameters {
+pub(super) const PAD: Parameters = Parameters {
     resistance: 10.42,
     inductance: 4.2e-3,
     gain: 0.011,
@@ -92,7 +92,7 @@ pub(super) fn groups(p: &Parameters) -> [(&'static str, f64); 4] {
 }
 
 /// What the current tells beside.
-fn absolutes(p: &Parameters) -> [(&'static str, f64); 7] {
+pub(super) fn absolutes(p: &Parameters) -> [(&'static str, f64); 7] {
     [
         ("resistance", p.resistance),
         ("inductance", p.inductance),
@@ -105,7 +105,7 @@ fn absolutes(p: &Parameters) -> [(&'static str, f64); 7] {
 }
 
 /// Within 3 %; says whether inside of the interval.
-fn near(all: &Identified, name: &str, truth: f64) -> bool {
+pub(super) fn near(all: &Identified, name: &str, truth: f64) -> bool {
     let found = all.get(name).unwrap_or_else(|| panic!("{name} is not told: {:?}", all.why_not(name)));
     assert!((found.value / truth - 1.0).abs() < 0.03, "{found}, but it is {truth:e}");
     found.holds(truth)

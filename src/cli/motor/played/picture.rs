@@ -96,7 +96,8 @@ pub fn csv(ways: &[(Option<Shaping>, Played)]) -> String {
                 }
             }
             match played.reactions.get(n) {
-                Some(torque) => drop(write!(text, ",{torque:.6e}")),
+                // No minus before nothing.
+                Some(torque) => drop(write!(text, ",{:.6e}", torque + 0.0)),
                 None => text.push(','),
             }
         }
