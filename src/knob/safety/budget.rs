@@ -38,9 +38,14 @@ impl Budget {
         Ok(Self { continuous, per_square, time, reach: time / release, step, load: 0.0 })
     }
 
-    /// The largest torque now, N m.
+    /// As warm as another's winding is, up to what its continuous torque ends at.
+    pub fn continue_from(&mut self, before: &Self) {
+        self.load = f64::min(before.load * before.continuous * before.continuous * self.per_square, 1.0);
+    }
+
+    /// The largest torque now, N m; none where a torque that acted for long without a tick has spent far more than there was.
     pub fn allowed(&self) -> f64 {
-        self.continuous * (1.0 + (1.0 - self.load) * self.reach).sqrt()
+        self.continuous * (1.0 + (1.0 - self.load) * self.reach).max(0.0).sqrt()
     }
 
     /// Whether a torque is within it.

@@ -183,6 +183,15 @@ impl Chain {
         })
     }
 
+    /// Goes on behind another chain: as warm, with what it latched, and counting on.
+    pub fn continue_from(&mut self, before: &Self) {
+        self.budget.continue_from(&before.budget);
+        self.counts = before.counts;
+        if let Some(trip) = before.trip {
+            self.latch(trip);
+        }
+    }
+
     /// Lets torque rise from 0. `false` while a fault is latched.
     pub fn arm(&mut self) -> bool {
         if self.trip.is_none() && !self.armed {

@@ -1,4 +1,5 @@
 mod profile;
+mod succession;
 mod warmth;
 
 use super::setup::Setup;

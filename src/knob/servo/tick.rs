@@ -153,8 +153,17 @@ impl Servo {
         self.message = Some(self.message.map_or(*message, |before| before.then(message)));
     }
 
-    /// Goes on where another servo is: ticks are counted on, the knob is where it was, and what acts acts.
+    /// Goes on where another servo is: ticks are counted on, the knob is where it was, what acts acts, the winding is as warm, a fault that was
+    /// latched stays so, and what is booked is added to. Where both tick alike, what a slow thread sent goes on as well.
     pub fn continue_from(&mut self, before: &Self) {
+        self.chain.continue_from(&before.chain);
+        if let Books::Watched(observer) = &mut self.books {
+            *observer = *before.energy();
+        }
+        if self.period == before.period {
+            self.follower.clone_from(&before.follower);
+            (self.message, self.impulse) = (before.message, before.impulse);
+        }
         self.ticks = before.ticks;
         self.acting = before.acting;
         self.last = before.last;
