@@ -6,8 +6,9 @@ use super::swift::{NONE, State};
 
 /// Steps of a motor one after the other, each at a voltage of its own: what [`Motor::drive`] and [`Motor::step`] do, to the bit.
 ///
-/// A motor that is stepped by itself stores where it is and loads it again in the next step, and a processor hands a number from a store
-/// on to a load in some twelve cycles, in which a whole linear step has room. Here it stays in registers; the motor has it when this is dropped.
+/// A motor that is stepped by itself stores where it is and loads it again in the next step. A processor hands a number from a store on to a load
+/// in some nine cycles, and the longest way from one state of a linear motor to the next, a product and two sums whatever their order, is nine more:
+/// 4.9 ns at 3.7 GHz at the least, and 5.5 as it is. Here it stays in registers; the motor has it when this is dropped.
 #[derive(Debug)]
 pub struct Steps<'a> {
     motor: &'a mut Motor,
