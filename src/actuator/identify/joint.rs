@@ -19,6 +19,8 @@ const ROUNDS: usize = 3;
 /// How many times the noise of its windows the angle may be off, root mean square: else something is in it that the law does not have.
 const ASTRAY: f64 = 3.0;
 
+/// Samples of the current times parameters, at most: what is recorded beyond is not needed, and its derivatives would fill the memory.
+const MOST: usize = 8_000_000;
 /// How many times what both may be off it may differ from what was found before: else it is something else.
 const FAR: f64 = 2.0;
 
@@ -153,14 +155,21 @@ impl Joint {
         let spun: Vec<Spun> = rotor.runs.iter().map(|run| law.spin(run, volts)).collect::<Option<_>>()?;
         let read = windows(&rotor.runs, &spun, x);
         let back = first.late[0].max(first.late[1]).ceil();
-        let mut seen = Vec::new();
+        let (mut seen, mut samples) = (Vec::new(), 0);
         for ((run, spun), windows) in rotor.runs.iter().zip(&spun).zip(&read) {
             let begin = run.samples.start as f64 - back - 1.0;
             let end = run.samples.end as f64 - first.late[0].min(first.late[1]).floor() + 1.0;
             if begin < 0.0 || windows.len() < 4 {
                 continue;
             }
+            samples += run.samples.len();
+            if samples * (FIGURES + OWN * (seen.len() + 1)) > MOST {
+                break;
+            }
             let (begin, end) = (begin as usize, (end as usize).min(volts.samples.len()));
+            if end < begin + 2 {
+                continue;
+            }
             let at = |n: usize| (run.samples.start + n) as f64;
             let angles = windows.iter().map(|w| (at(w.middle), spun.angle[w.middle] + w.ahead, w.noise));
             let currents = run.samples.clone().skip(BEFORE).filter(|n| *n < current.len());

@@ -160,6 +160,8 @@ impl Recording<'_> {
             all.aside("lateness", "s", late, off);
         }
         let (slow, off) = rotor.told(|law| 1.0 / law.rate);
+        // A rate below 0 is that of no motor, and is not told either.
+        let fastest = (FASTEST * slow).max(0.0);
         // The slow one of two time constants is seen; they add up to the mechanical one, but for friction's part of the damping. The fast one
         // shows as lateness, if nothing else makes any.
         let (value, off) = match (electric.map(Electric::times), self.delay) {
@@ -168,12 +170,12 @@ impl Recording<'_> {
                 (sum(time), [off + sum(time) - sum(least), off + sum(most) - sum(time)])
             }
             (None, Some(delay)) if rotor.switched => {
-                let fast = (late.0 - delay).clamp(0.0, FASTEST * slow);
+                let fast = (late.0 - delay).clamp(0.0, fastest);
                 (slow + fast, [off + late.1.min(fast), off + late.1])
             }
             _ => {
                 // Most of a large lateness is the recording chain's.
-                let most = (late.0 + late.1).clamp(0.0, FASTEST * slow);
+                let most = (late.0 + late.1).clamp(0.0, fastest);
                 let likely = (0.5 * most).min(LIKELY * slow);
                 (slow + likely, [off + likely, off + most - likely])
             }

@@ -83,3 +83,33 @@ fn a_slow_coil_at_8_khz_tells_all_within_three_percent() {
     }
     assert!(10 * inside >= 9 * all, "{inside} of {all} inside");
 }
+
+/// A recording that is a tenth of a second before its drive, or as much behind it: what begins or ends outside of the drive is not simulated, and nothing is told
+/// that is not so.
+#[test]
+fn what_is_far_from_its_drive_is_no_harm() {
+    let run = simulate(&PAD, RATE, ANGLE, &STAIRS);
+    let noisy = Noise::new(1).add(&run.acceleration, 40.0);
+    let current = Noise::new(2).add(&run.current, 40.0);
+    for (before, behind) in [(0, 800), (800, 0), (0, 10_000), (10_000, 0)] {
+        // The recording is what moves, its rest longer or shorter.
+        let moved = |x: &[f64]| -> Vec<f64> {
+            let all = [vec![0.0; before], x[behind..].to_vec(), vec![0.0; behind]].concat();
+            all[..x.len()].to_vec()
+        };
+        let (x, i) = (moved(&noisy), moved(&current));
+        let late = (before as f64 - behind as f64) / RATE;
+        let delay = Some(late.clamp(-1.0, 10.0));
+        let recording = Recording {
+            current: Some(run.channel(&i)),
+            current_delay: delay,
+            mass: PAD.casing.mass(),
+            ..run.recording(&x)
+        };
+        let Ok(found) = identify(&recording) else { continue };
+        for (name, truth) in absolutes(&PAD) {
+            let Some(told) = found.get(name) else { continue };
+            assert!((told.value / truth - 1.0).abs() < 0.05, "{before} {behind}: {told}, but it is {truth}");
+        }
+    }
+}
