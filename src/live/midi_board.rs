@@ -17,6 +17,8 @@ pub struct MidiBoard {
     pub unmatched: Figure,
     /// Notes that ended since there were too many.
     pub stolen: Figure,
+    /// Notes and programs that no trigger of the patch plays.
+    pub unplayed: Figure,
     /// Values for numbered parameters of which none was chosen.
     pub unmeant: Figure,
     /// Values of numbered parameters (NRPN, RPN), which nothing in a patch can hear.
@@ -36,11 +38,12 @@ impl MidiBoard {
 
     /// What a performer counted so far.
     pub fn performed(&self, counts: &MidiCounts) {
-        let MidiCounts { messages, unmatched, stolen, unmeant, unheard, left_out } = *counts;
+        let MidiCounts { messages, unmatched, stolen, unplayed, unmeant, unheard, left_out } = *counts;
         let figures = [
             (&self.messages, messages),
             (&self.unmatched, unmatched),
             (&self.stolen, stolen),
+            (&self.unplayed, unplayed),
             (&self.unmeant, unmeant),
             (&self.unheard, unheard),
             (&self.left_out, left_out),
@@ -49,12 +52,13 @@ impl MidiBoard {
     }
 
     /// Each figure by its name in a journal, with what it counts in words.
-    pub fn named(&self) -> [(&'static str, u64, &'static str); 7] {
+    pub fn named(&self) -> [(&'static str, u64, &'static str); 8] {
         [
             ("midi_malformed", self.malformed.get(), "malformed"),
             ("midi_skipped", self.skipped.get(), "system messages skipped"),
             ("midi_unmatched", self.unmatched.get(), "for notes that did not sound"),
             ("midi_stolen", self.stolen.get(), "notes cut short by too many others"),
+            ("midi_unplayed", self.unplayed.get(), "notes and programs that no trigger plays"),
             ("midi_unmeant", self.unmeant.get(), "values for no parameter"),
             ("midi_unheard", self.unheard.get(), "values of parameters (NRPN, RPN) that no patch can hear"),
             ("midi_left_out", self.left_out.get(), "that concern no player"),

@@ -25,6 +25,8 @@ pub(super) struct Hands {
     /// Messages that came, and values of numbered parameters, which nothing in a patch can hear.
     messages: u64,
     unheard: u64,
+    /// Notes and programs that no trigger plays.
+    unplayed: u64,
 }
 
 /// Messages of MIDI, and what of them could not be used.
@@ -36,6 +38,8 @@ pub struct MidiCounts {
     pub unmatched: u64,
     /// Notes that ended since there were too many; see [`crate::midi::sounding::MOST`].
     pub stolen: u64,
+    /// Notes and programs that no trigger of the patch plays.
+    pub unplayed: u64,
     /// Values for numbered parameters of which none was chosen.
     pub unmeant: u64,
     /// Values of numbered parameters (NRPN, RPN), which nothing in a patch can hear, but for the bend range and zones of MPE.
@@ -73,6 +77,7 @@ impl Hands {
             gestures: Vec::new(),
             messages: 0,
             unheard: 0,
+            unplayed: 0,
         }
     }
 
@@ -126,6 +131,7 @@ impl Performer {
                 messages: sum.messages + hands.messages,
                 unmatched: sum.unmatched + unmatched,
                 stolen: sum.stolen + stolen,
+                unplayed: sum.unplayed + hands.unplayed,
                 unmeant: sum.unmeant + unmeant,
                 unheard: sum.unheard + hands.unheard,
                 left_out: sum.left_out + left_out,
@@ -211,6 +217,7 @@ impl Performer {
                     key: Some((key, expression)),
                     note: Some(note),
                 };
+                self.hands[port].unplayed += u64::from(!self.patch.triggers.iter().any(fits));
                 self.set_off(at, &fits, &known, hit, outlet)
             }
             Gesture::NoteOff { key, .. } => {
@@ -270,6 +277,7 @@ impl Performer {
                     _ => None,
                 };
                 let hit = Hit { port: Some((port, channel)), ..Hit::default() };
+                self.hands[port].unplayed += u64::from(!self.patch.triggers.iter().any(fits));
                 self.set_off(at, &fits, &known, hit, outlet)
             }
             Gesture::Panic { channel, .. } => {

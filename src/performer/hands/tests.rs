@@ -276,6 +276,18 @@ fn what_midi_says_in_vain_is_counted() {
 }
 
 #[test]
+fn notes_and_programs_that_no_trigger_plays_are_counted() {
+    let triggers = "[[trigger]]\non = \"midi.note\"\nplay = \"v\"\nnotes = [36, 59]\nchannel = 1\n\
+                    [[trigger]]\non = \"midi.program 3\"\nplay = \"v\"\n";
+    let (mut performer, mut kept) = performer(triggers);
+    let program = |program| Message::Program { channel: Channel::FIRST, program };
+    let sent = [on(0, 59, 9), off(0, 59), on(0, 60, 9), off(0, 60), on(1, 59, 9), program(3), program(4)];
+    sent.into_iter().for_each(|message| send(&mut performer, &mut kept, 0.1, message));
+    let counts = MidiCounts { messages: 7, unplayed: 3, ..MidiCounts::default() };
+    assert_eq!(performer.midi_counts(), counts, "above its notes, on another channel, another program");
+}
+
+#[test]
 fn all_notes_off_silences_its_channel_alone() {
     for number in 123..128 {
         let (mut performer, mut kept) = performer(BOTH);
