@@ -111,7 +111,7 @@ fn read(bytes: &[u8], events: usize, warnings: &mut Warnings) -> Result<Song, Pr
             warnings.push(chunk.at, what, "merge tracks in the program that wrote the file");
             break;
         }
-        let track = Track { index, at: chunk.at, bytes: chunk.bytes };
+        let track = Track { index, at: chunk.at, bytes: chunk.bytes, cut: chunk.cut };
         song.tracks.push(track.read(&mut contents, warnings)?);
         if header.format == 2 {
             let next = Contents::with_room(contents.room());

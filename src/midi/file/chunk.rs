@@ -17,6 +17,8 @@ pub(super) struct Chunks<'a> {
 pub(super) struct Chunk<'a> {
     pub at: usize,
     pub bytes: &'a [u8],
+    /// Whether the file ends before it does.
+    pub cut: bool,
 }
 
 /// What the first chunk says.
@@ -67,7 +69,8 @@ impl<'a> Chunks<'a> {
         let claimed = u32::from_be_bytes(length.try_into().ok()?) as usize;
         let at = self.at + 8;
         self.at = at.saturating_add(claimed).min(self.bytes.len());
-        Some(Raw { name, claimed, chunk: Chunk { at, bytes: self.bytes.get(at..self.at)? } })
+        let bytes = self.bytes.get(at..self.at)?;
+        Some(Raw { name, claimed, chunk: Chunk { at, bytes, cut: bytes.len() < claimed } })
     }
 
     /// The first chunk. It may be longer than its six bytes; the rest is for later versions of the format.
@@ -81,7 +84,7 @@ impl<'a> Chunks<'a> {
                 Problem::error(&(at..at), what).help("the file was cut short; get it anew".to_string())
             );
         };
-        if raw.chunk.bytes.len() < raw.claimed {
+        if raw.chunk.cut {
             cut_short(&raw, warnings);
         }
         let format = u16::from_be_bytes([f0, f1]);
@@ -114,7 +117,7 @@ impl<'a> Chunks<'a> {
                 }
                 return None;
             };
-            if raw.chunk.bytes.len() < raw.claimed {
+            if raw.chunk.cut {
                 cut_short(&raw, warnings);
             }
             if raw.name == b"MTrk" {

@@ -15,7 +15,12 @@ pub(super) struct Track<'a> {
     /// Where in the file its bytes begin.
     pub at: usize,
     pub bytes: &'a [u8],
+    /// Whether the file ends before it does, which has been said.
+    pub cut: bool,
 }
+
+/// The longest event with a length of its own: a time, a status and two bytes.
+const LONGEST: usize = 7;
 
 /// What tracks contain, by ticks from their beginning.
 #[derive(Debug, Default)]
@@ -65,15 +70,21 @@ impl Track<'_> {
     /// Adds the track to `contents`; gives its name.
     pub fn read(self, contents: &mut Contents, warnings: &mut Warnings) -> Result<Option<String>, Problem> {
         let mut events = EventIter::new(self.bytes);
-        let (mut tick, mut name, mut ended) = (0_u64, None, false);
+        let (mut tick, mut name, mut ended, mut damaged) = (0_u64, None, false, false);
         let mut warn = |at: usize, what: &str, help: &str| {
             warnings.push(at, format!("byte {at}, track {}: {what}", self.index + 1), help);
         };
         while !events.unread().is_empty() && !ended {
             let at = self.at + self.bytes.len() - events.unread().len();
             let wrong = damage(events.unread());
+            let left = events.unread().len();
             let event = events.next().and_then(Result::ok).filter(|_| wrong.is_none());
             let Some(event) = event else {
+                damaged = true;
+                // The file ends within it.
+                if self.cut && (wrong.is_some() || left < LONGEST) {
+                    break;
+                }
                 let what = wrong.unwrap_or("this is no event that a file may have");
                 warn(at, what, "what follows in this track is left out; export the file anew");
                 break;
@@ -132,7 +143,7 @@ impl Track<'_> {
         if ended && left > 0 {
             let what = format!("{left} bytes behind the end of the track are left out");
             warn(end - left, &what, "if something is missing, export the file anew");
-        } else if !ended {
+        } else if !(ended || damaged || self.cut) {
             warn(
                 end,
                 "there is no end of track",
