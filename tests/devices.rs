@@ -7,6 +7,7 @@
 mod bench;
 
 use std::fs;
+use std::process::Stdio;
 use std::time::Duration;
 
 use bench::{Bench, HUM, floats, scene, signal, wait};
@@ -110,6 +111,40 @@ fn a_card_that_is_pulled_and_plugged_in_again_is_found_and_no_other() {
     let gaps: usize =
         told.split(" xruns").next().and_then(|s| s.rsplit(' ').next()?.parse().ok()).unwrap_or(0);
     assert!(jumps <= 3 + 2 * gaps, "{jumps} jumps, {gaps} gaps");
+}
+
+/// The default of ALSA is opened as it was where the stream only broke off; where the card itself was away, another may have its place.
+#[test]
+fn a_default_stream_that_breaks_off_comes_back_at_its_level_and_one_whose_card_was_away_does_not() {
+    let Some(bench) = Bench::new("broken") else { return };
+    bench.write("hum.toml", HUM);
+    bench.card("!default", "channels 8 played \"@/played.raw\" gone \"@/gone\" broken \"@/broken\"");
+    let told = bench.folder.join("told");
+    let mut play = bench.command(&["play", "hum.toml", "--arm", "--block", "256"]);
+    let mut child = play.stdout(Stdio::null()).stderr(fs::File::create(&told).unwrap()).spawn().unwrap();
+    let says = |what: &str| fs::read_to_string(&told).unwrap_or_default().matches(what).count();
+    let length = || fs::metadata(bench.played()).map_or(0, |about| about.len());
+    // The largest sample of the second half of what is played from now on.
+    let peak = || {
+        let before = length();
+        wait("sound", || length() > before + 8 * 4 * 48_000);
+        let samples = bench.samples();
+        samples[samples.len() - 8 * 12_000..].iter().fold(0.0_f32, |most, x| most.max(x.abs()))
+    };
+    assert!(peak() > 0.45, "{}", fs::read_to_string(&told).unwrap());
+    for (n, flag) in ["broken", "broken", "gone"].into_iter().enumerate() {
+        fs::write(bench.folder.join(flag), "").unwrap();
+        wait("the loss", || says("the device is gone") == n + 1);
+        fs::remove_file(bench.folder.join(flag)).unwrap();
+        wait("its return", || says("the device is back") == n + 1);
+        let (peak, text) = (peak(), fs::read_to_string(&told).unwrap());
+        let lowered = flag == "gone";
+        assert_eq!(peak < 0.06, lowered, "{flag}: {peak}, {text}");
+        assert!(lowered || peak > 0.45, "{flag}: {peak}, {text}");
+        assert_eq!(text.matches("a larger --block helps").count(), (n + 1).min(2), "{text}");
+    }
+    signal(&child, "INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{}", fs::read_to_string(&told).unwrap());
 }
 
 /// Without a rig, or with one that says nothing of it, nobody has said that the card may get a steady voltage; and a replay knows that

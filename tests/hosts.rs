@@ -274,6 +274,28 @@ fn what_a_stream_does_not_give_back_is_taken_from_it() {
     session.stop();
 }
 
+/// The same, of one that is listened to.
+#[test]
+fn what_an_ear_does_not_give_back_is_taken_from_it() {
+    let card = Scripted::new(Make::default());
+    let ear = ear(Make::default());
+    let (mut session, fates) = listening(&card, &ear);
+    let loud = |card: &Scripted| {
+        let all = card.latest().samples;
+        all[all.len().saturating_sub(2 * 1_200)..].iter().any(|x| x.abs() > 0.4)
+    };
+    wait("sound", || loud(&card));
+    ear.is(|mood| (mood.there, mood.hangs) = (false, true));
+    wait("the loss", || fates.lock().unwrap().len() == 1);
+    wait("silence", || !loud(&card));
+    ear.is(|mood| (mood.there, mood.hangs) = (true, false));
+    wait("its return", || fates.lock().unwrap().len() == 2);
+    wait("sound", || loud(&card));
+    let told = fates.lock().unwrap().clone();
+    assert!(matches!(&told[..], [Fate::Lost(_), Fate::Back]), "{told:?}");
+    session.stop();
+}
+
 #[test]
 fn after_a_gap_the_stream_goes_on_and_times_line_up_again() {
     // By how much what the session takes for the time of a callback is ahead of when it came, seconds; the median of several.

@@ -32,7 +32,7 @@ pub struct Latency {
     /// The sound card that plays: its id, its name or a part of that [default: what the rig says, else the system's default]
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
-    /// The sound card that hears [default: what the rig says, else the one that plays]
+    /// The sound card that hears [default: what the rig says, else the one that plays; of JACK, its inputs]
     #[arg(long, value_name = "NAME")]
     input_device: Option<String>,
     /// The rig, a TOML file
@@ -57,6 +57,11 @@ pub struct Latency {
     #[arg(long)]
     json: bool,
 }
+
+/// Two crystals are apart by up to some 100 millionths: from here on, it is the times that are wrong.
+const CLOCKS: f64 = 500e-6;
+/// Seconds of spread of one measurement, from which on its mean is of no use.
+const SPREAD: f64 = 0.000_5;
 
 /// Largest sample that goes out where nothing says another.
 const USUAL: f64 = 0.1;
@@ -140,17 +145,12 @@ impl Latency {
         let blocks = found.output.as_ref().and_then(|offer| offer.blocks);
         let block = blocks.map(|(least, most)| self.block.clamp(least, most.max(least)));
         let ear = self.input_device.as_deref().or(rig.and_then(|rig| rig.device.input.as_deref()));
+        let playing = (device, found);
         let (ear, heard_of) = match ear {
             Some(ear) => choose::heard(ear)?,
-            None if found.input.is_some() => (device.clone(), found.clone()),
-            None => {
-                return Err(Failure::usage(
-                    format!("{} has no inputs", found.name),
-                    "name a sound card that hears: --input-device NAME",
-                )
-                .with_code(69));
-            }
+            None => choose::heard_beside(&playing)?,
         };
+        let (device, found) = playing;
         let ears = capture::shape(&heard_of, usize::from(self.input), rate, block)?;
         if usize::from(self.input) > ears.channels {
             let what =
@@ -192,7 +192,10 @@ impl Latency {
             terminal.print(&self.text(&measured, strays, &figures, rates))?;
         }
         match &self.rig {
-            Some(path) if self.save => save(path, figures.mean, terminal),
+            Some(path) if self.save => {
+                trusted(&measured, &figures)?;
+                save(path, figures.mean, terminal)
+            }
             _ => Ok(()),
         }
     }
@@ -357,6 +360,22 @@ impl Latency {
     }
 }
 
+/// Whether what was measured is fit to be written into a rig.
+fn trusted(measured: &Measured, figures: &Figures) -> Result<(), Failure> {
+    let why = if measured.drift.abs() > CLOCKS {
+        format!(
+            "the clocks come out {:+.0} ppm apart, and no two crystals are: the devices' times are not to be trusted",
+            1e6 * measured.drift
+        )
+    } else if figures.deviation > SPREAD {
+        format!("the rounds differ by {:.0} us (standard deviation)", 1e6 * figures.deviation)
+    } else {
+        return Ok(());
+    };
+    let help = "close other programs, ask for longer blocks (--block 1024), and measure again";
+    Err(Failure::usage(format!("it is not saved: {why}"), help).with_code(74))
+}
+
 fn mean_gain(measured: &Measured) -> f64 {
     measured.rounds.iter().map(|r| r.gain).sum::<f64>() / measured.rounds.len().max(1) as f64
 }
@@ -426,7 +445,7 @@ fn with_latency(rig: &str, seconds: f64) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Figures, Round, with_latency, without_strays};
+    use super::{Figures, Round, trusted, with_latency, without_strays};
     use pacinian::io::latency::measure::Measured;
 
     #[test]
@@ -440,6 +459,21 @@ mod tests {
         let rounds = vec![round(0.0, 0.01), round(1.0, 0.0101), round(2.0, 0.2)];
         let (measured, strays) = without_strays(Measured { rounds, ..Measured::default() });
         assert_eq!((measured.rounds.len(), strays), (2, 1));
+    }
+
+    #[test]
+    fn what_cannot_be_is_not_saved() {
+        let of = |drift, latencies: [f64; 3]| {
+            let rounds = latencies.map(round).to_vec();
+            let figures = Figures::of(&rounds);
+            trusted(&Measured { rounds, drift, ..Measured::default() }, &figures).is_ok()
+        };
+        fn round(latency: f64) -> Round {
+            Round { at: 0.0, latency, gain: 1.0 }
+        }
+        let same = [0.01; 3];
+        assert!(of(100e-6, same) && of(-499e-6, same) && of(0.0, [0.01, 0.0105, 0.0103]));
+        assert!(!of(501e-6, same) && !of(-0.01, same) && !of(0.0, [0.01, 0.0119, 0.0103]));
     }
 
     #[test]

@@ -39,6 +39,7 @@ mod nodes;
 mod osc;
 mod paint;
 mod parts;
+mod patience;
 mod patterns;
 mod perform;
 mod place;

@@ -9,6 +9,7 @@ use super::keep::{Keep, Sound};
 use super::knob::turning::Turning;
 use super::load::{Loaded, Scene};
 use super::osc::Osc;
+use super::patience;
 use super::problems;
 use super::provenance::provenance;
 use super::screen::{Ending, Scenery, Show};
@@ -159,12 +160,11 @@ impl Play {
         let wish = Wish::of(self.device.as_deref(), loaded.rig.device.name.as_deref());
         let device = device.map_or_else(|| servers::choose(&wish), Ok)?;
         let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
-        let armed = self.arm || wish != Wish::Default || matches!(device, Chosen::Virtual(_));
+        let armed = self.arm || device.is_meant(&wish);
         let instead = match &device {
             Chosen::Virtual(why) => *why,
             Chosen::Card(..) => None,
         };
-        let mixes = device.mixes(loaded.rig.device.channels as usize);
         let name = match &device {
             Chosen::Card(_, found) => found.name.clone(),
             Chosen::Virtual(why) => {
@@ -180,6 +180,7 @@ impl Play {
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
         self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
+        let mixes = device.mixes(channels);
         if scene.rig.is_none() {
             fits(&device, channels)?;
         }
@@ -224,7 +225,7 @@ impl Play {
         if let Some(knob) = &knob {
             listener = knob.beside(listener);
         }
-        let mut session = Session::start(Beginning {
+        let beginning = Beginning {
             block: self.block,
             armed,
             input: listens.ear(Box::new(move |what| ears.input_fate(what))),
@@ -236,11 +237,15 @@ impl Play {
             audience: hearers.clone().audience(verdict),
             fate: hearers.fate(),
             ..Beginning::of(reload, device)
-        })
-        .map_err(|error| match error {
-            SessionError::Device(error) => error.into(),
-            SessionError::Plan(what) => Failure::said(65, what),
-        })?;
+        };
+        let slow =
+            || terminal.note(&format!("{} does not answer yet; Ctrl-C, twice, gives up\n", escaped(&name)));
+        let mut session = patience::answer(patience::LONG, slow, || Session::start(beginning)).map_err(
+            |error| match error {
+                SessionError::Device(error) => error.into(),
+                SessionError::Plan(what) => Failure::said(65, what),
+            },
+        )?;
         // A signal closes the gate itself, whatever this thread is about.
         stop.also(&session.board().lever.closing())?;
         let sound = Sound::of(&mut session);
@@ -409,11 +414,12 @@ impl Play {
         let refused = Some(board.refused.words()).filter(|words| !words.is_empty());
         let refused = refused.map_or(String::new(), |words| format!(" (no room for {words})"));
         let mut text = format!(
-            "{}: {} frames, {}, load {:.2} % (99.9 % of callbacks below {:.1} %), {} over their time, {} xruns, {} late, {} lost{}\n",
+            "{}: {} frames, {}, load {:.2} % (half of the callbacks below {:.2} %, 99.9 % below {:.1} %), {} over their time, {} xruns, {} late, {} lost{}\n",
             escaped(loaded.name()),
             board.frames.get(),
             many(board.started.get() as usize, "voice"),
             100.0 * load.mean(),
+            100.0 * load.quantile(0.5),
             100.0 * load.quantile(0.999),
             load.over(),
             board.xruns.get(),

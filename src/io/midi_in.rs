@@ -83,7 +83,12 @@ fn input() -> Result<MidiInput, String> {
         );
     }
     crate::io::device::hush::hush();
-    MidiInput::new("pacinian").map_err(|error| error.to_string())
+    MidiInput::new("pacinian").map_err(|error| match cfg!(all(target_os = "linux", feature = "midi-jack")) {
+        true => {
+            format!("no JACK server answers ({error}): start it, jackd -d alsa, or the program under pw-jack")
+        }
+        false => error.to_string(),
+    })
 }
 
 /// The names of all ports, or why there are none.

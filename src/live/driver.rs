@@ -3,14 +3,11 @@
 #![deny(clippy::disallowed_methods)]
 
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
-
-use cpu_time::ThreadTime;
-use crossbeam_utils::atomic::AtomicCell;
 
 use super::board::Board;
 use super::callback::Callback;
 use super::clock::{Follower, StreamClock};
+use super::effort::Effort;
 use super::gate::Order;
 use super::intake::Hearing;
 use super::relief::Relief;
@@ -27,6 +24,7 @@ pub struct Driver {
     board: Arc<Board>,
     /// Gaps of the device so far.
     gaps: u64,
+    effort: Effort,
     relief: Relief,
     hearing: Option<Box<dyn Hearing>>,
     /// To where the torque of a knob on a line goes.
@@ -57,8 +55,20 @@ impl Driver {
         board: Arc<Board>,
     ) -> (Self, StreamClock) {
         let (follower, clock) = Follower::new(rate, block as u64);
-        let (hearing, given, heard, relief) = (None, None, Vec::new(), Relief::default());
-        (Self { callback, follower, epoch, rate, board, gaps: 0, relief, hearing, given, heard }, clock)
+        let driver = Self {
+            callback,
+            follower,
+            epoch,
+            rate,
+            board,
+            gaps: 0,
+            effort: Effort::default(),
+            relief: Relief::default(),
+            hearing: None,
+            given: None,
+            heard: Vec::new(),
+        };
+        (driver, clock)
     }
 
     /// From now on the engine hears this.
@@ -76,6 +86,7 @@ impl Driver {
     /// Another device takes over, which asks for blocks of `block` frames: what it plays comes in as `order` says.
     pub fn move_to(&mut self, block: usize, order: Order) {
         self.follower.forget(block as u64);
+        self.effort.forget();
         self.callback.order(order);
     }
 
@@ -92,14 +103,14 @@ impl Driver {
         if frames == 0 {
             return;
         }
-        let begin = ThreadTime::now();
+        let begin = self.epoch.now();
         // A device that left out a block plays the next one sooner than the clock thinks.
         let gaps = self.board.xruns.get();
         let gapped = std::mem::replace(&mut self.gaps, gaps) != gaps;
         if gapped {
             self.follower.restart();
         }
-        self.follower.callback(self.epoch.now(), frames as u64);
+        self.follower.callback(begin, frames as u64);
         if let Some(most) = self.callback.allowance() {
             let kept = match &self.given {
                 Some(given) => given.in_time(),
@@ -128,7 +139,8 @@ impl Driver {
             let (profile, wanted) = self.callback.torque();
             given.put(&profile, wanted);
         }
-        let (busy, period) = (begin.elapsed().as_secs_f64(), frames as f64 / self.rate);
+        let period = frames as f64 / self.rate;
+        let busy = self.effort.of(self.epoch.now().since(begin), period);
         self.board.load.note(busy, period);
         if let Some(how) = self.relief.note(busy, period) {
             self.callback.relieve(how);
@@ -143,55 +155,6 @@ impl Driver {
             nanoseconds => nanoseconds as f64 * 1e-9,
         };
         self.board.input.latency.get() as f64 * 1e-9 + out
-    }
-
-    /// To lend it to a device: when the device drops it, it comes back through `home`. It can be recalled before.
-    pub fn lend(self, home: Sender<Box<Driver>>) -> (Lent, Recall) {
-        let slot = Arc::new(AtomicCell::new(Some(Box::new(self))));
-        (Lent { slot: Arc::clone(&slot), home }, Recall { slot })
-    }
-}
-
-/// Where a driver is between two callbacks. No larger than a pointer, so that it is taken and put back without a lock.
-type Slot = Arc<AtomicCell<Option<Box<Driver>>>>;
-
-/// A driver that a device has.
-pub struct Lent {
-    slot: Slot,
-    home: Sender<Box<Driver>>,
-}
-
-/// By which a driver is taken from a device that does not give it back: a stream whose server has died may never be done.
-pub struct Recall {
-    slot: Slot,
-}
-
-impl Recall {
-    /// The driver; `None` while the device fills a block, and where it has been given back. What the device plays from here on is silence.
-    pub fn take(&self) -> Option<Box<Driver>> {
-        self.slot.take()
-    }
-}
-
-impl Lent {
-    /// As [`Driver::fill`].
-    pub fn fill(&mut self, output: &mut [f32]) {
-        match self.slot.take() {
-            Some(mut driver) => {
-                driver.fill(output);
-                self.slot.store(Some(driver));
-            }
-            None => output.fill(0.0),
-        }
-    }
-}
-
-impl Drop for Lent {
-    fn drop(&mut self) {
-        if let Some(driver) = self.slot.take() {
-            // Where nobody waits for it any more, the session is over.
-            let _ = self.home.send(driver);
-        }
     }
 }
 
@@ -213,12 +176,6 @@ mod tests {
     use crate::node::asset::NoAssets;
     use crate::patch::Patch;
     use crate::rig::Rig;
-
-    #[test]
-    fn a_driver_is_taken_and_put_back_without_a_lock() {
-        use crossbeam_utils::atomic::AtomicCell;
-        assert!(AtomicCell::<Option<Box<Driver>>>::is_lock_free());
-    }
 
     /// Counts frames.
     struct Counting(f32);

@@ -20,7 +20,7 @@ pub struct Effort {
 const SHORT: f64 = 1.0 / 64.0;
 
 /// Callbacks from one reading to the next at most, all of them short: by so many of those the next may be taken for too long.
-const EVERY: u32 = 4;
+const EVERY: u32 = 8;
 
 impl Effort {
     /// Seconds that a callback worked, at most, which took `wall` seconds of its `period`.

@@ -10,7 +10,6 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::Sender;
 
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
@@ -188,35 +187,6 @@ impl Intake {
     /// The device was away: what comes next begins anew, in blocks of about `block` frames.
     pub fn forget(&mut self, block: usize) {
         self.follower.forget(block as u64);
-    }
-
-    /// To lend it to a device: when the device drops it, it comes back through `home`.
-    pub fn lend(self: Box<Self>, home: Sender<Box<Intake>>) -> LentIntake {
-        LentIntake { intake: Some(self), home }
-    }
-}
-
-/// An intake that a device has.
-pub struct LentIntake {
-    intake: Option<Box<Intake>>,
-    home: Sender<Box<Intake>>,
-}
-
-impl LentIntake {
-    /// As [`Intake::hear`].
-    pub fn hear(&mut self, delay: f64, frames: &[f32]) {
-        if let Some(intake) = &mut self.intake {
-            intake.hear(delay, frames);
-        }
-    }
-}
-
-impl Drop for LentIntake {
-    fn drop(&mut self) {
-        if let Some(intake) = self.intake.take() {
-            // Where nobody waits for it any more, the session is over.
-            let _ = self.home.send(intake);
-        }
     }
 }
 

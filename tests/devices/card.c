@@ -9,6 +9,7 @@
  * loop    1: what is recorded is what is played at that moment by the card whose file `played` is, as far as this very program plays it:
  *         a cable from the outputs to the inputs, `delay` frames long (they may lie between two samples, with float samples)
  * gone    while this file exists the card is unplugged
+ * broken  while this file exists nothing can be written to it or read from it
  * rates   the one rate it has; five where nothing is said
  * ppm     by how much its clock is fast
  *
@@ -44,7 +45,7 @@ static struct cable *cable_of(const char *file) {
 struct card {
     snd_pcm_ioplug_t io;
     int timer, file;
-    char *gone, *cable;
+    char *gone, *broken, *cable;
     double rate;              /* frames a second, as this card counts them */
     long ppm, loop, delay;
     int runs, lost;
@@ -161,6 +162,7 @@ static snd_pcm_sframes_t transfer(snd_pcm_ioplug_t *io, const snd_pcm_channel_ar
                                   snd_pcm_uframes_t offset, snd_pcm_uframes_t frames) {
     struct card *card = io->private_data;
     if (is_lost(card)) return -ENODEV;
+    if (card->broken && access(card->broken, F_OK) == 0) return -EIO;
     char *at = (char *)areas[0].addr + areas[0].first / 8 + offset * (areas[0].step / 8);
     size_t bytes = frames * card->frame, done = 0;
     if (io->stream == SND_PCM_STREAM_PLAYBACK) {
@@ -214,6 +216,7 @@ static int hang_up(snd_pcm_ioplug_t *io) {
     if (card->file >= 0) close(card->file);
     if (card->timer >= 0) close(card->timer);
     free(card->gone);
+    free(card->broken);
     free(card->cable);
     free(card);
     return 0;
@@ -226,7 +229,7 @@ static const snd_pcm_ioplug_callback_t calls = {
 
 SND_PCM_PLUGIN_DEFINE_FUNC(testcard) {
     snd_config_iterator_t each, next;
-    const char *played = NULL, *heard = NULL, *gone = NULL;
+    const char *played = NULL, *heard = NULL, *gone = NULL, *broken = NULL;
     long channels = 2, ppm = 0, loop = 0, late = 0, only = 0;
     (void)root;
     snd_config_for_each(each, next, conf) {
@@ -241,6 +244,7 @@ SND_PCM_PLUGIN_DEFINE_FUNC(testcard) {
         else if (!strcmp(key, "played")) snd_config_get_string(entry, &played);
         else if (!strcmp(key, "heard")) snd_config_get_string(entry, &heard);
         else if (!strcmp(key, "gone")) snd_config_get_string(entry, &gone);
+        else if (!strcmp(key, "broken")) snd_config_get_string(entry, &broken);
         else if (strcmp(key, "type") && strcmp(key, "hint") && strcmp(key, "comment")) {
             SNDERR("testcard has no field %s", key);
             return -EINVAL;
@@ -255,6 +259,7 @@ SND_PCM_PLUGIN_DEFINE_FUNC(testcard) {
     card->loop = loop;
     card->delay = late;
     card->gone = gone ? strdup(gone) : NULL;
+    card->broken = broken ? strdup(broken) : NULL;
     card->cable = played ? strdup(played) : NULL;
     card->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
     card->file = -1;

@@ -49,6 +49,8 @@ enum Of {
     Voice(Option<u64>),
     /// The marker of that id.
     Marker(u64),
+    /// What MIDI had started falls silent.
+    Silence,
     /// Something else.
     Other,
     /// No event: of voices and markers to come, those of that id but for so many of its lowest bits, there is none.
@@ -60,6 +62,7 @@ impl Of {
         match (&heard.what, heard.id) {
             (Happening::Voice { .. }, id) => Self::Voice(id),
             (Happening::Marker(_), Some(id)) => Self::Marker(id),
+            (Happening::Silence(_), _) => Self::Silence,
             (Happening::Cancel(bits), Some(id)) => Self::Cancel(id, *bits),
             _ => Self::Other,
         }
@@ -218,6 +221,8 @@ impl PostBox {
                 Some(due) if matches!(letter.of, Of::Cancel(..)) => {
                     self.coming.retain(|(at, _), known| *at < due || !letter.of.calls_off(known.of));
                 }
+                // It is an event for the voices and one for the patterns, and one thing to whoever looks.
+                Some(due) if letter.of == Of::Silence && self.is_to_be_silent(due) => {}
                 Some(_) if self.coming.len() >= COMING => {
                     self.missed.fetch_add(1, Ordering::Relaxed);
                 }
@@ -243,6 +248,11 @@ impl PostBox {
         now.sort_by(|a, b| a.at.total_cmp(&b.at));
         self.latest = now.iter().fold(self.latest, |latest, happened| latest.max(happened.at));
         now
+    }
+
+    /// Whether what MIDI had started is to fall silent then.
+    fn is_to_be_silent(&self, due: Due) -> bool {
+        self.coming.range((due, 0)..=(due, u64::MAX)).any(|(_, letter)| letter.of == Of::Silence)
     }
 
     /// Where controls were sent since this was asked last.
@@ -335,6 +345,20 @@ mod tests {
         let shown = fetch.events(8000, 1.0, false);
         let at: Vec<f64> = shown.iter().map(|happened| happened.at * 8000.0).collect();
         assert_eq!(at, [200.0, 300.0], "{shown:?}");
+    }
+
+    #[test]
+    fn what_midi_had_started_falls_silent_once() {
+        let (post, mut fetch) = post();
+        for (sample, id) in [(100, 0x10), (100, 0x20), (300, 0x10), (300, 0x20)] {
+            let instant = Due { sample, fraction: 0 };
+            let what = Happening::Silence(4);
+            post.hear(&Heard { at: sample as f64 / 8000.0, instant, origin: None, id: Some(id), what });
+        }
+        hear(&post, 300, false);
+        let at: Vec<f64> =
+            fetch.events(8000, 1.0, false).iter().map(|happened| happened.at * 8000.0).collect();
+        assert_eq!(at, [100.0, 300.0, 300.0]);
     }
 
     #[test]

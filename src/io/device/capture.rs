@@ -12,7 +12,8 @@ use super::list::Found;
 use super::minder::teller;
 use super::priority;
 use crate::live::board::Board;
-use crate::live::intake::LentIntake;
+use crate::live::intake::Intake;
+use crate::live::lent::Lent;
 
 /// What takes frames that a device hears.
 pub trait Hear: Send + 'static {
@@ -23,9 +24,9 @@ pub trait Hear: Send + 'static {
     fn hear(&mut self, delay: f64, frames: &[f32]);
 }
 
-impl Hear for LentIntake {
+impl Hear for Lent<Intake> {
     fn hear(&mut self, delay: f64, frames: &[f32]) {
-        Self::hear(self, delay, frames);
+        self.used(|intake| intake.hear(delay, frames));
     }
 }
 

@@ -15,7 +15,8 @@ use super::list::{Found, Offer};
 use super::minder::teller;
 use super::priority;
 use crate::live::board::Board;
-use crate::live::driver::Lent;
+use crate::live::driver::Driver;
+use crate::live::lent::Lent;
 
 /// What is wanted of a card.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,9 +60,11 @@ pub trait Fill: Send + 'static {
     fn fill(&mut self, output: &mut [f32]);
 }
 
-impl Fill for Lent {
+impl Fill for Lent<Driver> {
     fn fill(&mut self, output: &mut [f32]) {
-        Self::fill(self, output);
+        if !self.used(|driver| driver.fill(output)) {
+            output.fill(0.0);
+        }
     }
 }
 

@@ -36,10 +36,14 @@ impl Chosen {
         }
     }
 
-    /// What a server may do with so many channels behind a device of ALSA's, which hands them to it by the names of loudspeakers: those beyond
-    /// eight have none, and are mixed into others or into nothing.
+    /// What PulseAudio does with so many channels that it is not to do, and what a server may do behind a device of ALSA's, which hands them to it
+    /// by the names of loudspeakers: those beyond eight have none, and are mixed into others or into nothing.
     pub fn mixes(&self, channels: usize) -> Option<String> {
         let Self::Card(_, found) = self else { return None };
+        #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
+        if let Some(sink) = found.id.strip_prefix("pulseaudio:") {
+            return super::pulse_map::told(sink, channels);
+        }
         let hands_on = MIXERS.contains(&found.id.as_str());
         (hands_on && channels > NAMED).then(|| {
             format!(
@@ -48,6 +52,15 @@ impl Chosen {
                 found.id
             )
         })
+    }
+
+    /// Whether a person means this device and no other, or nobody feels it; of others, who knows what hangs on them. Who names a system has named
+    /// what that plays on by default; JACK has but one.
+    pub fn is_meant(&self, wish: &Wish) -> bool {
+        match self {
+            Self::Card(_, found) => *wish != Wish::Default && (!found.default || found.host() == "jack"),
+            Self::Virtual(_) => true,
+        }
     }
 
     /// The numbers of channels that it offers, ascending; none: any.
@@ -220,6 +233,25 @@ pub fn heard_among(hosts: &Hosts, name: &str) -> Result<(Device, Found), DeviceE
         },
     }
 }
+
+/// What hears where `played` plays: the card itself; of JACK, which has a device for each way, the one for the other.
+///
+/// # Errors
+/// A card without inputs.
+pub fn heard_beside(played: &(Device, Found)) -> Result<(Device, Found), DeviceError> {
+    let (_, found) = played;
+    if found.input.is_some() {
+        return Ok(played.clone());
+    }
+    let other = by_id(&found.hosts, JACK_HEARS, |found| found.input.is_some());
+    other.ok().filter(|_| found.host() == "jack").ok_or_else(|| {
+        DeviceError::new(Trouble::Unfit, format!("{} has no inputs", found.name))
+            .help("name a sound card that hears: --input-device NAME")
+    })
+}
+
+/// JACK's inputs, where they are there.
+const JACK_HEARS: &str = "jack:input";
 
 /// A device of `hosts` with inputs by its id, if it is there now.
 pub(super) fn heard_again(hosts: &Hosts, id: &str) -> Result<(Device, Found), DeviceError> {

@@ -1,7 +1,7 @@
 //! Where devices are looked for.
 
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use cpal::traits::HostTrait;
 use cpal::{Device, Host, HostId};
@@ -63,7 +63,11 @@ impl Hosts {
     /// A host of the system.
     fn open(id: HostId) -> Place {
         hush();
-        Place { name: id.to_string(), host: cpal::host_from_id(id).ok().map(Arc::new), of: Self::default() }
+        let host = match id.to_string().as_str() {
+            "pulseaudio" => one_for_all(id),
+            _ => cpal::host_from_id(id).ok().map(Arc::new),
+        };
+        Place { name: id.to_string(), host, of: Self::default() }
     }
 
     /// All devices of all hosts that run.
@@ -92,6 +96,17 @@ impl Hosts {
         let default = |place: Place| place.host?.default_input_device().map(|device| list::id(&device));
         self.places().find_map(default)
     }
+}
+
+/// A host of which the program has one, for as long as it answers: PulseAudio's client lets go of its connection and its thread only when the server
+/// does, and of connections a server has 64.
+fn one_for_all(id: HostId) -> Option<Arc<Host>> {
+    static KEPT: Mutex<Option<Arc<Host>>> = Mutex::new(None);
+    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if kept.as_ref().is_none_or(|host| host.devices().is_err()) {
+        *kept = cpal::host_from_id(id).ok().map(Arc::new);
+    }
+    kept.clone()
 }
 
 impl Place {

@@ -13,8 +13,9 @@ use super::minder::{Minder, Pulse, Search, Watch, let_go};
 use super::returning::{Returning, Stand};
 use super::virtual_card::VirtualCard;
 use crate::live::board::Board;
-use crate::live::driver::{Driver, Lent, Recall};
+use crate::live::driver::Driver;
 use crate::live::gate::{Order, UNARMED};
+use crate::live::lent::{Lent, Recall, lend};
 
 /// What becomes of a device.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +69,7 @@ struct Keeping {
     home: Receiver<Box<Driver>>,
     lend: Sender<Box<Driver>>,
     /// By which it is taken from whatever does not give it back.
-    recall: Option<Recall>,
+    recall: Option<Recall<Driver>>,
     /// What the device that plays says; of one that was let go of, nobody hears any more.
     news: Option<Receiver<News>>,
     fate: Box<dyn FnMut(Fate) + Send>,
@@ -137,8 +138,8 @@ impl Keeper {
 }
 
 impl Keeping {
-    fn lend(&mut self, driver: Driver) -> Lent {
-        let (lent, recall) = driver.lend(self.lend.clone());
+    fn lend(&mut self, driver: Driver) -> Lent<Driver> {
+        let (lent, recall) = lend(Box::new(driver), self.lend.clone());
         self.recall = Some(recall);
         lent
     }
@@ -208,15 +209,16 @@ impl Keeping {
                 self.complain(why);
             }
             None if self.search.is_due(now, self.is_present()) => self.find(),
-            None if self.is_present() && self.watch.is_due(now) && self.is_away() => self.moved(),
+            None if self.is_present() && self.finds_away(now) => self.moved(),
             None => {}
         }
     }
 
     /// Of a host that moves streams without a word: whether the device is none of its any more.
-    fn is_away(&self) -> bool {
-        let Some((hosts, id)) = &self.sought else { return false };
-        again(hosts, id).is_err_and(|error| error.kind == Trouble::Missing)
+    fn finds_away(&mut self, now: Instant) -> bool {
+        let Some((hosts, id)) = self.sought.clone() else { return false };
+        let is_away = move || again(&hosts, &id).is_err_and(|error| error.kind == Trouble::Missing);
+        self.watch.finds_away(now, is_away)
     }
 
     fn hear(&mut self, news: News) {
@@ -302,6 +304,7 @@ impl Keeping {
         let (card, said, news) = returning.play(self.lend(*driver));
         (self.playing, self.news, self.trouble) = (Playing::Card(card), Some(news), None);
         self.pulse.begin();
+        self.watch.forget();
         (self.fate)(Fate::Back);
         said.into_iter().for_each(|news| self.hear(news));
     }

@@ -169,8 +169,15 @@ pub fn find<'a, D>(
     };
     several.ok_or_else(|| {
         let what = format!("there is no device `{name}`");
-        let names: Vec<&str> = fitting.iter().map(|(_, found)| found.name.as_str()).collect();
-        let near = nearest(name, names.iter().copied());
+        let near = nearest(name, fitting.iter().map(|(_, found)| found.name.as_str()));
+        // Of one name, the systems in front tell them apart.
+        let shared = |found: &Found| fitting.iter().filter(|(_, other)| other.name == found.name).count() > 1;
+        let shown = |found: &Found| match shared(found) {
+            true => format!("{} ({})", found.name, found.host()),
+            false => found.name.clone(),
+        };
+        let mut names: Vec<String> = fitting.iter().map(|(_, found)| shown(found)).collect();
+        names.dedup();
         let there = match names.as_slice() {
             [] => "no device is there at all".to_string(),
             names => format!("there is: {}", names.join(", ")),
@@ -230,6 +237,13 @@ mod tests {
         assert_eq!(id("HDA Intel PCH").unwrap(), "alsa:hw:CARD=PCH,DEV=0");
         let both = id("sound").unwrap_err();
         assert!(both.what.contains("CARD=Device") && both.what.contains("alsa:pipewire"), "{both}");
+        let twice = [
+            found("pipewire:glove", "Glove"),
+            found("pulseaudio:glove", "Glove"),
+            found("jack:output", "JACK"),
+        ];
+        let none = find(&twice, "chair", |_| true).unwrap_err().to_string();
+        assert!(none.contains("Glove (pipewire), Glove (pulseaudio), JACK;"), "{none}");
         let none = id("HDA Intel PHC").unwrap_err();
         assert!(none.to_string().contains("did you mean `HDA Intel PCH`?"), "{none}");
         assert_eq!(none.kind.exit_code(), 69);

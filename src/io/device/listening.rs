@@ -16,6 +16,7 @@ use super::list::Found;
 use super::minder::{Minder, Pulse, Search, let_go};
 use crate::live::board::Board;
 use crate::live::intake::Intake;
+use crate::live::lent::{Recall, lend};
 
 /// So long without a callback: then the device is taken for lost.
 const SILENT: Duration = Duration::from_millis(500);
@@ -37,6 +38,8 @@ struct Keeping {
     intake: Option<Box<Intake>>,
     home: Receiver<Box<Intake>>,
     lend: Sender<Box<Intake>>,
+    /// By which it is taken from a device that does not give it back.
+    recall: Option<Recall<Intake>>,
     /// What the device that is open says; of one that was let go of, nobody hears any more.
     news: Option<Receiver<News>>,
     fate: Box<dyn FnMut(Fate) + Send>,
@@ -70,6 +73,7 @@ impl Listening {
             intake: Some(Box::new(intake)),
             home,
             lend,
+            recall: None,
             news: None,
             fate,
             pulse: Pulse::new(),
@@ -85,13 +89,15 @@ impl Listening {
 
 impl Keeping {
     fn open(&mut self, device: &Device, found: &Found) -> Result<(), DeviceError> {
-        let Some(mut intake) = self.intake.take().or_else(|| self.home.try_recv().ok()) else {
+        let home = || self.home.try_recv().ok().or_else(|| self.recall.as_ref()?.take());
+        let Some(mut intake) = self.intake.take().or_else(home) else {
             let what = format!("{} has not let go of the input", found.name);
             return Err(DeviceError::new(Trouble::Other, what));
         };
         let shape = self.shape.again(found.input.as_ref());
         intake.forget(shape.block.unwrap_or(0) as usize);
-        let lent = intake.lend(self.lend.clone());
+        let (lent, recall) = lend(intake, self.lend.clone());
+        self.recall = Some(recall);
         let (tell, news) = channel();
         self.capture = Some(Capture::open(device, found, shape, lent, &self.board, tell)?);
         self.news = Some(news);

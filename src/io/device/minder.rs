@@ -1,6 +1,6 @@
 //! A thread that looks after a device until somebody lets go of it, and what it needs for that.
 
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -124,21 +124,42 @@ impl Search {
 pub(super) struct Watch {
     /// When it was looked at last; `None` where the host tells.
     last: Option<Instant>,
+    /// Who looks, in a thread of its own: a server that does not answer holds up nobody else.
+    looks: Option<Receiver<bool>>,
 }
 
 impl Watch {
     /// PulseAudio moves the streams of a device that goes, and cpal does not hear of it.
     pub fn of(host: &str) -> Self {
-        Self { last: (host == "pulseaudio").then(Instant::now) }
+        Self { last: (host == "pulseaudio").then(Instant::now), looks: None }
     }
 
-    /// Whether it is to be looked at now.
-    pub fn is_due(&mut self, now: Instant) -> bool {
-        let due = self.last.is_some_and(|last| now.saturating_duration_since(last) >= SEARCH);
-        if due {
-            self.last = Some(now);
+    /// Whether a look has come to that the device is away, as `is_away` says. What was looked at before is asked for at the next call.
+    pub fn finds_away(&mut self, now: Instant, is_away: impl FnOnce() -> bool + Send + 'static) -> bool {
+        match self.looks.as_ref().map(Receiver::try_recv) {
+            Some(Err(TryRecvError::Empty)) => return false,
+            Some(answer) => {
+                self.looks = None;
+                return answer == Ok(true);
+            }
+            None => {}
         }
-        due
+        if self.last.is_some_and(|last| now.saturating_duration_since(last) >= SEARCH) {
+            self.last = Some(now);
+            let (tell, looks) = channel();
+            let look = move || {
+                // Who has forgotten it does not wait.
+                let _ = tell.send(is_away());
+            };
+            // Where there is no thread for it, the next look will do.
+            self.looks = std::thread::Builder::new().name("look".into()).spawn(look).ok().map(|_| looks);
+        }
+        false
+    }
+
+    /// What was looked at is no more.
+    pub fn forget(&mut self) {
+        self.looks = None;
     }
 }
 
@@ -187,7 +208,7 @@ pub(super) fn let_go(stream: impl Send + 'static) {
 
 #[cfg(test)]
 mod tests {
-    use super::{PATIENCE, Pulse, SEARCH, SOON, Search};
+    use super::{PATIENCE, Pulse, SEARCH, SOON, Search, Watch};
     use std::time::{Duration, Instant};
 
     #[test]
@@ -211,6 +232,28 @@ mod tests {
         let soon = SOON.as_millis() as u64;
         assert_eq!(due(2_000, 2_000 + soon - 100, &mut search), (soon - 100) / SEARCH.as_millis() as u64);
         assert_eq!(due(2_000 + soon, 12_000 + soon, &mut search), 10);
+    }
+
+    #[test]
+    fn a_look_that_does_not_come_to_an_end_holds_up_nobody() {
+        let (begin, mut watch) = (Instant::now(), Watch::of("pulseaudio"));
+        let later = |ms: u64| begin + Duration::from_millis(1000 + ms);
+        let (answer, asked) = std::sync::mpsc::channel::<bool>();
+        assert!(!watch.finds_away(later(0), move || asked.recv() == Ok(true)));
+        assert!((1..50).all(|n| !watch.finds_away(later(200 * n), || panic!("one looks already"))));
+        answer.send(true).unwrap();
+        let mut found = (0..5000).map(|n| {
+            std::thread::sleep(Duration::from_millis(1));
+            watch.finds_away(later(20_000 + n), || false)
+        });
+        assert!(found.any(|found| found));
+        // What was asked for before it was back is of no more use.
+        assert!(!watch.finds_away(later(40_000), || true));
+        std::thread::sleep(Duration::from_millis(20));
+        watch.forget();
+        assert!(!watch.finds_away(later(40_010), || true), "it is not due again");
+        let mut tells = Watch::of("pipewire");
+        assert!((0..50).all(|n| !tells.finds_away(later(200 * n), || panic!("the host tells"))));
     }
 
     #[test]

@@ -14,5 +14,7 @@ pub mod list;
 pub mod listening;
 mod minder;
 pub mod priority;
+#[cfg(all(feature = "pulseaudio", target_os = "linux"))]
+mod pulse_map;
 mod returning;
 pub mod virtual_card;

@@ -15,12 +15,13 @@ use super::failure::DeviceError;
 use super::list::Found;
 use super::minder::PATIENCE;
 use crate::live::board::Board;
-use crate::live::driver::Lent;
+use crate::live::driver::Driver;
+use crate::live::lent::Lent;
 
 /// What fills a device's frames: silence, until the driver comes.
 struct Waiting {
-    driver: Option<Lent>,
-    comes: HeapCons<Lent>,
+    driver: Option<Lent<Driver>>,
+    comes: HeapCons<Lent<Driver>>,
     asked: Arc<AtomicBool>,
 }
 
@@ -42,7 +43,7 @@ impl Fill for Waiting {
 /// A device that was opened again.
 pub(super) struct Returning {
     card: Card,
-    driver: HeapProd<Lent>,
+    driver: HeapProd<Lent<Driver>>,
     asked: Arc<AtomicBool>,
     since: Instant,
     news: Receiver<News>,
@@ -97,7 +98,7 @@ impl Returning {
     }
 
     /// Gives it what there is to play, and what it has said of itself; what it says further comes through the other end.
-    pub fn play(mut self, driver: Lent) -> (Card, Vec<News>, Receiver<News>) {
+    pub fn play(mut self, driver: Lent<Driver>) -> (Card, Vec<News>, Receiver<News>) {
         // There is room for one, and there is only one.
         let _ = self.driver.try_push(driver);
         (self.card, self.said, self.news)

@@ -5,8 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use super::card::Fill;
 use super::priority;
-use crate::live::driver::Lent;
+use crate::live::driver::Driver;
+use crate::live::lent::Lent;
 
 /// A card that further asks for blocks when they would be due, until it is dropped.
 pub struct VirtualCard {
@@ -22,7 +24,12 @@ impl VirtualCard {
     ///
     /// # Errors
     /// A system that has no thread left.
-    pub fn start(mut driver: Lent, channels: usize, rate: f64, block: usize) -> std::io::Result<Self> {
+    pub fn start(
+        mut driver: Lent<Driver>,
+        channels: usize,
+        rate: f64,
+        block: usize,
+    ) -> std::io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
         let mut frames = vec![0.0_f32; channels * block];

@@ -8,7 +8,7 @@ use cpal::Device;
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
-use super::echo::{CLEAR, Echo, find};
+use super::echo::{Echo, find};
 use super::line::Line;
 use super::probe;
 use crate::io::device::capture::{Capture, Hear};
@@ -220,7 +220,7 @@ fn reckon(sent: &[Callback], heard: &[Callback], samples: &[f32], rates: [f64; 2
         // Seconds by the clock of the device that plays, between two samples that are heard.
         let step = hearing.line.slope() / (playing.line.slope() * rates[0]);
         let echo = samples.get(first..last).and_then(|part| find(part, step));
-        match echo.filter(|echo| echo.clarity >= CLEAR) {
+        match echo.filter(Echo::is_clear) {
             Some(Echo { at: place, gain, .. }) => {
                 let latency = hearing.line.at(first as f64 + place) - at;
                 let since = at - *begun.get_or_insert(at);
