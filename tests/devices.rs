@@ -7,10 +7,9 @@
 mod bench;
 
 use std::fs;
-use std::process::Stdio;
 use std::time::Duration;
 
-use bench::{Bench, HUM, floats, scene, signal, wait};
+use bench::{Bench, HUM, Playing, floats, scene, signal, wait};
 
 #[test]
 fn the_card_is_listed_with_what_it_offers() {
@@ -119,10 +118,8 @@ fn a_default_stream_that_breaks_off_comes_back_at_its_level_and_one_whose_card_w
     let Some(bench) = Bench::new("broken") else { return };
     bench.write("hum.toml", HUM);
     bench.card("!default", "channels 8 played \"@/played.raw\" gone \"@/gone\" broken \"@/broken\"");
-    let told = bench.folder.join("told");
-    let mut play = bench.command(&["play", "hum.toml", "--arm", "--block", "256"]);
-    let mut child = play.stdout(Stdio::null()).stderr(fs::File::create(&told).unwrap()).spawn().unwrap();
-    let says = |what: &str| fs::read_to_string(&told).unwrap_or_default().matches(what).count();
+    let play = bench.command(&["play", "hum.toml", "--arm", "--block", "256"]);
+    let mut playing = Playing::start(play, bench.folder.join("told"));
     let length = || fs::metadata(bench.played()).map_or(0, |about| about.len());
     // The largest sample of the second half of what is played from now on.
     let peak = || {
@@ -131,20 +128,19 @@ fn a_default_stream_that_breaks_off_comes_back_at_its_level_and_one_whose_card_w
         let samples = bench.samples();
         samples[samples.len() - 8 * 12_000..].iter().fold(0.0_f32, |most, x| most.max(x.abs()))
     };
-    assert!(peak() > 0.45, "{}", fs::read_to_string(&told).unwrap());
+    assert!(peak() > 0.45, "{}", playing.text());
     for (n, flag) in ["broken", "broken", "gone"].into_iter().enumerate() {
         fs::write(bench.folder.join(flag), "").unwrap();
-        wait("the loss", || says("the device is gone") == n + 1);
+        wait("the loss", || playing.says("the device is gone") == n + 1);
         fs::remove_file(bench.folder.join(flag)).unwrap();
-        wait("its return", || says("the device is back") == n + 1);
-        let (peak, text) = (peak(), fs::read_to_string(&told).unwrap());
+        wait("its return", || playing.says("the device is back") == n + 1);
+        let (peak, text) = (peak(), playing.text());
         let lowered = flag == "gone";
         assert_eq!(peak < 0.06, lowered, "{flag}: {peak}, {text}");
         assert!(lowered || peak > 0.45, "{flag}: {peak}, {text}");
         assert_eq!(text.matches("a larger --block helps").count(), (n + 1).min(2), "{text}");
     }
-    signal(&child, "INT");
-    assert_eq!(child.wait().unwrap().code(), Some(130), "{}", fs::read_to_string(&told).unwrap());
+    playing.interrupt();
 }
 
 /// Without a rig, or with one that says nothing of it, nobody has said that the card may get a steady voltage; and a replay knows that

@@ -15,7 +15,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use bench::{HUM, floats, hums, is_delayed, scene, signal, wait};
+use bench::{HUM, Playing, floats, hums, is_delayed, scene, signal, wait};
 
 const CHANNELS: u32 = 24;
 
@@ -226,10 +226,8 @@ fn a_server_that_is_killed_is_waited_for() {
     fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
     for way in WAYS {
         let play = ["play", "hum.toml", "--rig", "rig.toml", "--device", way, "--block", "1024"];
-        let mut play = rig.program(&play);
-        // JACK's library says much to itself; a pipe that nobody reads would make it wait.
-        let told = fs::File::create(rig.folder.join("told")).unwrap();
-        let mut child = play.stdout(Stdio::null()).stderr(told).spawn().unwrap();
+        let play = rig.program(&play);
+        let mut playing = Playing::start(play, rig.folder.join("told"));
         for _ in 0..kills {
             std::thread::sleep(Duration::from_millis(800));
             rig.kill();
@@ -243,15 +241,13 @@ fn a_server_that_is_killed_is_waited_for() {
                 ports.contains("out_000") || ports.contains("_out:out_0")
             };
             wait("its return", connected);
-            assert!(child.try_wait().unwrap().is_none(), "it goes on");
+            assert!(playing.goes_on(), "it goes on");
         }
         let recorder = rig.record();
         std::thread::sleep(Duration::from_millis(800));
         let (heard, _) = recorder.finish();
-        signal(&child, "INT");
-        let status = child.wait().unwrap();
-        let said = String::from_utf8_lossy(&fs::read(rig.folder.join("told")).unwrap()).into_owned();
-        assert_eq!(status.code(), Some(130), "{said}");
+        playing.interrupt();
+        let said = playing.text();
         assert_eq!(said.matches("the device is back").count(), kills, "{said}");
         assert!(hums(&heard, CHANNELS), "it sounds again");
     }

@@ -43,7 +43,7 @@ impl Case {
         &self,
         stride: usize,
         plant: &mut P,
-        step: impl Fn(&mut P),
+        step: impl FnMut(&mut P),
         state: impl Fn(&P) -> Vec<f64>,
     ) -> f64 {
         let most = self.most();
@@ -105,25 +105,30 @@ fn tell(family: &str, worst: &[(f64, String)], tolerance: f64) {
     assert!(most < tolerance, "{family}: {most:e} in {name}");
 }
 
-/// What a controller samples and a torque it holds.
-struct Sampled<P> {
+/// What a controller samples, and the torque that acts until it samples again.
+struct Sampled<P, L> {
     plant: P,
     encoder: Option<Encoder>,
     delay: Delay,
+    law: L,
+    torque: f64,
 }
 
-impl<P> Sampled<P> {
-    fn new(case: &Case, plant: P, angle: f64) -> Self {
+impl<P, L: Fn(f64) -> f64> Sampled<P, L> {
+    /// At the beginning it has sampled that angle.
+    fn new(case: &Case, plant: P, angle: f64, law: L) -> Self {
         let quantised = case.values.get("quantised").is_none_or(|q| *q == 1.0);
         let encoder =
             (case.get("cpr") > 0.0 && quantised).then(|| Encoder::of_counts(case.get("cpr")).unwrap());
         let read = encoder.map_or(angle, |e| e.read(angle));
-        Self { plant, encoder, delay: Delay::new(case.get("delay") as usize, read).unwrap() }
+        let mut delay = Delay::new(case.get("delay") as usize, read).unwrap();
+        let torque = law(delay.pass(read));
+        Self { plant, encoder, delay, law, torque }
     }
 
-    fn read(&mut self, angle: f64) -> f64 {
+    fn sample(&mut self, angle: f64) {
         let now = self.encoder.map_or(angle, |e| e.read(angle));
-        self.delay.pass(now)
+        self.torque = (self.law)(self.delay.pass(now));
     }
 }
 
@@ -131,21 +136,30 @@ fn state<const WALLED: bool>(rotor: &Rotor<WALLED>) -> Vec<f64> {
     vec![rotor.angle(), rotor.speed()]
 }
 
-fn sampled(case: &Case, start: [f64; 2]) -> Sampled<Rotor<false>> {
+type Closed<L> = Sampled<Rotor<false>, L>;
+
+fn sampled<L: Fn(f64) -> f64>(case: &Case, start: [f64; 2], law: L) -> Closed<L> {
     let mut rotor = Rotor::new(&case.parameters(), case.rate()).unwrap();
     rotor.place(start[0], start[1]).unwrap();
-    Sampled::new(case, rotor, start[0])
+    Sampled::new(case, rotor, start[0], law)
 }
 
-fn run(case: &Case, torque: impl Fn(f64) -> f64) -> f64 {
+impl<L: Fn(f64) -> f64> Closed<L> {
+    fn tick(&mut self) {
+        self.plant.step(self.torque);
+        self.sample(self.plant.angle());
+    }
+
+    /// Angle, speed, and torque.
+    fn state(&self) -> Vec<f64> {
+        vec![self.plant.angle(), self.plant.speed(), self.torque]
+    }
+}
+
+fn run(case: &Case, law: impl Fn(f64) -> f64) -> f64 {
     let start = &case.rows[0].1;
-    let mut closed = sampled(case, [start[0], start[1]]);
-    case.worst(1, &mut closed, |s| tick(s, &torque), |s| state(&s.plant))
-}
-
-fn tick(s: &mut Sampled<Rotor<false>>, torque: impl Fn(f64) -> f64) {
-    let read = s.read(s.plant.angle());
-    s.plant.step(torque(read));
+    let mut closed = sampled(case, [start[0], start[1]], law);
+    case.worst(1, &mut closed, Closed::tick, Closed::state)
 }
 
 #[test]
@@ -168,16 +182,19 @@ fn k2_sampled_spring() {
     let mut worst = Vec::new();
     for case in cases("k2") {
         let (k, w) = (case.get("K"), (case.get("K") / case.get("J")).sqrt());
-        let mut s = sampled(&case, [case.get("theta0"), 0.0]);
-        // Relative to the amplitude at the time: it grows in some.
+        let mut s = sampled(&case, [case.get("theta0"), 0.0], |read| -k * read);
+        // That of the rotor and of a spring that acts all the time: what hold and delay make is in it.
+        let energy =
+            |s: &Closed<_>| 0.5 * (case.get("J") * s.plant.speed().powi(2) + k * s.plant.angle().powi(2));
         let error = case.against(
             1,
             &mut s,
-            |s| tick(s, |read| -k * read),
-            |s| state(&s.plant),
+            Closed::tick,
+            |s| [s.state(), vec![energy(s)]].concat(),
             |row| {
+                // Relative to the amplitude at the time: it grows in some. A torque is of one before.
                 let amplitude = row[0].hypot(row[1] / w);
-                vec![amplitude, amplitude * w]
+                vec![amplitude, amplitude * w, k * amplitude, k * amplitude * amplitude]
             },
         );
         worst.push((error, case.name.clone()));
@@ -253,17 +270,12 @@ fn k5_quantised_spring_and_hand() {
     let mut worst = Vec::new();
     for case in cases("k5") {
         let (k, hand) = (case.get("K"), case.get("Fh"));
-        let moves = case.rows.iter().any(|(_, row)| row[1] != 0.0);
         let start = &case.rows[0].1;
-        let mut s = sampled(&case, [start[0], start[1]]);
-        let most = [case.most()[0], if moves { case.most()[1] } else { 1.0 }];
-        let error = case.against(
-            1,
-            &mut s,
-            |s| tick(s, |read| hand - k * read),
-            |s| state(&s.plant),
-            |_| most.to_vec(),
-        );
+        let mut s = sampled(&case, [start[0], start[1]], |read| hand - k * read);
+        // One that never moves has no largest speed.
+        let most: Vec<f64> =
+            case.most().into_iter().map(|most| if most == 0.0 { 1.0 } else { most }).collect();
+        let error = case.against(1, &mut s, Closed::tick, Closed::state, |_| most.clone());
         worst.push((error, case.name.clone()));
     }
     tell("k5", &worst, 1e-11);
@@ -308,16 +320,20 @@ fn k6_two_inertias() {
         let build = Build { parameters, shaft: Some(shaft), ..Build::default() };
         let mut chain = Chain::new(&build, case.rate()).unwrap();
         chain.place(0.05, 0.0).unwrap();
-        let (k, mut delay) = (case.get("K"), Delay::new(1, 0.05).unwrap());
-        let error = case.against(
+        let late =
+            Case { values: HashMap::from([("delay".into(), 1.0)]), name: String::new(), rows: Vec::new() };
+        let mut closed = Sampled::new(&late, chain, 0.05, |read| -case.get("K") * read);
+        let error = case.worst(
             1,
-            &mut chain,
-            |c| {
-                let read = delay.pass(c.angle());
-                c.step(-k * read, &Hand::default());
+            &mut closed,
+            |s| {
+                s.plant.step(s.torque, &Hand::default());
+                s.sample(s.plant.angle());
             },
-            |c| vec![c.angle(), c.knob_angle(), c.speed(), c.knob_speed()],
-            |_| case.most(),
+            |s| {
+                let chain = &s.plant;
+                vec![chain.angle(), chain.knob_angle(), chain.speed(), chain.knob_speed(), s.torque]
+            },
         );
         worst.push((error, case.name.clone()));
     }

@@ -13,7 +13,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use bench::{HUM, floats, hums, is_delayed, scene, signal, wait};
+use bench::{HUM, Playing, floats, hums, is_delayed, scene, signal, wait};
 
 const CHANNELS: u32 = 24;
 const DEVICE: &str = "pipewire:glove";
@@ -198,30 +198,27 @@ fn a_sink_and_a_server_that_go_are_waited_for() {
     scene(&rig.folder, CHANNELS);
     fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
     let play = ["play", "hum.toml", "--rig", "rig.toml", "--device", DEVICE, "--block", "1024"];
-    let told = rig.folder.join("told");
-    let mut play = rig.program(&play);
-    let mut child = play.stdout(Stdio::null()).stderr(fs::File::create(&told).unwrap()).spawn().unwrap();
-    let says = |what: &str| fs::read_to_string(&told).unwrap_or_default().matches(what).count();
-    wait("the beginning", || says("plays on") == 1);
+    let play = rig.program(&play);
+    let mut playing = Playing::start(play, rig.folder.join("told"));
+    wait("the beginning", || playing.says("plays on") == 1);
     std::thread::sleep(Duration::from_millis(500));
 
     rig.destroy("glove");
-    wait("the loss of the sink", || says("the device is gone") == 1);
+    wait("the loss of the sink", || playing.says("the device is gone") == 1);
     std::thread::sleep(Duration::from_millis(500));
     rig.make("glove");
-    wait("its return", || says("the device is back") == 1);
+    wait("its return", || playing.says("the device is back") == 1);
 
     rig.kill();
-    wait("the loss of the server", || says("the device is gone") == 2);
+    wait("the loss of the server", || playing.says("the device is gone") == 2);
     rig.start();
-    wait("its return", || says("the device is back") == 2);
-    assert!(child.try_wait().unwrap().is_none(), "it goes on");
+    wait("its return", || playing.says("the device is back") == 2);
+    assert!(playing.goes_on(), "it goes on");
 
     let recorder = rig.record("glove", "heard.wav");
     std::thread::sleep(Duration::from_millis(800));
     let heard = rig.heard(recorder, "heard.wav");
-    signal(&child, "INT");
-    assert_eq!(child.wait().unwrap().code(), Some(130), "{}", fs::read_to_string(&told).unwrap());
+    playing.interrupt();
     assert!(hums(&heard, CHANNELS), "it sounds again");
 }
 
@@ -233,21 +230,18 @@ fn where_the_default_sink_goes_the_next_one_hears_a_tenth() {
     // What the system's default output is said to have.
     scene(&rig.folder, 2);
     fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
-    let told = rig.folder.join("told");
-    let mut play = rig.program(&["play", "hum.toml", "--rig", "rig.toml", "--arm", "--block", "1024"]);
-    let mut child = play.stdout(Stdio::null()).stderr(fs::File::create(&told).unwrap()).spawn().unwrap();
-    let says = |what: &str| fs::read_to_string(&told).unwrap_or_default().matches(what).count();
-    wait("the beginning", || says("plays on") == 1);
+    let play = rig.program(&["play", "hum.toml", "--rig", "rig.toml", "--arm", "--block", "1024"]);
+    let mut playing = Playing::start(play, rig.folder.join("told"));
+    wait("the beginning", || playing.says("plays on") == 1);
     std::thread::sleep(Duration::from_millis(500));
 
     rig.make("belt");
     let recorder = rig.record("belt", "heard.wav");
     rig.destroy("glove");
-    wait("the loss", || says("the device is gone") == 1);
+    wait("the loss", || playing.says("the device is gone") == 1);
     std::thread::sleep(Duration::from_millis(1500));
     let heard = rig.heard(recorder, "heard.wav");
     let loudest = heard.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
-    assert!((0.045..=0.0506).contains(&loudest), "{loudest}: {}", fs::read_to_string(&told).unwrap());
-    signal(&child, "INT");
-    assert_eq!(child.wait().unwrap().code(), Some(130), "{}", fs::read_to_string(&told).unwrap());
+    assert!((0.045..=0.0506).contains(&loudest), "{loudest}: {}", playing.text());
+    playing.interrupt();
 }

@@ -14,7 +14,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use bench::{HUM, floats, hums, is_delayed, scene, signal, wait};
+use bench::{HUM, Playing, floats, hums, is_delayed, scene, signal, wait};
 
 const CHANNELS: u32 = 24;
 
@@ -241,15 +241,13 @@ fn a_stream_that_is_moved_without_a_word_is_shut() {
     let Some(rig) = Rig::new("moved") else { return };
     scene(&rig.folder, CHANNELS);
     fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
-    let told = rig.folder.join("told");
     let mut play = rig.program(&["play", "hum.toml", "--rig", "rig.toml", "--device", "pulseaudio:glove"]);
     play.args(["--block", "1024"]);
-    let mut child = play.stdout(Stdio::null()).stderr(fs::File::create(&told).unwrap()).spawn().unwrap();
-    let says = |what: &str| fs::read_to_string(&told).unwrap_or_default().matches(what).count();
-    wait("the beginning", || says("plays on") == 1);
+    let mut playing = Playing::start(play, rig.folder.join("told"));
+    wait("the beginning", || playing.says("plays on") == 1);
     let sounds = rig.record("glove", "first.raw");
     std::thread::sleep(Duration::from_millis(4000));
-    assert!(hums(&rig.heard(sounds, "first.raw"), CHANNELS), "{}", fs::read_to_string(&told).unwrap());
+    assert!(hums(&rig.heard(sounds, "first.raw"), CHANNELS), "{}", playing.text());
 
     // Each look would keep a connection, of which the server has 64 for all programs.
     let clients = rig.pactl(&["list", "short", "clients"]).unwrap();
@@ -257,7 +255,7 @@ fn a_stream_that_is_moved_without_a_word_is_shut() {
 
     let recorder = rig.record("belt", "other.raw");
     rig.unload("glove");
-    wait("the move", || says("moved the stream") == 1);
+    wait("the move", || playing.says("moved the stream") == 1);
     std::thread::sleep(Duration::from_millis(2500));
     let other = rig.heard(recorder, "other.raw");
     let sounding = other.chunks(CHANNELS as usize).filter(|frame| frame.iter().any(|x| *x != 0.0)).count();
@@ -269,17 +267,11 @@ fn a_stream_that_is_moved_without_a_word_is_shut() {
     );
 
     rig.load("glove");
-    wait("its return", || says("the device is back") == 1);
+    wait("its return", || playing.says("the device is back") == 1);
     let recorder = rig.record("glove", "again.raw");
     std::thread::sleep(Duration::from_millis(4000));
     let again = rig.heard(recorder, "again.raw");
     let peak = again.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
-    assert!(
-        hums(&again, CHANNELS),
-        "it sounds again: {peak} of {}, {}",
-        again.len(),
-        fs::read_to_string(&told).unwrap()
-    );
-    signal(&child, "INT");
-    assert_eq!(child.wait().unwrap().code(), Some(130), "{}", fs::read_to_string(&told).unwrap());
+    assert!(hums(&again, CHANNELS), "it sounds again: {peak} of {}, {}", again.len(), playing.text());
+    playing.interrupt();
 }

@@ -392,10 +392,63 @@ fn a_scene_without_a_knob_has_nothing_of_one() {
     let voice =
         "[voice.v]\noutput = \"o\"\nstart = \"always\"\nnodes.o = { type = \"sine\", frequency = 100 }\n";
     let plan = plan(voice);
+    let (before, _) = RIG.split_once("[[output]]").unwrap();
+    let rig = Rig::parse("r", before.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let text = format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{voice}");
+    let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let bare = scene(&patch, &rig, &Options::default(), &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan;
+    let ops = |plan: &Plan| {
+        let voices = plan.instruments.iter().map(|instrument| instrument.program.ops.len()).sum::<usize>();
+        (voices, plan.shared_program.ops.len())
+    };
+    assert_eq!(ops(&plan), ops(&bare), "the knob of the rig costs no operation");
     assert!(plan.knob.is_none() && plan.shared.is_empty() && plan.controls.is_empty());
     assert!(plan.left_out.iter().any(|l| l.why == Why::NoKnob && l.what == "output `knob`"));
     let mut engine = Engine::new(&plan).unwrap();
     let mut frames = vec![1.0; 3 * 960];
     engine.process(&mut frames);
     assert!(engine.knob().is_none() && channel(&frames, 2).iter().all(|x| *x == 0.0));
+}
+
+/// The threads of a program that plays a patch without a knob, by their names, on a rig with one and on one without.
+#[cfg(all(target_os = "linux", feature = "cli"))]
+#[test]
+fn a_session_without_a_knob_has_no_thread_of_one() {
+    let folder = std::env::temp_dir().join(format!("pacinian-turned-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let voice =
+        "[voice.v]\noutput = \"o\"\nstart = \"always\"\nnodes.o = { type = \"sine\", frequency = 100 }\n";
+    std::fs::write(folder.join("p.toml"), format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{voice}"))
+        .unwrap();
+    let threads = |rig: &str| {
+        std::fs::write(folder.join("r.toml"), rig).unwrap();
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_pacinian"));
+        command.args(["play", "p.toml", "--rig", "r.toml", "--device", "virtual", "--duration", "30"]);
+        command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null());
+        let mut child = command.current_dir(&folder).spawn().unwrap();
+        let names = || -> Vec<String> {
+            let tasks =
+                std::fs::read_dir(format!("/proc/{}/task", child.id())).into_iter().flatten().flatten();
+            let mut names: Vec<String> =
+                tasks.filter_map(|task| std::fs::read_to_string(task.path().join("comm")).ok()).collect();
+            names.sort();
+            names
+        };
+        let begin = std::time::Instant::now();
+        while !names().iter().any(|name| name.starts_with("virtual card")) {
+            assert!(begin.elapsed().as_secs() < 20, "it does not play: {:?}", names());
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        let found = names();
+        child.kill().unwrap();
+        child.wait().unwrap();
+        found
+    };
+    let (before, _) = RIG.split_once("[[output]]").unwrap();
+    let with = threads(&format!("{RIG}[knob]\ninertia = 1e-5\npeak_torque = 0.1\n"));
+    let without = threads(before);
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!(with.len() > 2, "{with:?}");
+    assert_eq!(with, without);
 }

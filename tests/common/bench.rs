@@ -115,6 +115,47 @@ pub fn signal(child: &Child, name: &str) {
     assert!(sent.success());
 }
 
+/// A program that plays until it is interrupted, or the test is over, however that ends.
+pub struct Playing {
+    child: Child,
+    told: PathBuf,
+}
+
+impl Playing {
+    /// What it tells goes into a file: a pipe that nobody reads would make it wait.
+    pub fn start(mut command: Command, told: PathBuf) -> Self {
+        let file = fs::File::create(&told).unwrap();
+        Self { child: command.stdout(Stdio::null()).stderr(file).spawn().unwrap(), told }
+    }
+
+    /// What it has told.
+    pub fn text(&self) -> String {
+        String::from_utf8_lossy(&fs::read(&self.told).unwrap_or_default()).into_owned()
+    }
+
+    /// How often it has told something.
+    pub fn says(&self, what: &str) -> usize {
+        self.text().matches(what).count()
+    }
+
+    pub fn goes_on(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+
+    /// Ctrl-C ends it, in order.
+    pub fn interrupt(&mut self) {
+        signal(&self.child, "INT");
+        assert_eq!(self.child.wait().unwrap().code(), Some(130), "{}", self.text());
+    }
+}
+
+impl Drop for Playing {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
 /// A tone on each of so many channels, each its own, with hard onsets between samples, for a second.
 pub fn scene(folder: &Path, channels: u32) {
     let mut patch = String::from(
