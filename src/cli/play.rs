@@ -238,8 +238,12 @@ impl Play {
             fate: hearers.fate(),
             ..Beginning::of(reload, device)
         };
-        let slow =
-            || terminal.note(&format!("{} does not answer yet; Ctrl-C, twice, gives up\n", escaped(&name)));
+        let slow = || {
+            terminal.note(&format!(
+                "{} does not answer yet; Ctrl-C, and once more a second later, gives up\n",
+                escaped(&name)
+            ))
+        };
         let mut session = patience::answer(patience::LONG, slow, || Session::start(beginning)).map_err(
             |error| match error {
                 SessionError::Device(error) => error.into(),

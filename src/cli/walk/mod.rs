@@ -202,7 +202,7 @@ impl Walk {
     ) -> Result<Session, Failure> {
         let bug = |problems: Problems| Failure::of(70, problems);
         let rate = device.rate(rig.device.rate.map(|rate| rate as u32));
-        let armed = self.arm || *wish != Wish::Default || matches!(device, Chosen::Virtual(_));
+        let armed = self.arm || device.is_meant(wish);
         let why = match &device {
             Chosen::Virtual(Some(why)) => format!(", since {}", escaped(why)),
             _ => String::new(),

@@ -156,8 +156,9 @@ impl Wish {
             Self::Named(name) => {
                 let all = hosts.devices();
                 let (device, found) = named(&all, name, |found| found.output.is_some())?;
-                // Who names a device means that one, whatever is played on by default; who names a host means its default.
-                let default = found.default && hosts.places().any(|place| place.name == *name);
+                // Who names a device means that one, whatever is played on by default; who names a host has named none.
+                let alone = name.strip_suffix(':').unwrap_or(name);
+                let default = found.host().eq_ignore_ascii_case(alone);
                 Ok(Chosen::Card(device.clone(), Found { default, ..found.clone() }))
             }
         }
@@ -243,8 +244,9 @@ pub fn heard_beside(played: &(Device, Found)) -> Result<(Device, Found), DeviceE
     if found.input.is_some() {
         return Ok(played.clone());
     }
-    let other = by_id(&found.hosts, JACK_HEARS, |found| found.input.is_some());
-    other.ok().filter(|_| found.host() == "jack").ok_or_else(|| {
+    let jack = (found.host() == "jack").then_some(&found.hosts);
+    let other = jack.and_then(|hosts| by_id(hosts, JACK_HEARS, |found| found.input.is_some()).ok());
+    other.ok_or_else(|| {
         DeviceError::new(Trouble::Unfit, format!("{} has no inputs", found.name))
             .help("name a sound card that hears: --input-device NAME")
     })

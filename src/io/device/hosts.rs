@@ -1,13 +1,14 @@
 //! Where devices are looked for.
 
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use cpal::traits::HostTrait;
 use cpal::{Device, Host, HostId};
 
 use super::failure::DeviceError;
 use super::hush::{hush, quietly};
+use super::kept;
 use super::list::{self, Found};
 
 /// Where devices are looked for: in the sound systems of the machine, which is the default, or in one that a program brings along.
@@ -64,7 +65,7 @@ impl Hosts {
     fn open(id: HostId) -> Place {
         hush();
         let host = match id.to_string().as_str() {
-            "pulseaudio" => one_for_all(id),
+            PULSE => kept::host(id),
             _ => cpal::host_from_id(id).ok().map(Arc::new),
         };
         Place { name: id.to_string(), host, of: Self::default() }
@@ -80,6 +81,11 @@ impl Hosts {
         let parsed: Option<cpal::DeviceId> = id.parse().ok();
         let host = match (&self.0, &parsed) {
             (Some(host), _) => Arc::clone(host),
+            (None, Some(parsed)) if parsed.host().to_string() == PULSE => {
+                hush();
+                let device = kept::is_there(parsed.host(), id).then(|| kept::device(parsed.host(), id))??;
+                return Some(list::look(device, None, self));
+            }
             (None, Some(parsed)) => Self::open(parsed.host()).host?,
             (None, None) => return None,
         };
@@ -91,6 +97,14 @@ impl Hosts {
         (found.id == id).then_some((device, found))
     }
 
+    /// Whether the device that has this id is there: without a word to what plays.
+    pub(super) fn has(&self, id: &str) -> bool {
+        match (&self.0, id.parse::<cpal::DeviceId>()) {
+            (None, Ok(parsed)) if parsed.host().to_string() == PULSE => kept::is_there(parsed.host(), id),
+            _ => self.device(id).is_some(),
+        }
+    }
+
     /// The id of the device that is recorded from where nobody says anything.
     pub fn default_input(&self) -> Option<String> {
         let default = |place: Place| place.host?.default_input_device().map(|device| list::id(&device));
@@ -98,16 +112,8 @@ impl Hosts {
     }
 }
 
-/// A host of which the program has one, for as long as it answers: PulseAudio's client lets go of its connection and its thread only when the server
-/// does, and of connections a server has 64.
-fn one_for_all(id: HostId) -> Option<Arc<Host>> {
-    static KEPT: Mutex<Option<Arc<Host>>> = Mutex::new(None);
-    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
-    if kept.as_ref().is_none_or(|host| host.devices().is_err()) {
-        *kept = cpal::host_from_id(id).ok().map(Arc::new);
-    }
-    kept.clone()
-}
+/// The system of which the program keeps a host.
+const PULSE: &str = "pulseaudio";
 
 impl Place {
     /// Whether it runs. Of JACK, which has a device for whoever asks, a server must be there.

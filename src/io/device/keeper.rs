@@ -217,8 +217,7 @@ impl Keeping {
     /// Of a host that moves streams without a word: whether the device is none of its any more.
     fn finds_away(&mut self, now: Instant) -> bool {
         let Some((hosts, id)) = self.sought.clone() else { return false };
-        let is_away = move || again(&hosts, &id).is_err_and(|error| error.kind == Trouble::Missing);
-        self.watch.finds_away(now, is_away)
+        self.watch.finds_away(now, move || !hosts.has(&id))
     }
 
     fn hear(&mut self, news: News) {

@@ -170,14 +170,19 @@ pub fn find<'a, D>(
     several.ok_or_else(|| {
         let what = format!("there is no device `{name}`");
         let near = nearest(name, fitting.iter().map(|(_, found)| found.name.as_str()));
-        // Of one name, the systems in front tell them apart.
-        let shared = |found: &Found| fitting.iter().filter(|(_, other)| other.name == found.name).count() > 1;
-        let shown = |found: &Found| match shared(found) {
-            true => format!("{} ({})", found.name, found.host()),
+        // Where several systems have one of a name, the system in front tells them apart.
+        let elsewhere =
+            |found: &Found, other: &Found| other.name == found.name && other.host() != found.host();
+        let shown = |found: &Found| match fitting.iter().any(|(_, other)| elsewhere(found, other)) {
+            true => format!("{}:{}", found.host(), found.name),
             false => found.name.clone(),
         };
-        let mut names: Vec<String> = fitting.iter().map(|(_, found)| shown(found)).collect();
-        names.dedup();
+        let mut names: Vec<String> = Vec::new();
+        for name in fitting.iter().map(|(_, found)| shown(found)) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
         let there = match names.as_slice() {
             [] => "no device is there at all".to_string(),
             names => format!("there is: {}", names.join(", ")),
@@ -243,7 +248,7 @@ mod tests {
             found("jack:output", "JACK"),
         ];
         let none = find(&twice, "chair", |_| true).unwrap_err().to_string();
-        assert!(none.contains("Glove (pipewire), Glove (pulseaudio), JACK;"), "{none}");
+        assert!(none.contains("pipewire:Glove, pulseaudio:Glove, JACK;"), "{none}");
         let none = id("HDA Intel PHC").unwrap_err();
         assert!(none.to_string().contains("did you mean `HDA Intel PCH`?"), "{none}");
         assert_eq!(none.kind.exit_code(), 69);

@@ -10,6 +10,7 @@ pub(crate) mod hush;
 #[cfg(all(feature = "jack", target_os = "linux"))]
 mod jack_ports;
 pub mod keeper;
+mod kept;
 pub mod list;
 pub mod listening;
 mod minder;

@@ -217,6 +217,10 @@ fn what_is_damaged_is_said_and_the_rest_is_read() {
         );
     }
     let longer = file(1, BEATS, &[&[&[0, 0x90, 1, 1, 0, 0xF8, 0][..], &[0; 9]].concat(), &good]);
+    let (_, text) = warned(
+        &file(1, BEATS, &[&[&[0, 0x90, 1, 1, 0x81, 0x81, 0x81, 0x81, 1][..], &[0; 9]].concat()])[..36],
+    );
+    assert!(text.contains("byte 26, track 1: a number has more than four bytes"), "{text}");
     let (_, text) = warned(&longer[..36]);
     assert!(
         text.contains("the file has 14 more") && text.contains("byte 26, track 1: this is no event"),

@@ -19,6 +19,9 @@ pub(super) struct Track<'a> {
     pub cut: bool,
 }
 
+/// What no cut makes of a file.
+const FOUR: &str = "a number has more than four bytes";
+
 /// The longest event with a length of its own: a time, a status and two bytes.
 const LONGEST: usize = 7;
 
@@ -82,7 +85,7 @@ impl Track<'_> {
             let Some(event) = event else {
                 damaged = true;
                 // The file ends within it.
-                if self.cut && (wrong.is_some() || left < LONGEST) {
+                if self.cut && (wrong.is_some_and(|wrong| wrong != FOUR) || left < LONGEST) {
                     break;
                 }
                 let what = wrong.unwrap_or("this is no event that a file may have");
@@ -180,7 +183,7 @@ fn quantity(bytes: &[u8]) -> Result<(usize, &[u8]), &'static str> {
             return Ok((value, bytes.get(i + 1..).unwrap_or_default()));
         }
     }
-    Err(if bytes.len() < 4 { "the track ends within a number" } else { "a number has more than four bytes" })
+    Err(if bytes.len() < 4 { "the track ends within a number" } else { FOUR })
 }
 
 fn decoded(text: &[u8]) -> String {
