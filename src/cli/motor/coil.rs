@@ -73,6 +73,8 @@ struct BurstReport {
     stop: f64,
     peak: f64,
     left: f64,
+    /// Joules that the drive supplied.
+    energy: f64,
 }
 
 /// Computes and says it.
@@ -178,7 +180,14 @@ impl ToneReport {
 
 impl BurstReport {
     fn new(shake: &Shake) -> Self {
-        Self { way: shake.name, rise_90: shake.rise, stop: shake.stop, peak: shake.peak, left: shake.left }
+        Self {
+            way: shake.name,
+            rise_90: shake.rise,
+            stop: shake.stop,
+            peak: shake.peak,
+            left: shake.left,
+            energy: shake.energy,
+        }
     }
 }
 
@@ -231,7 +240,7 @@ impl Answer {
         if !self.bursts.is_empty() {
             text += &format!("\n{} of {} at the resonance\n", paint.bold("a burst"), ms(self.length));
             let mut table = Table::default();
-            table.row(["", "to 90 %", "peak m/s2", "stop", "left"].map(|head| paint.dim(head)));
+            table.row(["", "to 90 %", "peak m/s2", "stop", "left", "energy mJ"].map(|head| paint.dim(head)));
             for burst in &self.bursts {
                 table.row([
                     burst.way.into(),
@@ -239,6 +248,7 @@ impl Answer {
                     format!("{:.2}", burst.peak),
                     ms(burst.stop),
                     format!("{:.1} %", 100.0 * burst.left),
+                    format!("{:.2}", 1e3 * burst.energy),
                 ]);
             }
             text += &table.text();

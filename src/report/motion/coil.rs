@@ -1,6 +1,7 @@
 //! Actuators with a coil: what they do at single frequencies, and how soon a burst is there and gone.
 
 use crate::actuator::coil::burst::Burst;
+use crate::actuator::coil::energy::Ledger;
 use crate::actuator::coil::equaliser::{Equaliser, Motion, Wish};
 use crate::actuator::coil::limits::Limits;
 use crate::actuator::coil::model::Model;
@@ -74,6 +75,8 @@ pub struct Shake {
     pub peak: f64,
     /// Amplitude when the drive ends, as a share of the rated one.
     pub left: f64,
+    /// What the drive supplied, J.
+    pub energy: f64,
     /// Volts and acceleration (m/s²) of each step.
     pub traces: [Vec<f64>; 2],
 }
@@ -112,9 +115,10 @@ impl Shake {
         let watched = (DECAYS * burst.resonance.decay() * rate).min(1e7) as usize;
         volts.resize(over + watched + 1, 0.0);
         let mut model = Model::new(plant, rate, Drive::Voltage)?;
+        let mut ledger = Ledger::new(&model);
         let (mut felt, mut amplitudes) = (Vec::new(), Vec::new());
         for volts in &volts {
-            let now = model.step(*volts);
+            let now = ledger.step(&mut model, *volts);
             felt.push(if now.casing == 0.0 { now.acceleration } else { now.casing });
             amplitudes.push(now.displacement.hypot(now.velocity / omega) / rated);
         }
@@ -127,6 +131,7 @@ impl Shake {
             stop: gone.map_or(0.0, |n| (time(n) - burst.length).max(0.0)),
             peak: felt.iter().fold(0.0_f64, |most, a| most.max(a.abs())),
             left: amplitudes.get(over.saturating_sub(1)).copied().unwrap_or(0.0),
+            energy: ledger.supplied,
             traces: [volts, felt],
         })
     }
@@ -182,6 +187,23 @@ mod tests {
         assert!(rows[0].left > 0.9 && rows[1].left < 0.15 && rows[2].left < 0.2 * rows[1].left, "{rows:?}");
         assert_eq!(shakes(&lra(), [2.0, 1.0], 0.3, 48e3).unwrap_err().field, "most");
         assert_eq!(shakes(&lra(), [2.0, 2.0], 0.0, 48e3).unwrap_err().field, "length");
+    }
+
+    /// Half the squared voltage times the conductance, as long as it lasts; building up takes a decay or so of it.
+    #[test]
+    fn a_long_burst_takes_the_power_of_its_tone() {
+        for plant in [lra(), tactor()] {
+            let resonance = plant.resonance(crate::actuator::drive::Drive::Voltage).unwrap();
+            let power = 0.5 * 4.0 * plant.per_volt(resonance.hertz).current.re;
+            let rows = shakes(&plant, [2.0, 6.0], 6.0, 48_000.0).unwrap();
+            let share = rows[0].energy / (6.0 * power);
+            assert!((share - 1.0).abs() < 0.03, "{share}");
+            assert!(
+                rows[1].energy > rows[0].energy,
+                "{rows:?}",
+                rows = rows.iter().map(|row| row.energy).collect::<Vec<_>>()
+            );
+        }
     }
 
     #[test]
