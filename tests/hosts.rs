@@ -280,18 +280,14 @@ fn what_an_ear_does_not_give_back_is_taken_from_it() {
     let card = Scripted::new(Make::default());
     let ear = ear(Make::default());
     let (mut session, fates) = listening(&card, &ear);
-    let loud = |card: &Scripted| {
-        let all = card.latest().samples;
-        all[all.len().saturating_sub(2 * 1_200)..].iter().any(|x| x.abs() > 0.4)
-    };
-    wait("sound", || loud(&card));
+    wait("sound", || sounds(&card));
     ear.is(|mood| (mood.there, mood.hangs) = (false, true));
     wait("the loss", || fates.lock().unwrap().len() == 1);
-    wait("silence", || !loud(&card));
+    wait("silence", || !sounds(&card));
     ear.is(|mood| mood.there = true);
     wait("its return", || fates.lock().unwrap().len() == 2);
     ear.is(|mood| mood.hangs = false);
-    wait("sound", || loud(&card));
+    wait("sound", || sounds(&card));
     let told = fates.lock().unwrap().clone();
     assert!(matches!(&told[..], [Fate::Lost(_), Fate::Back]), "{told:?}");
     session.stop();
@@ -492,6 +488,12 @@ fn listening(card: &Scripted, ear: &Scripted) -> (Session, Fates) {
     (Session::start(beginning).unwrap_or_else(|error| panic!("{error}")), fates)
 }
 
+/// Whether what is heard was played in the last 25 ms.
+fn sounds(card: &Scripted) -> bool {
+    let all = card.latest().samples;
+    all[all.len().saturating_sub(2 * 1_200)..].iter().any(|x| x.abs() > 0.4)
+}
+
 fn ear(make: Make) -> Scripted {
     let heard = |frame: u64, _: usize| (0.5 * (TAU * 200.0 * frame as f64 / 48_000.0).sin()) as f32;
     Scripted::new(Make { id: "ear", name: "Ear", outputs: vec![], inputs: vec![1], heard, ..make })
@@ -550,10 +552,6 @@ fn an_ear_that_vanishes_is_silence_until_it_is_back_and_each_is_told_once() {
     let ear = ear(Make::default());
     ear.is(|mood| mood.last_words = true);
     let (mut session, fates) = listening(&card, &ear);
-    let sounds = |card: &Scripted| {
-        let all = card.latest().samples;
-        all[all.len().saturating_sub(2 * 1_200)..].iter().any(|x| x.abs() > 0.4)
-    };
     let silent = |card: &Scripted| {
         let all = card.latest().samples;
         all[all.len().saturating_sub(2 * 1_200)..].iter().all(|x| *x == 0.0)

@@ -18,6 +18,8 @@ const RIG: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 3\nrate = 4
     [[tactor]]\nname = \"a\"\nchannel = 1\n[[tactor]]\nname = \"b\"\nchannel = 2\n\
     [[output]]\nkind = \"torque\"\nname = \"knob\"\nchannel = 3\n";
 
+const KNOB: &str = "[knob]\ninertia = 1e-5\npeak_torque = 0.1\n";
+
 fn plan(text: &str) -> Plan {
     compiled(text, false)
 }
@@ -393,15 +395,17 @@ fn a_scene_without_a_knob_has_nothing_of_one() {
         "[voice.v]\noutput = \"o\"\nstart = \"always\"\nnodes.o = { type = \"sine\", frequency = 100 }\n";
     let plan = plan(voice);
     let (before, _) = RIG.split_once("[[output]]").unwrap();
-    let rig = Rig::parse("r", before.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
     let text = format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{voice}");
     let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-    let bare = scene(&patch, &rig, &Options::default(), &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan;
+    let of = |rig: &str| {
+        let rig = Rig::parse("r", rig.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        scene(&patch, &rig, &Options::default(), &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan
+    };
     let ops = |plan: &Plan| {
         let voices = plan.instruments.iter().map(|instrument| instrument.program.ops.len()).sum::<usize>();
         (voices, plan.shared_program.ops.len())
     };
-    assert_eq!(ops(&plan), ops(&bare), "the knob of the rig costs no operation");
+    assert_eq!(ops(&of(&format!("{RIG}{KNOB}"))), ops(&of(before)), "the knob of the rig costs no operation");
     assert!(plan.knob.is_none() && plan.shared.is_empty() && plan.controls.is_empty());
     assert!(plan.left_out.iter().any(|l| l.why == Why::NoKnob && l.what == "output `knob`"));
     let mut engine = Engine::new(&plan).unwrap();
@@ -446,7 +450,7 @@ fn a_session_without_a_knob_has_no_thread_of_one() {
         found
     };
     let (before, _) = RIG.split_once("[[output]]").unwrap();
-    let with = threads(&format!("{RIG}[knob]\ninertia = 1e-5\npeak_torque = 0.1\n"));
+    let with = threads(&format!("{RIG}{KNOB}"));
     let without = threads(before);
     std::fs::remove_dir_all(&folder).unwrap();
     assert!(with.len() > 2, "{with:?}");

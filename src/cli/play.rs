@@ -38,7 +38,7 @@ use std::time::{Instant, SystemTime};
 #[command(
     after_help = "Examples:\n  pacinian play patches/04-heartbeat.toml --rig rigs/belt.toml --device \"USB Sound\"\n  \
     pacinian play patches/04-heartbeat.toml --device virtual --duration 5\n\n\
-    With no device named, here or in the rig, it plays on the system's default, which may be headphones: at -20 dB until --arm. \
+    With no device named, here or in the rig, or a sound system alone (but for JACK), it plays on the default, which may be headphones: at -20 dB until --arm. \
     With no sound card at all it plays on a virtual one, which keeps real time and is heard by nobody.\n\
     In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, space all of them, p or Escape shuts \
     the output at once (c opens it again), a is full level or -20 dB, q ends it; t lets a knob's torque rise or go; Tab chooses a control, left and right move it (with \

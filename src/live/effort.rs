@@ -8,7 +8,8 @@ use cpu_time::ThreadTime;
 
 /// What a callback takes is what it works, unless the system lets something else run meanwhile: then only the processor's own clock for the thread knows.
 /// To read that is a system call, of about a twentieth of what a small scene takes, and it can tell no more than what has passed since it was read last.
-/// So it is read where a callback took long, and now and then; either clock is an upper bound, and the lesser one counts.
+/// So it is read where a callback took long, and now and then; either clock is an upper bound, but for
+/// the ticks of one that is coarse (15 ms on Windows), and the lesser one counts.
 #[derive(Debug, Default)]
 pub struct Effort {
     /// When the clock was read last, on which thread, and callbacks since.

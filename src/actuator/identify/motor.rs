@@ -74,7 +74,7 @@ const RIPPLE: f64 = 0.05;
 /// 40 dB. What takes a current is as good where the rotor is slow beside the samples (a coin of 35 ms: 0.1 %). Of a coil that takes samples winding and
 /// rotor are fitted in one: of a fast motor with a slow coil (9 ms and 0.4 ms) at 8 kHz resistance was within 0.2 %, inductance 1 %, torque constant 0.03 %,
 /// inertia 0.4 % and frictions 0.2 % of the truth, in intervals of 0.6, 2, 0.1, 0.9 and 0.7 % to either side. The noise alone would allow a tenth to a twentieth of
-/// that; what is left is what the ripple of gravity takes.
+/// that; the ripple of gravity may be what takes the rest, which was not shown.
 ///
 /// Without a `mass`, `inertia` is what a torque meets in a casing that gives way, J − (m_e r)²/M.
 ///

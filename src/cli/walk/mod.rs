@@ -47,7 +47,7 @@ use std::sync::Arc;
     the name or the channel of the one that it was, n for nothing, r for the same again, s to leave it out, b for the one before, q to \
     end. With --write the channels that were felt go into the rig's file, which stays as it is otherwise; answers may be piped in then, a \
     line each: an empty one for yes, a name, a channel, or a letter as above. Anywhere else it walks over all of them without waiting.\n\
-    With no device named, here or in the rig, it plays on the system's default, which may be headphones: at -20 dB until --arm.\n\
+    With no device named, here or in the rig, or a sound system alone (but for JACK), it plays on the default, which may be headphones: at -20 dB until --arm.\n\
     Ctrl-C ends it: the output goes to exact zeros within 2 ms.")]
 pub struct Walk {
     /// The rig [default: a line of as many tactors as the device has channels, 8 at most]

@@ -55,10 +55,10 @@ impl Chosen {
     }
 
     /// Whether a person means this device and no other, or nobody feels it; of others, who knows what hangs on them. Who names a system has named
-    /// what that plays on by default; JACK has but one.
+    /// none: see [`Found::may_be_another`].
     pub fn is_meant(&self, wish: &Wish) -> bool {
         match self {
-            Self::Card(_, found) => *wish != Wish::Default && (!found.default || found.host() == "jack"),
+            Self::Card(_, found) => *wish != Wish::Default && !found.may_be_another(),
             Self::Virtual(_) => true,
         }
     }

@@ -120,8 +120,7 @@ impl Keeper {
                 let lent = keeping.lend(driver);
                 keeping.playing = Playing::Card(Card::open(&device, &found, shape, lent, board, tell)?);
                 keeping.news = Some(news);
-                // JACK has one device, its server.
-                keeping.default = found.default && found.host() != "jack";
+                keeping.default = found.may_be_another();
                 keeping.watch = Watch::of(found.host());
                 keeping.sought = Some((found.hosts, found.id));
             }

@@ -1,7 +1,6 @@
 //! A host of which the program keeps one. PulseAudio's client lets go of its connection and its thread only when the server does, and of connections
 //! a server has 64.
 
-use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -9,9 +8,10 @@ use cpal::traits::HostTrait;
 use cpal::{Device, Host, HostId};
 
 use super::list;
+use super::minder::within;
 
 /// So long a server may take to answer: what is asked has no end of its own.
-const PATIENCE: Duration = Duration::from_secs(2);
+pub(super) const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Where streams are opened. Its thread is that of their callbacks, so that it is asked for nothing while they play.
 static STREAMS: Kept = Kept(Mutex::new(None));
@@ -51,14 +51,8 @@ impl Kept {
         (0..2).find_map(|_| {
             let host = self.host(id)?;
             let (asked, question) = (Arc::clone(&host), question.clone());
-            let (tell, answer) = channel();
-            let ask = move || {
-                // Who has waited long enough does not any more.
-                let _ = tell.send(question(&asked));
-            };
-            std::thread::Builder::new().name("asks".into()).spawn(ask).ok()?;
-            match answer.recv_timeout(PATIENCE) {
-                Ok(Ok(answer)) => Some((host, answer)),
+            match within("asks", PATIENCE, move || question(&asked)) {
+                Some(Ok(answer)) => Some((host, answer)),
                 _ => {
                     self.forget(&host);
                     None

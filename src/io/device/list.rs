@@ -45,6 +45,12 @@ impl Found {
         self.id.split_once(':').map_or("", |(host, _)| host)
     }
 
+    /// Whether nobody has named it: it is what the system plays on by default, which may be another by the time it is there again. JACK has one device, its
+    /// server.
+    pub fn may_be_another(&self) -> bool {
+        self.default && self.host() != "jack"
+    }
+
     /// Whether it is as good as another for whoever says its name: the same card in another host, or ALSA's other ways to it
     /// (`hw:CARD=X,DEV=0`, `plughw:CARD=X,DEV=0`). A second card of the same make is not.
     fn may_stand_for(&self, other: &Self) -> bool {

@@ -195,15 +195,23 @@ pub(super) const RELEASE: Duration = Duration::from_secs(5);
 
 /// Lets go of a stream. A device that takes longer than [`RELEASE`] for it does so by itself.
 pub(super) fn let_go(stream: impl Send + 'static) {
+    // Where there is no thread for it, it is gone already.
+    let _ = within("release", RELEASE, move || drop(stream));
+}
+
+/// What somebody does who may never be done, in a thread of that name; `None` where it takes longer than that, and goes on by itself.
+pub(super) fn within<T: Send + 'static>(
+    name: &str,
+    time: Duration,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Option<T> {
     let (done, waits) = channel();
     let work = move || {
-        drop(stream);
-        let _ = done.send(());
+        // Who has waited long enough does not any more.
+        let _ = done.send(work());
     };
-    // Where there is no thread for it, it is gone already.
-    if std::thread::Builder::new().name("release".into()).spawn(work).is_ok() {
-        let _ = waits.recv_timeout(RELEASE);
-    }
+    std::thread::Builder::new().name(name.into()).spawn(work).ok()?;
+    waits.recv_timeout(time).ok()
 }
 
 #[cfg(test)]

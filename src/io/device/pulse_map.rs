@@ -7,11 +7,17 @@ use futures_executor::block_on;
 use pulseaudio::Client;
 use pulseaudio::protocol::ChannelPosition::{self, *};
 
+use super::kept::PATIENCE;
+use super::minder::within;
+
 /// What is to be known before `channels` of them go to a sink; `None` where each arrives on its own number, and where the sink does not say.
 pub(super) fn told(sink: &str, channels: usize) -> Option<String> {
-    let client = Client::from_env(c"pacinian, a look at a sink").ok()?;
-    let info = block_on(client.sink_info_by_name(CString::new(sink).ok()?)).ok()?;
-    let own: Vec<u8> = info.channel_map.into_iter().map(|name| name as u8).collect();
+    let name = CString::new(sink).ok()?;
+    let own = within("asks", PATIENCE, move || {
+        let client = Client::from_env(c"pacinian, a look at a sink").ok()?;
+        let info = block_on(client.sink_info_by_name(name)).ok()?;
+        Some(info.channel_map.into_iter().map(|name| name as u8).collect::<Vec<u8>>())
+    })??;
     led(sink, &stream(channels)?, &own)
 }
 
