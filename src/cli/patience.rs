@@ -1,47 +1,167 @@
-//! A word where somebody does not answer.
+//! A device that does not answer: a word after some seconds, and an end after more.
 
+use super::failure::Failure;
+use super::guard;
+use super::stop::Stop;
+use super::terminal::Terminal;
+use pacinian::io::session::{Beginning, Session, SessionError};
+use pacinian::text::problem::escaped;
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// So long a sound system may take to open a device before something is said.
-pub const LONG: Duration = Duration::from_secs(5);
+/// How long somebody is waited for.
+#[derive(Debug, Clone, Copy)]
+struct Patience {
+    /// Until something is said.
+    word: Duration,
+    /// Until it is given up.
+    most: Duration,
+    /// The same once somebody has asked to stop.
+    grace: Duration,
+}
 
-/// What `ask` comes to; where that takes longer than `long`, `told` is called meanwhile.
-pub fn answer<T>(long: Duration, told: impl FnOnce() + Send, ask: impl FnOnce() -> T) -> T {
-    std::thread::scope(|scope| {
-        let (answered, waits) = channel::<()>();
-        let wait = move || {
-            if waits.recv_timeout(long) == Err(RecvTimeoutError::Timeout) {
-                told();
-            }
-        };
-        // Without a thread for it, nothing is said.
-        let waiting = std::thread::Builder::new().name("patience".into()).spawn_scoped(scope, wait);
-        let answer = ask();
-        drop(answered);
-        drop(waiting);
-        answer
+/// A sound system that wakes a headphone may take ten seconds.
+const DEVICE: Patience = Patience {
+    word: Duration::from_secs(5),
+    most: Duration::from_secs(30),
+    grace: Duration::from_millis(500),
+};
+
+/// How often it is looked whether somebody has asked to stop.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Why there is no answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Silence {
+    /// It was waited for long enough.
+    Long,
+    /// Somebody has asked to stop, with this exit code.
+    Stopped(u8),
+    /// There is no thread to ask in.
+    NoThread,
+    /// Who asked has panicked.
+    Panicked,
+}
+
+/// A session on the device of that name.
+///
+/// # Errors
+/// As [`Session::start`], and a device that does not answer: what asks it goes on until the program ends.
+pub fn begin(name: &str, beginning: Beginning, stop: &Stop, terminal: &Terminal) -> Result<Session, Failure> {
+    let name = escaped(name);
+    let told = || terminal.note(&format!("{name} does not answer yet; Ctrl-C gives up\n"));
+    let answer = DEVICE.wait(|| stop.asked(), told, || Session::start(beginning));
+    let answer = answer.map_err(|silence| match silence {
+        Silence::Long => Failure::usage(
+            format!("{name} has not answered for {} s", DEVICE.most.as_secs()),
+            "try once more; if it stays so, start its sound system anew, or name another device: pacinian devices lists them",
+        )
+        .with_code(69),
+        Silence::Stopped(code) => Failure::told(code),
+        Silence::NoThread => Failure::said(71, format!("no thread to open {name} in")),
+        Silence::Panicked => Failure::told(guard::BUG),
+    })?;
+    answer.map_err(|error| match error {
+        SessionError::Device(error) => error.into(),
+        SessionError::Plan(what) => Failure::said(65, what),
     })
+}
+
+impl Patience {
+    /// What `ask` comes to, in a thread of its own; `asked` says whether somebody has asked to stop, and `told` is called where it takes long.
+    fn wait<T: Send + 'static>(
+        self,
+        asked: impl Fn() -> Option<u8>,
+        told: impl FnOnce(),
+        ask: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<T, Silence> {
+        let (answer, answers) = channel();
+        let work = move || {
+            // Who has given up does not hear it any more.
+            let _ = answer.send(ask());
+        };
+        std::thread::Builder::new().name("open".into()).spawn(work).map_err(|_| Silence::NoThread)?;
+        let begin = Instant::now();
+        let (mut told, mut stopped) = (Some(told), None);
+        loop {
+            match answers.recv_timeout(LOOK) {
+                Ok(answer) => return Ok(answer),
+                Err(RecvTimeoutError::Disconnected) => return Err(Silence::Panicked),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            let passed = begin.elapsed();
+            // One that answers after all is closed in order.
+            if let Some(code) = asked() {
+                let (at, code) = *stopped.get_or_insert((passed, code));
+                if passed - at >= self.grace {
+                    return Err(Silence::Stopped(code));
+                }
+            }
+            if passed >= self.most {
+                return Err(Silence::Long);
+            }
+            if passed >= self.word {
+                told.take().into_iter().for_each(|told| told());
+            }
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::answer;
-    use std::sync::atomic::{AtomicBool, Ordering};
+    use super::{Patience, Silence};
+    use std::cell::Cell;
+    use std::sync::mpsc::channel;
     use std::time::Duration;
+
+    const NONE: Duration = Duration::ZERO;
+    const LONG: Duration = Duration::from_secs(600);
 
     #[test]
     fn only_who_takes_long_is_told_of() {
-        let told = AtomicBool::new(false);
-        let tell = || told.store(true, Ordering::SeqCst);
-        assert_eq!(answer(Duration::from_secs(60), tell, || 1), 1);
-        assert!(!told.load(Ordering::SeqCst));
-        let waits = || {
-            while !told.load(Ordering::SeqCst) {
-                std::thread::yield_now();
-            }
-            2
+        let told = Cell::new(false);
+        let patience = Patience { word: LONG, most: LONG, grace: LONG };
+        assert_eq!(patience.wait(|| None, || told.set(true), || 1), Ok(1));
+        assert!(!told.get());
+        let (wake, waits) = channel();
+        let tell = || {
+            told.set(true);
+            wake.send(()).unwrap();
         };
-        assert_eq!(answer(Duration::from_millis(1), tell, waits), 2);
+        let slow = Patience { word: NONE, ..patience };
+        assert_eq!(slow.wait(|| None, tell, move || waits.recv().map(|()| 2)), Ok(Ok(2)));
+        assert!(told.get());
+    }
+
+    #[test]
+    fn who_never_answers_is_given_up() {
+        // Who is asked waits for whoever asks, for ever.
+        let (wake, waits) = channel::<()>();
+        let never = move || waits.recv().is_ok();
+        let patience = Patience { word: NONE, most: Duration::from_millis(30), grace: LONG };
+        assert_eq!(patience.wait(|| None, || (), never), Err(Silence::Long));
+        drop(wake);
+    }
+
+    #[test]
+    fn a_stop_ends_it_but_for_who_answers_a_little_later() {
+        let (wake, waits) = channel::<()>();
+        let never = move || waits.recv().is_ok();
+        let patience = Patience { word: LONG, most: LONG, grace: Duration::from_millis(30) };
+        assert_eq!(patience.wait(|| Some(130), || (), never), Err(Silence::Stopped(130)));
+        drop(wake);
+        let later = Patience { grace: LONG, ..patience };
+        let (wake, waits) = channel();
+        let asked = || {
+            let _ = wake.send(());
+            Some(130)
+        };
+        assert_eq!(later.wait(asked, || (), move || waits.recv().is_ok()), Ok(true));
+    }
+
+    #[test]
+    fn who_panics_does_not_answer() {
+        let patience = Patience { word: LONG, most: LONG, grace: LONG };
+        assert_eq!(patience.wait(|| None, || (), || -> u8 { panic!("no device") }), Err(Silence::Panicked));
     }
 }

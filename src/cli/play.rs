@@ -23,7 +23,7 @@ use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
 use pacinian::io::midi_in::MidiPorts;
-use pacinian::io::session::{Beginning, Session, SessionError};
+use pacinian::io::session::{Beginning, Session};
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
@@ -238,18 +238,7 @@ impl Play {
             fate: hearers.fate(),
             ..Beginning::of(reload, device)
         };
-        let slow = || {
-            terminal.note(&format!(
-                "{} does not answer yet; Ctrl-C, and once more a second later, gives up\n",
-                escaped(&name)
-            ))
-        };
-        let mut session = patience::answer(patience::LONG, slow, || Session::start(beginning)).map_err(
-            |error| match error {
-                SessionError::Device(error) => error.into(),
-                SessionError::Plan(what) => Failure::said(65, what),
-            },
-        )?;
+        let mut session = patience::begin(&name, beginning, &stop, terminal)?;
         // A signal closes the gate itself, whatever this thread is about.
         stop.also(&session.board().lever.closing())?;
         let sound = Sound::of(&mut session);

@@ -5,6 +5,7 @@ use crate::graph::felt::unfelt;
 use crate::graph::plan::{Instrument, Plan, Shared};
 use crate::graph::program::Feed;
 use crate::graph::start::FIELDS;
+use crate::patch::event::limits;
 use crate::space::spot::{Spot, Spread};
 use crate::text::{Problem, nearest};
 
@@ -26,8 +27,8 @@ impl Plan {
     /// ```
     ///
     /// # Errors
-    /// A voice that the plan does not have, a field that the voice does not declare, a value that is not finite (a duration may
-    /// be infinite) or a negative duration.
+    /// A voice that the plan does not have, a field that the voice does not declare, or a value that no event of a patch may have: levels
+    /// are 0 to 100, `felt` -60 to 120 dB, durations 0 to 1e6 s or infinite, fields of its own within ±1e9.
     pub fn play(&self, voice: &str, fields: &[(&str, f64)]) -> Result<Play, Problem> {
         let index = find("voice", voice, self.instruments.iter().map(|i| &*i.name))?;
         let instrument = &self.instruments[index];
@@ -47,10 +48,12 @@ impl Plan {
                 return Err(Problem::of_file(what).help(nearest::suggest(name, names)));
             };
             let duration = declared.is_none() && name == "duration";
-            if !(value.is_finite() || duration && value == f64::INFINITY) || duration && value < 0.0 {
+            let [least, most] = limits(if declared.is_some() { "" } else { name });
+            // One without end is held until it is released.
+            if !((least..=most).contains(&value) || duration && value == f64::INFINITY) {
                 let what = format!("voice `{voice}` cannot be played with `{name}` = {value}");
-                let help = if duration { "give seconds, at least 0" } else { "give a finite number" };
-                return Err(Problem::of_file(what).help(help.to_string()));
+                let or = if duration { ", or infinity: until it is released" } else { "" };
+                return Err(Problem::of_file(what).help(format!("it may be from {least} to {most}{or}")));
             }
             *slot = value;
         }
@@ -245,9 +248,11 @@ mod tests {
         says(plan.control("unread").unwrap_err(), "there is only `strength`");
         says(plan.place("t33").unwrap_err(), "did you mean `t3`?");
         says(plan.signal("slwo").unwrap_err(), "did you mean `slow`?");
-        says(plan.play("tap", &[("level", f64::NAN)]).unwrap_err(), "finite");
-        says(plan.play("tap", &[("level", f64::INFINITY)]).unwrap_err(), "finite");
-        says(plan.play("tap", &[("duration", -1.0)]).unwrap_err(), "at least 0");
-        says(plan.play("tap", &[("duration", f64::NAN)]).unwrap_err(), "at least 0");
+        says(plan.play("tap", &[("level", f64::NAN)]).unwrap_err(), "from 0 to 100");
+        says(plan.play("tap", &[("level", f64::INFINITY)]).unwrap_err(), "from 0 to 100");
+        says(plan.play("tap", &[("frequency", 1e30)]).unwrap_err(), "to 1000000000");
+        says(plan.play("tap", &[("duration", 1e30)]).unwrap_err(), "or infinity");
+        says(plan.play("tap", &[("duration", -1.0)]).unwrap_err(), "from 0 to 1000000");
+        says(plan.play("tap", &[("duration", f64::NAN)]).unwrap_err(), "from 0 to 1000000");
     }
 }

@@ -128,6 +128,10 @@ const RECORDED: f64 = 4.0;
 impl Session {
     /// Begins to play.
     ///
+    /// Where PipeWire is the system, it may link a stream to another device when its own goes, until the session notices. A program that does
+    /// not want that asks for it before it has a second thread, by the environment variable `PIPEWIRE_PROPS`, as the program `pacinian` does:
+    /// `{ node.dont-reconnect = true }`.
+    ///
     /// # Errors
     /// A device that cannot be opened, or a plan that no engine can be built for.
     pub fn start(beginning: Beginning) -> Result<Self, SessionError> {

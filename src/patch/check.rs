@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::crossing;
 use super::cycle::{chain, cycles};
-use super::event::{LEAST_FELT, MOST_FELT};
+use super::event::limits;
 use super::expr::Reads;
 use super::names::{Names, no_field};
 use super::steered;
@@ -448,12 +448,7 @@ impl Check<'_> {
                 self.error(span, what, help);
             }
             if let (Some(_), Some(value)) = (voice, expr.value(&|name| trigger.on.known(name))) {
-                let (least, most) = match field.as_str() {
-                    "level" => (0.0, 100.0),
-                    "felt" => (LEAST_FELT, MOST_FELT),
-                    "duration" => (0.0, 1e6),
-                    _ => (-1e9, 1e9),
-                };
+                let [least, most] = limits(field);
                 if !(least..=most).contains(&value) {
                     let what = format!("`{field}` of a trigger is {value}; it may be from {least} to {most}");
                     self.error(span, what, None);

@@ -154,7 +154,7 @@ const MARKER: Field =
     Field::new("marker", Form::Text, "", "A name for the log, and a pulse for trigger outputs.");
 const LEVEL: Field = Field::new(
     "level",
-    Form::any_number(0.0, 100.0),
+    Form::any_number(LEVELS[0], LEVELS[1]),
     "",
     "Share of the actuator's rated vibration. The voice's default, else 1.",
 );
@@ -166,7 +166,7 @@ const FELT: Field = Field::new(
 );
 const DURATION: Field = Field::new(
     "duration",
-    Form::any_number(0.0, 1e6),
+    Form::any_number(DURATIONS[0], DURATIONS[1]),
     "s or beats",
     "From onset to release. The voice's default, else 0.1 s.",
 );
@@ -192,7 +192,7 @@ const SALTATION: Field = Field::new(
 );
 const FREQUENCY: Field = Field::new(
     "frequency",
-    Form::any_number(-1e9, 1e9),
+    Form::any_number(VALUES[0], VALUES[1]),
     "Hz",
     "What nodes read as event.frequency. The voice's default, else 250 Hz.",
 );
@@ -208,12 +208,29 @@ const RATE: Field = Field::new(
     "",
     "2 plays the pattern twice as fast, durations included.",
 );
-const OWN: Field = Field::new("", Form::any_number(-1e9, 1e9), "", "A field that the voice declares.");
+const OWN: Field =
+    Field::new("", Form::any_number(VALUES[0], VALUES[1]), "", "A field that the voice declares.");
 
 /// The least and the most that `felt` may say, dB.
 pub const LEAST_FELT: f64 = -60.0;
 /// See there.
 pub const MOST_FELT: f64 = 120.0;
+/// The least and the most that `level` may say.
+const LEVELS: [f64; 2] = [0.0, 100.0];
+/// The least and the most that `duration` may say, seconds or beats.
+const DURATIONS: [f64; 2] = [0.0, 1e6];
+/// The least and the most that a field of a voice's own may say.
+const VALUES: [f64; 2] = [-1e9, 1e9];
+
+/// The least and the most that an event may say of `level`, `felt`, `duration` or a field of its voice's own.
+pub fn limits(field: &str) -> [f64; 2] {
+    match field {
+        "level" => LEVELS,
+        "felt" => [LEAST_FELT, MOST_FELT],
+        "duration" => DURATIONS,
+        _ => VALUES,
+    }
+}
 
 /// Its keys.
 pub static TABLE: Table = Table {

@@ -8,7 +8,7 @@
 
 use std::io::{BufRead, Read};
 
-use super::event::{Action, Event, LEAST_FELT, MOST_FELT, Play, Setting};
+use super::event::{Action, Event, Play, Setting, limits};
 use super::names::Names;
 use super::place::{self, Place};
 use crate::text::cells::{Cell, cells};
@@ -269,7 +269,7 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
             }
             let span = self.place_of(from, &span);
             // Something to go on with; what is wrong is reported.
-            let mut number = |key: &str, least, most| match number(key, &cell, least, most) {
+            let mut number = |key: &str, [least, most]: [f64; 2]| match number(key, &cell, least, most) {
                 Ok(x) => x,
                 Err((what, help)) => {
                     problems.push(self.wrong(&span, &what, help));
@@ -277,14 +277,14 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
                 }
             };
             match column {
-                Column::At => at = Some(number("at", 0.0, 1e9)),
-                Column::Delay => delay = number("delay", 0.0, 1e9),
-                Column::Level => level = Some(number("level", 0.0, 100.0)),
+                Column::At => at = Some(number("at", [0.0, 1e9])),
+                Column::Delay => delay = number("delay", [0.0, 1e9]),
+                Column::Level => level = Some(number("level", limits("level"))),
                 Column::Felt => {
-                    let value = number("felt", LEAST_FELT, MOST_FELT);
+                    let value = number("felt", limits("felt"));
                     felt = Some(Setting { name: "felt".into(), value, span });
                 }
-                Column::Duration => duration = Some(number("duration", 0.0, 1e6)),
+                Column::Duration => duration = Some(number("duration", limits("duration"))),
                 Column::Place => match place_in(&cell) {
                     Ok(read) => (place, place_span) = (Some(read), span),
                     Err(what) => problems.push(self.wrong(&span, &what, None)),
@@ -293,7 +293,7 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
                 Column::Marker => marker = Some((cell, span)),
                 Column::Field(name) => {
                     // A column may concern some voices only; a voice that lacks the field is a mistake where its cell is filled.
-                    let value = number(name, -1e9, 1e9);
+                    let value = number(name, limits(name));
                     fields.push(Setting { name: name.clone(), value, span });
                 }
             }

@@ -4,7 +4,7 @@ use super::touch::Held;
 use super::{Note, Outlet, Performer, Touch, When, Whence};
 use crate::midi::{Channel, Claims, Expression, Gesture, Interpreter, Message, interpreter, pitch};
 use crate::node::motion::Motion;
-use crate::patch::event::{LEAST_FELT, MOST_FELT};
+use crate::patch::event::limits;
 use crate::patch::{Mover, Place, Source, Spread, Trigger};
 use crate::text::Problem;
 
@@ -38,7 +38,7 @@ pub struct MidiCounts {
     pub unmatched: u64,
     /// Notes that ended since there were too many; see [`crate::midi::sounding::MOST`].
     pub stolen: u64,
-    /// Notes and programs that no trigger of the patch plays.
+    /// Notes and programs that no trigger of the patch plays; none where it hears no messages but a clock's.
     pub unplayed: u64,
     /// Values for numbered parameters of which none was chosen.
     pub unmeant: u64,
@@ -121,6 +121,16 @@ impl Performer {
             hands.messages += 1;
         }
         result.and(heard)
+    }
+
+    /// Counts a note or program that no trigger plays, but of a song of whose clock alone the patch makes something.
+    fn count_unplayed(&mut self, port: usize, fits: &dyn Fn(&Trigger) -> bool) {
+        let (triggers, patterns) = (&self.patch.triggers, &self.patch.patterns);
+        let is_midi = |trigger: &Trigger| {
+            matches!(trigger.on, Source::MidiNote | Source::MidiProgram(_) | Source::MidiController { .. })
+        };
+        let is_meant = triggers.iter().any(is_midi) || !patterns.iter().any(|pattern| pattern.follows);
+        self.hands[port].unplayed += u64::from(is_meant && !triggers.iter().any(fits));
     }
 
     /// What of the messages of all ports could not be used.
@@ -217,7 +227,7 @@ impl Performer {
                     key: Some((key, expression)),
                     note: Some(note),
                 };
-                self.hands[port].unplayed += u64::from(!self.patch.triggers.iter().any(fits));
+                self.count_unplayed(port, &fits);
                 self.set_off(at, &fits, &known, hit, outlet)
             }
             Gesture::NoteOff { key, .. } => {
@@ -277,7 +287,7 @@ impl Performer {
                     _ => None,
                 };
                 let hit = Hit { port: Some((port, channel)), ..Hit::default() };
-                self.hands[port].unplayed += u64::from(!self.patch.triggers.iter().any(fits));
+                self.count_unplayed(port, &fits);
                 self.set_off(at, &fits, &known, hit, outlet)
             }
             Gesture::Panic { channel, .. } => {
@@ -414,12 +424,16 @@ impl Performer {
                 result = result.and(Err(told(Problem::of_file(what).help(help))));
                 continue;
             }
-            note.felt = note.felt.map(|felt| felt.clamp(LEAST_FELT, MOST_FELT));
-            note.level = note.level.map(|level| level.clamp(0.0, 100.0));
-            note.duration =
-                note.duration.map(|seconds| if seconds.is_nan() { 0.0 } else { seconds.max(0.0) });
-            for (_, value) in &mut note.fields {
-                *value = if value.is_finite() { value.clamp(-1e9, 1e9) } else { 0.0 };
+            let within = |field: &str, value: f64| {
+                let [least, most] = limits(field);
+                if value.is_nan() { 0.0 } else { value.clamp(least, most) }
+            };
+            note.felt = note.felt.map(|felt| within("felt", felt));
+            note.level = note.level.map(|level| within("level", level));
+            // One without end is held.
+            note.duration = note.duration.map(|s| if s == f64::INFINITY { s } else { within("duration", s) });
+            for (name, value) in &mut note.fields {
+                *value = if value.is_finite() { within(name, *value) } else { 0.0 };
             }
             match self.play_by(at, &trigger.play, &note, whence, outlet) {
                 Ok(voice) => {

@@ -213,16 +213,16 @@ impl Show {
 
     /// Waits for keys for a moment, does what they say, and shows how the session stands.
     pub fn step(&mut self, session: &Session) -> Option<Ending> {
+        if matches!(self.out, Out::Lines(_)) {
+            std::thread::sleep(LOOK);
+        }
         self.listen(session.board());
         let ending = match &mut self.out {
             Out::Screen(screen) => match screen.keys() {
                 Some(typed) => typed.into_iter().find_map(|event| self.typed(&event, session)),
                 None => Some(Ending::Closed),
             },
-            Out::Lines(_) => {
-                std::thread::sleep(LOOK);
-                None
-            }
+            Out::Lines(_) => None,
         };
         let elapsed = self.fetch.elapsed();
         if std::mem::take(&mut self.due) || elapsed - self.heard >= FRAME.as_secs_f64() {
@@ -253,6 +253,8 @@ impl Show {
     fn listen(&mut self, board: &Board) {
         let seconds = board.frames.get() as f64 / f64::from(self.snapshot.rate.max(1));
         let events = self.fetch.events(board.clock.get(), seconds, board.is_panicked());
+        // All of it was before now, so what is told as of now comes behind it.
+        events.into_iter().for_each(|happened| self.note(happened));
         let now = self.fetch.now();
         self.controls.hear(&self.fetch.moved());
         let states: Vec<State> = self.fetch.states().collect();
@@ -279,7 +281,6 @@ impl Show {
             lines.put(&lines::event(&held));
         }
         self.say_moves(now);
-        events.into_iter().for_each(|happened| self.note(happened));
         let panicked = board.is_panicked();
         if panicked != std::mem::replace(&mut self.panicked, panicked) {
             let (mood, text) = match panicked {

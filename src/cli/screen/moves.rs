@@ -34,6 +34,8 @@ impl Moves {
         let due = |(told, held): &mut (f64, Option<(Happened, u64)>)| {
             let (mut happened, count) = held.take_if(|_| now - *told >= EVERY)?;
             *told = now;
+            // It is told in its order, as where the control is now.
+            happened.at = if now.is_finite() { now } else { happened.at };
             if count > 1 {
                 happened.text += &format!(" ({} moves)", grouped(count));
             }

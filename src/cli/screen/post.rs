@@ -97,8 +97,9 @@ pub struct PostBox {
     coming: BTreeMap<(Due, u64), Letter>,
     taken: u64,
     moved: Moved,
-    /// Seconds that the session's clock is behind the post's, and the latest that was shown.
+    /// Seconds that the session's clock is behind the post's.
     behind: f64,
+    /// How far the session had come, seconds, when it was asked last what happened, or the latest that was told of then.
     latest: f64,
     states: Receiver<State>,
     missed: Arc<AtomicU64>,
@@ -231,8 +232,8 @@ impl PostBox {
                     self.coming.insert((due, self.taken), letter);
                 }
                 None => {
-                    // Stamped by the other clock, and so never told behind what was told already.
-                    let at = (letter.happened.at - self.behind).max(self.latest);
+                    // Stamped by the other clock, and so told neither before what was told already nor behind what is still to come.
+                    let at = (letter.happened.at - self.behind).min(seconds).max(self.latest);
                     now.push(Happened { at, ..letter.happened });
                 }
             }
@@ -246,7 +247,7 @@ impl PostBox {
             });
         }
         now.sort_by(|a, b| a.at.total_cmp(&b.at));
-        self.latest = now.iter().fold(self.latest, |latest, happened| latest.max(happened.at));
+        self.latest = now.iter().fold(self.latest.max(seconds), |latest, happened| latest.max(happened.at));
         now
     }
 
@@ -260,9 +261,10 @@ impl PostBox {
         self.moved.lock().map(|mut moved| std::mem::take(&mut *moved)).unwrap_or_default()
     }
 
-    /// Seconds since the beginning, as the session's clock has it.
+    /// Seconds since the beginning, as the session's clock has it, to where all that happened has been told: what is told as of now stands between
+    /// that and what is still to come.
     pub fn now(&self) -> f64 {
-        (self.elapsed() - self.behind).max(self.latest)
+        self.latest
     }
 
     /// How things came to stand since.
@@ -370,13 +372,26 @@ mod tests {
         post.say(Mood::Bad, "trouble");
         let mut shown = Vec::new();
         for clock in (241..1600).step_by(16) {
+            // What is told as of now, in between, is behind all that was told, and before all that is told next.
+            let before = fetch.now();
             let events = fetch.events(clock, clock as f64 / 8000.0, false);
-            assert!(events.iter().all(|happened| happened.at <= clock as f64 / 8000.0), "{events:?}");
+            assert!(
+                events.iter().all(|happened| (before..=fetch.now()).contains(&happened.at)),
+                "{events:?}"
+            );
+            assert!(fetch.now() <= clock as f64 / 8000.0);
+            if clock == 497 {
+                post.say(Mood::Good, "all is well");
+            }
             shown.extend(events);
         }
         assert!(shown.is_sorted_by(|a, b| a.at <= b.at), "{shown:?}");
         let count = |text: &str| shown.iter().filter(|happened| happened.text == text).count();
-        assert_eq!((count("marker m"), count("trouble"), shown.len()), (4, 1, 5), "{shown:?}");
+        assert_eq!(
+            (count("marker m"), count("trouble"), count("all is well"), shown.len()),
+            (4, 1, 1, 6),
+            "{shown:?}"
+        );
         assert_eq!(shown.last().unwrap().at, 0.15, "to the bit as the patterns have it");
     }
 

@@ -9,6 +9,7 @@ mod write;
 
 use super::ask::Typed;
 use super::failure::Failure;
+use super::patience;
 use super::screen::happened::LOWERED;
 use super::stop::Stop;
 use super::table::Table;
@@ -21,7 +22,7 @@ use map::{Felt, Map, map};
 use pacinian::graph::scene::scene;
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::keeper::Fate;
-use pacinian::io::session::{Beginning, Session, SessionError};
+use pacinian::io::session::Beginning;
 use pacinian::io::{replace, text};
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
@@ -106,7 +107,20 @@ impl Walk {
         let probes = self.chosen(&rig)?;
         let stop = Stop::listen()?;
         let presence = Arc::<Presence>::default();
-        let mut session = self.begin(&rig, &probes, device, &wish, Arc::clone(&presence), terminal)?;
+        let (name, armed) = (device.name().to_string(), self.arm || device.is_meant(&wish));
+        let why = match &device {
+            Chosen::Virtual(Some(why)) => format!(", since {}", escaped(why)),
+            _ => String::new(),
+        };
+        let beginning =
+            Beginning { armed, ..beginning(&rig, &probes, device, Arc::clone(&presence), *terminal)? };
+        let mut session = patience::begin(&name, beginning, &stop, terminal)?;
+        terminal.note(&format!(
+            "walking over {} of {}{why}{}\n",
+            super::table::many(probes.len(), "channel"),
+            escaped(&name),
+            if armed { "" } else { ", at -20 dB: --arm for full level" }
+        ));
         self.say_what_is_left_out(&rig, terminal);
         let round = Round {
             rig: &rig,
@@ -191,64 +205,6 @@ impl Walk {
         }
     }
 
-    fn begin(
-        &self,
-        rig: &Rig,
-        probes: &[Probe],
-        device: Chosen,
-        wish: &Wish,
-        presence: Arc<Presence>,
-        terminal: &Terminal,
-    ) -> Result<Session, Failure> {
-        let bug = |problems: Problems| Failure::of(70, problems);
-        let rate = device.rate(rig.device.rate.map(|rate| rate as u32));
-        let armed = self.arm || device.is_meant(wish);
-        let why = match &device {
-            Chosen::Virtual(Some(why)) => format!(", since {}", escaped(why)),
-            _ => String::new(),
-        };
-        let name = device.name().to_string();
-        let patch = Arc::new(probe::patch().map_err(bug)?);
-        let rig = Arc::new(bare(rig, probes));
-        let on_card = !matches!(device, Chosen::Virtual(_));
-        let options = Options { rate: Some(f64::from(rate)), live: true, on_card, ..Options::default() };
-        let scene = scene(&patch, &rig, &options, &NoAssets).map_err(|problems| Failure::of(78, problems))?;
-        let files = Box::new(|_: &str| Err(Problem::of_file("a walk reads no events")));
-        let note = *terminal;
-        let session = Session::start(Beginning {
-            armed,
-            audience: Box::new(move |told| {
-                if let Told::Refused(problem) = told {
-                    note.note(&format!("{problem}\n"));
-                }
-            }),
-            fate: Box::new(move |fate| {
-                presence.becomes(&fate);
-                note.note(&match fate {
-                    Fate::Lost(why) => {
-                        format!("\nthe device is gone ({}); it is waited for\n", escaped(&why))
-                    }
-                    Fate::Back => "\nthe device is back\n".into(),
-                    Fate::Moved => "\nthe system moved the stream to another device\n".into(),
-                    Fate::Lowered => format!("\n{LOWERED}\n"),
-                    Fate::Said(what) => format!("\n{}\n", escaped(&what)),
-                });
-            }),
-            ..Beginning::of(Reload { scene, patch, rig, files, provenance: None }, device)
-        })
-        .map_err(|error| match error {
-            SessionError::Device(error) => Failure::from(error),
-            SessionError::Plan(what) => Failure::said(65, what),
-        })?;
-        terminal.note(&format!(
-            "walking over {} of {}{why}{}\n",
-            super::table::many(probes.len(), "channel"),
-            escaped(&name),
-            if armed { "" } else { ", at -20 dB: --arm for full level" }
-        ));
-        Ok(session)
-    }
-
     fn say_what_is_left_out(&self, rig: &Rig, terminal: &Terminal) {
         let others = rig.outputs.iter().filter(|output| !probe::may_be_felt(output));
         let mut moves = false;
@@ -320,6 +276,44 @@ impl Walk {
         replace::replace(path, source, after.as_bytes())?;
         terminal.print(&format!("{}: {other} on other channels now\n", escaped(&shown.to_string())))
     }
+}
+
+/// Probes on a rig that is nothing else, which tell `presence` whether the device is there.
+fn beginning(
+    rig: &Rig,
+    probes: &[Probe],
+    device: Chosen,
+    presence: Arc<Presence>,
+    note: Terminal,
+) -> Result<Beginning, Failure> {
+    let bug = |problems: Problems| Failure::of(70, problems);
+    let rate = device.rate(rig.device.rate.map(|rate| rate as u32));
+    let patch = Arc::new(probe::patch().map_err(bug)?);
+    let rig = Arc::new(bare(rig, probes));
+    let on_card = !matches!(device, Chosen::Virtual(_));
+    let options = Options { rate: Some(f64::from(rate)), live: true, on_card, ..Options::default() };
+    let scene = scene(&patch, &rig, &options, &NoAssets).map_err(|problems| Failure::of(78, problems))?;
+    let files = Box::new(|_: &str| Err(Problem::of_file("a walk reads no events")));
+    Ok(Beginning {
+        audience: Box::new(move |told| {
+            if let Told::Refused(problem) = told {
+                note.note(&format!("{problem}\n"));
+            }
+        }),
+        fate: Box::new(move |fate| {
+            presence.becomes(&fate);
+            note.note(&match fate {
+                Fate::Lost(why) => {
+                    format!("\nthe device is gone ({}); it is waited for\n", escaped(&why))
+                }
+                Fate::Back => "\nthe device is back\n".into(),
+                Fate::Moved => "\nthe system moved the stream to another device\n".into(),
+                Fate::Lowered => format!("\n{LOWERED}\n"),
+                Fate::Said(what) => format!("\n{}\n", escaped(&what)),
+            });
+        }),
+        ..Beginning::of(Reload { scene, patch, rig, files, provenance: None }, device)
+    })
 }
 
 /// Which channels are still not known after what was felt, in words.

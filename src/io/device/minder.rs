@@ -59,11 +59,17 @@ pub(super) const PATIENCE: Duration = Duration::from_secs(3);
 /// Looks at which there were more frames, after which a device's callbacks are regular.
 const REGULAR: u32 = 10;
 
+/// From one look to the next, no more counts for a pause: who looks so late stood still with the whole machine, and so did the device.
+const STALL: Duration = Duration::from_millis(60);
+
 /// Whether a device still calls back.
 pub(super) struct Pulse {
-    /// Frames that were counted last, and since when there have been no more.
+    /// Frames that were counted last, and for how long there have been no more.
     frames: u64,
-    since: Instant,
+    pause: Duration,
+    /// When it was looked at last, and until when it may take its time.
+    looked: Instant,
+    patient: Instant,
     /// How often there were more, since it was opened.
     looks: u32,
 }
@@ -71,22 +77,26 @@ pub(super) struct Pulse {
 impl Pulse {
     /// Of a device that was just opened.
     pub fn new() -> Self {
-        Self { frames: 0, since: Instant::now() + PATIENCE, looks: 0 }
+        let now = Instant::now();
+        Self { frames: 0, pause: Duration::ZERO, looked: now, patient: now + PATIENCE, looks: 0 }
     }
 
     /// It was opened again.
     pub fn begin(&mut self) {
-        (self.since, self.looks) = (Instant::now() + PATIENCE, 0);
+        let now = Instant::now();
+        (self.pause, self.looked, self.patient, self.looks) = (Duration::ZERO, now, now + PATIENCE, 0);
     }
 
-    /// For how long there have been no more than so many frames.
+    /// For how long there have been no more than so many frames, as far as somebody has looked.
     pub fn pause(&mut self, now: Instant, frames: u64) -> Duration {
+        let since = if self.looks < REGULAR { self.looked.max(self.patient) } else { self.looked };
+        self.pause += now.saturating_duration_since(since).min(STALL);
+        self.looked = now;
         if frames != self.frames {
             self.looks = self.looks.saturating_add(1);
-            let since = if self.looks < REGULAR { now.max(self.since) } else { now };
-            (self.frames, self.since) = (frames, since);
+            (self.frames, self.pause) = (frames, Duration::ZERO);
         }
-        now.saturating_duration_since(self.since)
+        self.pause
     }
 }
 
@@ -216,17 +226,34 @@ pub(super) fn within<T: Send + 'static>(
 
 #[cfg(test)]
 mod tests {
-    use super::{PATIENCE, Pulse, SEARCH, SOON, Search, Watch};
+    use super::{PATIENCE, Pulse, SEARCH, SOON, STALL, Search, Watch};
     use std::time::{Duration, Instant};
+
+    /// Milliseconds of pause that looks every 20 ms find, after that to that, of so many frames: the last of them.
+    fn looks(pulse: &mut Pulse, begin: Instant, ms: (u64, u64), frames: u64) -> u128 {
+        let at = |n: u64| begin + Duration::from_millis(20 * n);
+        (ms.0 / 20 + 1..=ms.1 / 20).map(|n| pulse.pause(at(n), frames).as_millis()).last().unwrap()
+    }
 
     #[test]
     fn a_pause_begins_with_the_last_frame() {
-        let (begin, mut pulse) = (Instant::now(), Pulse::new());
-        let at = |ms: u64| begin + Duration::from_millis(ms);
-        assert_eq!(pulse.pause(at(2_900), 0), Duration::ZERO, "it has just been opened");
-        assert!(pulse.pause(at(3_500), 0) > Duration::ZERO);
-        assert_eq!(pulse.pause(at(3_600), 64), Duration::ZERO);
-        assert_eq!(pulse.pause(at(3_900), 64), Duration::from_millis(300));
+        let mut pulse = Pulse::new();
+        let begin = pulse.looked;
+        assert_eq!(looks(&mut pulse, begin, (0, 2_900), 0), 0, "it has just been opened");
+        assert_eq!(looks(&mut pulse, begin, (2_900, 3_500), 0), 500);
+        assert_eq!(looks(&mut pulse, begin, (3_500, 3_520), 64), 0);
+        assert_eq!(looks(&mut pulse, begin, (3_520, 3_820), 64), 300);
+    }
+
+    #[test]
+    fn a_machine_that_stands_still_is_no_device_that_is_gone() {
+        let mut pulse = Pulse::new();
+        let begin = pulse.looked;
+        assert!((1..=12).all(|n| looks(&mut pulse, begin, (20 * (n - 1), 20 * n), 256 * n) == 0));
+        // Nobody looks for ten seconds, and nobody calls back either.
+        assert_eq!(looks(&mut pulse, begin, (10_000, 10_020), 256 * 12), STALL.as_millis());
+        assert_eq!(looks(&mut pulse, begin, (10_020, 10_040), 256 * 13), 0);
+        assert_eq!(looks(&mut pulse, begin, (10_040, 10_400), 256 * 13), 360, "one that is gone is found");
     }
 
     #[test]
@@ -266,19 +293,18 @@ mod tests {
 
     #[test]
     fn a_device_may_take_its_time_at_first_and_not_later() {
-        let (begin, mut pulse) = (Instant::now(), Pulse::new());
-        let mut pause = |seconds: f64, frames| {
-            pulse.pause(begin + Duration::from_secs_f64(seconds), frames).as_secs_f64()
-        };
-        assert_eq!((pause(0.01, 256), pause(0.02, 512), pause(2.0, 512)), (0.0, 0.0, 0.0));
-        let late = PATIENCE.as_secs_f64() + 0.4;
-        assert!((0.3..=0.4).contains(&pause(late, 512)));
-        assert_eq!(pause(late + 1.0, 768), 0.0);
-        assert!((pause(late + 1.5, 768) - 0.5).abs() < 1e-6);
+        let mut pulse = Pulse::new();
+        let (begin, patience) = (pulse.looked, PATIENCE.as_millis() as u64);
+        assert_eq!(looks(&mut pulse, begin, (0, 20), 256), 0);
+        assert_eq!(looks(&mut pulse, begin, (20, 40), 512), 0);
+        assert_eq!(looks(&mut pulse, begin, (40, patience), 512), 0);
+        assert_eq!(looks(&mut pulse, begin, (patience, patience + 400), 512), 400);
+        assert_eq!(looks(&mut pulse, begin, (patience + 400, patience + 420), 768), 0);
+        assert_eq!(looks(&mut pulse, begin, (patience + 420, patience + 920), 768), 500);
         // One that has been regular for a while is not waited for any longer.
-        let (begin, mut pulse) = (Instant::now(), Pulse::new());
-        let mut pause = |ms: u64, frames| pulse.pause(begin + Duration::from_millis(ms), frames).as_millis();
-        assert!((1..=12).all(|n| pause(20 * n, 256 * n) == 0));
-        assert_eq!(pause(640, 256 * 12), 400);
+        let mut pulse = Pulse::new();
+        let begin = pulse.looked;
+        assert!((1..=12).all(|n| looks(&mut pulse, begin, (20 * (n - 1), 20 * n), 256 * n) == 0));
+        assert_eq!(looks(&mut pulse, begin, (240, 640), 256 * 12), 400);
     }
 }

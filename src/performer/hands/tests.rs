@@ -288,6 +288,27 @@ fn notes_and_programs_that_no_trigger_plays_are_counted() {
 }
 
 #[test]
+fn notes_of_a_song_of_which_only_the_clock_is_heard_are_not_missed() {
+    let follows = "[pattern.f]\ntime = \"beats\"\ntempo = 120\nclock = \"midi\"\nevents = [{ at = 0, voice = \"v\" }]\n";
+    let note = "[[trigger]]\non = \"midi.note\"\nplay = \"v\"\nnotes = [36, 59]\n";
+    let controller = "[[trigger]]\non = \"midi.controller 64 rises 0.5\"\nplay = \"v\"\n";
+    let key = "[[trigger]]\non = \"key.1\"\nplay = \"v\"\n";
+    for (rest, unplayed) in [
+        (follows.to_string(), 0),
+        (format!("{follows}{key}"), 0),
+        (format!("{follows}{note}"), 1),
+        (format!("{follows}{controller}"), 2),
+        (key.to_string(), 2),
+    ] {
+        let (mut performer, mut kept) = performer(&rest);
+        for message in [on(0, 48, 9), Message::Program { channel: Channel::FIRST, program: 3 }] {
+            send(&mut performer, &mut kept, 0.1, message);
+        }
+        assert_eq!(performer.midi_counts().unplayed, unplayed, "{rest}");
+    }
+}
+
+#[test]
 fn all_notes_off_silences_its_channel_alone() {
     for number in 123..128 {
         let (mut performer, mut kept) = performer(BOTH);
