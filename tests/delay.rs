@@ -3,6 +3,7 @@
 mod common;
 
 use common::{channel, compiled, moments, play, rendered};
+use pacinian::live::clock::HASTE;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 const RATES: [f64; 5] = [44_100.0, 48_000.0, 88_200.0, 96_000.0, 192_000.0];
@@ -56,9 +57,11 @@ fn band_limit_and_up_sampling_take_less_than_1_6_ms() {
     for rate in RATES {
         let (delay, ..) = swell(rate, 6, 100.0);
         let added = delay.band_limit_group + delay.up_sampling;
-        println!("{rate}: {:.3} ms added, {:.3} ms in all", 1e3 * added, 1e3 * delay.total());
+        // Live, an event may take some frames to the callback.
+        let total = delay.total() + (HASTE * rate).ceil() / rate;
+        println!("{rate}: {:.3} ms added, {:.3} ms in all", 1e3 * added, 1e3 * total);
         assert!(added < 1.6e-3, "{added} s at {rate} Hz");
         assert!(delay.lead > 0.0 && delay.lead < 0.3e-3);
-        assert!(delay.total() < 1.7e-3, "{} s in all at {rate} Hz", delay.total());
+        assert!(total < 1.7e-3, "{total} s in all at {rate} Hz");
     }
 }

@@ -102,6 +102,15 @@ pub enum Event {
 }
 
 impl Event {
+    /// Whether it is a voice or a marker that is to begin, and its id agrees with this one but for so many of the lowest bits.
+    pub(crate) fn begins_of(&self, id: u64, bits: u8) -> bool {
+        match self {
+            Self::Play(play) => play.is_of(id, bits),
+            Self::Marker(_, of) => is_of(*of, id, bits),
+            _ => false,
+        }
+    }
+
     /// Whether it lets go of something that would go on without it. It names no part of a plan, so that it means the same in every one.
     pub fn lets_go(&self) -> bool {
         matches!(

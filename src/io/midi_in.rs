@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use midir::{Ignore, MidiInput, MidiInputConnection};
 
+use super::device::priority;
 use crate::live::board::Board;
 use crate::live::signal::{Handle, Signal};
 use crate::midi::{Message, Parser};
@@ -60,10 +61,16 @@ struct Line {
     ear: Ear,
     /// Where it counts what it cannot use.
     board: Option<Arc<Board>>,
+    /// Whether its thread has asked for priority.
+    raised: bool,
 }
 
 impl Line {
     fn hear(&mut self, bytes: &[u8]) {
+        // In the thread of the port, which is the system's.
+        if !std::mem::replace(&mut self.raised, true) {
+            priority::raise_feeding();
+        }
         let (ear, number, name) = (&self.ear, self.number, &self.name);
         let before = self.parser.counts();
         self.parser.read(bytes, &mut |message| ear(number, name, Some(message)));
@@ -148,6 +155,7 @@ impl MidiPorts {
                             parser: Parser::new(),
                             ear: Arc::clone(&ear),
                             board: board.clone(),
+                            raised: false,
                         };
                         release(&input, &mut open, &mut roster, &ear, &mut news);
                         search(&input, &wanted, &mut open, &mut refused, &mut roster, &state, &mut news);
@@ -239,6 +247,7 @@ fn search(
 
 #[cfg(test)]
 mod tests {
+
     use super::{Arc, Board, Line, Message, Parser};
     use std::sync::Mutex;
 
@@ -255,6 +264,7 @@ mod tests {
             parser: Parser::new(),
             ear: Arc::new(ear),
             board: Some(Arc::clone(&board)),
+            raised: true,
         };
         // Running status across packets, a system exclusive message in a hundred of them with a clock within, and a stray byte.
         [&[0x90][..], &[60], &[1, 61], &[2], &[0xF0]].into_iter().for_each(|bytes| line.hear(bytes));

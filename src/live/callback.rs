@@ -11,6 +11,7 @@ use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
 use super::board::Board;
+use super::called_off::CalledOff;
 use super::gate::{Gate, Order};
 use super::lever::Obeyed;
 use super::relief::Relieved;
@@ -21,6 +22,7 @@ use crate::engine::exchange::Stagehand;
 use crate::engine::knob::followed::Followed;
 use crate::engine::watch::Crossing;
 use crate::knob::local_model::profile::Profile;
+use crate::performer::outlet::FOR_PROGRAM;
 use crate::schedule::Instant;
 
 /// Sources of events, in the order in which they go at the same instant.
@@ -29,6 +31,9 @@ pub const SOURCES: [Source; 3] = [Source::Stop, Source::Pattern, Source::Program
 /// The rank of the meters, and seconds that they may take for a frame.
 const METERS: u8 = u8::MAX;
 const METERED: f64 = 1e-6;
+
+/// The place of those of patterns.
+const PATTERNS: usize = 1;
 
 /// Events of a source that may be under way to the callback.
 pub const UNDER_WAY: usize = 1 << 13;
@@ -107,6 +112,8 @@ pub struct Callback {
     plan: u64,
     /// Events that came too late for their plan.
     outdated: u64,
+    /// Patterns of which events are on their way that are not to begin.
+    called_off: CalledOff,
     /// What signals have set off and the engine did not keep, as of the last time.
     unkept: u64,
     /// Frames given out.
@@ -160,6 +167,7 @@ impl Callback {
             channels,
             plan: 0,
             outdated: 0,
+            called_off: CalledOff::default(),
             unkept: 0,
             frames: 0,
             shed: METERS,
@@ -318,15 +326,24 @@ impl Callback {
         }
     }
 
-    /// Gives the engine what has come for its plan, as long as it has room; the rest waits in its ring.
+    /// Gives the engine what has come for its plan, as long as it has room, of which patterns leave some; the rest waits in its ring.
     fn take_cues(&mut self) {
         for (number, source) in SOURCES.into_iter().enumerate() {
-            while self.stagehand.engine().room() > 0 {
+            let left = if source == Source::Pattern { FOR_PROGRAM } else { 0 };
+            while self.stagehand.engine().room() > left {
                 let Some(&Cue { plan, at: due, event, cause }) = self.cues[number].try_peek() else { break };
                 if plan > self.plan {
                     break;
                 }
                 self.cues[number].try_pop();
+                match (source, event) {
+                    (Source::Pattern, event) if self.called_off.take(due, &event) => continue,
+                    // Those of its pattern that wait here were sent before it.
+                    (_, Event::Cancel(id, bits)) => {
+                        self.called_off.call((id, bits), due, self.cues[PATTERNS].occupied_len());
+                    }
+                    _ => {}
+                }
                 if plan < self.plan && !event.lets_go() {
                     // It found no room before its plan went; what its numbers name now is something else.
                     self.outdated += 1;
@@ -399,3 +416,7 @@ impl Callback {
         self.board.shut.set(u64::from(self.gate.is_shut()));
     }
 }
+
+#[cfg(test)]
+#[expect(clippy::disallowed_methods, reason = "a test is no audio thread")]
+mod tests;

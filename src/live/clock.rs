@@ -20,8 +20,13 @@ const EAGER: f64 = 8.0;
 /// For so long, in seconds.
 const FIRST: f64 = 0.25;
 
-/// A callback that is further off than this, in seconds, begins the loop anew: the device stood still.
+/// A callback that is further off than this, in seconds and in blocks, begins the loop anew: the device stood still. Servers of large
+/// blocks ask for two at once.
 const LOST: f64 = 0.02;
+const LOST_BLOCKS: f64 = 1.5;
+
+/// Seconds that an event may take from where it arrives to where the callback finds it, or it would be late where it arrives just before one.
+pub const HASTE: f64 = 6e-5;
 
 /// The loop, on the audio thread.
 #[derive(Debug)]
@@ -36,8 +41,9 @@ pub struct Follower {
     due: f64,
     /// Seconds since the loop began.
     age: f64,
-    /// The longest block so far, in frames.
+    /// The longest block so far, and what an event may take to the callback, in frames.
     longest: u64,
+    haste: u64,
     running: bool,
     face: Arc<Face>,
 }
@@ -49,7 +55,7 @@ struct Face {
     frames: AtomicU64,
     time: AtomicU64,
     frame: AtomicU64,
-    longest: AtomicU64,
+    ahead: AtomicU64,
 }
 
 /// Shows other threads how frames and wall time belong together.
@@ -65,7 +71,7 @@ pub struct Moment {
     pub time: f64,
     /// Seconds a frame, as the device has it.
     pub frame: f64,
-    /// Frames by which events are played later than they arrive: the longest block so far.
+    /// Frames by which events are played later than they arrive: the longest block so far, and [`HASTE`].
     pub ahead: u64,
 }
 
@@ -85,7 +91,8 @@ impl Moment {
 impl Follower {
     /// For a device of `rate` frames a second that is expected to ask for blocks of `block` frames; both are found out as it runs.
     pub fn new(rate: f64, block: u64) -> (Self, StreamClock) {
-        let face = Arc::new(Face { longest: AtomicU64::new(block), ..Face::default() });
+        let haste = (HASTE * rate).ceil() as u64;
+        let face = Arc::new(Face { ahead: AtomicU64::new(block + haste), ..Face::default() });
         let clock = StreamClock(Arc::clone(&face));
         let frame = 1.0 / rate;
         (
@@ -97,6 +104,7 @@ impl Follower {
                 due: 0.0,
                 age: 0.0,
                 longest: block,
+                haste,
                 running: false,
                 face,
             },
@@ -108,7 +116,8 @@ impl Follower {
     pub fn callback(&mut self, stamp: Stamp, frames: u64) -> f64 {
         let now = stamp.seconds();
         let late = now - self.next;
-        if !self.running || late.abs() > LOST {
+        let most = LOST.max(LOST_BLOCKS * self.longest as f64 * self.frame);
+        if !self.running || late.abs() > most {
             (self.running, self.next, self.frame, self.age) = (true, now, 1.0 / self.rate, 0.0);
         } else {
             // The loop's natural frequency in radians a callback; below 0.3 it is well damped.
@@ -151,14 +160,14 @@ impl Follower {
     }
 
     fn show(&self) {
-        let Face { turn, frames, time, frame, longest } = &*self.face;
+        let Face { turn, frames, time, frame, ahead } = &*self.face;
         let before = turn.load(Ordering::Relaxed);
         turn.store(before + 1, Ordering::Relaxed);
         fence(Ordering::Release);
         frames.store(self.frames, Ordering::Relaxed);
         time.store(self.next.to_bits(), Ordering::Relaxed);
         frame.store(self.frame.to_bits(), Ordering::Relaxed);
-        longest.store(self.longest, Ordering::Relaxed);
+        ahead.store(self.longest + self.haste, Ordering::Relaxed);
         turn.store(before + 2, Ordering::Release);
     }
 }
@@ -179,20 +188,20 @@ impl StreamClock {
         }
     }
 
-    /// The longest block so far, in frames; before the first, what was expected.
-    pub fn longest(&self) -> u64 {
-        self.0.longest.load(Ordering::Relaxed)
+    /// [`Moment::ahead`]; before the first callback, what was expected.
+    pub fn ahead(&self) -> u64 {
+        self.0.ahead.load(Ordering::Relaxed)
     }
 
     /// As [`StreamClock::moment`], for the audio thread: `None` as well where a callback came in between.
     pub fn glimpse(&self) -> Option<Moment> {
-        let Face { turn, frames, time, frame, longest } = &*self.0;
+        let Face { turn, frames, time, frame, ahead } = &*self.0;
         let before = turn.load(Ordering::Acquire);
         let moment = Moment {
             frames: frames.load(Ordering::Relaxed),
             time: f64::from_bits(time.load(Ordering::Relaxed)),
             frame: f64::from_bits(frame.load(Ordering::Relaxed)),
-            ahead: longest.load(Ordering::Relaxed),
+            ahead: ahead.load(Ordering::Relaxed),
         };
         fence(Ordering::Acquire);
         let whole = before != 0 && before.is_multiple_of(2) && turn.load(Ordering::Relaxed) == before;
@@ -242,7 +251,8 @@ mod tests {
         for offset in [0.0, 1.0, 63.5, 127.0] {
             let arrived = 1.0 + (moment.frames as f64 + offset) / 48_000.0;
             let played = moment.frame_of(stamp(arrived));
-            assert!((played - (moment.frames as f64 + 128.0 + offset)).abs() < 0.01, "{offset}");
+            // A block, and three frames.
+            assert!((played - (moment.frames as f64 + 128.0 + 3.0 + offset)).abs() < 0.01, "{offset}");
         }
     }
 
@@ -258,11 +268,25 @@ mod tests {
         }
         let moment = clock.moment().unwrap();
         assert!((moment.time - moment.frames as f64 / 48_000.0).abs() < 50e-6);
-        assert!((148..=151).contains(&moment.ahead), "{}", moment.ahead);
+        assert!((148 + 3..=151 + 3).contains(&moment.ahead), "{}", moment.ahead);
         // Three seconds in which nobody asked for anything.
         let pause = frames as f64 / 48_000.0 + 3.0;
         assert!(follower.callback(stamp(pause), 128) > 2.9);
         assert!((clock.moment().unwrap().time - pause).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_server_that_asks_for_two_blocks_at_once_stands_still_never() {
+        let (mut follower, clock) = Follower::new(48_000.0, 2048);
+        let block = 2048.0 / 48_000.0;
+        for n in 0..400 {
+            // The first of two comes when the second does.
+            follower.callback(stamp(1.0 + (n | 1) as f64 * block), 2048);
+        }
+        // Half a block later than an even one would be, in the middle.
+        let moment = clock.moment().unwrap();
+        let due = 1.0 + moment.frames as f64 / 48_000.0 + 0.5 * block;
+        assert!((moment.time - due).abs() < 0.15 * block, "{} s off", moment.time - due);
     }
 
     #[test]

@@ -33,6 +33,9 @@ const EVERY: Duration = Duration::from_millis(5);
 /// The same where nodes or a knob may set off patterns, whose time is short ([`crate::graph::answer::TELLING`]).
 const OFTEN: Duration = Duration::from_millis(1);
 
+/// The same where they have more to send than they were let at once.
+const BREATH: Duration = Duration::from_micros(100);
+
 /// How long a callback may take to shut the gate at the end; one whose device stands still never does.
 const LAST: Duration = Duration::from_millis(500);
 
@@ -173,7 +176,8 @@ impl Conductor {
         self.inbox.attend();
         while !self.ended {
             self.inbox.wait(match (self.behind, self.callings.has_patterns()) {
-                (true, _) => Duration::ZERO,
+                // Others of its priority are to come to their turn, too.
+                (true, _) => BREATH,
                 (false, true) => OFTEN,
                 (false, false) => EVERY,
             });
@@ -292,7 +296,7 @@ impl Conductor {
 
     /// Up to where patterns are sent, when `clock` is the next sample to be computed.
     fn until(&self, clock: u64) -> u64 {
-        let block = self.clock.longest() as f64 / self.ratio;
+        let block = self.clock.ahead() as f64 / self.ratio;
         clock + (AHEAD * self.rate + block) as u64
     }
 
@@ -312,7 +316,7 @@ impl Conductor {
         }
     }
 
-    /// When something takes effect that arrived at `stamp`: a whole block later, so that no callback has computed it yet.
+    /// When something takes effect that arrived at `stamp`: a whole block later and a little, so that no callback has computed it yet.
     fn when(&self, stamp: Stamp) -> When {
         match self.clock.moment() {
             Some(moment) => {
@@ -420,6 +424,9 @@ impl Conductor {
     fn end(&mut self) {
         self.board.lever.close();
         self.ended = true;
+        for (way, left) in Way::ALL.into_iter().zip(self.inbox.close()) {
+            self.board.refused.of(way).add(left);
+        }
     }
 
     /// Lets another scene take over. Where two engines are still under way, it waits.

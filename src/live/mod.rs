@@ -12,6 +12,7 @@
 
 pub mod board;
 pub mod callback;
+mod called_off;
 pub mod clock;
 pub mod conductor;
 pub mod driver;

@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use super::owed::Owed;
 use super::signal::{Origin, Refused, Stamped};
+use super::stamp::Stamp;
 use super::way::{WAYS, Way};
 
 /// Signals of one way that are taken in a pass: below a millisecond's work.
@@ -78,11 +79,11 @@ pub(crate) fn queues() -> (Inlet, Inbox) {
 }
 
 impl Inlet {
-    /// Sends a signal. Gives it its number within the session, and tells it.
+    /// Sends a signal, now. Gives it its number within the session, and tells it.
     ///
     /// # Errors
     /// One that was not taken.
-    pub fn send(&self, mut stamped: Stamped) -> Result<u64, Refused> {
+    pub fn send(&self, now: Stamp, mut stamped: Stamped) -> Result<u64, Refused> {
         let Shared { owed, ids, conductor, closed } = &*self.shared;
         if closed.load(Ordering::Acquire) {
             return Err(Refused::Ended);
@@ -100,7 +101,8 @@ impl Inlet {
                 Err(TrySendError::Disconnected(_)) => return Err(Refused::Ended),
             }
         };
-        if unsent.is_some_and(|unsent| !owed.note(unsent.stamp, &unsent.signal)) {
+        // What is meant for later would keep all that is owed waiting.
+        if unsent.is_some_and(|unsent| !owed.note(unsent.stamp.min(now), &unsent.signal)) {
             return Err(Refused::Busy);
         }
         if let Some(conductor) = conductor.get() {
@@ -141,6 +143,16 @@ impl Inbox {
         first.head.take()
     }
 
+    /// From now on, whoever sends is told that nobody hears it. Gives how many signals of each way still waited.
+    pub fn close(&mut self) -> [u64; WAYS] {
+        self.shared.closed.store(true, Ordering::Release);
+        std::array::from_fn(|way| {
+            let lane = &mut self.lanes[way];
+            let waited = usize::from(lane.head.take().is_some()) + std::mem::take(&mut lane.debts).len();
+            (waited + lane.signals.try_iter().count()) as u64
+        })
+    }
+
     /// Whether nobody can send anything any more, and nothing waits.
     pub fn is_over(&self) -> bool {
         self.lanes.iter().all(|lane| lane.over)
@@ -157,8 +169,11 @@ impl Lane {
         if self.head.is_some() {
             return;
         }
+        // Before it is looked what waits: what is owed by then comes behind all that was sent before it.
+        let due = owed.is_due();
         match self.signals.try_recv() {
             Ok(stamped) => self.head = Some(stamped),
+            Err(TryRecvError::Empty) if !due => {}
             Err(error) => {
                 let (way, debts) = (self.way, &mut self.debts);
                 owed.settle(&mut |stamp, signal| {

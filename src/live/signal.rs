@@ -164,7 +164,7 @@ impl Handle {
     pub(crate) fn send_numbered(&self, stamp: Stamp, signal: Signal) -> Result<u64, Refused> {
         let way = Way::of(&signal, &self.origin);
         let (origin, peer) = (self.origin.clone(), self.peer.clone());
-        let sent = self.inlet.send(Stamped { id: 0, stamp, origin, peer, signal });
+        let sent = self.inlet.send(self.epoch.now(), Stamped { id: 0, stamp, origin, peer, signal });
         self.board.refused.of(way).add(u64::from(sent == Err(Refused::Busy)));
         sent
     }

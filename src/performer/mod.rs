@@ -11,7 +11,7 @@ mod heard;
 mod here;
 mod letting;
 mod note;
-mod outlet;
+pub(crate) mod outlet;
 mod patterns;
 mod pickup;
 mod run;

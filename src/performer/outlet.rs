@@ -20,7 +20,7 @@ pub trait Outlet {
 }
 
 /// Room in an engine's queue that patterns leave, so that the program can always release and set something.
-const FOR_PROGRAM: usize = 1024;
+pub(crate) const FOR_PROGRAM: usize = 1024;
 
 /// Room that what the program plays leaves, so that it never keeps patterns waiting.
 const FOR_PATTERNS: usize = 2 * FOR_PROGRAM;

@@ -352,8 +352,8 @@ impl Show {
         let (device, input) = (board.device_delay.get(), board.input.latency.get());
         self.snapshot.elapsed = elapsed;
         self.snapshot.latency = Latency {
-            // What events are delayed by is the longest block, whatever the last one was.
-            block: session.clock().longest() as f64 / f64::from(self.snapshot.rate.max(1)),
+            // What events are delayed by is the longest block and a little, whatever the last one was.
+            block: session.clock().ahead() as f64 / f64::from(self.snapshot.rate.max(1)),
             engine: session.delay().total(),
             device: (device > 0).then_some(device as f64 * 1e-9),
             beyond: self.beyond,

@@ -107,7 +107,7 @@ pub struct Figures {
 /// What lies between an event and the skin, seconds.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Latency {
-    /// The longest block of the device so far: by so much is everything played later than it comes, whatever the length of its own block.
+    /// The longest block of the device so far, and what an event may take to the callback: by so much is everything played later than it comes, whatever the length of its own block.
     pub block: f64,
     /// The engine, for the envelope of a tone of 250 Hz.
     pub engine: f64,

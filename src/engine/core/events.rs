@@ -2,7 +2,7 @@
 
 use super::Core;
 use crate::dsp::lanes::Real;
-use crate::engine::event::{Event, Play, is_of};
+use crate::engine::event::{Event, Play};
 use crate::engine::watch::SetOff;
 use crate::schedule::Instant;
 
@@ -114,11 +114,7 @@ impl<R: Real> Core<R> {
 
     /// What waits lies at this instant or behind it.
     fn cancel(&mut self, id: u64, bits: u8) {
-        self.queue.edit(|event| match event {
-            Event::Play(play) => !play.is_of(id, bits),
-            Event::Marker(_, of) => !is_of(*of, id, bits),
-            _ => true,
-        });
+        self.queue.edit(|event| !event.begins_of(id, bits));
     }
 
     fn silence(&mut self, id: u64, bits: u8, at: Instant) {

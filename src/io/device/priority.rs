@@ -42,14 +42,22 @@ pub fn raise() {
 }
 
 /// Asks the same for a thread that waits for events and sends them to those that play, which go before it. Where the system refuses it
-/// has refused those, too, and that is told.
+/// has refused those, too, and that is told. One that runs before others already, as JACK's do, is left as it is.
 pub fn raise_feeding() {
     #[cfg(unix)]
-    let _ = fifo(FEEDING);
+    if !is_real_time() {
+        let _ = fifo(FEEDING);
+    }
     #[cfg(windows)]
     let _ = thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Os(
         thread_priority::WinAPIThreadPriority::AboveNormal.into(),
     ));
+}
+
+#[cfg(unix)]
+fn is_real_time() -> bool {
+    use thread_priority::{ThreadSchedulePolicy, thread_schedule_policy};
+    matches!(thread_schedule_policy(), Ok(ThreadSchedulePolicy::Realtime(_)))
 }
 
 /// Whether the system lets this thread run before others, those aside that have more.
@@ -90,6 +98,11 @@ mod tests {
         assert_eq!((plays.is_none(), feeds.is_none()), (refused, refused));
         if let (Some(plays), Some(feeds)) = (plays, feeds) {
             assert!(plays > feeds, "{plays:?} {feeds:?}");
+            let both = || {
+                raise();
+                raise_feeding();
+            };
+            assert_eq!(after(both), Some(plays), "one that plays is not put back");
         }
     }
 }

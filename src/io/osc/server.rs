@@ -22,6 +22,7 @@ use super::packet::{Unreadable, unpack};
 use super::peers::{LIFE, Peers, What};
 use super::said;
 use super::time::{Due, Tag};
+use crate::io::device::priority;
 use crate::live::signal::{Handle, Origin, Signal};
 use crate::live::stamp::Stamp;
 use crate::live::way::Way;
@@ -32,6 +33,11 @@ const AHEAD: u64 = 20_000_000;
 
 /// It looks this often whether it is to stop.
 const LOOK: Duration = Duration::from_millis(50);
+
+/// So many datagrams in less than so many seconds are a flood, in which it rests that long each time.
+const MANY: u64 = 1 << 12;
+const FLOOD: f64 = 0.05;
+const REST: Duration = Duration::from_micros(500);
 
 /// The largest datagram of UDP.
 const DATAGRAM: usize = 1 << 16;
@@ -92,10 +98,12 @@ impl Server {
             space: vec![0; DATAGRAM],
             timeout: Duration::ZERO,
             looked: Stamp::default(),
+            rested: Stamp::default(),
         };
         listener.follow(Names::of(patch));
         let stopped = Arc::clone(&stop);
         let listen = move || {
+            priority::raise_feeding();
             while !stopped.load(Ordering::Acquire) {
                 listener.turn();
             }
@@ -153,8 +161,9 @@ struct Listener {
     /// Where datagrams are received.
     space: Vec<u8>,
     timeout: Duration,
-    /// When what the system dropped was looked at last.
+    /// When what the system dropped was looked at last, and when it was looked whether this is a flood.
     looked: Stamp,
+    rested: Stamp,
 }
 
 impl Listener {
@@ -183,10 +192,22 @@ impl Listener {
             },
         }
         self.space = space;
+        self.rest(now);
         while let Ok(names) = self.to_come.try_recv() {
             self.follow(names);
         }
         self.go_on(epoch.now());
+    }
+
+    /// In a flood, lets those run that have no priority: on a machine of one core they never could.
+    fn rest(&mut self, now: Stamp) {
+        if !self.counts.datagrams.get().is_multiple_of(MANY) {
+            return;
+        }
+        if now.since(self.rested) < FLOOD {
+            std::thread::sleep(REST);
+        }
+        self.rested = now;
     }
 
     /// Sees to it that nothing is waited for longer than until something is due.

@@ -133,11 +133,20 @@ fn what_arrives_within_a_block_is_played_a_block_later_to_the_sample() {
         let arrived = bench.next() - 2_000_000 + offset;
         bench.take(arrived, Signal::Play(n, "a".into(), Note::default()));
         let first = (bench.blocks - 1) * 96;
-        expected.push(first as f64 + 96.0 + offset as f64 * 48e-6);
+        // A block, and the three frames that it may take to the callback.
+        expected.push(first as f64 + 96.0 + 3.0 + offset as f64 * 48e-6);
+        bench.block();
+    }
+    // As many that come 10 us before a callback, and are found by the next.
+    for n in 40..80_u64 {
+        let arrived = bench.next() - 10_000;
+        expected.push(bench.blocks as f64 * 96.0 + 96.0 + 3.0 - 0.48);
+        bench.block();
+        bench.take(arrived, Signal::Play(n, "a".into(), Note::default()));
         bench.block();
     }
     let played = bench.played();
-    assert_eq!(played.len(), 40);
+    assert_eq!(played.len(), 80);
     for ((due, at, _), expected) in played.iter().zip(expected) {
         assert!((due - expected).abs() < 0.1 && due == at, "{due}, {at} for {expected}");
     }

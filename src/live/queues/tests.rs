@@ -1,7 +1,7 @@
 use super::{Inbox, Inlet, SHARE, queues};
 use crate::live::signal::{Origin, Refused, Signal, Stamped};
 use crate::live::stamp::Stamp;
-use crate::live::way::Way;
+use crate::live::way::{WAYS, Way};
 use crate::midi::{Channel, Message};
 
 fn on(note: u8) -> Signal {
@@ -13,7 +13,7 @@ fn off(note: u8) -> Signal {
 }
 
 fn send(inlet: &Inlet, stamp: Stamp, origin: Origin, signal: Signal) -> Result<u64, Refused> {
-    inlet.send(Stamped { id: 0, stamp, origin, peer: None, signal })
+    inlet.send(stamp, Stamped { id: 0, stamp, origin, peer: None, signal })
 }
 
 fn key() -> Origin {
@@ -115,6 +115,20 @@ fn a_flood_takes_no_room_from_others_and_no_release_is_lost() {
     assert_eq!(said(&pass(&mut inbox)).matches("NoteOn").count(), 1);
 }
 
+#[test]
+fn what_is_meant_for_later_keeps_nothing_that_is_owed_waiting() {
+    let (inlet, mut inbox) = queues();
+    while send(&inlet, Stamp(5), key(), Signal::Key(1)).is_ok() {}
+    let later =
+        Stamped { id: 0, stamp: Stamp(1 << 60), origin: key(), peer: None, signal: Signal::Release(1) };
+    inlet.send(Stamp(7), later).unwrap();
+    send(&inlet, Stamp(6), key(), Signal::Release(2)).unwrap();
+    let all: Vec<_> =
+        std::iter::repeat_with(|| pass(&mut inbox)).take_while(|pass| !pass.is_empty()).flatten().collect();
+    let owed: Vec<_> = all.iter().filter(|(_, signal)| matches!(signal, Signal::Release(_))).collect();
+    assert_eq!(owed.iter().map(|(stamp, _)| *stamp).collect::<Vec<_>>(), [7, 7]);
+}
+
 /// What one thread sends is heard in its order, and every key ends up, however full the queue runs.
 #[test]
 fn every_key_that_went_down_goes_up() {
@@ -155,6 +169,13 @@ fn every_key_that_went_down_goes_up() {
 
 #[test]
 fn who_sends_to_a_session_that_has_ended_is_told() {
+    let (inlet, mut inbox) = queues();
+    (0..3).for_each(|n| assert!(send(&inlet, Stamp(n), key(), Signal::Key(1)).is_ok()));
+    send(&inlet, Stamp(0), Origin::Program, on(1)).unwrap();
+    let mut left = [0; WAYS];
+    (left[Way::Key as usize], left[Way::Midi as usize]) = (3, 1);
+    assert_eq!(inbox.close(), left, "what nobody will hear");
+    assert_eq!(send(&inlet, Stamp(0), Origin::Program, Signal::Panic), Err(Refused::Ended));
     let (inlet, inbox) = queues();
     drop(inbox);
     assert_eq!(send(&inlet, Stamp(0), Origin::Program, Signal::Panic), Err(Refused::Ended));
