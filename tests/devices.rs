@@ -138,7 +138,7 @@ fn a_default_stream_that_breaks_off_comes_back_at_its_level_and_one_whose_card_w
         wait("its return", || playing.says("the device is back") == playing.says("the device is gone"));
         let (peak, text) = (peak(), playing.text());
         if text.contains("does not ask for anything") {
-            println!("skipped: the machine stood still for so long that the card was taken for lost");
+            bench::skipped("the machine stood still for so long that the card was taken for lost");
             return;
         }
         let lowered = flag == "gone";
@@ -358,4 +358,28 @@ fn a_walk_waits_for_a_card_that_is_away() {
     assert!(output.status.success(), "{said}");
     assert!(said.contains("again: channel 1"), "{said}");
     assert!(loud(1), "{said}");
+}
+
+#[test]
+fn a_sound_system_that_does_not_answer_is_told_of_and_waited_for() {
+    let Some(bench) = Bench::new("stuck") else { return };
+    // Who opens the card waits for who reads the pipe.
+    let pipe = bench.folder.join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    bench.card("stuck", "channels 2 played \"@/pipe\"");
+    bench.write("hum.toml", HUM);
+    let start =
+        |name: &str, arguments: &[&str]| Playing::start(bench.command(arguments), bench.folder.join(name));
+    let mut asked = start("devices", &["devices"]);
+    let mut played = start("play", &["play", "hum.toml", "--device", "card8", "--duration", "0.2"]);
+    for one in [&mut asked, &mut played] {
+        wait("a word", || one.says("a sound system does not answer yet; Ctrl-C gives up") == 1);
+        assert!(one.goes_on(), "{}", one.text());
+    }
+    // It answers after all, each time that it is asked.
+    let reader = fs::File::open(&pipe).unwrap();
+    wait("the list", || !asked.goes_on());
+    wait("the end", || !played.goes_on());
+    assert!(played.says("plays on Card of 8 channels") == 1, "{}", played.text());
+    drop(reader);
 }

@@ -56,7 +56,7 @@ impl Rig {
             _ => None,
         };
         if let Some(why) = why {
-            println!("skipped: {why}");
+            bench::skipped(why);
             return None;
         }
         let ports: Vec<String> = (0..CHANNELS).map(|n| format!("{n} system:playback_{}", n + 1)).collect();
@@ -72,7 +72,7 @@ impl Rig {
             let full =
                 "all places of JACK's registry are taken: with no server running, rm -r /dev/shm/jack*";
             assert!(!why.contains("Too many servers"), "{full}");
-            println!("skipped: jackd does not run here: {why}");
+            bench::skipped(format!("jackd does not run here: {why}"));
             return None;
         }
         Some(rig)

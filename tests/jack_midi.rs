@@ -2,6 +2,8 @@
 #![cfg(target_os = "linux")]
 
 mod common;
+#[path = "common/skipped.rs"]
+mod skipped;
 
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
@@ -41,13 +43,13 @@ impl Server {
         let mut command = Command::new("jackd");
         command.args(["-r", "-p", "128", "-n", &name, "-d", "dummy", "-r", "48000", "-p", "256"]);
         let Ok(child) = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn() else {
-            eprintln!("skipped: there is no jackd (apt-get install jackd2)");
+            skipped::skipped("there is no jackd (apt-get install jackd2)");
             return None;
         };
         let server = Self(child);
         let ready = wait(10, || MidiOutput::new("are you there").is_ok());
         if !ready {
-            eprintln!("skipped: jackd does not run here");
+            skipped::skipped("jackd does not run here");
         }
         ready.then_some(server)
     }

@@ -42,7 +42,7 @@ impl Rig {
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         for program in ["pipewire", "wireplumber", "dbus-daemon", "pw-record", "pw-cli"] {
             if let Err(error) = Command::new(program).arg("--version").stdout(Stdio::null()).status() {
-                println!("skipped: {program}: {error}");
+                bench::skipped(format!("{program}: {error}"));
                 return None;
             }
         }

@@ -45,7 +45,7 @@ impl Rig {
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         for program in ["pulseaudio", "pactl", "parec"] {
             if let Err(error) = Command::new(program).arg("--version").stdout(Stdio::null()).status() {
-                println!("skipped: {program}: {error}");
+                bench::skipped(format!("{program}: {error}"));
                 return None;
             }
         }

@@ -244,3 +244,74 @@ fn meters_rest_first_and_run_again_last() {
     assert_eq!((meters.runs(), meters.skipped()), (3 * 480, 4 * 480));
     assert_eq!(board.shed.get(), 0);
 }
+
+/// A task that takes two milliseconds of the processor for each of the engine's beats rests after the meters, as a stamped event, and
+/// runs again once there has been room for long; the load tells of it.
+#[cfg(feature = "live")]
+#[test]
+fn a_session_that_has_too_much_to_do_lets_tasks_rest() {
+    use cpu_time::ThreadTime;
+    use pacinian::engine::event::Event;
+    use pacinian::live::board::Board;
+    use pacinian::live::callback::{Callback, Deed};
+    use pacinian::live::driver::Driver;
+    use pacinian::live::gate::Gate;
+    use pacinian::live::stamp::Epoch;
+    use ringbuf::traits::Consumer;
+
+    const BUSY: f64 = 0.002;
+    struct Greedy(Arc<AtomicU32>);
+    impl Task for Greedy {
+        fn name(&self) -> &str {
+            "greedy"
+        }
+        fn cost(&self) -> f64 {
+            BUSY
+        }
+        fn rank(&self) -> u8 {
+            9
+        }
+        fn beat(&self) -> Beat {
+            Beat::every(8)
+        }
+        fn run(&mut self, _values: &mut dyn Values) {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            let begin = ThreadTime::now();
+            while begin.elapsed().as_secs_f64() < BUSY {
+                std::hint::spin_loop();
+            }
+        }
+    }
+    let plan = compiled(PATCH, 2, 48_000.0).plan;
+    let (_director, mut stagehand) = pacinian::engine::exchange::exchange(&plan).unwrap();
+    let runs = Arc::<AtomicU32>::default();
+    let task = stagehand.engine().add_task(Box::new(Greedy(Arc::clone(&runs))));
+    let board = Arc::new(Board::new(2));
+    let (mut callback, mut rings) = Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board));
+    let [.., meters] = callback.duties();
+    callback.time(|| 0);
+    // A callback a millisecond, of eight engine samples each.
+    let (mut driver, _clock) = Driver::new(callback, 48_000.0, 48, Epoch::begin(), Arc::clone(&board));
+    let mut shed = Vec::new();
+    for n in 0..6_000_u64 {
+        driver.fill(&mut [0.0; 96]);
+        for report in rings.reports.pop_iter() {
+            if let Deed::Event { at, event: Event::Shed(rank), .. } = report.deed {
+                assert_eq!(
+                    (at.sample, report.frame),
+                    (8 * (n + 1), 48 * (n + 1)),
+                    "at once, where it is told of"
+                );
+                shed.push((rank, meters.is_resting(), task.is_resting()));
+            }
+        }
+    }
+    // The meters, the task, which after five seconds of room runs again, and again takes too much.
+    let resting: Vec<u8> = shed.iter().map(|(rank, ..)| *rank).collect();
+    assert_eq!(resting, [254, 8, 254, 8], "{shed:?}");
+    assert!(shed.iter().all(|(_, meters, _)| *meters));
+    let load = &board.load;
+    assert_eq!((load.count(), load.over()), (6_000, u64::from(runs.load(Ordering::Relaxed))));
+    assert!(load.most() >= 2.0, "{}", load.most());
+    assert!(runs.load(Ordering::Relaxed) >= 200 && task.skipped() > 0);
+}

@@ -3,6 +3,9 @@
 #![cfg(feature = "io")]
 
 use pacinian::io::wav::{Encoding, WavReader, WavSpec, WavWriter};
+#[path = "common/skipped.rs"]
+mod skipped;
+
 use std::cell::RefCell;
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -404,7 +407,7 @@ fn output(program: &str, arguments: &[&str], file: &Path, rest: &[&str]) -> Opti
             Some((done.status.success(), done.stdout, String::from_utf8_lossy(&done.stderr).into_owned()))
         }
         Err(_) => {
-            eprintln!("skipped: {program} is not installed");
+            skipped::skipped(format!("{program} is not installed"));
             None
         }
     }

@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::missing::{JOINING, missing};
+use super::patience;
 use super::servers::{Server, servers};
 use super::table::{Table, grouped};
 use super::terminal::Terminal;
@@ -26,20 +27,29 @@ pub struct Devices {
     json: bool,
 }
 
+/// A sound system: its name, whether it runs, and its devices or why there are none.
+type Place = (String, bool, Result<Vec<Found>, String>);
+
+/// All sound systems, and the device that is heard where nobody names one.
+fn everywhere() -> (Vec<Place>, Option<String>) {
+    let place = |host: pacinian::io::device::hosts::Place| {
+        let found = host.devices().map(|all| all.into_iter().map(|(_, found)| found).collect());
+        (host.name.clone(), host.runs(), found.map_err(|error| error.to_string()))
+    };
+    let places: Vec<Place> = Hosts::default().places().map(place).collect();
+    // A system may name one that it does not have.
+    let there = |id: &String| {
+        let mut all = places.iter().filter_map(|(.., found)| found.as_ref().ok()).flatten();
+        all.any(|found| found.id == *id && found.input.is_some())
+    };
+    let heard = Hosts::default().default_input().filter(there);
+    (places, heard)
+}
+
 impl Devices {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let mut hosts = Vec::new();
-        for host in Hosts::default().places() {
-            let found = host.devices().map(|all| all.into_iter().map(|(_, found)| found).collect());
-            hosts.push((host.name.clone(), host.runs(), found.map_err(|error| error.to_string())));
-        }
-        // A system may name one that it does not have.
-        let there = |id: &String| {
-            let all = hosts.iter().filter_map(|(.., found)| found.as_ref().ok()).flatten();
-            all.into_iter().any(|found: &Found| found.id == *id && found.input.is_some())
-        };
-        let heard = Hosts::default().default_input().filter(there);
+        let (hosts, heard) = patience::look(terminal, everywhere)?;
         if self.json {
             let hosts: Vec<_> =
                 hosts.iter().map(|(name, runs, found)| host_as_json(name, *runs, found)).collect();

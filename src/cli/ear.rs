@@ -3,7 +3,9 @@
 use super::failure::Failure;
 use super::input::named;
 use super::load::Loaded;
+use super::patience;
 use super::table::many;
+use super::terminal::Terminal;
 use pacinian::io::device::capture;
 use pacinian::io::device::choose;
 use pacinian::io::device::keeper::Fate;
@@ -32,8 +34,8 @@ impl Listens {
         loaded: &Loaded,
         (path, device): (Option<&Path>, Option<&str>),
         channels: &[usize],
-        rate: u32,
-        block: Option<u32>,
+        (rate, block): (u32, Option<u32>),
+        terminal: &Terminal,
     ) -> Result<Self, Failure> {
         if let (Some(input), Some(path)) = (&loaded.input, path) {
             // Nobody knew the device's rate when it was read.
@@ -56,7 +58,8 @@ impl Listens {
             let note = device.map(|_| "nothing in this patch listens, so no input is opened".to_string());
             return Ok(Self { note, ..Self::default() });
         }
-        let (device, found) = choose::heard(name)?;
+        let name = name.to_string();
+        let (device, found) = patience::look(terminal, move || choose::heard(&name))??;
         let most = channels.last().map_or(0, |last| last + 1);
         let shape = capture::shape(&found, most, rate, block)?;
         let of = many(shape.channels, "channel");

@@ -1,6 +1,7 @@
 //! `pacinian latency`.
 
 use super::failure::Failure;
+use super::patience;
 use super::stop::Stop;
 use super::table::{Table, dbfs, many};
 use super::terminal::Terminal;
@@ -119,7 +120,7 @@ impl Latency {
         let level = self.level(rig, channel, &name)?;
         let said = rig.and_then(|rig| rig.device.name.as_deref());
         let wish = Wish::of(self.device.as_deref(), said);
-        let chosen = super::servers::choose(&wish)?;
+        let chosen = super::servers::choose(&wish, terminal)?;
         let rate = chosen.rate(self.rate.or(rig.and_then(|rig| rig.device.rate.map(|rate| rate as u32))));
         let Chosen::Card(device, found) = chosen else {
             return Err(Failure::usage(
@@ -146,11 +147,12 @@ impl Latency {
         let block = blocks.map(|(least, most)| self.block.clamp(least, most.max(least)));
         let ear = self.input_device.as_deref().or(rig.and_then(|rig| rig.device.input.as_deref()));
         let playing = (device, found);
-        let (ear, heard_of) = match ear {
-            Some(ear) => choose::heard(ear)?,
-            None => choose::heard_beside(&playing)?,
-        };
-        let (device, found) = playing;
+        let ear = ear.map(str::to_string);
+        let (playing, heard) = patience::look(terminal, move || {
+            let heard = ear.map_or_else(|| choose::heard_beside(&playing), |ear| choose::heard(&ear));
+            (playing, heard)
+        })?;
+        let ((device, found), (ear, heard_of)) = (playing, heard?);
         let ears = capture::shape(&heard_of, usize::from(self.input), rate, block)?;
         if usize::from(self.input) > ears.channels {
             let what =

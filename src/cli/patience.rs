@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::guard;
 use super::stop::Stop;
 use super::terminal::Terminal;
+use pacinian::io::device::hush::aloud;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::text::problem::escaped;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -48,22 +49,44 @@ enum Silence {
 /// # Errors
 /// As [`Session::start`], and a device that does not answer: what asks it goes on until the program ends.
 pub fn begin(name: &str, beginning: Beginning, stop: &Stop, terminal: &Terminal) -> Result<Session, Failure> {
-    let name = escaped(name);
-    let told = || terminal.note(&format!("{name} does not answer yet; Ctrl-C gives up\n"));
-    let answer = DEVICE.wait(|| stop.asked(), told, || Session::start(beginning));
-    let answer = answer.map_err(|silence| match silence {
-        Silence::Long => Failure::usage(
-            format!("{name} has not answered for {} s", DEVICE.most.as_secs()),
-            "try once more; if it stays so, start its sound system anew, or name another device: pacinian devices lists them",
-        )
-        .with_code(69),
-        Silence::Stopped(code) => Failure::told(code),
-        Silence::NoThread => Failure::said(71, format!("no thread to open {name} in")),
-        Silence::Panicked => Failure::told(guard::BUG),
-    })?;
+    let answer = ask(&escaped(name), || stop.asked(), terminal, || Session::start(beginning))?;
     answer.map_err(|error| match error {
         SessionError::Device(error) => error.into(),
         SessionError::Plan(what) => Failure::said(65, what),
+    })
+}
+
+/// What the sound systems say of their devices.
+///
+/// # Errors
+/// One that does not answer, such as a server that has been stopped.
+pub fn look<T: Send + 'static>(
+    terminal: &Terminal,
+    look: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, Failure> {
+    // Nothing has begun, so a signal ends the program by itself.
+    ask("a sound system", || None, terminal, look)
+}
+
+fn ask<T: Send + 'static>(
+    name: &str,
+    asked: impl Fn() -> Option<u8>,
+    terminal: &Terminal,
+    ask: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, Failure> {
+    let told = || {
+        aloud();
+        terminal.note(&format!("{name} does not answer yet; Ctrl-C gives up\n"));
+    };
+    DEVICE.wait(asked, told, ask).map_err(|silence| match silence {
+        Silence::Long => Failure::usage(
+            format!("{name} has not answered for {} s", DEVICE.most.as_secs()),
+            "try once more; if it stays so, start the sound server anew, or do without: --device virtual",
+        )
+        .with_code(69),
+        Silence::Stopped(code) => Failure::told(code),
+        Silence::NoThread => Failure::said(71, format!("no thread to ask {name} in")),
+        Silence::Panicked => Failure::told(guard::BUG),
     })
 }
 

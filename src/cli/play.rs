@@ -148,7 +148,7 @@ impl Play {
         // Where no rig says which tactors there are, the device does.
         let mut device = None;
         if scene.rig.is_none() {
-            let chosen = servers::choose(&Wish::of(self.device.as_deref(), None))?;
+            let chosen = servers::choose(&Wish::of(self.device.as_deref(), None), terminal)?;
             scene.offered = chosen.channels().to_vec();
             device = Some(chosen);
         }
@@ -158,7 +158,7 @@ impl Play {
             terminal.note(&problems::shown(warnings, terminal));
         }
         let wish = Wish::of(self.device.as_deref(), loaded.rig.device.name.as_deref());
-        let device = device.map_or_else(|| servers::choose(&wish), Ok)?;
+        let device = device.map_or_else(|| servers::choose(&wish, terminal), Ok)?;
         let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
         let armed = self.arm || device.is_meant(&wish);
         let instead = match &device {
@@ -196,7 +196,7 @@ impl Play {
         // What is on a line is no affair of the card.
         let first = on_line.as_ref().map_or(usize::MAX, |knob| knob.first());
         let by_card: Vec<usize> = heard_from.iter().copied().filter(|channel| *channel < first).collect();
-        let mut listens = Listens::of(&loaded, listens, &by_card, rate, self.block)?;
+        let mut listens = Listens::of(&loaded, listens, &by_card, (rate, self.block), terminal)?;
         let hears = listens.note.take();
         #[cfg(feature = "serial")]
         let hears = match (hears, line.as_ref().map(|line| line.note.clone())) {

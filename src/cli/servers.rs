@@ -1,6 +1,8 @@
 //! Sound servers: whether they run, and by what they are reached.
 
 use super::failure::Failure;
+use super::patience;
+use super::terminal::Terminal;
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::Trouble;
 use serde::Serialize;
@@ -75,9 +77,10 @@ pub fn servers(lookup: impl Fn(&str) -> Option<String>) -> Vec<Server> {
 /// The device that is meant. Where none of a sound server is there that was named, the server is the reason.
 ///
 /// # Errors
-/// As [`Wish::choose`].
-pub fn choose(wish: &Wish) -> Result<Chosen, Failure> {
-    wish.choose().map_err(|error| {
+/// As [`Wish::choose`], and a sound system that does not answer.
+pub fn choose(wish: &Wish, terminal: &Terminal) -> Result<Chosen, Failure> {
+    let asked = wish.clone();
+    patience::look(terminal, move || asked.choose())?.map_err(|error| {
         let named = match wish {
             Wish::Named(name) if error.kind == Trouble::Missing => named(name),
             _ => None,

@@ -322,14 +322,16 @@ fn memory_is_what_was_foreseen() {
     }
 }
 
-/// What a session's callback does besides: cues from rings, orders to the gate, reports, meters, the recording.
+/// What a session's callback does besides, as a device calls it: cues from rings, orders to the gate, reports, meters, the recording, clocks.
 #[cfg(feature = "live")]
 #[test]
 fn a_callback_in_a_storm_of_events_orders_and_plans() {
     use common::storm::pull;
     use pacinian::live::board::Board;
     use pacinian::live::callback::{Callback, Cue};
+    use pacinian::live::driver::Driver;
     use pacinian::live::gate::{Gate, Order};
+    use pacinian::live::stamp::Epoch;
     use ringbuf::HeapRb;
     use ringbuf::traits::{Consumer, Producer, Split};
 
@@ -341,6 +343,9 @@ fn a_callback_in_a_storm_of_events_orders_and_plans() {
     let (mut callback, mut rings) = Callback::new(stagehand, gate, std::sync::Arc::clone(&board));
     let (out, mut back) = HeapRb::new(16 * 960).split();
     callback.record(out);
+    callback.time(|| 0);
+    let (mut driver, _clock) =
+        Driver::new(callback, 48_000.0, 128, Epoch::begin(), std::sync::Arc::clone(&board));
     let mut frames = vec![0.0; 128 * 16];
     let (mut total, mut sent, mut events, mut reports) = (0, 0_u32, 0_u32, 0);
     while events < 100_000 || sent < 100 {
@@ -359,8 +364,8 @@ fn a_callback_in_a_storm_of_events_orders_and_plans() {
             _ => {}
         }
         pull(&board, events / 50);
-        total += counted(|| callback.order(Order::Return));
-        total += counted(|| callback.process(&[], &mut frames));
+        total += counted(|| driver.move_to(128, Order::Return));
+        total += counted(|| driver.fill(&mut frames));
         assert!(frames.iter().all(|x| x.is_finite()));
         reports += std::iter::from_fn(|| rings.reports.try_pop()).count();
         // What is not fetched finds no room one day, and is counted.
@@ -371,6 +376,7 @@ fn a_callback_in_a_storm_of_events_orders_and_plans() {
     assert_eq!(total, 0, "allocations and frees in {events} events, {reports} reports and {sent} plans");
     assert!(board.started.get() > 50_000 && reports > 100_000);
     assert!(board.unrecorded.get() > 0 && board.untold.get() == 0);
+    assert_eq!(board.load.count(), u64::from(events / 50));
 }
 
 #[cfg(feature = "live")]

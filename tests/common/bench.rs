@@ -1,10 +1,15 @@
 //! A sound card in user space for tests, and the program on it.
 #![allow(dead_code)]
 
+#[path = "skipped.rs"]
+mod skipped;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
+
+pub use skipped::skipped;
 
 /// A folder of a test's own, with a card's driver and its configuration.
 pub struct Bench {
@@ -30,7 +35,7 @@ impl Bench {
         let system = Path::new("/usr/share/alsa/alsa.conf");
         let why = why.or_else(|| (!system.exists()).then(|| "there is no /usr/share/alsa/alsa.conf".into()));
         if let Some(why) = why {
-            println!("skipped: the card cannot be built: {why}");
+            skipped(format!("the card cannot be built: {why}"));
             return None;
         }
         let bench = Self { folder };

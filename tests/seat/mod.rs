@@ -1,12 +1,17 @@
 //! The program in a terminal of its own, as somebody sees it who sits in front of it.
 #![allow(dead_code)] // No test needs all of it.
 
+#[path = "../common/skipped.rs"]
+mod skipped;
+
 use std::fs::File;
 use std::io::{Read, Write};
 use std::num::NonZero;
 use std::process::{Child, Command, ExitStatus};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
+
+use skipped::skipped;
 
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{LocalModes, Winsize, tcgetattr, tcsetwinsize};
@@ -33,7 +38,7 @@ impl Seat {
     /// The same of that size (columns and rows); its own (`owned`), so that the program hears when it is closed, or not.
     pub fn at(command: &Command, (columns, rows): (u16, u16), term: &str, owned: bool) -> Option<Self> {
         if Command::new("setsid").arg("--version").output().is_err() {
-            eprintln!("skipped: there is no setsid here, which util-linux brings");
+            skipped("there is no setsid here, which util-linux brings");
             return None;
         }
         let near = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();

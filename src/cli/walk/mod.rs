@@ -102,7 +102,7 @@ impl Walk {
         if self.write {
             self.check_write(person.is_some())?;
         }
-        let device = super::servers::choose(&wish)?;
+        let device = super::servers::choose(&wish, terminal)?;
         let rig = given.unwrap_or_else(|| Rig::default_for(channels(&device)));
         let probes = self.chosen(&rig)?;
         let stop = Stop::listen()?;

@@ -8,6 +8,19 @@ pub(crate) fn hush() {
     let _ = alsa::Output::local_error_handler();
 }
 
+/// What standard error was, while nothing is written to it.
+#[cfg(target_os = "linux")]
+static QUIET: std::sync::Mutex<Option<rustix::fd::OwnedFd>> = std::sync::Mutex::new(None);
+
+/// Lets standard error be what it is, whatever a device that does not answer is still being asked; its library may talk then.
+pub fn aloud() {
+    #[cfg(target_os = "linux")]
+    if let Some(kept) = QUIET.lock().ok().and_then(|mut quiet| quiet.take()) {
+        // What was there was open.
+        let _ = rustix::stdio::dup2_stderr(&kept);
+    }
+}
+
 /// Does something while nothing is written to standard error: JACK's library, which ALSA's plug-in for it loads, cannot be told to say
 /// nothing. Only for a moment, and before there is anything else to say.
 pub(super) fn quietly<T>(work: impl FnOnce() -> T) -> T {
@@ -17,11 +30,14 @@ pub(super) fn quietly<T>(work: impl FnOnce() -> T) -> T {
         use rustix::stdio::{dup2_stderr, stderr};
         let nothing = open("/dev/null", OFlags::WRONLY | OFlags::CLOEXEC, Mode::empty());
         if let (Ok(nothing), Ok(kept)) = (nothing, rustix::io::fcntl_dupfd_cloexec(stderr(), 3))
+            && let Ok(mut quiet) = QUIET.lock()
+            && quiet.is_none()
             && dup2_stderr(&nothing).is_ok()
         {
+            *quiet = Some(kept);
+            drop(quiet);
             let done = work();
-            // What was there was open.
-            let _ = dup2_stderr(&kept);
+            aloud();
             return done;
         }
     }

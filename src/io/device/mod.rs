@@ -6,7 +6,7 @@ pub mod card;
 pub mod choose;
 pub mod failure;
 pub mod hosts;
-pub(crate) mod hush;
+pub mod hush;
 #[cfg(all(feature = "jack", target_os = "linux"))]
 mod jack_ports;
 pub mod keeper;
