@@ -235,6 +235,12 @@ fn a_file_is_heard_from_its_beginning_as_it_would_be_rendered() {
     }
 }
 
+/// Whether a measurement that is wrong says of itself that not all was well: rounds that differ by half a frame or more, or that do not count.
+fn stood_still(measured: &serde_json::Value) -> bool {
+    let differ = measured["deviation_s"].as_f64().unwrap() * 48_000.0 > 0.5;
+    differ || ["unheard", "in_gaps", "far_off"].iter().any(|key| measured[key].as_u64().unwrap() > 0)
+}
+
 /// Measures through a cable of so many frames.
 fn latency(bench: &Bench, arguments: &[&str]) -> serde_json::Value {
     let mut all = vec!["latency", "--json", "--count", "12"];
@@ -256,7 +262,7 @@ fn a_cable_of_known_length_is_measured_within_a_sample() {
             let frames = measured["loop_latency_frames"].as_f64().unwrap();
             println!("{delay} frames: {frames}, deviation {} s", measured["deviation_s"]);
             let right = (frames - f64::from(delay)).abs() < 1.0 && measured["heard"].as_u64().unwrap() >= 6;
-            if !right && attempt < 3 {
+            if !right && attempt < 3 && stood_still(&measured) {
                 continue;
             }
             assert!(right, "{delay}: {measured:#}");
@@ -280,7 +286,7 @@ fn a_cable_to_a_card_with_another_clock_is_measured_and_saved() {
         frames = measured["loop_latency_frames"].as_f64().unwrap();
         let ppm = measured["clocks_ppm"].as_f64().unwrap();
         let right = (frames - 100.0).abs() < 1.0 && (ppm - 300.0).abs() < 30.0;
-        assert!(right || attempt < 3, "{measured:#}");
+        assert!(right || attempt < 3 && stood_still(&measured), "{measured:#}");
         if right {
             break;
         }

@@ -14,7 +14,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use bench::{HUM, Playing, floats, hums, is_delayed, scene, signal, wait};
+use bench::{HUM, Playing, floats, heard_to_the_bit, hums, scene, signal, wait};
 
 const CHANNELS: u32 = 24;
 
@@ -147,8 +147,7 @@ fn a_second_program_hears_every_channel_to_the_bit() {
     let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
     assert!(rig.program(&render).output().unwrap().status.success());
     let offline = floats(&rig.folder.join("offline.wav"));
-    // This machine may stop for a moment, and a block is lost; then it is tried again.
-    for attempt in 0..5 {
+    heard_to_the_bit(&offline, CHANNELS, || {
         let recorder = rig.record("glove", "heard.raw");
         let play = ["play", "patch.toml", "--rig", "rig.toml", "--device", "pulseaudio:glove"];
         let played = rig.program(&play).args(["--block", "1024", "--duration", "2"]).output().unwrap();
@@ -157,11 +156,8 @@ fn a_second_program_hears_every_channel_to_the_bit() {
         std::thread::sleep(Duration::from_millis(500));
         let heard = rig.heard(recorder, "heard.raw");
         assert!(played.status.success(), "{said}");
-        if is_delayed(&heard, &offline, CHANNELS) {
-            return;
-        }
-        assert!(attempt < 4, "other samples, five times: {said}");
-    }
+        (heard, said)
+    });
 }
 
 /// The sink's jacks in ALSA's order: what a person is told of where their channels leave is where they are heard.
@@ -194,19 +190,16 @@ fn channels_leave_by_their_names_and_that_is_told() {
     let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
     assert!(rig.program(&render).output().unwrap().status.success());
     let offline = floats(&rig.folder.join("offline.wav"));
-    for attempt in 0..5 {
+    heard_to_the_bit(&offline, 6, || {
         let recorder = rig.record_as("jacks", "heard.raw", 6, alsa);
         let said = play("pulseaudio:jacks", "2");
         assert!(said.contains("channels 3, 4, 5, 6 leave on 5, 6, 3, 4 of jacks"), "{said}");
         std::thread::sleep(Duration::from_millis(500));
         let heard = rig.heard(recorder, "heard.raw");
-        let by_number: Vec<f32> =
+        let by_number =
             heard.chunks_exact(6).flat_map(|frame| [0, 1, 4, 5, 2, 3].map(|place| frame[place])).collect();
-        if is_delayed(&by_number, &offline, 6) {
-            return;
-        }
-        assert!(attempt < 4, "other samples, five times: {said}");
-    }
+        (by_number, said)
+    });
 }
 
 /// It plays on the sink that is the default by then, whatever hangs there.

@@ -204,14 +204,53 @@ pub fn floats(path: &Path) -> Vec<f32> {
     wav[data..].chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 
-/// Whether frames that were heard are those of [`scene`] as it is rendered, to the bit and with a delay of whole frames that is the same for
-/// all channels. The first 200 ms, in which the output comes in and nothing sounds yet, do not count.
-pub fn is_delayed(heard: &[f32], rendered: &[f32], channels: u32) -> bool {
+/// How frames that were heard compare with those of [`scene`] as it is rendered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Likeness {
+    /// To the bit, with a delay of whole frames that is the same for all channels.
+    Same,
+    /// A part is missing, or too much, and what is before and behind is the same to the bit: the machine stood still, and the server lost
+    /// a block.
+    Torn,
+    /// Something else.
+    Other,
+}
+
+/// Compares them. The first 200 ms, in which the output comes in and nothing sounds yet, do not count.
+pub fn likeness(heard: &[f32], rendered: &[f32], channels: u32) -> Likeness {
     let channels = channels as usize;
     let (begin, end) = (channels * 9_600, rendered.len().min(channels * 57_000));
-    let first = (begin..end).step_by(channels).find(|at| rendered[*at] != 0.0).unwrap();
-    let at = heard.iter().step_by(channels).position(|x| *x != 0.0).map(|frame| frame * channels);
-    let from = at.and_then(|at| (at + begin).checked_sub(first));
-    let part = from.and_then(|from| heard.get(from..from + (end - begin)));
-    part.is_some_and(|part| part.iter().zip(&rendered[begin..end]).all(|(a, b)| a.to_bits() == b.to_bits()))
+    let sounds = |frames: &[f32], at: usize| frames[at..at + channels].iter().any(|x| *x != 0.0);
+    let frames = |samples: &[f32]| samples.len() / channels;
+    let first = |all: &[f32]| (0..frames(all)).map(|n| n * channels).find(|at| sounds(all, *at));
+    let last = |all: &[f32]| (0..frames(all)).rev().map(|n| n * channels).find(|at| sounds(all, *at));
+    let wanted = &rendered[begin..end];
+    let (Some(wanted_first), Some(first)) = (first(wanted), first(heard)) else { return Likeness::Other };
+    let same = |(a, b): &(&f32, &f32)| a.to_bits() == b.to_bits();
+    let ahead = wanted[wanted_first..].iter().zip(&heard[first..]).take_while(same).count();
+    if ahead == wanted.len() - wanted_first {
+        return Likeness::Same;
+    }
+    // From the end of what sounds on backwards.
+    let (Some(wanted_last), Some(last)) = (last(rendered), last(heard)) else { return Likeness::Other };
+    let behind = rendered[..wanted_last + channels]
+        .iter()
+        .rev()
+        .zip(heard[..last + channels].iter().rev())
+        .take_while(same)
+        .count();
+    if ahead + behind >= wanted.len() / 2 { Likeness::Torn } else { Likeness::Other }
+}
+
+/// Plays up to five times, until `heard` gives what is rendered; only what the machine's standing still explains is tried again.
+pub fn heard_to_the_bit(rendered: &[f32], channels: u32, mut heard: impl FnMut() -> (Vec<f32>, String)) {
+    for _ in 0..5 {
+        let (heard, said) = heard();
+        match likeness(&heard, rendered, channels) {
+            Likeness::Same => return,
+            Likeness::Torn => println!("the machine stood still: {said}"),
+            Likeness::Other => panic!("other samples: {said}"),
+        }
+    }
+    panic!("it lost blocks five times");
 }
