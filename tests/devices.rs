@@ -112,6 +112,22 @@ fn a_card_that_is_pulled_and_plugged_in_again_is_found_and_no_other() {
     assert!(jumps <= 3 + 2 * gaps, "{jumps} jumps, {gaps} gaps");
 }
 
+/// Whoever names what ALSA plays on by default has not said which card that is.
+#[test]
+fn a_default_that_is_named_is_at_a_tenth() {
+    let Some(bench) = Bench::new("alias") else { return };
+    bench.write("hum.toml", HUM);
+    bench.card("!default", "channels 8 played \"@/played.raw\"");
+    for (device, lowered) in
+        [("default", true), ("Default", true), ("alsa:default", true), ("ALSA", true), ("alsa:card8", false)]
+    {
+        let played = bench.run(&["play", "hum.toml", "--device", device, "--duration", "0.1"]);
+        let said = String::from_utf8_lossy(&played.stderr);
+        assert!(played.status.success(), "{device}: {said}");
+        assert_eq!(said.contains("at -20 dB: --arm"), lowered, "{device}: {said}");
+    }
+}
+
 /// The default of ALSA is opened as it was where the stream only broke off; where the card itself was away, another may have its place.
 #[test]
 fn a_default_stream_that_breaks_off_comes_back_at_its_level_and_one_whose_card_was_away_does_not() {

@@ -347,6 +347,40 @@ fn a_full_disk_does_not_stop_the_session() {
     assert_eq!(full.status.code(), Some(74), "{said}");
     assert!(said.contains("no room left"), "{said}");
     assert!(text(&full.stdout).contains("frames"), "it played: {}", text(&full.stdout));
+    // Each file that may not grow is told of while it plays.
+    let mut limited = std::process::Command::new("sh");
+    limited.args(["-c", "ulimit -f 4; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_pacinian")]);
+    limited.args(PLAY.map(|word| if word == "0.6" { "1.5" } else { word }));
+    let keep = ["--record", "small.wav", "--events", "small.csv"];
+    let full = limited.args(keep).current_dir(&room.0).output().unwrap();
+    let said = text(&full.stderr);
+    for name in ["small.wav", "small.csv"] {
+        assert!(said.contains(&format!("`{name}` takes no more")), "{name}: {said}");
+    }
+}
+
+#[test]
+fn recordings_are_found_from_wherever_it_is_played_again() {
+    let room = Room::new("elsewhere");
+    std::fs::create_dir_all(room.0.join("mine/far")).unwrap();
+    let mut wav =
+        WavWriter::create(room.0.join("mine/hum.wav"), WavSpec::new(1, 8_000, Encoding::F32)).unwrap();
+    wav.write(&(0..8_000).map(|n| 0.5 * (n as f32 * 0.1).sin()).collect::<Vec<_>>()).unwrap();
+    wav.finish().unwrap();
+    let patch = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"s\"\n\
+        [voice.v.nodes]\ns = { type = \"sample\", file = \"hum.wav\" }\n";
+    std::fs::write(room.0.join("mine/patch.toml"), patch).unwrap();
+    let play =
+        ["play", "mine/patch.toml", "--device", "virtual", "--duration", "0.2", "--events", "mine/far/j.csv"];
+    let kept = room.run(&play);
+    assert!(kept.status.success(), "{}", text(&kept.stderr));
+    let mut replay = std::process::Command::new(env!("CARGO_BIN_EXE_pacinian"));
+    let again = replay
+        .args(["replay", "j.csv", "-o", "again.wav"])
+        .current_dir(room.0.join("mine/far"))
+        .output()
+        .unwrap();
+    assert!(again.status.success(), "{}", text(&again.stderr));
 }
 
 /// What a knob was read to be is in the recording of what came in, and what was lost of it as well.

@@ -59,7 +59,8 @@ pub struct Kept {
     /// Files that were not there before.
     made: Vec<PathBuf>,
     clock: Option<Instant>,
-    said: bool,
+    /// Those of which it was said that they take no more.
+    said: Vec<PathBuf>,
 }
 
 impl Keep {
@@ -164,14 +165,12 @@ impl Kept {
             }
         }
         let failed = |path: &Path| Some(format!("`{}` takes no more; the rest is not kept", path.display()));
-        let mut recorders = self.sent.iter().chain(&self.heard);
-        let trouble = match (recorders.find(|(recorder, _)| recorder.has_failed()), &self.journal) {
-            _ if self.said => None,
-            (Some((_, path)), _) => failed(path),
-            (_, Some((journal, path))) if journal.has_failed() => failed(path),
-            _ => None,
-        };
-        self.said |= trouble.is_some();
+        let recorders = self.sent.iter().chain(&self.heard);
+        let recorders = recorders.filter(|(recorder, _)| recorder.has_failed()).map(|(_, path)| path);
+        let journal = self.journal.iter().filter(|(journal, _)| journal.has_failed()).map(|(_, path)| path);
+        let path = recorders.chain(journal).find(|path| !self.said.contains(path))?.clone();
+        let trouble = failed(&path);
+        self.said.push(path);
         trouble
     }
 

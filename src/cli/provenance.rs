@@ -25,6 +25,8 @@ pub fn provenance(loaded: &Loaded, options: &Options) -> Result<Provenance, File
         }
     }
     let source = loaded.source();
+    // It is played again from wherever somebody is then.
+    let root = std::path::absolute(folder.root()).unwrap_or_else(|_| folder.root().to_path_buf());
     Ok(Provenance {
         patch: text(&source.file, &source.source),
         rig: match &loaded.rig_source {
@@ -32,7 +34,7 @@ pub fn provenance(loaded: &Loaded, options: &Options) -> Result<Provenance, File
             None => RigText::Line { line: loaded.rig.device.channels },
         },
         tables: loaded.tables.iter().map(|table| text(&table.path, &table.text)).collect(),
-        folder: folder.root().display().to_string(),
+        folder: root.display().to_string(),
         allow_outside: folder.allows_outside(),
         files,
         set: loaded.settings.iter().map(|s| (s.control.clone(), s.value)).collect(),

@@ -93,6 +93,9 @@ impl Chosen {
     }
 }
 
+/// Names of ALSA's for the card, or the device of a server, that is the default.
+const ALIASES: [&str; 4] = ["alsa:default", "alsa:sysdefault", "alsa:pulse", "alsa:pipewire"];
+
 /// Devices of ALSA's behind which PulseAudio may be, and channels that have a name there.
 const MIXERS: [&str; 3] = ["alsa:pulse", "alsa:default", "alsa:sysdefault"];
 const NAMED: usize = 8;
@@ -109,7 +112,7 @@ impl Wish {
         match said.or(rig) {
             Some(name) if name.eq_ignore_ascii_case(VIRTUAL) => Self::Virtual,
             // Whoever says so has not said which.
-            Some(DEFAULT) => Self::Default,
+            Some(name) if name.eq_ignore_ascii_case(DEFAULT) => Self::Default,
             Some(name) => Self::Named(name.into()),
             None => Self::Default,
         }
@@ -156,9 +159,11 @@ impl Wish {
             Self::Named(name) => {
                 let all = hosts.devices();
                 let (device, found) = named(&all, name, |found| found.output.is_some())?;
-                // Who names a device means that one, whatever is played on by default; who names a host has named none.
+                // Who names a device means that one, whatever is played on by default; who names a host has named none, and ALSA has names for
+                // whatever plays by default as well.
                 let alone = name.strip_suffix(':').unwrap_or(name);
-                let default = found.host().eq_ignore_ascii_case(alone);
+                let default =
+                    found.host().eq_ignore_ascii_case(alone) || ALIASES.contains(&found.id.as_str());
                 Ok(Chosen::Card(device.clone(), Found { default, ..found.clone() }))
             }
         }

@@ -11,7 +11,8 @@ use crate::io::wav::WavReader;
 /// A recording of what was heard, read as it is needed.
 #[derive(Debug)]
 pub(super) struct Recorded {
-    reader: WavReader<BufReader<File>>,
+    /// `None`: its session was cut off before it had written a sample.
+    reader: Option<WavReader<BufReader<File>>>,
     path: PathBuf,
     frames: u64,
     channels: usize,
@@ -27,7 +28,13 @@ impl Recorded {
     /// # Errors
     /// A file that cannot be read, and one of another rate or with other channels.
     pub(super) fn open(path: PathBuf, rate: f64, channels: usize) -> Result<Self, FileError> {
-        let reader = WavReader::open(&path)?;
+        let (part, digest) = (Vec::new(), Digest::new());
+        let reader = match WavReader::open(&path) {
+            Err(_) if has_only_begun(&path) => {
+                return Ok(Self { reader: None, path, frames: 0, channels, part, read: 0, digest });
+            }
+            reader => reader?,
+        };
         let info = reader.info();
         if info.channels != channels || f64::from(info.rate) != rate {
             let what = format!(
@@ -36,8 +43,8 @@ impl Recorded {
             );
             return Err(another(&path, &what));
         }
-        let (part, digest) = (Vec::new(), Digest::new());
-        Ok(Self { reader, path, frames: info.frames, channels, part, read: 0, digest })
+        let frames = info.frames;
+        Ok(Self { reader: Some(reader), path, frames, channels, part, read: 0, digest })
     }
 
     /// The next frames; silence behind the end. Gives how many of them are that.
@@ -54,7 +61,10 @@ impl Recorded {
     }
 
     fn fetch(&mut self, frames: usize) -> Result<(), FileError> {
-        self.reader.part(self.read, frames, &mut self.part)?;
+        match &mut self.reader {
+            Some(reader) => reader.part(self.read, frames, &mut self.part)?,
+            None => self.part.clear(),
+        }
         self.read += (self.part.len() / self.channels.max(1)) as u64;
         self.digest.samples(&self.part);
         Ok(())
@@ -79,6 +89,14 @@ impl Recorded {
         }
         Ok(())
     }
+}
+
+/// Whether a file is the beginning of a recording, of which no sample has been written yet: its header, or a part of that.
+fn has_only_begun(path: &Path) -> bool {
+    std::fs::read(path).is_ok_and(|bytes| {
+        let data = bytes.windows(4).position(|word| word == b"data");
+        (bytes.is_empty() || bytes.starts_with(b"RIFF")) && data.is_none_or(|data| bytes.len() <= data + 8)
+    })
 }
 
 fn another(path: &Path, why: &str) -> FileError {
@@ -130,6 +148,24 @@ mod tests {
             let said = Recorded::open(path.clone(), rate, channels).unwrap_err().message;
             assert!(said.contains("it has 2 channels at 48000 Hz"), "{said}");
         }
+        std::fs::remove_file(&path).unwrap();
+    }
+
+    #[test]
+    fn one_that_was_cut_off_before_its_first_sample_is_silence() {
+        let path = file("begun", &[0.25; 2]);
+        let bytes = std::fs::read(&path).unwrap();
+        let data = bytes.windows(4).position(|word| word == b"data").unwrap();
+        let mut piece = Vec::new();
+        for length in [0, 8, data, data + 8] {
+            std::fs::write(&path, &bytes[..length]).unwrap();
+            let mut recorded = Recorded::open(path.clone(), 48_000.0, 2).unwrap();
+            assert_eq!((recorded.next(3, &mut piece).unwrap(), piece.as_slice()), (3, &[0.0; 6][..]));
+            let said = recorded.check(1, "").unwrap_err().message;
+            assert!(said.contains("it has 0 frames, and 1 were recorded"), "{said}");
+        }
+        std::fs::write(&path, "something else").unwrap();
+        assert!(Recorded::open(path.clone(), 48_000.0, 2).is_err());
         std::fs::remove_file(&path).unwrap();
     }
 
