@@ -132,14 +132,10 @@ fn a_copy_of_every_node_goes_on_as_the_original() {
     }
 }
 
-/// Voices of what can be copied of the units of fundsp: all but strings.
+/// Voices of the units of fundsp, and strings.
 #[cfg(feature = "fundsp-nodes")]
 fn bodies() -> Option<[String; 2]> {
-    Some([12, 13].map(|voices| {
-        let both = leaves(voices, 8);
-        let strings = both.find("[voice.string]").unwrap_or(both.len());
-        both[..strings].replace("pluck\", frequency = \"event.frequency\"", "white\"")
-    }))
+    Some([12, 13].map(|voices| leaves(voices, 8)))
 }
 
 #[cfg(not(feature = "fundsp-nodes"))]

@@ -7,7 +7,7 @@
 //! in 50 ms. Between two vibrations there is then no step larger than those of the larger one. Voices that have no counterpart
 //! fall silent in the same time in the old engine, which then goes back to the control thread to be freed.
 //!
-//! Where states cannot be copied at once (a string, or delays of a megabyte), voices change from one sample to the next, and what their sum would
+//! Where states cannot be copied at once (delays of a megabyte), voices change from one sample to the next, and what their sum would
 //! jump by there is faded out.
 
 use std::collections::{HashMap, VecDeque};
@@ -17,9 +17,10 @@ use std::sync::Arc;
 use super::Engine;
 use super::succession::Succession;
 use super::vibration::single;
+use crate::graph::Node;
 use crate::graph::answer::Answer;
 use crate::graph::budget;
-use crate::graph::plan::{Instrument, Output, Plan};
+use crate::graph::plan::{Instrument, Output, Plan, Precision};
 use crate::graph::program::Program;
 use crate::graph::watch::Watch;
 use crate::node::States;
@@ -197,20 +198,21 @@ fn places(old: &Plan, new: &Plan) -> Vec<Option<u32>> {
     rows.take(old.places.len()).map(|row| row.map(|row| row as u32)).collect()
 }
 
-/// Bytes of states that are copied in one callback at most: a matter of some 100 us.
+/// Bytes of states that are copied in one callback at most: half a millisecond where none of them is in the caches.
 const MOST_COPIED: usize = 1 << 20;
 
-/// Whether the audio thread can copy the states of all nodes of a plan.
+/// Whether the audio thread can copy the states of all nodes of a plan at once.
 fn can_be_copied(plan: &Plan) -> bool {
     let rate = plan.engine_rate();
-    let mut bytes = 0;
+    let bytes = |node: &Node| match plan.precision {
+        Precision::Single => States::<f32>::bytes(node.kind, &node.setup(rate, rate)),
+        Precision::Double => States::<f64>::bytes(node.kind, &node.setup(rate, rate)),
+    };
     let programs = plan.instruments.iter().map(|i| (&i.program, budget::groups(i.voices)));
-    programs.chain([(&plan.shared_program, 1)]).all(|(program, groups)| {
-        program.ops.iter().all(|op| {
-            bytes += groups * States::<f64>::bytes(op.node.kind, &op.node.setup(rate, rate));
-            States::<f64>::can_be_copied(op.node.kind) && bytes <= MOST_COPIED
-        })
-    })
+    let programs = programs.chain([(&plan.shared_program, 1)]);
+    let all =
+        programs.flat_map(|(program, groups)| program.ops.iter().map(move |op| groups * bytes(&op.node)));
+    all.sum::<usize>() <= MOST_COPIED
 }
 
 /// By channel, whether a row of places that goes on as another has another gain there, or one that does not go on has any.

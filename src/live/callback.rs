@@ -418,5 +418,4 @@ impl Callback {
 }
 
 #[cfg(test)]
-#[expect(clippy::disallowed_methods, reason = "a test is no audio thread")]
 mod tests;

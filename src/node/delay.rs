@@ -63,6 +63,14 @@ pub struct Lanes<R: 'static> {
     most: f64,
 }
 
+/// Zeros whose memory is there: the system gives it when it is first written to, and the audio thread is not to wait for that.
+fn zeros<R: Real>(count: usize) -> Vec<R> {
+    const PAGE: usize = 4096;
+    let mut all = vec![R::ZERO; count];
+    all.iter_mut().step_by(PAGE / size_of::<R>()).for_each(|x| *x = std::hint::black_box(R::ZERO));
+    all
+}
+
 /// The longest time in samples, and the length of the ring that holds it.
 fn room(setup: &Setup) -> (f64, usize) {
     let longest = setup.constants.first().copied().unwrap_or(1.0).clamp(0.001, 60.0);
@@ -74,7 +82,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     fn new(setup: &Setup) -> Self {
         let (most, length) = room(setup);
         Self {
-            lines: vec![R::ZERO; (length + GAP) * LANES],
+            lines: zeros((length + GAP) * LANES),
             stride: length + GAP,
             next: 0,
             mask: length - 1,

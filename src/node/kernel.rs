@@ -110,9 +110,6 @@ impl<R: Real> Io<'_, R> {
 /// `run` is called from the audio thread: it may not allocate, lock, block or panic, and its result may not depend on how
 /// a stretch of time is cut into blocks. Lanes are independent of one another.
 pub(crate) trait Kernel<R: Real>: Send + Sized + Clone {
-    /// Whether [`Kernel::copy`] can make a copy without allocating or freeing.
-    const COPIES: bool = true;
-
     /// State for a group of silent lanes.
     fn new(setup: &Setup) -> Self;
     /// Bytes that [`Kernel::new`] takes besides the state itself.

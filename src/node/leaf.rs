@@ -44,6 +44,12 @@ impl<U: AudioNode<Outputs = U1>> Leaf<U> {
         Self { units, rests: [true; LANES], heard: [false; LANES], calm: [0; LANES] }
     }
 
+    /// Becomes a copy; units that have memory of their own are copied into that.
+    pub fn copy(&mut self, from: &Self) {
+        self.units.iter_mut().zip(&from.units).for_each(|(to, from)| to.clone_from(from));
+        (self.rests, self.heard, self.calm) = (from.rests, from.heard, from.calm);
+    }
+
     /// A lane forgets what was there; `set` gives its unit what it has to know at the onset.
     pub fn start(&mut self, lane: usize, set: impl FnOnce(&mut U)) {
         let unit = &mut self.units[lane];

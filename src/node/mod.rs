@@ -137,13 +137,6 @@ macro_rules! registry {
                     _ => false,
                 }
             }
-            /// Whether states of a node type can be copied.
-            pub fn can_be_copied(kind: NodeKind) -> bool {
-                $($(#[$attr])* if kind.0 == Index::$variant as usize {
-                    return <$module::Lanes<R> as Kernel<R>>::COPIES;
-                })*
-                unreachable!("a NodeKind names a registered node")
-            }
             /// Becomes a copy of states of the same node with the same settings. Neither allocates nor frees.
             pub fn copy(&mut self, from: &Self) {
                 match (self, from) {

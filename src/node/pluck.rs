@@ -1,6 +1,9 @@
 //! Plucked string.
 
-use fundsp::oscillator::Pluck;
+use fundsp::Frame;
+use fundsp::audionode::AudioNode;
+use fundsp::funutd::Rnd;
+use fundsp::typenum::{U0, U1};
 
 use super::kernel::{Io, Kernel, Onset, Setup, Twin};
 use super::leaf::{Leaf, Sampled, within};
@@ -13,7 +16,7 @@ pub static SPEC: NodeSpec = NodeSpec {
     family: Family::Oscillator,
     summary: "A plucked string.",
     detail: "The string of Karplus and Strong (Computer Music Journal 7(2), 1983), tuned after Jaffe and Smith (same issue), at the engine's \
-             rate; the unit `pluck` of fundsp. With P samples a period, N = ⌊P − 1.2⌋, g = 10^(−3 / ring), b = damping / 4, \
+             rate, as the unit `pluck` of fundsp. With P samples a period, N = ⌊P − 1.2⌋, g = 10^(−3 / ring), b = damping / 4, \
              e = (2 + N − P) / (P − N): s[n] = y[n−1] + e (y[n] − s[n−1]), y[n] = b (u[n] + u[n−2]) + (1 − 2b) u[n−1], u[n] = g s[n−N]. \
              The first N values of the string are random, uniform in ±1, less their mean, from the stream of the node in the voice: no two voices \
              are quite the same, and the same seed gives the same string. The sequence begins with the voice's first sample, one to two samples ahead of \
@@ -52,42 +55,118 @@ pub static SPEC: NodeSpec = NodeSpec {
 const LEAST: f64 = 10.0;
 const MOST: f64 = 1000.0;
 
+/// A string, as a unit that [`Leaf`] runs. That of fundsp is the same, and cannot be copied without memory of its own.
+struct Plucked {
+    /// As long as the longest; what is behind `length` is not used.
+    line: Vec<f32>,
+    length: usize,
+    place: usize,
+    /// What a period leaves, and how much of its neighbours a sample takes.
+    gain: f64,
+    damping: f64,
+    /// The coefficient that tunes it.
+    tuning: f64,
+    /// The last two samples of the line, the last one behind the damping, and the last that came out.
+    line_before: [f64; 2],
+    damped_before: f64,
+    out_before: f64,
+}
+
+impl Plucked {
+    fn new(longest: usize, gain: f64, damping: f64) -> Self {
+        let (line, length) = (vec![0.0; longest.max(1)], longest.max(1));
+        Self {
+            line,
+            length,
+            place: 0,
+            gain,
+            damping: damping / 4.0,
+            tuning: 0.0,
+            line_before: [0.0; 2],
+            damped_before: 0.0,
+            out_before: 0.0,
+        }
+    }
+
+    /// Plucks it, so that it has this period, in samples.
+    fn pluck(&mut self, period: f64, stream: u64) {
+        self.length = ((period - 1.2) as usize).clamp(1, self.line.len());
+        let length = self.length as f64;
+        self.tuning = (2.0 + length - period) / (period - length);
+        let mut random = Rnd::from_u64(stream);
+        let line = &mut self.line[..self.length];
+        line.iter_mut().for_each(|x| *x = random.f32_in(-1.0, 1.0));
+        let mean = (line.iter().map(|x| f64::from(*x)).sum::<f64>() / length) as f32;
+        line.iter_mut().for_each(|x| *x -= mean);
+        (self.place, self.line_before, self.damped_before, self.out_before) = (0, [0.0; 2], 0.0, 0.0);
+    }
+}
+
+impl Clone for Plucked {
+    fn clone(&self) -> Self {
+        Self { line: self.line.clone(), ..*self }
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        if self.line.len() == from.line.len() {
+            self.line[..from.length].copy_from_slice(&from.line[..from.length]);
+            *self = Self { line: std::mem::take(&mut self.line), ..*from };
+        }
+    }
+}
+
+impl AudioNode for Plucked {
+    const ID: u64 = 0x706c_7563_6b65_6421;
+    type Inputs = U0;
+    type Outputs = U1;
+
+    #[inline]
+    fn tick(&mut self, _input: &Frame<f32, U0>) -> Frame<f32, U1> {
+        let x = self.gain * f64::from(self.line[self.place]);
+        let [one, two] = self.line_before;
+        let damped = self.damping * (x + two) + (1.0 - 2.0 * self.damping) * one;
+        let out = self.damped_before + self.tuning * (damped - self.out_before);
+        (self.line_before, self.damped_before, self.out_before) = ([x, one], damped, out);
+        self.line[self.place] = out as f32;
+        self.place = if self.place + 1 < self.length { self.place + 1 } else { 0 };
+        [out as f32].into()
+    }
+}
+
 /// Eight strings.
 #[derive(Clone)]
 pub struct Lanes<R> {
-    strings: Leaf<Pluck>,
+    strings: Leaf<Plucked>,
     rate: f64,
     _real: std::marker::PhantomData<R>,
 }
 
-impl<R: Real> Kernel<R> for Lanes<R> {
-    // A string's copy would take memory of its own.
-    const COPIES: bool = false;
+/// Samples of the longest string.
+fn longest(setup: &Setup) -> usize {
+    (setup.rate / LEAST) as usize
+}
 
-    fn copy(&mut self, _from: &Self) {}
+impl<R: Real> Kernel<R> for Lanes<R> {
+    fn copy(&mut self, from: &Self) {
+        self.strings.copy(&from.strings);
+        self.rate = from.rate;
+    }
 
     fn heap(setup: &Setup) -> usize {
-        LANES * size_of::<f32>() * (setup.rate / LEAST) as usize
+        LANES * size_of::<f32>() * longest(setup)
     }
 
     fn new(setup: &Setup) -> Self {
         let ring = setup.constants.first().copied().unwrap_or(150.0);
         let damping = setup.constants.get(1).copied().unwrap_or(0.5);
         let (gain, damping) = (10f64.powf(-3.0 / within(ring, 1.0, 1e5)), within(damping, 0.0, 1.0));
-        // A unit is tuned when it is made. So its second is a period, and its sample rate, which can be set, the samples of that.
-        let make = || Pluck::new(1.0, gain as f32, damping as f32);
-        Self { strings: Leaf::new(setup.rate / LEAST, make), rate: setup.rate, _real: std::marker::PhantomData }
+        let make = || Plucked::new(longest(setup), gain, damping);
+        Self { strings: Leaf::new(setup.rate, make), rate: setup.rate, _real: std::marker::PhantomData }
     }
 
     fn start(&mut self, lane: usize, onset: &Onset) {
         let period = self.rate / within(onset.start[0], LEAST, MOST);
-        self.strings.start(lane, |string| {
-            use fundsp::audionode::AudioNode;
-            string.set_sample_rate(period);
-            string.set_hash(onset.stream);
-            // It is as long as the longest from the beginning, so this fills it and no more.
-            string.allocate();
-        });
+        self.strings.start(lane, |string| string.pluck(period, onset.stream));
     }
 
     #[inline(always)]
@@ -96,7 +175,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         for (frame, out) in io.output.iter_mut().enumerate() {
             let gain = amplitude.at(frame);
             for l in 0..LANES {
-                out[l] = R::of(self.strings.draw(l, &[0.0].into()).into()) * gain[l];
+                out[l] = R::of(self.strings.draw(l, &[].into()).into()) * gain[l];
             }
         }
     }
@@ -158,7 +237,9 @@ fn noise(stream: u64, count: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::Plucked;
     use crate::node::harness::Bench;
+    use fundsp::audionode::AudioNode;
 
     fn string(rate: f64, frequency: f64, ring: f64, damping: f64) -> Bench {
         Bench::new("pluck", rate).steady("frequency", frequency).constant("ring", ring).constant("damping", damping)
@@ -176,6 +257,22 @@ mod tests {
             bench.check_contract();
             for error in [bench.error_db::<f32>(80_000), bench.error_db::<f64>(80_000)] {
                 assert!(error < -110.0, "{frequency} Hz: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn it_is_the_string_of_fundsp() {
+        for (rate, frequency, ring, damping) in [(8000.0, 100.0, 150.0, 0.5), (7350.0, 333.3, 30.0, 1.0)] {
+            let mut theirs = fundsp::oscillator::Pluck::new(1.0, 10f32.powf(-3.0 / ring), damping);
+            theirs.set_sample_rate(rate / frequency);
+            theirs.set_hash(9);
+            let longest = (rate / super::LEAST) as usize;
+            let mut ours = Plucked::new(longest, 10f64.powf(-3.0 / f64::from(ring)), damping.into());
+            ours.pluck(rate / frequency, 9);
+            for n in 0..4000 {
+                let (a, b) = (theirs.tick(&[0.0].into())[0], ours.tick(&[].into())[0]);
+                assert!((a - b).abs() < 1e-4, "{frequency} Hz, sample {n}: {a} {b}");
             }
         }
     }
