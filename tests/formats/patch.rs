@@ -546,13 +546,13 @@ fn what_a_player_refuses_is_shown_at_its_line() {
     };
     for (voice, field, value, words) in [
         ("beat", "frequenzy", 1.0, "did you mean `frequency`?"),
-        ("beat", "frequency", f64::NAN, "finite number"),
+        ("beat", "frequency", f64::NAN, "it may be from -1000000000 to 1000000000"),
     ] {
         let told = player.play(voice, &note(field, value)).unwrap_err().to_string();
         assert!(told.contains(words), "{told}");
     }
     let silent = pacinian::player::Note { duration: Some(-1.0), ..Default::default() };
-    assert!(player.play("beat", &silent).unwrap_err().to_string().contains("at least 0"));
+    assert!(player.play("beat", &silent).unwrap_err().to_string().contains("it may be from 0 to 1000000"));
     assert!(player.set("strenght", 1.0).unwrap_err().to_string().contains("no control"));
 }
 
