@@ -300,9 +300,9 @@ fn any_patch_follows_any_other() {
     let (mut director, mut stagehand) = exchange(&plans[0]).unwrap();
     let (mut at, mut sent, mut refused, mut frames) = (0, 0_u32, 0_u32, vec![0.0; 8 * 173]);
     for n in 0..6_000_u32 {
-        if n % 11 == 3 {
+        if n % 17 == 3 {
             // A walk that comes by every pair sooner or later.
-            let next = (at + 1 + (n as usize / 11) % 17) % plans.len();
+            let next = (at + 1 + (n as usize / 17) % 17) % plans.len();
             match director.send(&plans[next]) {
                 Ok(true) => (at, sent) = (next, sent + 1),
                 Ok(false) => {}
@@ -327,4 +327,80 @@ fn any_patch_follows_any_other() {
         stagehand.process(&[], &mut frames);
     }
     assert_eq!(director.collect(), 0, "an engine stays behind");
+}
+
+/// So many voices with delays of `longest` seconds, that all hear a shared one; and, with `more`, another shared signal, that no voice which is played hears.
+fn echoes(longest: f64, voices: u32, more: bool) -> Plan {
+    let [signal, voice] = match more {
+        true => [
+            "sway = { type = \"sine\", frequency = 3 }",
+            "[voice.w]\noutput = \"out\"\n[voice.w.nodes]\nout = { type = \"sine\", frequency = \"20 + sway\" }",
+        ],
+        false => [""; 2],
+    };
+    let text = format!(
+        "[shared.nodes]\nslow = {{ type = \"sine\", frequency = 37, amplitude = 0.3 }}\n{signal}\n\
+         late = {{ type = \"delay\", input = \"slow\", time = 0.31, longest = {longest} }}\n\
+         [voice.v]\nvoices = {voices}\noutput = \"out\"\n[voice.v.nodes]\n\
+         tone = {{ type = \"sine\", frequency = \"event.frequency\", amplitude = 0.02 }}\n\
+         once = {{ type = \"delay\", input = \"tone\", time = 0.173, longest = {longest} }}\n\
+         again = {{ type = \"delay\", input = \"once + late * tone\", time = 0.0203, longest = {longest} }}\n\
+         hit = {{ type = \"envelope\", attack = 0.004, decay = 0.3, sustain = 0.7, release = 0.3 }}\n\
+         out = {{ type = \"multiply\", inputs = [\"hit\", \"tone + once + again\"] }}\n{voice}\n"
+    );
+    compiled(&text, 2, 48_000.0).plan
+}
+
+/// Frames, in calls of `call`, of voices of which so many begin every 0.4 s and are held for 1.1 s, whose plan is followed by another after so many
+/// seconds; and how many calls that was under way before it could take over.
+fn coming_and_going(plan: &Plan, voices: u32, call: usize, then: Option<(f64, &Plan)>) -> (Vec<f32>, usize) {
+    let (mut director, mut stagehand) = exchange(plan).unwrap();
+    let events: Vec<_> = (0..6 * voices)
+        .map(|n| {
+            let at = 3_200.3 * f64::from(n / voices) + 0.7 * f64::from(n % voices);
+            (at, play(0, n % 2, f64::from(50 + n % 37), 1.1, u64::from(n)))
+        })
+        .collect();
+    schedule(stagehand.engine(), &events);
+    let mut frames = vec![0.0; 2 * 120_000];
+    let (mut sent, mut waited) = (false, 0);
+    for (n, part) in frames.chunks_mut(2 * call).enumerate() {
+        if let Some((at, plan)) = then
+            && !sent
+            && (n * call) as f64 >= at * 48_000.0
+        {
+            sent = true;
+            assert!(director.send(plan).unwrap());
+        }
+        waited += usize::from(sent && !director.is_ready());
+        stagehand.process(&[], part);
+    }
+    assert_eq!((sent, director.collect()), (then.is_some(), 0));
+    (frames, waited)
+}
+
+/// However long delays are: what they remember is copied ahead, a little in each call, and then all goes on as if nothing had happened.
+#[test]
+fn delays_of_any_length_go_on_as_the_original() {
+    for (longest, voices) in [(0.1, 4), (2.0, 32), (60.0, 20)] {
+        let [old, new] = [false, true].map(|more| echoes(longest, voices, more));
+        let (alone, _) = coming_and_going(&old, voices / 2, 96, None);
+        assert!(alone.iter().any(|x| x.abs() > 0.02));
+        // Half of the voices make room for others every 0.4 s; the last three times while the past of some is being copied.
+        let late = if longest > 1.0 { &[(0.79, 96), (1.59, 64), (1.59, 17)][..] } else { &[] };
+        for &(at, call) in [(0.45_f64, 64), (0.85, 96), (1.65, 1_000), (1.25, 17)].iter().chain(late) {
+            let (crossed, waited) = coming_and_going(&old, voices / 2, call, Some((at, &new)));
+            let apart = alone.iter().zip(&crossed).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(apart <= 2e-6, "{apart}: delays of {longest} s, at {at} s, calls of {call}");
+            assert_eq!(
+                waited > 0,
+                longest > 1.0,
+                "{waited} calls: delays of {longest} s, at {at} s, calls of {call}"
+            );
+            // 4 KiB with each engine sample, of the shared delay and of two of each of some more voices than there is room for.
+            let most = 8_000.0 * at.min(longest) * 4.0 * (2.5 * f64::from(voices) + 1.0);
+            let most = most / (4096.0 * f64::from(call as u32) / 6.0) + 3.0;
+            assert!((waited as f64) <= most, "{waited} calls of {call}, {most}");
+        }
+    }
 }

@@ -85,13 +85,23 @@ fn a_changed_graph_steps_no_more_than_an_unchanged_one() {
 }
 
 #[test]
-fn no_more_than_two_are_under_way() {
+fn one_is_under_way_and_waits_until_it_is_admitted() {
     let plan = compiled(FIRST, 4, 48_000.0).plan;
     let (mut director, mut stagehand) = exchange(&plan).unwrap();
-    assert!(director.send(&plan).unwrap());
-    assert!(director.send(&plan).unwrap());
-    assert!(!director.send(&plan).unwrap());
+    assert!(!director.is_ready());
+    assert!(director.offer(&plan).unwrap());
+    assert!(!director.send(&plan).unwrap(), "another is under way");
     let mut frames = vec![0.0; 4 * 480];
+    for _ in 0..4 {
+        assert!(!stagehand.take_over());
+        stagehand.process(&[], &mut frames);
+        // It has nothing long to copy.
+        assert!(director.is_ready() && director.collect() == 1);
+    }
+    director.admit();
+    assert!(stagehand.take_over());
+    assert!(!stagehand.take_over());
+    assert!(!director.send(&plan).unwrap(), "the one before has not come back");
     for _ in 0..4 {
         stagehand.process(&[], &mut frames);
     }

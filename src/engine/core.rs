@@ -3,7 +3,6 @@
 use super::bank::Bank;
 use super::commander::Commander;
 use super::control::Ramp;
-use super::declick::Declick;
 use super::event::{Event, Source};
 use super::knob::Knob;
 use super::knob::followed::Followed;
@@ -75,7 +74,6 @@ pub struct Core<R: Real> {
     watcher: Watcher,
     /// Engine samples from what sets off a pattern to its beginning.
     answer: u64,
-    declick: Declick<R>,
     stage: Stage,
     knob: Option<Box<Knob>>,
     tasks: Roster,
@@ -83,8 +81,6 @@ pub struct Core<R: Real> {
     counters: Counters,
     /// The clock of the last housekeeping.
     settled: Option<u64>,
-    /// Of an old engine: whether its signals go on.
-    lingers: bool,
     /// What has been silenced since an old engine was told last.
     silenced: Option<(u64, u8, Instant)>,
 }
@@ -130,14 +126,12 @@ impl<R: Real> Core<R> {
             latest: vec![R::ZERO; plan.shared.len()],
             watcher: Watcher::new(plan, rate),
             answer: plan.answer,
-            declick: Declick::new(groups),
             stage: Stage::new(plan, isa)?,
             knob: Knob::new(plan)?.map(Box::new),
             tasks: Roster::default(),
             standing: Standing::default(),
             counters: Counters::default(),
             settled: None,
-            lingers: false,
             silenced: None,
         };
         if plan.moves() {
@@ -328,7 +322,7 @@ impl<R: Real> Core<R> {
             let frames = (next - self.clock).min(left) as usize;
             self.render(frames, done, input);
             if let Some(old) = &mut leaving {
-                if old.lingers && !old.is_idle() {
+                if !old.is_idle() {
                     old.signals(frames, done, input, self.knob.as_deref());
                 }
                 old.sound(frames, done);
@@ -346,7 +340,6 @@ impl<R: Real> Core<R> {
         if let Some(old) = &leaving {
             self.work.add_mix(&old.work);
         }
-        self.declick.apply(&mut self.work, samples, begin, self.rate);
         let before = leaving.map(|old| &mut old.stage);
         self.stage.process(
             &mut self.work.mix,

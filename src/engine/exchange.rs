@@ -1,24 +1,28 @@
 //! How a new plan reaches the audio thread and the old one comes back.
 //!
-//! Both ways are rings for [`IN_FLIGHT`] engines, and no more than that are ever under way, so neither can be full.
+//! One engine is under way at a time: going in, fading out, or coming back.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use ringbuf::HeapRb;
 use ringbuf::traits::{Consumer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd};
 
 use super::Engine;
-use super::handover::{Handover, Mismatch, prepare};
+use super::handover::{Handover, Mismatch, Passage, prepare};
 use crate::graph::plan::Plan;
 
-/// Engines that may be under way at once: going in, fading out, or coming back.
-pub const IN_FLIGHT: usize = 2;
+/// Bytes of the past of delays that are copied ahead with each engine sample: at 8 kHz, about a sixtieth of the time of one that are not in the caches.
+const AHEAD: usize = 1 << 12;
 
 /// The control thread's end: sends new plans.
 pub struct Director {
     plan: Plan,
     out: HeapProd<Box<Handover>>,
     back: HeapCons<Box<Handover>>,
-    under_way: usize,
+    /// What is under way.
+    passage: Option<Arc<Passage>>,
 }
 
 /// The audio thread's end: an engine that takes new plans when they come.
@@ -26,6 +30,7 @@ pub struct Stagehand {
     engine: Engine,
     new: HeapCons<Box<Handover>>,
     old: HeapProd<Box<Handover>>,
+    coming: Option<Box<Handover>>,
     leaving: Option<Box<Handover>>,
 }
 
@@ -35,38 +40,63 @@ pub struct Stagehand {
 /// As [`Engine::new`].
 pub fn exchange(plan: &Plan) -> Result<(Director, Stagehand), super::refusal::Refusal> {
     let engine = Engine::new(plan)?;
-    let (out, new) = HeapRb::new(IN_FLIGHT).split();
-    let (old, back) = HeapRb::new(IN_FLIGHT).split();
-    let director = Director { plan: plan.clone(), out, back, under_way: 0 };
-    Ok((director, Stagehand { engine, new, old, leaving: None }))
+    let (out, new) = HeapRb::new(1).split();
+    let (old, back) = HeapRb::new(1).split();
+    let director = Director { plan: plan.clone(), out, back, passage: None };
+    Ok((director, Stagehand { engine, new, old, coming: None, leaving: None }))
 }
 
 impl Director {
-    /// Lets `plan` follow the one that plays. Says `false`, and does nothing, while two are still under way.
+    /// Lets `plan` follow the one that plays, as soon as it can. Says `false`, and does nothing, while another is still under way.
     ///
     /// # Errors
     /// A plan that cannot follow without a new beginning.
     pub fn send(&mut self, plan: &Plan) -> Result<bool, Mismatch> {
-        self.collect();
-        if self.under_way >= IN_FLIGHT {
+        let sent = self.offer(plan)?;
+        if sent {
+            self.admit();
+        }
+        Ok(sent)
+    }
+
+    /// Gets `plan` ready to follow the one that plays, which goes on until the other is [admitted](Self::admit). Says `false`, and does nothing, while
+    /// another is still under way.
+    ///
+    /// # Errors
+    /// A plan that cannot follow without a new beginning.
+    pub fn offer(&mut self, plan: &Plan) -> Result<bool, Mismatch> {
+        if self.collect() > 0 {
             return Ok(false);
         }
         let handover = Box::new(prepare(&self.plan, plan)?);
+        let passage = Arc::clone(&handover.passage);
         let sent = self.out.try_push(handover).is_ok();
         if sent {
-            self.under_way += 1;
+            self.passage = Some(passage);
             self.plan = plan.clone();
         }
         Ok(sent)
     }
 
-    /// Frees the engines that came back; how many are still under way.
+    /// Whether what was offered takes over at the beginning of a call once it is admitted: what is long of its past has been copied, a little in each call.
+    pub fn is_ready(&self) -> bool {
+        self.passage.as_ref().is_some_and(|passage| passage.ready.load(Ordering::Acquire))
+    }
+
+    /// Lets what was offered take over as soon as it is ready.
+    pub fn admit(&mut self) {
+        if let Some(passage) = &self.passage {
+            passage.admitted.store(true, Ordering::Release);
+        }
+    }
+
+    /// Frees the engine that came back; how many are still under way, 1 or none.
     pub fn collect(&mut self) -> usize {
         while let Some(old) = self.back.try_pop() {
             drop(old);
-            self.under_way -= 1;
+            self.passage = None;
         }
-        self.under_way
+        usize::from(self.passage.is_some())
     }
 }
 
@@ -76,17 +106,30 @@ impl Stagehand {
         &mut self.engine
     }
 
-    /// Takes a new plan if one has come and the one before has died away, as [`Stagehand::process`] does by itself. Says whether a
-    /// plan took over: events from here on are those of that plan.
+    /// Takes a new plan if one has come and is ready, as [`Stagehand::process`] does by itself. Says whether a plan took over: events from here on
+    /// are those of that plan.
     pub fn take_over(&mut self) -> bool {
-        if self.leaving.is_none()
-            && let Some(mut new) = self.new.try_pop()
-        {
-            self.engine.adopt(&mut new);
-            self.leaving = Some(new);
-            return true;
+        self.take_over_if(|passage| passage.ready.load(Ordering::Relaxed))
+    }
+
+    /// As [`Stagehand::take_over`], whether it is ready or not: what is missing of its past is copied at once, for which a device would not wait.
+    pub(crate) fn take_over_now(&mut self) -> bool {
+        self.take_over_if(|_| true)
+    }
+
+    fn take_over_if(&mut self, can: impl FnOnce(&Passage) -> bool) -> bool {
+        if self.coming.is_none() {
+            self.coming = self.new.try_pop();
         }
-        false
+        let may = |new: &Handover| new.passage.admitted.load(Ordering::Acquire) && can(&new.passage);
+        if self.leaving.is_some() || !self.coming.as_deref().is_some_and(may) {
+            return false;
+        }
+        self.leaving = self.coming.take();
+        if let Some(new) = &mut self.leaving {
+            self.engine.adopt(new);
+        }
+        true
     }
 
     /// Takes a new plan if one has come, and computes as [`Engine::process_input`]. Neither allocates nor frees.
@@ -95,8 +138,11 @@ impl Stagehand {
         self.compute(input, output);
     }
 
-    /// Computes on the plan that plays.
+    /// Computes on the plan that plays, and copies some of what one that is to follow will need.
     pub(crate) fn compute(&mut self, input: &[f32], output: &mut [f32]) {
+        if let Some(new) = &mut self.coming {
+            self.engine.copy_ahead(new, output.len() / self.engine.channels().max(1), AHEAD);
+        }
         match &mut self.leaving {
             Some(old) => self.engine.process_with(input, output, Some(&mut old.engine)),
             None => self.engine.process_with(input, output, None),

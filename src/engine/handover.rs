@@ -7,12 +7,13 @@
 //! in 50 ms. Between two vibrations there is then no step larger than those of the larger one. Voices that have no counterpart
 //! fall silent in the same time in the old engine, which then goes back to the control thread to be freed.
 //!
-//! Where states cannot be copied at once (delays of a megabyte), voices change from one sample to the next, and what their sum would
-//! jump by there is faded out.
+//! What takes long to copy, the past of delays, is copied ahead, a little with every call, while the old plan goes on; the new one takes over when it
+//! has all but the last of it.
 
 use std::collections::{HashMap, VecDeque};
 use std::fmt;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::Engine;
 use super::succession::Succession;
@@ -23,7 +24,7 @@ use crate::graph::budget;
 use crate::graph::plan::{Instrument, Output, Plan, Precision};
 use crate::graph::program::Program;
 use crate::graph::watch::Watch;
-use crate::node::States;
+use crate::node::{NodeKind, States};
 use crate::space::path::Route;
 use crate::space::spot::Spot;
 
@@ -52,11 +53,19 @@ pub(crate) struct Inheritance {
     pub jumps: Vec<bool>,
     /// For each instrument of the new plan: whether its voices may jump, as they are computed in another way.
     pub changed: Vec<bool>,
-    /// Whether what may jump is heard from the old engine too until it has gone over; else only its first sample is seen to.
-    pub copies: bool,
 }
 
 impl Inheritance {
+    /// Whether the voices of an instrument of the new plan are computed in another way.
+    pub fn is_changed(&self, instrument: usize) -> bool {
+        self.changed.get(instrument).copied().unwrap_or(true)
+    }
+
+    /// Whether voices of an instrument of the new plan may cross over, so that both engines must have their states.
+    pub fn may_cross(&self, instrument: usize) -> bool {
+        self.is_changed(instrument) || self.jumps.contains(&true)
+    }
+
     /// Where a place of the old plan is in the new one; `None` where it is nowhere.
     pub fn spot(&self, old: Spot) -> Option<Spot> {
         match old {
@@ -73,6 +82,17 @@ pub(crate) struct Handover {
     pub(super) engine: Engine,
     /// What it takes over.
     pub(super) inheritance: Inheritance,
+    /// How far it has come, as the control thread sees it.
+    pub(super) passage: Arc<Passage>,
+}
+
+/// What both sides know of a plan that is to take over.
+#[derive(Debug)]
+pub(crate) struct Passage {
+    /// Whether what it takes over can be taken over within one call.
+    pub ready: AtomicBool,
+    /// Whether it may.
+    pub admitted: AtomicBool,
 }
 
 /// Why a plan cannot follow another without a new beginning.
@@ -157,12 +177,10 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
         .then(|| levels.into_iter().map(single).collect());
     let same_signals = old.shared_program == new.shared_program && old.shared == new.shared;
     let same_ways = (&old.spread, &old.paths) == (&new.spread, &new.paths);
-    let goes_on = old.instruments == new.instruments && same_signals && same_ways;
     let path = |path: &Route| new.paths.iter().position(|other| other == path).map(|n| n as u32);
     let paths = old.paths.iter().map(path).collect();
     let (watches, places) = (watches(old, new), places(old, new));
-    let copies = can_be_copied(old);
-    let jumps = if goes_on || copies { jumps(old, new, &places) } else { vec![true; new.channels] };
+    let jumps = jumps(old, new, &places);
     let is_another = |instrument: &Instrument| {
         !same_signals || !same_ways || !old.instruments.iter().any(|o| o == instrument)
     };
@@ -183,9 +201,10 @@ pub(crate) fn prepare(old: &Plan, new: &Plan) -> Result<Handover, Mismatch> {
         levels,
         jumps,
         changed,
-        copies,
     };
-    Ok(Handover { engine, inheritance })
+    let ready = past(new, &inheritance) <= AT_ONCE;
+    let passage = Passage { ready: AtomicBool::new(ready), admitted: AtomicBool::new(false) };
+    Ok(Handover { engine, inheritance, passage: Arc::new(passage) })
 }
 
 /// For each row of the old plan's places that of the new one that has its name: of an output, or of what sounds together.
@@ -198,21 +217,26 @@ fn places(old: &Plan, new: &Plan) -> Vec<Option<u32>> {
     rows.take(old.places.len()).map(|row| row.map(|row| row as u32)).collect()
 }
 
-/// Bytes of states that are copied in one callback at most: half a millisecond where none of them is in the caches.
-const MOST_COPIED: usize = 1 << 20;
+/// Bytes of the past of delays that are copied in one call: an eighth of a millisecond where none of them is in the caches.
+const AT_ONCE: usize = 1 << 18;
 
-/// Whether the audio thread can copy the states of all nodes of a plan at once.
-fn can_be_copied(plan: &Plan) -> bool {
-    let rate = plan.engine_rate();
-    let bytes = |node: &Node| match plan.precision {
+/// Bytes of the past of all delays that may have to be copied for a new plan.
+fn past(new: &Plan, inheritance: &Inheritance) -> usize {
+    let rate = new.engine_rate();
+    let bytes = |node: &Node| match new.precision {
         Precision::Single => States::<f32>::bytes(node.kind, &node.setup(rate, rate)),
         Precision::Double => States::<f64>::bytes(node.kind, &node.setup(rate, rate)),
     };
-    let programs = plan.instruments.iter().map(|i| (&i.program, budget::groups(i.voices)));
-    let programs = programs.chain([(&plan.shared_program, 1)]);
-    let all =
-        programs.flat_map(|(program, groups)| program.ops.iter().map(move |op| groups * bytes(&op.node)));
-    all.sum::<usize>() <= MOST_COPIED
+    let of = |program: &Program, ops: &[Option<usize>]| -> usize {
+        let kept = program.ops.iter().zip(ops).filter(|(_, from)| from.is_some());
+        kept.filter(|(op, _)| op.node.kind == NodeKind::DELAY).map(|(op, _)| bytes(&op.node)).sum()
+    };
+    let instruments = new.instruments.iter().zip(&inheritance.instruments).enumerate();
+    let instruments = instruments.filter(|(number, _)| inheritance.may_cross(*number));
+    let voices = instruments.filter_map(|(_, (instrument, from))| {
+        Some(of(&instrument.program, &from.as_ref()?.1) * budget::groups(instrument.voices))
+    });
+    voices.sum::<usize>() + of(&new.shared_program, &inheritance.shared)
 }
 
 /// By channel, whether a row of places that goes on as another has another gain there, or one that does not go on has any.

@@ -8,7 +8,6 @@ mod commander;
 mod control;
 mod core;
 
-mod declick;
 mod drives;
 mod edges;
 pub mod event;
@@ -337,13 +336,27 @@ impl Engine {
     /// Becomes the engine of `new`, which becomes the old one that fades out. Both must be of the same precision, which
     /// [`handover::prepare`] sees to; otherwise nothing happens.
     fn adopt(&mut self, new: &mut Handover) {
-        let Handover { engine, inheritance } = new;
+        let Handover { engine, inheritance, .. } = new;
         match (&mut self.core, &mut engine.core) {
             (AnyCore::Single(old), AnyCore::Single(new)) => new.adopt(old, inheritance),
             (AnyCore::Double(old), AnyCore::Double(new)) => new.adopt(old, inheritance),
             _ => return,
         }
         std::mem::swap(&mut self.core, &mut engine.core);
+    }
+
+    /// Copies ahead what [`Engine::adopt`] would take long to copy: so many bytes for each engine sample of `frames`.
+    fn copy_ahead(&self, new: &mut Handover, frames: usize, bytes: usize) {
+        let Handover { engine, inheritance, passage } = new;
+        let mut left = bytes * frames.div_ceil(self.ratio.max(1));
+        match (&self.core, &mut engine.core) {
+            (AnyCore::Single(old), AnyCore::Single(new)) => new.copy_ahead(old, inheritance, &mut left),
+            (AnyCore::Double(old), AnyCore::Double(new)) => new.copy_ahead(old, inheritance, &mut left),
+            _ => {}
+        }
+        if left > 0 {
+            passage.ready.store(true, std::sync::atomic::Ordering::Release);
+        }
     }
 
     /// Tells the output stage how it is to take over from that of another engine.

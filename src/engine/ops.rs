@@ -212,14 +212,24 @@ impl<R: Real> Ops<R> {
         }
     }
 
-    /// Makes the states of as many lanes as there are here and there copies of those of an old program's ops, which it keeps.
-    pub fn copy_states(&mut self, old: &Self, ops: &[Option<usize>]) {
+    /// Copies ahead what [`Ops::copy_states`] would take long to copy, as [`Kernel::copy_ahead`](crate::node::kernel::Kernel::copy_ahead) says.
+    pub fn copy_ahead(&mut self, old: &Self, ops: &[Option<usize>], live: &[u8], left: &mut usize) {
+        for (states, from) in self.states.iter_mut().zip(ops) {
+            if let Some(old) = from.and_then(|from| old.states.get(from)) {
+                states.copy_ahead(old, live, left);
+            }
+        }
+    }
+
+    /// Makes the states of the lanes that live, as far as there are as many here and there, copies of those of an old program's ops, which it keeps.
+    /// `live` has a bit for each lane of a group.
+    pub fn copy_states(&mut self, old: &Self, ops: &[Option<usize>], live: &[u8]) {
         self.take_late(old, ops);
         let (here, there) = (self.lanes(), old.lanes());
         for (op, (states, from)) in self.states.iter_mut().zip(ops).enumerate() {
             let Some(from) = *from else { continue };
             if let Some(old) = old.states.get(from) {
-                states.copy(old);
+                states.copy(old, live);
             }
             let old = old.behind.get(from * there..(from + 1) * there);
             if let (Some(behind), Some(old)) = (self.behind.get_mut(op * here..(op + 1) * here), old) {

@@ -3,7 +3,7 @@
 //! It turns the moments at which signals arrived into frames, lets the performer make events of them, and sends those to the
 //! callback ahead of their time. It compiles nothing and waits for nothing but signals.
 
-use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -84,12 +84,14 @@ pub struct Conductor {
     patterns: HashMap<u64, u64>,
     /// The serial numbers of the patterns that it told of last.
     playing: Vec<u64>,
-    /// What the plan that sounds calls things, and those that have not taken over yet.
+    /// What the plan that sounds calls things, and one that was admitted and has not taken over yet.
     callings: Callings,
-    next: VecDeque<Callings>,
+    next: Option<Callings>,
     /// Plans that were sent after the first.
     plan: u64,
-    /// One that waits until an engine has come back.
+    /// One that gets ready to take over.
+    offered: Option<Box<Reload>>,
+    /// One that waits until the one before has taken over and the old engine has come back.
     waiting: Option<Box<Reload>>,
     rate: f64,
     ratio: f64,
@@ -160,8 +162,9 @@ impl Conductor {
             patterns: HashMap::from([(0, 0)]),
             playing: Vec::new(),
             callings,
-            next: VecDeque::new(),
+            next: None,
             plan: 0,
+            offered: None,
             waiting: None,
             rate,
             ratio,
@@ -230,7 +233,7 @@ impl Conductor {
         while let Some(report) = self.rings.reports.try_pop() {
             match &report.deed {
                 Deed::Swap => {
-                    if let Some(callings) = self.next.pop_front() {
+                    if let Some(callings) = self.next.take() {
                         self.callings = callings;
                     }
                 }
@@ -262,6 +265,7 @@ impl Conductor {
     pub fn go_on(&mut self) {
         self.tick();
         self.feed();
+        self.admit();
         if let Some(reload) = self.waiting.take() {
             self.reload(reload);
         }
@@ -429,24 +433,33 @@ impl Conductor {
         }
     }
 
-    /// Lets another scene take over. Where two engines are still under way, it waits.
+    /// Lets another scene take over as soon as it is ready. While one is still under way, it waits.
     fn reload(&mut self, reload: Box<Reload>) {
-        match self.director.send(&reload.scene.plan) {
+        match self.director.offer(&reload.scene.plan) {
             Ok(false) => self.waiting = Some(reload),
-            Ok(true) => {
-                self.plan += 1;
-                self.next.push_back(Callings::of(&reload.scene.plan));
-                (self.audience)(Told::Reloading(&reload));
-                let Reload { scene, patch, rig, files, .. } = *reload;
-                // Those that play on may be called otherwise now.
-                self.playing = vec![u64::MAX];
-                let became = self.performer.become_of(scene, patch, rig, files);
-                (self.audience)(Told::Reloaded);
-                if let Err(problem) = became {
-                    (self.audience)(Told::Refused(&problem));
-                }
-            }
+            Ok(true) => self.offered = Some(reload),
             Err(mismatch) => (self.audience)(Told::Kept(&mismatch.to_string())),
+        }
+        self.admit();
+    }
+
+    /// What is ready takes over: what comes from here on is meant for it.
+    fn admit(&mut self) {
+        if !self.director.is_ready() {
+            return;
+        }
+        let Some(reload) = self.offered.take() else { return };
+        self.director.admit();
+        self.plan += 1;
+        self.next = Some(Callings::of(&reload.scene.plan));
+        (self.audience)(Told::Reloading(&reload));
+        let Reload { scene, patch, rig, files, .. } = *reload;
+        // Those that play on may be called otherwise now.
+        self.playing = vec![u64::MAX];
+        let became = self.performer.become_of(scene, patch, rig, files);
+        (self.audience)(Told::Reloaded);
+        if let Err(problem) = became {
+            (self.audience)(Told::Refused(&problem));
         }
     }
 }

@@ -76,7 +76,7 @@ impl Script for Points {
 }
 
 impl<R: Real> Kernel<R> for Lanes<R> {
-    fn copy(&mut self, from: &Self) {
+    fn copy(&mut self, from: &Self, _live: u8) {
         let Points { rate, points, sustain, at, released } = &from.script;
         // Of the same settings there are as many.
         if self.script.points.len() != points.len() {

@@ -55,12 +55,24 @@ pub struct Lanes<R: 'static> {
     /// power of two apart, or all their places would share a few lines of the cache.
     lines: Vec<R>,
     stride: usize,
-    /// Place in the ring of the next sample.
-    next: usize,
     mask: usize,
+    /// Samples so far.
+    run: u64,
+    /// By lane: those before its voice began. They count as 0.
+    before: [u64; LANES],
     table: Fractional<R, TAPS>,
     rate: f64,
     most: f64,
+    copied: Copied,
+}
+
+/// How far a copy has come.
+#[derive(Debug, Clone)]
+struct Copied {
+    /// By lane: up to which sample.
+    to: [u64; LANES],
+    /// Samples that the original had when this looked last.
+    seen: u64,
 }
 
 /// Zeros whose memory is there: the system gives it when it is first written to, and the audio thread is not to wait for that.
@@ -78,27 +90,65 @@ fn room(setup: &Setup) -> (f64, usize) {
     (most, (most as usize + 2 * TAPS).next_power_of_two())
 }
 
+impl<R: Real> Lanes<R> {
+    /// Copies of a lane what is missing and can still be heard, so many samples at most; how many those were.
+    fn follow(&mut self, from: &Self, lane: usize, most: usize) -> usize {
+        let length = self.mask + 1;
+        let heard = from.before[lane].max(from.run.saturating_sub(length as u64));
+        let begin = self.copied.to[lane].max(heard);
+        let count = (from.run.saturating_sub(begin) as usize).min(most);
+        let (to, from) = (lane * self.stride, &from.lines[lane * self.stride..][..self.stride]);
+        let line = &mut self.lines[to..][..self.stride];
+        let at = begin as usize & self.mask;
+        let first = count.min(length - at);
+        line[at..at + first].copy_from_slice(&from[at..at + first]);
+        line[..count - first].copy_from_slice(&from[..count - first]);
+        line[length..length + TAPS].copy_from_slice(&from[length..length + TAPS]);
+        self.copied.to[lane] = begin + count as u64;
+        count
+    }
+}
+
 impl<R: Real> Kernel<R> for Lanes<R> {
     fn new(setup: &Setup) -> Self {
         let (most, length) = room(setup);
         Self {
             lines: zeros((length + GAP) * LANES),
             stride: length + GAP,
-            next: 0,
             mask: length - 1,
+            run: 0,
+            before: [0; LANES],
             table: Fractional::new(FIRST, LAST, BAND),
             rate: setup.rate,
             most,
+            copied: Copied { to: [0; LANES], seen: u64::MAX },
         }
     }
 
-    fn copy(&mut self, from: &Self) {
+    fn copy(&mut self, from: &Self, live: u8) {
         // Lines of the same settings are as long.
         if self.lines.len() == from.lines.len() {
-            self.lines.copy_from_slice(&from.lines);
-            (self.stride, self.next, self.mask) = (from.stride, from.next, from.mask);
-            (self.rate, self.most) = (from.rate, from.most);
+            (0..LANES).filter(|l| live & (1 << l) != 0).for_each(|lane| {
+                self.follow(from, lane, usize::MAX);
+            });
+            (self.run, self.before) = (from.run, from.before);
         }
+    }
+
+    fn copy_ahead(&mut self, from: &Self, live: u8, left: &mut usize) {
+        if self.lines.len() != from.lines.len() {
+            return;
+        }
+        for lane in (0..LANES).filter(|l| live & (1 << l) != 0) {
+            // What came since costs no more than it did to run it.
+            let keeps_up = self.copied.to[lane].max(from.before[lane]) >= self.copied.seen;
+            let most = if keeps_up { usize::MAX } else { *left / size_of::<R>() };
+            let bytes = self.follow(from, lane, most) * size_of::<R>();
+            if !keeps_up {
+                *left = if self.copied.to[lane] < from.run { 0 } else { *left - bytes };
+            }
+        }
+        self.copied.seen = from.run;
     }
 
     fn heap(setup: &Setup) -> usize {
@@ -106,7 +156,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     }
 
     fn start(&mut self, lane: usize, _onset: &Onset) {
-        self.lines[lane * self.stride..][..self.stride].fill(R::ZERO);
+        self.before[lane] = self.run;
     }
 
     #[inline(always)]
@@ -114,24 +164,42 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         let [input, time] = [io.inputs[0], io.inputs[1]];
         for (frame, out) in io.output.iter_mut().enumerate() {
             let (row, time) = (input.at(frame), time.at(frame));
+            let next = self.run as usize & self.mask;
             for l in 0..LANES {
                 let back = time[l].wide() * self.rate;
                 let back = if back > 1.0 { back } else { 1.0 };
                 let back = if back < self.most { back } else { self.most };
                 // Taps from `newest` samples back to seven more, with the place between the middle ones where there is room.
                 let newest = (back as usize).max(4) - 3;
-                let oldest = self.next.wrapping_sub(newest + TAPS - 1) & self.mask;
+                let oldest = next.wrapping_sub(newest + TAPS - 1) & self.mask;
                 let line = &mut self.lines[l * self.stride..][..self.stride];
-                out[l] = self.table.at(newest as f64 + 7.0 - back, &line[oldest..]);
+                let (place, taps) = (newest as f64 + 7.0 - back, &line[oldest..]);
+                let age = self.run - self.before[l];
+                out[l] = match age >= (newest + TAPS - 1) as u64 {
+                    true => self.table.at(place, taps),
+                    false => begun(&self.table, place, taps, newest, age as usize),
+                };
                 let x = if row[l].is_finite() { row[l] } else { R::ZERO };
-                line[self.next] = x;
-                if self.next < TAPS {
-                    line[self.next + self.mask + 1] = x;
+                line[next] = x;
+                if next < TAPS {
+                    line[next + self.mask + 1] = x;
                 }
             }
-            self.next = (self.next + 1) & self.mask;
+            self.run += 1;
         }
     }
+}
+
+/// As [`Fractional::at`], where not all taps, of which the last is `newest` samples back, have been since the voice began `age` samples ago.
+#[cold]
+fn begun<R: Real>(table: &Fractional<R, TAPS>, place: f64, taps: &[R], newest: usize, age: usize) -> R {
+    if age < newest {
+        return R::ZERO;
+    }
+    let zeros = newest + TAPS - 1 - age;
+    let mut since = [R::ZERO; TAPS];
+    since.iter_mut().zip(taps).skip(zeros).for_each(|(since, tap)| *since = *tap);
+    table.at(place, &since)
 }
 
 /// The definition: a sinc in the window cosh β√(1 − x²) / cosh β, as wide as the time allows, 48 samples on each side at most; β is
@@ -178,7 +246,10 @@ impl Twin for Exact {
 
 #[cfg(test)]
 mod tests {
+    use super::{Lanes, TAPS};
+    use crate::dsp::lanes::LANES;
     use crate::node::harness::{Bench, error_db};
+    use crate::node::kernel::{Input, Io, Kernel, Onset};
     use std::f64::consts::TAU;
 
     fn tone(t: f64) -> f64 {
@@ -234,6 +305,69 @@ mod tests {
                 .moving("input", 0.0, move |t| if bad.is_finite() { t.sin() } else { bad })
                 .moving("time", 0.001, move |_| bad);
             assert!(bench.kernel::<f32>(1000, &[64]).iter().all(|v| v.abs() < 10.0), "{bad}");
+        }
+    }
+
+    /// Whatever becomes of the original meanwhile, and however little is copied at a time.
+    #[test]
+    fn a_copy_is_made_a_little_at_a_time() {
+        let bench = Bench::new("delay", 8000.0).constant("longest", 0.2);
+        let (room, mut random) = (4096_u64, 7_u64);
+        let mut draw = |below: u64| {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 33) % below
+        };
+        let base = [0.0; LANES];
+        let run = |lanes: &mut Lanes<f32>, from: u64, frames: u64| {
+            let rows: Vec<_> = (from..from + frames)
+                .map(|n| std::array::from_fn(|l| ((n * 31 + l as u64 * 7) % 1009) as f32))
+                .collect();
+            let time: Vec<_> = (from..from + frames)
+                .map(|n| std::array::from_fn(|l| ((n * 17 + l as u64) % 1600) as f32 / 8000.0))
+                .collect();
+            let input = |rows| Input { rows, step: 1, steady: false, base: &base };
+            let mut output = vec![[0.0; LANES]; frames as usize];
+            let inputs = [input(&rows), input(&time)];
+            lanes.run(&mut Io { inputs: &inputs, output: &mut output, still: false });
+            output
+        };
+        for _ in 0..60 {
+            let mut original = <Lanes<f32> as Kernel<f32>>::new(&bench.setup);
+            let (mut copy, mut at, mut live) = (original.clone(), 0, 0b0110_1011_u8);
+            let age = draw(3 * room);
+            drop(run(&mut original, at, age));
+            at += age;
+            let (mut left, mut calls) = (0, 0);
+            while left == 0 {
+                let lane = draw(8) as usize;
+                match draw(3) {
+                    0 => {
+                        live |= 1 << lane;
+                        let onset = Onset { age: -1.0, stream: 0, start: &[0.0, 0.0] };
+                        Kernel::<f32>::start(&mut original, lane, &onset);
+                    }
+                    1 => live &= !(1 << lane),
+                    _ => {}
+                }
+                left = 900 + draw(2_000) as usize;
+                let most = left;
+                let before = copy.lines.clone();
+                Kernel::<f32>::copy_ahead(&mut copy, &original, live, &mut left);
+                let came = copy.lines.iter().zip(&before).filter(|(a, b)| a != b).count();
+                // With what stands there twice.
+                let came = came.saturating_sub(TAPS * LANES) * size_of::<f32>();
+                assert!(calls > 0 || came <= most, "{came} bytes of {most}");
+                calls += 1;
+                let frames = 1 + draw(40);
+                drop(run(&mut original, at, frames));
+                at += frames;
+            }
+            assert!(calls > 3 || age < 500, "{calls} calls for {age} samples");
+            Kernel::<f32>::copy(&mut copy, &original, live);
+            let (one, other) = (run(&mut original, at, 300), run(&mut copy, at, 300));
+            for l in (0..LANES).filter(|l| live & (1 << l) != 0) {
+                assert!(one.iter().zip(&other).all(|(a, b)| a[l].to_bits() == b[l].to_bits()), "lane {l}, {calls} calls");
+            }
         }
     }
 }

@@ -117,9 +117,15 @@ pub(crate) trait Kernel<R: Real>: Send + Sized + Clone {
         let _ = setup;
         0
     }
-    /// Becomes a copy of a state of the same node with the same settings. Neither allocates nor frees.
-    fn copy(&mut self, from: &Self) {
+    /// Becomes a copy of a state of the same node with the same settings, at least of the lanes in `live`, a bit each. Neither allocates nor frees.
+    fn copy(&mut self, from: &Self, live: u8) {
+        let _ = live;
         self.clone_from(from);
+    }
+    /// Copies ahead of [`Kernel::copy`] what would take long there, `left` bytes at most, which it lessens by what it copies; nothing is left where it
+    /// has not come to the end. What has been copied keeps up from call to call with what the original runs on, for nothing.
+    fn copy_ahead(&mut self, from: &Self, live: u8, left: &mut usize) {
+        let _ = (from, live, left);
     }
     /// A voice begins on `lane`; whatever was there is forgotten.
     fn start(&mut self, lane: usize, onset: &Onset) {

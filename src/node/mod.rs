@@ -137,11 +137,23 @@ macro_rules! registry {
                     _ => false,
                 }
             }
-            /// Becomes a copy of states of the same node with the same settings. Neither allocates nor frees.
-            pub fn copy(&mut self, from: &Self) {
+            /// Becomes a copy of states of the same node with the same settings, of the lanes in `live`: by group, a bit each. Neither allocates nor frees.
+            pub fn copy(&mut self, from: &Self, live: &[u8]) {
                 match (self, from) {
                     $($(#[$attr])* (Self::$variant(to), Self::$variant(from)) => {
-                        to.iter_mut().zip(from).for_each(|(to, from)| Kernel::<R>::copy(to, from));
+                        let pairs = to.iter_mut().zip(from).zip(live).filter(|(_, live)| **live != 0);
+                        pairs.for_each(|((to, from), live)| Kernel::<R>::copy(to, from, *live));
+                    })*
+                    #[allow(unreachable_patterns)]
+                    _ => {}
+                }
+            }
+            /// See [`Kernel::copy_ahead`].
+            pub fn copy_ahead(&mut self, from: &Self, live: &[u8], left: &mut usize) {
+                match (self, from) {
+                    $($(#[$attr])* (Self::$variant(to), Self::$variant(from)) => {
+                        let pairs = to.iter_mut().zip(from).zip(live).filter(|(_, live)| **live != 0);
+                        pairs.for_each(|((to, from), live)| Kernel::<R>::copy_ahead(to, from, *live, left));
                     })*
                     #[allow(unreachable_patterns)]
                     _ => {}

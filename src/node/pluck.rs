@@ -147,7 +147,7 @@ fn longest(setup: &Setup) -> usize {
 }
 
 impl<R: Real> Kernel<R> for Lanes<R> {
-    fn copy(&mut self, from: &Self) {
+    fn copy(&mut self, from: &Self, _live: u8) {
         self.strings.copy(&from.strings);
         self.rate = from.rate;
     }

@@ -124,7 +124,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         }
     }
 
-    fn copy(&mut self, from: &Self) {
+    fn copy(&mut self, from: &Self, _live: u8) {
         *self = Self { displaced: self.copies.take(), ..from.clone() };
     }
 

@@ -11,6 +11,11 @@ use crate::schedule::Instant;
 use crate::space::spot::Spot;
 
 impl<R: Real> Bank<R> {
+    /// Copies ahead what [`Bank::adopt`] would take long to copy of an old bank whose voices may cross, `left` bytes at most.
+    pub fn copy_ahead(&mut self, old: &Self, ops: &[Option<usize>], left: &mut usize) {
+        self.ops.copy_ahead(&old.ops, ops, &old.live, left);
+    }
+
     /// Takes over, from the instrument of an old number as that of a new one, the voices of an old bank: its lanes, as far as there are as many, and the states of the ops that `ops` names. Ops
     /// without a counterpart begin now, before sample `clock`; voices that were let go of, and of which such an op is to say when they
     /// end, fade. The old bank is left empty, but for the copies of those voices that cross: `crosses` says which do, of those on these channels.
@@ -32,7 +37,7 @@ impl<R: Real> Bank<R> {
         (0..self.lanes.len()).for_each(|lane| self.free(lane));
         match &crosses {
             Some(_) => {
-                self.ops.copy_states(&old.ops, ops);
+                self.ops.copy_states(&old.ops, ops, &old.live);
                 self.copy_lanes(old);
             }
             None => {

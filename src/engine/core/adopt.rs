@@ -6,7 +6,25 @@ use crate::engine::event::Event;
 use crate::engine::handover::Inheritance;
 use crate::schedule::Instant;
 
+/// Of the engine-wide signals, which all lanes have alike.
+const FIRST_LANE: &[u8] = &[1];
+
 impl<R: Real> Core<R> {
+    /// Copies ahead, `left` bytes at most, what [`Core::adopt`] would take long to copy; nothing is left where that is not all yet.
+    pub fn copy_ahead(&mut self, old: &Self, inheritance: &Inheritance, left: &mut usize) {
+        if let (Some(new), Some(old)) = (&mut self.shared, &old.shared) {
+            new.copy_ahead(old, &inheritance.shared, FIRST_LANE, left);
+        }
+        for (number, (bank, from)) in self.banks.iter_mut().zip(&inheritance.instruments).enumerate() {
+            if let Some((from, ops)) = from
+                && inheritance.may_cross(number)
+                && let Some(old) = old.banks.get(*from)
+            {
+                bank.copy_ahead(old, ops, left);
+            }
+        }
+    }
+
     /// Takes the place of `old`: what `inheritance` names goes on here, and the rest fades out there.
     pub fn adopt(&mut self, old: &mut Self, inheritance: &Inheritance) {
         self.clock = old.clock;
@@ -25,11 +43,6 @@ impl<R: Real> Core<R> {
         }
         std::mem::swap(&mut self.tasks, &mut old.tasks);
         std::mem::swap(&mut self.standing, &mut old.standing);
-        std::mem::swap(&mut self.declick, &mut old.declick);
-        let copies = inheritance.copies;
-        if !copies && inheritance.jumps.contains(&true) {
-            self.declick.arm(&inheritance.jumps);
-        }
         for (ramp, from) in self.controls.iter_mut().zip(&inheritance.controls) {
             if let Some(from) = from.and_then(|i| old.controls.get(i)) {
                 ramp.follow(from);
@@ -39,10 +52,7 @@ impl<R: Real> Core<R> {
             new.adopt(old);
         }
         if let (Some(new), Some(old)) = (&mut self.shared, &mut old.shared) {
-            match copies {
-                true => new.copy_states(old, &inheritance.shared),
-                false => new.take_states(old, &inheritance.shared),
-            }
+            new.copy_states(old, &inheritance.shared, FIRST_LANE);
             new.retune(0, old, &inheritance.shared);
         }
         let now = Instant { sample: self.clock, fraction: 0 };
@@ -55,14 +65,13 @@ impl<R: Real> Core<R> {
             match from {
                 Some((from, bank_of_old, ops, first_of_old)) => {
                     let spot = |old| inheritance.spot(old);
-                    let changed = inheritance.changed.get(number).copied().unwrap_or(true);
+                    let changed = inheritance.is_changed(number);
                     let jumps = |channel: &(u32, f64)| {
                         inheritance.jumps.get(channel.0 as usize).copied().unwrap_or(true)
                     };
                     let crosses = |place: &[(u32, f64)]| changed || place.iter().any(jumps);
                     let places = (&mut self.places, &mut old.places);
-                    let crosses =
-                        (copies && (changed || inheritance.jumps.contains(&true))).then_some(crosses);
+                    let crosses = inheritance.may_cross(number).then_some(crosses);
                     bank.adopt(bank_of_old, ops, places, (from, number), (spot, crosses), self.clock);
                     for lane in 0..bank.lanes().min(bank_of_old.lanes()) {
                         if let Some((at, serial)) = old.ends.get(first_of_old + lane) {
@@ -104,11 +113,6 @@ impl<R: Real> Core<R> {
             counters.dropped += u64::from(kept.is_none() && matches!(event, Event::Play(_)));
             kept.is_some()
         });
-        old.lingers = copies;
-        // What stays behind hears the signals as they were, where they do not go on there.
-        for (signal, latest) in old.work.shared.iter_mut().zip(&old.latest).filter(|_| !copies) {
-            signal.hold(*latest);
-        }
         old.banks.iter_mut().for_each(|bank| bank.fade_all(now));
     }
 }

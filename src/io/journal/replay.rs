@@ -407,7 +407,7 @@ impl<R: BufRead> Replay<R> {
         };
         let plan = remake(&made_of, &self.recordings).map_err(ReplayError::Scene)?.plan;
         let sent = self.director.send(&plan).map_err(|mismatch| self.reader.wrong(&mismatch.to_string()))?;
-        if !sent || !self.stagehand.take_over() {
+        if !sent || !self.stagehand.take_over_now() {
             let what =
                 "a plan cannot take over while the one before still fades, so no session has played this";
             return Err(self.reader.wrong(what).into());
