@@ -284,3 +284,59 @@ fn the_program_says_where_it_listens() {
         .fails(75, &[&format!("127.0.0.1:{port}"), "another program listens there", "--osc 127.0.0.1:"]);
     play("nowhere").fails(2, &["--osc", "0.0.0.0:9000"]);
 }
+
+/// Markers that nobody hears are not lost in silence: it is said while it plays, and they are counted at the end.
+#[cfg(feature = "cli")]
+#[test]
+fn markers_that_nobody_hears_are_told_of() {
+    let scratch = program::Scratch::new("unheard");
+    let patch = format!(
+        "{}{}[[trigger]]\non = \"start\"\nplay = \"p\"\n[pattern.p]\nrepeat = {{ every = 0.05 }}\nevents = [{{ at = 0, marker = \"m\" }}, {{ at = 0.01, voice = \"beat\", frequency = 90, duration = 0.02 }}]\n",
+        program::HEAD,
+        program::VOICE
+    );
+    scratch.write("p.toml", patch);
+    let listener = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let at = listener.local_addr().unwrap().to_string();
+    let play =
+        || scratch.run(&["play", "p.toml", "--device", "virtual", "--duration", "0.4", "--osc-to", &at]);
+    let heard = play();
+    assert!(!heard.succeeds().err.contains("nobody"), "{}", heard.err);
+    drop(listener);
+    let unheard = play();
+    let told = format!("nobody listens at {at}: what is told there over OSC is lost");
+    assert_eq!(unheard.succeeds().err.matches(&told).count(), 1, "{}", unheard.err);
+    let lost = unheard.err.split(" markers and voices could not be told").next().unwrap();
+    let lost: u32 = lost.rsplit('\n').next().unwrap().parse().unwrap();
+    // One each 0.05 s of the 0.2 s behind the ramp, and what is told of ahead.
+    assert!((3..=7).contains(&lost), "{}", unheard.err);
+}
+
+/// Files that were removed while they were written are nowhere: that is no success.
+#[cfg(all(unix, feature = "cli"))]
+#[test]
+fn files_that_are_gone_in_the_end_are_told_of() {
+    let scratch = program::Scratch::new("gone");
+    scratch.write("p.toml", format!("{}{}", program::HEAD, program::VOICE));
+    let folder = scratch.0.join("kept here");
+    std::fs::create_dir(&folder).unwrap();
+    let arguments = |seconds| {
+        let kept = ["--record", "kept here/s.wav", "--events", "kept here/s.csv"];
+        [&["play", "p.toml", "--device", "virtual", "--replace", "--duration", seconds][..], &kept].concat()
+    };
+    let whole = scratch.run(&arguments("0.1"));
+    assert!(
+        whole.succeeds().err.contains("pacinian replay 'kept here/s.csv' plays it again"),
+        "{}",
+        whole.err
+    );
+    let child = scratch.command(&arguments("2")).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    std::fs::remove_dir_all(&folder).unwrap();
+    let gone = program::Run::of(child.wait_with_output().unwrap());
+    gone.fails(
+        74,
+        &["`kept here/s.wav` is gone", "`kept here/s.csv` is gone", "keep what is played in a folder"],
+    );
+    assert!(!gone.err.contains("plays it again"), "{}", gone.err);
+}

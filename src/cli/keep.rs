@@ -199,12 +199,14 @@ impl Kept {
         };
         if let Some((recorder, path)) = self.sent {
             match recorder.finish() {
+                Ok(_) if is_gone(&path) => failure.join(gone(&path)),
                 Ok(written) => note(&path, written.frames, "sent"),
                 Err(error) => failure.join(error.into()),
             }
         }
         if let Some((recorder, path)) = self.heard {
             match recorder.finish_with_digest() {
+                Ok(_) if is_gone(&path) => failure.join(gone(&path)),
                 Ok((written, digest)) => {
                     note(&path, written.frames, "heard");
                     if let Some(((journal, _), digest)) = self.journal.as_ref().zip(digest) {
@@ -216,9 +218,11 @@ impl Kept {
         }
         if let Some((journal, path)) = self.journal {
             match journal.finish() {
+                Ok(_) if is_gone(&path) => failure.join(gone(&path)),
                 Ok(0) => {
+                    let word = word(&path);
                     let path = path.display();
-                    terminal.note(&format!("{path}: the journal; pacinian replay {path} plays it again\n"));
+                    terminal.note(&format!("{path}: the journal; pacinian replay {word} plays it again\n"));
                 }
                 Ok(lost) => {
                     let lines = grouped(lost);
@@ -228,5 +232,45 @@ impl Kept {
             }
         }
         if failure.is_none() { Ok(()) } else { Err(failure) }
+    }
+}
+
+/// What is removed while it is written to is written to on, and is nowhere in the end.
+fn is_gone(path: &Path) -> bool {
+    !path.exists()
+}
+
+fn gone(path: &Path) -> Failure {
+    let what =
+        format!("`{}` is gone: it was removed, or its folder was, while it was written", path.display());
+    Failure::usage(what, "its contents are lost; keep what is played in a folder that nothing clears")
+        .with_code(74)
+}
+
+/// A path as a word of a shell.
+fn word(path: &Path) -> String {
+    let path = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+,:@%".contains(c);
+    match !path.is_empty() && path.chars().all(plain) {
+        true => path,
+        false => format!("'{}'", path.replace('\'', "'\\''")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::word;
+    use std::path::Path;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_path_with_blanks_or_quotes_is_one_word_of_a_shell() {
+        for path in ["plain/file-1.csv", "two words.csv", "it's.csv", "a;b$c.csv", "line\nbreak.csv"] {
+            let said = std::process::Command::new("sh")
+                .args(["-c", &format!("printf %s {}", word(Path::new(path)))])
+                .output();
+            assert_eq!(said.unwrap().stdout, path.as_bytes());
+        }
+        assert_eq!(word(Path::new("plain/file-1.csv")), "plain/file-1.csv");
     }
 }

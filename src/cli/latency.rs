@@ -293,9 +293,15 @@ impl Latency {
         let gain = mean_gain(measured);
         let mut table = Table::default();
         table.row(["loop latency".into(), format!("{:.4} ms", 1e3 * mean), frames(mean)]);
-        table.row(["spread".into(), micro(deviation), format!("{} (standard deviation)", frames(deviation))]);
-        table.row(["from, to".into(), format!("{:.4} ms", 1e3 * least), format!("{:.4} ms", 1e3 * most)]);
-        table.row(["drift".into(), format!("{:.1} us a minute", 60e6 * drift), String::new()]);
+        if measured.rounds.len() > 1 {
+            let spread = format!("{} (standard deviation)", frames(deviation));
+            table.row(["spread".into(), micro(deviation), spread]);
+            table.row(["from, to".into(), format!("{:.4} ms", 1e3 * least), format!("{:.4} ms", 1e3 * most)]);
+            table.row(["drift".into(), format!("{:.1} us a minute", 60e6 * drift), String::new()]);
+        } else {
+            let why = "of one probe: send more, --count";
+            table.row(["spread, drift".into(), "unknown".to_string(), why.into()]);
+        }
         table.row([
             "clocks".into(),
             format!("{:+.1} ppm", 1e6 * measured.drift),
@@ -344,6 +350,9 @@ impl Latency {
         name: &str,
     ) -> serde_json::Value {
         let Figures { mean, deviation, least, most, drift } = *figures;
+        // One probe says nothing of them.
+        let [deviation, drift] =
+            [deviation, drift].map(|figure| (measured.rounds.len() > 1).then_some(figure));
         json!({
             "out": { "device": names[0], "output": name, "rate_hz": rates[0], "says_s": measured.says[0] },
             "in": { "device": names[1], "channel": self.input, "rate_hz": rates[1], "says_s": measured.says[1] },

@@ -23,6 +23,7 @@ use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
 use pacinian::io::midi_in::MidiPorts;
+use pacinian::io::osc::announce::Announcer;
 use pacinian::io::session::{Beginning, Session};
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
@@ -302,6 +303,9 @@ impl Play {
             if let Some(trouble) = kept.look(&session) {
                 show.say(&trouble);
             }
+            for at in announcer.iter().flat_map(Announcer::unheard) {
+                show.say(&format!("nobody listens at {at}: what is told there over OSC is lost"));
+            }
             #[cfg(feature = "serial")]
             for said in line.iter().flat_map(super::line::OnLine::news) {
                 show.say(&said);
@@ -343,7 +347,10 @@ impl Play {
         if let Some(trouble) = session.board().midi.trouble() {
             terminal.note(&format!("{trouble}\n"));
         }
-        let unsent = announcer.map_or(0, |announcer| announcer.finish());
+        let unsent = announcer.as_ref().map_or(0, Announcer::finish);
+        for at in announcer.iter().flat_map(Announcer::unheard) {
+            terminal.note(&format!("nobody listens at {at}\n"));
+        }
         if unsent > 0 {
             terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }

@@ -26,7 +26,8 @@ use kernel::{Io, Kernel, Onset, Setup, Twin};
 use motion::Motion;
 use spec::NodeSpec;
 
-/// Nodes that are made of units of `fundsp`: they are in [`REGISTRY`] with the feature `fundsp-nodes`, which is on by default.
+/// Nodes of the feature `fundsp-nodes`, which is on by default: without, they are not in [`REGISTRY`]. All but `pluck`, a unit of our own, are made of
+/// units of `fundsp`.
 pub const OF_FUNDSP: [&str; 5] = ["pluck", "chaos", "brown", "ladder", "bell"];
 
 /// A node type: its place in [`REGISTRY`].

@@ -1,6 +1,7 @@
 //! What is played, told to other programs as it is played: every marker, and to those who ask for more, every voice. Each goes out in a
 //! bundle whose time tag is that at which it leaves the converter.
 
+use std::io::ErrorKind;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -44,7 +45,29 @@ struct Shared {
     guests: Mutex<Vec<Guest>>,
     out: Mutex<Option<SyncSender<Announcement>>>,
     thread: Mutex<Option<JoinHandle<()>>>,
-    unsent: Arc<Figure>,
+    lost: Arc<Lost>,
+}
+
+/// What did not get where it was to go.
+#[derive(Debug, Default)]
+struct Lost {
+    /// Announcements.
+    unsent: Figure,
+    /// Where nobody listens, and how many of those have been told.
+    unheard: Mutex<(Vec<SocketAddr>, usize)>,
+}
+
+impl Lost {
+    /// A system has said that nobody was there for what went to a connected socket last.
+    fn refused(&self, socket: &UdpSocket) {
+        self.unsent.add(1);
+        let mut unheard = locked(&self.unheard);
+        if let Ok(to) = socket.peer_addr()
+            && !unheard.0.contains(&to)
+        {
+            unheard.0.push(to);
+        }
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -57,7 +80,7 @@ struct Guest {
 }
 
 /// What goes out, and to whom.
-type Announcement = (Vec<u8>, Vec<(Arc<UdpSocket>, SocketAddr)>);
+type Announcement = (Vec<u8>, Vec<(Arc<UdpSocket>, Option<SocketAddr>)>);
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // Whoever panicked while it was held has lost an announcement at most.
@@ -71,8 +94,8 @@ impl Announcer {
     /// A system that has no thread left.
     pub fn new(plan: &Plan) -> std::io::Result<Self> {
         let (out, announcements) = sync_channel(WAITING);
-        let unsent = Arc::new(Figure::default());
-        let missed = Arc::clone(&unsent);
+        let lost = Arc::new(Lost::default());
+        let missed = Arc::clone(&lost);
         let thread = std::thread::Builder::new()
             .name("osc out".into())
             .spawn(move || send(&announcements, &missed))?;
@@ -81,7 +104,7 @@ impl Announcer {
             guests: Mutex::default(),
             out: Mutex::new(Some(out)),
             thread: Mutex::new(Some(thread)),
-            unsent,
+            lost,
         })))
     }
 
@@ -97,6 +120,8 @@ impl Announcer {
         };
         let socket = UdpSocket::bind(any).map_err(failed)?;
         socket.set_write_timeout(Some(PATIENCE)).map_err(failed)?;
+        // Only of such a one systems tell that nobody was there.
+        socket.connect(to).map_err(failed)?;
         locked(&self.0.guests).push(Guest {
             to,
             socket: Arc::new(socket),
@@ -152,8 +177,11 @@ impl Announcer {
             (guest.wants == Wants::All || wanted == Wants::Markers)
                 && guest.until.is_none_or(|until| until > now)
         };
-        let to: Vec<_> =
-            guests.iter().filter(hear).map(|guest| (Arc::clone(&guest.socket), guest.to)).collect();
+        let to: Vec<_> = guests
+            .iter()
+            .filter(hear)
+            .map(|guest| (Arc::clone(&guest.socket), guest.until.map(|_| guest.to)))
+            .collect();
         drop(guests);
         if to.is_empty() {
             return;
@@ -164,24 +192,48 @@ impl Announcer {
         let sent = packet(&line, time.map_or(Tag::AT_ONCE, Tag::of)).is_some_and(|bytes| {
             locked(&self.0.out).as_ref().is_some_and(|out| out.try_send((bytes, to)).is_ok())
         });
-        self.0.unsent.add(if sent { 0 } else { number });
+        self.0.lost.unsent.add(if sent { 0 } else { number });
     }
 
-    /// Sends what still waits. Gives how many announcements could not be sent.
+    /// Where [always](Self::always) something goes and nobody listens, as far as the system tells and as far as this has not been asked before.
+    pub fn unheard(&self) -> Vec<SocketAddr> {
+        let (at, told) = &mut *locked(&self.0.lost.unheard);
+        let new = at.get(*told..).unwrap_or_default().to_vec();
+        *told = at.len();
+        new
+    }
+
+    /// Sends what still waits. Gives how many announcements could not be sent, or went where nobody listened.
     pub fn finish(&self) -> u64 {
         drop(locked(&self.0.out).take());
         if let Some(thread) = locked(&self.0.thread).take() {
             // One that has panicked has nothing more to say.
             let _ = thread.join();
         }
-        self.0.unsent.get()
+        for guest in locked(&self.0.guests).iter().filter(|guest| guest.until.is_none()) {
+            if let Ok(Some(_)) = guest.socket.take_error() {
+                self.0.lost.refused(&guest.socket);
+            }
+        }
+        self.0.lost.unsent.get()
     }
 }
 
-fn send(announcements: &Receiver<Announcement>, unsent: &Figure) {
+fn send(announcements: &Receiver<Announcement>, lost: &Lost) {
     for (bytes, guests) in announcements {
         for (socket, to) in guests {
-            unsent.add(u64::from(socket.send_to(&bytes, to).is_err()));
+            let sent = match to {
+                Some(to) => socket.send_to(&bytes, to),
+                None => socket.send(&bytes).or_else(|error| {
+                    if error.kind() != ErrorKind::ConnectionRefused {
+                        return Err(error);
+                    }
+                    // That is said of what went before, in place of sending this.
+                    lost.refused(&socket);
+                    socket.send(&bytes)
+                }),
+            };
+            lost.unsent.add(u64::from(sent.is_err()));
         }
     }
 }
