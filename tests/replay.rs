@@ -357,6 +357,14 @@ fn a_full_disk_does_not_stop_the_session() {
     for name in ["small.wav", "small.csv"] {
         assert!(said.contains(&format!("`{name}` takes no more")), "{name}: {said}");
     }
+    // One that takes not even its first bytes leaves nothing behind.
+    let mut none = std::process::Command::new("sh");
+    none.args(["-c", "ulimit -f 0; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_pacinian")]);
+    let none = none.args(PLAY).args(["--record", "none.wav"]).current_dir(&room.0).output().unwrap();
+    let said = text(&none.stderr);
+    assert_eq!(none.status.code(), Some(74), "{said}");
+    assert!(said.contains("`none.wav` has grown as large"), "{said}");
+    assert!(!room.0.join("none.wav").exists());
 }
 
 #[test]

@@ -65,6 +65,15 @@ impl Playing {
     }
 }
 
+impl Playing {
+    fn interrupt(&mut self) {
+        let kill =
+            std::process::Command::new("kill").args(["-s", "INT", &self.child.id().to_string()]).status();
+        assert!(kill.unwrap().success());
+        assert_eq!(self.child.wait().unwrap().code(), Some(130));
+    }
+}
+
 impl Drop for Playing {
     fn drop(&mut self) {
         let _ = self.child.kill();
@@ -199,17 +208,52 @@ fn a_journal_knows_what_took_over() {
     fs::write(&rig, RIG.replace("channel = 1\n", "channel = 1\ndc = true\n") + MORE).unwrap();
     playing.hears("r.toml: taken up");
     playing.hears("tap on t1");
-    let kill =
-        std::process::Command::new("kill").args(["-s", "INT", &playing.child.id().to_string()]).status();
-    assert!(kill.unwrap().success());
-    assert_eq!(playing.child.wait().unwrap().code(), Some(130));
+    playing.interrupt();
     fs::remove_file(&patch).unwrap();
     fs::remove_file(&rig).unwrap();
+    replays(&scratch);
+}
+
+/// What was recorded comes again from the journal, to the bit.
+#[track_caller]
+fn replays(scratch: &Scratch) {
     let run = scratch.run(&["replay", "j.jsonl", "-o", "again.wav"]);
     run.succeeds();
     let (sent, again) = (scratch.wav("o.wav").1, scratch.wav("again.wav").1);
     assert!(sent.len() > 48_000 && sent.len() == again.len(), "{} and {}", sent.len(), again.len());
     assert!(sent.iter().zip(&again).all(|(a, b)| a.to_bits() == b.to_bits()));
+}
+
+/// Delays of a minute take over a little at a time, while the old patch goes on; and the journal knows when.
+#[test]
+fn what_remembers_for_long_takes_over_and_is_played_again() {
+    let scratch = Scratch::new("watch-long");
+    let nodes = "late = { type = \"delay\", input = \"s\", time = 0.5, longest = 60 }\n\
+        both = { type = \"add\", inputs = [\"0.5 * s\", \"0.5 * late\"] }\n";
+    let hum = "output = \"s\"\n[voice.hum.nodes]\n";
+    let long = PATCH.replace(hum, &format!("output = \"both\"\n[voice.hum.nodes]\n{nodes}"));
+    assert_ne!(long, PATCH);
+    let patch = scratch.write("p.toml", &long);
+    let arguments = ["p.toml", "--device", "virtual", "--record", "o.wav", "--events", "j.jsonl"];
+    let mut playing = Playing::new(&scratch, &arguments);
+    // Some hundred kilobytes of past.
+    std::thread::sleep(Duration::from_secs(4));
+    for name in ["knock", "touch"] {
+        fs::write(&patch, long.replace("tap", name).replace("frequency = 100", "frequency = 110")).unwrap();
+        playing.hears("p.toml: taken up");
+        playing.hears(&format!("{name} on t1"));
+    }
+    playing.interrupt();
+    replays(&scratch);
+    let sent = scratch.wav("o.wav").1;
+    // Eight channels; nothing of it ever jumps or is silent once it has begun.
+    let first: Vec<f32> = sent.chunks(8).map(|frame| frame[0]).collect();
+    let sounding = &first[24_000..first.len() - 4_800];
+    let largest = |part: &[f32]| part.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f32::max);
+    let (before, all) = (largest(&sounding[..120_000]), largest(sounding));
+    // 110 Hz in place of 100, beside what is tapped.
+    assert!(all <= 1.1 * before, "a step of {all} where {before} was the largest");
+    assert!(sounding.windows(960).all(|part| part.iter().any(|x| x.abs() > 0.001)), "it has no gap");
 }
 
 #[test]

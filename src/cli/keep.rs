@@ -12,6 +12,7 @@ use pacinian::io::recorder::Recorder;
 use pacinian::io::session::Session;
 use pacinian::io::wav::{Encoding, WavSpec};
 use pacinian::live::reload::Reload;
+use pacinian::text::problem::escaped;
 use ringbuf::HeapCons;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -129,27 +130,25 @@ impl Keep {
         journal: Option<Journal>,
         loaded: &Loaded,
     ) -> Result<(), FileError> {
-        let mut made = |path: &PathBuf, is_new: bool| kept.made.extend(is_new.then(|| path.clone()));
+        // Whether it takes its first bytes or not.
+        let mut made = |path: &PathBuf| kept.made.extend((!path.exists()).then(|| path.clone()));
         if let Some((path, ring)) = self.record.as_ref().zip(sound.sent) {
             let mut spec = WavSpec::new(sound.channels, sound.rate, Encoding::F32);
             spec.title.clone_from(&loaded.patch.title);
             spec.tactors = loaded.tactors();
-            let new = !path.exists();
+            made(path);
             kept.sent = Some((Recorder::start(ring, path, spec)?, path.clone()));
-            made(path, new);
         }
         if let Some((path, (ring, channels))) = self.heard().zip(sound.heard) {
             // What was not heard of a knob's sensor is kept as what it is.
             let spec = WavSpec { unbounded: true, ..WavSpec::new(channels, sound.rate, Encoding::F32) };
-            let new = !path.exists();
+            made(&path);
             kept.heard = Some((Recorder::start_with_digest(ring, &path, spec)?, path.clone()));
-            made(&path, new);
         }
         if let Some((journal, path)) = journal.zip(self.events.as_ref()) {
-            let new = !path.exists();
+            made(path);
             journal.open()?;
             kept.journal = Some((journal, path.clone()));
-            made(path, new);
         }
         Ok(())
     }
@@ -164,7 +163,7 @@ impl Kept {
                 journal.clock(session.clock().moment());
             }
         }
-        let failed = |path: &Path| Some(format!("`{}` takes no more; the rest is not kept", path.display()));
+        let failed = |path: &Path| Some(format!("`{}` takes no more; the rest is not kept", shown(path)));
         let recorders = self.sent.iter().chain(&self.heard);
         let recorders = recorders.filter(|(recorder, _)| recorder.has_failed()).map(|(_, path)| path);
         let journal = self.journal.iter().filter(|(journal, _)| journal.has_failed()).map(|(_, path)| path);
@@ -195,7 +194,7 @@ impl Kept {
     pub fn finish(self, terminal: &Terminal) -> Result<(), Failure> {
         let mut failure = Failure::default();
         let note = |path: &Path, frames: u64, words: &str| {
-            terminal.note(&format!("{}: {} frames, as they were {words}\n", path.display(), grouped(frames)));
+            terminal.note(&format!("{}: {} frames, as they were {words}\n", shown(path), grouped(frames)));
         };
         if let Some((recorder, path)) = self.sent {
             match recorder.finish() {
@@ -220,13 +219,13 @@ impl Kept {
             match journal.finish() {
                 Ok(_) if is_gone(&path) => failure.join(gone(&path)),
                 Ok(0) => {
-                    let word = word(&path);
-                    let path = path.display();
-                    terminal.note(&format!("{path}: the journal; pacinian replay {word} plays it again\n"));
+                    let word = word(&path).map_or(String::new(), |word| format!(" {word}"));
+                    let path = shown(&path);
+                    terminal.note(&format!("{path}: the journal; pacinian replay{word} plays it again\n"));
                 }
                 Ok(lost) => {
                     let lines = grouped(lost);
-                    terminal.note(&format!("{}: the journal, which lacks {lines} lines\n", path.display()));
+                    terminal.note(&format!("{}: the journal, which lacks {lines} lines\n", shown(&path)));
                 }
                 Err(error) => failure.join(error.into()),
             }
@@ -235,42 +234,48 @@ impl Kept {
     }
 }
 
+fn shown(path: &Path) -> String {
+    escaped(&path.display().to_string()).into_owned()
+}
+
 /// What is removed while it is written to is written to on, and is nowhere in the end.
 fn is_gone(path: &Path) -> bool {
     !path.exists()
 }
 
 fn gone(path: &Path) -> Failure {
-    let what =
-        format!("`{}` is gone: it was removed, or its folder was, while it was written", path.display());
+    let what = format!("`{}` is gone: it was removed, or its folder was, while it was written", shown(path));
     Failure::usage(what, "its contents are lost; keep what is played in a folder that nothing clears")
         .with_code(74)
 }
 
-/// A path as a word of a shell.
-fn word(path: &Path) -> String {
+/// A path as a word of a shell; `None` where it has what is not to be shown.
+fn word(path: &Path) -> Option<String> {
     let path = path.display().to_string();
     let plain = |c: char| c.is_alphanumeric() || "/._-+,:@%".contains(c);
-    match !path.is_empty() && path.chars().all(plain) {
+    if escaped(&path) != path {
+        return None;
+    }
+    Some(match !path.is_empty() && path.chars().all(plain) {
         true => path,
         false => format!("'{}'", path.replace('\'', "'\\''")),
-    }
+    })
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use super::word;
     use std::path::Path;
 
-    #[cfg(unix)]
     #[test]
     fn a_path_with_blanks_or_quotes_is_one_word_of_a_shell() {
-        for path in ["plain/file-1.csv", "two words.csv", "it's.csv", "a;b$c.csv", "line\nbreak.csv"] {
+        for path in ["plain/file-1.csv", "two words.csv", "it's.csv", "a;b$c.csv"] {
             let said = std::process::Command::new("sh")
-                .args(["-c", &format!("printf %s {}", word(Path::new(path)))])
+                .args(["-c", &format!("printf %s {}", word(Path::new(path)).unwrap())])
                 .output();
             assert_eq!(said.unwrap().stdout, path.as_bytes());
         }
-        assert_eq!(word(Path::new("plain/file-1.csv")), "plain/file-1.csv");
+        assert_eq!(word(Path::new("plain/file-1.csv")).unwrap(), "plain/file-1.csv");
+        assert_eq!(word(Path::new("line\nbreak.csv")), None);
     }
 }

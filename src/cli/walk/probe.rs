@@ -36,6 +36,15 @@ pub enum Deed {
     Click,
 }
 
+/// Why a level is lower than was asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lowered {
+    /// The actuator gets half of what it is rated for.
+    Rated,
+    /// The rig lets no more out.
+    MaxLevel,
+}
+
 /// A channel that is to be felt.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probe {
@@ -47,8 +56,8 @@ pub struct Probe {
     pub deed: Deed,
     /// Share of full scale; of a motor, of its rated vibration, or of its strongest click.
     pub level: f64,
-    /// Whether the level is lower than was asked for, as the actuator is rated for no more.
-    pub lowered: bool,
+    /// Why the level is lower than was asked for, if it is.
+    pub lowered: Option<Lowered>,
 }
 
 impl Probe {
@@ -114,8 +123,18 @@ pub fn probes(rig: &Rig, level: f64, all: bool) -> Vec<Probe> {
                         output.and_then(|output| bearable(rig, output)),
                     ),
                 };
-                let most = most.unwrap_or(f64::INFINITY);
-                Some(Probe { channel, output: at, deed, level: level.min(most), lowered: most < level })
+                let bearable = most.unwrap_or(f64::INFINITY);
+                let leaves = match deed {
+                    Deed::Tone(_) => output.map_or(rig.device.max_level, |o| rig.max_level(o) / o.gain),
+                    // What a motor may be given is a part of its drive.
+                    Deed::Turn | Deed::Click => f64::INFINITY,
+                };
+                let lowered = match () {
+                    () if leaves < bearable.min(level) => Some(Lowered::MaxLevel),
+                    () if bearable < level => Some(Lowered::Rated),
+                    () => None,
+                };
+                Some(Probe { channel, output: at, deed, level: level.min(bearable).min(leaves), lowered })
             }
         }
     };
@@ -157,7 +176,7 @@ fn bearable(rig: &Rig, output: &Output) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Deed, bare, patch, probes};
+    use super::{Deed, Lowered, bare, patch, probes};
     use pacinian::{NoAssets, Options, Patch, Player, Rig};
 
     const RIG: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 7\nfull_scale_volts = 2.0\ncoupling = \"dc\"\n\
@@ -175,7 +194,7 @@ mod tests {
     #[test]
     fn each_actuator_has_its_own_probe() {
         let told: Vec<_> =
-            probes(&rig(), 0.3, false).iter().map(|p| (p.channel, p.deed, p.lowered)).collect();
+            probes(&rig(), 0.3, false).iter().map(|p| (p.channel, p.deed, p.lowered.is_some())).collect();
         let tone = Deed::Tone;
         assert_eq!(
             told,
@@ -183,10 +202,24 @@ mod tests {
         );
         let all = probes(&rig(), 0.9, true);
         assert_eq!(all.iter().map(|p| p.channel).collect::<Vec<_>>(), [1, 2, 4, 6, 7]);
-        assert_eq!((all[2].level, all[2].lowered), (0.5, true), "half of its rated vibration");
+        assert_eq!(
+            (all[2].level, all[2].lowered),
+            (0.5, Some(Lowered::Rated)),
+            "half of its rated vibration"
+        );
         // Half of 2 V: through 2 V a full scale times 5, and through 2 V times a gain of 0.5 times 6 dB.
         assert!((all[0].level - 0.1).abs() < 1e-9 && (all[1].level - 0.5).abs() < 1e-4, "{all:?}");
         assert_eq!((all[3].level, all[4].level), (0.9, 0.9));
+        // What leaves is held to `max_level`, so that is what is told: behind the gain of 0.5, and where there is no output.
+        let held = RIG.replace("coupling = \"dc\"\n[amp", "coupling = \"dc\"\nmax_level = 0.08\n[amp");
+        let held =
+            probes(&Rig::parse("r", held.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value, 0.9, true);
+        let told: Vec<_> = held.iter().map(|p| (p.level, p.lowered)).collect();
+        let most = Some(Lowered::MaxLevel);
+        assert_eq!(
+            told,
+            [(0.08, most), (0.16, most), (0.5, Some(Lowered::Rated)), (0.08, most), (0.08, most)]
+        );
     }
 
     /// What goes out while one channel has its turn: its tone and no more, and nothing on what is no skin's.

@@ -3,7 +3,7 @@
 use super::answer::{Answer, KEYS, LINES, Pressed};
 use super::map::Felt;
 use super::presence::Presence;
-use super::probe::{Deed, Probe};
+use super::probe::{Deed, Lowered, Probe};
 use crate::cli::ask::{Edit, Entry, Said, Typed};
 use crate::cli::failure::Failure;
 use crate::cli::guard;
@@ -86,12 +86,17 @@ impl Round<'_> {
             let head = format!("{}/{}  {}? ", at + 1, self.probes.len(), self.described(probe));
             self.terminal.note(&head);
             person.forget();
-            if let Some(code) = self.play(probe)? {
-                return Ok(End::Stopped(code));
-            }
-            let answer = match self.answer(person, help) {
+            let answer = match self.play(probe)? {
+                Some(code) => Err(End::Stopped(code)),
+                None => self.answer(person, help),
+            };
+            let answer = match answer {
                 Ok(answer) => answer,
-                Err(end) => return Ok(end),
+                Err(end) => {
+                    // Behind the question.
+                    self.terminal.note("\n");
+                    return Ok(end);
+                }
             };
             let what = match answer {
                 // Where the rig has nothing, there is nothing to agree with.
@@ -216,7 +221,11 @@ impl Round<'_> {
         let output = probe.output.and_then(|at| self.rig.outputs.get(at));
         let name =
             output.map_or("nothing in the rig".into(), |output| format!("`{}`", escaped(&output.name)));
-        let why = if probe.lowered { ", half of what it is rated for" } else { "" };
+        let why = match probe.lowered {
+            Some(Lowered::Rated) => ", half of what it is rated for",
+            Some(Lowered::MaxLevel) => ", the most that `max_level` lets out",
+            None => "",
+        };
         let what = match probe.deed {
             Deed::Tone(frequency) => format!("{frequency:.0} Hz"),
             Deed::Turn => "a short turn".into(),

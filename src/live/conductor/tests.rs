@@ -178,6 +178,55 @@ fn what_is_meant_for_a_plan_reaches_that_plan() {
     assert_eq!(bench.conductor.board.dropped.get(), 0);
 }
 
+/// However long the past of a plan takes to be copied, and however soon one plan follows another: what comes meanwhile is on time.
+#[test]
+fn what_comes_while_a_plan_gets_ready_waits_for_none() {
+    let slow = |voices: [&str; 2], gain: &str| {
+        let echo = format!(
+            "[voice.echo]\nstart = \"always\"\noutput = \"o\"\n[voice.echo.nodes]\ns = {{ type = \"sine\", frequency = 50 }}\n\
+             d = {{ type = \"delay\", input = \"s\", time = 1, longest = 60 }}\no = {{ type = \"multiply\", inputs = [\"d\", {gain}] }}\n"
+        );
+        compiled_with(&voices, &echo)
+    };
+    let mut bench = Bench::of(slow(["a", "b"], "0.1"));
+    // Two seconds and a half of one voice: eighty kilobytes, which is 64 KiB in the first block and the rest in the next.
+    (0..750).for_each(|_| bench.block());
+    let mut number = 0;
+    let mut swaps = Vec::new();
+    for (voices, gain) in [(["b", "a"], "0.2"), (["a", "b"], "0.3"), (["b", "a"], "0.4")] {
+        let (scene, patch, rig) = slow(voices, gain);
+        let files = Box::new(|_: &str| Err(Problem::of_file("none")));
+        let now = bench.next();
+        bench.take(now, Signal::Reload(Box::new(Reload { scene, patch, rig, files, provenance: None })));
+        for _ in 0..10 {
+            // In each block one, which is felt a block later.
+            let arrived = bench.next();
+            bench.block();
+            bench.take(arrived + 900_000, Signal::Play(number, "a".into(), Note::default()));
+            number += 1;
+            bench.conductor.go_on();
+            let swapped = |report: &Report| matches!(report.deed, Deed::Swap);
+            swaps.push(bench.reports.lock().unwrap().iter().filter(|report| swapped(report)).count());
+        }
+    }
+    // The first takes some blocks; the second waits until what was before the first has faded, and is out of date by then.
+    assert_eq!(swaps[..2], [0, 0]);
+    assert_eq!((swaps[9], swaps[19]), (1, 1));
+    for _ in 0..60 {
+        bench.block();
+        bench.conductor.go_on();
+    }
+    let played = bench.played();
+    let of_a: Vec<u32> = played.iter().map(|(.., instrument)| *instrument).collect();
+    assert_eq!(played.len(), 30);
+    assert!(played.iter().all(|(due, at, _)| due == at), "{played:?}");
+    // It is the first instrument at first, and the second once the first plan has taken over.
+    let change = of_a.iter().position(|instrument| *instrument == 1).unwrap();
+    assert!((1..8).contains(&change) && of_a[change..].iter().all(|instrument| *instrument == 1), "{of_a:?}");
+    let swaps = bench.reports.lock().unwrap().iter().filter(|r| matches!(r.deed, Deed::Swap)).count();
+    assert_eq!(swaps, 2, "the last of those that waited");
+}
+
 #[test]
 fn of_two_patches_that_wait_the_later_plays() {
     let mut bench = Bench::new(&["a"]);
