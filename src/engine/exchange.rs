@@ -112,8 +112,9 @@ impl Stagehand {
         self.take_over_if(|passage| passage.ready.load(Ordering::Relaxed))
     }
 
-    /// As [`Stagehand::take_over`], whether it is ready or not: what is missing of its past is copied at once, for which a device would not wait.
-    pub(crate) fn take_over_now(&mut self) -> bool {
+    /// As [`Stagehand::take_over`], of one that was admitted, whether it is ready or not: what is missing of its past is copied at once, for which a
+    /// device would not wait.
+    pub fn take_over_now(&mut self) -> bool {
         self.take_over_if(|_| true)
     }
 

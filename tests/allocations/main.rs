@@ -93,6 +93,8 @@ fn every_node_is_copied_in_place() {
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
     let texts = [
         [0.1, 0.2].map(every),
+        // What that delay remembers is copied ahead.
+        [0.1, 0.2].map(|level| every(level).replace("longest = 0.05", "longest = 60")),
         #[cfg(feature = "fundsp-nodes")]
         ["180", "200"].map(|hertz| leaves(12, 8).replace("180", hertz)),
     ];
