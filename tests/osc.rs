@@ -311,32 +311,3 @@ fn markers_that_nobody_hears_are_told_of() {
     // One each 0.05 s of the 0.2 s behind the ramp, and what is told of ahead.
     assert!((3..=7).contains(&lost), "{}", unheard.err);
 }
-
-/// Files that were removed while they were written are nowhere: that is no success.
-#[cfg(all(unix, feature = "cli"))]
-#[test]
-fn files_that_are_gone_in_the_end_are_told_of() {
-    let scratch = program::Scratch::new("gone");
-    scratch.write("p.toml", format!("{}{}", program::HEAD, program::VOICE));
-    let folder = scratch.0.join("kept here");
-    std::fs::create_dir(&folder).unwrap();
-    let arguments = |seconds| {
-        let kept = ["--record", "kept here/s.wav", "--events", "kept here/s.csv"];
-        [&["play", "p.toml", "--device", "virtual", "--replace", "--duration", seconds][..], &kept].concat()
-    };
-    let whole = scratch.run(&arguments("0.1"));
-    assert!(
-        whole.succeeds().err.contains("pacinian replay 'kept here/s.csv' plays it again"),
-        "{}",
-        whole.err
-    );
-    let child = scratch.command(&arguments("2")).stderr(std::process::Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_secs(1));
-    std::fs::remove_dir_all(&folder).unwrap();
-    let gone = program::Run::of(child.wait_with_output().unwrap());
-    gone.fails(
-        74,
-        &["`kept here/s.wav` is gone", "`kept here/s.csv` is gone", "keep what is played in a folder"],
-    );
-    assert!(!gone.err.contains("plays it again"), "{}", gone.err);
-}

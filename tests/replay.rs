@@ -336,6 +336,29 @@ fn a_journal_is_not_believed_about_files() {
     fails(&room.run(&["replay", "s.jsonl", "--allow-outside"]), 65, "has no SHA-256 of `../sounds/felt.wav`");
 }
 
+/// Files that were removed while they were written are nowhere: that is no success. What is there may be played again as it is suggested.
+#[cfg(unix)]
+#[test]
+fn files_that_are_gone_in_the_end_are_told_of() {
+    let room = Room::new("gone");
+    let folder = room.0.join("kept here");
+    std::fs::create_dir(&folder).unwrap();
+    let keep = ["--record", "kept here/s.wav", "--events", "kept here/s.csv", "--replace"];
+    let whole = room.run(&[&PLAY[..], &keep].concat());
+    let said = text(&whole.stderr);
+    assert!(whole.status.success(), "{said}");
+    assert!(said.contains("pacinian replay 'kept here/s.csv' plays it again"), "{said}");
+    let mut long = Command::new(env!("CARGO_BIN_EXE_pacinian"));
+    let long = long.args(PLAY.map(|word| if word == "0.6" { "2" } else { word })).args(keep);
+    let child = long.current_dir(&room.0).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    std::fs::remove_dir_all(&folder).unwrap();
+    let gone = child.wait_with_output().unwrap();
+    fails(&gone, 74, "`kept here/s.wav` is gone");
+    fails(&gone, 74, "`kept here/s.csv` is gone");
+    assert!(!text(&gone.stderr).contains("plays it again"), "{}", text(&gone.stderr));
+}
+
 /// A full disk is told of, and playing goes on to its end.
 #[cfg(target_os = "linux")]
 #[test]

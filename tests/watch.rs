@@ -63,9 +63,8 @@ impl Playing {
             std::thread::sleep(Duration::from_millis(10));
         }
     }
-}
 
-impl Playing {
+    /// Ctrl-C.
     fn interrupt(&mut self) {
         let kill =
             std::process::Command::new("kill").args(["-s", "INT", &self.child.id().to_string()]).status();

@@ -141,8 +141,11 @@ impl Stagehand {
 
     /// Computes on the plan that plays, and copies some of what one that is to follow will need.
     pub(crate) fn compute(&mut self, input: &[f32], output: &mut [f32]) {
-        if let Some(new) = &mut self.coming {
-            self.engine.copy_ahead(new, output.len() / self.engine.channels().max(1), AHEAD);
+        let frames = output.len() / self.engine.channels().max(1);
+        if let Some(new) = &mut self.coming
+            && self.engine.copy_ahead(new, frames, AHEAD)
+        {
+            new.passage.ready.store(true, Ordering::Release);
         }
         match &mut self.leaving {
             Some(old) => self.engine.process_with(input, output, Some(&mut old.engine)),

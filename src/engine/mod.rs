@@ -345,18 +345,16 @@ impl Engine {
         std::mem::swap(&mut self.core, &mut engine.core);
     }
 
-    /// Copies ahead what [`Engine::adopt`] would take long to copy: so many bytes for each engine sample of `frames`.
-    fn copy_ahead(&self, new: &mut Handover, frames: usize, bytes: usize) {
-        let Handover { engine, inheritance, passage } = new;
+    /// Copies ahead what [`Engine::adopt`] would take long to copy: so many bytes for each engine sample of `frames`. Says whether that is all.
+    fn copy_ahead(&self, new: &mut Handover, frames: usize, bytes: usize) -> bool {
+        let Handover { engine, inheritance, .. } = new;
         let mut left = bytes * frames.div_ceil(self.ratio.max(1));
         match (&self.core, &mut engine.core) {
             (AnyCore::Single(old), AnyCore::Single(new)) => new.copy_ahead(old, inheritance, &mut left),
             (AnyCore::Double(old), AnyCore::Double(new)) => new.copy_ahead(old, inheritance, &mut left),
             _ => {}
         }
-        if left > 0 {
-            passage.ready.store(true, std::sync::atomic::Ordering::Release);
-        }
+        left > 0
     }
 
     /// Tells the output stage how it is to take over from that of another engine.

@@ -57,7 +57,7 @@ pub struct Lanes<R: 'static> {
     stride: usize,
     mask: usize,
     /// Samples so far.
-    run: u64,
+    clock: u64,
     /// By lane: those before its voice began. They count as 0.
     before: [u64; LANES],
     table: Fractional<R, TAPS>,
@@ -94,9 +94,9 @@ impl<R: Real> Lanes<R> {
     /// Copies of a lane what is missing and can still be heard, so many samples at most; how many those were.
     fn follow(&mut self, from: &Self, lane: usize, most: usize) -> usize {
         let length = self.mask + 1;
-        let heard = from.before[lane].max(from.run.saturating_sub(length as u64));
+        let heard = from.before[lane].max(from.clock.saturating_sub(length as u64));
         let begin = self.copied.to[lane].max(heard);
-        let count = (from.run.saturating_sub(begin) as usize).min(most);
+        let count = (from.clock.saturating_sub(begin) as usize).min(most);
         let (to, from) = (lane * self.stride, &from.lines[lane * self.stride..][..self.stride]);
         let line = &mut self.lines[to..][..self.stride];
         let at = begin as usize & self.mask;
@@ -116,7 +116,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
             lines: zeros((length + GAP) * LANES),
             stride: length + GAP,
             mask: length - 1,
-            run: 0,
+            clock: 0,
             before: [0; LANES],
             table: Fractional::new(FIRST, LAST, BAND),
             rate: setup.rate,
@@ -131,7 +131,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
             (0..LANES).filter(|l| live & (1 << l) != 0).for_each(|lane| {
                 self.follow(from, lane, usize::MAX);
             });
-            (self.run, self.before) = (from.run, from.before);
+            (self.clock, self.before) = (from.clock, from.before);
         }
     }
 
@@ -145,10 +145,10 @@ impl<R: Real> Kernel<R> for Lanes<R> {
             let most = if keeps_up { usize::MAX } else { *left / size_of::<R>() };
             let bytes = self.follow(from, lane, most) * size_of::<R>();
             if !keeps_up {
-                *left = if self.copied.to[lane] < from.run { 0 } else { *left - bytes };
+                *left = if self.copied.to[lane] < from.clock { 0 } else { *left - bytes };
             }
         }
-        self.copied.seen = from.run;
+        self.copied.seen = from.clock;
     }
 
     fn heap(setup: &Setup) -> usize {
@@ -156,7 +156,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
     }
 
     fn start(&mut self, lane: usize, _onset: &Onset) {
-        self.before[lane] = self.run;
+        self.before[lane] = self.clock;
     }
 
     #[inline(always)]
@@ -164,7 +164,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
         let [input, time] = [io.inputs[0], io.inputs[1]];
         for (frame, out) in io.output.iter_mut().enumerate() {
             let (row, time) = (input.at(frame), time.at(frame));
-            let next = self.run as usize & self.mask;
+            let next = self.clock as usize & self.mask;
             for l in 0..LANES {
                 let back = time[l].wide() * self.rate;
                 let back = if back > 1.0 { back } else { 1.0 };
@@ -174,7 +174,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
                 let oldest = next.wrapping_sub(newest + TAPS - 1) & self.mask;
                 let line = &mut self.lines[l * self.stride..][..self.stride];
                 let (place, taps) = (newest as f64 + 7.0 - back, &line[oldest..]);
-                let age = self.run - self.before[l];
+                let age = self.clock - self.before[l];
                 out[l] = match age >= (newest + TAPS - 1) as u64 {
                     true => self.table.at(place, taps),
                     false => begun(&self.table, place, taps, newest, age as usize),
@@ -185,7 +185,7 @@ impl<R: Real> Kernel<R> for Lanes<R> {
                     line[next + self.mask + 1] = x;
                 }
             }
-            self.run += 1;
+            self.clock += 1;
         }
     }
 }

@@ -77,6 +77,8 @@ struct Guest {
     wants: Wants,
     /// `None`: for good.
     until: Option<Instant>,
+    /// Whether the socket leads there alone.
+    connected: bool,
 }
 
 /// What goes out, and to whom.
@@ -120,13 +122,17 @@ impl Announcer {
         };
         let socket = UdpSocket::bind(any).map_err(failed)?;
         socket.set_write_timeout(Some(PATIENCE)).map_err(failed)?;
-        // Only of such a one systems tell that nobody was there.
-        socket.connect(to).map_err(failed)?;
+        // Of such a one alone systems tell that nobody was there. Beyond this machine the way, and with it one's own address, may change.
+        let connected = to.ip().is_loopback();
+        if connected {
+            socket.connect(to).map_err(failed)?;
+        }
         locked(&self.0.guests).push(Guest {
             to,
             socket: Arc::new(socket),
             wants: Wants::Markers,
             until: None,
+            connected,
         });
         Ok(())
     }
@@ -143,7 +149,7 @@ impl Announcer {
         }
         let room = guests.len() < MOST_PEERS;
         if room {
-            guests.push(Guest { to, socket: Arc::clone(socket), wants, until });
+            guests.push(Guest { to, socket: Arc::clone(socket), wants, until, connected: false });
         }
         room
     }
@@ -180,7 +186,7 @@ impl Announcer {
         let to: Vec<_> = guests
             .iter()
             .filter(hear)
-            .map(|guest| (Arc::clone(&guest.socket), guest.until.map(|_| guest.to)))
+            .map(|guest| (Arc::clone(&guest.socket), (!guest.connected).then_some(guest.to)))
             .collect();
         drop(guests);
         if to.is_empty() {
@@ -195,7 +201,7 @@ impl Announcer {
         self.0.lost.unsent.add(if sent { 0 } else { number });
     }
 
-    /// Where [always](Self::always) something goes and nobody listens, as far as the system tells and as far as this has not been asked before.
+    /// Where [always](Self::always) something goes on this machine and nobody listens, as far as this has not been asked before.
     pub fn unheard(&self) -> Vec<SocketAddr> {
         let (at, told) = &mut *locked(&self.0.lost.unheard);
         let new = at.get(*told..).unwrap_or_default().to_vec();
@@ -210,7 +216,7 @@ impl Announcer {
             // One that has panicked has nothing more to say.
             let _ = thread.join();
         }
-        for guest in locked(&self.0.guests).iter().filter(|guest| guest.until.is_none()) {
+        for guest in locked(&self.0.guests).iter().filter(|guest| guest.connected) {
             if let Ok(Some(_)) = guest.socket.take_error() {
                 self.0.lost.refused(&guest.socket);
             }
