@@ -12,7 +12,7 @@ use super::gate::Order;
 use super::intake::Hearing;
 use super::relief::Relief;
 use super::remote::Given;
-use super::stamp::Epoch;
+use super::stamp::{Epoch, Stamp};
 use crate::knob::angle::decoder::NOT_HEARD;
 
 /// What a device calls to be filled. Only one device at a time has it; when that lets go of it, it goes home.
@@ -29,8 +29,11 @@ pub struct Driver {
     hearing: Option<Box<dyn Hearing>>,
     /// To where the torque of a knob on a line goes.
     given: Option<Given>,
-    /// What is heard during the frames at hand.
+    /// What is heard during the frames at hand, and when those should have been asked for.
     heard: Vec<f32>,
+    due: f64,
+    /// When the block at hand began, of which nothing is filled yet.
+    begun: Option<Stamp>,
 }
 
 /// What a card may have said, [`NOT_HEARD`] as it is.
@@ -67,6 +70,8 @@ impl Driver {
             hearing: None,
             given: None,
             heard: Vec::new(),
+            due: 0.0,
+            begun: None,
         };
         (driver, clock)
     }
@@ -97,8 +102,12 @@ impl Driver {
 
     /// Fills `output`, interleaved frames, which the device wants now.
     pub fn fill(&mut self, output: &mut [f32]) {
-        let channels = self.callback.channels().max(1);
-        let frames = output.len() / channels;
+        self.begin(output.len() / self.callback.channels().max(1));
+        self.go_on(output);
+    }
+
+    /// The device wants a block of `frames` now.
+    pub(crate) fn begin(&mut self, frames: usize) {
         // Some servers ask for nothing now and then.
         if frames == 0 {
             return;
@@ -118,20 +127,31 @@ impl Driver {
             };
             self.callback.deadline(!gapped && kept);
         }
+        (self.due, self.begun) = (self.follower.due(), Some(begin));
+    }
+
+    /// Fills `output`, the next interleaved frames of the block that began last.
+    pub(crate) fn go_on(&mut self, output: &mut [f32]) {
+        let channels = self.callback.channels().max(1);
+        let frames = output.len() / channels;
+        if frames == 0 {
+            return;
+        }
+        let begin = self.begun.take().unwrap_or_else(|| self.epoch.now());
         match &mut self.hearing {
             None => self.callback.process(&[], output),
             Some(hearing) => {
-                let (mut due, inputs) = (self.follower.due(), self.callback.input_channels());
+                let inputs = self.callback.input_channels();
                 for part in output.chunks_mut(PART * channels) {
                     let frames = part.len() / channels;
                     // As many as there is room for, though a plan has never more than the first.
                     let room = self.heard.len();
                     let heard = &mut self.heard[..(frames * inputs).min(room)];
-                    hearing.hear(due, inputs, heard);
+                    hearing.hear(self.due, inputs, heard);
                     // A card's full scale, so that what is kept of it is all that was heard.
                     heard.iter_mut().for_each(|x| *x = within(*x));
                     self.callback.process(heard, part);
-                    due += frames as f64 * self.follower.frame();
+                    self.due += frames as f64 * self.follower.frame();
                 }
             }
         }
@@ -230,6 +250,47 @@ mod tests {
         assert_eq!(told(15, 4, false), [true]);
         // One that does not say plays a block later: 2 ms.
         assert_eq!((told(17, 0, false), told(19, 0, false)), (vec![], vec![false]));
+    }
+
+    /// A device that is filled in parts, as where samples are converted.
+    #[test]
+    fn a_block_that_is_filled_in_parts_is_one_to_the_clock_and_to_what_is_heard() {
+        struct Dues(Arc<std::sync::Mutex<Vec<f64>>>);
+        impl Hearing for Dues {
+            fn hear(&mut self, due: f64, _channels: usize, _frames: &mut [f32]) {
+                self.0.lock().unwrap().push(due);
+            }
+            fn mark(&mut self, _channels: &[usize]) {}
+        }
+        let patch = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"i\"\n\
+            [voice.v.nodes]\ni = { type = \"input\", channel = 1 }\n";
+        let patch = Patch::parse("t", patch.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+        let scene =
+            scene(&patch, &Rig::default_for(1), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+        let (_director, stagehand) = exchange(&scene.plan).unwrap();
+        let board = Arc::new(Board::new(1));
+        let (callback, _rings) = Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board));
+        let (mut driver, clock) = Driver::new(callback, 48_000.0, 64, Epoch::begin(), Arc::clone(&board));
+        let dues = Arc::default();
+        driver.listen(Box::new(Dues(Arc::clone(&dues))));
+        let whole = clock.ahead();
+        for _ in 0..2 {
+            driver.begin(20_000);
+            for frames in [8192, 8192, 0, 3616] {
+                driver.go_on(&mut vec![0.0; frames]);
+            }
+        }
+        let moment = clock.moment().unwrap();
+        assert_eq!((moment.frames, moment.ahead - whole), (20_000, 20_000 - 64));
+        assert_eq!((driver.callback.frames(), board.frames.get()), (40_000, 40_000));
+        let dues = dues.lock().unwrap().clone();
+        assert_eq!(dues.len(), 6);
+        let after = |n: usize| (dues[3 + n] - moment.time) / moment.frame;
+        // The last two parts are as much later as the frames before them are long.
+        assert!(
+            after(0).abs() < 1e-6 && (after(1) - 8192.0).abs() < 1e-3 && (after(2) - 16_384.0).abs() < 1e-3
+        );
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! A stream from a sound card that hears.
 
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
 
 use cpal::traits::{DeviceTrait, StreamTrait};
 use cpal::{BufferSize, Device, FromSample, SampleFormat, SizedSample, StreamConfig};
@@ -69,7 +68,7 @@ impl Capture {
         shape: Shape,
         hear: impl Hear,
         board: &Arc<Board>,
-        news: Sender<News>,
+        news: impl Fn(News) + Send + 'static,
     ) -> Result<Self, DeviceError> {
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
         let ranges = device.supported_input_configs().map_err(|error| trouble(&error))?;

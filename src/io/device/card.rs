@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::Sender;
 
 use cpal::traits::{DeviceTrait, StreamTrait};
 use cpal::{
@@ -52,17 +51,21 @@ pub enum News {
 
 /// What fills the frames that a device plays.
 pub trait Fill: Send + 'static {
-    /// A block is to be filled at `callback`, seconds on the stream's own clock, and will be played `delay` seconds later, as the device has
-    /// it.
-    fn begin(&mut self, _callback: f64, _delay: f64) {}
+    /// A block of `frames` is to be filled at `callback`, seconds on the stream's own clock, and will be played `delay` seconds later, as
+    /// the device has it.
+    fn begin(&mut self, frames: usize, callback: f64, delay: f64);
 
-    /// Fills interleaved frames. Neither allocates nor blocks.
+    /// Fills the next interleaved frames of the block that began last, all of it or a part. Neither allocates nor blocks.
     fn fill(&mut self, output: &mut [f32]);
 }
 
 impl Fill for Lent<Driver> {
+    fn begin(&mut self, frames: usize, _callback: f64, _delay: f64) {
+        self.used(|driver| driver.begin(frames));
+    }
+
     fn fill(&mut self, output: &mut [f32]) {
-        if !self.used(|driver| driver.fill(output)) {
+        if !self.used(|driver| driver.go_on(output)) {
             output.fill(0.0);
         }
     }
@@ -87,7 +90,7 @@ impl Card {
         shape: Shape,
         driver: impl Fill,
         board: &Arc<Board>,
-        news: Sender<News>,
+        news: impl Fn(News) + Send + 'static,
     ) -> Result<Self, DeviceError> {
         fit(found, shape)?;
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
@@ -104,7 +107,7 @@ impl Card {
             SampleFormat::F32 => device.build_output_stream(
                 config,
                 move |output: &mut [f32], info: &cpal::OutputCallbackInfo| {
-                    if player.begin(info) {
+                    if player.begin(output.len() / shape.channels.max(1), info) {
                         player.driver.fill(output);
                     } else {
                         output.fill(0.0);
@@ -155,8 +158,8 @@ struct Player<F> {
 }
 
 impl<F: Fill> Player<F> {
-    /// Begins a block. Says whether anything is to be played in it.
-    fn begin(&mut self, info: &cpal::OutputCallbackInfo) -> bool {
+    /// Begins a block of `frames`. Says whether anything is to be played in it.
+    fn begin(&mut self, frames: usize, info: &cpal::OutputCallbackInfo) -> bool {
         if self.gone.load(Ordering::Relaxed) {
             return false;
         }
@@ -165,13 +168,13 @@ impl<F: Fill> Player<F> {
         }
         let stamp = info.timestamp();
         let delay = stamp.playback.saturating_duration_since(stamp.callback);
-        self.driver.begin(seconds(stamp.callback), delay.as_secs_f64());
+        self.driver.begin(frames, seconds(stamp.callback), delay.as_secs_f64());
         self.board.device_delay.set(delay.as_nanos() as u64);
         true
     }
 }
 
-/// Frames that are converted at a time, at least: whoever fills them is to see blocks as long as they are.
+/// Frames that are converted at a time, at least.
 const STRETCH: usize = 8192;
 
 fn convert<T, E>(
@@ -184,14 +187,14 @@ where
     T: SizedSample + FromSample<f32>,
     E: FnMut(cpal::Error) + Send + 'static,
 {
-    let asked = if let BufferSize::Fixed(block) = config.buffer_size { block as usize } else { 0 };
-    let mut scratch = vec![0.0_f32; STRETCH.max(asked) * usize::from(config.channels)];
+    let channels = usize::from(config.channels).max(1);
+    let mut scratch = vec![0.0_f32; STRETCH * channels];
     let fill = move |output: &mut [T], info: &cpal::OutputCallbackInfo| {
-        if !player.begin(info) {
+        if !player.begin(output.len() / channels, info) {
             output.fill(T::EQUILIBRIUM);
             return;
         }
-        for part in output.chunks_mut(scratch.len().max(1)) {
+        for part in output.chunks_mut(scratch.len()) {
             let frames = &mut scratch[..part.len()];
             player.driver.fill(frames);
             for (to, from) in part.iter_mut().zip(frames) {

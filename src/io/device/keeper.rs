@@ -9,7 +9,7 @@ use super::card::{Card, News, Shape};
 use super::choose::{Chosen, again};
 use super::failure::{DeviceError, Trouble};
 use super::hosts::Hosts;
-use super::minder::{Minder, Pulse, Search, Watch, let_go};
+use super::minder::{Bell, Minder, Pulse, Search, Watch, bell, let_go};
 use super::returning::{Returning, Stand};
 use super::virtual_card::VirtualCard;
 use crate::live::board::Board;
@@ -73,6 +73,8 @@ struct Keeping {
     /// What the device that plays says; of one that was let go of, nobody hears any more.
     news: Option<Receiver<News>>,
     fate: Box<dyn FnMut(Fate) + Send>,
+    /// What a device says is looked at at once.
+    bell: Bell,
     pulse: Pulse,
     search: Search,
     watch: Watch,
@@ -94,7 +96,7 @@ impl Keeper {
         board: &Arc<Board>,
         fate: Box<dyn FnMut(Fate) + Send>,
     ) -> Result<Self, DeviceError> {
-        let (lend, home) = channel();
+        let ((lend, home), (bell, ear)) = (channel(), bell());
         let mut keeping = Keeping {
             sought: None,
             default: false,
@@ -107,6 +109,7 @@ impl Keeper {
             recall: None,
             news: None,
             fate,
+            bell: bell.clone(),
             pulse: Pulse::new(),
             search: Search::new(),
             watch: Watch::default(),
@@ -116,7 +119,7 @@ impl Keeper {
         let resting = Arc::clone(&keeping.resting);
         match chosen {
             Chosen::Card(device, found) => {
-                let (tell, news) = channel();
+                let (tell, news) = keeping.bell.news();
                 let lent = keeping.lend(driver);
                 keeping.playing = Playing::Card(Card::open(&device, &found, shape, lent, board, tell)?);
                 keeping.news = Some(news);
@@ -126,7 +129,7 @@ impl Keeper {
             }
             Chosen::Virtual(_) => keeping.tick(driver)?,
         }
-        let minder = Minder::start("device", move || keeping.look())?;
+        let minder = Minder::start("device", (bell, ear), move || keeping.look())?;
         Ok(Self { resting, _minder: minder })
     }
 
@@ -278,7 +281,9 @@ impl Keeping {
     fn find(&mut self) {
         let Some((hosts, id)) = &self.sought else { return };
         let found = again(hosts, id);
-        match found.and_then(|(device, found)| Returning::open(&device, &found, self.shape, &self.board)) {
+        match found
+            .and_then(|(device, found)| Returning::open(&device, &found, self.shape, &self.board, &self.bell))
+        {
             Ok(returning) => self.returning = Some(returning),
             // That it is away is known.
             Err(error) if error.kind == Trouble::Missing => {}

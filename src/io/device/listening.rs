@@ -13,7 +13,7 @@ use super::failure::{DeviceError, Trouble};
 use super::hosts::Hosts;
 use super::keeper::Fate;
 use super::list::Found;
-use super::minder::{Minder, Pulse, Search, let_go};
+use super::minder::{Bell, Minder, Pulse, Search, bell, let_go};
 use crate::live::board::Board;
 use crate::live::intake::Intake;
 use crate::live::lent::{Recall, lend};
@@ -43,6 +43,7 @@ struct Keeping {
     /// What the device that is open says; of one that was let go of, nobody hears any more.
     news: Option<Receiver<News>>,
     fate: Box<dyn FnMut(Fate) + Send>,
+    bell: Bell,
     pulse: Pulse,
     search: Search,
     /// Where it was told that the device is gone: frames that had come by then.
@@ -63,7 +64,7 @@ impl Listening {
         board: &Arc<Board>,
         fate: Box<dyn FnMut(Fate) + Send>,
     ) -> Result<Self, DeviceError> {
-        let (lend, home) = channel();
+        let ((lend, home), (bell, ear)) = (channel(), bell());
         let mut keeping = Keeping {
             hosts: found.hosts.clone(),
             id: found.id.clone(),
@@ -76,13 +77,14 @@ impl Listening {
             recall: None,
             news: None,
             fate,
+            bell: bell.clone(),
             pulse: Pulse::new(),
             search: Search::new(),
             gone: None,
             trouble: None,
         };
         keeping.open(&device, &found)?;
-        let minder = Minder::start("input", move || keeping.look())?;
+        let minder = Minder::start("input", (bell, ear), move || keeping.look())?;
         Ok(Self { _minder: minder })
     }
 }
@@ -98,7 +100,7 @@ impl Keeping {
         intake.forget(shape.block.unwrap_or(0) as usize);
         let (lent, recall) = lend(intake, self.lend.clone());
         self.recall = Some(recall);
-        let (tell, news) = channel();
+        let (tell, news) = self.bell.news();
         self.capture = Some(Capture::open(device, found, shape, lent, &self.board, tell)?);
         self.news = Some(news);
         Ok(())

@@ -1,5 +1,7 @@
 //! A thread that looks after a device until somebody lets go of it, and what it needs for that.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -19,32 +21,83 @@ const SOON: Duration = Duration::from_secs(5);
 
 /// Looks after a device until it is dropped.
 pub(super) struct Minder {
-    quit: Option<Sender<()>>,
+    quit: Arc<AtomicBool>,
+    bell: Bell,
     thread: Option<JoinHandle<()>>,
 }
 
+/// By which a minder is called, to look at once.
+#[derive(Clone)]
+pub(super) struct Bell(Sender<()>);
+
+/// Where the minder of such a bell hears it.
+pub(super) struct Ear(Receiver<()>);
+
+/// A bell for a minder that is to be.
+pub(super) fn bell() -> (Bell, Ear) {
+    let (rings, heard) = channel();
+    (Bell(rings), Ear(heard))
+}
+
+impl Bell {
+    fn ring(&self) {
+        // Nobody is there any more who would look.
+        let _ = self.0.send(());
+    }
+
+    /// Somebody to whom to tell news, who rings then, and where they are heard.
+    pub fn news(&self) -> (impl Fn(News) + Send + 'static, Receiver<News>) {
+        let ((tell, news), bell) = (channel(), self.clone());
+        let tell = move |what| {
+            // Whoever has let go of the stream does not hear of it any more.
+            let _ = tell.send(what);
+            bell.ring();
+        };
+        (tell, news)
+    }
+}
+
 impl Minder {
-    /// Calls `look` every now and then, in a thread of that name.
+    /// Calls `look` every now and then, and whenever the bell rings, in a thread of that name.
     ///
     /// # Errors
     /// No thread.
-    pub fn start(name: &str, mut look: impl FnMut() + Send + 'static) -> Result<Self, DeviceError> {
-        let (quit, asked): (_, Receiver<()>) = channel();
+    pub fn start(
+        name: &str,
+        (bell, ear): (Bell, Ear),
+        look: impl FnMut() + Send + 'static,
+    ) -> Result<Self, DeviceError> {
+        Self::start_every(name, WATCH, (bell, ear), look)
+    }
+
+    fn start_every(
+        name: &str,
+        every: Duration,
+        (bell, Ear(ear)): (Bell, Ear),
+        mut look: impl FnMut() + Send + 'static,
+    ) -> Result<Self, DeviceError> {
+        let quit = Arc::new(AtomicBool::new(false));
+        let quits = Arc::clone(&quit);
         let work = move || {
-            while asked.recv_timeout(WATCH) == Err(RecvTimeoutError::Timeout) {
+            while ear.recv_timeout(every) != Err(RecvTimeoutError::Disconnected)
+                && !quits.load(Ordering::Acquire)
+            {
+                // However often it rang.
+                while ear.try_recv().is_ok() {}
                 look();
             }
         };
         let thread = std::thread::Builder::new().name(name.into()).spawn(work).map_err(|error| {
             DeviceError::new(Trouble::Other, format!("no thread for the {name}: {error}"))
         })?;
-        Ok(Self { quit: Some(quit), thread: Some(thread) })
+        Ok(Self { quit, bell, thread: Some(thread) })
     }
 }
 
 impl Drop for Minder {
     fn drop(&mut self) {
-        drop(self.quit.take());
+        self.quit.store(true, Ordering::Release);
+        self.bell.ring();
         if let Some(thread) = self.thread.take() {
             // One that has panicked has nothing more to say.
             let _ = thread.join();
@@ -176,26 +229,25 @@ impl Watch {
 /// What a stream is given to tell of its errors: `gap` counts those after which it has gone on by itself, `lost` hears at once of those
 /// after which it is of no use, such as that it plays on another device now.
 pub(super) fn teller(
-    news: Sender<News>,
+    news: impl Fn(News) + Send + 'static,
     gap: impl Fn() + Send + 'static,
     lost: impl Fn() + Send + 'static,
 ) -> impl FnMut(cpal::Error) + Send + 'static {
-    // Whoever has let go of the stream does not hear of it any more.
     move |error| match error.kind() {
         ErrorKind::Xrun => gap(),
         ErrorKind::DeviceChanged => {
             lost();
-            drop(news.send(News::Moved));
+            news(News::Moved);
         }
-        ErrorKind::RealtimeDenied => drop(news.send(News::Said(error.to_string()))),
+        ErrorKind::RealtimeDenied => news(News::Said(error.to_string())),
         // ALSA's plug-ins say so of an underrun.
         ErrorKind::BackendError => {
             lost();
-            drop(news.send(News::Broke(error.to_string())));
+            news(News::Broke(error.to_string()));
         }
         _ => {
             lost();
-            drop(news.send(News::Lost(error.to_string())));
+            news(News::Lost(error.to_string()));
         }
     }
 }
@@ -226,8 +278,31 @@ pub(super) fn within<T: Send + 'static>(
 
 #[cfg(test)]
 mod tests {
-    use super::{PATIENCE, Pulse, SEARCH, SOON, STALL, Search, Watch};
+    use super::{Minder, PATIENCE, Pulse, SEARCH, SOON, STALL, Search, Watch, bell};
+    use crate::io::device::card::News;
+    use std::sync::mpsc::channel;
     use std::time::{Duration, Instant};
+
+    /// One that would look once an hour.
+    #[test]
+    fn what_a_device_says_is_heard_at_once_and_so_is_that_it_is_over() {
+        let (bell, ear) = bell();
+        let (tell, news) = bell.news();
+        let (looked, looks) = channel();
+        let look = move || looked.send(news.try_iter().count()).unwrap();
+        let minder = Minder::start_every("test", Duration::from_secs(3600), (bell, ear), look)
+            .unwrap_or_else(|e| panic!("{e}"));
+        let mut heard = 0;
+        for told in 1..=100 {
+            tell(News::Moved);
+            while heard < told {
+                heard += looks.recv_timeout(Duration::from_secs(60)).unwrap();
+            }
+        }
+        drop(minder);
+        tell(News::Moved);
+        assert_eq!((heard, looks.try_iter().sum()), (100, 0));
+    }
 
     /// Milliseconds of pause that looks every 20 ms find, after that to that, of so many frames: the last of them.
     fn looks(pulse: &mut Pulse, begin: Instant, ms: (u64, u64), frames: u64) -> u128 {

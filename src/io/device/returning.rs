@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
 use cpal::Device;
@@ -13,7 +13,7 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 use super::card::{Card, Fill, News, Shape};
 use super::failure::DeviceError;
 use super::list::Found;
-use super::minder::PATIENCE;
+use super::minder::{Bell, PATIENCE};
 use crate::live::board::Board;
 use crate::live::driver::Driver;
 use crate::live::lent::Lent;
@@ -26,10 +26,16 @@ struct Waiting {
 }
 
 impl Fill for Waiting {
-    fn fill(&mut self, output: &mut [f32]) {
+    fn begin(&mut self, frames: usize, callback: f64, delay: f64) {
         if self.driver.is_none() {
             self.driver = self.comes.try_pop();
         }
+        if let Some(driver) = &mut self.driver {
+            driver.begin(frames, callback, delay);
+        }
+    }
+
+    fn fill(&mut self, output: &mut [f32]) {
         match &mut self.driver {
             Some(driver) => driver.fill(output),
             None => output.fill(0.0),
@@ -71,11 +77,12 @@ impl Returning {
         found: &Found,
         shape: Shape,
         board: &Arc<Board>,
+        bell: &Bell,
     ) -> Result<Self, DeviceError> {
         let (driver, comes) = HeapRb::new(1).split();
         let asked = Arc::new(AtomicBool::new(false));
         let waiting = Waiting { driver: None, comes, asked: Arc::clone(&asked) };
-        let (tell, news) = channel();
+        let (tell, news) = bell.news();
         let card = Card::open(device, found, shape.again(found.output.as_ref()), waiting, board, tell)?;
         Ok(Self { card, driver, asked, since: Instant::now(), news, said: Vec::new() })
     }

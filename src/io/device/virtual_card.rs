@@ -38,6 +38,7 @@ impl VirtualCard {
             let mut begin = Instant::now();
             let mut blocks = 0_u32;
             while !stopped.load(Ordering::Acquire) {
+                driver.begin(block, 0.0, 0.0);
                 driver.fill(&mut frames);
                 blocks += 1;
                 let due = begin + Duration::from_secs_f64(f64::from(blocks) * block as f64 / rate);

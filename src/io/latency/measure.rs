@@ -84,9 +84,6 @@ struct Callback {
 
 struct Sender {
     frame: u64,
-    /// The callback at hand, on the stream's clock, and how long until it is played.
-    callback: f64,
-    delay: f64,
     /// The probe, and from where to where it is sent again and again.
     probe: Vec<f32>,
     every: u64,
@@ -104,14 +101,13 @@ fn begins(n: u64, every: u64, before: u64) -> u64 {
 }
 
 impl Fill for Sender {
-    fn begin(&mut self, callback: f64, delay: f64) {
-        (self.callback, self.delay) = (callback, delay);
+    fn begin(&mut self, _frames: usize, callback: f64, delay: f64) {
+        let (time, gaps) = (callback + delay, self.board.xruns.get());
+        // One that finds no room is missed by nobody.
+        let _ = self.told.try_push(Callback { frame: self.frame, time, delay, gaps });
     }
 
     fn fill(&mut self, output: &mut [f32]) {
-        let (time, delay, gaps) = (self.callback + self.delay, self.delay, self.board.xruns.get());
-        // One that finds no room is missed by nobody.
-        let _ = self.told.try_push(Callback { frame: self.frame, time, delay, gaps });
         for frame in output.chunks_exact_mut(self.channels) {
             frame.fill(0.0);
             // The latest that can have begun, or the one before.
@@ -241,6 +237,11 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
     let (ear, heard_of, ears, channel_in) = &what.input;
     let (board, epoch) = (Arc::new(Board::new(shape.channels)), Epoch::begin());
     let (news, told) = channel();
+    // Nobody hears what is said once it is over.
+    let tell = || {
+        let news = news.clone();
+        move |what| drop(news.send(what))
+    };
     let rates = [f64::from(shape.rate), f64::from(ears.rate)];
     let (sent_in, mut sent_out) = ring(1 << 14);
     let (heard_in, mut heard_out) = ring(1 << 14);
@@ -248,8 +249,6 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
     let length = (probe::SECONDS * rates[0]).ceil() as usize;
     let sender = Sender {
         frame: 0,
-        callback: 0.0,
-        delay: 0.0,
         probe: (0..length).map(|n| (what.level * probe::at(n as f64 / rates[0])) as f32).collect(),
         every: (EVERY * rates[0]) as u64,
         before: (BEFORE * rates[0]) as u64,
@@ -268,8 +267,8 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
         told: heard_in,
         samples: samples_in,
     };
-    let listening = Capture::open(ear, heard_of, *ears, recorder, &board, news.clone())?;
-    let playing = Card::open(device, found, *shape, sender, &board, news)?;
+    let listening = Capture::open(ear, heard_of, *ears, recorder, &board, tell())?;
+    let playing = Card::open(device, found, *shape, sender, &board, tell())?;
     let (mut sent, mut heard, mut samples) = (Vec::new(), Vec::new(), Vec::<f32>::new());
     let seconds = BEFORE + what.count as f64 * EVERY + WITHIN + 0.3;
     let (begin, mut frames) = (Instant::now(), 0);
