@@ -456,7 +456,23 @@ fn what_does_not_fit_is_refused_with_what_would_and_what_is_in_use_is_not_called
     assert!(kind == Trouble::Unfit && said.contains("48000 Hz are not offered; it offers 44100"), "{said}");
     assert_eq!((two.opened(), deaf.opened()), (0, 0));
     let said = |result: Result<Chosen, DeviceError>| result.err().unwrap().to_string();
-    assert!(said(named(&system, "Ear")).contains("there is no device `Ear`"));
+    let missing = said(named(&system, "Ear"));
+    assert!(
+        missing.contains("there is no device `Ear`") && missing.contains("`virtual` is a card"),
+        "{missing}"
+    );
+    let deaf_to = |name: &str| {
+        let error = heard_among(&system.hosts(), name).unwrap_err();
+        (error.kind, error.to_string())
+    };
+    // What only plays is nothing to listen to.
+    let (kind, said_of) = deaf_to("None");
+    assert!(
+        kind == Trouble::Missing && said_of.contains("no device `None`") && !said_of.contains("virtual"),
+        "{said_of}"
+    );
+    let (kind, said_of) = deaf_to("virtual");
+    assert!(kind == Trouble::Unfit && said_of.contains("hears nothing"), "{said_of}");
     assert!(heard_among(&system.hosts(), "Deaf").unwrap_err().to_string().contains("Deaf has no inputs"));
     assert_eq!(heard_among(&system.hosts(), "default").unwrap().1.name, "Ear");
     deaf.is(|mood| mood.held = true);
@@ -473,6 +489,10 @@ fn what_does_not_fit_is_refused_with_what_would_and_what_is_in_use_is_not_called
         Wish::Default.choose_among(&system.hosts()),
         Ok(Chosen::Virtual(Some("no sound card is there")))
     ));
+    for name in ["default", "Default"] {
+        let (kind, said_of) = deaf_to(name);
+        assert!(kind == Trouble::Missing && said_of.contains("no sound card that hears"), "{said_of}");
+    }
 }
 
 /// A session that passes on what an ear hears.

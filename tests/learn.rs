@@ -69,10 +69,13 @@ fn what_is_moved_is_bound_and_the_rest_of_the_patch_stays() {
     (0..50).for_each(|n| surface.say("/midi/7", n));
     (0..50).for_each(|n| surface.say("/control/depth", n as f32 / 50.0));
     surface.move_fader("/fader 1");
+    surface.move_fader(&format!("/{}", "x".repeat(256)));
     surface.move_fader("/fader/1");
     surface.move_fader("/fader/1");
     hears(&mut lines, "/midi/7 says 2: a binding takes positions from 0 to 1");
     hears(&mut lines, "/control/depth is an address of pacinian's own");
+    hears(&mut lines, "/fader 1 has a blank in it");
+    hears(&mut lines, "xxx... is longer than the 256 bytes");
     hears(&mut lines, "OSC /fader/1");
     // A button: twice.
     [1, 0, 1, 0].iter().for_each(|on| surface.say("/button", *on));

@@ -468,3 +468,60 @@ fn a_session_with_a_knob_that_was_turned_is_played_again_to_the_bit() {
     let most = sound.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
     assert!(most > 0.1, "torque left: {most}");
 }
+
+/// Two notes, one of them held by the pedal for longer than its key, and the wheels of a keyboard, in two tracks.
+fn song() -> Vec<u8> {
+    let tempo: &[u8] = &[0, 0xff, 0x51, 3, 7, 0xa1, 0x20, 0, 0xff, 0x2f, 0];
+    // 480 ticks a second.
+    let notes: &[u8] = &[
+        0, 0x90, 40, 100, 0, 0xb0, 64, 127, 60, 0x80, 40, 0, 60, 0x90, 45, 80, 30, 0xb0, 1, 90, 30, 0xe0, 0,
+        80, 30, 0xb0, 64, 0, 60, 0x90, 45, 0, 0, 0xff, 0x2f, 0,
+    ];
+    let chunk = |kind: &[u8], bytes: &[u8]| {
+        [kind, &u32::try_from(bytes.len()).unwrap().to_be_bytes(), bytes].concat()
+    };
+    [chunk(b"MThd", &[0, 1, 0, 2, 0, 240]), chunk(b"MTrk", tempo), chunk(b"MTrk", notes)].concat()
+}
+
+#[test]
+fn a_song_is_played_as_it_is_rendered() {
+    let room = Room::new("song");
+    let keys = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("patches/27-keys.toml");
+    std::fs::copy(keys, room.0.join("keys.toml")).unwrap();
+    std::fs::write(room.0.join("song.mid"), song()).unwrap();
+    let render = ["render", "keys.toml", "--midi", "song.mid", "--rate", "48000", "-o", "rendered.wav"];
+    let output = room.run(&render);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let play = [
+        "play",
+        "keys.toml",
+        "--midi-file",
+        "song.mid",
+        "--midi-in",
+        "none",
+        "--device",
+        "virtual",
+        "--duration",
+        "1.4",
+    ];
+    let output = room.run(&[&play[..], &["--record", "played.wav", "--events", "played.csv"]].concat());
+    let said = text(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("key on t2 at 0.79") && said.contains("wobble to 0.71"), "{said}");
+    let read = |name: &str| WavReader::open(room.0.join(name)).unwrap();
+    let (rendered, played) =
+        (read("rendered.wav").channels().unwrap(), read("played.wav").channels().unwrap());
+    assert_eq!((rendered.len(), played.len()), (8, 8));
+    for (channel, (rendered, played)) in rendered.iter().zip(&played).enumerate() {
+        // The song begins behind the ramp of 200 ms.
+        let (ramp, played) = played.split_at(9_600);
+        assert!(ramp.iter().all(|x| *x == 0.0));
+        let frames = rendered.len();
+        assert!(played.len() >= frames && frames > 24_000, "{} of {frames}", played.len());
+        assert_eq!(rendered.iter().any(|x| x.abs() > 0.3), [1, 3].contains(&channel), "{channel}");
+        let differs = (0..frames).find(|&n| rendered[n].to_bits() != played[n].to_bits());
+        assert_eq!(differs, None, "channel {channel}: {said}");
+    }
+    let again = room.run(&["replay", "played.csv", "--against", "played.wav", "-o", "again.wav"]);
+    assert!(again.status.success(), "{}", text(&again.stderr));
+}

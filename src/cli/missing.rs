@@ -1,6 +1,5 @@
 //! What is missing on this machine for playing live, and how to get it.
 
-#[cfg(target_os = "linux")]
 use pacinian::io::device::access;
 use pacinian::io::device::priority::{self, Priority};
 
@@ -14,40 +13,92 @@ pub const JOINING: [(&str, &str); 3] = [
     ("JACK", "zalsa_out for each further card (package zita-ajbridge); it resamples"),
 ];
 
-/// What is missing, and what to do, in a line each.
-pub fn missing() -> Vec<(String, String)> {
-    let mut missing: Vec<(String, String)> = Vec::new();
-    let mut say = |what: &str, help: &str| missing.push((what.into(), help.into()));
-    #[cfg(target_os = "linux")]
-    sound(&mut say);
-    // A thread of its own, so that this one stays as it is.
-    let raised = std::thread::Builder::new().spawn(priority::raise).map(std::thread::JoinHandle::join);
-    if raised.is_ok() && priority::latest() == Priority::Refused {
-        say(
-            "The system gives no real-time priority, so gaps are likelier.",
-            if cfg!(target_os = "linux") {
-                "echo '@audio - rtprio 70' | sudo tee /etc/security/limits.d/pacinian.conf; sudo usermod -aG audio $USER; log in again"
-            } else {
-                "close what else needs the processor, or use larger blocks: --block 512"
-            },
-        );
-    }
-    missing
+/// What this machine has of what playing live needs.
+struct Machine {
+    /// Whether the system knows of hardware of sound at all.
+    cards: bool,
+    /// Whether it keeps this user from it.
+    forbidden: bool,
+    /// Whether ports of MIDI are there to be had.
+    ports: bool,
+    /// Whether a callback may come before all others.
+    first: bool,
 }
 
-#[cfg(target_os = "linux")]
-fn sound(say: &mut impl FnMut(&str, &str)) {
-    if !std::path::Path::new("/dev/snd").is_dir() {
-        return say(
-            "This system has no sound hardware: there is no /dev/snd.",
-            "plug a card in, or load its driver (sudo modprobe snd-usb-audio); in a container, pass the device: --device /dev/snd",
-        );
+/// What is missing, and what to do, in a line each.
+pub fn missing() -> Vec<(&'static str, &'static str)> {
+    Machine::this().lacks()
+}
+
+impl Machine {
+    fn this() -> Self {
+        // A thread of its own, so that this one stays as it is.
+        let raised = std::thread::Builder::new().spawn(priority::raise).map(std::thread::JoinHandle::join);
+        let first = raised.is_err() || priority::latest() != Priority::Refused;
+        #[cfg(target_os = "linux")]
+        return Self {
+            cards: std::path::Path::new("/dev/snd").is_dir(),
+            forbidden: access::forbidden(),
+            // In a build with JACK's MIDI, ports are JACK's.
+            ports: cfg!(feature = "midi-jack") || std::path::Path::new("/dev/snd/seq").exists(),
+            first,
+        };
+        #[cfg(not(target_os = "linux"))]
+        Self { cards: true, forbidden: false, ports: true, first }
     }
-    if access::forbidden() {
-        say("Sound cards may not be used by this user.", access::HELP);
+
+    fn lacks(&self) -> Vec<(&'static str, &'static str)> {
+        let all = [
+            (
+                !self.cards,
+                "This system has no sound hardware: there is no /dev/snd.",
+                "plug a card in, or load its driver (sudo modprobe snd-usb-audio); in a container, pass the device: --device /dev/snd",
+            ),
+            (self.cards && self.forbidden, "Sound cards may not be used by this user.", access::HELP),
+            (
+                self.cards && !self.ports,
+                "ALSA has no sequencer, so there are no ports of MIDI.",
+                "sudo modprobe snd-seq",
+            ),
+            (
+                !self.first,
+                "The system gives no real-time priority, so gaps are likelier.",
+                if cfg!(target_os = "linux") {
+                    "echo '@audio - rtprio 70' | sudo tee /etc/security/limits.d/pacinian.conf; sudo usermod -aG audio $USER; log in again"
+                } else {
+                    "close what else needs the processor, or use larger blocks: --block 512"
+                },
+            ),
+        ];
+        all.into_iter().filter(|(lacks, ..)| *lacks).map(|(_, what, help)| (what, help)).collect()
     }
-    // In a build with JACK's MIDI, ports are JACK's.
-    if cfg!(not(feature = "midi-jack")) && !std::path::Path::new("/dev/snd/seq").exists() {
-        say("ALSA has no sequencer, so there are no ports of MIDI.", "sudo modprobe snd-seq");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Machine;
+
+    #[test]
+    fn each_thing_that_is_missing_is_told_with_what_mends_it() {
+        let whole = Machine { cards: true, forbidden: false, ports: true, first: true };
+        assert!(whole.lacks().is_empty());
+        let said = |machine: Machine| {
+            let all = machine.lacks();
+            assert_eq!(all.len(), 1, "{all:?}");
+            assert!(!all[0].1.contains('\n'), "in one line");
+            format!("{} {}", all[0].0, all[0].1)
+        };
+        // Without hardware there is no user whom it could be kept from, and nothing that a sequencer would help.
+        let bare = said(Machine { cards: false, forbidden: true, ports: false, ..whole });
+        assert!(bare.contains("no sound hardware") && bare.contains("sudo modprobe snd-usb-audio"));
+        let kept = said(Machine { forbidden: true, ..whole });
+        assert!(kept.contains("may not be used by this user") && kept.contains("usermod -aG audio"));
+        let silent = said(Machine { ports: false, ..whole });
+        assert!(silent.contains("no ports of MIDI") && silent.contains("sudo modprobe snd-seq"));
+        let late = said(Machine { first: false, ..whole });
+        assert!(late.contains("no real-time priority"));
+        assert_eq!(late.contains("limits.d"), cfg!(target_os = "linux"));
+        let all = Machine { cards: true, forbidden: true, ports: false, first: false }.lacks();
+        assert_eq!(all.len(), 3);
     }
 }

@@ -92,7 +92,7 @@ impl Mover {
             (_, Some(address)) if address.starts_with('/') && !address.contains(char::is_whitespace) => {
                 Ok(Self::Osc(address.into()))
             }
-            (_, Some(_)) => Err("an OSC address begins with `/`: osc./strength".into()),
+            (_, Some(_)) => Err("an OSC address begins with `/` and has no blanks: osc./strength".into()),
             _ => Err("nothing like that moves a control".into()),
         }
     }

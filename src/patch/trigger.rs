@@ -215,7 +215,7 @@ impl Source {
             return if address.starts_with('/') && !address.contains(char::is_whitespace) {
                 Ok(Self::Osc(address.into()))
             } else {
-                Err("an OSC address begins with `/`: osc./hit".into())
+                Err("an OSC address begins with `/` and has no blanks: osc./hit".into())
             };
         }
         if let Some(program) = text.strip_prefix("midi.program ") {

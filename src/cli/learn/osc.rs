@@ -1,6 +1,7 @@
 //! Which OSC address somebody moves.
 
 use super::source::Source;
+use pacinian::io::osc::address::LONGEST;
 use pacinian::io::osc::endpoint::{BindError, Endpoint};
 use pacinian::io::osc::packet::unpack;
 use pacinian::midi::moved::Travel;
@@ -97,8 +98,14 @@ impl Ear {
         if OWN.contains(&first) {
             return self.say(address, format!("{shown} is an address of pacinian's own; see docs/osc.md"));
         }
-        if !address.starts_with('/') || address.contains(char::is_whitespace) || address.len() > 256 {
-            return None;
+        if address.contains(char::is_whitespace) {
+            return self.say(address, format!("{shown} has a blank in it, which a binding cannot have; name it otherwise where it comes from"));
+        }
+        if address.len() > LONGEST {
+            let why = format!(
+                "{shown} is longer than the {LONGEST} bytes that an address may have; name it otherwise where it comes from"
+            );
+            return self.say(address, why);
         }
         if !(-1e-6..=1.0 + 1e-6).contains(&value) {
             let why = format!(

@@ -158,7 +158,11 @@ impl Wish {
             }
             Self::Named(name) => {
                 let all = hosts.devices();
-                let (device, found) = named(&all, name, |found| found.output.is_some())?;
+                let (device, found) =
+                    named(&all, name, |found| found.output.is_some()).map_err(|error| match error.kind {
+                        Trouble::Missing => error.and(&format!("`{VIRTUAL}` is a card that is always there")),
+                        _ => error,
+                    })?;
                 // Who names a device means that one, whatever is played on by default; who names a host has named none, and ALSA has names for
                 // whatever plays by default as well.
                 let alone = name.strip_suffix(':').unwrap_or(name);
@@ -224,12 +228,22 @@ pub fn heard(name: &str) -> Result<(Device, Found), DeviceError> {
 /// # Errors
 /// As [`heard`].
 pub fn heard_among(hosts: &Hosts, name: &str) -> Result<(Device, Found), DeviceError> {
+    if name.eq_ignore_ascii_case(VIRTUAL) {
+        let what = "the virtual card plays, and hears nothing";
+        return Err(DeviceError::new(Trouble::Unfit, what).help("`pacinian devices` lists which hear"));
+    }
     let all = hosts.devices();
     match named(&all, name, |found| found.input.is_some()) {
         Ok(found) => Ok(found.clone()),
-        Err(error) if name == DEFAULT => {
-            let id = hosts.default_input().ok_or(error)?;
-            heard_again(hosts, &id)
+        Err(error) if name.eq_ignore_ascii_case(DEFAULT) => {
+            match hosts.default_input().map(|id| heard_again(hosts, &id)) {
+                Some(heard) if heard.as_ref().err().is_none_or(|error| error.kind != Trouble::Missing) => {
+                    heard
+                }
+                _ if error.kind != Trouble::Missing => Err(error),
+                _ => Err(DeviceError::new(Trouble::Missing, "the system names no sound card that hears")
+                    .help("plug one in, or name one; `pacinian devices` lists which are there")),
+            }
         }
         Err(error) if error.kind != Trouble::Missing => Err(error),
         Err(error) => match list::find(&all, name, |_| true) {

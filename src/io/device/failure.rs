@@ -52,6 +52,13 @@ impl DeviceError {
         Self { help: Some(help.into()), ..self }
     }
 
+    /// With something more to do about it.
+    #[must_use]
+    pub(super) fn and(self, more: &str) -> Self {
+        let help = self.help.iter().map(String::as_str).chain([more]).collect::<Vec<_>>().join("; ");
+        self.help(help)
+    }
+
     /// Of what cpal says about `device`.
     pub fn of(device: &str, error: &cpal::Error) -> Self {
         use cpal::ErrorKind as Kind;

@@ -190,13 +190,11 @@ pub fn find<'a, D>(
             }
         }
         let there = match names.as_slice() {
-            [] => "no device is there at all".to_string(),
+            [] => "no other is there either".to_string(),
             names => format!("there is: {}", names.join(", ")),
         };
         let help = near.map_or(there, |near| format!("did you mean `{near}`?"));
-        let help =
-            format!("{help}; `pacinian devices` lists all, and `virtual` is a card that is always there");
-        DeviceError::new(Trouble::Missing, what).help(help)
+        DeviceError::new(Trouble::Missing, what).help(format!("{help}; `pacinian devices` lists all"))
     })
 }
 
