@@ -2,7 +2,7 @@
 
 use super::error::{FileError, FileErrorKind};
 use super::open::{Kind, kind};
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -14,14 +14,21 @@ pub struct OutputFile {
 }
 
 impl OutputFile {
-    /// Makes the file, or empties the one that is there.
+    /// Makes the file, or empties the one that is there. Until it is dropped, nobody else can make it so.
     ///
     /// # Errors
-    /// When the path is a folder, a pipe, a socket or a disk, when its folder is missing or when the system refuses.
+    /// When the path is a folder, a pipe, a socket or a disk, when its folder is missing, when somebody writes it in this way already, or when
+    /// the system refuses.
     pub fn create(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
         refuse_what_is_no_file(path)?;
-        let file = File::create(path).map_err(|error| FileError::creating(path, &error))?;
+        let failed = |error| FileError::creating(path, &error);
+        // What somebody else writes is not emptied.
+        let file = File::options().write(true).create(true).truncate(false).open(path).map_err(failed)?;
+        if file.metadata().map_err(failed)?.is_file() {
+            refuse_what_is_written(&file, path)?;
+            file.set_len(0).map_err(failed)?;
+        }
         Ok(Self { file, path: path.to_owned() })
     }
 
@@ -44,7 +51,8 @@ pub fn check(path: impl AsRef<Path>) -> Result<(), FileError> {
         // A link to nowhere is there, too: only opening it tells whether what it leads to can be made.
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
             let dangling = !path.exists();
-            File::options().write(true).create(true).truncate(false).open(path).map_err(failed)?;
+            let file = File::options().write(true).create(true).truncate(false).open(path).map_err(failed)?;
+            refuse_what_is_written(&file, path)?;
             let made = if dangling { path.canonicalize().ok() } else { None };
             made.map_or(Ok(()), std::fs::remove_file).map_err(failed)
         }
@@ -68,6 +76,18 @@ fn refuse_what_is_no_file(path: &Path) -> Result<(), FileError> {
         // Whatever is wrong, opening it says so.
         Err(_) => Ok(()),
     }
+}
+
+/// Locks a file. Of a disk or a share without locks nobody knows who else writes there; on Windows a lock would keep readers out as well.
+fn refuse_what_is_written(file: &File, path: &Path) -> Result<(), FileError> {
+    if !cfg!(unix) || !matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+        return Ok(());
+    }
+    let what = format!(
+        "`{}` is written by another program at this moment: wait until that is done, or name another file",
+        path.display()
+    );
+    Err(FileError::new(FileErrorKind::CannotCreate, what))
 }
 
 /// Writes a whole small file, such as a picture or a table.
@@ -121,6 +141,26 @@ mod tests {
         let error = write("/dev/full", b"x").unwrap_err();
         assert_eq!(error.exit_code(), 74);
         assert!(error.message.contains("no room left for `/dev/full`"), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_somebody_writes_is_left_to_them_until_they_are_done() {
+        let path = std::env::temp_dir().join(format!("pacinian-lock-{}", std::process::id()));
+        let mut first = OutputFile::create(&path).unwrap();
+        std::io::Write::write_all(&mut first, b"first").unwrap();
+        for refused in [OutputFile::create(&path).map(drop), check(&path), write(&path, b"second")] {
+            let error = refused.unwrap_err();
+            assert!(error.exit_code() == 73 && error.message.contains("another program"), "{error}");
+        }
+        assert_eq!(std::fs::read(&path).unwrap(), b"first");
+        drop(first);
+        check(&path).unwrap();
+        write(&path, b"2nd").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"2nd");
+        // Of what is no file on a disk there may be any number.
+        let _two = [(); 2].map(|()| OutputFile::create("/dev/null").unwrap());
+        std::fs::remove_file(&path).unwrap();
     }
 
     #[test]

@@ -257,7 +257,7 @@ mod tests {
         assert!(none.to_string().contains("did you mean `HDA Intel PCH`?"), "{none}");
         assert_eq!(none.kind.exit_code(), 69);
         let empty: [((), Found); 0] = [];
-        assert!(find(&empty, "x", |_| true).unwrap_err().to_string().contains("no device is there"));
+        assert!(find(&empty, "x", |_| true).unwrap_err().to_string().contains("no other is there"));
     }
     #[test]
     fn a_name_in_two_hosts_is_the_first_ones_and_two_cards_of_one_name_are_two() {
