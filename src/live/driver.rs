@@ -179,6 +179,7 @@ impl Driver {
 }
 
 #[cfg(test)]
+#[expect(clippy::disallowed_methods, reason = "a test is no audio thread")]
 mod tests {
     use std::sync::Arc;
 
