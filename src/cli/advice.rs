@@ -1,6 +1,6 @@
 //! What works and was hardly meant so: warnings that need the patch, the rig and the command line together.
 
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::patterns::playing;
 use pacinian::patch::{Patch, Place, Start};
 use pacinian::text::{Problem, Problems, Severity, Span};

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::input::named;
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::patience;
 use super::table::many;
 use super::terminal::Terminal;

@@ -2,7 +2,8 @@
 
 use super::check::json;
 use super::failure::Failure;
-use super::load::{Loaded, Number, Scene};
+use super::load::{Number, Scene};
+use super::loaded::Loaded;
 use super::memory::Memory;
 use super::named::Codes;
 use super::perform::{Until, perform};

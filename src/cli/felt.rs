@@ -1,7 +1,7 @@
 //! What of what is played in decibels above the threshold a rig cannot give, and of what nobody knows it: warnings, and a line for each tactor.
 
 use super::left_out::ranges;
-use super::load::Loaded;
+use super::loaded::Loaded;
 use pacinian::graph::felt::{Judge, Use, Verdict, is_felt, uses};
 use pacinian::graph::plan::Plan;
 use pacinian::graph::scene::Scene;

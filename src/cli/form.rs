@@ -1,7 +1,7 @@
 //! Whether a rendering has a form that a WAV file can have.
 
 use super::failure::Failure;
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::table::hertz;
 use pacinian::graph::plan::Plan;
 use pacinian::io::wav::{Encoding, WavSpec};

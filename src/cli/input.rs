@@ -1,6 +1,6 @@
 //! What the nodes `input` of a patch hear, for people and for programs.
 
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::table::{hertz, many};
 use pacinian::player::Player;
 use serde::Serialize;

@@ -1,7 +1,7 @@
 //! What is kept of a session: its sound, and its journal.
 
 use super::failure::Failure;
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::place::{check_kept, check_new};
 use super::table::grouped;
 use super::terminal::Terminal;

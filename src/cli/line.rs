@@ -1,7 +1,7 @@
 //! The knob of a rig that is on a serial line, while a patch is played.
 
 use super::failure::Failure;
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::table::grouped;
 use pacinian::graph::plan::Plan;
 use pacinian::io::knob::driver::Running;

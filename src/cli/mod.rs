@@ -31,6 +31,7 @@ mod left_out;
 #[cfg(feature = "serial")]
 mod line;
 mod load;
+mod loaded;
 mod memory;
 mod missing;
 mod motor;

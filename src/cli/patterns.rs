@@ -1,6 +1,6 @@
 //! The patterns of a patch: which play, how long and how often; for people and for programs.
 
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::table::{Table, many};
 use pacinian::patch::{Action, Events, Patch, Pattern, Source};
 use pacinian::score::Score;

@@ -1,7 +1,7 @@
 //! A patch on a rig, played to its end.
 
 use super::failure::Failure;
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::plan::{is_endless, playing};
 use super::progress::Progress;
 use super::stop::Stop;

@@ -1,7 +1,7 @@
 //! Where output may go: not over what is read, not where it would be lost, and not under a name that lies.
 
 use super::failure::Failure;
-use super::load::Loaded;
+use super::loaded::Loaded;
 use pacinian::io::out;
 use std::path::{Path, PathBuf};
 

@@ -6,7 +6,7 @@ use super::felt::FeltReport;
 use super::input::InputReport;
 use super::knob::figures::Figures;
 use super::left_out::{Left, left_out, left_out_text};
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::paint::Paint;
 use super::patterns::{PatternReport, lines, patterns};
 use super::pushes::Push;

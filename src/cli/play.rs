@@ -7,7 +7,8 @@ use super::guard;
 use super::hearers::Hearers;
 use super::keep::{Keep, Sound};
 use super::knob::turning::Turning;
-use super::load::{Loaded, Scene};
+use super::load::Scene;
+use super::loaded::Loaded;
 use super::osc::Osc;
 use super::patience;
 use super::problems;
@@ -483,7 +484,7 @@ impl Loaded {
     pub fn reload(&self, options: &Options, journalled: bool) -> Result<Reload, Failure> {
         let refuse =
             |problems: pacinian::text::Problems| self.refuse(problems.list, &super::named::Codes::new());
-        let scene = scene(&self.patch, &self.rig, options, self.folder()).map_err(refuse)?;
+        let scene = scene(&self.patch, &self.rig, options, &*self.folder).map_err(refuse)?;
         let provenance = journalled.then(|| provenance(self, options)).transpose()?;
         Ok(Reload {
             scene,

@@ -1,7 +1,8 @@
 //! `pacinian plot`.
 
 use super::failure::Failure;
-use super::load::{Loaded, Scene};
+use super::load::Scene;
+use super::loaded::Loaded;
 use super::named::Codes;
 use super::perform::{Until, perform};
 use super::place::check_picture;

@@ -1,6 +1,6 @@
 //! What a journal says that a scene was made of.
 
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::named::named;
 use pacinian::graph::scene::Options;
 use pacinian::io::error::FileError;
@@ -17,14 +17,14 @@ pub fn provenance(loaded: &Loaded, options: &Options) -> Result<Provenance, File
         sha256: of_bytes(text.as_bytes()),
         text: text.into(),
     };
-    let folder = loaded.folder();
+    let folder = &*loaded.folder;
     let mut files: Vec<FileDigest> = Vec::new();
     for (path, _) in named(&loaded.patch) {
         if files.iter().all(|known| known.path != path) {
             files.push(FileDigest { path: path.into(), sha256: of_file(&folder.resolve(path)?)? });
         }
     }
-    let source = loaded.source();
+    let source = &loaded.source;
     // It is played again from wherever somebody is then.
     let root = std::path::absolute(folder.root()).unwrap_or_else(|_| folder.root().to_path_buf());
     Ok(Provenance {

@@ -4,7 +4,7 @@ use super::feel::FeelReport;
 use super::held_back::{self, HeldBack};
 use super::input::InputReport;
 use super::left_out::{Left, left_out, left_out_text};
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::paint::Paint;
 use super::perform::Performed;
 use super::setting::{Setting, named};

@@ -4,7 +4,8 @@
 //! became of it is told to who shows the session; one save is dealt with after the other.
 
 use super::failure::Failure;
-use super::load::{Loaded, Scene};
+use super::load::Scene;
+use super::loaded::Loaded;
 use super::named::named;
 use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Wish;

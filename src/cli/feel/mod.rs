@@ -6,7 +6,7 @@ mod shown;
 pub use report::FeelReport;
 
 use super::failure::Failure;
-use super::load::Loaded;
+use super::loaded::Loaded;
 use pacinian::feel::{Feel, Wish};
 use pacinian::graph::plan::Plan;
 use pacinian::io::error::FileError;

@@ -1,6 +1,6 @@
 //! What was felt, for programs.
 
-use super::super::load::Loaded;
+use super::super::loaded::Loaded;
 use pacinian::feel::{Feel, Felt};
 use pacinian::io::wav::Written;
 use pacinian::rig::part::{self, Origin};

@@ -3,7 +3,7 @@
 use super::record::{Record, Sample};
 use super::set_off::{Set, SetOff};
 use crate::cli::failure::Failure;
-use crate::cli::load::Loaded;
+use crate::cli::loaded::Loaded;
 use crate::cli::progress::Progress;
 use crate::cli::stop::Stop;
 use crate::cli::terminal::Terminal;

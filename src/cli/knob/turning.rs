@@ -4,7 +4,7 @@ use super::answer::Answer;
 use super::figures::Figures;
 use super::set_off::SetOff;
 use crate::cli::failure::Failure;
-use crate::cli::load::Loaded;
+use crate::cli::loaded::Loaded;
 use crate::cli::terminal::Terminal;
 use pacinian::engine::knob::Knob;
 use pacinian::graph::plan::Plan;

@@ -5,7 +5,8 @@ mod shown;
 
 use super::super::check::json;
 use super::super::failure::Failure;
-use super::super::load::{Loaded, Scene};
+use super::super::load::Scene;
+use super::super::loaded::Loaded;
 use super::super::problems;
 use super::super::terminal::Terminal;
 use super::subject::Subject;

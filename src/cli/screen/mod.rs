@@ -35,7 +35,7 @@ use pacinian::text::Problems;
 
 use super::device_queue;
 use super::failure::Failure;
-use super::load::Loaded;
+use super::loaded::Loaded;
 use super::terminal::Terminal;
 use controls::Controls;
 use echo::Echo;

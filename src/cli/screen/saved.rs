@@ -3,7 +3,7 @@
 use super::happened::{Happened, Mood};
 use super::{Out, Show};
 use crate::cli::failure::Failure;
-use crate::cli::load::Loaded;
+use crate::cli::loaded::Loaded;
 use crate::cli::problems;
 use crate::cli::watch::News;
 use pacinian::text::Problems;

@@ -1,6 +1,6 @@
 //! What an actuator did under a patch, as a picture and as a table.
 
-use super::super::super::load::Loaded;
+use super::super::super::loaded::Loaded;
 use super::super::shown::ms;
 use super::super::subject::Subject;
 use super::word;
