@@ -122,6 +122,7 @@ fn reload(text: &str) -> Reload {
         folder: ".".into(),
         allow_outside: false,
         files: Vec::new(),
+        song: None,
         set: Vec::new(),
         options: (&options).into(),
     };

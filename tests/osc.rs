@@ -311,3 +311,44 @@ fn markers_that_nobody_hears_are_told_of() {
     // One each 0.05 s of the 0.2 s behind the ramp, and what is told of ahead.
     assert!((3..=7).contains(&lost), "{}", unheard.err);
 }
+
+/// Where lines are written, and far more comes than anybody could read: what has no line is counted in one.
+#[cfg(feature = "cli")]
+#[test]
+fn what_comes_too_fast_to_be_written_is_counted() {
+    // A machine that is busy otherwise may send no faster than lines are written.
+    let missed = (0..5).map(|_| missed_in_a_flood()).find(|missed| *missed > 0);
+    assert!(missed.is_some(), "nothing came too fast");
+}
+
+#[cfg(feature = "cli")]
+fn missed_in_a_flood() -> u64 {
+    let scratch = program::Scratch::new("too-fast");
+    scratch.write("p.toml", format!("{}{PATCH}", program::HEAD));
+    let arguments = ["play", "p.toml", "--device", "virtual", "--duration", "4", "--osc", "0"];
+    let (log, piped) = (scratch.0.join("log.txt"), std::process::Stdio::piped);
+    let command = &mut scratch.command(&arguments);
+    let child = command.stdout(piped()).stderr(std::fs::File::create(&log).unwrap()).spawn().unwrap();
+    let said = || std::fs::read_to_string(&log).unwrap();
+    let at = || Some(said().split_once("OSC is heard on ")?.1.split_once(", from")?.0.to_string());
+    until("the port", || at().is_some());
+    let (to, client) = (at().unwrap(), UdpSocket::bind("127.0.0.1:0").unwrap());
+    let packet = OscMessage { addr: "/voice/hum/play".into(), args: vec![0.5_f32.into(), 0.01_f32.into()] };
+    let packet = encoder::encode(&OscPacket::Message(packet)).unwrap();
+    for _ in 0..40_000 {
+        client.send_to(&packet, &to).unwrap();
+    }
+    let output = child.wait_with_output().unwrap();
+    let (out, log) = (String::from_utf8(output.stdout).unwrap(), said());
+    assert!(output.status.success(), "{log}");
+    let number = |text: &str| text.replace(',', "").parse::<u64>().unwrap_or_else(|_| panic!("{text}"));
+    let counted =
+        |words: &str| -> u64 { log.lines().filter_map(|line| Some(number(line.split_once(words)?.0))).sum() };
+    let (before, after) = out.split_once(" voices (").unwrap();
+    let (played, cut) = (before.rsplit(", ").next().unwrap(), after.split_once(" cut short)").unwrap().0);
+    assert!(number(cut) > 1_000, "{out}");
+    let missed = counted(" events came too fast to be written here");
+    let lines = log.lines().filter(|line| line.contains("  hum on t")).count() as u64;
+    assert_eq!(lines + counted(" lines were left out here") + missed, number(played), "{out}");
+    missed
+}

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
+use pacinian::io::journal::of_bytes;
 use pacinian::io::wav::{Encoding, WavReader, WavSpec, WavWriter};
 
 struct Room(PathBuf);
@@ -522,6 +523,9 @@ fn a_song_is_played_as_it_is_rendered() {
         let differs = (0..frames).find(|&n| rendered[n].to_bits() != played[n].to_bits());
         assert_eq!(differs, None, "channel {channel}: {said}");
     }
+    // Of an experiment it is known which song it was.
+    let journal = std::fs::read_to_string(room.0.join("played.csv")).unwrap();
+    assert!(journal.contains("song.mid") && journal.contains(&of_bytes(&song())), "{journal}");
     let again = room.run(&["replay", "played.csv", "--against", "played.wav", "-o", "again.wav"]);
     assert!(again.status.success(), "{}", text(&again.stderr));
 }

@@ -7,7 +7,7 @@ use super::servers::{Server, servers};
 use super::table::{Table, grouped};
 use super::terminal::Terminal;
 use clap::Args;
-use pacinian::io::device::choose::VIRTUAL;
+use pacinian::io::device::choose::{VIRTUAL, VIRTUAL_NAME};
 use pacinian::io::device::failure::Trouble;
 use pacinian::io::device::hosts::Hosts;
 use pacinian::io::device::list::{Found, Offer};
@@ -61,7 +61,7 @@ impl Devices {
             let midi = json!({ "ports": ports, "trouble": trouble });
             let said = json!({
                 "hosts": hosts,
-                "virtual": { "id": VIRTUAL, "name": "virtual card", "default": false },
+                "virtual": { "id": VIRTUAL, "name": VIRTUAL_NAME, "default": false },
                 "default_input": heard,
                 "servers": running(),
                 "midi": midi,

@@ -123,11 +123,12 @@ impl Latency {
         let chosen = super::servers::choose(&wish, terminal)?;
         let rate = chosen.rate(self.rate.or(rig.and_then(|rig| rig.device.rate.map(|rate| rate as u32))));
         let Chosen::Card(device, found) = chosen else {
-            return Err(Failure::usage(
-                "there is no sound card to measure",
-                "plug one in; `pacinian devices` lists what is there",
-            )
-            .with_code(69));
+            let what = match wish {
+                Wish::Virtual => "the virtual card has no inputs, and so no loop to measure",
+                _ => "there is no sound card to measure",
+            };
+            let help = "plug one in, or name one; `pacinian devices` lists what is there";
+            return Err(Failure::usage(what, help).with_code(69));
         };
         let offered = found.output.as_ref().map_or(&[][..], |offer| &offer.channels);
         let declared = rig.map(|rig| rig.device.channels as usize);

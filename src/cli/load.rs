@@ -18,6 +18,7 @@ use pacinian::io::{
     error::FileErrorKind,
     events,
     input::Input,
+    journal::of_bytes,
     song,
     song::SongError,
     text,
@@ -389,6 +390,7 @@ impl Scene {
             files,
             tables: Vec::new(),
             song: None,
+            song_digest: None,
             song_name: self.midi.as_ref().map(|path| path.display().to_string()),
             input: None,
             input_name: self.input.as_ref().map(|path| path.display().to_string()),
@@ -419,7 +421,9 @@ impl Scene {
             failure.join(loaded.refuse(problems, &codes));
         }
         bad_tables.into_iter().for_each(|table| failure.join(Failure::of(65, table)));
-        match self.midi.as_ref().map(song::read).transpose() {
+        let digest = &mut loaded.song_digest;
+        let read = |path| song::read_with(path, |bytes| *digest = Some(of_bytes(bytes)));
+        match self.midi.as_ref().map(read).transpose() {
             Ok(song) => {
                 let song = song.map(|song| {
                     loaded.warnings.extend(Some(song.warnings).filter(|warnings| !warnings.list.is_empty()));

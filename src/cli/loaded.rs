@@ -38,6 +38,8 @@ pub struct Loaded {
     pub song: Option<Arc<Song>>,
     /// Its file.
     pub song_name: Option<String>,
+    /// SHA-256 of its bytes.
+    pub song_digest: Option<String>,
     /// What the `input` nodes hear.
     pub input: Option<Arc<Input>>,
     /// Its name as the person wrote it.

@@ -13,7 +13,7 @@ use super::osc::Osc;
 use super::patience;
 use super::problems;
 use super::provenance::provenance;
-use super::screen::{Ending, Scenery, Show};
+use super::screen::{Ending, Latency, Scenery, Show, cut_short};
 use super::servers;
 use super::stop::Stop;
 use super::table::{dbfs, grouped, many};
@@ -60,7 +60,7 @@ pub struct Play {
     /// played on, at another rate [default: what the rig says, else silence]
     #[arg(long, value_name = "NAME", conflicts_with = "input")]
     input_device: Option<String>,
-    /// Frames in a block [default: 256, or as near as the card can]
+    /// Frames in a block [default: 256, or as near as the card can; 128 on the virtual card]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
     block: Option<u32>,
     /// Full level on a device that nobody has named
@@ -415,10 +415,11 @@ impl Play {
         let refused = Some(board.refused.words()).filter(|words| !words.is_empty());
         let refused = refused.map_or(String::new(), |words| format!(" (no room for {words})"));
         let mut text = format!(
-            "{}: {} frames, {}, load {:.2} % (half of the callbacks below {:.2} %, 99.9 % below {:.1} %), {} over their time, {} xruns, {} late, {} lost{}\n",
+            "{}: {} frames, {}{}, load {:.2} % (half of the callbacks below {:.2} %, 99.9 % below {:.1} %), {} over their time, {} xruns, {} late, {} lost{}\n",
             escaped(loaded.name()),
             board.frames.get(),
             many(board.started.get() as usize, "voice"),
+            cut_short(board.stolen.get()),
             100.0 * load.mean(),
             100.0 * load.quantile(0.5),
             100.0 * load.quantile(0.999),
@@ -428,6 +429,8 @@ impl Play {
             board.dropped.get() + board.refused.get(),
             refused,
         );
+        let latency = Latency::of(session, loaded.rig.device.loop_latency);
+        text += &format!("  from an event to the middle of what it makes at 250 Hz: {}\n", latency.told());
         text += &format!("  when the output was shut, {held}\n");
         let input = &board.input;
         if input.frames.get() > 0 {

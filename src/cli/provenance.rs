@@ -37,6 +37,11 @@ pub fn provenance(loaded: &Loaded, options: &Options) -> Result<Provenance, File
         folder: root.display().to_string(),
         allow_outside: folder.allows_outside(),
         files,
+        song: loaded
+            .song_digest
+            .clone()
+            .zip(loaded.song_name.clone())
+            .map(|(sha256, path)| FileDigest { path, sha256 }),
         set: loaded.settings.iter().map(|s| (s.control.clone(), s.value)).collect(),
         options: options.into(),
     })

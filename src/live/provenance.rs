@@ -23,6 +23,9 @@ pub struct Provenance {
     /// The files that the patch names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<FileDigest>,
+    /// The Standard MIDI File that played it, by its path as the person wrote it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub song: Option<FileDigest>,
     /// Controls that stood elsewhere than at their `default` from the beginning.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<(String, f64)>,
@@ -57,7 +60,7 @@ pub enum RigText {
 /// A file that is not written down, and by which it can be known again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileDigest {
-    /// As the patch names it.
+    /// As it was named.
     pub path: String,
     /// SHA-256 of its bytes, in hexadecimal.
     pub sha256: String,

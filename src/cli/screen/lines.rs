@@ -22,6 +22,9 @@ pub struct Lines {
     thread: Option<JoinHandle<()>>,
     /// Lines that found no room and nobody was told of yet.
     lost: u64,
+    /// The same of events that came too fast for lines to be made of them, and how many of them there were in all.
+    missed: u64,
+    known: u64,
 }
 
 impl Lines {
@@ -33,16 +36,30 @@ impl Lines {
         let (out, lines) = sync_channel::<String>(WAITING);
         let write = move || lines.iter().for_each(|line| terminal.note(&line));
         let thread = std::thread::Builder::new().name("log".into()).spawn(write)?;
-        Ok(Self { out: Some(out), thread: Some(thread), lost: 0 })
+        Ok(Self { out: Some(out), thread: Some(thread), lost: 0, missed: 0, known: 0 })
     }
 
     /// Writes a line, now or soon.
     pub fn put(&mut self, line: &str) {
+        self.tell_of_gaps();
+        let sent = self.send(format!("{line}\n"));
+        self.lost += u64::from(!sent);
+    }
+
+    /// So many events have come too fast by now, all in all.
+    pub fn missed(&mut self, all: u64) {
+        self.missed += all - std::mem::replace(&mut self.known, all).min(all);
+        self.tell_of_gaps();
+    }
+
+    fn tell_of_gaps(&mut self) {
         if self.lost > 0 && self.send(format!("{} lines were left out here\n", grouped(self.lost))) {
             self.lost = 0;
         }
-        let sent = self.send(format!("{line}\n"));
-        self.lost += u64::from(!sent);
+        let missed = || format!("{} events came too fast to be written here\n", grouped(self.missed));
+        if self.missed > 0 && self.send(missed()) {
+            self.missed = 0;
+        }
     }
 
     fn send(&self, text: String) -> bool {
@@ -52,9 +69,7 @@ impl Lines {
 
 impl Drop for Lines {
     fn drop(&mut self) {
-        if self.lost > 0 {
-            let _ = self.send(format!("{} lines were left out here\n", grouped(self.lost)));
-        }
+        self.tell_of_gaps();
         drop(self.out.take());
         let until = Instant::now() + PATIENCE;
         while let Some(thread) = &self.thread
@@ -73,6 +88,11 @@ pub fn event(happened: &Happened) -> String {
     line.text()
 }
 
+/// Voices that others took the place of before they were over.
+pub fn cut_short(stolen: u64) -> String {
+    if stolen == 0 { String::new() } else { format!(" ({} cut short)", grouped(stolen)) }
+}
+
 /// Of what was lost, where it came from.
 fn by_source(refused: &str) -> String {
     if refused.is_empty() { String::new() } else { format!(" ({refused})") }
@@ -82,11 +102,12 @@ fn by_source(refused: &str) -> String {
 pub fn status(snapshot: &Snapshot, highest: f32) -> String {
     let (figures, latency) = (&snapshot.figures, &snapshot.latency);
     format!(
-        "{:>9}  -- load {:.2} % (99.9 %: {:.1} %), {} voices, {} xruns, {} late, {} lost{}, {} limited, {} clamped{}, latency {}{}, peak {}{}",
+        "{:>9}  -- load {:.2} % (99.9 %: {:.1} %), {} voices{}, {} xruns, {} late, {} lost{}, {} limited, {} clamped{}, latency {}{}, peak {}{}",
         clock(snapshot.elapsed),
         100.0 * figures.mean,
         100.0 * figures.p999,
         figures.voices,
+        cut_short(figures.stolen),
         figures.xruns,
         figures.late,
         figures.lost,

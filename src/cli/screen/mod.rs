@@ -42,13 +42,15 @@ use echo::Echo;
 use happened::{Happened, Mood};
 use keys::{Act, Keys};
 use lines::Lines;
+pub use lines::cut_short;
 use meter::Meter;
 use moves::Moves;
 use players::Players;
 pub use post::Post;
 use post::{PostBox, State, post};
 use saved::title;
-use snapshot::{Figures, Latency, Snapshot};
+pub use snapshot::Latency;
+use snapshot::{Figures, Snapshot};
 use window::Screen;
 
 /// From one drawing to the next.
@@ -255,6 +257,9 @@ impl Show {
         let events = self.fetch.events(board.clock.get(), seconds, board.is_panicked());
         // All of it was before now, so what is told as of now comes behind it.
         events.into_iter().for_each(|happened| self.note(happened));
+        if let Out::Lines(lines) = &mut self.out {
+            lines.missed(self.fetch.missed());
+        }
         let now = self.fetch.now();
         self.controls.hear(&self.fetch.moved());
         let states: Vec<State> = self.fetch.states().collect();
@@ -349,16 +354,8 @@ impl Show {
             meter.hear(peak, since);
             self.highest = self.highest.max(peak);
         }
-        let (device, input) = (board.device_delay.get(), board.input.latency.get());
         self.snapshot.elapsed = elapsed;
-        self.snapshot.latency = Latency {
-            // What events are delayed by is the longest block and a little, whatever the last one was.
-            block: session.clock().ahead() as f64 / f64::from(self.snapshot.rate.max(1)),
-            engine: session.delay().total(),
-            device: (device > 0).then_some(device as f64 * 1e-9),
-            beyond: self.beyond,
-            input: (input > 0).then_some(input as f64 * 1e-9 + session.input_delay()),
-        };
+        self.snapshot.latency = Latency::of(session, self.beyond);
         self.snapshot.refused = board.refused.words();
         self.snapshot.figures = Figures {
             mean: board.load.mean(),

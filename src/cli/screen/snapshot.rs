@@ -3,6 +3,7 @@
 use super::controls::ControlFace;
 use super::happened::Happened;
 use super::meter::Meter;
+use pacinian::io::session::Session;
 use pacinian::live::board::Turned;
 
 /// Everything that the screen shows at one moment.
@@ -120,6 +121,20 @@ pub struct Latency {
 }
 
 impl Latency {
+    /// As a session has it now; `beyond` as its rig has it.
+    pub fn of(session: &Session, beyond: Option<f64>) -> Self {
+        let board = session.board();
+        let (device, input) = (board.device_delay.get(), board.input.latency.get());
+        Self {
+            // What events are delayed by is the longest block and a little, whatever the last one was.
+            block: session.clock().ahead() as f64 / session.rate().max(1.0),
+            engine: session.delay().total(),
+            device: (device > 0).then_some(device as f64 * 1e-9),
+            beyond,
+            input: (input > 0).then_some(input as f64 * 1e-9 + session.input_delay()),
+        }
+    }
+
     /// All of what lies between an event and the skin.
     pub fn total(&self) -> f64 {
         self.block + self.engine + self.device.unwrap_or(0.0) + self.beyond.unwrap_or(0.0)

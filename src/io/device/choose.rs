@@ -32,7 +32,7 @@ impl Chosen {
     pub fn name(&self) -> &str {
         match self {
             Self::Card(_, found) => &found.name,
-            Self::Virtual(_) => "virtual card",
+            Self::Virtual(_) => VIRTUAL_NAME,
         }
     }
 
@@ -106,11 +106,18 @@ const USUAL_BLOCK: u32 = 256;
 /// What the virtual card is called on the command line and in a rig.
 pub const VIRTUAL: &str = "virtual";
 
+/// What it is called where devices are listed.
+pub const VIRTUAL_NAME: &str = "virtual card";
+
+fn is_virtual(name: &str) -> bool {
+    [VIRTUAL, VIRTUAL_NAME].iter().any(|known| name.eq_ignore_ascii_case(known))
+}
+
 impl Wish {
     /// What is said on the command line, or else in the rig, or nowhere.
     pub fn of(said: Option<&str>, rig: Option<&str>) -> Self {
         match said.or(rig) {
-            Some(name) if name.eq_ignore_ascii_case(VIRTUAL) => Self::Virtual,
+            Some(name) if is_virtual(name) => Self::Virtual,
             // Whoever says so has not said which.
             Some(name) if name.eq_ignore_ascii_case(DEFAULT) => Self::Default,
             Some(name) => Self::Named(name.into()),
@@ -228,7 +235,7 @@ pub fn heard(name: &str) -> Result<(Device, Found), DeviceError> {
 /// # Errors
 /// As [`heard`].
 pub fn heard_among(hosts: &Hosts, name: &str) -> Result<(Device, Found), DeviceError> {
-    if name.eq_ignore_ascii_case(VIRTUAL) {
+    if is_virtual(name) {
         let what = "the virtual card plays, and hears nothing";
         return Err(DeviceError::new(Trouble::Unfit, what).help("`pacinian devices` lists which hear"));
     }
