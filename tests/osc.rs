@@ -321,25 +321,58 @@ fn what_comes_too_fast_to_be_written_is_counted() {
     assert!(missed.is_some(), "nothing came too fast");
 }
 
+/// The program, the file that it writes its log to, and where it hears OSC.
 #[cfg(feature = "cli")]
-fn missed_in_a_flood() -> u64 {
-    let scratch = program::Scratch::new("too-fast");
+fn playing(scratch: &program::Scratch, more: &[&str]) -> (std::process::Child, std::path::PathBuf, String) {
     scratch.write("p.toml", format!("{}{PATCH}", program::HEAD));
-    let arguments = ["play", "p.toml", "--device", "virtual", "--duration", "4", "--osc", "0"];
-    let (log, piped) = (scratch.0.join("log.txt"), std::process::Stdio::piped);
+    let arguments = [&["play", "p.toml", "--device", "virtual", "--osc", "0"], more].concat();
+    let log = scratch.0.join("log.txt");
     let command = &mut scratch.command(&arguments);
-    let child = command.stdout(piped()).stderr(std::fs::File::create(&log).unwrap()).spawn().unwrap();
+    command.stdout(std::process::Stdio::piped()).stderr(std::fs::File::create(&log).unwrap());
+    let child = command.spawn().unwrap();
     let said = || std::fs::read_to_string(&log).unwrap();
     let at = || Some(said().split_once("OSC is heard on ")?.1.split_once(", from")?.0.to_string());
     until("the port", || at().is_some());
-    let (to, client) = (at().unwrap(), UdpSocket::bind("127.0.0.1:0").unwrap());
+    let to = at().unwrap();
+    (child, log, to)
+}
+
+/// What is asked for over OSC and cannot be done has no line in a journal, but its number.
+#[cfg(feature = "cli")]
+#[test]
+fn a_journal_counts_what_came_to_nothing() {
+    let scratch = program::Scratch::new("to-nothing");
+    let (child, _, to) = playing(&scratch, &["--duration", "1", "--events", "j.jsonl"]);
+    let client = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let say = |addr: &str, args: &[OscType]| {
+        let packet = OscPacket::Message(OscMessage { addr: addr.into(), args: args.to_vec() });
+        client.send_to(&encoder::encode(&packet).unwrap(), &to).unwrap();
+    };
+    say("/control/dept", &[0.5_f32.into()]);
+    say("/voice/ham/play", &[]);
+    say("/control/depth", &["much".into()]);
+    say("/control/depth", &[0.5_f32.into()]);
+    client.send_to(b"no OSC at all", &to).unwrap();
+    assert!(child.wait_with_output().unwrap().status.success());
+    let journal = std::fs::read_to_string(scratch.0.join("j.jsonl")).unwrap();
+    let end: serde_json::Value = serde_json::from_str(journal.lines().last().unwrap()).unwrap();
+    let count = |name: &str| end["fields"][name].as_f64().unwrap_or_else(|| panic!("{name}: {end}"));
+    let counted = ["osc", "osc_unknown", "osc_wrong", "osc_malformed", "osc_late"].map(count);
+    assert_eq!(counted, [4.0, 2.0, 1.0, 1.0, 0.0], "{end}");
+}
+
+#[cfg(feature = "cli")]
+fn missed_in_a_flood() -> u64 {
+    let scratch = program::Scratch::new("too-fast");
+    let (child, log, to) = playing(&scratch, &["--duration", "4"]);
+    let client = UdpSocket::bind("127.0.0.1:0").unwrap();
     let packet = OscMessage { addr: "/voice/hum/play".into(), args: vec![0.5_f32.into(), 0.01_f32.into()] };
     let packet = encoder::encode(&OscPacket::Message(packet)).unwrap();
     for _ in 0..40_000 {
         client.send_to(&packet, &to).unwrap();
     }
     let output = child.wait_with_output().unwrap();
-    let (out, log) = (String::from_utf8(output.stdout).unwrap(), said());
+    let (out, log) = (String::from_utf8(output.stdout).unwrap(), std::fs::read_to_string(log).unwrap());
     assert!(output.status.success(), "{log}");
     let number = |text: &str| text.replace(',', "").parse::<u64>().unwrap_or_else(|_| panic!("{text}"));
     let counted =

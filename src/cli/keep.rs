@@ -8,6 +8,7 @@ use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::error::FileError;
 use pacinian::io::journal::{Form, Journal, Setting};
+use pacinian::io::osc::counts::Counts;
 use pacinian::io::recorder::Recorder;
 use pacinian::io::session::Session;
 use pacinian::io::wav::{Encoding, WavSpec};
@@ -184,6 +185,14 @@ impl Kept {
         }
         for path in self.made {
             let _ = std::fs::remove_file(path);
+        }
+    }
+
+    /// What came over OSC and could not be used is in the journal as well.
+    pub fn counted(&self, osc: &Counts) {
+        if let Some((journal, _)) = &self.journal {
+            let all = [("osc", osc.messages.get())];
+            journal.counted(all.into_iter().chain(osc.named().map(|(name, count, _)| (name, count))));
         }
     }
 

@@ -342,6 +342,7 @@ impl Play {
         let counts = osc.map(|osc| Arc::clone(osc.counts()));
         let peaks = show.end(session.board(), terminal);
         session.stop();
+        counts.iter().for_each(|counts| kept.counted(counts));
         if let Some(trouble) = counts.and_then(|counts| counts.trouble()) {
             terminal.note(&format!("{trouble}\n"));
         }

@@ -67,6 +67,8 @@ struct Keeping {
     plans: u64,
     first: Option<(PlanHead, f64, usize)>,
     heard: Option<(u64, String)>,
+    /// What others have counted.
+    counted: BTreeMap<String, f64>,
 }
 
 impl Journal {
@@ -101,6 +103,7 @@ impl Journal {
             plans: 1,
             first: Some((plan_head(0, plan, made_of), plan.device_rate, plan.channels)),
             heard: None,
+            counted: BTreeMap::new(),
         }))))
     }
 
@@ -176,6 +179,11 @@ impl Journal {
         self.get().heard = Some((frames, sha256));
     }
 
+    /// What somebody has counted who is no part of the session, by name. It is written with the end.
+    pub fn counted(&self, counts: impl IntoIterator<Item = (&'static str, u64)>) {
+        self.get().counted.extend(counts.into_iter().map(|(name, count)| (name.into(), count as f64)));
+    }
+
     /// Whether the file takes no more; [`Journal::finish`] says why.
     pub fn has_failed(&self) -> bool {
         self.get().writer.has_failed()
@@ -190,6 +198,7 @@ impl Journal {
         let mut line = keeping.chronicle.now(Kind::End);
         line.frame = Some(keeping.chronicle.board.frames.get());
         line.fields.extend(counters(&keeping.chronicle.board));
+        line.fields.append(&mut keeping.counted);
         if let Some((frames, sha256)) = keeping.heard.take() {
             line.fields.insert(INPUT_FRAMES.into(), frames as f64);
             line.message = Some(sha256);

@@ -40,27 +40,32 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// What went wrong: by what name a journal has it, how often, and in words.
+    pub fn named(&self) -> [(&'static str, u64, &'static str); 13] {
+        [
+            ("osc_refused", self.refused.get(), "refused for lack of room"),
+            ("osc_malformed", self.malformed.get(), "malformed"),
+            ("osc_deep", self.deep.get(), "nested too deeply"),
+            ("osc_unknown", self.unknown.get(), "to nothing that is there"),
+            ("osc_wrong", self.wrong.get(), "with arguments that do not fit"),
+            ("osc_late", self.late.get(), "late"),
+            ("osc_far", self.far.get(), "too far ahead"),
+            ("osc_cancelled", self.cancelled.get(), "cancelled by a panic"),
+            ("osc_forgotten", self.forgotten.get(), "ids forgotten"),
+            ("osc_crowded", self.crowded.get(), "subscriptions too many"),
+            ("osc_unsent", self.unsent.get(), "answers not sent"),
+            ("osc_missed", self.missed.get(), "datagrams dropped by the system"),
+            ("osc_failed", self.failed.get(), "failures to receive"),
+        ]
+    }
+
     /// What went wrong, in words; `None` if nothing did.
     pub fn trouble(&self) -> Option<String> {
-        let kinds = [
-            (&self.refused, "refused for lack of room"),
-            (&self.malformed, "malformed"),
-            (&self.deep, "nested too deeply"),
-            (&self.unknown, "to nothing that is there"),
-            (&self.wrong, "with arguments that do not fit"),
-            (&self.late, "late"),
-            (&self.far, "too far ahead"),
-            (&self.cancelled, "cancelled by a panic"),
-            (&self.forgotten, "ids forgotten"),
-            (&self.crowded, "subscriptions too many"),
-            (&self.unsent, "answers not sent"),
-            (&self.missed, "datagrams dropped by the system"),
-            (&self.failed, "failures to receive"),
-        ];
-        let told: Vec<String> = kinds
+        let told: Vec<String> = self
+            .named()
             .iter()
-            .filter(|(figure, _)| figure.get() != 0)
-            .map(|(figure, kind)| format!("{} {kind}", figure.get()))
+            .filter(|(_, count, _)| *count != 0)
+            .map(|(_, count, kind)| format!("{count} {kind}"))
             .collect();
         (!told.is_empty()).then(|| format!("OSC, {} messages read: {}", self.messages.get(), told.join(", ")))
     }
