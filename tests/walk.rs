@@ -177,3 +177,18 @@ fn what_is_not_known_is_not_said_to_be_right() {
         assert_eq!(std::fs::read_to_string(&path).unwrap(), RIG);
     }
 }
+
+/// Whoever has the rig from somebody else learns where the name is from.
+#[test]
+fn a_device_that_a_rig_names_and_that_is_not_there_is_told_with_the_rig() {
+    let scratch = Scratch::new("walk-elsewhere");
+    let rig = "format = \"pacinian-rig/1\"\n[device]\nname = \"No such card\"\nchannels = 2\n[[output]]\nname = \"t1\"\nkind = \"vibration\"\nchannel = 1\n";
+    scratch.write("rig.toml", rig);
+    let words = ["no device `No such card`", "`name` under [device] in rig.toml", "--device names another"];
+    for command in [&["walk"][..], &["play", "good.toml"], &["latency", "--out", "1", "--in", "1"]] {
+        scratch.run(&[command, &["--rig", "rig.toml"]].concat()).fails(69, &words);
+        let run = scratch.run(&[command, &["--rig", "rig.toml", "--device", "Nor such one"]].concat());
+        run.fails(69, &["no device `Nor such one`"]);
+        assert!(!run.err.contains("rig.toml"), "{}", run.err);
+    }
+}

@@ -39,6 +39,17 @@ impl Failure {
         self
     }
 
+    /// With something more to do about what was said.
+    #[must_use]
+    pub fn and(mut self, more: &str) -> Self {
+        for (_, part) in &mut self.parts {
+            if let Part::Said(_, help) = part {
+                *help = Some(help.take().map_or(more.into(), |help| format!("{help}; {more}")));
+            }
+        }
+        self
+    }
+
     /// What has been told already.
     pub fn told(code: u8) -> Self {
         Self { parts: vec![(code, Part::Nothing)] }

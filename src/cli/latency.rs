@@ -119,8 +119,8 @@ impl Latency {
         let (channel, name) = self.output(rig)?;
         let level = self.level(rig, channel, &name)?;
         let said = rig.and_then(|rig| rig.device.name.as_deref());
-        let wish = Wish::of(self.device.as_deref(), said);
-        let chosen = super::servers::choose(&wish, terminal)?;
+        let file = self.rig.as_ref().map_or_else(String::new, |path| path.display().to_string());
+        let (wish, chosen) = super::servers::choose_for(self.device.as_deref(), said, file, terminal)?;
         let rate = chosen.rate(self.rate.or(rig.and_then(|rig| rig.device.rate.map(|rate| rate as u32))));
         let Chosen::Card(device, found) = chosen else {
             let what = match wish {

@@ -159,8 +159,12 @@ impl Play {
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }
-        let wish = Wish::of(self.device.as_deref(), loaded.rig.device.name.as_deref());
-        let device = device.map_or_else(|| servers::choose(&wish, terminal), Ok)?;
+        let (said, file) = (loaded.rig.device.name.as_deref(), loaded.rig_source.as_ref());
+        let file = file.map_or("the rig".into(), |source| Arc::clone(&source.file));
+        let (wish, device) = match device {
+            Some(device) => (Wish::of(self.device.as_deref(), said), device),
+            None => servers::choose_for(self.device.as_deref(), said, file, terminal)?,
+        };
         let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
         let armed = self.arm || device.is_meant(&wish);
         let instead = match &device {

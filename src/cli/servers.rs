@@ -5,6 +5,7 @@ use super::patience;
 use super::terminal::Terminal;
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::Trouble;
+use pacinian::text::problem::escaped;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -97,6 +98,27 @@ pub fn choose(wish: &Wish, terminal: &Terminal) -> Result<Chosen, Failure> {
         }
         .with_code(error.kind.exit_code())
     })
+}
+
+/// As [`choose`]: the device that the command line names, or else the rig in that file; and how it was meant.
+///
+/// # Errors
+/// As [`choose`]; of a rig's device it is said where it stands.
+pub fn choose_for(
+    device: Option<&str>,
+    by_rig: Option<&str>,
+    rig: impl std::fmt::Display,
+    terminal: &Terminal,
+) -> Result<(Wish, Chosen), Failure> {
+    let wish = Wish::of(device, by_rig);
+    match choose(&wish, terminal) {
+        Ok(chosen) => Ok((wish, chosen)),
+        Err(failure) if device.is_none() && by_rig.is_some() => Err(failure.and(&format!(
+            "it is the `name` under [device] in {}; --device names another",
+            escaped(&rig.to_string())
+        ))),
+        Err(failure) => Err(failure),
+    }
 }
 
 /// The server that a device's name begins with.

@@ -20,7 +20,7 @@ pub use answer::KEYS;
 use clap::Args;
 use map::{Felt, Map, map};
 use pacinian::graph::scene::scene;
-use pacinian::io::device::choose::{Chosen, Wish};
+use pacinian::io::device::choose::Chosen;
 use pacinian::io::device::keeper::Fate;
 use pacinian::io::session::Beginning;
 use pacinian::io::{replace, text};
@@ -96,13 +96,13 @@ impl Walk {
         });
         let given = read.transpose()?.map(|checked| checked.value);
         let named = given.as_ref().and_then(|rig| rig.device.name.as_deref());
-        let wish = Wish::of(self.device.as_deref(), named);
         let person = Typed::listen(self.write)
             .map_err(|error| Failure::said(71, format!("no thread for what is typed: {error}")))?;
         if self.write {
             self.check_write(person.is_some())?;
         }
-        let device = super::servers::choose(&wish, terminal)?;
+        let file = self.rig.as_ref().map_or_else(String::new, |path| path.display().to_string());
+        let (wish, device) = super::servers::choose_for(self.device.as_deref(), named, file, terminal)?;
         let rig = given.unwrap_or_else(|| Rig::default_for(channels(&device)));
         let probes = self.chosen(&rig)?;
         let stop = Stop::listen()?;
