@@ -182,7 +182,7 @@ fn what_is_not_known_is_not_said_to_be_right() {
 #[test]
 fn a_device_that_a_rig_names_and_that_is_not_there_is_told_with_the_rig() {
     let scratch = Scratch::new("walk-elsewhere");
-    let rig = "format = \"pacinian-rig/1\"\n[device]\nname = \"No such card\"\nchannels = 2\n[[output]]\nname = \"t1\"\nkind = \"vibration\"\nchannel = 1\n";
+    let rig = "format = \"pacinian-rig/1\"\n[device]\nname = \"No such card\"\nchannels = 2\n[[output]]\nname = \"t1\"\nkind = \"vibration\"\nchannel = 1\n[[output]]\nname = \"t2\"\nkind = \"vibration\"\nchannel = 2\n";
     scratch.write("rig.toml", rig);
     let words = ["no device `No such card`", "`name` under [device] in rig.toml", "--device names another"];
     for command in [&["walk"][..], &["play", "good.toml"], &["latency", "--out", "1", "--in", "1"]] {
