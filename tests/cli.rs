@@ -607,9 +607,9 @@ fn help_and_readme_name_all_exit_codes() {
     let readme = include_str!("../README.md");
     let table =
         readme.split("## Exit codes").nth(1).and_then(|t| t.split("\n## ").next()).unwrap_or_default();
-    for code in
-        ["0", "1", "2", "65", "66", "69", "70", "71", "73", "74", "75", "77", "78", "129", "130", "143"]
-    {
+    for code in [
+        "0", "1", "2", "65", "66", "69", "70", "71", "73", "74", "75", "77", "78", "129", "130", "131", "143",
+    ] {
         let words = |text: &str| text.split(|c: char| !c.is_ascii_digit()).any(|word| word == code);
         assert!(words(help) && words(table), "{code}");
     }

@@ -6,6 +6,8 @@ mod common;
 mod carrier;
 #[path = "drives/coupled.rs"]
 mod coupled;
+#[path = "drives/crowd.rs"]
+mod crowd;
 #[cfg(feature = "live")]
 #[path = "drives/halt.rs"]
 mod halt;

@@ -47,7 +47,9 @@ fn is_finished(scratch: &Scratch, how: &str) {
 
 #[test]
 fn a_second_signal_does_not_cut_the_output_off() {
-    for (first, second, code) in [("HUP", "HUP", 129), ("HUP", "TERM", 129), ("TERM", "INT", 143)] {
+    for (first, second, code) in
+        [("HUP", "HUP", 129), ("HUP", "TERM", 129), ("TERM", "INT", 143), ("QUIT", "TERM", 131)]
+    {
         for pause in ["0.001", "0.02"] {
             let how = format!("{first}, {pause} s, {second}");
             let scratch = Scratch::new("stop-pair");
@@ -65,6 +67,34 @@ fn a_second_signal_does_not_cut_the_output_off() {
             is_finished(&scratch, &how);
         }
     }
+}
+
+/// Whoever has begun it with `nohup` may leave.
+#[cfg(target_os = "linux")]
+#[test]
+fn under_nohup_it_outlives_the_terminal() {
+    let scratch = Scratch::new("stop-nohup");
+    scratch.write("p.toml", PATCH);
+    let plain = scratch.command(&[&KEPT[..], &["e.jsonl"]].concat());
+    let mut command = Command::new("nohup");
+    command.arg(plain.get_program()).args(plain.get_args()).current_dir(&scratch.0);
+    let mut child = command.stdin(Stdio::null()).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
+    has_played(&scratch);
+    let kill = |signal: &str| {
+        let done = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status();
+        assert!(done.unwrap().success());
+    };
+    kill("HUP");
+    let length = || std::fs::metadata(scratch.0.join("a.wav")).unwrap().len();
+    let (before, begin) = (length(), Instant::now());
+    // Another half second.
+    while length() < before + 4 * 8 * 24_000 {
+        assert!(begin.elapsed() < Duration::from_secs(20), "it plays no more");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    kill("TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(143));
+    is_finished(&scratch, "nohup");
 }
 
 /// A window that is closed: the system tells all who have the terminal, and the shell tells its children once more.

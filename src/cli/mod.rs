@@ -101,7 +101,7 @@ use terminal::{Terminal, When};
         66 a file that is not there, 69 a device, port or address that is not there or does not fit, 70 a bug in pacinian,\n\
         71 what the system does not give (a thread, signals), 73 and 74 a file that cannot be written, a device that fails,\n\
         75 a device or port that another program has: try again, 77 no permission, 78 the rig,\n\
-        129 stopped by SIGHUP, 130 by Ctrl-C, 143 by SIGTERM.",
+        129 stopped by SIGHUP, 130 by Ctrl-C, 131 by SIGQUIT, 143 by SIGTERM.",
     disable_help_subcommand = true,
     propagate_version = true
 )]

@@ -10,9 +10,31 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 #[cfg(unix)]
-const SIGNALS: &[i32] = &[SIGINT, SIGTERM, signal_hook::consts::signal::SIGHUP];
+use signal_hook::consts::signal::{SIGHUP, SIGQUIT};
+
+/// Those that ask. Whoever has begun the program with `nohup` wants it to outlive the terminal.
+#[cfg(unix)]
+fn signals() -> &'static [i32] {
+    static OUTLIVES: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
+    const ALL: [i32; 4] = [SIGINT, SIGTERM, SIGQUIT, SIGHUP];
+    let status = || std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    match OUTLIVES.get_or_init(|| ignores(&status(), SIGHUP)) {
+        true => &ALL[..3],
+        false => &ALL,
+    }
+}
 #[cfg(not(unix))]
-const SIGNALS: &[i32] = &[SIGINT, SIGTERM];
+fn signals() -> &'static [i32] {
+    &[SIGINT, SIGTERM]
+}
+
+/// Whether a process ignores a signal, as Linux tells of it (proc_pid_status(5)).
+#[cfg(unix)]
+fn ignores(status: &str, signal: i32) -> bool {
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    mask >> (signal - 1) & 1 == 1
+}
 
 fn unheard(error: &std::io::Error) -> Failure {
     Failure::said(71, format!("Ctrl-C cannot be listened to ({error})"))
@@ -56,7 +78,7 @@ impl Stop {
     /// # Errors
     /// As [`Stop::listen`].
     pub fn also(&self, set: &Arc<AtomicBool>) -> Result<(), Failure> {
-        for signal in SIGNALS {
+        for signal in signals() {
             flag::register(*signal, Arc::clone(set)).map_err(|error| unheard(&error))?;
         }
         // Somebody may have been faster.
@@ -68,7 +90,7 @@ impl Stop {
 
     #[cfg(unix)]
     fn begin(&self) -> std::io::Result<()> {
-        let mut signals = signal_hook::iterator::Signals::new(SIGNALS)?;
+        let mut signals = signal_hook::iterator::Signals::new(signals())?;
         let first = Arc::clone(&self.signal);
         // It waits for as long as the program runs, and acts where all others are stuck.
         std::thread::Builder::new().name("signals".into()).spawn(move || {
@@ -89,13 +111,13 @@ impl Stop {
         // In this order: the second Ctrl-C ends the program before it is noted as the first.
         flag::register_conditional_shutdown(SIGINT, 128 + SIGINT, Arc::clone(&again))?;
         flag::register(SIGINT, again)?;
-        for signal in SIGNALS {
+        for signal in signals() {
             flag::register_usize(*signal, Arc::clone(&self.signal), *signal as usize)?;
         }
         Ok(())
     }
 
-    /// The exit code to end with, if somebody has asked: 129 for SIGHUP, 130 for Ctrl-C, 143 for SIGTERM.
+    /// The exit code to end with, if somebody has asked: 129 for SIGHUP, 130 for Ctrl-C, 131 for SIGQUIT, 143 for SIGTERM.
     pub fn asked(&self) -> Option<u8> {
         match self.signal.load(Ordering::Relaxed) {
             0 => None,
@@ -133,13 +155,21 @@ fn at_once(code: i32) {
 
 #[cfg(all(test, unix))]
 mod tests {
-    use super::Insistence;
+    use super::{Insistence, SIGHUP, SIGINT, ignores};
     use std::time::{Duration, Instant};
 
     /// Which of the signals at so many milliseconds is the first that means at once.
     fn at_once(signals: &[u64]) -> Option<usize> {
         let (begin, mut insistence) = (Instant::now(), Insistence::default());
         signals.iter().position(|ms| insistence.means_at_once(begin + Duration::from_millis(*ms)))
+    }
+
+    #[test]
+    fn what_nohup_has_done_is_seen() {
+        let status =
+            "Name:\tx\nSigBlk:\t0000000000000000\nSigIgn:\t0000000000001001\nSigCgt:\t00000001800004ec\n";
+        assert!(ignores(status, SIGHUP) && !ignores(status, SIGINT));
+        assert!(!ignores("", SIGHUP) && !ignores("SigIgn:\tnone", SIGHUP));
     }
 
     #[test]

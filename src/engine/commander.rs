@@ -19,7 +19,12 @@ pub struct Commander {
     /// By instrument.
     commands: Vec<Vec<Command>>,
     motors: Vec<Motor>,
+    /// Of the voices that began last, by their numbers: which motors may hold what they ordered, a bit each.
+    held: Vec<(u64, u64)>,
 }
+
+/// So many voices; of one before them every motor is told that it is released.
+const KNOWN: usize = 1 << 10;
 
 #[derive(Debug)]
 struct Motor {
@@ -47,7 +52,10 @@ impl Commander {
             swells: plan.swells_of(n).map(|swell| Arc::clone(&swell.settings)).collect(),
             home: plan.homes.iter().find(|(drive, _)| *drive == n).map(|(_, home)| (home.pieces, home.angle)),
         });
-        Self { commands, motors: motors.collect() }
+        let motors: Vec<Motor> = motors.collect();
+        // Beyond 64 motors there are no bits.
+        let known = if (1..=64).contains(&motors.len()) { KNOWN } else { 0 };
+        Self { commands, motors, held: vec![(u64::MAX, 0); known] }
     }
 
     /// Whether an instrument's voices order something.
@@ -56,23 +64,40 @@ impl Commander {
     }
 
     /// A voice begins: what it orders goes to the motors of its place.
-    pub fn begin(&self, play: &Play, serial: u64, place: &[(u32, f64)], at: Instant, stage: &mut Stage) {
-        let Some(commands) = self.commands.get(play.instrument as usize) else { return };
+    pub fn begin(&mut self, play: &Play, serial: u64, place: &[(u32, f64)], at: Instant, stage: &mut Stage) {
+        let Some(commands) = self.commands.get(play.instrument as usize).filter(|all| !all.is_empty()) else {
+            return;
+        };
+        let mut held = 0;
         for (channel, gain) in place {
-            let Some(motor) = self.motors.iter().find(|motor| motor.channel == *channel) else { continue };
+            let Some(number) = self.motors.iter().position(|motor| motor.channel == *channel) else {
+                continue;
+            };
             for command in commands {
-                if let Some(order) = motor.order(command, play.level * gain) {
+                if let Some(order) = self.motors[number].order(command, play.level * gain) {
+                    held |= u64::from(order.holds()) << (number % 64);
                     stage.order(*channel, instant(at), serial, order);
                 }
             }
         }
+        if let Some(known) = self.known(serial) {
+            *known = (serial, held);
+        }
+    }
+
+    fn known(&mut self, serial: u64) -> Option<&mut (u64, u64)> {
+        let number = serial.checked_rem(self.held.len() as u64)?;
+        self.held.get_mut(number as usize)
     }
 
     /// A voice is released: what it ordered and still holds ends.
-    pub fn release(&self, instrument: usize, serial: u64, at: Instant, stage: &mut Stage) {
+    pub fn release(&mut self, instrument: usize, serial: u64, at: Instant, stage: &mut Stage) {
         if self.commands.get(instrument).is_some_and(|commands| !commands.is_empty()) {
-            for motor in &self.motors {
-                stage.order(motor.channel, instant(at), serial, Order::Release);
+            let held = self.known(serial).filter(|known| known.0 == serial).map_or(u64::MAX, |known| known.1);
+            for (number, motor) in self.motors.iter().enumerate() {
+                if held >> (number % 64) & 1 == 1 {
+                    stage.order(motor.channel, instant(at), serial, Order::Release);
+                }
             }
         }
     }

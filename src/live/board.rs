@@ -88,7 +88,7 @@ pub struct Board {
     pub stolen: Figure,
     /// Events that came too late for their instant and took effect with the next sample.
     pub late: Figure,
-    /// Events for which the engine had no room.
+    /// Events for which the engine had no room, and orders for which a motor had none.
     pub dropped: Figure,
     /// Samples that were no numbers.
     pub masked: Figure,

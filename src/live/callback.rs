@@ -396,7 +396,8 @@ impl Callback {
         let (counters, counts) = (engine.counters(), engine.stage().counts());
         self.board.started.set(counters.started);
         self.board.stolen.set(counters.stolen);
-        self.board.dropped.set(counters.dropped + self.outdated);
+        let unordered = engine.stage().drives().dropped();
+        self.board.dropped.set(counters.dropped + self.outdated + unordered);
         self.board.masked.set(counters.masked + counts.masked);
         self.board.clamped.set(counts.clamped);
         self.board.limited.set(counts.limited);

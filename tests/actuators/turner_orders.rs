@@ -1,6 +1,6 @@
 //! What orders do between levels, and levels between orders: sample by sample.
 
-use pacinian::actuator::driver::order::{Order, WAITING};
+use pacinian::actuator::driver::order::{AT_ONCE, Order, WAITING};
 use pacinian::actuator::driver::setup::{Setup, Shaping};
 use pacinian::actuator::driver::turner::Turner;
 use pacinian::actuator::motor::Parameters;
@@ -165,12 +165,17 @@ fn the_way_round_leads_through_rest() {
 
 #[test]
 fn orders_that_find_no_room_are_counted_and_a_brake_finds_some() {
-    let mut turner = Turner::new(&setup(COIN, Shaping::Inverse), 0).unwrap();
+    // Those that wait: ten for each sample, a thousand samples later than they come.
+    let mut turner = Turner::new(&setup(COIN, Shaping::Inverse), 1000).unwrap();
     for n in 0..WAITING + 3 {
-        turner.order(100.0 + n as f64, n as u64, Order::Spin(10.0));
+        turner.order(100.0 + 0.1 * n as f64, n as u64, Order::Spin(10.0));
     }
-    turner.order(1000.0, 0, Order::Brake);
+    turner.order(110.0, 0, Order::Brake);
     assert_eq!(turner.counts().dropped, 4);
+    // For one sample there are fewer.
+    let mut crowded = Turner::new(&setup(COIN, Shaping::Inverse), 0).unwrap();
+    (0..AT_ONCE as u64 + 5).for_each(|n| crowded.order(100.5, n, Order::Spin(10.0)));
+    assert_eq!(crowded.counts().dropped, 5);
     let mut plant = plant(&COIN, 0.0);
     play(&mut turner, &mut plant, &vec![0.0; 4000]);
     assert!(turner.is_idle(), "the brake held");
@@ -182,20 +187,20 @@ fn a_release_always_finds_room() {
     // All that wait begin something; half of them end it; all of them are brakes.
     for kind in 0..3 {
         let setup = setup(COIN, Shaping::Inverse);
-        let mut turner = Turner::new(&setup, 0).unwrap();
+        let mut turner = Turner::new(&setup, 100).unwrap();
         let mut plant = plant(&COIN, 0.0);
         turner.order(0.0, 1, Order::Spin(setup.full_speed()));
-        play(&mut turner, &mut plant, &vec![0.0; 250]);
+        play(&mut turner, &mut plant, &vec![0.0; 350]);
         for n in 0..WAITING as u64 {
-            let at = 400.0 + n as f64;
+            let at = 400.0 + 0.1 * n as f64;
             match (kind, n % 2) {
                 (0, _) | (1, 0) => turner.order(at, 1000 + n, Order::On(0.1.into())),
                 (1, _) => turner.order(at, 1000 + n - 1, Order::Release),
                 _ => turner.order(at, 1000 + n, Order::Brake),
             }
         }
-        turner.order(500.0, 1, Order::Release);
-        (0..WAITING as u64).for_each(|n| turner.order(600.0, 1000 + n, Order::Release));
+        turner.order(410.0, 1, Order::Release);
+        (0..WAITING as u64).for_each(|n| turner.order(420.0, 1000 + n, Order::Release));
         play(&mut turner, &mut plant, &vec![0.0; 8000]);
         assert!(turner.is_idle() && turner.counts().dropped > 0, "{kind}: {:?}", turner.counts());
     }

@@ -1,6 +1,7 @@
 //! What may be ordered of a motor, and when.
 
 use super::setup::Shaping;
+use std::collections::VecDeque;
 
 /// The most drives of which a click is made.
 pub const PIECES: usize = 3;
@@ -103,6 +104,11 @@ impl Order {
         }
     }
 
+    /// Whether it holds until its voice is released.
+    pub fn holds(self) -> bool {
+        matches!(self, Self::Spin(_) | Self::Keep(..) | Self::On(_))
+    }
+
     /// The same within a speed and a drive, and with times of 0 s to 10 s; what is no number is 0.
     pub fn sane(self, speed: f64, drive: f64) -> Self {
         let within = |x: f64, most: f64| if x.is_nan() { 0.0 } else { x.clamp(-most, most) };
@@ -133,68 +139,85 @@ pub struct Entry {
     pub order: Order,
 }
 
-/// Orders that may wait.
+/// Orders for later samples than the one in which they come that may wait.
 pub const WAITING: usize = 64;
 
+/// Orders for one sample that may wait.
+pub const AT_ONCE: usize = 16;
+
+/// Samples that a caller computes at a time, at most; orders of all of them come before the first is computed.
+const BLOCK: usize = 64;
+
+/// Orders for which there is room, so that it is never room that decides.
+const MOST: usize = WAITING + (BLOCK + 2) * AT_ONCE;
+
 /// Orders to come, in order of time; among equals the first that came.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Agenda {
-    list: [Entry; WAITING],
-    count: usize,
+    list: VecDeque<Entry>,
     dropped: u64,
 }
 
 impl Default for Agenda {
     fn default() -> Self {
-        let none = Entry { at: f64::INFINITY, voice: 0, order: Order::Release };
-        Self { list: [none; WAITING], count: 0, dropped: 0 }
+        Self { list: VecDeque::with_capacity(MOST), dropped: 0 }
+    }
+}
+
+impl Clone for Agenda {
+    fn clone(&self) -> Self {
+        let mut agenda = Self { dropped: self.dropped, ..Self::default() };
+        agenda.list.extend(&self.list);
+        agenda
     }
 }
 
 impl Agenda {
-    /// Takes an order. Where there is no room for it, it is counted and left out. A brake and a release always find room, or a motor might
-    /// run on for ever: in place of the last order that begins something, or, with none, the last of all becomes a brake.
-    pub fn push(&mut self, entry: Entry) {
-        if self.count == WAITING {
+    /// Takes an order that comes in the sample `now`. Where too many wait, it is counted and left out. A brake and a release always find room, or a motor
+    /// might run on for ever: in place of the last order that begins something, or, with none, the last of all becomes a brake.
+    ///
+    /// Who has waited long enough to be carried out before `now` does not count, whether that has been done or the caller computes several samples at a
+    /// time: what is left out is the same in blocks of any length.
+    pub fn push(&mut self, entry: Entry, now: f64) {
+        let before = |end: f64| self.list.partition_point(|other| other.at < end);
+        let (later, sample) = (before(now.floor() + 1.0), entry.at.floor());
+        let own = before(sample)..before(sample + 1.0);
+        let crowd = match self.list.len() {
+            waiting if waiting - later >= WAITING => Some(later..waiting),
+            MOST.. => Some(0..self.list.len()),
+            _ => Some(own).filter(|own| own.len() >= AT_ONCE),
+        };
+        if let Some(crowd) = crowd {
             self.dropped += 1;
             let ends = |entry: &Entry| matches!(entry.order, Order::Brake | Order::Release);
             if !ends(&entry) {
                 return;
             }
-            let Some(last) = self.list[..self.count].iter().rposition(|entry| !ends(entry)) else {
-                self.list[self.count - 1].order = Order::Brake;
+            let last = crowd.end - 1;
+            let Some(begins) = crowd.rev().find(|n| !ends(&self.list[*n])) else {
+                self.list[last].order = Order::Brake;
                 return;
             };
-            self.list.copy_within(last + 1..self.count, last);
-            self.count -= 1;
+            self.list.remove(begins);
         }
-        let at = self.list[..self.count].partition_point(|other| other.at <= entry.at);
-        self.list.copy_within(at..self.count, at + 1);
-        self.list[at] = entry;
-        self.count += 1;
+        let at = self.list.partition_point(|other| other.at <= entry.at);
+        self.list.insert(at, entry);
     }
 
     /// The next order before `end` (in samples), if there is one.
     pub fn pop_before(&mut self, end: f64) -> Option<Entry> {
-        let first = self.first().copied().filter(|first| first.at < end)?;
-        self.list.copy_within(1..self.count, 0);
-        self.count -= 1;
-        Some(first)
+        self.list.front().filter(|first| first.at < end)?;
+        self.list.pop_front()
     }
 
     /// The next order.
     pub fn first(&self) -> Option<&Entry> {
-        self.list[..self.count].first()
-    }
-
-    /// Whether something of a voice waits.
-    pub fn has(&self, voice: u64) -> bool {
-        self.list[..self.count].iter().any(|entry| entry.voice == voice)
+        self.list.front()
     }
 
     /// Whether nothing waits.
     pub fn is_empty(&self) -> bool {
-        self.count == 0
+        self.list.is_empty()
     }
 
     /// Orders that found no room.
@@ -204,19 +227,13 @@ impl Agenda {
 
     /// Forgets the envelopes that wait, as what their numbers name is something else from now on.
     pub fn clear_swells(&mut self) {
-        let mut kept = 0;
-        for n in 0..self.count {
-            if !matches!(self.list[n].order, Order::Swell(..)) {
-                self.list[kept] = self.list[n];
-                kept += 1;
-            }
-        }
-        self.dropped += (self.count - kept) as u64;
-        self.count = kept;
+        let before = self.list.len();
+        self.list.retain(|entry| !matches!(entry.order, Order::Swell(..)));
+        self.dropped += (before - self.list.len()) as u64;
     }
 
     /// Forgets all that waits for an instant (samples) or what comes after it.
     pub fn clear_from(&mut self, at: f64) {
-        self.count = self.list[..self.count].partition_point(|entry| entry.at < at);
+        self.list.truncate(self.list.partition_point(|entry| entry.at < at));
     }
 }

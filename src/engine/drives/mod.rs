@@ -74,6 +74,11 @@ impl Drives {
         self.lines.iter().find(|line| line.channel == channel)?.turner.held_back()
     }
 
+    /// Orders for which there was no room, of all motors.
+    pub fn dropped(&self) -> u64 {
+        self.lines.iter().map(|line| line.turner.counts().dropped).sum()
+    }
+
     /// Samples of the device in which that was so, of all channels.
     pub fn changed(&self) -> u64 {
         self.lines.iter().filter_map(|line| line.turner.held_back()).map(|counts| counts.changed).sum()

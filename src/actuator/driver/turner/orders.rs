@@ -6,21 +6,19 @@ use crate::actuator::driver::order::{After, Entry, Order, PIECES, Pieces};
 use crate::actuator::driver::setup::Shaping;
 
 impl Turner {
-    /// An order of a voice at an instant: samples since the beginning, the same in which levels are counted. The release of a voice that has
-    /// no order here is nothing.
+    /// An order of a voice at an instant: samples since the beginning, the same in which levels are counted. It comes in the sample that begins then or
+    /// next. The release of a voice whose order does not hold is nothing.
     pub fn order(&mut self, at: f64, voice: u64, order: Order) {
-        if order == Order::Release && self.voice != Some(voice) && !self.agenda.has(voice) {
-            return;
-        }
-        let at = if at.is_finite() { at.max(0.0) } else { self.clock as f64 } + self.late() as f64;
-        self.agenda.push(Entry { at, voice, order });
+        let now = if at.is_finite() { at.max(0.0) } else { self.clock as f64 };
+        let at = now + self.late() as f64;
+        self.agenda.push(Entry { at, voice, order }, now.ceil());
     }
 
     /// Forgets what waits from a sample on, and brakes there. It is never late.
     pub fn brake(&mut self, clock: u64) {
         let at = clock.max(self.clock) as f64;
         self.agenda.clear_from(at);
-        self.agenda.push(Entry { at, voice: u64::MAX, order: Order::Brake });
+        self.agenda.push(Entry { at, voice: u64::MAX, order: Order::Brake }, at);
     }
 
     /// Whether it is to stand from the next sample on, whatever is played and ordered meanwhile: braked as fast as may be, or given nothing at all. What
