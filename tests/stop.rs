@@ -27,6 +27,11 @@ fn has_played(scratch: &Scratch) {
     }
 }
 
+/// A session that is kept, begun by such a command.
+fn kept(command: &mut Command) -> std::process::Child {
+    command.stdin(Stdio::null()).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap()
+}
+
 /// The recording ends in silence after it swung, and the journal with its end.
 #[track_caller]
 fn is_finished(scratch: &Scratch, how: &str) {
@@ -54,9 +59,7 @@ fn a_second_signal_does_not_cut_the_output_off() {
             let how = format!("{first}, {pause} s, {second}");
             let scratch = Scratch::new("stop-pair");
             scratch.write("p.toml", PATCH);
-            let mut command = scratch.command(&[&KEPT[..], &["e.jsonl"]].concat());
-            let mut child =
-                command.stdin(Stdio::null()).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
+            let mut child = kept(&mut scratch.command(&[&KEPT[..], &["e.jsonl"]].concat()));
             has_played(&scratch);
             let id = child.id();
             // The second finds nobody where the first was that fast.
@@ -78,7 +81,7 @@ fn under_nohup_it_outlives_the_terminal() {
     let plain = scratch.command(&[&KEPT[..], &["e.jsonl"]].concat());
     let mut command = Command::new("nohup");
     command.arg(plain.get_program()).args(plain.get_args()).current_dir(&scratch.0);
-    let mut child = command.stdin(Stdio::null()).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
+    let mut child = kept(&mut command);
     has_played(&scratch);
     let kill = |signal: &str| {
         let done = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status();

@@ -65,9 +65,7 @@ impl Commander {
 
     /// A voice begins: what it orders goes to the motors of its place.
     pub fn begin(&mut self, play: &Play, serial: u64, place: &[(u32, f64)], at: Instant, stage: &mut Stage) {
-        let Some(commands) = self.commands.get(play.instrument as usize).filter(|all| !all.is_empty()) else {
-            return;
-        };
+        let Some(commands) = self.commands.get(play.instrument as usize) else { return };
         let mut held = 0;
         for (channel, gain) in place {
             let Some(number) = self.motors.iter().position(|motor| motor.channel == *channel) else {
@@ -85,6 +83,11 @@ impl Commander {
         }
     }
 
+    /// Voices of another engine come in, which has numbered them: of none is it known any more what it ordered.
+    pub fn forget(&mut self) {
+        self.held.fill((u64::MAX, 0));
+    }
+
     fn known(&mut self, serial: u64) -> Option<&mut (u64, u64)> {
         let number = serial.checked_rem(self.held.len() as u64)?;
         self.held.get_mut(number as usize)
@@ -92,7 +95,7 @@ impl Commander {
 
     /// A voice is released: what it ordered and still holds ends.
     pub fn release(&mut self, instrument: usize, serial: u64, at: Instant, stage: &mut Stage) {
-        if self.commands.get(instrument).is_some_and(|commands| !commands.is_empty()) {
+        if self.gives(instrument as u32) {
             let held = self.known(serial).filter(|known| known.0 == serial).map_or(u64::MAX, |known| known.1);
             for (number, motor) in self.motors.iter().enumerate() {
                 if held >> (number % 64) & 1 == 1 {

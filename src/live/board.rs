@@ -56,6 +56,13 @@ pub struct InputBoard {
     pub unrecorded: Figure,
 }
 
+/// Of counts with their words, those that are not 0, in a list; `None` if all are.
+pub(crate) fn in_words(counted: &[(&str, u64, &str)]) -> Option<String> {
+    let told = counted.iter().filter(|(_, count, _)| *count != 0);
+    let told: Vec<String> = told.map(|(_, count, words)| format!("{count} {words}")).collect();
+    (!told.is_empty()).then(|| told.join(", "))
+}
+
 /// What a knob said and was given last.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Turned {

@@ -214,6 +214,21 @@ mod tests {
         fn mark(&mut self, _channels: &[usize]) {}
     }
 
+    /// A callback of one channel that passes on what is heard on an input channel (from 1).
+    fn passing_on(channel: u32) -> (Callback, Arc<Board>) {
+        let text = format!(
+            "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"i\"\n\
+             [voice.v.nodes]\ni = {{ type = \"input\", channel = {channel} }}\n"
+        );
+        let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+        let scene =
+            scene(&patch, &Rig::default_for(1), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+        let (_director, stagehand) = exchange(&scene.plan).unwrap();
+        let board = Arc::new(Board::new(1));
+        (Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board)).0, board)
+    }
+
     /// What the governor of a knob was told holds, or torque falls: of what the two devices take together, and of gaps.
     #[test]
     fn a_knob_hears_of_a_card_that_takes_longer_and_of_gaps() {
@@ -263,15 +278,7 @@ mod tests {
             }
             fn mark(&mut self, _channels: &[usize]) {}
         }
-        let patch = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"i\"\n\
-            [voice.v.nodes]\ni = { type = \"input\", channel = 1 }\n";
-        let patch = Patch::parse("t", patch.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-        let scene =
-            scene(&patch, &Rig::default_for(1), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
-        let (_director, stagehand) = exchange(&scene.plan).unwrap();
-        let board = Arc::new(Board::new(1));
-        let (callback, _rings) = Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board));
+        let (callback, board) = passing_on(1);
         let (mut driver, clock) = Driver::new(callback, 48_000.0, 64, Epoch::begin(), Arc::clone(&board));
         let dues = Arc::default();
         driver.listen(Box::new(Dues(Arc::clone(&dues))));
@@ -296,15 +303,7 @@ mod tests {
 
     #[test]
     fn what_is_heard_is_played_and_recorded_frame_by_frame_however_long_the_blocks_are() {
-        let text = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"i\"\n\
-            [voice.v.nodes]\ni = { type = \"input\", channel = 2 }\n";
-        let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-        let scene =
-            scene(&patch, &Rig::default_for(1), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
-        let (_director, stagehand) = exchange(&scene.plan).unwrap();
-        let board = Arc::new(Board::new(1));
-        let (mut callback, _rings) = Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board));
+        let (mut callback, board) = passing_on(2);
         let (kept, mut record) = HeapRb::new(1 << 17).split();
         callback.record_input(kept);
         let (mut driver, _clock) = Driver::new(callback, 48_000.0, 64, Epoch::begin(), Arc::clone(&board));

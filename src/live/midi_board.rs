@@ -1,6 +1,6 @@
 //! How it stands with what comes over MIDI.
 
-use super::board::Figure;
+use super::board::{Figure, in_words};
 use crate::midi::parser;
 use crate::performer::MidiCounts;
 
@@ -72,13 +72,7 @@ impl MidiBoard {
 
     /// What could not be used, in words; `None` if all could.
     pub fn trouble(&self) -> Option<String> {
-        let told: Vec<String> = self
-            .named()
-            .into_iter()
-            .filter(|(_, count, _)| *count != 0)
-            .map(|(_, count, what)| format!("{count} {what}"))
-            .collect();
-        (!told.is_empty()).then(|| format!("MIDI, of {} messages: {}", self.messages.get(), told.join(", ")))
+        in_words(&self.named()).map(|told| format!("MIDI, of {} messages: {told}", self.messages.get()))
     }
 }
 

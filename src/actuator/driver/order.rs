@@ -146,10 +146,10 @@ pub const WAITING: usize = 64;
 pub const AT_ONCE: usize = 16;
 
 /// Samples that a caller computes at a time, at most; orders of all of them come before the first is computed.
-const BLOCK: usize = 64;
+pub const TOGETHER: usize = 64;
 
-/// Orders for which there is room, so that it is never room that decides.
-const MOST: usize = WAITING + (BLOCK + 2) * AT_ONCE;
+/// Orders for which there is room: more than callers that keep to [`TOGETHER`] can have waiting, so that room never decides.
+const MOST: usize = WAITING + (TOGETHER + 2) * AT_ONCE;
 
 /// Orders to come, in order of time; among equals the first that came.
 #[derive(Debug)]

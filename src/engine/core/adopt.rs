@@ -29,6 +29,7 @@ impl<R: Real> Core<R> {
     pub fn adopt(&mut self, old: &mut Self, inheritance: &Inheritance) {
         self.clock = old.clock;
         self.counters = old.counters;
+        self.commander.forget();
         match self.stage.is_succeeding() {
             true => self.stage.take_over(&mut old.stage, self.clock),
             false => {

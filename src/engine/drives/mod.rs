@@ -9,7 +9,7 @@ mod line;
 
 use super::vibration::{Counts, Row, Vibration};
 use super::workspace::BLOCK;
-use crate::actuator::driver::order::Order;
+use crate::actuator::driver::order::{Order, TOGETHER};
 use crate::actuator::driver::turner;
 use crate::actuator::fault::Fault;
 use crate::actuator::protect::counts;
@@ -17,6 +17,9 @@ use crate::dsp::lanes::LANES;
 use crate::graph::plan::Plan;
 use halt::{Halt, Halts};
 use line::Line;
+
+// Orders of a block come before its first sample is computed.
+const _: () = assert!(BLOCK <= TOGETHER);
 
 /// The motors of a plan.
 #[derive(Debug)]

@@ -5,7 +5,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::card::Fill;
 use super::priority;
 use crate::live::driver::Driver;
 use crate::live::lent::Lent;
@@ -38,8 +37,7 @@ impl VirtualCard {
             let mut begin = Instant::now();
             let mut blocks = 0_u32;
             while !stopped.load(Ordering::Acquire) {
-                driver.begin(block, 0.0, 0.0);
-                driver.fill(&mut frames);
+                driver.used(|driver| driver.fill(&mut frames));
                 blocks += 1;
                 let due = begin + Duration::from_secs_f64(f64::from(blocks) * block as f64 / rate);
                 let now = Instant::now();

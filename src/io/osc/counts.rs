@@ -1,6 +1,6 @@
 //! What came, and what became of it.
 
-use crate::live::board::Figure;
+use crate::live::board::{Figure, in_words};
 
 /// What came, and what became of it. Nothing that is asked for is lost without being counted here.
 #[derive(Debug, Default)]
@@ -61,13 +61,7 @@ impl Counts {
 
     /// What went wrong, in words; `None` if nothing did.
     pub fn trouble(&self) -> Option<String> {
-        let told: Vec<String> = self
-            .named()
-            .iter()
-            .filter(|(_, count, _)| *count != 0)
-            .map(|(_, count, kind)| format!("{count} {kind}"))
-            .collect();
-        (!told.is_empty()).then(|| format!("OSC, {} messages read: {}", self.messages.get(), told.join(", ")))
+        in_words(&self.named()).map(|told| format!("OSC, {} messages read: {told}", self.messages.get()))
     }
 }
 
