@@ -27,10 +27,17 @@ fn has_played(scratch: &Scratch) {
     }
 }
 
-/// A session that is kept, begun by such a command.
-fn kept(command: &mut Command) -> std::process::Child {
+/// A session that is kept, begun by such words.
+fn kept(scratch: &Scratch, words: &[&str]) -> std::process::Child {
+    scratch.write("p.toml", PATCH);
+    let plain = scratch.command(&[&KEPT[..], &["e.jsonl"]].concat());
+    let mut command = Command::new(words[0]);
+    command.args(&words[1..]).arg(plain.get_program()).args(plain.get_args()).current_dir(&scratch.0);
     command.stdin(Stdio::null()).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap()
 }
+
+/// As it is where nobody has said `nohup`; whoever runs the tests may have.
+const PLAINLY: &[&str] = if cfg!(target_os = "linux") { &["env", "--default-signal=HUP"] } else { &["env"] };
 
 /// The recording ends in silence after it swung, and the journal with its end.
 #[track_caller]
@@ -58,8 +65,7 @@ fn a_second_signal_does_not_cut_the_output_off() {
         for pause in ["0.001", "0.02"] {
             let how = format!("{first}, {pause} s, {second}");
             let scratch = Scratch::new("stop-pair");
-            scratch.write("p.toml", PATCH);
-            let mut child = kept(&mut scratch.command(&[&KEPT[..], &["e.jsonl"]].concat()));
+            let mut child = kept(&scratch, PLAINLY);
             has_played(&scratch);
             let id = child.id();
             // The second finds nobody where the first was that fast.
@@ -77,11 +83,7 @@ fn a_second_signal_does_not_cut_the_output_off() {
 #[test]
 fn under_nohup_it_outlives_the_terminal() {
     let scratch = Scratch::new("stop-nohup");
-    scratch.write("p.toml", PATCH);
-    let plain = scratch.command(&[&KEPT[..], &["e.jsonl"]].concat());
-    let mut command = Command::new("nohup");
-    command.arg(plain.get_program()).args(plain.get_args()).current_dir(&scratch.0);
-    let mut child = kept(&mut command);
+    let mut child = kept(&scratch, &["nohup"]);
     has_played(&scratch);
     let kill = |signal: &str| {
         let done = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status();

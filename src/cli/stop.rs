@@ -4,6 +4,8 @@
 use super::failure::Failure;
 use signal_hook::consts::signal::{SIGINT, SIGTERM};
 use signal_hook::flag;
+#[cfg(unix)]
+use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 #[cfg(unix)]
@@ -12,13 +14,15 @@ use std::time::{Duration, Instant};
 #[cfg(unix)]
 use signal_hook::consts::signal::{SIGHUP, SIGQUIT};
 
-/// Those that ask. Whoever has begun the program with `nohup` wants it to outlive the terminal.
+/// Those that ask. Whoever has begun the program with `nohup`, which leaves it no terminal to write to, wants it to outlive the terminal. What is shown on
+/// one ends with it, whatever whoever began it ignores.
 #[cfg(unix)]
 fn signals() -> &'static [i32] {
     static OUTLIVES: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
     const ALL: [i32; 4] = [SIGINT, SIGTERM, SIGQUIT, SIGHUP];
     let status = || std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    match OUTLIVES.get_or_init(|| ignores(&status(), SIGHUP)) {
+    let shown = || std::io::stdout().is_terminal() || std::io::stderr().is_terminal();
+    match OUTLIVES.get_or_init(|| !shown() && ignores(&status(), SIGHUP)) {
         true => &ALL[..3],
         false => &ALL,
     }
