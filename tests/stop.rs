@@ -102,6 +102,22 @@ fn under_nohup_it_outlives_the_terminal() {
     is_finished(&scratch, "nohup");
 }
 
+/// As where a machine sleeps: the card has played what it had, and says so.
+#[test]
+fn a_session_that_stood_still_counts_an_xrun_and_goes_on() {
+    let scratch = Scratch::new("stop-still");
+    let mut child = kept(&scratch, PLAINLY);
+    has_played(&scratch);
+    let id = child.id();
+    let kill = format!("kill -s STOP {id}; sleep 0.5; kill -s CONT {id}; sleep 0.5; kill -s TERM {id}");
+    assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(143));
+    is_finished(&scratch, "stopped");
+    let journal = std::fs::read_to_string(scratch.0.join("e.jsonl")).unwrap();
+    let end: serde_json::Value = serde_json::from_str(journal.trim_end().lines().last().unwrap()).unwrap();
+    assert!(end["fields"]["xruns"].as_f64().unwrap() >= 1.0, "{end}");
+}
+
 /// A window that is closed: the system tells all who have the terminal, and the shell tells its children once more.
 #[cfg(target_os = "linux")]
 #[test]

@@ -51,6 +51,9 @@ pub(super) const SLOW_OF_WIDTH: f64 = 0.05;
 /// The share of the spacing in an engine sample from which on weights of a surface, which are parabolas, are not as good as straight in half a box.
 pub(super) const QUICK: f64 = 0.05;
 
+/// The same for those of a width: below it they go straight over a box to the last 80 dB, between the two over its half.
+pub(super) const BRISK: f64 = 0.02;
+
 impl Kernel {
     /// When one of its boxes begins: whole engine samples from now, and a share of one. From every sample that share is the same to the bit.
     pub(super) fn edge(self, number: usize) -> (i64, f64) {

@@ -16,7 +16,7 @@ use super::point::{Point, distance, tamed};
 use super::row::Row;
 use super::spot::Spread;
 use boxes::{Boxes, Sums};
-use kernel::{COARSE, FINE, Kernel, QUICK, SLOW, SLOW_OF_WIDTH};
+use kernel::{BRISK, COARSE, FINE, Kernel, QUICK, SLOW, SLOW_OF_WIDTH};
 pub use stretch::Age;
 use stretch::Stretch;
 pub use trail::{LATE, Steps, Trail};
@@ -197,20 +197,27 @@ impl Mover {
         }
     }
 
-    /// How often a box is halved whatever is in it: in a rectangle weights are parabolas, and in a cloud they may have a corner anywhere.
+    /// How often a box is halved whatever is in it: in a rectangle weights are parabolas, in a cloud they may have a corner anywhere, and of a
+    /// width they are curved.
     fn halved<A: Fn(i64, f64) -> Point>(&self, way: &Way<A>, span: &Span) -> usize {
         let array = self.spread.array();
+        let speed = || {
+            let [from, to] = [span.from, span.to].map(|share| (way.at)(span.base, share));
+            distance(from, to) / (span.to - span.from)
+        };
+        let below = |share: f64| speed() < share * array.spacing();
         match array.shape() {
             Shape::One => 0,
-            _ if way.width > 0.0 && !way.slow => 2,
+            _ if way.width > 0.0 && !way.slow => match () {
+                () if below(BRISK) => 0,
+                () if below(QUICK) => 1,
+                () => 2,
+            },
             Shape::Line => 0,
             _ if way.slow => 0,
             Shape::Cloud => 2,
-            Shape::Surface => {
-                let [from, to] = [span.from, span.to].map(|share| (way.at)(span.base, share));
-                let speed = distance(from, to) / (span.to - span.from);
-                if speed < QUICK * array.spacing() { 1 } else { 2 }
-            }
+            Shape::Surface if below(QUICK) => 1,
+            Shape::Surface => 2,
         }
     }
 
