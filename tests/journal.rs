@@ -449,6 +449,30 @@ fn what_is_no_journal_any_more_is_refused_at_its_line() {
     refused(&edited("\"fraction\":0.", "\"fraction\":7."), "from 0 to below 1");
     refused(&edited("\"source\":\"pattern\"", "\"source\":\"nobody\""), "not from `nobody`");
     refused(&edited("\"kind\":\"end\",", "\"kind\":\"swap\","), "no plan was written down");
+    let last = text.lines().count() + 1;
+    let beyond = format!("{text}{}\n", text.lines().nth(3).unwrap());
+    refused(&beyond, &format!("s.jsonl:{last}: something follows the end"));
+    // Each in one short sentence that says what to do, whatever stands there.
+    let voice = text.lines().find(|line| line.contains("\"voice\"")).unwrap();
+    for (from, to) in [
+        ("\"level\":", "\"level\":1e300,\"x\":"),
+        ("\"duration\":", "\"duration\":-1e300,\"x\":"),
+        ("\"fields\":{", "\"fields\":{\"bogus\":1,"),
+        ("\"frame\":", &format!("\"frame\":{}", "9".repeat(100_000))),
+        ("\"frame\":", "\"frame\":-"),
+        ("\"source\":\"", &format!("\"source\":\"{}", "x".repeat(100_000))),
+        ("\"name\":\"", &format!("\"name\":\"{}", "y".repeat(100_000))),
+        ("\"kind\":\"voice", "\"kind\":\"voise"),
+        ("}", ""),
+    ] {
+        assert!(voice.contains(from), "{from}");
+        let error = outcome(&text.replacen(voice, &voice.replacen(from, to, 1), 1)).unwrap_err();
+        assert!(
+            error.starts_with("s.jsonl:") && error.ends_with("play the journal as it was written"),
+            "{error}"
+        );
+        assert!(error.len() < 500 && !error.contains(['\n', '\r']) && !error.contains("line 1"), "{error}");
+    }
     let first = text.lines().position(|line| line.contains("\"voice\"")).unwrap();
     let mut lines: Vec<&str> = text.lines().collect();
     let line = lines.remove(first);
@@ -497,7 +521,7 @@ fn a_journal_cannot_ask_for_more_than_a_session_has() {
     };
     refused(&with("{\"kind\":\"end\",\"frame\":18446744073709551615}\n"), "hours after all");
     refused(&with("{\"kind\":\"clock\",\"frame\":9000000000}\n"), "52.1 hours after all");
-    refused(&text.replacen("\"gain\":1.0", "\"gain\":1e30", 1), "from 0 to 1, not 1000000");
+    refused(&text.replacen("\"gain\":1.0", "\"gain\":1e30", 1), "from 0 to 1, not 1e30;");
     refused(&text.replacen("\"gain\":1.0", "\"gain\":-1.0", 1), "from 0 to 1, not -1");
     let plan = text.lines().nth(1).unwrap();
     refused(&with(&format!("{plan}\n").repeat(100)), "plans wait here");

@@ -1,7 +1,7 @@
 //! What is kept of a session, through the program.
 
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use pacinian::io::journal::of_bytes;
 use pacinian::io::wav::{Encoding, WavReader, WavSpec, WavWriter};
@@ -351,13 +351,37 @@ fn files_that_are_gone_in_the_end_are_told_of() {
     assert!(said.contains("pacinian replay 'kept here/s.csv' plays it again"), "{said}");
     let mut long = Command::new(env!("CARGO_BIN_EXE_pacinian"));
     let long = long.args(PLAY.map(|word| if word == "0.6" { "2" } else { word })).args(keep);
-    let child = long.current_dir(&room.0).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    let child = long.current_dir(&room.0).stderr(Stdio::piped()).spawn().unwrap();
     std::thread::sleep(std::time::Duration::from_secs(1));
     std::fs::remove_dir_all(&folder).unwrap();
     let gone = child.wait_with_output().unwrap();
     fails(&gone, 74, "`kept here/s.wav` is gone");
     fails(&gone, 74, "`kept here/s.csv` is gone");
     assert!(!text(&gone.stderr).contains("plays it again"), "{}", text(&gone.stderr));
+}
+
+/// Who empties a file that is written leaves a hole in it, which is not told of as whole.
+#[test]
+fn files_that_were_cut_short_meanwhile_are_told_of() {
+    let room = Room::new("cut");
+    let mut long = Command::new(env!("CARGO_BIN_EXE_pacinian"));
+    long.args(PLAY.map(|word| if word == "0.6" { "2" } else { word }));
+    long.args(["--record", "s.wav", "--events", "s.csv"]).current_dir(&room.0);
+    let child = long.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let length = |name: &str| std::fs::metadata(room.0.join(name)).map_or(0, |about| about.len());
+    while length("s.wav") < 100_000 || length("s.csv") == 0 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    for name in ["s.wav", "s.csv"] {
+        std::fs::File::options().write(true).open(room.0.join(name)).unwrap().set_len(0).unwrap();
+    }
+    let cut = child.wait_with_output().unwrap();
+    for name in ["s.wav", "s.csv"] {
+        // While it plays, and in the end.
+        fails(&cut, 74, &format!("`{name}` takes no more"));
+        fails(&cut, 74, &format!("`{name}` has been cut short"));
+    }
+    assert!(!text(&cut.stderr).contains("plays it again"), "{}", text(&cut.stderr));
 }
 
 /// A full disk is told of, and playing goes on to its end.

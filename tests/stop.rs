@@ -102,6 +102,22 @@ fn under_nohup_it_outlives_the_terminal() {
     is_finished(&scratch, "nohup");
 }
 
+/// One that nobody could stop in peace: its recording is known up to half a second before.
+#[test]
+fn a_session_that_is_killed_leaves_what_it_had() {
+    let scratch = Scratch::new("stop-killed");
+    let mut child = kept(&scratch, PLAINLY);
+    has_played(&scratch);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let (spec, samples) = scratch.wav("a.wav");
+    let whole = std::fs::metadata(scratch.0.join("a.wav")).unwrap().len() as usize / 4;
+    let unknown = (whole - samples.len()) / usize::from(spec.channels);
+    // What is written, and up to 50 ms of a busy machine's.
+    assert!(!samples.is_empty() && unknown <= 24_000 + 12_000, "{unknown} frames of {whole} samples");
+    scratch.run(&["replay", "e.jsonl"]).succeeds();
+}
+
 /// As where a machine sleeps: the card has played what it had, and says so.
 #[test]
 fn a_session_that_stood_still_counts_an_xrun_and_goes_on() {

@@ -420,7 +420,7 @@ impl Play {
         let refused = Some(board.refused.words()).filter(|words| !words.is_empty());
         let refused = refused.map_or(String::new(), |words| format!(" (no room for {words})"));
         let mut text = format!(
-            "{}: {} frames, {}{}, load {:.2} % (half of the callbacks below {:.2} %, 99.9 % below {:.1} %), {} over their time, {} xruns, {} late, {} lost{}\n",
+            "{}: {} frames, {}{}, load {:.2} % (half of the callbacks below {:.2} %, 99.9 % below {:.1} %), {} over their time, {}, {} late, {} lost{}\n",
             escaped(loaded.name()),
             board.frames.get(),
             many(board.started.get() as usize, "voice"),
@@ -429,7 +429,7 @@ impl Play {
             100.0 * load.quantile(0.5),
             100.0 * load.quantile(0.999),
             load.over(),
-            board.xruns.get(),
+            many(board.xruns.get() as usize, "xrun"),
             board.late.get(),
             board.dropped.get() + board.refused.get(),
             refused,
@@ -440,13 +440,13 @@ impl Play {
         let input = &board.input;
         if input.frames.get() > 0 {
             text += &format!(
-                "  input: latency {:.1} ms, {} frames, {} xruns, {} times too late, {} times too many, {} frames lost\n",
+                "  input: latency {:.1} ms, {} frames, {}, {} too late, {} too many, {} lost\n",
                 1e3 * (input.latency.get() as f64 * 1e-9 + session.input_delay()),
                 input.frames.get(),
-                input.xruns.get(),
-                input.dry.get(),
-                input.jumps.get(),
-                input.lost.get(),
+                many(input.xruns.get() as usize, "xrun"),
+                many(input.dry.get() as usize, "time"),
+                many(input.jumps.get() as usize, "time"),
+                many(input.lost.get() as usize, "frame"),
             );
         }
         for duty in session.duties().iter().filter(|duty| duty.runs() + duty.skipped() > 0) {

@@ -7,6 +7,7 @@ use crate::graph::program::Feed;
 use crate::graph::start::FIELDS;
 use crate::patch::event::limits;
 use crate::space::spot::{Spot, Spread};
+use crate::text::measure::number;
 use crate::text::{Problem, nearest};
 
 /// The id of the voice of an instrument that sounds from the beginning on.
@@ -51,7 +52,7 @@ impl Plan {
             let [least, most] = limits(if declared.is_some() { "" } else { name });
             // One without end is held until it is released.
             if !((least..=most).contains(&value) || duration && value == f64::INFINITY) {
-                let what = format!("voice `{voice}` cannot be played with `{name}` = {value}");
+                let what = format!("voice `{voice}` cannot be played with `{name}` = {}", number(value));
                 let or = if duration { ", or infinity: until it is released" } else { "" };
                 return Err(Problem::of_file(what).help(format!("it may be from {least} to {most}{or}")));
             }

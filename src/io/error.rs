@@ -130,6 +130,11 @@ impl FileError {
                     "`{shown}` has grown as large as its file system, or the limit of the shell (`ulimit -f`), allows: write less at a time, raise the limit, or choose another disk"
                 )
             }
+            io::ErrorKind::UnexpectedEof => {
+                format!(
+                    "`{shown}` has been cut short by somebody else while it was written: write it again where nobody else writes"
+                )
+            }
             io::ErrorKind::NotSeekable => {
                 format!(
                     "`{shown}` is a pipe, and a file whose length is written last cannot go into one: name a file on a disk"

@@ -6,11 +6,15 @@ use std::fs::{File, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// A file being written, in its final place from the first byte on.
+/// A file being written, in its final place from the first byte on. What somebody else cuts short meanwhile takes no more: it would have a hole.
 #[derive(Debug)]
 pub struct OutputFile {
     file: File,
     path: PathBuf,
+    /// Where the next bytes go, and where the furthest that were written end; both stay 0 where there is no file on a disk.
+    at: u64,
+    length: u64,
+    plain: bool,
 }
 
 impl OutputFile {
@@ -25,16 +29,25 @@ impl OutputFile {
         let failed = |error| FileError::creating(path, &error);
         // What somebody else writes is not emptied.
         let file = File::options().write(true).create(true).truncate(false).open(path).map_err(failed)?;
-        if file.metadata().map_err(failed)?.is_file() {
+        let plain = file.metadata().map_err(failed)?.is_file();
+        if plain {
             refuse_what_is_written(&file, path)?;
             file.set_len(0).map_err(failed)?;
         }
-        Ok(Self { file, path: path.to_owned() })
+        Ok(Self { file, path: path.to_owned(), at: 0, length: 0, plain })
     }
 
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// That what was written is still there.
+    fn is_whole(&self) -> io::Result<()> {
+        if self.plain && self.file.metadata()?.len() < self.length {
+            return Err(io::Error::from(io::ErrorKind::UnexpectedEof));
+        }
+        Ok(())
     }
 }
 
@@ -101,23 +114,32 @@ pub fn write(path: impl AsRef<Path>, content: &[u8]) -> Result<(), FileError> {
 
 impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
+        self.is_whole()?;
+        let written = self.file.write(bytes)?;
+        if self.plain {
+            self.at += written as u64;
+            self.length = self.length.max(self.at);
+        }
+        Ok(written)
     }
     fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
+        self.file.flush()?;
+        self.is_whole()
     }
 }
 
 impl Seek for OutputFile {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.file.seek(to)
+        let at = self.file.seek(to)?;
+        self.at = if self.plain { at } else { 0 };
+        Ok(at)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{OutputFile, check, write};
-    use crate::io::error::FileErrorKind;
+    use crate::io::error::{FileError, FileErrorKind};
 
     #[test]
     fn a_folder_is_refused_and_left_alone() {
@@ -160,6 +182,29 @@ mod tests {
         assert_eq!(std::fs::read(&path).unwrap(), b"2nd");
         // Of what is no file on a disk there may be any number.
         let _two = [(); 2].map(|()| OutputFile::create("/dev/null").unwrap());
+        std::fs::remove_file(&path).unwrap();
+    }
+
+    #[test]
+    fn what_is_cut_short_meanwhile_takes_no_more() {
+        use std::io::{Seek, SeekFrom, Write};
+        let path = std::env::temp_dir().join(format!("pacinian-cut-{}", std::process::id()));
+        let mut file = OutputFile::create(&path).unwrap();
+        file.write_all(&[1; 100]).unwrap();
+        file.seek(SeekFrom::Start(0)).unwrap();
+        file.write_all(&[2; 10]).unwrap();
+        file.seek(SeekFrom::Start(100)).unwrap();
+        file.flush().unwrap();
+        // More than was written is nobody's loss.
+        let other = std::fs::File::options().write(true).open(&path).unwrap();
+        other.set_len(101).unwrap();
+        file.write_all(&[3; 2]).unwrap();
+        other.set_len(101).unwrap();
+        for result in [file.flush(), file.write_all(b"x")] {
+            let error = FileError::writing(&path, &result.unwrap_err());
+            assert!(error.exit_code() == 74 && error.message.contains("has been cut short"), "{error}");
+        }
+        assert_eq!(std::fs::metadata(&path).unwrap().len(), 101);
         std::fs::remove_file(&path).unwrap();
     }
 

@@ -51,7 +51,9 @@ impl Recorder {
         digest: Option<Digest>,
     ) -> Result<Self, FileError> {
         let channels = spec.channels.max(1);
-        let writer = WavWriter::create(path, spec)?;
+        // A session that is killed is played again from its journal, which is brought up to date as often.
+        let rate = spec.rate;
+        let writer = WavWriter::create(path, spec)?.refresh_every(u64::from(rate) / 2);
         let over = Arc::<AtomicBool>::default();
         let told = Arc::clone(&over);
         let thread = std::thread::Builder::new()

@@ -26,6 +26,14 @@ pub fn advice(key: &str, text: &str) -> Option<String> {
 
 const UNITS: &str = "numbers have no unit here; frequency is in Hz, times in s, shares from 0 to 1";
 
+/// A number as it is said in a sentence: in full where that is short, else with a power of ten.
+pub fn number(x: f64) -> String {
+    match x.abs() {
+        size if size == 0.0 || (1e-6..1e12).contains(&size) || !x.is_finite() => x.to_string(),
+        _ => format!("{x:e}"),
+    }
+}
+
 /// Without what only the binary system adds.
 fn shown(x: f64) -> String {
     format!("{:.9}", x).trim_end_matches('0').trim_end_matches('.').to_string()
@@ -33,7 +41,23 @@ fn shown(x: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::advice;
+    use super::{advice, number};
+
+    #[test]
+    fn no_number_is_long() {
+        for (x, wanted) in [
+            (0.0, "0"),
+            (-3.0, "-3"),
+            (1e6, "1000000"),
+            (0.125, "0.125"),
+            (1e300, "1e300"),
+            (-2.5e-9, "-2.5e-9"),
+            (f64::INFINITY, "inf"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(number(x), wanted);
+        }
+    }
 
     #[test]
     fn units_are_taken_off() {

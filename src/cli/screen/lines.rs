@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::happened::{Happened, clock, moment};
 use super::line::{Ink, Line};
 use super::snapshot::Snapshot;
-use crate::cli::table::{dbfs, grouped};
+use crate::cli::table::{dbfs, grouped, many};
 use crate::cli::terminal::Terminal;
 
 /// Lines that may wait to be written.
@@ -102,13 +102,13 @@ fn by_source(refused: &str) -> String {
 pub fn status(snapshot: &Snapshot, highest: f32) -> String {
     let (figures, latency) = (&snapshot.figures, &snapshot.latency);
     format!(
-        "{:>9}  -- load {:.2} % (99.9 %: {:.1} %), {} voices{}, {} xruns, {} late, {} lost{}, {} limited, {} clamped{}, latency {}{}, peak {}{}",
+        "{:>9}  -- load {:.2} % (99.9 %: {:.1} %), {}{}, {}, {} late, {} lost{}, {} limited, {} clamped{}, latency {}{}, peak {}{}",
         clock(snapshot.elapsed),
         100.0 * figures.mean,
         100.0 * figures.p999,
-        figures.voices,
+        many(figures.voices as usize, "voice"),
         cut_short(figures.stolen),
-        figures.xruns,
+        many(figures.xruns as usize, "xrun"),
         figures.late,
         figures.lost,
         by_source(&snapshot.refused),

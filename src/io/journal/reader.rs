@@ -10,6 +10,7 @@ use super::head::{FORMAT, Head, PlanHead};
 use super::line::Line;
 use crate::io::error::{FileError, FileErrorKind};
 use crate::io::open;
+use crate::text::problem::shown;
 
 /// What a journal is made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,9 +59,14 @@ impl<R: BufRead> Reader<R> {
         self.broken_off
     }
 
-    /// An error of the line that was read last.
+    /// An error of the line that was read last, with what to do about it.
     pub fn wrong(&self, what: &str) -> FileError {
-        FileError::new(FileErrorKind::Malformed, format!("{}:{}: {what}", self.name, self.number))
+        FileError::new(FileErrorKind::Malformed, format!("{}:{}: {}", self.name, self.number, shown(what)))
+    }
+
+    /// An error of the line that was read last, which no session can have written.
+    pub fn unwritten(&self, what: &str) -> FileError {
+        self.wrong(&format!("{what}; no session writes that: play the journal as it was written"))
     }
 
     /// What comes next; `None` at the end. A last line that breaks off is passed over.
@@ -86,14 +92,14 @@ impl<R: BufRead> Reader<R> {
             self.number += 1;
             if self.line.last() != Some(&b'\n') {
                 if read as u64 == LONGEST {
-                    return Err(self.wrong("the line is longer than any that a journal has"));
+                    return Err(self.unwritten("the line is longer than any that a journal has"));
                 }
                 if self.number > 1 {
                     self.broken_off = true;
                     return Ok(None);
                 }
             }
-            let text = std::str::from_utf8(&self.line).map_err(|_| self.wrong("this is no text"))?;
+            let text = std::str::from_utf8(&self.line).map_err(|_| self.unwritten("this is no text"))?;
             let text = text.trim();
             if text.is_empty() {
                 continue;
@@ -123,7 +129,7 @@ impl<R: BufRead> Reader<R> {
                 let what = other_format(text).unwrap_or_else(no_journal);
                 return Err(self.wrong(&what));
             }
-            return item.map(Some).map_err(|what| self.wrong(&what));
+            return item.map(Some).map_err(|what| self.unwritten(&what));
         }
     }
 }
@@ -149,7 +155,12 @@ fn object(json: &str) -> Result<Item, String> {
         kind: String,
     }
     fn read<'a, T: Deserialize<'a>>(json: &'a str) -> Result<Box<T>, String> {
-        serde_json::from_str(json).map(Box::new).map_err(|error| error.to_string())
+        serde_json::from_str(json).map(Box::new).map_err(|error| {
+            // It counts lines from where it began, which was here.
+            let (text, column) = (error.to_string(), error.column());
+            let what = text.split(" at line ").next().unwrap_or(&text);
+            format!("{what}, at character {column}")
+        })
     }
     match read::<Tag>(json)?.kind.as_str() {
         "session" => {

@@ -23,6 +23,8 @@ use crate::live::provenance::Provenance;
 use crate::node::motion::Motion;
 use crate::schedule::Instant;
 use crate::space::spot::Spot;
+use crate::text::Problem;
+use crate::text::measure::number;
 
 /// Frames of a block.
 const BLOCK: usize = 4096;
@@ -129,7 +131,7 @@ impl Replay<BufReader<File>> {
             if Path::new(input).file_name() != Some(input.as_ref()) {
                 let what =
                     format!("what was heard is beside the journal, and `{input}` is no name of a file there");
-                return Err(replay.reader.wrong(&what).into());
+                return Err(replay.reader.unwritten(&what).into());
             }
             let beside = path.parent().unwrap_or(Path::new("")).join(input);
             let channels = replay.stagehand.engine().input_channels();
@@ -146,14 +148,14 @@ impl<R: BufRead> Replay<R> {
     /// As [`Replay::open`].
     pub fn new(mut reader: Reader<R>, recordings: Recordings) -> Result<Self, ReplayError> {
         let Some(Item::Session(head)) = reader.read()? else {
-            return Err(reader.wrong("this is no journal of a session").into());
+            return Err(reader.unwritten("this is no journal of a session").into());
         };
         let Some(Item::Plan(first)) = reader.read()? else {
-            return Err(reader.wrong("a plan must follow the first line").into());
+            return Err(reader.unwritten("a plan must follow the first line").into());
         };
         let Some(made_of) = first.made_of else { return Err(unmade(&reader)) };
         let plan = remake(&made_of, &recordings).map_err(ReplayError::Scene)?.plan;
-        let wrong = |what: String| ReplayError::from(reader.wrong(&what));
+        let wrong = |what: String| ReplayError::from(reader.unwritten(&what));
         if plan.channels != head.channels || plan.device_rate != head.rate {
             return Err(wrong(format!(
                 "the session had {} channels at {} Hz, its plan has {} at {} Hz",
@@ -161,7 +163,7 @@ impl<R: BufRead> Replay<R> {
             )));
         }
         if !(0.0..=1.0).contains(&head.gain) {
-            return Err(wrong(format!("the gain of an output is from 0 to 1, not {}", head.gain)));
+            return Err(wrong(format!("the gain of an output is from 0 to 1, not {}", number(head.gain))));
         }
         let (director, mut stagehand) = exchange(&plan).map_err(|why| wrong(why.to_string()))?;
         let motors = stagehand.engine().stage().drives().channels();
@@ -213,20 +215,25 @@ impl<R: BufRead> Replay<R> {
             };
             let Some(frame) = line.frame else {
                 let what = format!("a line `{}` must have a frame", line.kind.word());
-                return Err(self.reader.wrong(&what).into());
+                return Err(self.reader.unwritten(&what).into());
             };
             let Some(frames) = frame.checked_sub(self.met.frames) else {
                 let what = format!("frame {frame} has passed: {} have been given out", self.met.frames);
-                return Err(self.reader.wrong(&what).into());
+                return Err(self.reader.unwritten(&what).into());
             };
             if frames > 0 {
                 self.pending = Some(line);
                 return self.compute(frames);
             }
             match line.kind {
-                Kind::End => self.end(&line)?,
+                Kind::End => {
+                    self.end(&line)?;
+                    if self.reader.read()?.is_some() {
+                        return Err(self.reader.unwritten("something follows the end of the session").into());
+                    }
+                }
                 Kind::Swap => self.swap()?,
-                _ => self.act(&line).map_err(|what| self.reader.wrong(&what))?,
+                _ => self.act(&line).map_err(|what| self.reader.unwritten(&what))?,
             }
         }
         Ok(None)
@@ -235,12 +242,12 @@ impl<R: BufRead> Replay<R> {
     /// Takes what comes next; gives what is to be done at its frame.
     fn take(&mut self, item: Item) -> Result<Option<Box<Line>>, ReplayError> {
         let line = match item {
-            Item::Session(_) => return Err(self.reader.wrong("a second session begins here").into()),
+            Item::Session(_) => return Err(self.reader.unwritten("a second session begins here").into()),
             Item::Plan(plan) => {
                 let Some(made_of) = plan.made_of else { return Err(unmade(&self.reader)) };
                 if self.next.len() >= WAITING {
-                    let what = format!("more than {WAITING} plans wait here, so no session has played this");
-                    return Err(self.reader.wrong(&what).into());
+                    let what = format!("more than {WAITING} plans wait here");
+                    return Err(self.reader.unwritten(&what).into());
                 }
                 self.next.push_back(made_of);
                 return Ok(None);
@@ -254,7 +261,7 @@ impl<R: BufRead> Replay<R> {
                     "frame {frame} is {:.1} hours after all that was told before, and a session tells of itself every second",
                     apart / 3600.0
                 );
-                return Err(self.reader.wrong(&what).into());
+                return Err(self.reader.unwritten(&what).into());
             }
             self.furthest = self.furthest.max(frame);
         }
@@ -353,7 +360,7 @@ impl<R: BufRead> Replay<R> {
                 })
             }
             Kind::Control => {
-                let control = self.names.plan.control(name).map_err(|problem| problem.to_string())?;
+                let control = self.names.plan.control(name).map_err(told)?;
                 let value = line.value.filter(|value| value.is_finite());
                 let value = value.ok_or("a control must have a value")?;
                 line.duration
@@ -380,9 +387,7 @@ impl<R: BufRead> Replay<R> {
             .ok_or_else(|| format!("events come from `stop`, `pattern` or `program`, not from `{source}`"))?;
         self.met.events += 1;
         if !self.stagehand.engine().schedule(at, source, event) {
-            return Err(
-                "more events wait here than the engine has room for, so no session has played this".into()
-            );
+            return Err("more events wait here than the engine has room for".into());
         }
         Ok(())
     }
@@ -394,7 +399,7 @@ impl<R: BufRead> Replay<R> {
         ];
         fields.extend(line.felt.map(|felt| ("felt", felt)));
         fields.extend(line.fields.iter().map(|(name, value)| (name.as_str(), *value)));
-        let play = self.names.plan.play(name, &fields).map_err(|problem| problem.to_string())?;
+        let play = self.names.plan.play(name, &fields).map_err(told)?;
         let place = line.place.as_deref().unwrap_or_default();
         let named = self.names.places.get(place).copied().or_else(|| Spot::unnamed(place));
         let place = named.ok_or_else(|| format!("there is no output `{place}`"))?;
@@ -403,20 +408,25 @@ impl<R: BufRead> Replay<R> {
 
     fn swap(&mut self) -> Result<(), ReplayError> {
         let Some(made_of) = self.next.pop_front() else {
-            return Err(self.reader.wrong("no plan was written down that could take over here").into());
+            return Err(self.reader.unwritten("no plan was written down that could take over here").into());
         };
         let plan = remake(&made_of, &self.recordings).map_err(ReplayError::Scene)?.plan;
-        let sent = self.director.send(&plan).map_err(|mismatch| self.reader.wrong(&mismatch.to_string()))?;
+        let sent =
+            self.director.send(&plan).map_err(|mismatch| self.reader.unwritten(&mismatch.to_string()))?;
         if !sent || !self.stagehand.take_over_now() {
-            let what =
-                "a plan cannot take over while the one before still fades, so no session has played this";
-            return Err(self.reader.wrong(what).into());
+            let what = "a plan cannot take over while the one before still fades";
+            return Err(self.reader.unwritten(what).into());
         }
         self.gate.motors_are(self.stagehand.engine().stage().drives().channels());
         self.names = Numbers::of(plan);
         self.met.swaps += 1;
         Ok(())
     }
+}
+
+/// In one sentence.
+fn told(problem: Problem) -> String {
+    problem.help.map_or(problem.what.clone(), |help| format!("{}: {help}", problem.what))
 }
 
 fn unmade<R: BufRead>(reader: &Reader<R>) -> ReplayError {

@@ -92,17 +92,18 @@ pub(super) fn map<R: Read + Seek>(source: &mut R) -> Result<Map, Trouble> {
         }
     }
 
-    let (mut format, mut data, mut large) = (None, None, None);
+    let (mut format, mut data, mut large) = (None::<Format>, None, None);
     let mut at = 12_u64;
     for _ in 0..MOST_CHUNKS {
         if let (Some(format), Some((start, size))) = (format, data) {
-            let map = whole(format, start, size)?;
             let riff = u64::from(u32::from_le_bytes([form[4], form[5], form[6], form[7]])) + 8;
             // A RF64 file says elsewhere how long it is.
             let ends = large.map_or(riff, |(riff, _): (u64, u64)| riff.saturating_add(8)).min(length);
             let second = u64::from(format.rate).saturating_mul(format.block());
-            behind(source, at, ends, length, second.saturating_mul(UNKNOWN))?;
-            return Ok(map);
+            // Where there seem to be none at all, a program may have been killed before it counted the first.
+            let some = if size == 0 { second / 10 } else { second.saturating_mul(UNKNOWN) };
+            behind(source, at, ends, length, some)?;
+            return whole(format, start, size);
         }
         if at + 8 > length {
             return match (format, data) {

@@ -438,7 +438,7 @@ mod tests {
             read(&file)
         };
         let whole = good.len() as u32 - 8;
-        for (riff, data) in [(whole, 1000), (whole, 79_000), (1036, 1000), (0, 1000)] {
+        for (riff, data) in [(whole, 1000), (whole, 79_000), (1036, 1000), (0, 1000), (36, 0), (0, 0)] {
             let error = with(riff, data).expect_err("more than four seconds are not heard");
             assert!(error.message.contains("more was recorded than its header knows of"), "{error}");
         }
