@@ -337,7 +337,7 @@ fn what_the_patch_names_is_watched_and_what_another_session_needs_is_kept() {
         ("rate = 48000", "rate = 44100", "the rig says another rate, 44100 Hz: stop, and play again"),
     ] {
         scratch.write("r.toml", rig.replace("left", "right").replacen(from, to, 1));
-        playing.hears(&format!("the old one plays on: {why}"));
+        playing.hears(&format!("the old one plays on: r.toml: {why}"));
     }
     // Other outputs need no other stream.
     let more = format!("{rig}[[output]]\nname = \"right\"\nkind = \"raw\"\nchannel = 3\n");
@@ -445,7 +445,7 @@ fn a_patch_that_would_listen_in_vain_is_kept_out() {
     let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual", "--input", "in.wav"]);
     let listening = PATCH.replace("{ type = \"sine\", frequency = 90 }", "{ type = \"input\", channel = 2 }");
     fs::write(&patch, listening).unwrap();
-    playing.hears("the old one plays on: the patch listens to channel 2 of the input, and the session does not: stop, and play again");
+    playing.hears("the old one plays on: p.toml: the patch listens to channel 2 of the input, and the session does not: stop, and play again");
     fs::write(&patch, PATCH.replace("tap", "knock")).unwrap();
     playing.hears("knock on t1");
 }
@@ -470,7 +470,7 @@ fn a_pattern_that_was_over_or_away_comes_back_where_it_would_be() {
     let mut playing = Playing::new(&scratch, &["p.toml", "--device", "virtual"]);
     std::thread::sleep(Duration::from_millis(600));
     fs::write(&patch, once.replace("0.05", "0.06")).unwrap();
-    playing.hears("p.toml: taken up; what is over stays over");
+    playing.hears("p.toml: taken up; patterns that are over do not begin again");
     fs::write(&patch, format!("{once}repeat = {{ every = 0.25 }}\n")).unwrap();
     playing.hears("taken up");
     playing.hears("tap on t1");

@@ -15,6 +15,7 @@ use pacinian::live::reload::Reload;
 use pacinian::live::signal::{Handle, Refused, Signal};
 use pacinian::patch::{Patch, Permissions};
 use pacinian::rig::Rig;
+use pacinian::text::problem::escaped;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -235,7 +236,12 @@ impl Course {
     /// Compiles it for the session, or says why it needs another.
     fn compile(&self, loaded: Loaded) -> Result<Compiled, Failure> {
         let device = &loaded.rig.device;
-        let no = |why: String| Ok(Err((why, AGAIN.to_string())));
+        let of = |file: &str, why: String| {
+            let why = if file.is_empty() { why } else { format!("{}: {why}", escaped(file)) };
+            Ok(Err((why, AGAIN.to_string())))
+        };
+        let rig_file = loaded.rig_source.as_ref().map_or("", |source| &*source.file);
+        let no = |why: String| of(rig_file, why);
         if Wish::of(self.device.as_deref(), device.name.as_deref()) != self.wish {
             return no(match &device.name {
                 Some(name) => format!("the rig names another device, `{name}`"),
@@ -253,16 +259,20 @@ impl Course {
         }
         let channels = device.channels as usize;
         if channels != self.channels {
-            let who = if self.scene.rig.is_some() { "the rig has" } else { "the patch needs" };
-            return no(format!("{who} {channels} channels, and the session began with {}", self.channels));
+            let began = format!("{channels} channels, and the session began with {}", self.channels);
+            return match self.scene.rig.is_some() {
+                true => no(format!("the rig has {began}")),
+                false => of(&loaded.patch.origin.file, format!("the patch needs {began}")),
+            };
         }
         let reload = loaded.reload(&self.options(&loaded), self.journalled)?;
         let unheard = reload.scene.plan.inputs().into_iter().find(|channel| !self.heard.contains(channel));
         if let Some(channel) = unheard.filter(|_| !by_rig || device.input.is_some()) {
-            return no(format!(
+            let why = format!(
                 "the patch listens to channel {} of the input, and the session does not",
                 channel + 1
-            ));
+            );
+            return of(&loaded.patch.origin.file, why);
         }
         Ok(Ok((Box::new(loaded), reload)))
     }

@@ -120,7 +120,7 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
     }
     to.push(',');
     match heard.what {
-        Happening::Voice { name, place, level, felt, duration, fields, own } => {
+        Happening::Voice { name, place, level, felt, duration, fields, own, .. } => {
             cell(to, name)?;
             to.push(',');
             cell(to, place)?;
@@ -184,6 +184,7 @@ mod tests {
             duration: f64::INFINITY,
             fields: &fields,
             own: &[80.0, 0.1, -3.0, 0.0],
+            pitched: true,
         };
         let instant = Instant { sample: 12, fraction: 1 << 31 };
         let mut heard = Heard { at: 0.0015625, instant, origin: Some(origin), id: Some(7), what: voice };

@@ -34,6 +34,16 @@ impl Voice {
         if let Some(hertz) = self.felt_at {
             return Pitch::At(hertz);
         }
+        if self.reads_frequency() {
+            return Pitch::OfEvent;
+        }
+        let mut fixed = self.nodes.iter().filter_map(frequency);
+        let one = fixed.next().and_then(Expr::constant).filter(|hertz| *hertz > 0.0);
+        Pitch::Unsaid(one.filter(|_| fixed.next().is_none()))
+    }
+
+    /// Whether its nodes read the frequency of the event.
+    pub fn reads_frequency(&self) -> bool {
         let mut reads = false;
         let mut see = |expr: &Expr| {
             expr.visit(&mut |read, _| reads |= matches!(read, Reads::Event("frequency")));
@@ -45,12 +55,7 @@ impl Voice {
                 _ => {}
             }
         }
-        if reads {
-            return Pitch::OfEvent;
-        }
-        let mut fixed = self.nodes.iter().filter_map(frequency);
-        let one = fixed.next().and_then(Expr::constant).filter(|hertz| *hertz > 0.0);
-        Pitch::Unsaid(one.filter(|_| fixed.next().is_none()))
+        reads
     }
 
     /// The level of an event that says one of the two, or none, and the decibels above the threshold that take its place: what the event says goes

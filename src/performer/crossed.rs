@@ -8,13 +8,14 @@ use crate::engine::event::Play;
 use crate::engine::watch::{Crossing, SetOff};
 use crate::graph::answer::Started;
 use crate::graph::plan::Plan;
+use crate::patch::Pitch;
 use crate::schedule::Instant;
 
 /// Serial numbers of patterns that are started so have this set: they count for themselves, so that they are the same however a run is cut.
 const SERIAL: u64 = 1 << 40;
 
-/// A voice by its name, and its fields with their defaults.
-type Voice = (Arc<str>, Vec<(String, f64)>);
+/// A voice by its name, its fields with their defaults, and whether it has the frequency of its event.
+type Voice = (Arc<str>, Vec<(String, f64)>, bool);
 
 /// What a plan calls what its watches and its knob set off.
 #[derive(Debug, Clone)]
@@ -40,7 +41,8 @@ impl Callings {
                 .iter()
                 .map(|name| name.to_string())
                 .zip(instrument.defaults.iter().copied());
-            (Arc::clone(&instrument.name), fields.collect())
+            let pitched = !matches!(instrument.pitch, Pitch::Unsaid(_));
+            (Arc::clone(&instrument.name), fields.collect(), pitched)
         });
         Self {
             voices: voices.collect(),
@@ -84,7 +86,7 @@ impl Performer {
     fn tell_crossing(&mut self, callings: &Callings, crossing: &Crossing, play: &Play) {
         let Some(listener) = &mut self.listener else { return };
         let &Crossing { at, watch, number, .. } = crossing;
-        let (Some((name, fields)), Some(pattern)) =
+        let (Some((name, fields, pitched)), Some(pattern)) =
             (callings.voices.get(play.instrument as usize), callings.watches.get(watch as usize))
         else {
             return;
@@ -97,6 +99,7 @@ impl Performer {
             duration: play.duration,
             fields,
             own: &play.own,
+            pitched: *pitched,
         };
         let seconds = at.since(Instant::default()) / callings.rate;
         let origin = Some(Origin { pattern, event: number, drawn: None });

@@ -52,6 +52,8 @@ pub enum Happening<'a> {
         fields: &'a [(String, f64)],
         /// Their values.
         own: &'a [f64],
+        /// Whether its nodes read the frequency.
+        pitched: bool,
     },
     /// A pattern begins that a signal or the knob has set off.
     Start(&'a str),

@@ -32,7 +32,7 @@ use crate::engine::event::{Event, Move, Play, Source};
 use crate::graph::plan::Plan;
 use crate::graph::scene::Scene;
 use crate::midi::Message;
-use crate::patch::Patch;
+use crate::patch::{Patch, Voice};
 use crate::rig::{Finder, Rig};
 use crate::schedule::Instant;
 use crate::score::{EventStream, HORIZON, Root, Score};
@@ -69,6 +69,8 @@ pub struct Performer {
     /// Places of voices in the patch: by name, and by instrument.
     voices: HashMap<String, usize>,
     voice_of: Vec<usize>,
+    /// By the patch's voice: whether it reads the frequency of its event.
+    pitched: Vec<bool>,
     /// By instrument: which motions it hears.
     hears: Vec<[bool; 3]>,
     files: Arc<Mutex<OpenEvents>>,
@@ -176,6 +178,7 @@ impl Performer {
         let stream = |seconds: f64| (seconds > 0.0).then(|| Stream::new(seconds));
         let streams = patch.controls.iter().map(|control| stream(control.stream)).collect();
         let pickups = vec![Pickup::default(); patch.binds.len()];
+        let pitched = patch.voices.iter().map(Voice::reads_frequency).collect();
         Self {
             plan,
             patch,
@@ -184,6 +187,7 @@ impl Performer {
             instruments,
             voices,
             voice_of,
+            pitched,
             hears,
             files: Arc::new(Mutex::new(files)),
             runs: Vec::new(),
@@ -475,8 +479,8 @@ impl Performer {
             return;
         }
         let (patch, rig, finder) = (Arc::clone(&self.patch), Arc::clone(&self.rig), Arc::clone(&self.finder));
-        let voice = self.voice_of.get(play.instrument as usize);
-        let Some(voice) = voice.and_then(|voice| patch.voices.get(*voice)) else { return };
+        let Some(&number) = self.voice_of.get(play.instrument as usize) else { return };
+        let Some((voice, &pitched)) = patch.voices.get(number).zip(self.pitched.get(number)) else { return };
         let what = Happening::Voice {
             name: &voice.name,
             place: &play.place.name(|row| finder.name_of(&rig, row)),
@@ -485,6 +489,7 @@ impl Performer {
             duration: play.duration,
             fields: &voice.fields,
             own: &play.own,
+            pitched,
         };
         self.tell(at, from, Some(play.id), what);
     }

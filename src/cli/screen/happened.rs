@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 use pacinian::io::device::keeper::Fate;
+use pacinian::node::motion::Motion;
 use pacinian::performer::{Happening, Heard};
 use pacinian::space::spot::Spot;
 
@@ -57,12 +58,31 @@ impl Happened {
         self
     }
 
+    /// Which voice begins, and where, if one does.
+    pub fn who(heard: &Heard<'_>) -> Option<String> {
+        match heard.what {
+            Happening::Voice { name, place, .. } => Some(format!("{name} on {}", spot(place))),
+            _ => None,
+        }
+    }
+
+    /// The same of that voice, if it is known.
+    pub fn releases(self, who: Option<&String>) -> Self {
+        Self { text: who.map_or(self.text, |who| format!("{who} {RELEASED}")), ..self }
+    }
+
+    /// The same of that voice, if it is known.
+    pub fn touches(self, who: Option<&String>, motion: Motion) -> Self {
+        Self { text: who.map_or(self.text, |who| format!("{who} {}", touched(motion))), ..self }
+    }
+
     /// An event that the performer tells of.
     pub fn heard(heard: &Heard<'_>) -> Self {
         let mut text = String::new();
         let _ = match heard.what {
-            Happening::Voice { name, place, level, felt, duration, fields, own } => {
-                let frequency = fields.iter().zip(own).find(|((name, _), _)| name == "frequency");
+            Happening::Voice { name, place, level, felt, duration, fields, own, pitched } => {
+                let mut own = fields.iter().zip(own);
+                let frequency = own.find(|((name, _), _)| pitched && name == "frequency");
                 let how = match felt {
                     None => short(level),
                     Some(felt) if level == 1.0 => format!("{} dB felt", short(felt)),
@@ -81,8 +101,8 @@ impl Happened {
             Happening::Start(name) => write!(text, "pattern {name} begins"),
             Happening::Marker(name) => write!(text, "marker {name}"),
             Happening::Control(name, value) => write!(text, "{name} to {}", short(value)),
-            Happening::Touch(..) => write!(text, "a voice is bent or pressed"),
-            Happening::Release => write!(text, "a voice is released"),
+            Happening::Touch(motion, _) => write!(text, "a voice {}", touched(motion)),
+            Happening::Release => write!(text, "a voice {RELEASED}"),
             Happening::ReleaseAll => write!(text, "all voices are released"),
             Happening::Silence(_) => write!(text, "what MIDI had started falls silent"),
             Happening::Cancel(_) => write!(text, "what was still to begin of a pattern is called off"),
@@ -125,6 +145,17 @@ impl Happened {
             0 => self.text.clone(),
             again => format!("{} (x {})", self.text, again + 1),
         }
+    }
+}
+
+const RELEASED: &str = "is released";
+
+/// What a hand does with a voice.
+fn touched(motion: Motion) -> &'static str {
+    match motion {
+        Motion::Detune => "is bent",
+        Motion::Pressure => "is pressed",
+        Motion::Timbre => "is tilted",
     }
 }
 
@@ -217,7 +248,7 @@ mod tests {
     #[test]
     fn a_voice_says_what_where_and_how() {
         let fields = [("roughness".to_string(), 0.0), ("frequency".to_string(), 1.0)];
-        let what = |duration| Happening::Voice {
+        let what = |duration, pitched| Happening::Voice {
             name: "pulse",
             place: "chest",
             felt: None,
@@ -225,11 +256,16 @@ mod tests {
             duration,
             fields: &fields,
             own: &[0.3, 175.0],
+            pitched,
         };
         let origin = Some(Origin { pattern: "beat", event: 0, drawn: None });
-        let heard = Heard { at: 1.5, instant: Instant::default(), origin, id: Some(1), what: what(0.12) };
+        let heard =
+            Heard { at: 1.5, instant: Instant::default(), origin, id: Some(1), what: what(0.12, true) };
         assert_eq!(Happened::heard(&heard).text, "pulse on chest at 0.8, 175 Hz, 120 ms  [beat]");
-        let heard = Heard { origin: None, what: what(f64::INFINITY), ..heard };
+        let heard = Heard { origin: None, what: what(f64::INFINITY, true), ..heard };
         assert_eq!(Happened::heard(&heard).text, "pulse on chest at 0.8, 175 Hz, held");
+        // What its nodes do not read does not sound.
+        let heard = Heard { what: what(0.12, false), ..heard };
+        assert_eq!(Happened::heard(&heard).text, "pulse on chest at 0.8, 120 ms");
     }
 }

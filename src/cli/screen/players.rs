@@ -53,8 +53,10 @@ impl Players {
     pub fn over(&self, keys: bool) -> &'static str {
         match (self.played && !self.patterns.is_empty() && self.playing.is_empty(), keys) {
             (false, _) => "",
-            (true, true) => "; what is over stays over: 1 or space starts it",
-            (true, false) => "; what is over stays over",
+            (true, true) => {
+                "; patterns that are over do not begin again by themselves: 1 or space starts one"
+            }
+            (true, false) => "; patterns that are over do not begin again by themselves",
         }
     }
 

@@ -12,6 +12,7 @@ use pacinian::io::midi_in::PortNews;
 use pacinian::live::callback::{Deed, Report};
 use pacinian::live::conductor::Told;
 use pacinian::live::gate::Order;
+use pacinian::node::motion::Motion;
 use pacinian::performer::{Happening, Heard};
 use pacinian::schedule::Instant as Due;
 
@@ -20,6 +21,9 @@ use super::happened::{Happened, Mood};
 /// Events that may wait to be shown, and those among them whose time has not come.
 const WAITING: usize = 1 << 10;
 const COMING: usize = 1 << 12;
+
+/// Voices that are known by their names.
+const KNOWN: usize = 1 << 12;
 
 /// How things stand; none of it may get lost.
 #[derive(Debug)]
@@ -40,6 +44,8 @@ struct Letter {
     due: Option<Due>,
     /// What it is of.
     of: Of,
+    /// Of a voice that begins, which it is and where.
+    who: Option<String>,
 }
 
 /// What a letter is of.
@@ -47,6 +53,10 @@ struct Letter {
 enum Of {
     /// The voice of that id, if it has one.
     Voice(Option<u64>),
+    /// What a hand does with the voice of that id.
+    Touch(u64, Motion),
+    /// The release of the voice of that id.
+    Release(u64),
     /// The marker of that id.
     Marker(u64),
     /// What MIDI had started falls silent.
@@ -61,6 +71,8 @@ impl Of {
     fn heard(heard: &Heard<'_>) -> Self {
         match (&heard.what, heard.id) {
             (Happening::Voice { .. }, id) => Self::Voice(id),
+            (Happening::Touch(motion, _), Some(id)) => Self::Touch(id, *motion),
+            (Happening::Release, Some(id)) => Self::Release(id),
             (Happening::Marker(_), Some(id)) => Self::Marker(id),
             (Happening::Silence(_), _) => Self::Silence,
             (Happening::Cancel(bits), Some(id)) => Self::Cancel(id, *bits),
@@ -96,6 +108,8 @@ pub struct PostBox {
     /// What is still to come, in its order; the second number tells apart what comes at the same time.
     coming: BTreeMap<(Due, u64), Letter>,
     taken: u64,
+    /// Voices that have begun, by their ids.
+    voices: BTreeMap<u64, String>,
     moved: Moved,
     /// Seconds that the session's clock is behind the post's.
     behind: f64,
@@ -117,6 +131,7 @@ pub fn post() -> (Post, PostBox) {
         events: event,
         coming: BTreeMap::new(),
         taken: 0,
+        voices: BTreeMap::new(),
         moved,
         behind: 0.0,
         latest: 0.0,
@@ -136,7 +151,7 @@ impl Post {
 
     fn say(&self, mood: Mood, text: impl Into<String>) {
         let happened = Happened::new(self.begin.elapsed().as_secs_f64(), mood, text);
-        self.put(Letter { happened, due: None, of: Of::Other });
+        self.put(Letter { happened, due: None, of: Of::Other, who: None });
     }
 
     fn state(&self, state: State) {
@@ -155,7 +170,12 @@ impl Post {
                 None => drop(moved.insert(name.into(), value)),
             }
         }
-        self.put(Letter { happened: Happened::heard(heard), due: Some(heard.instant), of: Of::heard(heard) });
+        self.put(Letter {
+            happened: Happened::heard(heard),
+            due: Some(heard.instant),
+            of: Of::heard(heard),
+            who: Happened::who(heard),
+        });
     }
 
     /// For its audience.
@@ -239,16 +259,31 @@ impl PostBox {
             }
         }
         while let Some(first) = self.coming.first_entry().filter(|first| first.key().0.ceiling() < clock) {
-            let letter = first.remove();
-            now.push(if matches!(letter.of, Of::Voice(_)) && shut {
-                letter.happened.unfelt()
-            } else {
-                letter.happened
+            let Letter { happened, of, who, .. } = first.remove();
+            now.push(match of {
+                Of::Voice(id) => {
+                    self.begin(id, who);
+                    if shut { happened.unfelt() } else { happened }
+                }
+                Of::Touch(id, motion) => happened.touches(self.voices.get(&id), motion),
+                Of::Release(id) => happened.releases(self.voices.get(&id)),
+                _ => happened,
             });
         }
         now.sort_by(|a, b| a.at.total_cmp(&b.at));
         self.latest = now.iter().fold(self.latest.max(seconds), |latest, happened| latest.max(happened.at));
         now
+    }
+
+    /// A voice has begun; what begins next knows it by its id.
+    fn begin(&mut self, id: Option<u64>, who: Option<String>) {
+        if let Some((id, who)) = id.zip(who) {
+            self.voices.insert(id, who);
+            if self.voices.len() > KNOWN {
+                // Any of them: there are far more than can sound.
+                self.voices.pop_first();
+            }
+        }
     }
 
     /// Whether what MIDI had started is to fall silent then.
@@ -285,7 +320,7 @@ impl PostBox {
 
 #[cfg(test)]
 mod tests {
-    use super::{Due, Mood, Post, PostBox, State, WAITING, post};
+    use super::{Due, KNOWN, Mood, Motion, Post, PostBox, State, WAITING, post};
     use pacinian::io::device::keeper::Fate;
     use pacinian::performer::{Happening, Heard};
 
@@ -322,10 +357,37 @@ mod tests {
                 duration: 0.1,
                 fields: &[],
                 own: &[],
+                pitched: false,
             },
             false => Happening::Marker("m"),
         };
         post.hear(&Heard { at, instant, origin: None, id, what });
+    }
+
+    #[test]
+    fn what_becomes_of_a_voice_is_told_with_its_name() {
+        let (post, mut fetch) = post();
+        hear_of(&post, 100, true, Some(7));
+        for (sample, id, what) in [
+            (200, 7, Happening::Touch(Motion::Detune, 0.1)),
+            (300, 7, Happening::Touch(Motion::Pressure, 0.1)),
+            (400, 7, Happening::Release),
+            (500, 8, Happening::Release),
+        ] {
+            let instant = Due { sample, fraction: 0 };
+            post.hear(&Heard { at: sample as f64 / 8000.0, instant, origin: None, id: Some(id), what });
+        }
+        let told: Vec<String> =
+            fetch.events(501, 501.0 / 8000.0, false).into_iter().map(|h| h.text).collect();
+        let rest =
+            ["tap on t1 is bent", "tap on t1 is pressed", "tap on t1 is released", "a voice is released"];
+        assert_eq!(told[1..], rest);
+        // However many there were.
+        for id in 0..3 * KNOWN as u64 {
+            hear_of(&post, 600, true, Some(id));
+            fetch.events(700, 0.1, false);
+        }
+        assert!(fetch.voices.len() <= KNOWN);
     }
 
     #[test]

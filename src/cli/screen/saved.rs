@@ -14,7 +14,8 @@ impl Show {
     pub fn watched(&mut self, news: &News) {
         let now = self.fetch.now();
         self.due = true;
-        let (why, brief, wrong) = match news {
+        // In a log, what is wrong with a file is shown with its lines.
+        let (why, brief, wrong, shown) = match news {
             News::Took(loaded, first, changed, _) => {
                 self.snapshot.title = title(loaded);
                 for (place, name) in self.snapshot.tactors.iter_mut().zip(loaded.tactors()) {
@@ -37,14 +38,16 @@ impl Show {
                 self.warned.clone_from(&loaded.warnings);
                 return;
             }
-            News::Broken(failure) => (failure.text(&self.terminal), failure.brief(), in_full(failure)),
+            News::Broken(failure) => (failure.text(&self.terminal), failure.brief(), in_full(failure), true),
             News::Kept(why, help) => {
                 let failure = Failure::usage(why.as_str(), help.as_str());
-                (failure.text(&self.terminal), format!("{why}: {help}"), in_full(&failure))
+                (failure.text(&self.terminal), format!("{why}: {help}"), in_full(&failure), false)
             }
         };
         self.note(Happened::new(now, Mood::Told, format!("the old one plays on: {brief}")));
-        if let Out::Lines(lines) = &mut self.out {
+        if let Out::Lines(lines) = &mut self.out
+            && shown
+        {
             lines.put(why.trim_end());
         }
         (self.snapshot.stale, self.stale, self.snapshot.wrong) = (Some(brief), why, wrong);
