@@ -141,6 +141,10 @@ fn numbers_of_the_command_line_are_explained() {
             run.err
         );
     }
+    for (arguments, word) in [(["--duration", "-1"], "seconds above 0"), (["--osc-to", "0"], "1 to 65535")] {
+        let run = scratch.run(&[&["play", "good.toml", "--device", "virtual"], &arguments[..]].concat());
+        run.fails(2, &[arguments[0], word]);
+    }
     scratch.run(&["check", "good.toml", "--rate", "44100", "--seed", "7"]).succeeds();
 }
 

@@ -21,8 +21,20 @@ pub struct Osc {
     #[arg(long, value_name = "ADDR")]
     osc: Option<Endpoint>,
     /// Tell every marker over OSC to this UDP port, or address and port, as it is played; may be given again for another
-    #[arg(long, value_name = "ADDR")]
+    #[arg(long, value_name = "ADDR", value_parser = target)]
     osc_to: Vec<Endpoint>,
+}
+
+/// Where somebody can listen.
+fn target(text: &str) -> Result<Endpoint, String> {
+    let endpoint: Endpoint = text.parse()?;
+    match endpoint.0.port() {
+        0 => {
+            Err("nobody listens on port 0: give the port of the program that is to be told, 1 to 65535"
+                .into())
+        }
+        _ => Ok(endpoint),
+    }
 }
 
 impl From<BindError> for Failure {

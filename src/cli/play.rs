@@ -83,7 +83,7 @@ pub struct Play {
     #[arg(long)]
     watch: bool,
     /// Seconds to play [default: until Ctrl-C]
-    #[arg(long, value_name = "S", value_parser = super::render::seconds)]
+    #[arg(long, value_name = "S", value_parser = super::render::seconds, allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Whether keys turn the knob from the beginning on.
     #[arg(skip)]

@@ -339,7 +339,7 @@ pub const TOPICS: &[Topic] = &[
                - midi.note: a note begins; `set` may read `note`, `pitch` (its frequency in Hz, with its bend unless the voice reads \
                touch.bend by itself), `velocity`, `channel`, and how it is bent and pressed then: `bend` (semitones), `pressure` and `timbre` \
                (0 to 1)\n\
-               - midi.program 3: program 3 is chosen; `set` may read `program` and `channel`\n\
+               - midi.program 3: program 3 is chosen, of those from 0 to 127 as they are sent (many instruments show one more); `set` may read `program` and `channel`\n\
                - midi.controller 80 rises 0.5, or falls: a controller, 0 to 119, passes a position from 0 to 1; `set` may read `value` and \
                `channel`. What it means to others it then means no more, as for a `[[bind]]`\n\
                - osc./address: a message to that address; `set` may read `value`, its first number\n\
