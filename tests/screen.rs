@@ -215,6 +215,13 @@ fn a_knob_is_turned_by_keys_and_its_dial_goes_with_it() {
         seat.see("a turn", |text| angle(text).is_some_and(|angle| angle > 0.3) && text.contains("click"));
         seat.press("0");
         seat.see("the way back", |text| angle(text).is_some_and(|angle| angle.abs() < 0.15));
+        // It begins with its torque, and has it back.
+        seat.press("t");
+        seat.see("no torque", |text| text.contains("the knob's torque is off") && text.contains("t torque"));
+        seat.press("t");
+        seat.see("torque", |text| {
+            text.contains("the simulated knob has its torque") && text.contains("t no torque")
+        });
         seat.press(key);
         assert_eq!(seat.end().success(), success);
         assert!(seat.is_given_back());

@@ -25,6 +25,7 @@ use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
 use pacinian::io::midi_in::MidiPorts;
 use pacinian::io::osc::announce::Announcer;
+use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session};
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
@@ -42,7 +43,7 @@ use std::time::{Instant, SystemTime};
     pacinian play patches/04-heartbeat.toml --device virtual --duration 5\n\n\
     With no device named, here or in the rig, or a sound system alone (but for JACK), it plays on the default, which may be headphones: at -20 dB until --arm. \
     With no sound card at all it plays on a virtual one, which keeps real time and is heard by nobody.\n\
-    In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, space all of them, p or Escape shuts \
+    In a terminal it shows a meter for each tactor and takes keys: 1 to 9 start and stop patterns, or play what a trigger of theirs says (`key.1`); space stops all patterns, and starts those of the beginning, or the first, where none plays; p or Escape shuts \
     the output at once (c opens it again), a is full level or -20 dB, q ends it; t lets a knob's torque rise or go; Tab chooses a control, left and right move it (with \
     Shift further), 0 or d resets it. Anywhere else, and with --plain, it writes a line for \
     everything that happens.\n\
@@ -310,6 +311,9 @@ impl Play {
             }
             for at in announcer.iter().flat_map(Announcer::unheard) {
                 show.say(&format!("nobody listens at {at}: what is told there over OSC is lost"));
+            }
+            for complaint in osc.iter().flat_map(Server::complaints) {
+                show.say(&complaint);
             }
             #[cfg(feature = "serial")]
             for said in line.iter().flat_map(super::line::OnLine::news) {

@@ -9,9 +9,11 @@ use std::fmt;
 /// Whether torque flows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Torque {
-    /// There is no knob, or it is simulated and has its torque.
+    /// There is no knob.
     #[default]
     None,
+    /// It is simulated, and has it.
+    Simulated,
     /// Nobody has asked for it.
     Off,
     /// It rises as soon as the angle is known.
@@ -22,8 +24,9 @@ pub enum Torque {
     Fallen(Trip),
 }
 
-const ALL: [Torque; 8] = [
+const ALL: [Torque; 9] = [
     Torque::None,
+    Torque::Simulated,
     Torque::Off,
     Torque::Asked,
     Torque::On,
@@ -40,7 +43,7 @@ impl Torque {
         let chain = knob.servo().chain();
         match chain.trip() {
             _ if knob.is_asked() => Self::Asked,
-            None if chain.armed() && !knob.is_attached() => Self::None,
+            None if chain.armed() && !knob.is_attached() => Self::Simulated,
             Some(trip) => Self::Fallen(trip),
             None if chain.armed() => Self::On,
             None => Self::Off,
@@ -59,7 +62,7 @@ impl Torque {
 
     /// Whether somebody wants it, and nothing has taken it away.
     pub fn is_wanted(self) -> bool {
-        matches!(self, Self::Asked | Self::On)
+        matches!(self, Self::Asked | Self::On | Self::Simulated)
     }
 }
 
@@ -67,6 +70,7 @@ impl fmt::Display for Torque {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::None => "no knob is read",
+            Self::Simulated => "the simulated knob has its torque",
             Self::Off => "the knob's torque is off",
             Self::Asked => "the knob's torque rises as soon as its angle is known",
             Self::On => "the knob's torque is on",

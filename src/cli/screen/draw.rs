@@ -154,13 +154,13 @@ fn help(snapshot: &Snapshot, width: usize) -> Line {
     if !snapshot.controls.is_empty() {
         items.extend([("Tab", "control"), ("arrows", "move"), ("0", "reset")]);
     }
-    match snapshot.keys.as_slice() {
-        [] => items.retain(|(key, _)| *key != "space"),
-        [_] => items.insert(2, ("1", "pattern")),
-        keys => items.insert(
-            2,
-            (["1-2", "1-3", "1-4", "1-5", "1-6", "1-7", "1-8", "1-9"][keys.len().clamp(2, 9) - 2], "pattern"),
-        ),
+    if snapshot.keys.iter().all(|key| key.trigger) && snapshot.keyless == 0 {
+        items.retain(|(key, _)| *key != "space");
+    }
+    let plays = if snapshot.keys.iter().any(|key| key.trigger) { "play" } else { "pattern" };
+    if let Some(last) = snapshot.keys.iter().map(|key| key.digit).max() {
+        let digits = ["1", "1-2", "1-3", "1-4", "1-5", "1-6", "1-7", "1-8", "1-9"];
+        items.insert(2, (digits[last.clamp(1, 9) as usize - 1], plays));
     }
     let mut line = Line::of(Ink::Plain, " ");
     for (key, does) in items {

@@ -298,11 +298,13 @@ impl Show {
         self.snapshot.knob = board.knob();
         let torque = board.torque();
         self.snapshot.torque = (torque != Torque::None).then(|| torque.is_wanted());
-        let changed = torque != std::mem::replace(&mut self.torque, torque);
-        if changed && torque != Torque::None {
+        let before = std::mem::replace(&mut self.torque, torque);
+        // One that is simulated begins with it.
+        if torque != before && torque != Torque::None && (before, torque) != (Torque::None, Torque::Simulated)
+        {
             let mood = match torque {
                 Torque::Fallen(_) => Mood::Bad,
-                Torque::On => Mood::Good,
+                Torque::On | Torque::Simulated => Mood::Good,
                 Torque::None | Torque::Off | Torque::Asked => Mood::Told,
             };
             self.note(Happened::new(now, mood, torque.to_string()));

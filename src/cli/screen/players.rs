@@ -80,16 +80,34 @@ impl Players {
             if let Some((_, play)) = self.triggers.iter().find(|(key, _)| *key == digit) {
                 return Some(KeyFace { digit, name: play.clone(), playing: false, trigger: true });
             }
-            let name = self.patterns.get(digit as usize - 1)?;
+            let name = self.of_digit(digit)?;
             Some(KeyFace { digit, name: name.clone(), playing: self.playing.contains(name), trigger: false })
         };
         (1..=DIGITS).filter_map(face).collect()
     }
 
-    /// Patterns that no digit plays: those behind the ninth, and those whose digit is a trigger's.
+    /// The pattern that a digit starts and stops: the first has 1, the second 2, and so on. Those whose digit is a trigger's, unless a trigger
+    /// plays them, have the digits that are left.
+    fn of_digit(&self, digit: u32) -> Option<&String> {
+        let is_free = |digit: &u32| !self.triggers.iter().any(|(key, _)| key == digit);
+        if !(1..=DIGITS).contains(&digit) || !is_free(&digit) {
+            return None;
+        }
+        let own = |place: usize| u32::try_from(place + 1).ok().filter(|own| *own <= DIGITS && is_free(own));
+        if let Some(name) = self.patterns.get(digit as usize - 1) {
+            return Some(name);
+        }
+        let mut left = self.patterns.iter().enumerate().filter(|(place, name)| {
+            own(*place).is_none() && !self.triggers.iter().any(|(_, play)| play == *name)
+        });
+        let before = (self.patterns.len() as u32 + 1..digit).filter(is_free).count();
+        left.nth(before).map(|(_, name)| name)
+    }
+
+    /// Patterns that no digit plays.
     pub fn keyless(&self) -> usize {
-        let with_key = self.faces().iter().filter(|face| !face.trigger).count();
-        self.patterns.len() - with_key
+        let faces = self.faces();
+        self.patterns.iter().filter(|name| !faces.iter().any(|face| face.name == **name)).count()
     }
 
     /// What a digit asks for; `number` gives numbers that nobody else has.
@@ -100,8 +118,7 @@ impl Players {
         if self.triggers.iter().any(|(key, _)| *key == digit) {
             return Ok(vec![Signal::Key(digit)]);
         }
-        let name = (digit as usize).checked_sub(1).and_then(|place| self.patterns.get(place));
-        let Some(name) = name else {
+        let Some(name) = self.of_digit(digit) else {
             let count = self.patterns.len();
             return Err(match count {
                 0 => "this patch has no patterns".into(),
@@ -169,7 +186,7 @@ mod tests {
         players.play(names(&["run", "walk", "walk"]));
         assert_eq!(said(players.digit(1, || 7)), "StopNamed(\"walk\");");
         assert_eq!(said(players.digit(2, || 7)), "StopNamed(\"run\");");
-        assert_eq!(said(players.digit(4, || 7)), "there is no pattern 4: this patch has 3");
+        assert_eq!(said(players.digit(6, || 7)), "there is no pattern 6: this patch has 3");
         assert_eq!(said(players.digit(0, || 7)), "there is no pattern 0: this patch has 3");
         // Ended by itself: a digit starts it again.
         players.play(names(&["rest"]));
@@ -197,9 +214,27 @@ mod tests {
         let players = players();
         assert_eq!(said(players.digit(3, || 7)), "Key(3);");
         let faces = players.faces();
-        assert_eq!(faces.iter().map(|f| f.digit).collect::<Vec<_>>(), [1, 2, 3, 5]);
+        assert_eq!(faces.iter().map(|f| f.digit).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
         assert_eq!((faces[2].name.as_str(), faces[2].trigger), ("knock", true));
-        assert_eq!(players.keyless(), 1);
+        // The third pattern has the first digit that is left.
+        assert_eq!((faces[3].name.as_str(), faces[3].trigger), ("rest", false));
+        assert_eq!(said(players.digit(4, || 7)), "Start(7, \"rest\");");
+        assert_eq!(players.keyless(), 0);
+    }
+
+    #[test]
+    fn a_pattern_that_a_trigger_plays_has_its_key() {
+        let mut players = players();
+        players.triggers = vec![(1, "run".into()), (2, "walk".into())];
+        let names: Vec<_> = players.faces().into_iter().map(|f| (f.digit, f.name)).collect();
+        assert_eq!(names, [(1, "run".to_string()), (2, "walk".into()), (3, "rest".into())]);
+        assert_eq!(
+            (players.keyless(), said(players.digit(4, || 7))),
+            (0, "there is no pattern 4: this patch has 3".into())
+        );
+        // More than there are digits for.
+        players.patterns = (0..12).map(|n| format!("p{n}")).collect();
+        assert_eq!(players.keyless(), 5);
     }
 
     #[test]

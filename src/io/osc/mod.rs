@@ -2,11 +2,12 @@
 //!
 //! A datagram is stamped as it arrives, unpacked ([`packet`]), its address patterns are matched against what the patch has
 //! ([`names`]), and what it asks for ([`message`]) goes to the session, or into the [`agenda`] until its time has come. What cannot be
-//! done is counted by kind in [`counts::Counts`]. The addresses are listed in `docs/osc.md`.
+//! done is counted by kind in [`counts::Counts`], and said once for each address ([`server::Server::complaints`]). The addresses are listed in `docs/osc.md`.
 
 pub mod address;
 pub mod agenda;
 pub mod announce;
+mod complaints;
 pub mod counts;
 mod drops;
 pub mod endpoint;

@@ -1,11 +1,15 @@
 //! The addresses there are: those of pacinian, and those that a patch gives.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::address::{LONGEST, Pattern};
 use super::announce::Wants;
 use crate::midi::What;
 use crate::patch::{Control, Mover, Patch, Source};
+use crate::text::nearest::nearest;
+
+/// Addresses among which the one that was meant is looked for.
+const NEAR: usize = 1000;
 
 /// What an address does.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -50,11 +54,40 @@ pub enum Method {
     Trigger(String),
 }
 
+impl Method {
+    /// What arguments it takes, in words.
+    pub fn takes(&self) -> &'static str {
+        match self {
+            Self::Play(_) => {
+                "a level, a duration and a frequency, or fewer of them, and then pairs of a name and a value"
+            }
+            Self::Release => "an id",
+            Self::Touch(_) => "an id and a number",
+            Self::Set(_) => "a number",
+            Self::Get(_) | Self::Subscribe => "nothing, or milliseconds from report to report",
+            Self::Arm | Self::Torque => "0 or 1",
+            Self::Trigger(_) => "numbers",
+            Self::Start(_)
+            | Self::Stop(_)
+            | Self::List
+            | Self::Panic
+            | Self::Calm
+            | Self::Unsubscribe
+            | Self::Invite(_)
+            | Self::Dismiss
+            | Self::Status
+            | Self::Ping => "nothing, or 1 from a button that is pressed and 0 as it is let go",
+        }
+    }
+}
+
 /// The addresses there are for a patch.
 #[derive(Debug, Clone, Default)]
 pub struct Names {
     methods: Vec<(String, Method)>,
     places: HashMap<String, usize>,
+    /// Those that bindings listen to.
+    bound: HashSet<String>,
     /// The patch's controls.
     pub controls: Vec<Control>,
 }
@@ -107,6 +140,7 @@ impl Names {
         for bind in &patch.binds {
             if let Mover::Osc(address) = &bind.from {
                 names.add(address.clone(), Method::Trigger(address.clone()));
+                names.bound.insert(address.clone());
             }
         }
         names
@@ -117,6 +151,16 @@ impl Names {
             self.methods.push((address, method));
             self.methods.len() - 1
         });
+    }
+
+    /// Whether a binding listens to an address.
+    pub fn is_bound(&self, address: &str) -> bool {
+        self.bound.contains(address)
+    }
+
+    /// The address that was probably meant.
+    pub fn nearest(&self, address: &str) -> Option<&str> {
+        nearest(address, self.methods.iter().take(NEAR).map(|(address, _)| address.as_str()))
     }
 
     /// What an address means: that which has it to the letter, else all that it matches as a pattern. Nothing, if there is none.

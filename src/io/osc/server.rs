@@ -12,6 +12,7 @@ use rosc::{OscMessage, OscPacket, OscType, encoder};
 
 use super::agenda::Agenda;
 use super::announce::{Announcer, Wants};
+use super::complaints::Complaints;
 use super::counts::Counts;
 use super::drops::dropped;
 use super::endpoint::{BindError, Endpoint};
@@ -47,6 +48,7 @@ pub struct Server {
     address: SocketAddr,
     counts: Arc<Counts>,
     names: Sender<Names>,
+    complaints: Receiver<String>,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -80,7 +82,7 @@ impl Server {
         let address = socket.local_addr().map_err(failed)?;
         socket.set_write_timeout(Some(LOOK)).map_err(failed)?;
         let (counts, stop) = (Arc::new(Counts::default()), Arc::new(AtomicBool::new(false)));
-        let (send, names) = channel();
+        let ((send, names), (complain, complaints)) = (channel(), channel());
         let mut listener = Listener {
             socket: Arc::new(socket),
             handle,
@@ -88,6 +90,7 @@ impl Server {
             counts: Arc::clone(&counts),
             to_come: names,
             names: Names::default(),
+            complaints: Complaints::new(complain),
             values: Vec::new(),
             agenda: Agenda::default(),
             ids: Ids::default(),
@@ -110,7 +113,7 @@ impl Server {
             listener.look();
         };
         let thread = std::thread::Builder::new().name("osc".into()).spawn(listen).map_err(failed)?;
-        Ok(Self { address, counts, names: send, stop, thread: Some(thread) })
+        Ok(Self { address, counts, names: send, complaints, stop, thread: Some(thread) })
     }
 
     /// Where it listens.
@@ -121,6 +124,11 @@ impl Server {
     /// What came, and what became of it.
     pub fn counts(&self) -> &Arc<Counts> {
         &self.counts
+    }
+
+    /// What came to nothing since this was asked last, in a sentence for each address, of the first few; all of it is in [`Server::counts`].
+    pub fn complaints(&self) -> impl Iterator<Item = String> {
+        self.complaints.try_iter()
     }
 
     /// The session plays another patch from now on. Controls that it still has keep what is known of them; reports on controls end.
@@ -148,6 +156,7 @@ struct Listener {
     counts: Arc<Counts>,
     to_come: Receiver<Names>,
     names: Names,
+    complaints: Complaints,
     /// What each control was sent to last from here, and by which signal.
     values: Vec<(f64, u64)>,
     agenda: Agenda<(SocketAddr, u64, Origin, Ask)>,
@@ -248,6 +257,7 @@ impl Listener {
             let methods = match self.names.find(&message.addr) {
                 Ok(methods) if methods.is_empty() => {
                     self.counts.unknown.add(1);
+                    self.complaints.unknown(&message.addr, &self.names);
                     continue;
                 }
                 Ok(methods) => methods,
@@ -263,7 +273,10 @@ impl Listener {
             self.counts.late.add(u64::from(due == Due::Late));
             for method in methods {
                 match (ask(&method, &message.args), due) {
-                    (Err(_), _) => self.counts.wrong.add(1),
+                    (Err(_), _) => {
+                        self.counts.wrong.add(1);
+                        self.complaints.wrong(&message.addr, &message.args, &method);
+                    }
                     // A brake waits for nothing.
                     (Ok(Ask::Panic), _) => self.act(now, from, self.messages, Ask::Panic),
                     (Ok(_), Due::Far) => self.counts.far.add(1),
@@ -418,7 +431,10 @@ impl Listener {
             Ask::Dismiss => self.announcer.iter().for_each(|announcer| announcer.dismiss(from)),
             Ask::Status => self.status(from),
             Ask::Ping => self.answer(from, "/pong", vec![]),
-            Ask::Trigger(address, numbers) => drop(self.send(at, Signal::Osc(address, numbers))),
+            Ask::Trigger(address, numbers) => {
+                self.complaints.position(&address, &numbers, &self.names);
+                self.send(at, Signal::Osc(address, numbers));
+            }
             Ask::Nothing => {}
         }
     }

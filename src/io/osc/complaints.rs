@@ -1,0 +1,147 @@
+//! What of OSC came to nothing, said once for each address while it plays; all of it is counted in [`Counts`](super::counts::Counts).
+
+use std::collections::BTreeSet;
+use std::sync::mpsc::Sender;
+
+use rosc::OscType;
+
+use super::names::{Method, Names};
+use crate::text::problem::shown;
+
+/// Addresses of which it is said.
+const MOST: usize = 32;
+
+/// Says what came to nothing.
+#[derive(Debug)]
+pub struct Complaints {
+    to: Sender<String>,
+    known: BTreeSet<String>,
+}
+
+impl Complaints {
+    /// Says it there.
+    pub fn new(to: Sender<String>) -> Self {
+        Self { to, known: BTreeSet::new() }
+    }
+
+    /// A message to an address that is not there.
+    pub fn unknown(&mut self, address: &str, names: &Names) {
+        self.say(address, || {
+            let near = names.nearest(address).map_or(
+                ": there are /voice/NAME/play, /pattern/NAME/play, /control/NAME, and those of the patch"
+                    .into(),
+                |near| format!(": did you mean `{near}`?"),
+            );
+            format!("OSC: nothing is at `{address}`{near}")
+        });
+    }
+
+    /// A message whose arguments do not fit.
+    pub fn wrong(&mut self, address: &str, args: &[OscType], method: &Method) {
+        self.say(address, || {
+            let told = if args.is_empty() { "nothing".into() } else { listed(args) };
+            format!("OSC: `{address}` takes {}, and was sent {told}", method.takes())
+        });
+    }
+
+    /// A message to what a binding listens to, which takes positions from 0 to 1.
+    pub fn position(&mut self, address: &str, numbers: &[f64], names: &Names) {
+        if let Some(position) = numbers.first().filter(|x| !(0.0..=1.0).contains(*x))
+            && names.is_bound(address)
+        {
+            self.say(address, || {
+                let nearest = position.clamp(0.0, 1.0);
+                format!(
+                    "OSC: `{address}` says {position}: a binding takes positions from 0 to 1, so it is {nearest}; let the sender divide by its largest"
+                )
+            });
+        }
+    }
+
+    fn say(&mut self, address: &str, text: impl FnOnce() -> String) {
+        if self.known.len() > MOST || self.known.contains(address) {
+            return;
+        }
+        let text = match self.known.len() {
+            MOST => "OSC: more came to nothing, which is counted in the end".into(),
+            _ => shown(&text()),
+        };
+        self.known.insert(address.into());
+        // Where nobody listens any more, the session is over.
+        let _ = self.to.send(text);
+    }
+}
+
+/// Arguments in words, the first of them.
+fn listed(args: &[OscType]) -> String {
+    let word = |arg: &OscType| match arg {
+        OscType::Int(x) => x.to_string(),
+        OscType::Long(x) => x.to_string(),
+        OscType::Float(x) => x.to_string(),
+        OscType::Double(x) => x.to_string(),
+        OscType::String(text) => format!("\"{text}\""),
+        OscType::Bool(x) => x.to_string(),
+        _ => "something else".into(),
+    };
+    let rest = if args.len() > 4 { ", ..." } else { "" };
+    args.iter().take(4).map(word).collect::<Vec<_>>().join(", ") + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use rosc::OscType;
+
+    use super::{Complaints, MOST, Method, Names};
+    use crate::io::osc::tests::PATCH;
+    use crate::patch::Patch;
+
+    #[test]
+    fn each_address_is_told_of_once_and_says_what_it_takes() {
+        let patch = Patch::parse("t", PATCH.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let names = Names::of(&patch);
+        let (to, told) = channel();
+        let mut complaints = Complaints::new(to);
+        let said = || told.try_iter().collect::<Vec<String>>();
+        for _ in 0..3 {
+            complaints.unknown("/voice/lo/play", &names);
+        }
+        assert_eq!(said(), ["OSC: nothing is at `/voice/lo/play`: did you mean `/voice/low/play`?"]);
+        complaints.unknown("/q", &names);
+        assert!(said()[0].ends_with("and those of the patch"));
+        let args = [OscType::String("0.5\n".into()), OscType::Float(0.25)];
+        complaints.wrong("/control/depth", &args, &Method::Set(0));
+        assert_eq!(said(), ["OSC: `/control/depth` takes a number, and was sent \"0.5\\n\", 0.25"]);
+        complaints.wrong("/voice/release", &[], &Method::Release);
+        assert_eq!(said(), ["OSC: `/voice/release` takes an id, and was sent nothing"]);
+        for n in 0..3 * MOST {
+            complaints.unknown(&format!("/{n}"), &names);
+        }
+        let rest = said();
+        assert_eq!(rest.len(), MOST + 1 - 4);
+        assert_eq!(rest.last().unwrap(), "OSC: more came to nothing, which is counted in the end");
+    }
+
+    const FADER: &str = "/1/fader1";
+
+    #[test]
+    fn a_binding_takes_positions() {
+        let patch = Patch::parse("t", PATCH.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+        let names = Names::of(&patch);
+        let (to, told) = channel();
+        let mut complaints = Complaints::new(to);
+        for (address, numbers) in
+            [("/hit/left", vec![64.0]), (FADER, vec![0.0]), (FADER, vec![1.0, 9.0]), (FADER, vec![])]
+        {
+            complaints.position(address, &numbers, &names);
+        }
+        assert!(told.try_recv().is_err());
+        complaints.position(FADER, &[64.0], &names);
+        assert!(
+            told.try_recv()
+                .unwrap()
+                .contains("`/1/fader1` says 64: a binding takes positions from 0 to 1, so it is 1;")
+        );
+    }
+}
