@@ -148,6 +148,24 @@ fn numbers_of_the_command_line_are_explained() {
     scratch.run(&["check", "good.toml", "--rate", "44100", "--seed", "7"]).succeeds();
 }
 
+/// Where nothing would ever sound, what it waits for is said.
+#[test]
+fn a_patch_that_waits_says_what_for() {
+    let scratch = Scratch::new("waits");
+    let keys =
+        "[[trigger]]\non = \"key.1\"\nplay = \"beat\"\n[[trigger]]\non = \"osc./hit\"\nplay = \"beat\"\n";
+    let play = |patch: String| {
+        scratch.write("p.toml", patch);
+        scratch.run(&["play", "p.toml", "--device", "virtual", "--duration", "0.1"])
+    };
+    let waits = play(format!("{}{}{keys}", HEAD, VOICE));
+    let told = "nothing plays by itself; it waits for key 1 (beat), OSC to /hit (beat)";
+    assert!(waits.succeeds().err.contains(told), "{}", waits.err);
+    let start = "[[trigger]]\non = \"start\"\nplay = \"beat\"\n";
+    let plays = play(format!("{}{}{keys}{start}", HEAD, VOICE));
+    assert!(!plays.succeeds().err.contains("it waits for"), "{}", plays.err);
+}
+
 /// Run from the project's folder.
 fn at_home(arguments: &[&str]) -> Run {
     let scratch = Scratch::new("home");

@@ -164,6 +164,10 @@ fn what_a_node_has_set_off_it_sets_off_again() {
     assert_eq!(summary["comparison"]["identical"], true);
     // The gate's orders alone were given to anybody.
     assert_eq!(summary["events"], 0);
+    let end = journal.lines().find(|line| line.starts_with("end,")).unwrap();
+    let voices: u64 =
+        end.split(";voices=").nth(1).unwrap().split([';', ',']).next().unwrap().parse().unwrap();
+    assert!(voices >= told as u64 && summary["voices"] == voices, "{summary} {voices} {told}");
     // It is what rendering makes of it, too.
     let log = [
         "render",
@@ -533,6 +537,7 @@ fn a_song_is_played_as_it_is_rendered() {
     let said = text(&output.stderr);
     assert!(output.status.success(), "{said}");
     assert!(said.contains("key on t2 at 0.79") && said.contains("wobble to 0.71"), "{said}");
+    assert_eq!(said.matches("the song has ended").count(), 1, "{said}");
     let read = |name: &str| WavReader::open(room.0.join(name)).unwrap();
     let (rendered, played) =
         (read("rendered.wav").channels().unwrap(), read("played.wav").channels().unwrap());

@@ -2,7 +2,8 @@
 
 use super::loaded::Loaded;
 use super::patterns::playing;
-use pacinian::patch::{Patch, Place, Start};
+use pacinian::patch::{Patch, Place, Source, Start, Trigger};
+use pacinian::text::problem::escaped;
 use pacinian::text::{Problem, Problems, Severity, Span};
 use std::collections::HashSet;
 
@@ -50,6 +51,38 @@ pub fn of(loaded: &Loaded, by_default: bool, deaf: bool, live: bool) -> Option<P
     }
     (!list.is_empty()).then(|| loaded.patch.origin.problems(list))
 }
+
+/// What it waits for that is played live, where nothing in it plays by itself.
+pub fn waits(loaded: &Loaded) -> Option<String> {
+    let live = |trigger: &&Trigger| trigger.on.is_live();
+    if plays(loaded) || !loaded.patch.triggers.iter().any(|trigger| live(&trigger)) {
+        return None;
+    }
+    let what = |on: &Source| match on {
+        Source::Key(key) => format!("key {key}"),
+        Source::MidiNote => "notes of MIDI".into(),
+        Source::MidiProgram(program) => format!("program {program} of MIDI"),
+        Source::MidiController { number, .. } => format!("controller {number} of MIDI"),
+        Source::Osc(address) => format!("OSC to {address}"),
+        Source::Start | Source::Knob { .. } | Source::Node { .. } => String::new(),
+    };
+    let mut all: Vec<String> = loaded
+        .patch
+        .triggers
+        .iter()
+        .filter(live)
+        .map(|trigger| format!("{} ({})", what(&trigger.on), trigger.play))
+        .collect();
+    let more = all.len().saturating_sub(SHOWN);
+    all.truncate(SHOWN);
+    if more > 0 {
+        all.push(format!("{more} more"));
+    }
+    Some(escaped(&format!("nothing plays by itself; it waits for {}", all.join(", "))).into_owned())
+}
+
+/// Triggers that are listed.
+const SHOWN: usize = 6;
 
 fn whole(what: &str, help: &str) -> Problem {
     Problem { severity: Severity::Warning, ..Problem::of_file(what).help(help.to_string()) }

@@ -1,5 +1,6 @@
 //! `pacinian play`.
 
+use super::advice;
 use super::device_queue;
 use super::ear::Listens;
 use super::failure::Failure;
@@ -27,6 +28,7 @@ use pacinian::io::midi_in::MidiPorts;
 use pacinian::io::osc::announce::Announcer;
 use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session};
+use pacinian::live::gate::RAMP_IN;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
@@ -264,6 +266,9 @@ impl Play {
         if let Some(hears) = hears {
             terminal.note(&format!("{hears}\n"));
         }
+        if let Some(waits) = advice::waits(&loaded) {
+            terminal.note(&format!("{waits}\n"));
+        }
         let osc = self.osc.listen(socket, session.handle(), &loaded.patch, announcer.as_ref(), terminal)?;
         // What nothing listens to is not opened.
         let wanted = self.midi_in.clone().filter(|name| name != "none");
@@ -305,7 +310,13 @@ impl Play {
         if let Some(why) = instead {
             show.say_on_screen(&format!("a virtual card plays, which nobody feels, since {why}"));
         }
+        // Everything of the beginning comes behind the ramp.
+        let mut song_ends = loaded.song.as_ref().map(|song| RAMP_IN + song.seconds);
         let ended = self.until_the_end(&session, &stop, &mut show, |show| {
+            let played = session.board().frames.get() as f64 / session.rate();
+            if song_ends.take_if(|end| *end <= played).is_some() {
+                show.tell("the song has ended; the session goes on until it is ended");
+            }
             if let Some(trouble) = kept.look(&session) {
                 show.say(&trouble);
             }

@@ -76,6 +76,8 @@ struct Summary {
     frames: u64,
     seconds: f64,
     events: u64,
+    /// Voices that began, those that nodes set off among them.
+    voices: u64,
     reloads: u64,
     /// Lines that the journal lacks.
     lost: u64,
@@ -182,6 +184,7 @@ impl Replay {
             frames: met.frames,
             seconds: met.frames as f64 / head.rate,
             events: met.events,
+            voices: met.voices,
             reloads: met.swaps,
             lost: met.lost,
             whole: met.ended,
@@ -239,6 +242,7 @@ impl Summary {
         table.row(["channels".into(), format!("{} at {} Hz", self.channels, self.rate)]);
         table.row(["length".into(), format!("{:.3} s, {} frames", self.seconds, grouped(self.frames))]);
         table.row(["events".into(), grouped(self.events)]);
+        table.row(["voices".into(), grouped(self.voices)]);
         if self.reloads > 0 {
             table.row(["reloads".into(), grouped(self.reloads)]);
         }

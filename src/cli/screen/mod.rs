@@ -195,6 +195,12 @@ impl Show {
         self.note(happened);
     }
 
+    /// Shows what is good to know.
+    pub fn tell(&mut self, what: &str) {
+        let happened = Happened::new(self.fetch.now(), Mood::Told, what);
+        self.note(happened);
+    }
+
     /// Where it is a screen, which hides what was said before.
     pub fn say_on_screen(&mut self, what: &str) {
         if matches!(self.out, Out::Screen(_)) {

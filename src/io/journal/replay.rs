@@ -69,6 +69,8 @@ pub struct Met {
     pub frames: u64,
     /// Events given to the engine.
     pub events: u64,
+    /// Voices that began, those that nodes set off among them.
+    pub voices: u64,
     /// Plans that took over from another.
     pub swaps: u64,
     /// Lines that the journal lacks: from the first of them on, what is played may differ from what was.
@@ -318,6 +320,7 @@ impl<R: BufRead> Replay<R> {
         self.frames.clear();
         self.frames.resize(frames * self.head.channels, 0.0);
         self.stagehand.compute(&self.heard, &mut self.frames);
+        self.met.voices = self.stagehand.engine().counters().started;
         self.gate.pass(&mut self.frames, self.head.channels);
         self.met.frames += frames as u64;
         Ok(Some(&self.frames))
