@@ -1,7 +1,7 @@
 //! What comes from outside: keys, messages of MIDI and OSC set triggers off and move controls.
 
 use super::touch::Held;
-use super::{Note, Outlet, Performer, Touch, When, Whence};
+use super::{Happening, Note, Outlet, Performer, Touch, When, Whence};
 use crate::midi::{Channel, Claims, Expression, Gesture, Interpreter, Message, interpreter, pitch};
 use crate::node::motion::Motion;
 use crate::patch::event::limits;
@@ -523,9 +523,25 @@ impl Performer {
                 continue;
             };
             let stands = self.targets.get(place).and_then(|value| bind.position(control, *value));
-            let moves = self.pickups.get_mut(number).is_none_or(|pickup| pickup.moves(position, stands));
+            let pickup = self.pickups.get_mut(number).filter(|_| bind.pickup);
+            let waits = pickup.and_then(|pickup| {
+                let moves = pickup.moves(position, stands);
+                (!moves).then(|| pickup.begins_to_wait())
+            });
             // A control that nothing reads has no place in the engine.
-            if (moves || !bind.pickup) && self.plan.control(&control.name).is_ok() {
+            if self.plan.control(&control.name).is_err() {
+                continue;
+            }
+            if waits == Some(true) {
+                let control = &control.name;
+                self.tell(
+                    at,
+                    None,
+                    None,
+                    Happening::Waits { control, position, stands: stands.unwrap_or(0.0) },
+                );
+            }
+            if waits.is_none() {
                 result = result.and(self.set(at, &control.name, bind.value(control, position), outlet));
             }
         }

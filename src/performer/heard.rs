@@ -61,6 +61,15 @@ pub enum Happening<'a> {
     Marker(&'a str),
     /// A control is sent to a value.
     Control(&'a str, f64),
+    /// A fader or controller that is bound to a control has moved, and moves that only when it has come to where it stands.
+    Waits {
+        /// The control.
+        control: &'a str,
+        /// Where the fader is, from 0 to 1.
+        position: f64,
+        /// Where it would have to be.
+        stands: f64,
+    },
     /// The voice of that id is moved, so far.
     Touch(Motion, f64),
     /// The voice of that id is released.

@@ -9,6 +9,8 @@ pub(super) struct Pickup {
     last: Option<f64>,
     /// What it sent last, while it has the control.
     sent: Option<f64>,
+    /// Whether it was asked, since it had the control last, whether it waits.
+    asked: bool,
 }
 
 impl Pickup {
@@ -23,13 +25,71 @@ impl Pickup {
         let passed = before.is_some_and(|before| (before - stands) * (position - stands) <= 0.0);
         let moves = holds || passed || (position - stands).abs() <= NEAR;
         self.sent = moves.then_some(position);
+        self.asked &= !moves;
         moves
+    }
+
+    /// Whether it has begun to wait for its control to be where it stands; once until it has had that.
+    pub fn begins_to_wait(&mut self) -> bool {
+        !std::mem::replace(&mut self.asked, true)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::{Arc, Mutex};
+
     use super::Pickup;
+    use crate::engine::event::{Event, Source};
+    use crate::performer::staged::{self, HEAD, VOICE};
+    use crate::performer::{Happening, Outlet, When};
+    use crate::schedule::Instant;
+
+    /// Has room for all.
+    struct Nowhere;
+
+    impl Outlet for Nowhere {
+        fn clock(&self) -> u64 {
+            0
+        }
+
+        fn room(&self, _: Source) -> usize {
+            usize::MAX
+        }
+
+        fn send(&mut self, _: Instant, _: Source, _: Event) -> bool {
+            true
+        }
+    }
+
+    #[test]
+    fn whoever_listens_hears_that_a_control_waits() {
+        for (pickup, wanted) in [
+            ("", vec!["depth waits at 0.75 for 0.25", "depth to 0.3", "depth to 1.8"]),
+            ("pickup = false\n", vec!["depth to 1.5", "depth to 1.6", "depth to 0.3", "depth to 1.8"]),
+        ] {
+            let text = format!(
+                "{HEAD}[control.depth]\ndefault = 0.5\nrange = [0, 2]\n{}[[bind]]\nfrom = \"osc./f\"\ncontrol = \"depth\"\n{pickup}",
+                VOICE.replace("frequency = 100", "frequency = 100, amplitude = \"depth\"")
+            );
+            let mut performer = staged::performer(&text, 1);
+            let told = Arc::new(Mutex::new(Vec::new()));
+            let list = Arc::clone(&told);
+            performer.listen(Box::new(move |heard| {
+                list.lock().unwrap().push(match heard.what {
+                    Happening::Waits { control, position, stands } => {
+                        format!("{control} waits at {position} for {stands}")
+                    }
+                    Happening::Control(name, value) => format!("{name} to {value}"),
+                    other => panic!("{other:?}"),
+                });
+            }));
+            for position in [0.75, 0.8, 0.15, 0.9] {
+                performer.osc(When::of_seconds(0.0, 8000.0), "/f", &[position], &mut Nowhere).unwrap();
+            }
+            assert_eq!(*told.lock().unwrap(), wanted);
+        }
+    }
 
     #[test]
     fn it_takes_hold_where_the_control_stands() {
@@ -42,6 +102,15 @@ mod tests {
         // Somebody else has moved the control.
         assert!(!fader.moves(0.25, Some(0.7)) && !fader.moves(0.6, Some(0.7)));
         assert!(fader.moves(0.7, Some(0.7)));
+    }
+
+    #[test]
+    fn it_waits_once_until_it_has_its_control() {
+        let mut fader = Pickup::default();
+        assert!(!fader.moves(0.1, Some(0.5)) && fader.begins_to_wait());
+        assert!(!fader.moves(0.2, Some(0.5)) && !fader.begins_to_wait());
+        assert!(fader.moves(0.6, Some(0.5)));
+        assert!(!fader.moves(0.7, Some(0.1)) && fader.begins_to_wait() && !fader.begins_to_wait());
     }
 
     #[test]

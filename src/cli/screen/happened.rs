@@ -101,6 +101,12 @@ impl Happened {
             Happening::Start(name) => write!(text, "pattern {name} begins"),
             Happening::Marker(name) => write!(text, "marker {name}"),
             Happening::Control(name, value) => write!(text, "{name} to {}", short(value)),
+            Happening::Waits { control, position, stands } => write!(
+                text,
+                "{control} waits to be picked up: what moves it is at {}, and takes it at {}",
+                short(position),
+                short(stands)
+            ),
             Happening::Touch(motion, _) => write!(text, "a voice {}", touched(motion)),
             Happening::Release => write!(text, "a voice {RELEASED}"),
             Happening::ReleaseAll => write!(text, "all voices are released"),
@@ -115,6 +121,7 @@ impl Happened {
             Happening::Start(_)
             | Happening::Marker(_)
             | Happening::Control(..)
+            | Happening::Waits { .. }
             | Happening::ReleaseAll
             | Happening::Silence(_)
             | Happening::Cancel(_) => Mood::Told,
