@@ -158,11 +158,12 @@ fn a_patch_that_waits_says_what_for() {
         scratch.write("p.toml", patch);
         scratch.run(&["play", "p.toml", "--device", "virtual", "--duration", "0.1"])
     };
-    let waits = play(format!("{}{}{keys}", HEAD, VOICE));
+    let pattern = "[pattern.p]\nevents = [{ at = 0, voice = \"beat\" }]\n";
+    let waits = play(format!("{HEAD}{VOICE}{pattern}{keys}"));
     let told = "nothing plays by itself; it waits for key 1 (beat), OSC to /hit (beat)";
     assert!(waits.succeeds().err.contains(told), "{}", waits.err);
     let start = "[[trigger]]\non = \"start\"\nplay = \"beat\"\n";
-    let plays = play(format!("{}{}{keys}{start}", HEAD, VOICE));
+    let plays = play(format!("{HEAD}{VOICE}{pattern}{keys}{start}"));
     assert!(!plays.succeeds().err.contains("it waits for"), "{}", plays.err);
 }
 

@@ -52,10 +52,13 @@ pub fn of(loaded: &Loaded, by_default: bool, deaf: bool, live: bool) -> Option<P
     (!list.is_empty()).then(|| loaded.patch.origin.problems(list))
 }
 
-/// What it waits for that is played live, where nothing in it plays by itself.
-pub fn waits(loaded: &Loaded) -> Option<String> {
+/// What it waits for that is played live, where nothing in it plays by itself: none of its patterns does, if `first` is empty.
+pub fn waits(loaded: &Loaded, first: &[usize]) -> Option<String> {
     let live = |trigger: &&Trigger| trigger.on.is_live();
-    if plays(loaded) || !loaded.patch.triggers.iter().any(|trigger| live(&trigger)) {
+    if !first.is_empty()
+        || voices_play(&loaded.patch)
+        || !loaded.patch.triggers.iter().any(|trigger| live(&trigger))
+    {
         return None;
     }
     let what = |on: &Source| match on {
@@ -90,11 +93,15 @@ fn whole(what: &str, help: &str) -> Problem {
 
 /// Whether anything sounds or is marked without somebody to play it.
 fn plays(loaded: &Loaded) -> bool {
-    let patch = &loaded.patch;
+    voices_play(&loaded.patch) || !playing(loaded).is_empty()
+}
+
+/// The same, its patterns aside that play from the beginning.
+fn voices_play(patch: &Patch) -> bool {
     let starts = patch.triggers.iter().filter(|t| !t.on.is_live());
     let started: HashSet<&str> = starts.map(|t| t.play.as_str()).collect();
     let voice = patch.voices.iter().any(|v| v.start == Start::Always || started.contains(v.name.as_str()));
-    voice || patch.set_off().next().is_some() || !playing(loaded).is_empty()
+    voice || patch.set_off().next().is_some()
 }
 
 /// Tactors of the line that there is without a rig.

@@ -38,7 +38,7 @@ pub struct Scene {
     /// The rig, a TOML file: which tactor hangs on which channel [default: a line of tactors, t1 to t8, or as many as the patch needs]
     #[arg(long, value_name = "RIG")]
     pub rig: Option<PathBuf>,
-    /// The pattern to play [default: those that a trigger starts, else the first]
+    /// The pattern to play [default: those that a trigger with on = "start" names, else the first, unless keys or messages play something]
     #[arg(long, value_name = "NAME")]
     pub pattern: Option<String>,
     /// Samples a second [default: what the rig says, else 48000]

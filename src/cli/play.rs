@@ -234,6 +234,7 @@ impl Play {
         if let Some(knob) = &knob {
             listener = knob.beside(listener);
         }
+        let waits = advice::waits(&loaded, &reload.scene.patterns);
         let beginning = Beginning {
             block: self.block,
             armed,
@@ -266,7 +267,7 @@ impl Play {
         if let Some(hears) = hears {
             terminal.note(&format!("{hears}\n"));
         }
-        if let Some(waits) = advice::waits(&loaded) {
+        if let Some(waits) = waits {
             terminal.note(&format!("{waits}\n"));
         }
         let osc = self.osc.listen(socket, session.handle(), &loaded.patch, announcer.as_ref(), terminal)?;

@@ -342,7 +342,8 @@ pub const TOPICS: &[Topic] = &[
                - midi.program 3: program 3 is chosen, of those from 0 to 127 as they are sent (many instruments show one more); `set` may read `program` and `channel`\n\
                - midi.controller 80 rises 0.5, or falls: a controller, 0 to 119, passes a position from 0 to 1; `set` may read `value` and \
                `channel`. What it means to others it then means no more, as for a `[[bind]]`\n\
-               - osc./address: a message to that address; `set` may read `value`, its first number\n\
+               - osc./address: a message to that address; `set` may read `value`, its first number, or 1 where it has none. Where `set` does not, a 0 \
+               sets off nothing, which surfaces send when a button is let go\n\
                - key.1: a key of the computer, from 1\n\
                - knob.detent, knob.wall: a knob passes a notch, runs into a wall; knob.wall ENDS for that effect alone. `set` may read `angle` \
                (rad), `speed` (rad/s, without a sign), `way` (1 or -1) and, of a notch, `index`, counted from the one at rest. A voice begins \

@@ -1,6 +1,6 @@
 //! What starts voices and patterns from outside.
 
-use super::expr::Expr;
+use super::expr::{Expr, Reads};
 use super::place::{self, Place};
 use crate::midi::pitch;
 use crate::text::field::{Field, Form, Table};
@@ -35,6 +35,17 @@ pub struct Trigger {
     pub rearm: Option<f64>,
     /// Where it stands.
     pub span: Span,
+}
+
+impl Trigger {
+    /// Whether what it plays depends on that name of what sets it off.
+    pub fn reads(&self, name: &str) -> bool {
+        let mut reads = false;
+        for (_, expr, _) in &self.set {
+            expr.visit(&mut |read, _| reads |= matches!(read, Reads::Name(read) if read == name));
+        }
+        reads
+    }
 }
 
 /// How what a trigger plays is spread over the tactors of a rig, in their order.

@@ -346,10 +346,12 @@ impl Performer {
         outlet: &mut dyn Outlet,
     ) -> Result<bool, Problem> {
         let moved = |from: &Mover| matches!(from, Mover::Osc(a) if a == address);
-        let fits = |t: &Trigger| matches!(&t.on, Source::Osc(a) if a == address);
+        let of_it = |t: &Trigger| matches!(&t.on, Source::Osc(a) if a == address);
         let listens =
-            self.patch.binds.iter().any(|bind| moved(&bind.from)) || self.patch.triggers.iter().any(fits);
+            self.patch.binds.iter().any(|bind| moved(&bind.from)) || self.patch.triggers.iter().any(of_it);
         let value = values.first().copied();
+        // Surfaces send that when a button is let go.
+        let fits = |t: &Trigger| of_it(t) && (value != Some(0.0) || t.reads("value"));
         let known = |name: &str| if name == "value" { value.or(Some(1.0)) } else { None };
         if let Some(value) = value {
             self.move_by(at, &moved, None, value, outlet)?;

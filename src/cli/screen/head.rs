@@ -102,3 +102,27 @@ pub fn figures(snapshot: &Snapshot, width: usize) -> Vec<Line> {
     all.extend(rare.into_iter().filter(|(_, count)| *count > 0).map(|(name, count)| fault(name, count)));
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::figures;
+    use crate::cli::screen::snapshot::{Figures, Snapshot};
+
+    #[test]
+    fn the_document_explains_every_figure() {
+        let text = include_str!("../../../docs/live.md");
+        let mut snapshot = Snapshot {
+            figures: Figures { over: 1, masked: 1, stolen: 1, held_back: 1, midi: 1, ..Figures::default() },
+            ..Snapshot::default()
+        };
+        snapshot.latency.input = Some(0.01);
+        let all = figures(&snapshot, 200);
+        assert_eq!(all.len(), 14);
+        for line in all {
+            let line = line.text();
+            let name = line.split(|c: char| c.is_ascii_digit()).next().unwrap().trim();
+            let name = name.strip_suffix("at least").unwrap_or(name).trim();
+            assert!(text.contains(&format!("| `{name}` |")), "docs/live.md does not explain `{name}`");
+        }
+    }
+}

@@ -164,7 +164,8 @@ fn patterns_start_by_key_program_controller_and_message() {
     let (mut performer, mut kept) = performer(
         "[[trigger]]\non = \"key.1\"\nplay = \"p\"\n[[trigger]]\non = \"midi.program 3\"\nplay = \"p\"\n\
          [[trigger]]\non = \"midi.controller 80 rises 0.5\"\nplay = \"p\"\nset = { gain = \"value\", rate = 2 }\n\
-         [[trigger]]\non = \"osc./go\"\nplay = \"v\"\nset = { level = \"value\" }\n",
+         [[trigger]]\non = \"osc./go\"\nplay = \"v\"\nset = { level = \"value\" }\n\
+         [[trigger]]\non = \"osc./push\"\nplay = \"v\"\n",
     );
     let at = |seconds| When::of_seconds(seconds, 8000.0);
     performer.key(at(1.0), 1, &mut kept).unwrap();
@@ -175,6 +176,16 @@ fn patterns_start_by_key_program_controller_and_message() {
     send(&mut performer, &mut kept, 3.1, controller(80, 126));
     assert_eq!(performer.osc(at(4.0), "/go", &[0.25], &mut kept), Ok(true));
     assert_eq!(performer.osc(at(4.0), "/gone", &[], &mut kept), Ok(false));
+    // A button that is let go sends 0, which sets off only what asks for the number.
+    let played = kept.0.len();
+    for (address, plays) in [("/push", [1, 1, 0]), ("/go", [1, 1, 1])] {
+        for (values, plays) in [&[][..], &[1.0], &[0.0]].into_iter().zip(plays) {
+            let before = kept.0.len();
+            assert_eq!(performer.osc(at(3.9), address, values, &mut kept), Ok(true));
+            assert_eq!(kept.0.len() - before, plays, "{address} {values:?}");
+        }
+    }
+    kept.0.truncate(played);
     performer.feed(40_000, &mut kept);
     let mut plays: Vec<(f64, f64)> = kept
         .0
