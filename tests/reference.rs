@@ -96,15 +96,20 @@ fn every_example_of_a_node_is_read() {
 
 #[test]
 fn who_asks_the_wrong_page_is_sent_to_the_right_one() {
-    for (words, wanted) in [
+    let cases: [(&[&str], &str); 7] = [
         (&["nodes", "event"], "pacinian format event"),
         (&["nodes", "sinus"], "did you mean `sine`?"),
         (&["format", "sine"], "pacinian nodes sine"),
         (&["format", "evnt"], "did you mean `event`?"),
-    ] {
+        (&["format", "midi"], "pacinian format bind"),
+        (&["format", "osc"], "docs/osc.md"),
+        (&["play", "patches/01-hello.toml", "--device", "virtal"], "did you mean `virtual`?"),
+    ];
+    for (words, wanted) in cases {
         let output = pacinian(words);
         let told = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{told}");
+        let code = if words[0] == "play" { 69 } else { 2 };
+        assert_eq!(output.status.code(), Some(code), "{told}");
         assert!(told.contains(wanted), "{told}");
     }
     let list = said(&["format"]);

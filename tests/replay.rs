@@ -353,15 +353,24 @@ fn files_that_are_gone_in_the_end_are_told_of() {
     let said = text(&whole.stderr);
     assert!(whole.status.success(), "{said}");
     assert!(said.contains("pacinian replay 'kept here/s.csv' plays it again"), "{said}");
-    let mut long = Command::new(env!("CARGO_BIN_EXE_pacinian"));
-    let long = long.args(PLAY.map(|word| if word == "0.6" { "2" } else { word })).args(keep);
-    let child = long.current_dir(&room.0).stderr(Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_secs(1));
-    std::fs::remove_dir_all(&folder).unwrap();
-    let gone = child.wait_with_output().unwrap();
-    fails(&gone, 74, "`kept here/s.wav` is gone");
-    fails(&gone, 74, "`kept here/s.csv` is gone");
-    assert!(!text(&gone.stderr).contains("plays it again"), "{}", text(&gone.stderr));
+    // Whether it ends by itself or is asked to.
+    for (signal, code) in [(None, 74), (Some("INT"), 130)] {
+        std::fs::create_dir_all(&folder).unwrap();
+        let mut long = Command::new(env!("CARGO_BIN_EXE_pacinian"));
+        let long = long.args(PLAY.map(|word| if word == "0.6" { "2" } else { word })).args(keep);
+        let long = long.current_dir(&room.0).stdout(Stdio::null()).stderr(Stdio::piped());
+        let child = long.spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_secs(1));
+        std::fs::remove_dir_all(&folder).unwrap();
+        if let Some(signal) = signal {
+            let kill = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status();
+            assert!(kill.unwrap().success());
+        }
+        let gone = child.wait_with_output().unwrap();
+        fails(&gone, code, "`kept here/s.wav` is gone");
+        fails(&gone, code, "`kept here/s.csv` is gone");
+        assert!(!text(&gone.stderr).contains("plays it again"), "{}", text(&gone.stderr));
+    }
 }
 
 /// Who empties a file that is written leaves a hole in it, which is not told of as whole.

@@ -65,13 +65,26 @@ pub fn knows(word: &str) -> bool {
     PARTS.iter().any(|(_, topics, _)| reference::find(topics.iter(), word).is_some())
 }
 
+/// Words that are looked for here, and where they are explained.
+const ELSEWHERE: [(&[&str], &str); 3] = [
+    (&["midi"], "notes and programs: `pacinian format trigger`; controllers: `pacinian format bind`"),
+    (
+        &["osc"],
+        "addresses that set something off: `pacinian format trigger`; faders: `pacinian format bind`; all others: docs/osc.md",
+    ),
+    (&["live", "keys", "meter", "screen"], "docs/live.md, and `pacinian play --help`"),
+];
+
 fn find(word: &str) -> Result<(&'static Topic, Defined), Failure> {
     // A topic that is called so goes before a key of another.
     let named = PARTS.iter().find_map(|(_, topics, d)| Some((topics.iter().find(|t| t.name == word)?, *d)));
     let within = || PARTS.iter().find_map(|(_, topics, d)| Some((reference::find(topics.iter(), word)?, *d)));
     named.or_else(within).ok_or_else(|| {
         let known = PARTS.iter().flat_map(|(_, topics, _)| reference::words(topics.iter()));
-        let help = if NodeKind::find(word).is_some() {
+        let elsewhere = ELSEWHERE.iter().find(|(words, _)| words.contains(&word));
+        let help = if let Some((_, help)) = elsewhere {
+            (*help).to_string()
+        } else if NodeKind::find(word).is_some() {
             format!("it is a node: pacinian nodes {word}")
         } else {
             nearest::nearest(word, known).map_or_else(

@@ -207,14 +207,12 @@ impl Kept {
         };
         if let Some((recorder, path)) = self.sent {
             match recorder.finish() {
-                Ok(_) if is_gone(&path) => failure.join(gone(&path)),
                 Ok(written) => note(&path, written.frames, "sent"),
                 Err(error) => failure.join(error.into()),
             }
         }
         if let Some((recorder, path)) = self.heard {
             match recorder.finish_with_digest() {
-                Ok(_) if is_gone(&path) => failure.join(gone(&path)),
                 Ok((written, digest)) => {
                     note(&path, written.frames, "heard");
                     if let Some(((journal, _), digest)) = self.journal.as_ref().zip(digest) {
@@ -226,7 +224,6 @@ impl Kept {
         }
         if let Some((journal, path)) = self.journal {
             match journal.finish() {
-                Ok(_) if is_gone(&path) => failure.join(gone(&path)),
                 Ok(0) => {
                     let word = word(&path).map_or(String::new(), |word| format!(" {word}"));
                     let path = shown(&path);
@@ -245,17 +242,6 @@ impl Kept {
 
 fn shown(path: &Path) -> String {
     escaped(&path.display().to_string()).into_owned()
-}
-
-/// What is removed while it is written to is written to on, and is nowhere in the end.
-fn is_gone(path: &Path) -> bool {
-    !path.exists()
-}
-
-fn gone(path: &Path) -> Failure {
-    let what = format!("`{}` is gone: it was removed, or its folder was, while it was written", shown(path));
-    Failure::usage(what, "its contents are lost; keep what is played in a folder that nothing clears")
-        .with_code(74)
 }
 
 /// A path as a word of a shell; `None` where it has what is not to be shown.

@@ -117,6 +117,9 @@ fn brief(seconds: f64) -> String {
 /// So many seconds a device may be behind at the end of a session of so long.
 const SLOW: f64 = 3.0;
 
+/// Seconds that may be missing in the end without a word.
+const UNPLAYED: f64 = 0.5;
+
 /// What is done where a rig leaves open what its card lets through.
 const UNSAID: &str = "the rig does not say whether the card lets steady voltages through, so none leaves but on outputs declared for \
                       them: say `coupling` in [device]\n";
@@ -376,16 +379,16 @@ impl Play {
         if unsent > 0 {
             terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }
-        let concluded = self.conclude(&loaded, &session, &peaks, &held, terminal);
+        let concluded = self.conclude(&loaded, &session, &peaks, &held, ended.is_none(), terminal);
         #[cfg(feature = "serial")]
         line.iter().for_each(|line| terminal.note(&line.conclude()));
         let told = knob.map_or(Ok(()), |knob| knob.told(&loaded, session.board(), terminal));
-        let concluded = kept.finish(terminal).and(concluded).and(told);
-        match ended {
-            // A terminal that is closed cannot be written to either.
-            Some(code) => Err(Failure::told(code)),
-            None => concluded,
+        // Whoever has asked it to stop is told of what was lost as well.
+        let mut failure = ended.map_or(Failure::default(), Failure::told);
+        for part in [kept.finish(terminal), concluded, told] {
+            part.err().into_iter().for_each(|part| failure.join(part));
         }
+        if failure.is_none() { Ok(()) } else { Err(failure) }
     }
 
     /// Until somebody asks to stop; gives the exit code then.
@@ -429,6 +432,7 @@ impl Play {
         session: &Session,
         peaks: &[f32],
         held: &str,
+        ended_by_itself: bool,
         terminal: &Terminal,
     ) -> Result<(), Failure> {
         let board = session.board();
@@ -450,6 +454,12 @@ impl Play {
             board.dropped.get() + board.refused.get(),
             refused,
         );
+        let played = board.frames.get() as f64 / session.rate();
+        if let Some(asked) = self.duration.filter(|asked| ended_by_itself && played < asked - UNPLAYED) {
+            text += &format!(
+                "  of {asked} s no more than {played:.1} s were played, as the machine or the device could not keep time\n"
+            );
+        }
         let latency = Latency::of(session, loaded.rig.device.loop_latency);
         text += &format!("  from an event to the middle of what it makes at 250 Hz: {}\n", latency.told());
         text += &format!("  when the output was shut, {held}\n");

@@ -130,6 +130,11 @@ impl FileError {
                     "`{shown}` has grown as large as its file system, or the limit of the shell (`ulimit -f`), allows: write less at a time, raise the limit, or choose another disk"
                 )
             }
+            io::ErrorKind::NotFound => {
+                format!(
+                    "`{shown}` is gone: it was removed, moved or replaced, or its folder was, while it was written; write it again where nobody does that"
+                )
+            }
             io::ErrorKind::UnexpectedEof => {
                 format!(
                     "`{shown}` has been cut short by somebody else while it was written: write it again where nobody else writes"

@@ -6,7 +6,10 @@ use std::fs::{File, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// A file being written, in its final place from the first byte on. What somebody else cuts short meanwhile takes no more: it would have a hole.
+/// A file being written, in its final place from the first byte on.
+///
+/// What somebody else cuts short meanwhile takes no more: it would have a hole. A file that was removed, moved or replaced is written on, and
+/// [`Write::flush`], which ends it, says so.
 #[derive(Debug)]
 pub struct OutputFile {
     file: File,
@@ -40,6 +43,22 @@ impl OutputFile {
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// That its path still leads to it.
+    fn is_in_place(&self) -> io::Result<()> {
+        let now = std::fs::metadata(&self.path)?;
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt;
+            let own = self.file.metadata()?;
+            if (own.dev(), own.ino()) != (now.dev(), now.ino()) {
+                return Err(io::Error::from(io::ErrorKind::NotFound));
+            }
+        }
+        #[cfg(not(unix))]
+        drop(now);
+        Ok(())
     }
 
     /// That what was written is still there.
@@ -124,7 +143,8 @@ impl Write for OutputFile {
     }
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush()?;
-        self.is_whole()
+        self.is_whole()?;
+        if self.plain { self.is_in_place() } else { Ok(()) }
     }
 }
 
@@ -206,6 +226,29 @@ mod tests {
         }
         assert_eq!(std::fs::metadata(&path).unwrap().len(), 101);
         std::fs::remove_file(&path).unwrap();
+    }
+
+    #[test]
+    fn what_is_elsewhere_in_the_end_is_told_of() {
+        use std::io::Write;
+        let path = std::env::temp_dir().join(format!("pacinian-moved-{}", std::process::id()));
+        let other = path.with_extension("other");
+        let mut file = OutputFile::create(&path).unwrap();
+        file.write_all(b"first").unwrap();
+        file.flush().unwrap();
+        std::fs::rename(&path, &other).unwrap();
+        // What it holds is not lost to whoever has moved it.
+        file.write_all(b" and more").unwrap();
+        let mut gone = || FileError::writing(&path, &file.flush().unwrap_err());
+        assert!(gone().exit_code() == 74 && gone().message.contains("is gone"), "{}", gone());
+        #[cfg(unix)]
+        {
+            std::fs::write(&path, b"another").unwrap();
+            assert!(gone().message.contains("is gone"), "{}", gone());
+            std::fs::remove_file(&path).unwrap();
+        }
+        assert_eq!(std::fs::read(&other).unwrap(), b"first and more");
+        std::fs::remove_file(&other).unwrap();
     }
 
     #[test]

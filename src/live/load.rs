@@ -85,8 +85,10 @@ impl Load {
         for (number, bucket) in self.buckets.iter().enumerate() {
             sum += bucket.load(Ordering::Relaxed) as f64;
             if sum > 0.0 && sum >= wanted {
+                // The last one has all that is more.
+                let last = number == BUCKETS - 1;
                 let edge = f64::from_bits((FIRST + number as u64 + 1) << SHIFT);
-                return edge.min(self.most());
+                return if last { self.most() } else { edge.min(self.most()) };
             }
         }
         0.0
@@ -118,9 +120,11 @@ mod tests {
         load.note(0.0, 1e-3);
         load.note(1e-30, 1e-3);
         assert_eq!(load.quantile(0.001), f64::exp2(-12.0) * 1.0625, "the first bucket has all that is less");
+        load.note(0.155, 1e-3);
+        assert!((load.quantile(1.0) - 155.0).abs() < 1e-9, "the last bucket has all that is more");
         load.note(f64::NAN, 1e-3);
         load.note(1.0, 0.0);
         load.note(5.0, 1e-9);
-        assert_eq!(load.count(), 1003);
+        assert_eq!(load.count(), 1004);
     }
 }

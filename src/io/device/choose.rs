@@ -6,6 +6,7 @@ use super::access;
 use super::failure::{DeviceError, Trouble};
 use super::hosts::Hosts;
 use super::list::{self, Found, Offer};
+use crate::text::nearest::nearest;
 
 /// What a person says about the device.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -167,6 +168,9 @@ impl Wish {
                 let all = hosts.devices();
                 let (device, found) =
                     named(&all, name, |found| found.output.is_some()).map_err(|error| match error.kind {
+                        Trouble::Missing if nearest(name, [VIRTUAL]).is_some() => {
+                            error.help(format!("did you mean `{VIRTUAL}`? It is a card that is always there"))
+                        }
                         Trouble::Missing => error.and(&format!("`{VIRTUAL}` is a card that is always there")),
                         _ => error,
                     })?;

@@ -19,6 +19,9 @@ pub struct VirtualCard {
     thread: Option<JoinHandle<()>>,
 }
 
+/// Frames that are filled at a time: between two of them it may stop.
+const PART: usize = 512;
+
 impl VirtualCard {
     /// Begins to ask for blocks of `block` frames of `channels`, at `rate` frames a second. `board` counts its xruns.
     ///
@@ -38,7 +41,13 @@ impl VirtualCard {
             priority::raise();
             let mut pace = Pace::begin(Instant::now(), block as f64 / rate);
             while !stopped.load(Ordering::Acquire) {
-                driver.used(|driver| driver.fill(&mut frames));
+                driver.used(|driver| driver.begin(block));
+                for part in frames.chunks_mut(PART * channels.max(1)) {
+                    // Of a block that takes for ever the rest is left out.
+                    if !stopped.load(Ordering::Acquire) {
+                        driver.used(|driver| driver.go_on(part));
+                    }
+                }
                 match pace.filled(Instant::now()) {
                     Next::In(wait) => std::thread::sleep(wait),
                     Next::Xrun => board.xruns.add(1),
@@ -55,9 +64,11 @@ impl VirtualCard {
 struct Pace {
     /// Seconds of a block.
     period: f64,
-    /// When the first block was asked for, of those that were played without a gap, and how many were filled since.
+    /// When the block that is played now began, if they were played without a gap from the first to it; and the blocks since.
     begin: Instant,
     blocks: u64,
+    /// Whether anything is played yet.
+    plays: bool,
 }
 
 /// What follows a block that was filled.
@@ -71,20 +82,21 @@ enum Next {
 
 impl Pace {
     fn begin(now: Instant, period: f64) -> Self {
-        Self { period, begin: now, blocks: 0 }
+        Self { period, begin: now, blocks: 0, plays: false }
     }
 
     /// A block was filled, and it is `now`.
     fn filled(&mut self, now: Instant) -> Next {
         self.blocks += 1;
         let due = self.begin + Duration::from_secs_f64(self.blocks as f64 * self.period);
+        // Nothing plays before the first block is there, so that one is never late.
+        let plays = std::mem::replace(&mut self.plays, true);
         match due.checked_duration_since(now) {
             Some(wait) => Next::In(wait),
             None => {
-                // Nothing plays before the first block is there, so that one is never late.
-                let late = self.blocks > 1;
-                *self = Self::begin(now, self.period);
-                if late { Next::Xrun } else { Next::In(Duration::ZERO) }
+                // This one plays from now on, and the next has to be there when it ends.
+                (self.begin, self.blocks) = (now, 0);
+                if plays { Next::Xrun } else { Next::In(Duration::ZERO) }
             }
         }
     }
@@ -128,6 +140,12 @@ mod tests {
         now += Duration::from_secs(3600);
         assert_eq!(pace.filled(now), Next::Xrun);
         assert_eq!(pace.filled(now), Next::In(10 * MS));
+        // Where all are late, each is one.
+        for _ in 0..5 {
+            now += 21 * MS;
+            assert_eq!(pace.filled(now), Next::Xrun);
+        }
+        assert_eq!(pace.filled(now + 4 * MS), Next::In(6 * MS));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The thread that writes a journal, so that a slow disk makes nobody wait.
 
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
@@ -19,6 +19,9 @@ const WAITING: usize = 1 << 16;
 
 /// Of a session that breaks off, so much is missing at the end of its journal.
 const FLUSH: Duration = Duration::from_millis(500);
+
+/// Bytes that are written together, at the latest.
+const TOGETHER: usize = 1 << 16;
 
 /// How a journal is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,7 +96,7 @@ impl Writer {
     /// A file that cannot be made.
     pub fn open(&mut self) -> Result<(), FileError> {
         let Some(entries) = self.entries.take() else { return Ok(()) };
-        let file = BufWriter::with_capacity(1 << 16, OutputFile::create(&self.path)?);
+        let file = OutputFile::create(&self.path)?;
         let form = self.form;
         let thread = std::thread::Builder::new()
             .name("journal".into())
@@ -146,35 +149,38 @@ impl Writer {
     }
 }
 
-fn write(entries: &Receiver<Entry>, form: Form, mut file: BufWriter<OutputFile>) -> Result<(), FileError> {
-    let path = file.get_ref().path().to_owned();
+fn write(entries: &Receiver<Entry>, form: Form, mut file: OutputFile) -> Result<(), FileError> {
+    let path = file.path().to_owned();
     let failed = |error: std::io::Error| FileError::writing(&path, &error);
     let mut flushed = Instant::now();
     let mut headed = false;
-    let mut line = Vec::new();
+    let mut lines = Vec::with_capacity(2 * TOGETHER);
     loop {
+        let mut ended = false;
         match entries.recv_timeout(FLUSH) {
             Ok(entry) => {
-                line.clear();
                 if !std::mem::replace(&mut headed, true) && form == Form::Csv {
                     // Before the column names, so that whoever reads the first line knows what the file is.
                     match entry {
-                        Entry::Head(head) => note(form, "session", &head, &mut line),
-                        other => put(form, other, &mut line),
+                        Entry::Head(head) => note(form, "session", &head, &mut lines),
+                        other => put(form, other, &mut lines),
                     }
-                    line.extend_from_slice(COLUMNS.join(",").as_bytes());
-                    line.push(b'\n');
+                    lines.extend_from_slice(COLUMNS.join(",").as_bytes());
+                    lines.push(b'\n');
                 } else {
-                    put(form, entry, &mut line);
+                    put(form, entry, &mut lines);
                 }
-                file.write_all(&line).map_err(failed)?;
             }
             Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return file.flush().map_err(failed),
+            Err(RecvTimeoutError::Disconnected) => ended = true,
         }
-        if flushed.elapsed() >= FLUSH {
+        if ended || lines.len() >= TOGETHER || flushed.elapsed() >= FLUSH {
             flushed = Instant::now();
-            file.flush().map_err(failed)?;
+            file.write_all(&lines).map_err(failed)?;
+            lines.clear();
+        }
+        if ended {
+            return file.flush().map_err(failed);
         }
     }
 }
