@@ -82,13 +82,13 @@ fn a_simulated_knob_that_was_too_fast_gets_its_torque_back_when_asked() {
     let send = |signal: Signal| session.handle().send(signal).unwrap();
     send(Signal::Set("hand".into(), 3.0));
     let rests = |seen: &Seen| seen.velocity.abs() < 0.1 && seen.angle > 2.7;
-    until("the spring", &|seen, torque| rests(seen) && seen.torque < -0.005 && torque == Torque::None);
+    until("the spring", &|seen, torque| rests(seen) && seen.torque < -0.005 && torque == Torque::Simulated);
     // 90 rad/s.
     send(Signal::Set("hand".into(), -6.0));
     until("the fall", &|seen, torque| torque == Torque::Fallen(Trip::OverSpeed) && seen.torque == 0.0);
     until("rest", &|seen, _| seen.velocity.abs() < 0.1 && seen.angle < -5.5);
     send(Signal::Torque(true));
-    until("the spring again", &|seen, torque| seen.torque > 0.01 && torque == Torque::None);
+    until("the spring again", &|seen, torque| seen.torque > 0.01 && torque == Torque::Simulated);
     send(Signal::Torque(false));
     until("nothing", &|seen, torque| seen.torque == 0.0 && torque == Torque::Off);
 }
