@@ -53,6 +53,8 @@ fn what_cannot_be_set_is_told() {
     check(&["--set", "depth=1", "--set", "depth=2"]).fails(2, &["`depth` is set twice"]);
     check(&["--set", "depth"]).fails(2, &["strength=0.5"]);
     check(&["--set", "depth=nan"]).fails(2, &["no finite number"]);
+    check(&["--set", "depth=1kHz"])
+        .fails(2, &["`1kHz` is no finite number", "without a unit, such as depth=1000"]);
     scratch.run(&["check", "good.toml", "--set", "a=1"]).fails(2, &["no control `a`", "[control.NAME]"]);
     let run = check(&["--set", "idle=1"]);
     run.succeeds();

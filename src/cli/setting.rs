@@ -27,7 +27,10 @@ impl FromStr for Setting {
         };
         match value.trim().parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(Self { control: control.trim().into(), value }),
-            _ => Err(format!("`{value}` is no finite number")),
+            _ => Err(format!(
+                "`{value}` is no finite number: write it in full and without a unit, such as {}=1000 for 1 kHz",
+                control.trim()
+            )),
         }
     }
 }
