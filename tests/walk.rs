@@ -89,6 +89,12 @@ fn what_was_felt_goes_into_the_rig_and_nothing_else_of_it_changes() {
     seat.shows("? it was");
     seat.press("rj\x7fitgh\r");
     seat.shows("? it was ritgh\n     no tactor is called `ritgh`");
+    // It is still a name that is wanted, in which an `n` says nothing.
+    seat.shows("Enter alone leads back\n     it was ");
+    seat.press("nobody\r");
+    seat.shows("it was nobody\n     no tactor is called `nobody`");
+    seat.press("\r");
+    seat.shows("no name, no channel");
     seat.press("tright\r");
     seat.shows("it was right\n2/3  channel 2: `right`");
     seat.press("b");
@@ -101,6 +107,9 @@ fn what_was_felt_goes_into_the_rig_and_nothing_else_of_it_changes() {
     seat.shows("? nothing\n3/3  channel 4: `back`");
     std::thread::sleep(std::time::Duration::from_millis(300));
     seat.press("y");
+    // Nobody has felt where the first one hangs.
+    seat.shows("write that into r.toml? y: yes   n: no ");
+    seat.press("x\ry");
     seat.shows("r.toml: 2 tactors on other channels now");
     assert_eq!(seat.end().code(), Some(0));
     assert!(seat.is_given_back());
@@ -127,6 +136,27 @@ fn ctrl_c_ends_it_at_once_and_writes_nothing() {
     assert_eq!(seat.end().code(), Some(130));
     assert!(seat.is_given_back());
     assert_eq!(std::fs::read_to_string(path).unwrap(), RIG);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_guess_is_written_when_somebody_agrees() {
+    let scratch = Scratch::new("walk-guess");
+    let path = scratch.write("r.toml", RIG);
+    for (key, code) in [("n", 0), ("\x03", 130)] {
+        let command = scratch.command(&["walk", "--rig", "r.toml", "--seconds", "0.1", "--write"]);
+        let Some(mut seat) = seat::Seat::new(&command) else { return };
+        seat.shows("1/3  channel 1: `left`, 65 Hz at level 0.25? ");
+        seat.press("t2\r");
+        seat.shows("2/3  channel 2");
+        seat.press("q");
+        seat.shows("write that into r.toml? y: yes   n: no ");
+        seat.press(key);
+        assert_eq!(seat.end().code(), Some(code));
+        assert!(seat.is_given_back());
+        assert!(seat.contents().contains("`r.toml` was left alone") == (key == "n"));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), RIG);
+    }
 }
 
 /// Answers that are piped in, a line each.
@@ -176,6 +206,23 @@ fn what_is_not_known_is_not_said_to_be_right() {
         assert_eq!(run.err.contains("that was not understood"), answers.contains('\x1b'), "{}", run.err);
         assert_eq!(std::fs::read_to_string(&path).unwrap(), RIG);
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_tactor_that_is_felt_twice_has_the_first_channel_asked_again() {
+    let scratch = Scratch::new("walk-twice");
+    let path = scratch.write("r.toml", RIG);
+    let run = piped(&scratch, "right\nright\n\nleft\n");
+    assert!(run.succeeds().out.ends_with("the rig is as it was felt\n"), "{}", run.out);
+    let told = "`right` was felt on channel 1 before, which comes again";
+    assert!(run.err.contains(told) && run.err.contains("4/4  channel 1: `left`"), "{}", run.err);
+    // One that was on two channels at the end is on the later one, and what is not known is not written.
+    let run = piped(&scratch, "right\nleft\nright\n");
+    run.fails(65, &["`r.toml` was left alone: where `back` hangs is not known", "walk over all of them"]);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), RIG);
+    let run = piped(&scratch, "right\nleft\nright\nback\n");
+    assert!(run.succeeds().out.ends_with("r.toml: 3 tactors on other channels now\n"), "{}", run.out);
 }
 
 /// Whoever has the rig from somebody else learns where the name is from.

@@ -20,6 +20,8 @@ pub struct Map {
     pub moved: BTreeMap<usize, u32>,
     /// Sentences.
     pub notes: Vec<String>,
+    /// Outputs that are where a channel was left, without having been felt there.
+    pub guessed: Vec<usize>,
 }
 
 /// What follows from what was felt, by channel.
@@ -68,6 +70,7 @@ pub fn map(rig: &Rig, probes: &[Probe], felt: &BTreeMap<u32, Felt>) -> Result<Ma
             "`{}` was felt nowhere, and its channel is another's: it is put on channel {channel}, which is left; feel whether it is there",
             name(output)
         ));
+        map.guessed.push(output);
         at.insert(output, channel);
     }
     at.retain(|output, channel| rig.outputs.get(*output).is_some_and(|output| output.channel != *channel));

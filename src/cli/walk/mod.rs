@@ -1,10 +1,12 @@
 //! `pacinian walk`.
 
 mod answer;
+mod conclude;
 mod map;
 mod presence;
 mod probe;
 mod round;
+mod turns;
 mod write;
 
 use super::ask::Typed;
@@ -12,18 +14,16 @@ use super::failure::Failure;
 use super::patience;
 use super::screen::happened::LOWERED;
 use super::stop::Stop;
-use super::table::Table;
 use super::terminal::Terminal;
 use super::wrap::wrapped;
 #[cfg(test)]
 pub use answer::KEYS;
 use clap::Args;
-use map::{Felt, Map, map};
 use pacinian::graph::scene::scene;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::device::keeper::Fate;
 use pacinian::io::session::Beginning;
-use pacinian::io::{replace, text};
+use pacinian::io::text;
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::rig::{OutputKind, Rig};
@@ -114,7 +114,7 @@ impl Walk {
         };
         let beginning =
             Beginning { armed, ..beginning(&rig, &probes, device, Arc::clone(&presence), *terminal)? };
-        let mut session = patience::begin(&name, beginning, &stop, terminal)?;
+        let session = patience::begin(&name, beginning, &stop, terminal)?;
         terminal.note(&format!(
             "walking over {} of {}{why}{}\n",
             super::table::many(probes.len(), "channel"),
@@ -122,10 +122,10 @@ impl Walk {
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
         self.say_what_is_left_out(&rig, terminal);
-        let round = Round {
+        let mut round = Round {
             rig: &rig,
             probes: &probes,
-            session: &session,
+            session,
             presence: &presence,
             stop: &stop,
             terminal,
@@ -136,15 +136,12 @@ impl Walk {
             Some(person) => round.ask(person, &mut felt),
             None => round.pass(),
         };
-        session.stop();
+        round.session.stop();
         if let End::Stopped(code) = ended? {
             return Err(Failure::told(code));
         }
-        if person.is_none() || felt.is_empty() {
-            return Ok(());
-        }
-        drop(person);
-        self.conclude(&rig, &probes, &felt, &source.unwrap_or_default(), terminal)
+        let Some(person) = person.filter(|_| !felt.is_empty()) else { return Ok(()) };
+        self.conclude(&round, &person, &felt, &source.unwrap_or_default())
     }
 
     fn check_write(&self, asked: bool) -> Result<(), Failure> {
@@ -222,60 +219,6 @@ impl Walk {
             terminal.note(&format!("{}\n", wrapped(told, 0)));
         }
     }
-
-    /// Shows what was felt, and writes it down if that is wanted.
-    fn conclude(
-        &self,
-        rig: &Rig,
-        probes: &[Probe],
-        felt: &BTreeMap<u32, Felt>,
-        source: &[u8],
-        terminal: &Terminal,
-    ) -> Result<(), Failure> {
-        let name = |at: usize| rig.outputs.get(at).map_or("", |output| output.name.as_str());
-        let mut table = Table::default();
-        table.row(["channel", "the rig says", "felt"]);
-        for probe in probes {
-            let said = match felt.get(&probe.channel) {
-                Some(Felt::Output(output)) => name(*output),
-                Some(Felt::Nothing) => "nothing",
-                None => "",
-            };
-            let number = probe.channel.to_string();
-            table.row([number.as_str(), probe.output.map_or("", name), said]);
-        }
-        terminal.print(&format!("\n{}", table.text()))?;
-        let Map { moved, notes } = map(rig, probes, felt).map_err(|why| Failure::said(65, why))?;
-        for note in notes {
-            terminal.print(&format!("{note}\n"))?;
-        }
-        let open = open(probes, felt);
-        if moved.is_empty() {
-            return terminal.print(&match open {
-                None => "the rig is as it was felt\n".into(),
-                Some(open) => format!("no tactor was felt elsewhere than the rig says; {open}\n"),
-            });
-        }
-        if let Some(open) = open {
-            terminal.print(&format!("{open}\n"))?;
-        }
-        let other = super::table::many(moved.len(), "tactor");
-        let Some(path) = self.rig.as_ref().filter(|_| self.write) else {
-            let how = if self.rig.is_some() {
-                "--write puts that into the rig"
-            } else {
-                "a rig can say so: see docs/rig.md"
-            };
-            return terminal.print(&format!("on other channels than the rig says: {other}; {how}\n"));
-        };
-        let shown = path.display();
-        let before = String::from_utf8_lossy(source);
-        let after = write::with_channels(&before, rig, &moved).map_err(|why| {
-            Failure::said(78, format!("`{shown}` was left alone: {why}; change its channels by hand"))
-        })?;
-        replace::replace(path, source, after.as_bytes())?;
-        terminal.print(&format!("{}: {other} on other channels now\n", escaped(&shown.to_string())))
-    }
 }
 
 /// Probes on a rig that is nothing else, which tell `presence` whether the device is there.
@@ -314,20 +257,6 @@ fn beginning(
         }),
         ..Beginning::of(Reload { scene, patch, rig, files, provenance: None }, device)
     })
-}
-
-/// Which channels are still not known after what was felt, in words.
-fn open(probes: &[Probe], felt: &BTreeMap<u32, Felt>) -> Option<String> {
-    let which = |wanted: Option<Felt>| {
-        let of = probes.iter().filter(|probe| felt.get(&probe.channel).copied() == wanted);
-        let channels: Vec<String> = of.map(|probe| probe.channel.to_string()).collect();
-        let word = if channels.len() == 1 { "channel" } else { "channels" };
-        (!channels.is_empty()).then(|| format!("{word} {}", channels.join(", ")))
-    };
-    let nothing = which(Some(Felt::Nothing)).map(|channels| format!("nothing was felt on {channels}"));
-    let unsaid = which(None).map(|channels| format!("nothing was said of {channels}"));
-    let both: Vec<String> = nothing.into_iter().chain(unsaid).collect();
-    (!both.is_empty()).then(|| both.join("; "))
 }
 
 fn kind(kind: &OutputKind) -> &'static str {

@@ -4,6 +4,7 @@ use super::answer::{Answer, KEYS, LINES, Pressed};
 use super::map::Felt;
 use super::presence::Presence;
 use super::probe::{Deed, Lowered, Probe};
+use super::turns::Turns;
 use crate::cli::ask::{Edit, Entry, Said, Typed};
 use crate::cli::failure::Failure;
 use crate::cli::guard;
@@ -26,6 +27,9 @@ const OPENS: Duration = Duration::from_millis((1000.0 * RAMP_IN) as u64);
 /// The exit code of Ctrl-C.
 const INTERRUPTED: u8 = 130;
 
+/// Before a name.
+const IT_WAS: &str = "it was ";
+
 /// How it came to an end.
 pub enum End {
     /// Every channel had its turn, or somebody has had enough.
@@ -41,7 +45,7 @@ pub struct Round<'a> {
     /// What is to be felt.
     pub probes: &'a [Probe],
     /// What plays it.
-    pub session: &'a Session,
+    pub session: Session,
     /// Whether its device is there.
     pub presence: &'a Presence,
     /// Whether somebody wants it to stop.
@@ -81,9 +85,10 @@ impl Round<'_> {
         if let Some(code) = self.wait(OPENS) {
             return Ok(End::Stopped(code));
         }
-        let mut at = 0;
-        while let Some(probe) = self.probes.get(at) {
-            let head = format!("{}/{}  {}? ", at + 1, self.probes.len(), self.described(probe));
+        let mut turns = Turns::over(self.probes.iter().map(|probe| probe.channel).collect());
+        while let Some(probe) = turns.now().and_then(|at| self.probes.get(at)) {
+            let (turn, of) = turns.count();
+            let head = format!("{turn}/{of}  {}? ", self.described(probe));
             self.terminal.note(&head);
             person.forget();
             let answer = match self.play(probe)? {
@@ -106,16 +111,16 @@ impl Round<'_> {
                 Answer::Again => continue,
                 Answer::Skip => None,
                 Answer::Back => {
-                    at = at.saturating_sub(1);
+                    turns.back();
                     continue;
                 }
                 Answer::Quit => break,
             };
-            match what {
-                Some(what) => felt.insert(probe.channel, what),
-                None => felt.remove(&probe.channel),
-            };
-            at += 1;
+            if let (Some(other), Some(Felt::Output(output))) = (turns.said(what, felt), what) {
+                let name = self.rig.outputs.get(output).map_or("", |output| output.name.as_str());
+                let why = format!("`{}` was felt on channel {other} before, which comes again", escaped(name));
+                self.terminal.note(&format!("     {}\n", wrapped(&why, 5)));
+            }
         }
         Ok(End::Over)
     }
@@ -149,9 +154,15 @@ impl Round<'_> {
                             self.terminal.note("\n");
                             return Ok(answer);
                         }
-                        Err(why) => {
+                        // Nothing but Enter is a way back to the keys.
+                        Err(why) if line.is_empty() => {
                             again(&why);
                             (entry, unclear) = (None, false);
+                        }
+                        Err(why) => {
+                            let why = wrapped(&format!("{why}; Enter alone leads back"), 5);
+                            self.terminal.note(&format!("\n     {why}\n     {IT_WAS}"));
+                            entry = Some(Entry::default());
                         }
                     },
                     None => match Pressed::of(key) {
@@ -164,7 +175,7 @@ impl Round<'_> {
                             return Ok(answer);
                         }
                         Pressed::Name => {
-                            self.terminal.note("it was ");
+                            self.terminal.note(IT_WAS);
                             entry = Some(Entry::default());
                         }
                         Pressed::Nothing => unclear = true,
@@ -177,6 +188,22 @@ impl Round<'_> {
                 }
             }
         }
+    }
+
+    /// Whether somebody with keys wants what they are asked; the exit code where they ask to stop.
+    pub fn agrees(&self, person: &Typed, question: &str) -> Result<bool, u8> {
+        self.terminal.note(&format!("{} y: yes   n: no ", wrapped(question, 0)));
+        let agreed = loop {
+            match person.said() {
+                Said::Key('y' | 'Y') => break true,
+                Said::Key('n' | 'N' | 'q' | 'Q') | Said::End => break false,
+                Said::Stop => return Err(INTERRUPTED),
+                Said::Nothing => self.wait(Duration::from_millis(10)).map_or(Ok(()), Err)?,
+                _ => {}
+            }
+        };
+        self.terminal.note(if agreed { "yes\n" } else { "no\n" });
+        Ok(agreed)
     }
 
     /// Plays a probe and waits until it is over; the exit code where somebody asks to stop.
