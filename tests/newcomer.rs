@@ -167,6 +167,49 @@ fn a_patch_that_waits_says_what_for() {
     assert!(!plays.succeeds().err.contains("it waits for"), "{}", plays.err);
 }
 
+/// What a patch does when nobody plays it is not all of it.
+#[test]
+fn check_says_what_plays_and_moves_a_patch_from_outside() {
+    let scratch = Scratch::new("outside");
+    let pattern = "[pattern.p]\nevents = [{ at = 0, voice = \"beat\" }]\n";
+    let outside = "[control.depth]\ndefault = 4\nrange = [2, 10]\n\
+        [[trigger]]\non = \"key.2\"\nplay = \"p\"\n\
+        [[trigger]]\non = \"midi.note\"\nplay = \"beat\"\nnotes = [36, 59]\nchannel = 3\nspread = \"notes\"\n\
+        [[trigger]]\non = \"midi.controller 80 falls 0.25\"\nplay = \"beat\"\n\
+        [[bind]]\nfrom = \"midi.bend\"\ncontrol = \"depth\"\n\
+        [[bind]]\nfrom = \"osc./d\"\ncontrol = \"depth\"\nrange = [5, 3]\npickup = false\n";
+    scratch.write("p.toml", format!("{HEAD}{VOICE}{pattern}{outside}"));
+    let run = scratch.run(&["check", "p.toml"]);
+    let shown = "played live\n  \
+        key 2                                     plays p      \n  \
+        notes of MIDI from C2 to B3 on channel 3  plays beat   spread over the tactors by notes\n  \
+        controller 80 of MIDI falls 0.25          plays beat   \n  \
+        bend of MIDI                              moves depth  from 2 to 10, with pick-up\n  \
+        OSC to /d                                 moves depth  from 5 to 3\n";
+    let plain = |text: &str| text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n");
+    assert!(plain(&run.succeeds().out).contains(&plain(shown)), "{}", run.out);
+    assert!(run.out.contains("p  plays; live, it waits"), "{}", run.out);
+    let plan = &scratch.run(&["check", "p.toml", "--json"]).succeeds().json()["plan"];
+    assert_eq!(plan["outside"][1]["notes"], serde_json::json!([36, 59]));
+    assert_eq!(plan["outside"][4]["range"], serde_json::json!([5.0, 3.0]));
+    assert_eq!(
+        (plan["patterns"][0]["plays"].as_bool(), plan["patterns"][0]["waits"].as_bool()),
+        (Some(true), Some(true))
+    );
+    // As it is when it is played.
+    let live = |more: &[&str]| {
+        let words = ["play", "p.toml", "--device", "virtual", "--duration", "0.4"];
+        let run = scratch.run(&[&words[..], more].concat());
+        run.succeeds().err.contains("it waits for")
+    };
+    assert!(live(&[]) && !live(&["--pattern", "p"]));
+    let asked = scratch.run(&["check", "p.toml", "--pattern", "p"]);
+    assert!(asked.succeeds().out.contains("p  plays  0.10 s"), "{}", asked.out);
+    let start = "[[trigger]]\non = \"start\"\nplay = \"p\"\n";
+    scratch.write("p.toml", format!("{HEAD}{VOICE}{pattern}{outside}{start}"));
+    assert!(!live(&[]) && !scratch.run(&["check", "p.toml"]).succeeds().out.contains("it waits"));
+}
+
 /// Run from the project's folder.
 fn at_home(arguments: &[&str]) -> Run {
     let scratch = Scratch::new("home");

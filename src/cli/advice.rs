@@ -1,8 +1,9 @@
 //! What works and was hardly meant so: warnings that need the patch, the rig and the command line together.
 
 use super::loaded::Loaded;
+use super::outside::words;
 use super::patterns::playing;
-use pacinian::patch::{Patch, Place, Source, Start, Trigger};
+use pacinian::patch::{Patch, Place, Start, Trigger};
 use pacinian::text::problem::escaped;
 use pacinian::text::{Problem, Problems, Severity, Span};
 use std::collections::HashSet;
@@ -61,20 +62,11 @@ pub fn waits(loaded: &Loaded, first: &[usize]) -> Option<String> {
     {
         return None;
     }
-    let what = |on: &Source| match on {
-        Source::Key(key) => format!("key {key}"),
-        Source::MidiNote => "notes of MIDI".into(),
-        Source::MidiProgram(program) => format!("program {program} of MIDI"),
-        Source::MidiController { number, .. } => format!("controller {number} of MIDI"),
-        Source::Osc(address) => format!("OSC to {address}"),
-        Source::Start | Source::Knob { .. } | Source::Node { .. } => String::new(),
-    };
     let mut all: Vec<String> = loaded
         .patch
         .triggers
         .iter()
-        .filter(live)
-        .map(|trigger| format!("{} ({})", what(&trigger.on), trigger.play))
+        .filter_map(|trigger| Some(format!("{} ({})", words(&trigger.on)?, trigger.play)))
         .collect();
     let more = all.len().saturating_sub(SHOWN);
     all.truncate(SHOWN);

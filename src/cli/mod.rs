@@ -38,6 +38,7 @@ mod motor;
 mod named;
 mod nodes;
 mod osc;
+mod outside;
 mod paint;
 mod parts;
 mod patience;

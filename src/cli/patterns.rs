@@ -15,6 +15,8 @@ pub struct PatternReport {
     name: String,
     /// From the beginning.
     plays: bool,
+    /// Whether it waits where it is played live, since keys or messages play the patch then.
+    waits: bool,
     /// Whether it plays or one that plays plays it.
     reached: bool,
     /// Patterns that play it.
@@ -42,6 +44,7 @@ pub fn lines(patterns: &[PatternReport]) -> String {
         };
         let from = p.file.as_ref().map_or(String::new(), |file| format!(" from {file}"));
         let plays = match (p.plays, p.reached) {
+            (true, _) if p.waits => "plays; live, it waits".into(),
             (true, _) => "plays".into(),
             (false, _) if !p.set_off_by.is_empty() => format!("set off by {}", p.set_off_by.join(", ")),
             (false, true) => format!("played by {}", p.played_by.join(", ")),
@@ -79,6 +82,7 @@ pub fn patterns(loaded: &Loaded) -> Vec<PatternReport> {
         PatternReport {
             name: pattern.name.clone(),
             plays: playing.contains(&i),
+            waits: playing.contains(&i) && !pattern.follows && waits_live(loaded),
             reached: reached.contains(&i),
             played_by: players.get(pattern.name.as_str()).cloned().unwrap_or_default(),
             set_off_by: set_off
@@ -207,6 +211,13 @@ pub fn playing(loaded: &Loaded) -> Vec<usize> {
         return vec![0];
     }
     starts.filter_map(|t| find(&t.play)).collect()
+}
+
+/// Whether what plays from the beginning without being told to waits where the patch is played live.
+fn waits_live(loaded: &Loaded) -> bool {
+    let triggers = &loaded.patch.triggers;
+    let is_told = loaded.options.pattern.is_some() || triggers.iter().any(|t| t.on == Source::Start);
+    !is_told && triggers.iter().any(|t| t.on.is_live())
 }
 
 #[cfg(test)]

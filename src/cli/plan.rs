@@ -7,6 +7,7 @@ use super::input::InputReport;
 use super::knob::figures::Figures;
 use super::left_out::{Left, left_out, left_out_text};
 use super::loaded::Loaded;
+use super::outside::{self, OutsideReport};
 use super::paint::Paint;
 use super::patterns::{PatternReport, lines, patterns};
 use super::pushes::Push;
@@ -37,6 +38,8 @@ pub struct PlanReport {
     voices: Vec<VoiceReport>,
     shared: SharedReport,
     controls: Vec<ControlReport>,
+    /// What plays it and moves its controls from outside.
+    outside: Vec<OutsideReport>,
     /// Voices that nodes set off.
     triggers: Vec<WatchReport>,
     /// What the patch listens to; null where that is nothing.
@@ -257,6 +260,7 @@ impl PlanReport {
                     smoothing: c.smoothing,
                 })
                 .collect(),
+            outside: outside::all(&loaded.patch),
             triggers: watches(plan, player.engine().watch_delay()),
             input: InputReport::of(loaded, player),
             channels: plan.channels,
@@ -317,6 +321,7 @@ impl PlanReport {
         self.knob.iter().for_each(|figures| figures.rows(&mut knob));
         section("knob", knob.text());
         section("patterns", lines(&self.patterns));
+        section("played live", outside::lines(&self.outside));
         section("set off by nodes", self.watch_lines());
         section("channels", self.channel_lines());
         section("left out, and why", left_out_text(&plan.left_out));

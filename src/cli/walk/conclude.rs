@@ -71,7 +71,10 @@ impl Walk {
                     return terminal.print(&format!("{alone}\n"));
                 }
             } else if probes.iter().any(|probe| !felt.contains_key(&probe.channel)) {
-                let why = format!("where `{}` hangs is not known, since nothing was said of a channel", name(*guess));
+                let why = format!(
+                    "where `{}` hangs is not known, since nothing was said of a channel",
+                    name(*guess)
+                );
                 return Err(Failure::said(65, format!("{alone}: {why}; walk over all of them")));
             }
         }

@@ -118,7 +118,8 @@ impl Round<'_> {
             };
             if let (Some(other), Some(Felt::Output(output))) = (turns.said(what, felt), what) {
                 let name = self.rig.outputs.get(output).map_or("", |output| output.name.as_str());
-                let why = format!("`{}` was felt on channel {other} before, which comes again", escaped(name));
+                let why =
+                    format!("`{}` was felt on channel {other} before, which comes again", escaped(name));
                 self.terminal.note(&format!("     {}\n", wrapped(&why, 5)));
             }
         }
