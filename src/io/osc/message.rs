@@ -5,7 +5,7 @@ use std::time::Duration;
 use rosc::OscType;
 
 use super::announce::Wants;
-use super::names::Method;
+use super::names::{Kind, Method};
 use crate::patch::Place;
 use crate::patch::place::{channel, position};
 use crate::performer::{Note, Touch};
@@ -29,8 +29,8 @@ pub enum Ask {
     Get(usize),
     /// Tell it again and again; `None`: no more.
     Report(usize, Option<Duration>),
-    /// Tell all controls.
-    List,
+    /// Tell all that there is of a kind.
+    List(Kind),
     /// Close the gate.
     Panic,
     /// Take a panic back.
@@ -94,7 +94,7 @@ pub fn ask(method: &Method, args: &[OscType]) -> Result<Ask, Wrong> {
             [every] => Ask::Report(*control, Some(often(every)?)),
             _ => return Err(Wrong),
         },
-        Method::List => button(args, Ask::List)?,
+        Method::List(kind) => button(args, Ask::List(*kind))?,
         Method::Panic => button(args, Ask::Panic)?,
         Method::Calm => button(args, Ask::Calm)?,
         Method::Arm => match args {

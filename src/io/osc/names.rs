@@ -28,8 +28,8 @@ pub enum Method {
     Set(usize),
     /// Tells the value of a control, once or again and again.
     Get(usize),
-    /// Tells all controls.
-    List,
+    /// Tells all that there is of a kind.
+    List(Kind),
     /// Closes the gate.
     Panic,
     /// Takes a panic back.
@@ -54,6 +54,17 @@ pub enum Method {
     Trigger(String),
 }
 
+/// What can be listed of a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Its controls, and where they stand.
+    Controls,
+    /// Its voices.
+    Voices,
+    /// Its patterns.
+    Patterns,
+}
+
 impl Method {
     /// What arguments it takes, in words.
     pub fn takes(&self) -> &'static str {
@@ -69,7 +80,7 @@ impl Method {
             Self::Trigger(_) => "numbers",
             Self::Start(_)
             | Self::Stop(_)
-            | Self::List
+            | Self::List(_)
             | Self::Panic
             | Self::Calm
             | Self::Unsubscribe
@@ -90,19 +101,30 @@ pub struct Names {
     bound: HashSet<String>,
     /// The patch's controls.
     pub controls: Vec<Control>,
+    /// The names of its voices.
+    pub voices: Vec<String>,
+    /// The names of its patterns.
+    pub patterns: Vec<String>,
 }
 
 impl Names {
     /// Of a patch. Where two things would share an address, the first has it: pacinian's own, then voices, patterns, controls, triggers and
     /// bindings; both hear of one that they share.
     pub fn of(patch: &Patch) -> Self {
-        let mut names = Self { controls: patch.controls.clone(), ..Self::default() };
+        let mut names = Self {
+            controls: patch.controls.clone(),
+            voices: patch.voices.iter().map(|voice| voice.name.clone()).collect(),
+            patterns: patch.patterns.iter().map(|pattern| pattern.name.clone()).collect(),
+            ..Self::default()
+        };
         for (address, method) in [
             ("/voice/release", Method::Release),
             ("/voice/bend", Method::Touch(What::Bend)),
             ("/voice/pressure", Method::Touch(What::Pressure)),
             ("/voice/timbre", Method::Touch(What::Timbre)),
-            ("/controls", Method::List),
+            ("/controls", Method::List(Kind::Controls)),
+            ("/voices", Method::List(Kind::Voices)),
+            ("/patterns", Method::List(Kind::Patterns)),
             ("/panic", Method::Panic),
             ("/calm", Method::Calm),
             ("/arm", Method::Arm),

@@ -18,7 +18,7 @@ use super::drops::dropped;
 use super::endpoint::{BindError, Endpoint};
 use super::ids::Ids;
 use super::message::{Ask, ask};
-use super::names::Names;
+use super::names::{Kind, Names};
 use super::packet::{Unreadable, unpack};
 use super::peers::{LIFE, Peers, What};
 use super::said;
@@ -399,7 +399,9 @@ impl Listener {
                 self.subscribe(from, What::Control(control), every);
             }
             Ask::Report(control, None) => self.peers.unsubscribe(from, What::Control(control)),
-            Ask::List => self.list(from),
+            Ask::List(Kind::Controls) => self.list(from),
+            Ask::List(Kind::Voices) => self.names(from, "/voices", &self.names.voices),
+            Ask::List(Kind::Patterns) => self.names(from, "/patterns", &self.names.patterns),
             Ask::Panic => {
                 // The brake is pulled, even where there is no room for what follows.
                 self.handle.board().panic();
@@ -466,6 +468,11 @@ impl Listener {
             self.answer(to, "/controls", args.chain([control.unit.as_str().into()]).collect());
         }
         self.answer(to, "/controls/end", vec![count(self.values.len() as u64)]);
+    }
+
+    fn names(&self, to: SocketAddr, address: &str, names: &[String]) {
+        names.iter().for_each(|name| self.answer(to, address, vec![name.as_str().into()]));
+        self.answer(to, &format!("{address}/end"), vec![count(names.len() as u64)]);
     }
 
     fn status(&self, to: SocketAddr) {

@@ -192,7 +192,7 @@ fn ids_release_what_they_played() {
 }
 
 #[test]
-fn controls_are_told_as_they_were_sent() {
+fn controls_are_told_as_they_were_sent_and_voices_and_patterns_by_name() {
     let scene = Scene::new();
     let told = |addr: &str, args: &[OscType]| {
         scene.say(addr, args);
@@ -211,6 +211,14 @@ fn controls_are_told_as_they_were_sent() {
         ("/controls/end".into(), vec![2.into()]),
     ];
     assert_eq!(told("/controls", &[]), list);
+    let names = |kind: &str, names: &[&str]| {
+        let mut all: Vec<_> = names.iter().map(|name| (format!("/{kind}"), vec![s(name)])).collect();
+        all.push((format!("/{kind}/end"), vec![(names.len() as i32).into()]));
+        all
+    };
+    assert_eq!(told("/voices", &[]), names("voices", &["low", "high", "release"]));
+    assert_eq!(told("/patterns", &[]), names("patterns", &["walk"]));
+    assert_eq!(told("/patterns", &[0.into()]), []);
     // Another patch: what it still has is where it was.
     let other = PATCH.replace("control.tempo", "control.rest").replace("default = 0.5", "default = 1");
     scene.server.follow(&Patch::parse("p", other.as_bytes()).unwrap().value);
@@ -266,10 +274,12 @@ fn no_answer_is_answered() {
     let scene = Scene::new();
     scene.say("/control/*/get", &[]);
     scene.say("/controls", &[]);
+    scene.say("/voices", &[]);
+    scene.say("/patterns", &[]);
     scene.say("/status", &[]);
     scene.say("/meter/subscribe", &[10_000.into()]);
     let mut answers = scene.settle();
-    assert_eq!(answers.len(), 7);
+    assert_eq!(answers.len(), 13);
     answers.extend([("/pong".into(), vec![]), ("/meter".into(), vec![f(0.5); 3]), ("/meter".into(), vec![])]);
     answers.iter().for_each(|(addr, args)| scene.say(addr, args));
     assert_eq!(scene.settle(), []);
