@@ -90,6 +90,9 @@ fn input() -> Result<MidiInput, String> {
         );
     }
     crate::io::device::hush::hush();
+    #[cfg(all(target_os = "linux", feature = "midi-jack"))]
+    crate::io::device::hush::hush_jack()
+        .map_err(|why| format!("JACK's library is missing ({why}): sudo apt install libjack-jackd2-0"))?;
     MidiInput::new("pacinian").map_err(|error| match cfg!(all(target_os = "linux", feature = "midi-jack")) {
         true => {
             format!("no JACK server answers ({error}): start it, jackd -d alsa, or the program under pw-jack")

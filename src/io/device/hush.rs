@@ -8,6 +8,23 @@ pub(crate) fn hush() {
     let _ = alsa::Output::local_error_handler();
 }
 
+/// The same of JACK's library, on every thread; whether there is one.
+///
+/// # Errors
+/// Why it cannot be loaded.
+#[cfg(all(feature = "midi-jack", target_os = "linux"))]
+pub(crate) fn hush_jack() -> Result<(), String> {
+    use jack::{Client, ClientOptions, Error};
+    static MISSING: std::sync::OnceLock<Option<String>> = std::sync::OnceLock::new();
+    // A client, whether there is a server or not, has it talk to the log, which nobody reads.
+    let missing =
+        MISSING.get_or_init(|| match Client::new("pacinian_hush", ClientOptions::NO_START_SERVER) {
+            Err(Error::LibraryError(why)) => Some(why),
+            _ => None,
+        });
+    missing.clone().map_or(Ok(()), Err)
+}
+
 /// What standard error was, while nothing is written to it.
 #[cfg(target_os = "linux")]
 static QUIET: std::sync::Mutex<Option<rustix::fd::OwnedFd>> = std::sync::Mutex::new(None);
