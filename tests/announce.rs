@@ -131,6 +131,9 @@ fn markers_and_voices_are_told_with_the_time_at_which_they_leave() {
     assert_eq!(hear(&some).1, OscMessage { addr: "/marker/subscribed".into(), args: vec![60.into()] });
     say(&all, &server, "/event/subscribe");
     assert_eq!(hear(&all).1.addr, "/event/subscribed");
+    // Who asks for markers besides still hears voices.
+    say(&all, &server, "/marker/subscribe");
+    while hear(&all).1.addr != "/marker/subscribed" {}
     (0..4).for_each(|_| drop(marker(&some)));
     let voice = |name: &str| loop {
         let (tag, message) = hear(&all);

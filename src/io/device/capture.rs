@@ -72,8 +72,12 @@ impl Capture {
     ) -> Result<Self, DeviceError> {
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
         let ranges = device.supported_input_configs().map_err(|error| trouble(&error))?;
-        let format = known_format(ranges, shape).map_err(|error| trouble(&error))?;
-        let buffer_size = shape.block.map_or(BufferSize::Default, BufferSize::Fixed);
+        let (format, blocks) = known_format(ranges, shape).map_err(|error| trouble(&error))?;
+        let block = shape.block.map(|block| {
+            let (least, most) = blocks.unwrap_or((block, block));
+            block.min(most).max(least)
+        });
+        let buffer_size = block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
         let tell = teller(news, move || gaps.input.xruns.add(1), || {});

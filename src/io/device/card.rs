@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use cpal::traits::{DeviceTrait, StreamTrait};
 use cpal::{
-    BufferSize, Device, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig,
+    BufferSize, Device, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig, SupportedBufferSize,
     SupportedStreamConfigRange,
 };
 
@@ -95,7 +95,8 @@ impl Card {
         fit(found, shape)?;
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
         let ranges = device.supported_output_configs().map_err(|error| trouble(&error))?;
-        let format = known_format(ranges, shape).map_err(|error| trouble(&error))?;
+        let (format, blocks) = known_format(ranges, shape).map_err(|error| trouble(&error))?;
+        fit_block(found, shape, blocks)?;
         let buffer_size = shape.block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
@@ -227,27 +228,43 @@ fn fit(found: &Found, shape: Shape) -> Result<(), DeviceError> {
             format!("it offers {} to {} Hz; say so under [device] in the rig", offer.rates.0, offer.rates.1),
         );
     }
-    match (shape.block, offer.blocks) {
-        (Some(block), Some((least, most))) if block < least || block > most => unfit(
-            format!("blocks of {block} frames are not offered"),
-            format!("it offers {least} to {most}: --block N"),
-        ),
+    fit_block(found, shape, offer.blocks)
+}
+
+/// The same of how long blocks are.
+fn fit_block(found: &Found, shape: Shape, offered: Option<(u32, u32)>) -> Result<(), DeviceError> {
+    match (shape.block, offered) {
+        (Some(block), Some((least, most))) if block < least || block > most => {
+            let what = format!("{}: blocks of {block} frames are not offered", found.name);
+            Err(DeviceError::new(Trouble::Unfit, what)
+                .help(format!("it offers {least} to {most}: --block N")))
+        }
         _ => Ok(()),
     }
 }
 
-/// The format in which samples are exchanged with the card: as they are, if it takes that, else as exact as it does.
+/// Formats in which samples are exchanged: as they are, if a card takes that, else as exact as it does.
+pub(super) const KNOWN: [SampleFormat; 4] =
+    [SampleFormat::F32, SampleFormat::I32, SampleFormat::I24, SampleFormat::I16];
+
+/// The format in which samples are exchanged with the card, and how long blocks may be then, as far as it says: a card whose memory is
+/// counted in bytes has room for fewer frames of more bytes.
 pub(super) fn known_format(
     ranges: impl Iterator<Item = SupportedStreamConfigRange>,
     shape: Shape,
-) -> Result<SampleFormat, cpal::Error> {
+) -> Result<(SampleFormat, Option<(u32, u32)>), cpal::Error> {
     let fits = |range: &SupportedStreamConfigRange| {
         usize::from(range.channels()) == shape.channels
             && (range.min_sample_rate()..=range.max_sample_rate()).contains(&shape.rate)
     };
-    let formats: Vec<SampleFormat> = ranges.filter(fits).map(|range| range.sample_format()).collect();
-    let known = [SampleFormat::F32, SampleFormat::I32, SampleFormat::I24, SampleFormat::I16];
-    known.into_iter().find(|format| formats.contains(format)).ok_or_else(|| {
+    let fitting: Vec<SupportedStreamConfigRange> = ranges.filter(fits).collect();
+    let of = |format: &SampleFormat| fitting.iter().find(|range| range.sample_format() == *format);
+    let range = KNOWN.iter().find_map(of).ok_or_else(|| {
         cpal::Error::with_message(ErrorKind::UnsupportedConfig, "none of its sample formats is known here; ALSA converts them where a card is named plughw:... in place of hw:...")
-    })
+    })?;
+    let blocks = match range.buffer_size() {
+        SupportedBufferSize::Range { min, max } => Some((*min, *max)),
+        SupportedBufferSize::Unknown => None,
+    };
+    Ok((range.sample_format(), blocks))
 }

@@ -3,6 +3,7 @@
 use cpal::traits::DeviceTrait;
 use cpal::{Device, SupportedBufferSize, SupportedStreamConfigRange};
 
+use super::card::KNOWN;
 use super::failure::{DeviceError, Trouble};
 use super::hosts::Hosts;
 use crate::text::nearest::nearest;
@@ -65,25 +66,26 @@ impl Found {
 
 impl Offer {
     fn of(ranges: impl Iterator<Item = SupportedStreamConfigRange>) -> Option<Self> {
+        let ranges: Vec<_> = ranges.collect();
         let mut offer: Option<Self> = None;
-        for range in ranges {
+        for range in &ranges {
             let rates = (range.min_sample_rate(), range.max_sample_rate());
-            let blocks = match range.buffer_size() {
-                SupportedBufferSize::Range { min, max } => Some((*min, *max)),
-                SupportedBufferSize::Unknown => None,
-            };
             let (channels, format) = (range.channels(), range.sample_format().to_string());
-            let all = offer.get_or_insert_with(|| Self { channels: vec![], rates, blocks, formats: vec![] });
+            let all =
+                offer.get_or_insert_with(|| Self { channels: vec![], rates, blocks: None, formats: vec![] });
             all.rates = (all.rates.0.min(rates.0), all.rates.1.max(rates.1));
-            all.blocks = match (all.blocks, blocks) {
-                (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
-                (a, b) => a.or(b),
-            };
             if let Err(place) = all.channels.binary_search(&channels) {
                 all.channels.insert(place, channels);
             }
             if !all.formats.contains(&format) {
                 all.formats.push(format);
+            }
+        }
+        // How long a block may be depends on the format: what counts is that which would be taken.
+        let taken = KNOWN.iter().find(|format| ranges.iter().any(|range| range.sample_format() == **format));
+        for range in ranges.iter().filter(|range| taken.is_none_or(|taken| range.sample_format() == *taken)) {
+            if let (Some(all), SupportedBufferSize::Range { min, max }) = (&mut offer, range.buffer_size()) {
+                all.blocks = Some(all.blocks.map_or((*min, *max), |all| (all.0.min(*min), all.1.max(*max))));
             }
         }
         offer
@@ -124,6 +126,12 @@ pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Dev
             |config: Result<cpal::SupportedStreamConfig, _>| config.ok().map(|config| config.channels());
         limit(&mut output, own(device.default_output_config()));
         limit(&mut input, own(device.default_input_config()));
+    }
+    // Its two devices are one each way, though cpal offers both ways of either.
+    match id.as_str() {
+        "jack:output" => input = None,
+        "jack:input" => output = None,
+        _ => {}
     }
     #[cfg(all(feature = "jack", target_os = "linux"))]
     match id.as_str() {
@@ -225,6 +233,41 @@ fn called<'a, D>(all: &[&'a (D, Found)], name: &str) -> Result<Option<&'a (D, Fo
 #[cfg(test)]
 mod tests {
     use super::{Found, Hosts, find};
+
+    #[test]
+    fn blocks_are_those_of_the_format_that_is_taken() {
+        use super::Offer;
+        use cpal::{SampleFormat, SupportedBufferSize, SupportedStreamConfigRange};
+        let range = |channels, format, most| {
+            let blocks = match most {
+                0 => SupportedBufferSize::Unknown,
+                most => SupportedBufferSize::Range { min: 8, max: most },
+            };
+            SupportedStreamConfigRange::new(channels, 8_000, 96_000, blocks, format)
+        };
+        let blocks =
+            |ranges: &[SupportedStreamConfigRange]| Offer::of(ranges.iter().copied()).and_then(|o| o.blocks);
+        let card = [
+            range(1, SampleFormat::I16, 8192),
+            range(2, SampleFormat::I16, 4096),
+            range(1, SampleFormat::F32, 4096),
+            range(2, SampleFormat::F32, 2048),
+        ];
+        assert_eq!(blocks(&card), Some((8, 4096)));
+        assert_eq!(blocks(&card[..2]), Some((8, 8192)));
+        // Of a format that is none of ours, nothing else is known.
+        assert_eq!(blocks(&[range(1, SampleFormat::U8, 100)]), Some((8, 100)));
+        assert_eq!(blocks(&[range(1, SampleFormat::F32, 0), range(1, SampleFormat::I16, 100)]), None);
+        let offer = Offer::of(card.into_iter()).unwrap();
+        assert_eq!((offer.channels, offer.formats), (vec![1, 2], vec!["i16".to_string(), "f32".into()]));
+        // And of those channels, where it is opened.
+        let shape =
+            |channels, block| crate::io::device::card::Shape { channels, rate: 48_000, block: Some(block) };
+        let known =
+            |channels| crate::io::device::card::known_format(card.into_iter(), shape(channels, 64)).unwrap();
+        assert_eq!(known(2), (SampleFormat::F32, Some((8, 2048))));
+        assert_eq!(known(1), (SampleFormat::F32, Some((8, 4096))));
+    }
 
     fn found(id: &str, name: &str) -> ((), Found) {
         let hosts = Hosts::default();

@@ -74,11 +74,28 @@ impl Lost {
 struct Guest {
     to: SocketAddr,
     socket: Arc<UdpSocket>,
-    wants: Wants,
-    /// `None`: for good.
-    until: Option<Instant>,
+    /// Whether it hears of markers for good.
+    for_good: bool,
+    /// Until when it wants markers, and until when all: it may ask for one and for the other, and each ends by itself.
+    markers: Option<Instant>,
+    all: Option<Instant>,
     /// Whether the socket leads there alone.
     connected: bool,
+}
+
+impl Guest {
+    /// Whether it hears of what is for those who want so much.
+    fn hears(&self, wanted: Wants, now: Instant) -> bool {
+        let lasts = |until: Option<Instant>| until.is_some_and(|until| until > now);
+        lasts(self.all) || wanted == Wants::Markers && (self.for_good || lasts(self.markers))
+    }
+
+    fn invite(&mut self, wants: Wants, until: Instant) {
+        match wants {
+            Wants::Markers => self.markers = Some(until),
+            Wants::All => self.all = Some(until),
+        }
+    }
 }
 
 /// What goes out, and to whom.
@@ -130,8 +147,9 @@ impl Announcer {
         locked(&self.0.guests).push(Guest {
             to,
             socket: Arc::new(socket),
-            wants: Wants::Markers,
-            until: None,
+            for_good: true,
+            markers: None,
+            all: None,
             connected,
         });
         Ok(())
@@ -141,22 +159,25 @@ impl Announcer {
     pub(super) fn invite(&self, to: SocketAddr, socket: &Arc<UdpSocket>, wants: Wants) -> bool {
         let now = Instant::now();
         let mut guests = locked(&self.0.guests);
-        guests.retain(|guest| guest.until.is_none_or(|until| until > now));
-        let until = Some(now + Duration::from_secs(LIFE));
-        if let Some(known) = guests.iter_mut().find(|guest| guest.to == to && guest.until.is_some()) {
-            (known.wants, known.until) = (wants, until);
+        guests.retain(|guest| guest.hears(Wants::Markers, now));
+        let until = now + Duration::from_secs(LIFE);
+        if let Some(known) = guests.iter_mut().find(|guest| guest.to == to && !guest.for_good) {
+            known.invite(wants, until);
             return true;
         }
         let room = guests.len() < MOST_PEERS;
         if room {
-            guests.push(Guest { to, socket: Arc::clone(socket), wants, until, connected: false });
+            let socket = Arc::clone(socket);
+            let mut guest = Guest { to, socket, for_good: false, markers: None, all: None, connected: false };
+            guest.invite(wants, until);
+            guests.push(guest);
         }
         room
     }
 
     /// `to` hears of nothing that it has asked for any more.
     pub(super) fn dismiss(&self, to: SocketAddr) {
-        locked(&self.0.guests).retain(|guest| guest.to != to || guest.until.is_none());
+        locked(&self.0.guests).retain(|guest| guest.to != to || guest.for_good);
     }
 
     /// For the listener of the session.
@@ -179,13 +200,9 @@ impl Announcer {
         };
         let now = Instant::now();
         let guests = locked(&self.0.guests);
-        let hear = |guest: &&Guest| {
-            (guest.wants == Wants::All || wanted == Wants::Markers)
-                && guest.until.is_none_or(|until| until > now)
-        };
         let to: Vec<_> = guests
             .iter()
-            .filter(hear)
+            .filter(|guest| guest.hears(wanted, now))
             .map(|guest| (Arc::clone(&guest.socket), (!guest.connected).then_some(guest.to)))
             .collect();
         drop(guests);
