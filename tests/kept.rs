@@ -61,6 +61,7 @@ fn reload(text: &str) -> Reload {
         files: Vec::new(),
         song: None,
         set: Vec::new(),
+        notes: None,
         options: (&options).into(),
     };
     Reload {

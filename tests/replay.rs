@@ -527,12 +527,17 @@ fn a_song_is_played_as_it_is_rendered() {
     let keys = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("patches/27-keys.toml");
     std::fs::copy(keys, room.0.join("keys.toml")).unwrap();
     std::fs::write(room.0.join("song.mid"), song()).unwrap();
-    let render = ["render", "keys.toml", "--midi", "song.mid", "--rate", "48000", "-o", "rendered.wav"];
+    // Of this card both know that it lets nothing steady through.
+    let rig = "format = \"pacinian-rig/1\"\n[device]\nchannels = 8\ncoupling = { high_pass = 15 }\n";
+    std::fs::write(room.0.join("rig.toml"), rig).unwrap();
+    let render = ["render", "keys.toml", "--rig", "rig.toml", "--midi", "song.mid", "-o", "rendered.wav"];
     let output = room.run(&render);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let play = [
         "play",
         "keys.toml",
+        "--rig",
+        "rig.toml",
         "--midi-file",
         "song.mid",
         "--midi-in",

@@ -62,6 +62,9 @@ pub struct Scene {
     /// A Standard MIDI File that plays the patch, through its triggers and bindings
     #[arg(long, visible_alias = "midi-file", value_name = "SONG.mid")]
     pub midi: Option<PathBuf>,
+    /// Lets notes of MIDI play this voice too, at their pitch, whatever the triggers of the patch do
+    #[arg(long, value_name = "VOICE")]
+    pub notes: Option<String>,
     /// Lets recordings and events files lie outside the patch's folder
     #[arg(long)]
     pub allow_outside: bool,
@@ -161,6 +164,7 @@ impl Scene {
             taps: 6,
             input: None,
             midi: None,
+            notes: None,
             allow_outside: false,
             offered: Vec::new(),
             on_card: false,
@@ -271,6 +275,11 @@ impl Scene {
         let rig = given.unwrap_or_else(|| by_default::rig(&patch, &self.offered));
         self.check_words(&patch)?;
         setting::set(&mut patch, &self.settings)?;
+        if let Some(voice) = self.notes.as_ref().filter(|voice| !patch.key(voice)) {
+            let near = nearest::suggest(voice, patch.voices.iter().map(|v| v.name.as_str()));
+            let help = near.unwrap_or_else(|| "a patch declares them with [voice.NAME]".into());
+            return Err(Failure::usage(format!("--notes: the patch has no voice `{voice}`"), help));
+        }
         let rate = self.rate.map(f64::from).or(rig.device.rate).unwrap_or(48_000.0);
         if rate.fract() != 0.0 {
             let what = format!("the rig's device has a rate of {rate} Hz, which no WAV file can say");
@@ -387,6 +396,7 @@ impl Scene {
             warnings,
             surveyed,
             settings: self.settings.clone(),
+            notes: self.notes.clone(),
             files,
             tables: Vec::new(),
             song: None,

@@ -32,6 +32,8 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
     /// Controls that the command line set.
     pub settings: Vec<Setting>,
+    /// The voice that notes play, whatever its triggers do.
+    pub notes: Option<String>,
     /// Files with tables of the rig's calibrations.
     pub tables: Vec<calibrations::Read>,
     /// What plays the patch besides its patterns.

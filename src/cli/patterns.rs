@@ -205,8 +205,9 @@ pub fn playing(loaded: &Loaded) -> Vec<usize> {
         return find(name).into_iter().collect();
     }
     let mut starts = patch.triggers.iter().filter(|t| t.on == Source::Start).peekable();
-    // Where nodes or a knob set some off, they wait for that.
-    let waits = patch.set_off().next().is_some();
+    // Where nodes or a knob set some off, or a song plays, they wait for that.
+    let sung = loaded.song_name.is_some() && patch.triggers.iter().any(|t| t.on.is_live());
+    let waits = sung || patch.set_off().next().is_some();
     if starts.peek().is_none() && !patch.patterns.is_empty() && !waits {
         return vec![0];
     }

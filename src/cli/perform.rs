@@ -10,7 +10,7 @@ use super::terminal::Terminal;
 use super::unsung::LONGEST;
 use pacinian::graph::plan::Shared;
 use pacinian::midi::file::Song;
-use pacinian::patch::Source;
+use pacinian::patch::{Source, Trigger};
 use pacinian::player::Player;
 use pacinian::score::{Score, What};
 use pacinian::space::spot::Spot;
@@ -82,10 +82,20 @@ impl Until {
         if let Some(song) = loaded.song.as_ref().filter(|song| song.seconds > LONGEST) {
             return Err(too_long(song, loaded.song_name.as_deref().unwrap_or("the song"), player));
         }
-        let input = loaded.input.as_ref().map(|input| input.seconds() + patch.render.tail.unwrap_or(0.0));
+        let tail = patch.render.tail.unwrap_or(0.0);
+        let heard = loaded.input.as_ref().map(|input| input.seconds());
+        let sung = loaded.song.as_ref().map(|song| song.seconds);
+        let lasts = heard.into_iter().chain(sung).reduce(f64::max);
         let playing = playing(loaded);
         let always = player.plan().instruments.iter().find(|i| i.always);
-        let endless = playing.iter().filter_map(|&i| patch.patterns.get(i)).find(|p| is_endless(p));
+        // What a song may begin and never ends; a key lets go of what it holds.
+        let begins = |trigger: &&Trigger| {
+            loaded.song.is_some() && trigger.on.is_live() && trigger.on != Source::MidiNote
+        };
+        let begun = patch.triggers.iter().filter(begins);
+        let begun = begun.filter_map(|trigger| patch.patterns.iter().find(|p| p.name == trigger.play));
+        let endless =
+            playing.iter().filter_map(|&i| patch.patterns.get(i)).chain(begun).find(|p| is_endless(p));
         // A control stands still, but for a song, which has an end.
         let moves =
             |signal: u32| !matches!(player.plan().shared.get(signal as usize), Some(Shared::Control(_)));
@@ -108,10 +118,10 @@ impl Until {
                 )
                 .with_code(65));
             }
-            (None, None, None) => return Ok(Self::Over(patch.render.tail.unwrap_or(0.0))),
+            (None, None, None) => return Ok(Self::Over(tail)),
         };
-        if let Some(seconds) = input {
-            return Ok(Self::Seconds(seconds));
+        if let Some(seconds) = lasts {
+            return Ok(Self::Seconds(seconds + tail));
         }
         let example = player.length().filter(|length| *length > 0.0).map_or(10.0, f64::ceil);
         let hear = if player.plan().inputs().is_empty() {

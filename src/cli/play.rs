@@ -185,10 +185,15 @@ impl Play {
         };
         let block = self.block.or_else(|| device.usual_block());
         scene.block = block;
-        scene.on_card = !matches!(device, Chosen::Virtual(_));
-        let on_card = scene.on_card;
-        let options =
-            Options { rate: Some(f64::from(rate)), live: true, block, on_card, ..loaded.options.clone() };
+        // The virtual one as well: what is tried on it is what a card would get.
+        scene.on_card = true;
+        let options = Options {
+            rate: Some(f64::from(rate)),
+            live: true,
+            block,
+            on_card: true,
+            ..loaded.options.clone()
+        };
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
         self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty())?;
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
@@ -261,7 +266,7 @@ impl Play {
             escaped(&name),
             if armed { "" } else { ", at -20 dB: --arm for full level" }
         ));
-        if on_card && loaded.rig_source.is_some() && loaded.rig.device.coupling.is_none() {
+        if loaded.rig_source.is_some() && loaded.rig.device.coupling.is_none() {
             terminal.note(UNSAID);
         }
         if let Some(mixes) = mixes {

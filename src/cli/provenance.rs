@@ -43,6 +43,7 @@ pub fn provenance(loaded: &Loaded, options: &Options) -> Result<Provenance, File
             .zip(loaded.song_name.clone())
             .map(|(sha256, path)| FileDigest { path, sha256 }),
         set: loaded.settings.iter().map(|s| (s.control.clone(), s.value)).collect(),
+        notes: loaded.notes.clone(),
         options: options.into(),
     })
 }

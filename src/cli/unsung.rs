@@ -21,7 +21,7 @@ pub fn unsung(patch: &Patch, path: &Path, song: &Song) -> Option<Problems> {
             return None;
         }
         let what = "nothing in the patch hears MIDI, so that the song changes nothing";
-        let help = "add a [[trigger]] with on = \"midi.note\" and play = \"VOICE\", a [[bind]] with from = \"midi.controller 1\", or clock = \
+        let help = "--notes VOICE lets its notes play a voice; or add a [[trigger]] with on = \"midi.note\" and play = \"VOICE\", a [[bind]] with from = \"midi.controller 1\", or clock = \
                     \"midi\" to a pattern: see `pacinian format trigger`";
         (what.to_string(), help)
     } else if !counts && !song.messages.is_empty() && !song.messages.iter().any(|(_, m)| hears(patch, *m)) {

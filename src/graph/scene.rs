@@ -42,7 +42,7 @@ pub struct Options {
     /// Frames of a device's block, as far as that is known; `None`: [`BLOCK`]. A knob that a card reads waits for blocks, and so do patterns
     /// that a knob or a node sets off.
     pub block: Option<u32>,
-    /// Whether it is played on a real card. Where the rig does not say what the card's outputs let through, steady voltages are taken to
+    /// Whether it is played on a card, be it a virtual one. Where the rig does not say what the card's outputs let through, steady voltages are taken to
     /// leave it, and are kept off; else they are taken not to.
     pub on_card: bool,
     /// The first input channel (from 0) at the least by which a knob on a serial line is heard: that of a scene that is to be followed, so that

@@ -29,6 +29,9 @@ pub struct Provenance {
     /// Controls that stood elsewhere than at their `default` from the beginning.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<(String, f64)>,
+    /// The voice that notes of MIDI played, whatever the patch's triggers do: see [`crate::patch::Patch::key`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub notes: Option<String>,
     /// How the two were compiled.
     pub options: Choices,
 }

@@ -14,6 +14,7 @@ pub(crate) mod event;
 pub(crate) mod events_file;
 pub(crate) mod expr;
 pub(crate) mod felt;
+mod keyed;
 pub mod knob;
 pub mod motion;
 pub(crate) mod names;

@@ -48,7 +48,7 @@ pub const TOPICS: &[Topic] = &[
         doc: "The sound card.",
         text: "`rate` may be left out; then `--rate` says it, or it is 48,000 Hz.\n\n\
                Most cards let nothing through below some 5 to 20 Hz: coupling = { high_pass = 15.0 }; say coupling = \"dc\" if yours lets steady \
-               voltages through. Where nothing is said, `play` takes a card to do so, and `render` takes it not to. A coil that holds one does not move and gets hot, so every tactor then has a high-pass at 1 Hz, unless it \
+               voltages through. Where nothing is said, `play` takes a card to do so, the virtual one too, and `render` takes it not to. A coil that holds one does not move and gets hot, so every tactor then has a high-pass at 1 Hz, unless it \
                says dc = true. It is of first order, far below what is felt as vibration: at 20 Hz it takes away 0.011 dB and turns by 2.9°, at \
                250 Hz it makes envelopes 2.5 µs later; of a voltage that stays, 37 % is left after 0.16 s and -80 dB after 1.5 s. \
                Outputs of kind `raw` and `trigger` are declared for steady voltages by their kind.\n\n\

@@ -67,6 +67,10 @@ pub fn remake(made_of: &Provenance, recordings: &Recordings) -> Result<Scene, Re
         })?;
         control.default = *value;
     }
+    if let Some(voice) = made_of.notes.as_ref().filter(|voice| !patch.key(voice)) {
+        let what = format!("the patch has no voice `{voice}`, which notes played");
+        return Err(RemakeError::Scene(patch.origin.problems(vec![Problem::of_file(what)])));
+    }
     let rig = match &made_of.rig {
         RigText::Line { line } => Rig::default_for(*line),
         RigText::Text(text) => {
