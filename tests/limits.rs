@@ -152,7 +152,7 @@ proptest! {
         prop_assert!(frames.iter().skip(9).step_by(10).any(|x| *x != 0.0), "a pulse");
     }
 
-    /// From one plan to the next while all sounds: the higher of both on the way, and after 50 ms and what the filter holds the new one.
+    /// From one plan to the next while all sounds: the higher of both on the way, and after 100 ms and what the filter holds the new one.
     #[test]
     fn another_level_takes_over_while_it_sounds(
         old in prop::collection::vec(level(), 1..7),
@@ -174,7 +174,7 @@ proptest! {
             stagehand.process(&[], part);
         }
         let (first, second) = (levels(&first), levels(&second));
-        let (swap, end) = (10 * 48 * at, 10 * 48 * (at + 50));
+        let (swap, end) = (10 * 48 * at, 10 * 48 * (at + 105));
         prop_assert!(beyond(&frames[..swap], &first).is_none());
         let both: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a.max(*b)).collect();
         prop_assert!(beyond(&frames[swap..end], &both).is_none());
@@ -217,7 +217,7 @@ fn another_level_is_not_heard_where_nothing_reaches_it() {
     };
     let hum = |change: Option<f64>| {
         let (mut director, mut stagehand) = exchange(&soft(1.0)).unwrap();
-        let mut frames = vec![0.0; 10 * 48 * 400];
+        let mut frames = vec![0.0; 10 * 48 * 500];
         for (n, part) in frames.chunks_mut(10 * 48).enumerate() {
             if let Some(level) = change.filter(|_| n == 200) {
                 assert_eq!(director.send(&soft(level)), Ok(true));
@@ -246,3 +246,45 @@ output = "o"
 [voice.soft.nodes]
 o = { type = "sine", frequency = 400, amplitude = 0.08 }
 "#;
+
+/// A level that comes down over what is louder than it turns that down as it glides: the largest step is no larger than without it.
+#[test]
+fn a_level_that_comes_down_over_a_tone_turns_it_down_without_a_step() {
+    for hertz in [40.0, 60.0, 100.0, 160.0, 250.0, 500.0, 800.0] {
+        let text = format!(
+            "[voice.hum]\nstart = \"always\"\noutput = \"o\"\nplace = \"t1\"\nnodes.o = {{ type = \"sine\", frequency = {hertz}, amplitude = 0.2 }}\n"
+        );
+        let plan = |level: f64| {
+            let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+            let rig = format!(
+                "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\nmax_level = {level}\n[[tactor]]\nname = \"t1\"\nchannel = 1\n"
+            );
+            let rig = Rig::parse("rig.toml", rig.as_bytes()).unwrap().value;
+            scene(&patch(&text), &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan
+        };
+        let hum = |from: f64, to: Option<f64>| {
+            let (mut director, mut stagehand) = exchange(&plan(from)).unwrap();
+            let mut frames = vec![0.0; 48 * 1_000];
+            for (n, part) in frames.chunks_mut(48).enumerate() {
+                if let Some(level) = to.filter(|_| n == 200) {
+                    assert_eq!(director.send(&plan(level)), Ok(true));
+                }
+                stagehand.process(&[], part);
+            }
+            frames.into_iter().skip(4_800).collect::<Vec<f32>>()
+        };
+        let step = |frames: &[f32]| frames.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f32::max);
+        for (from, to) in [(0.25, 0.1), (1.0, 0.15), (0.25, 0.02), (0.1, 0.3)] {
+            let (old, new, changed) = (hum(from, None), hum(to, None), hum(from, Some(to)));
+            let worst = step(&changed) / step(&old).max(step(&new));
+            assert!(worst <= 1.005, "{hertz} Hz, from {from} to {to}: a step {worst} times as large");
+            let peak = |frames: &[f32]| frames[33_600..].iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+            // A need that comes back to 95 % renews the one that is held.
+            let (meant, end) = (peak(&new), peak(&changed));
+            assert!(
+                (end / meant - 1.0).abs() < 0.055,
+                "{hertz} Hz, from {from} to {to}: {end} in place of {meant}"
+            );
+        }
+    }
+}

@@ -221,8 +221,8 @@ fn nothing_is_beyond_the_level_of_the_rig_that_plays() {
     let mut reached = [false; 5];
     for (n, frame) in all.chunks(2).enumerate() {
         let now = swaps.partition_point(|swap| *swap <= n);
-        // 400 samples of the engine, and those frames of one that were given out before.
-        let glides = now > 0 && n < swaps[now - 1] + 6 * 400 + 6;
+        // 800 samples of the engine, and those frames of one that were given out before.
+        let glides = now > 0 && n < swaps[now - 1] + 6 * 800 + 6;
         let most = if glides { levels[now - 1].max(levels[now]) } else { levels[now] };
         for x in frame {
             assert!(f64::from(x.abs()) <= most, "frame {n}: {x} beyond {most}, after {swaps:?}");

@@ -2,12 +2,16 @@
 //!
 //! A channel is lifted by as much before the limiter as it is lowered by behind the band limit, so the limiter limits at full scale as
 //! ever, which then is that level. What it does to a channel at a level of a half is what it does at full scale to a signal twice as large.
+//!
+//! A level that comes down over what is louder would meet the limiter unprepared, crest by crest. What was played lately is known, so the
+//! limiter is told beforehand what it will need on the way: see [`Ceiling::foresee`].
 
 use super::Row;
+use super::loops::SILENCE;
 use crate::dsp::lanes::LANES;
 
-/// Engine samples in which a level glides to where it is told while something sounds: 50 ms, about.
-const GLIDE: u32 = 400;
+/// Engine samples in which a level glides to where it is told while something sounds: 100 ms, about.
+const GLIDE: u32 = 800;
 
 /// Nothing is lowered.
 const FULL: Row = [1.0; LANES];
@@ -24,6 +28,9 @@ pub(super) struct Ceiling {
     left: u32,
     /// Nothing goes beyond this.
     most: Row,
+    /// The largest magnitudes that were played lately where a level comes down, else 0; and what the limiter needed, times the level.
+    lately: Row,
+    needed: Row,
 }
 
 /// The largest number in single precision that is no larger than a level, so that what keeps to the one keeps to the other.
@@ -36,7 +43,16 @@ impl Ceiling {
     /// At these levels, each above 0; `None` where all are full scale.
     pub fn new(level: Row) -> Option<Self> {
         let lift = level.map(|level| 1.0 / level);
-        (level != FULL).then_some(Self { level, lift, target: level, pace: FULL, left: 0, most: level })
+        (level != FULL).then_some(Self {
+            level,
+            lift,
+            target: level,
+            pace: FULL,
+            left: 0,
+            most: level,
+            lately: SILENCE,
+            needed: SILENCE,
+        })
     }
 
     /// Goes to other levels: at once, or gliding where something sounds.
@@ -63,7 +79,36 @@ impl Ceiling {
             pace: std::array::from_fn(pace),
             left: GLIDE,
             most: std::array::from_fn(|l| most[l].max(target[l])),
+            lately: SILENCE,
+            needed: SILENCE,
         }
+    }
+
+    /// At the beginning of a glide: the largest magnitudes that were played lately, and what the limiter needs.
+    pub fn prepare(this: &mut Option<Self>, lately: &Row, need: &Row) {
+        let Some(this) = this.as_mut().filter(|ceiling| ceiling.left > 0) else { return };
+        for l in 0..LANES {
+            let falls = this.target[l] < this.level[l];
+            this.lately[l] = if falls { lately[l] } else { 0.0 };
+            this.needed[l] = if falls { need[l] * this.level[l] } else { 0.0 };
+        }
+    }
+
+    /// What the limiter needs at the samples to come for what was played lately, if that goes on, where a constant input of 1 needs `unit`:
+    /// as many of `needs`; none where no level comes down.
+    #[inline(always)]
+    pub fn foresee<'a>(&self, unit: f32, needs: &'a mut [Row]) -> &'a [Row] {
+        if self.left == 0 || (self.lately == SILENCE && self.needed == SILENCE) {
+            return &[];
+        }
+        let mut level = self.level;
+        for row in &mut *needs {
+            for l in 0..LANES {
+                level[l] *= self.pace[l];
+                row[l] = (self.lately[l] * unit).max(self.needed[l]) / level[l];
+            }
+        }
+        needs
     }
 
     /// Goes to its own levels from those of another, in the lanes that are kept of that; the others are at theirs.
@@ -147,7 +192,7 @@ mod tests {
         let to = [1.0, 0.5, 0.3, 1e-4, 1.0, 0.7, 0.9, 0.1];
         Ceiling::go(&mut ceiling, to, true);
         let mut done = 0;
-        for step in [1, 7, 64, 64, 64, 64, 64, 72] {
+        for step in [1, 7, 128, 128, 128, 128, 128, 152] {
             let at = ceiling.as_mut().unwrap();
             assert_eq!(at.glides(), Some(GLIDE - done));
             assert_eq!(*at.most(), FULL, "the higher of both");

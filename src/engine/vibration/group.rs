@@ -14,6 +14,8 @@ use crate::dsp::lanes::LANES;
 const FLUSH: f32 = 1e-6;
 /// Samples a block is cut into, at most.
 const CHUNK: usize = GRID as usize;
+/// Grid periods for which it is known at the least what was played: a half-wave of 16 Hz.
+const WHILE: usize = 256 / CHUNK;
 
 /// Where a group's channels lie in a device frame.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +59,8 @@ impl<'a> Target<'a> {
 pub(super) struct Scratch {
     /// The band limit's output, past and present.
     line: [Row; MAX_TAPS - 1 + CHUNK],
+    /// What the limiter needs at the least, where a level comes down.
+    needs: [Row; CHUNK],
     /// Device frames of eight channels, for a group that has fewer.
     frames: Vec<f32>,
 }
@@ -65,7 +69,7 @@ impl Scratch {
     /// For a stage of `channels` whose engine samples make `ratio` frames.
     pub fn new(channels: usize, ratio: usize) -> Self {
         let padded = if channels.is_multiple_of(LANES) { 0 } else { CHUNK * ratio * LANES };
-        Self { line: [SILENCE; MAX_TAPS - 1 + CHUNK], frames: vec![0.0; padded] }
+        Self { line: [SILENCE; MAX_TAPS - 1 + CHUNK], needs: [SILENCE; CHUNK], frames: vec![0.0; padded] }
     }
 }
 
@@ -97,6 +101,9 @@ pub(super) struct Group {
     /// Lanes with no input since the last grid point.
     quiet: [bool; LANES],
     asleep: bool,
+    /// The largest magnitudes of a while, and of that before; and grid periods that are left of it.
+    lately: [Row; 2],
+    left: usize,
     pub peak: Row,
     pub counts: Counts,
 }
@@ -117,6 +124,8 @@ impl Group {
             limiter: Limiter::REST,
             quiet: [true; LANES],
             asleep: true,
+            lately: [SILENCE; 2],
+            left: WHILE,
             peak: SILENCE,
             counts: Counts::default(),
         }
@@ -133,6 +142,7 @@ impl Group {
     /// Lets no more leave the lanes than this, from now on, or in a while where something sounds.
     pub fn limit_to(&mut self, levels: Row) {
         Ceiling::go(&mut self.ceiling, levels, !self.asleep);
+        self.prepare();
     }
 
     /// Takes over from an old group: lanes that are kept go on as they were there. The others go on from the same state of what is the same for all
@@ -157,10 +167,18 @@ impl Group {
             swap_lane(self.state.as_flattened_mut(), old.state.as_flattened_mut(), lane);
             swap_lane(&mut self.past, &mut old.past, lane);
             swap_lane([&mut self.peak], [&mut old.peak], lane);
+            swap_lane(&mut self.lately, &mut old.lately, lane);
             self.limiter.swap(&mut old.limiter, lane);
             std::mem::swap(&mut self.quiet[lane], &mut old.quiet[lane]);
         }
         self.asleep = old.asleep;
+        self.prepare();
+    }
+
+    /// What sounds is known to a level that begins to come down.
+    fn prepare(&mut self) {
+        let lately = std::array::from_fn(|l| self.lately[0][l].max(self.lately[1][l]));
+        Ceiling::prepare(&mut self.ceiling, &lately, &self.limiter.need);
     }
 
     /// Renders a block into this group's channels of `out`.
@@ -267,14 +285,18 @@ impl Group {
             }
             peaks = survey(rows).0;
         }
-        let Scratch { line, frames } = scratch;
+        let Scratch { line, frames, needs } = scratch;
         let predicted = match &design.limits {
             Some(limits) => self.limiter.is_engaged() || limits.engage(&peaks),
             None => false,
         };
         let recent = &mut line[MAX_TAPS - 1..][..rows.len()];
+        let least = match (&self.ceiling, &design.limits) {
+            (Some(ceiling), Some(limits)) => ceiling.foresee(limits.level, &mut needs[..rows.len()]),
+            _ => &[],
+        };
         if predicted {
-            self.limit(design, rows, peaks, recent);
+            self.limit(design, rows, least, peaks, recent);
         } else {
             filter(&design.sections, &mut self.state, rows, recent);
         }
@@ -313,6 +335,9 @@ impl Group {
             (11, _) => up_sample::<11, 0>(design, line, past, target),
             _ => up_sample::<12, 0>(design, line, past, target),
         };
+        for (held, peak) in self.lately[0].iter_mut().zip(peak) {
+            *held = if *held > peak { *held } else { peak };
+        }
         let most = self.ceiling.as_ref().map_or([1.0; LANES], |ceiling| *ceiling.most());
         let mut over = false;
         for ((held, peak), most) in self.peak.iter_mut().zip(peak).zip(most) {
@@ -326,7 +351,7 @@ impl Group {
 
     /// Passes `rows` through limiter and band limit into `line`.
     #[inline(always)]
-    fn limit(&mut self, design: &Design, rows: &[Row], peaks: Row, line: &mut [Row]) {
+    fn limit(&mut self, design: &Design, rows: &[Row], least: &[Row], peaks: Row, line: &mut [Row]) {
         let sections = &design.sections;
         let Some(limits) = &design.limits else { return };
         let mut done = 0;
@@ -342,14 +367,15 @@ impl Group {
             };
             let count = next.unwrap_or(rows.len() - done);
             let (block, to) = (&rows[done..done + count], &mut line[done..done + count]);
-            let state = &mut self.state;
+            let (state, least) = (&mut self.state, least.get(done..done + count).unwrap_or_default());
             if !self.limiter.is_engaged() {
                 filter(sections, state, block, to);
             } else if limits.lags == LAGS {
-                self.counts.limited += self.limiter.run::<{ LAGS + 1 }>(limits, sections, state, block, to);
+                self.counts.limited +=
+                    self.limiter.run::<{ LAGS + 1 }>(limits, sections, state, block, least, to);
             } else {
                 self.counts.limited +=
-                    self.limiter.run::<{ LAGS_FAST + 1 }>(limits, sections, state, block, to);
+                    self.limiter.run::<{ LAGS_FAST + 1 }>(limits, sections, state, block, least, to);
             }
             done += count;
         }
@@ -398,6 +424,10 @@ impl Group {
     /// At a grid point: flushes lanes that had no input since the last one and have died away; sleeps when all have.
     fn settle(&mut self, taps: usize) {
         self.limiter.settle();
+        self.left -= 1;
+        if self.left == 0 {
+            (self.lately, self.left) = ([SILENCE, self.lately[0]], WHILE);
+        }
         if self.asleep {
             return;
         }

@@ -70,7 +70,7 @@ pub(super) struct Limits {
     /// Where the gain brings what is louder.
     aim: f32,
     /// What a steady input of 1 becomes.
-    level: f32,
+    pub level: f32,
     /// Samples for which a need is held, and what is left of it a sample afterwards.
     hold: f32,
     left: f32,
@@ -151,7 +151,7 @@ pub(super) struct Limiter {
     bare_state: Cascade,
     pub gain: Row,
     /// What the channel needs, 0 where that is below the aim; and samples for which that is still held.
-    need: Row,
+    pub need: Row,
     held: Row,
     engaged: [bool; LANES],
     /// Whether the last look at all predictions found one that was not near zero.
@@ -261,7 +261,7 @@ impl Limiter {
         }
     }
 
-    /// Limits `rows` and passes them through the band limit into `out`. `N` is the number of lags and one. Returns how
+    /// Limits `rows`, of which each needs so much at the `least` (where that is empty, nothing), and passes them through the band limit into `out`. `N` is the number of lags and one. Returns how
     /// many samples were turned down.
     #[inline(always)]
     pub fn run<const N: usize>(
@@ -270,6 +270,7 @@ impl Limiter {
         filter: &Sections,
         state: &mut Cascade,
         rows: &[Row],
+        least: &[Row],
         out: &mut [Row],
     ) -> u64 {
         let mut z = *state;
@@ -281,7 +282,7 @@ impl Limiter {
         old[..N - 1].copy_from_slice(&self.ahead[..N - 1]);
         let Some(impulse) = limits.impulse.first_chunk::<N>() else { return 0 };
         // Whether a gain is not 1, so that the input as it is has predictions of its own.
-        let mut active = self.need != [0.0; LANES];
+        let mut active = !least.is_empty() || self.need != [0.0; LANES];
         if active {
             self.follow(&self.need.map(|need| need == 0.0), &old[..N - 1], &z);
         }
@@ -312,19 +313,20 @@ impl Limiter {
                 done += passed;
             }
             let (Some(x), Some(y)) = (rows.get(done), out.get_mut(done)) else { break };
+            let floor = least.get(done).unwrap_or(&SILENCE);
             done += 1;
             old[N - 1] = rest(limits, &z);
             let before = self.need;
             let mut u = *x;
             if active {
-                self.weigh::<N>(limits, filter, impulse, x, &mut u);
+                self.weigh::<N>(limits, filter, impulse, x, floor, &mut u);
             }
             let mut peak = predict(impulse, old, new, &u);
             // Without a gain, the need is seen in the predictions that are made anyway.
             let mut seen = active;
             if !active && wanted(limits, x, &peak).iter().any(|&need| need > limits.aim) {
                 self.follow(&[true; LANES], &old[..N - 1], &z);
-                self.weigh::<N>(limits, filter, impulse, x, &mut u);
+                self.weigh::<N>(limits, filter, impulse, x, floor, &mut u);
                 peak = predict(impulse, old, new, &u);
                 seen = true;
             }
@@ -346,7 +348,7 @@ impl Limiter {
                 if over {
                     if !seen {
                         self.follow(&[true; LANES], &old[..N - 1], &z);
-                        self.weigh::<N>(limits, filter, impulse, x, &mut u);
+                        self.weigh::<N>(limits, filter, impulse, x, floor, &mut u);
                     }
                     self.turn_down(limits, &free, &peak, x, &mut u);
                     predict(impulse, old, new, &u);
@@ -355,7 +357,7 @@ impl Limiter {
             *y = cascade(filter, &mut z, u);
             std::mem::swap(&mut old, &mut new);
             if before != [0.0; LANES] || self.need != [0.0; LANES] {
-                active = false;
+                active = !least.is_empty();
                 let (mut met, mut any) = ([false; LANES], false);
                 for l in 0..LANES {
                     limited += u64::from(self.need[l] > 0.0);
@@ -389,7 +391,7 @@ impl Limiter {
         }
     }
 
-    /// What the channels need with the sample `x`, the gain that follows from it, and what it makes of the sample.
+    /// What the channels need with the sample `x`, or at the least, the gain that follows from it, and what it makes of the sample.
     #[inline(always)]
     fn weigh<const N: usize>(
         &mut self,
@@ -397,6 +399,7 @@ impl Limiter {
         filter: &Sections,
         impulse: &[Row; N],
         x: &Row,
+        least: &Row,
         u: &mut Row,
     ) {
         let Some(bare) = self.bare.first_chunk_mut::<N>() else { return };
@@ -411,8 +414,9 @@ impl Limiter {
             bare[k] = sum;
             peak = larger(&peak, &sum);
         }
-        let now = wanted(limits, x, &peak);
+        let mut now = wanted(limits, x, &peak);
         for l in 0..LANES {
+            now[l] = now[l].max(least[l]);
             let before = self.need[l];
             let held = self.held[l] - 1.0;
             let faded = if held > 0.0 { before } else { before * limits.left };

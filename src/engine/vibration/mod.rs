@@ -225,7 +225,7 @@ impl Vibration {
     }
 
     /// Lets no more leave the channels than these levels, of full scale, from now on: at once where nothing sounds, else gliding
-    /// there within 50 ms, on whose way what leaves a channel keeps to the higher of both. Channels beyond the list go to 1.
+    /// there within 100 ms, on whose way what leaves a channel keeps to the higher of both. Channels beyond the list go to 1.
     pub(super) fn limit_to(&mut self, levels: &[f32]) {
         for (g, group) in self.groups.iter_mut().enumerate() {
             group.limit_to(std::array::from_fn(|l| levels.get(g * LANES + l).copied().unwrap_or(1.0)));
