@@ -10,6 +10,7 @@
  *         a cable from the outputs to the inputs, `delay` frames long (they may lie between two samples, with float samples)
  * gone    while this file exists the card is unplugged
  * broken  while this file exists nothing can be written to it or read from it
+ * fails   with what error (errno) it cannot be opened
  * rates   the one rate it has; five where nothing is said
  * ppm     by how much its clock is fast
  *
@@ -230,7 +231,7 @@ static const snd_pcm_ioplug_callback_t calls = {
 SND_PCM_PLUGIN_DEFINE_FUNC(testcard) {
     snd_config_iterator_t each, next;
     const char *played = NULL, *heard = NULL, *gone = NULL, *broken = NULL;
-    long channels = 2, ppm = 0, loop = 0, late = 0, only = 0;
+    long channels = 2, ppm = 0, loop = 0, late = 0, only = 0, fails = 0;
     (void)root;
     snd_config_for_each(each, next, conf) {
         snd_config_t *entry = snd_config_iterator_entry(each);
@@ -241,6 +242,7 @@ SND_PCM_PLUGIN_DEFINE_FUNC(testcard) {
         else if (!strcmp(key, "loop")) snd_config_get_integer(entry, &loop);
         else if (!strcmp(key, "delay")) snd_config_get_integer(entry, &late);
         else if (!strcmp(key, "rates")) snd_config_get_integer(entry, &only);
+        else if (!strcmp(key, "fails")) snd_config_get_integer(entry, &fails);
         else if (!strcmp(key, "played")) snd_config_get_string(entry, &played);
         else if (!strcmp(key, "heard")) snd_config_get_string(entry, &heard);
         else if (!strcmp(key, "gone")) snd_config_get_string(entry, &gone);
@@ -251,6 +253,7 @@ SND_PCM_PLUGIN_DEFINE_FUNC(testcard) {
         }
     }
     if (gone && access(gone, F_OK) == 0) return -ENOENT;
+    if (fails) return -fails;
     struct card *card = calloc(1, sizeof *card);
     if (!card) return -ENOMEM;
     int out = stream == SND_PCM_STREAM_PLAYBACK;

@@ -147,7 +147,7 @@ impl Wish {
                     false => "no sound card is there",
                 };
                 for place in hosts.places() {
-                    let all = place.devices().unwrap_or_default();
+                    let all = place.all().unwrap_or_default();
                     let others = all.iter().any(|(_, found)| found.output.is_some());
                     let Some((device, found)) = all.into_iter().find(|(_, f)| f.default) else {
                         if others {
@@ -159,13 +159,14 @@ impl Wish {
                         _ if found.output.is_some() => return Ok(Chosen::Card(device, found)),
                         Some(Trouble::Busy) => why = "another program plays on the sound card",
                         Some(Trouble::Forbidden) => why = "this user may not play on the sound card",
+                        Some(Trouble::Other) => why = "the sound card cannot be opened",
                         _ => {}
                     }
                 }
                 Ok(Chosen::Virtual(Some(why)))
             }
             Self::Named(name) => {
-                let all = hosts.devices();
+                let all = hosts.all();
                 let (device, found) =
                     named(&all, name, |found| found.output.is_some()).map_err(|error| match error.kind {
                         Trouble::Missing if nearest(name, [VIRTUAL]).is_some() => {
@@ -191,8 +192,15 @@ fn named<'a>(
     name: &str,
     fits: impl Fn(&Found) -> bool,
 ) -> Result<&'a (Device, Found), DeviceError> {
-    let device = list::find(all, name, |found| fits(found) || found.trouble.is_some()).map_err(|error| {
-        match error.kind == Trouble::Missing && access::forbidden() {
+    let wanted = |found: &Found| fits(found) || found.is_of_use() && found.trouble.is_some();
+    let device = list::find(all, name, wanted).map_err(|error| {
+        if error.kind != Trouble::Missing {
+            return error;
+        }
+        if let Some(why) = why_not(all, name) {
+            return why.clone();
+        }
+        match access::forbidden() {
             true => DeviceError::new(
                 Trouble::Forbidden,
                 format!(
@@ -210,13 +218,24 @@ fn named<'a>(
     }
 }
 
+/// Why the device that is called exactly so cannot be opened at all.
+fn why_not<'a>(all: &'a [(Device, Found)], name: &str) -> Option<&'a DeviceError> {
+    let is_called = |found: &Found| {
+        let own = found.id.split_once(':').map(|(_, own)| own);
+        found.id == name || found.name == name || own == Some(name)
+    };
+    let device = all.iter().find(|(_, found)| !found.is_of_use() && is_called(found))?;
+    device.1.trouble.as_ref()
+}
+
 /// A card of `hosts` by its id, if it is there now.
 pub(super) fn again(hosts: &Hosts, id: &str) -> Result<(Device, Found), DeviceError> {
     by_id(hosts, id, |found| found.output.is_some())
 }
 
 fn by_id(hosts: &Hosts, id: &str, fits: impl Fn(&Found) -> bool) -> Result<(Device, Found), DeviceError> {
-    match hosts.device(id) {
+    let device = hosts.device(id).filter(|(_, found)| found.is_of_use());
+    match device {
         Some(device) if fits(&device.1) => Ok(device),
         Some((_, Found { trouble: Some(trouble), .. })) => Err(trouble),
         _ => Err(DeviceError::new(Trouble::Missing, format!("{id} is not there"))),
@@ -243,7 +262,7 @@ pub fn heard_among(hosts: &Hosts, name: &str) -> Result<(Device, Found), DeviceE
         let what = "the virtual card plays, and hears nothing";
         return Err(DeviceError::new(Trouble::Unfit, what).help("`pacinian devices` lists which hear"));
     }
-    let all = hosts.devices();
+    let all = hosts.all();
     match named(&all, name, |found| found.input.is_some()) {
         Ok(found) => Ok(found.clone()),
         Err(error) if name.eq_ignore_ascii_case(DEFAULT) => {
@@ -257,7 +276,7 @@ pub fn heard_among(hosts: &Hosts, name: &str) -> Result<(Device, Found), DeviceE
             }
         }
         Err(error) if error.kind != Trouble::Missing => Err(error),
-        Err(error) => match list::find(&all, name, |_| true) {
+        Err(error) => match list::find(&all, name, Found::is_of_use) {
             Ok((_, found)) => Err(DeviceError::new(Trouble::Unfit, format!("{} has no inputs", found.name))
                 .help("`pacinian devices` lists which have")),
             Err(_) => Err(error),

@@ -76,10 +76,16 @@ impl DeviceError {
                 Trouble::Forbidden,
                 "on Linux, add yourself to the group audio: sudo usermod -aG audio $USER, then log in again",
             ),
-            Kind::UnsupportedConfig | Kind::UnsupportedOperation | Kind::InvalidInput => {
+            Kind::UnsupportedOperation => {
+                (Trouble::Unfit, "`pacinian devices` lists what can be played on and what can be heard")
+            }
+            Kind::UnsupportedConfig | Kind::InvalidInput => {
                 (Trouble::Unfit, "`pacinian devices` lists channels, rates and blocks that it offers")
             }
-            _ => (Trouble::Other, "`pacinian devices` says how it stands"),
+            _ => (
+                Trouble::Other,
+                "unplug it and plug it in again; where that does not help, the system's log may say more (on Linux: dmesg)",
+            ),
         };
         // What is to be done follows behind it.
         let error = error.to_string();

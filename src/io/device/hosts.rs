@@ -71,9 +71,9 @@ impl Hosts {
         Place { name: id.to_string(), host, of: Self::default() }
     }
 
-    /// All devices of all hosts that run.
-    pub(super) fn devices(&self) -> Vec<(Device, Found)> {
-        self.places().flat_map(|place| place.devices().unwrap_or_default()).collect()
+    /// All devices of all hosts that run, those of no use too.
+    pub(super) fn all(&self) -> Vec<(Device, Found)> {
+        self.places().flat_map(|place| place.all().unwrap_or_default()).collect()
     }
 
     /// The device that has this id, if it is there. No other is looked at, and no other host.
@@ -122,21 +122,22 @@ impl Place {
         self.host.as_ref().is_some_and(there)
     }
 
-    /// All its devices; none where it does not run.
+    /// All its devices that are of use; none where it does not run.
     ///
     /// # Errors
     /// One that does not answer.
     pub fn devices(&self) -> Result<Vec<(Device, Found)>, DeviceError> {
+        self.all().map(|all| all.into_iter().filter(|(_, found)| found.is_of_use()).collect())
+    }
+
+    /// All its devices.
+    pub(super) fn all(&self) -> Result<Vec<(Device, Found)>, DeviceError> {
         let Some(host) = &self.host else { return Ok(Vec::new()) };
         hush();
         let default = host.default_output_device().as_ref().map(list::id);
         let all = host.devices().map_err(|error| DeviceError::of("the sound system", &error))?;
         let all = all.filter(|device| !list::is_none(&list::id(device)));
-        let looked = all.map(|device| quietly(|| list::look(device, default.as_deref(), &self.of)));
-        // What can neither be played on nor heard, and does not say why, is none: ALSA lists its converters too.
-        let of_use =
-            |found: &Found| found.output.is_some() || found.input.is_some() || found.trouble.is_some();
-        Ok(looked.filter(|(_, found)| of_use(found)).collect())
+        Ok(all.map(|device| quietly(|| list::look(device, default.as_deref(), &self.of))).collect())
     }
 }
 

@@ -21,7 +21,7 @@ pub struct Found {
     pub output: Option<Offer>,
     /// What it offers to be heard.
     pub input: Option<Offer>,
-    /// Why it does not say what it offers: somebody else has it, or the system does not let us.
+    /// Why it does not say what it offers: somebody else has it, the system does not let us, or it cannot be opened at all.
     pub trouble: Option<DeviceError>,
     /// Where it was found, and is looked for when it was away.
     pub hosts: Hosts,
@@ -50,6 +50,13 @@ impl Found {
     /// server.
     pub fn may_be_another(&self) -> bool {
         self.default && self.host() != "jack"
+    }
+
+    /// Whether it is told of where devices are listed. What can neither be played on nor heard, and is neither in use nor kept from us, is of
+    /// no use: ALSA lists its converters too.
+    pub(super) fn is_of_use(&self) -> bool {
+        let kept = |trouble: &DeviceError| matches!(trouble.kind, Trouble::Busy | Trouble::Forbidden);
+        self.output.is_some() || self.input.is_some() || self.trouble.as_ref().is_some_and(kept)
     }
 
     /// Whether it is as good as another for whoever says its name: the same card in another host, or ALSA's other ways to it
@@ -111,11 +118,13 @@ pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Dev
         "jack:input" => "JACK, inputs".into(),
         _ => device.to_string(),
     };
-    let mut trouble = None;
+    let (mut trouble, mut other) = (None, None);
     let mut refused = |error: cpal::Error| {
         let error = DeviceError::of(&name, &error);
-        if matches!(error.kind, Trouble::Busy | Trouble::Forbidden) {
-            trouble.get_or_insert(error);
+        match error.kind {
+            Trouble::Busy | Trouble::Forbidden => _ = trouble.get_or_insert(error),
+            Trouble::Unfit | Trouble::Other => _ = other.get_or_insert(error),
+            Trouble::Missing => {}
         }
     };
     let mut output = device.supported_output_configs().map_err(&mut refused).ok().and_then(Offer::of);
@@ -139,6 +148,8 @@ pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Dev
         "jack:input" => super::jack_ports::limit(&mut input, "system:capture_.*"),
         _ => {}
     }
+    // One that plays and does not hear says so, which is no trouble.
+    let trouble = trouble.or(other.filter(|_| output.is_none() && input.is_none()));
     let default = default == Some(id.as_str());
     let found = Found { id, name, default, output, input, trouble, hosts: hosts.clone() };
     (device, found)
