@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use common::{compiled, play, run, schedule};
 use pacinian::dsp::isa::Isa;
 use pacinian::engine::Engine;
+use pacinian::engine::event::{Event, Source};
 use pacinian::engine::meter::Meter;
 use pacinian::engine::task::{Task, Values};
 use pacinian::schedule::Beat;
@@ -165,11 +166,7 @@ fn the_least_important_rest_from_an_instant_on_and_overruns_are_counted() {
     assert_eq!((engine.rank_above(0), engine.rank_above(5), engine.rank_above(9)), (Some(5), Some(9), None));
     let at = |sample| pacinian::schedule::Instant { sample, fraction: 0 };
     for (sample, above) in [(95, 8), (195, 0), (290, 255)] {
-        engine.schedule(
-            at(sample),
-            pacinian::engine::event::Source::Program,
-            pacinian::engine::event::Event::Shed(above),
-        );
+        engine.schedule(at(sample), Source::Program, Event::Shed(above));
     }
     // To sample 400, in calls of any length.
     let mut out = vec![0.0; 400 * 6 * 8];
@@ -213,6 +210,68 @@ fn motors_are_work_with_a_declared_cost() {
     assert_eq!(motors(common::scenes::MOTORS), ("motors".into(), 8_000, true, true));
 }
 
+/// A simulated knob that is turned to and fro, with voices that begin at any moment between.
+const KNOB: &str = r#"
+[knob.effects]
+notches = { type = "detents", count = 24, torque = 0.01 }
+[voice.click]
+voices = 8
+output = "o"
+nodes.o = { type = "sine", frequency = 200, amplitude = "decay" }
+nodes.decay = { type = "envelope", attack = 0.001, decay = 0.01, sustain = 0 }
+[[trigger]]
+on = "knob.detent"
+play = "click"
+"#;
+
+/// A knob's servo is ticked before every engine sample, inside the call that asks for it, however a run is cut into calls and whatever
+/// happens between: as many runs as samples. One that takes more than it declares is counted, and one that does not is not.
+#[test]
+fn a_knobs_servo_is_a_task_of_exact_intervals_with_a_declared_cost() {
+    static SLOW: AtomicU32 = AtomicU32::new(0);
+    static QUICK: AtomicU32 = AtomicU32::new(0);
+    // Clocks that move each time they are asked: by 100 us, which is 25 us or more for each sample of a stretch of four, and by 1 us.
+    let slow: fn() -> u64 = || u64::from(SLOW.fetch_add(100_000, Ordering::Relaxed));
+    let quick: fn() -> u64 = || u64::from(QUICK.fetch_add(1_000, Ordering::Relaxed));
+    for (clock, over) in [(slow, true), (quick, false)] {
+        for calls in [&[6][..], &[480], &[8_000], &[1, 7, 480, 33, 6, 64]] {
+            let plan = compiled(KNOB, 1, 48_000.0).plan;
+            let knob = plan.knob.as_ref().expect("a knob");
+            let (per_sample, hand) = (u64::from(knob.ticks), plan.control("hand").unwrap());
+            let mut engine = Engine::new(&plan).unwrap();
+            engine.time_tasks(clock);
+            // By one sample after another, so that every stretch is broken off somewhere.
+            let events: Vec<_> =
+                (0..700).map(|n| (f64::from(n) * 11.3, play(0, 0, 60.0, 0.004, 1_000 + n as u64))).collect();
+            schedule(&mut engine, &events);
+            let turn = Event::Glide(hand, 1.2, 0.5);
+            assert!(engine.schedule(pacinian::schedule::Instant::of_samples(100.0), Source::Program, turn));
+            let [_, duty] = engine.duties();
+            assert_eq!((duty.name(), duty.cost()), ("knob", 10e-6));
+            let mut frames = 0;
+            for n in calls.iter().cycle() {
+                engine.process(&mut vec![0.0; *n]);
+                frames += n;
+                // Ahead of what is given out by less than a sample.
+                let (samples, ticks) = (engine.clock(), engine.knob().unwrap().servo().ticks());
+                assert_eq!(samples, frames.div_ceil(6) as u64);
+                assert_eq!(
+                    (duty.runs(), ticks),
+                    (samples, samples * per_sample),
+                    "after {frames} frames of {calls:?}"
+                );
+                if frames >= 48_000 {
+                    break;
+                }
+            }
+            assert!(engine.counters().started > 700, "{:?}: the knob sets off some, too", engine.counters());
+            assert_eq!((duty.overruns() > 1_000, duty.overruns() > 0), (over, over), "{}", duty.overruns());
+            assert_eq!(duty.longest() > duty.cost(), over, "{}", duty.longest());
+            assert_eq!((duty.skipped(), duty.is_resting(), duty.rank()), (0, false, 0));
+        }
+    }
+}
+
 /// Of what belongs to every session the meters rest first, before any task of another rank, and run again last.
 #[cfg(feature = "live")]
 #[test]
@@ -251,7 +310,6 @@ fn meters_rest_first_and_run_again_last() {
 #[test]
 fn a_session_that_has_too_much_to_do_lets_tasks_rest() {
     use cpu_time::ThreadTime;
-    use pacinian::engine::event::Event;
     use pacinian::live::board::Board;
     use pacinian::live::callback::{Callback, Deed};
     use pacinian::live::driver::Driver;

@@ -308,7 +308,9 @@ impl<R: Real> Core<R> {
                 stretch = Knob::until(self.clock);
                 let until = stretch.min(self.clock + left);
                 let (queue, watcher) = (&mut self.queue, &mut self.watcher);
-                self.standing.knob(until - self.clock, || knob.run(until, queue, watcher));
+                if let samples @ 1.. = knob.ahead(until) {
+                    self.standing.knob(samples, || knob.run(until, queue, watcher));
+                }
                 self.counters.dropped += knob.take_dropped();
                 self.run_events();
             }

@@ -324,6 +324,11 @@ impl Knob {
         (clock / CELL + 1) * CELL
     }
 
+    /// How many samples it has to run up to sample `until`: none where it was there before, and what was computed broke off at an event.
+    pub(super) fn ahead(&self, until: u64) -> u64 {
+        until.saturating_sub(self.ran)
+    }
+
     /// Runs up to sample `until`, and puts what it sets off into a queue.
     pub(super) fn run(&mut self, until: u64, queue: &mut Queue<Event>, watcher: &mut Watcher) {
         while self.ran < until {
