@@ -4,6 +4,8 @@
 mod common;
 #[cfg(feature = "cli")]
 mod program;
+#[path = "common/unbroken.rs"]
+mod unbroken;
 
 use std::net::UdpSocket;
 use std::sync::Arc;
@@ -26,6 +28,10 @@ use rosc::{OscMessage, OscPacket, OscType, encoder};
 
 const CHANNELS: u32 = 2;
 
+/// A tone that is always on, on a channel of its own.
+const STEADY: &str = "[voice.steady]\nstart = \"always\"\noutput = \"s\"\nplace = \"t3\"\n[voice.steady.nodes]\n\
+    s = { type = \"sine\", frequency = 100, amplitude = 0.4 }\n";
+
 /// One voice that sounds as long as it is held, a pattern that plays from the beginning and is over soon, and one that never ends.
 const PATCH: &str = "[[trigger]]\non = \"midi.note\"\nplay = \"hum\"\n[[trigger]]\non = \"start\"\nplay = \"once\"\n[control.depth]\ndefault = 1\n[[bind]]\nfrom = \"osc./1/fader1\"\ncontrol = \"depth\"\npickup = false\n[voice.hum]\nvoices = 16\noutput = \"o\"\n[voice.hum.nodes]\n\
     s = { type = \"sine\", frequency = 200, amplitude = \"1 - 0.5 * touch.pressure\" }\ne = { type = \"envelope\", attack = 0.005, release = 0.02 }\n\
@@ -41,19 +47,27 @@ struct Stage {
     refused: Arc<AtomicU64>,
     /// Patches that took over.
     swaps: Arc<AtomicU64>,
+    channels: u32,
 }
 
 fn reload(text: &str) -> Reload {
+    reload_on(text, CHANNELS)
+}
+
+fn reload_on(text: &str, channels: u32) -> Reload {
     // The rate of the virtual card.
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let (patch, rig) = (Arc::new(common::patch(text)), Arc::new(Rig::default_for(CHANNELS)));
+    let (patch, rig) = (Arc::new(common::patch(text)), Arc::new(Rig::default_for(channels)));
     let scene = scene(&patch, &rig, &options, &NoAssets).unwrap();
     Reload { scene, patch, rig, files: Box::new(|path| Err(Problem::of_file(path))), provenance: None }
 }
 
 impl Stage {
     fn new() -> Self {
-        let reload = reload(PATCH);
+        Self::of(reload(PATCH), CHANNELS)
+    }
+
+    fn of(reload: Reload, channels: u32) -> Self {
         let patch = Arc::clone(&reload.patch);
         let refused = Arc::new(AtomicU64::new(0));
         let swaps = Arc::new(AtomicU64::new(0));
@@ -61,6 +75,7 @@ impl Stage {
         let mut ends = false;
         let session = Session::start(Beginning {
             block: Some(64),
+            record: true,
             input: pacinian::io::session::Ear::Nothing,
             audience: Box::new(move |told| match told {
                 Told::Came(Stamped { signal, .. }) => {
@@ -78,7 +93,7 @@ impl Stage {
         let server = Server::start("0".parse().unwrap(), session.handle().clone(), &patch, None).unwrap();
         let client = UdpSocket::bind("127.0.0.1:0").unwrap();
         client.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
-        Self { session, server: Some(server), client, refused, swaps }
+        Self { session, server: Some(server), client, refused, swaps, channels }
     }
 
     fn say(&self, addr: &str, args: &[OscType]) {
@@ -102,7 +117,7 @@ impl Stage {
             };
             if message.addr == "/meter" {
                 let peaks: Vec<f32> = message.args.into_iter().filter_map(OscType::float).collect();
-                assert_eq!(peaks.len(), CHANNELS as usize);
+                assert_eq!(peaks.len(), self.channels as usize);
                 if wanted(&peaks) {
                     return;
                 }
@@ -186,8 +201,8 @@ fn floods_of_midi_and_osc_at_once_are_played_or_counted() {
                 std::thread::sleep(Duration::from_millis(1));
             }
         }
-        // Notes whose end found no room.
-        until("a last word", || handle.send(Signal::ReleaseAll).is_ok());
+        // Notes whose end found no room; what is always on goes on.
+        until("a last word", || handle.send(Signal::MidiGone(0)).is_ok());
         taken
     });
 }
@@ -205,7 +220,8 @@ fn until(what: &str, mut done: impl FnMut() -> bool) {
 
 /// Beside another that plays voices and gives how many of them were taken.
 fn flood(beside: &(dyn Fn(&Handle) -> u64 + Sync)) {
-    let mut stage = Stage::new();
+    let patch = format!("{PATCH}{STEADY}");
+    let mut stage = Stage::of(reload_on(&patch, 3), 3);
     let play = OscMessage {
         addr: "/voice/hum/play".into(),
         args: vec![OscType::Float(0.01), OscType::Float(0.002)],
@@ -213,24 +229,25 @@ fn flood(beside: &(dyn Fn(&Handle) -> u64 + Sync)) {
     let play = encoder::encode(&OscPacket::Message(play)).unwrap();
     let board = Arc::clone(stage.session.board());
     let counts = Arc::clone(stage.server.as_ref().unwrap().counts());
-    until("the first pattern has ended", || board.started.get() == 1 && board.voices.get() == 0);
-    let (before, frames) = (board.started.get(), board.frames.get());
+    let watch = unbroken::Watch::start(stage.session.recording().unwrap(), Arc::clone(&board));
+    until("the first pattern has ended", || board.started.get() == 2 && board.voices.get() == 1);
+    let before = board.started.get();
+    until("the ramp's end", || board.frames.get() > 12_000);
     let handle = stage.session.handle().clone();
     let beside = std::thread::scope(|scope| {
         let other = scope.spawn(|| beside(&handle));
         for number in 0..FLOOD {
             if number % 10_000 == 5_000 {
                 // Another graph each time, so that voices and events go from one plan to the next.
-                let other = PATCH.replace("frequency = 200", &format!("frequency = {}", 200 + number / 1000));
+                let other = patch.replace("frequency = 200", &format!("frequency = {}", 200 + number / 1000));
                 until("room for a reload", || {
-                    stage.session.handle().send(Signal::Reload(Box::new(reload(&other)))).is_ok()
+                    stage.session.handle().send(Signal::Reload(Box::new(reload_on(&other, 3)))).is_ok()
                 });
             }
             stage.send(&play);
         }
         other.join().unwrap()
     });
-    assert!(board.frames.get() > frames, "playing goes on");
     until("patches take over", || stage.swaps.load(Ordering::Relaxed) >= 3);
 
     // Afterwards all is as it was. What is said too early is dropped by the system as well.
@@ -264,6 +281,9 @@ fn flood(beside: &(dyn Fn(&Handle) -> u64 + Sync)) {
     until("what was taken is played", || heard() >= counts.taken.get() + beside);
     std::thread::sleep(Duration::from_millis(200));
     assert_eq!(heard(), counts.taken.get() + beside);
+    // Meanwhile playing never stopped.
+    stage.session.stop();
+    watch.finish(&board, 2, 3, 0.4, 12_000, 64);
 }
 
 /// Through the program: where it listens, what went wrong, and a port that is taken.
