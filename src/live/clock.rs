@@ -3,7 +3,8 @@
 //! A callback comes when the system gets round to it: a little late, or much. The frames it asks for do not jitter, so a delay-locked
 //! loop (F. Adriaensen, "Using a DLL to filter time", Linux Audio Conference 2005) follows when callbacks would come if they came
 //! evenly. An event that arrives between two callbacks is played as many frames into the next block as it arrived after the first,
-//! so that the jitter of callbacks and the length of a block become one constant latency: [`Moment::ahead`].
+//! so that the jitter of callbacks and the length of a block become one constant latency: [`Moment::ahead`]. That holds as much besides as
+//! callbacks have come early, or what arrives just after such a one would be asked for before its time.
 
 use std::f64::consts::{SQRT_2, TAU};
 use std::sync::Arc;
@@ -11,14 +12,24 @@ use std::sync::atomic::{AtomicU64, Ordering, fence};
 
 use super::stamp::Stamp;
 
-/// Bandwidth of the loop, Hz: it follows the drift of a converter's clock and averages the jitter of some fifty callbacks of 64.
-const BANDWIDTH: f64 = 1.0;
+/// Bandwidth of the loop, Hz, once it is settled. It follows the drift of a converter's clock, and averages so many callbacks that blocks
+/// of 64 which come at any moment of their time move the phase by some 6 us (root mean square), a twentieth of an engine sample.
+const BANDWIDTH: f64 = 0.03;
 
 /// The same for the first moments, in which the loop finds its phase.
 const EAGER: f64 = 8.0;
 
-/// For so long, in seconds.
-const FIRST: f64 = 0.25;
+/// In between it falls as the loop ages, this many Hz after a second: about what the straight line through all callbacks so far would
+/// give the last of them (of N callbacks 4 / N, which is the loop's square root of 2 times 2 pi times the bandwidth over theirs).
+const NARROWING: f64 = 0.45;
+
+/// From this age on, in seconds and in callbacks, the phase is known well enough to tell by how much a callback is early.
+const FOUND: f64 = 0.25;
+const FOUND_BLOCKS: f64 = 16.0;
+
+/// For so long at least, in seconds, it is remembered that a callback came early, and for no longer than twice that: then a device whose
+/// callbacks come otherwise than before, and which did not say so, has its latency back. A young loop remembers for as long as it is old.
+const REMEMBERED: f64 = 30.0;
 
 /// A callback that is further off than this, in seconds and in blocks, begins the loop anew: the device stood still. Servers of large
 /// blocks ask for two at once.
@@ -44,6 +55,12 @@ pub struct Follower {
     /// The longest block so far, and what an event may take to the callback, in frames.
     longest: u64,
     haste: u64,
+    /// The most by which a callback has come early, in frames: since an age of the loop, and before.
+    early: [u64; 2],
+    since: f64,
+    /// What of it is in the latency: at once where it grows, and a frame less with each callback where it falls, or what comes later would
+    /// be played before what came before it.
+    lead: u64,
     running: bool,
     face: Arc<Face>,
 }
@@ -71,7 +88,8 @@ pub struct Moment {
     pub time: f64,
     /// Seconds a frame, as the device has it.
     pub frame: f64,
-    /// Frames by which events are played later than they arrive: the longest block so far, and [`HASTE`].
+    /// Frames by which events are played later than they arrive: the longest block so far, the most by which a callback has come early,
+    /// and [`HASTE`].
     pub ahead: u64,
 }
 
@@ -105,6 +123,9 @@ impl Follower {
                 age: 0.0,
                 longest: block,
                 haste,
+                early: [0; 2],
+                since: 0.0,
+                lead: 0,
                 running: false,
                 face,
             },
@@ -118,16 +139,20 @@ impl Follower {
         let late = now - self.next;
         let most = LOST.max(LOST_BLOCKS * self.longest as f64 * self.frame);
         if !self.running || late.abs() > most {
-            (self.running, self.next, self.frame, self.age) = (true, now, 1.0 / self.rate, 0.0);
+            (self.running, self.next, self.frame) = (true, now, 1.0 / self.rate);
+            (self.age, self.since) = (0.0, 0.0);
         } else {
             // The loop's natural frequency in radians a callback; below 0.3 it is well damped.
             let block = frames.max(1) as f64 * self.frame;
-            let bandwidth = if self.age < FIRST { EAGER } else { BANDWIDTH };
+            let bandwidth = (NARROWING / self.age).clamp(BANDWIDTH, EAGER);
             let omega = (TAU * bandwidth * block).min(0.3);
             self.next += SQRT_2 * omega * late;
             // No crystal is off by more than a thousandth.
             let frame = self.frame + omega * omega * late / frames.max(1) as f64;
             self.frame = frame.clamp(0.999 / self.rate, 1.001 / self.rate);
+            if self.age >= FOUND.max(FOUND_BLOCKS * block) {
+                self.was_early((self.next - now) * self.rate);
+            }
         }
         self.longest = self.longest.max(frames);
         self.show();
@@ -154,9 +179,19 @@ impl Follower {
         self.running = false;
     }
 
-    /// The device was away: the next callback begins the loop anew, and its blocks may have another length.
+    /// The device was away: the next callback begins the loop anew, and its blocks may have another length and other times.
     pub fn forget(&mut self, block: u64) {
         (self.running, self.longest) = (false, block);
+        (self.early, self.lead) = ([0; 2], 0);
+    }
+
+    /// A callback was early by so many frames, or late.
+    fn was_early(&mut self, frames: f64) {
+        if self.age - self.since > self.since.clamp(FOUND, REMEMBERED) {
+            (self.early, self.since) = ([0, self.early[0]], self.age);
+        }
+        self.early[0] = self.early[0].max(frames.round().max(0.0) as u64);
+        self.lead = self.early[0].max(self.early[1]).max(self.lead.saturating_sub(1));
     }
 
     fn show(&self) {
@@ -167,7 +202,7 @@ impl Follower {
         frames.store(self.frames, Ordering::Relaxed);
         time.store(self.next.to_bits(), Ordering::Relaxed);
         frame.store(self.frame.to_bits(), Ordering::Relaxed);
-        ahead.store(self.longest + self.haste, Ordering::Relaxed);
+        ahead.store(self.longest + self.lead + self.haste, Ordering::Relaxed);
         turn.store(before + 2, Ordering::Release);
     }
 }
@@ -254,6 +289,44 @@ mod tests {
             // A block, and three frames.
             assert!((played - (moment.frames as f64 + 128.0 + 3.0 + offset)).abs() < 0.01, "{offset}");
         }
+    }
+
+    #[test]
+    fn callbacks_that_came_early_once_are_forgotten_after_a_while() {
+        let (mut follower, clock) = Follower::new(48_000.0, 64);
+        let due = |n: u64| 1.0 + (n * 64) as f64 / 48_000.0;
+        let mut before = 0;
+        for n in 0..60_000 {
+            // After 2.7 s by half a block, after 26.7 s by a little more: 0.8 ms.
+            let early = match n {
+                2_000 => 32.0 / 48_000.0,
+                20_000 => 0.8e-3,
+                _ => 0.0,
+            };
+            follower.callback(stamp(due(n) - early), 64);
+            let more = clock.ahead() - 64 - 3;
+            assert!(more + 1 >= before, "what comes later is played later");
+            before = more;
+            let expected = match n {
+                ..2_000 => 0,
+                // Until it is as old as twice the time before, 8 s, and then for half a minute at least.
+                2_000..5_900 => 32,
+                6_100..20_000 => 0,
+                20_000..45_000 => 38,
+                47_000.. => 0,
+                _ => continue,
+            };
+            assert!(more.abs_diff(expected) <= 1, "{more} at {n}");
+        }
+        let (mut follower, clock) = Follower::new(48_000.0, 64);
+        for n in 0..1_000 {
+            follower.callback(stamp(due(n) - if n == 999 { 0.8e-3 } else { 0.0 }), 64);
+        }
+        assert!(clock.ahead() > 100);
+        // Its next stream gets time anew.
+        follower.forget(64);
+        follower.callback(stamp(5.0), 64);
+        assert_eq!(clock.ahead(), 64 + 3);
     }
 
     #[test]

@@ -108,7 +108,8 @@ pub struct Figures {
 /// What lies between an event and the skin, seconds.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Latency {
-    /// The longest block of the device so far, and what an event may take to the callback: by so much is everything played later than it comes, whatever the length of its own block.
+    /// The longest block of the device so far, the most by which a callback comes early against the others, and what an event may take to the callback: by so much
+    /// is everything played later than it comes, whatever the length of its own block.
     pub block: f64,
     /// The engine, for the envelope of a tone of 250 Hz.
     pub engine: f64,
@@ -126,7 +127,7 @@ impl Latency {
         let board = session.board();
         let (device, input) = (board.device_delay.get(), board.input.latency.get());
         Self {
-            // What events are delayed by is the longest block and a little, whatever the last one was.
+            // What events are delayed by is the same for all, whatever the last block was.
             block: session.clock().ahead() as f64 / session.rate().max(1.0),
             engine: session.delay().total(),
             device: (device > 0).then_some(device as f64 * 1e-9),

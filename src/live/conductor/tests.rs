@@ -94,14 +94,24 @@ impl Bench {
     }
 
     fn block(&mut self) {
-        self.follower.callback(Stamp(self.next()), 96);
-        self.callback.process(&[], &mut [0.0; 96]);
+        self.block_of(96, self.next());
         self.blocks += 1;
     }
 
+    /// The device asks for so many frames at that time.
+    fn block_of(&mut self, frames: usize, nanoseconds: u64) {
+        self.follower.callback(Stamp(nanoseconds), frames as u64);
+        self.callback.process(&[], &mut vec![0.0; frames]);
+    }
+
     fn take(&mut self, nanoseconds: u64, signal: Signal) {
+        self.take_as(0, nanoseconds, signal);
+    }
+
+    /// As the signal of a number.
+    fn take_as(&mut self, id: u64, nanoseconds: u64, signal: Signal) {
         self.conductor.take(Stamped {
-            id: 0,
+            id,
             stamp: Stamp(nanoseconds),
             origin: Origin::Program,
             peer: None,
@@ -149,6 +159,112 @@ fn what_arrives_within_a_block_is_played_a_block_later_to_the_sample() {
     assert_eq!(played.len(), 80);
     for ((due, at, _), expected) in played.iter().zip(expected) {
         assert!((due - expected).abs() < 0.1 && due == at, "{due}, {at} for {expected}");
+    }
+}
+
+/// When callbacks come that are due as evenly as frames pass.
+struct Jitter {
+    /// Frames of a block, and by how many it is longer or shorter at most.
+    block: u64,
+    uneven: u64,
+    /// From how much too early to how much too late they come, in blocks, every moment between as likely.
+    from: f64,
+    to: f64,
+    /// Seconds after which the latency is to stand.
+    settled: f64,
+}
+
+impl Jitter {
+    /// Lets a minute pass in which something arrives every few milliseconds: the longest and the shortest way, in frames, from where a
+    /// signal arrives to where it is played, and how many there were.
+    fn latency(&self, seed: u64) -> (f64, f64, usize) {
+        // A converter that is 80 millionths fast.
+        const RATE: f64 = 48_000.0 * 1.000_08;
+        let mut state = seed;
+        let mut noise = move || {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let n = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            ((n ^ (n >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb) >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let osc =
+            "[[trigger]]\non = \"osc./hit\"\nplay = \"b\"\nset = { level = \"value\", duration = 0.001 }\n";
+        let mut bench = Bench::of(compiled_with(&["a", "b"], &format!("{KEYS}{osc}")));
+        bench.follower.forget(self.block + self.uneven);
+        let (first, begin) = (bench.callback.frames(), bench.next() as f64 * 1e-9 + 1.0);
+        let begun = begin + 2.0 * self.block as f64 / RATE;
+        // When each signal arrives, in frames of the converter.
+        let (mut arrivals, mut next, mut before) = (Vec::new(), begun, 0.0_f64);
+        loop {
+            let frames = bench.callback.frames() - first;
+            if frames as f64 > (60.0 + self.settled) * RATE {
+                break;
+            }
+            let late = (self.from + (self.to - self.from) * noise()) * self.block as f64 / RATE;
+            // None comes before the one before it has gone.
+            let at = (begin + frames as f64 / RATE + late).max(before + 5e-6);
+            while next < at {
+                let number = arrivals.len() as u64 + 1;
+                let short = Note { duration: Some(0.001), ..Note::default() };
+                let signal = match number % 3 {
+                    0 => Signal::Play(number, "a".into(), short),
+                    1 => midi(0, (number % 100) as u8, true),
+                    _ => Signal::Osc("/hit".into(), vec![1.0]),
+                };
+                bench.take_as(number, (next * 1e9) as u64, signal);
+                arrivals.push(first as f64 + (next - begin) * RATE);
+                next += 0.002 + 0.01 * noise();
+            }
+            let uneven = ((2.0 * noise() - 1.0) * (self.uneven as f64 + 0.5)).round() as i64;
+            bench.block_of((self.block as i64 + uneven) as usize, (at * 1e9) as u64);
+            bench.conductor.go_on();
+            before = at;
+        }
+        let reports = std::mem::take(&mut *bench.reports.lock().unwrap());
+        let (mut least, mut most, mut count) = (f64::MAX, f64::MIN, 0);
+        for report in reports {
+            let Deed::Event { at, event: Event::Play(_), cause: number @ 1.., .. } = report.deed else {
+                continue;
+            };
+            let arrived = arrivals[number as usize - 1];
+            if arrived < first as f64 + self.settled * RATE {
+                continue;
+            }
+            let way = at.since(crate::schedule::Instant::default()) * 6.0 - arrived;
+            (least, most, count) = (least.min(way), most.max(way), count + 1);
+        }
+        // All but those that wait for their block.
+        let settled = arrivals.iter().filter(|at| **at >= first as f64 + self.settled * RATE).count();
+        assert!(settled - count < 3, "{count} of {settled}");
+        (least, most, count)
+    }
+}
+
+/// Whatever arrives in a minute, over MIDI, over OSC and from the program, is played the same while later, to within an engine sample, which
+/// is six frames: the longest way is no more than so much longer than the shortest. The device asks for its blocks unevenly: for 64
+/// frames at any moment until the next would be due, as where a thread waits for the processor and the card has room for two; also
+/// where blocks are longer and shorter by a third; for them up to a block too early as well; a little too late for large ones, and up to
+/// twice their time for small ones. The loop averages: it is settled after two seconds, with twice the spread after ten. Of blocks of
+/// many milliseconds that come at any moment no loop would find so fine a phase in so short a time.
+#[test]
+fn uneven_callbacks_become_one_latency_for_all_that_arrives() {
+    let late = || Jitter { block: 64, uneven: 0, from: 0.0, to: 1.0, settled: 2.0 };
+    let cases = [
+        late(),
+        Jitter { uneven: 20, ..late() },
+        Jitter { from: -1.0, settled: 10.0, ..late() },
+        Jitter { uneven: 20, from: -1.0, settled: 10.0, ..late() },
+        Jitter { block: 1024, to: 0.02, settled: 10.0, ..late() },
+        Jitter { block: 32, uneven: 8, to: 2.0, ..late() },
+    ];
+    for (seed, case) in cases.iter().enumerate() {
+        let (least, most, count) = case.latency(seed as u64);
+        let Jitter { block, uneven, from, to, .. } = *case;
+        let told =
+            format!("{block} frames and {uneven}, from {from} to {to}: {least} to {most} frames, of {count}");
+        assert!(count > 8_000 && most - least <= 6.0, "{told}");
+        // The longest block, and as much as one comes before it is due.
+        let wanted = (block + uneven) as f64 - from * block as f64;
+        assert!((least - wanted).abs() < 12.0, "{told}, for {wanted}");
     }
 }
 
