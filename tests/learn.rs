@@ -94,6 +94,27 @@ fn what_is_moved_is_bound_and_the_rest_of_the_patch_stays() {
 }
 
 #[test]
+fn few_steps_are_bound_and_what_is_not_enough_is_told() {
+    let scratch = Scratch::new("learn-few");
+    scratch.write("p.toml", PATCH);
+    let (mut child, mut lines, surface) = start(&scratch, &["--control", "depth", "--control", "rate"]);
+    hears(&mut lines, "not bound");
+    [0.125, 0.375, 0.75].iter().for_each(|position| surface.say("/selector", *position as f32));
+    hears(&mut lines, "OSC /selector");
+    [0.12, 0.13, 0.14].iter().for_each(|position| surface.say("/small", *position as f32));
+    surface.say("/still", 0.5_f32);
+    let told = hears(&mut lines, "OSC /small moved from 12 % to 14 %");
+    assert!(told.contains("by a tenth of its way or more; another moved less"), "{told}");
+    let _ = child.kill();
+    let _ = child.wait();
+    let (mut child, mut lines, surface) = start(&scratch, &["--control", "rate", "--wait", "3"]);
+    [0.0, 1.0].iter().for_each(|position| surface.say("/once", *position as f32));
+    hears(&mut lines, "nothing moved; it is left as it is");
+    hears(&mut lines, "OSC /once went from 0 % to 100 % at once");
+    assert!(child.wait().unwrap().success());
+}
+
+#[test]
 fn whoever_waits_in_vain_or_stops_leaves_the_patch_as_it_was() {
     let scratch = Scratch::new("learn-vain");
     let path = scratch.write("p.toml", PATCH);

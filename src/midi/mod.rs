@@ -21,9 +21,11 @@ pub mod moved;
 mod parameter;
 pub mod parser;
 pub mod pitch;
+pub mod reach;
 pub mod sensing;
 pub mod sounding;
 mod strip;
+pub mod travel;
 pub mod zone;
 
 pub use channel::Channel;

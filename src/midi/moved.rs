@@ -1,20 +1,16 @@
 //! Which controller somebody moves, so that it can be bound to something: told from those that are noisy, that spring back, or that
 //! come along with keys.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::HashMap;
 
 use super::channel::Channel;
 use super::gesture::Gesture;
 use super::interpreter::Interpreter;
 use super::message::Message;
+use super::reach::Reaches;
 use super::strip::{SOSTENUTO, SUSTAIN};
+use super::travel::{SPAN, Travel};
 
-/// Seconds within which a movement happens.
-const WINDOW: f64 = 2.0;
-/// So often its position is another than before, at least,
-const CHANGES: usize = 4;
-/// and so far apart they lie, as a share of all it can do. A worn potentiometer that lies on the table wanders by less.
-const SPAN: f64 = 0.1;
 /// Keys that are played hard are pressed by as much without being meant.
 const PRESSED: f64 = 0.3;
 /// So long what was recognised must rest before it is recognised again: whoever turned it may still be turning.
@@ -23,47 +19,9 @@ const REST: f64 = 0.7;
 const MIDDLE: f64 = 0.05;
 /// A controller that says the same so often is no position.
 const SAME: u32 = 8;
-/// Positions that are kept.
-const MOST: usize = 256;
-
-/// Positions of one controller over time: whether somebody moves it.
-#[derive(Debug, Clone, Default)]
-pub struct Travel {
-    points: VecDeque<(f64, f64)>,
-}
-
-impl Travel {
-    /// It stands at `position`, 0 to 1, at so many seconds. Says whether it has been moved.
-    pub fn stands(&mut self, seconds: f64, position: f64) -> bool {
-        self.spans(seconds, position, SPAN)
-    }
-
-    fn spans(&mut self, seconds: f64, position: f64, span: f64) -> bool {
-        if !position.is_finite() {
-            return false;
-        }
-        while self.points.front().is_some_and(|(at, _)| seconds - at > WINDOW) || self.points.len() >= MOST {
-            self.points.pop_front();
-        }
-        if self.points.back().is_none_or(|(_, last)| *last != position) {
-            self.points.push_back((seconds, position));
-        }
-        let positions = || self.points.iter().map(|(_, position)| *position);
-        let (least, most) = positions().fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
-        self.points.len() >= CHANGES && most - least >= span
-    }
-
-    /// Whether it has been at two positions and no others, as a button is.
-    pub fn is_switch(&self) -> bool {
-        let mut all: Vec<f64> = self.points.iter().map(|(_, position)| *position).collect();
-        all.sort_by(f64::total_cmp);
-        all.dedup();
-        all.len() == 2
-    }
-}
 
 /// What somebody moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Control {
     /// A controller, 0 to 119; of a pair of 14 bits the lower number.
     Controller(u8),
@@ -112,7 +70,8 @@ pub enum Seen {
     Useless(Useless),
 }
 
-type Source = (u16, Channel, Control);
+/// A port, a channel of it, and what is there.
+pub type Source = (u16, Channel, Control);
 
 /// Recognises what is moved, in the messages of all ports. It understands them as [`Interpreter`] does, so that what it recognises is
 /// what a binding hears.
@@ -128,6 +87,8 @@ pub struct Recogniser {
     spent: Option<(Source, f64)>,
     /// Wheels that must come to rest before they count.
     astray: Vec<Source>,
+    /// What was heard of since something was recognised, or [`Recogniser::forget`].
+    heard: Reaches<Source>,
 }
 
 impl Recogniser {
@@ -169,6 +130,16 @@ impl Recogniser {
         })
     }
 
+    /// What was heard of and was not enough to be recognised.
+    pub fn heard(&self) -> &Reaches<Source> {
+        &self.heard
+    }
+
+    /// What was heard of is over: something else is asked for.
+    pub fn forget(&mut self) {
+        self.heard = Reaches::default();
+    }
+
     fn turn(&mut self, seconds: f64, source: Source, value: f64, fine: bool) -> Option<Seen> {
         let (last, count) = self.same.entry(source).or_insert((value, 0));
         *count = if *last == value { *count + 1 } else { 1 };
@@ -199,8 +170,8 @@ impl Recogniser {
     /// Pressure counts while a key is down and it rises.
     fn press(&mut self, seconds: f64, source: Source, pressure: f64) -> Option<Seen> {
         let down = self.keys.get(&(source.0, source.1)).is_some_and(|down| *down > 0);
-        let last = self.travels.get(&source).and_then(|travel| travel.points.back());
-        if !down || last.is_some_and(|(_, last)| *last > pressure) {
+        let last = self.travels.get(&source).and_then(Travel::last);
+        if !down || last.is_some_and(|last| last > pressure) {
             self.travels.remove(&source);
         }
         if down { self.count(seconds, source, pressure, PRESSED, false) } else { None }
@@ -214,14 +185,25 @@ impl Recogniser {
             }
             self.spent = None;
         }
+        self.heard.hear(source, value);
         let travel = self.travels.entry(source).or_default();
-        if !travel.spans(seconds, value, span) {
+        travel.comes(seconds, value);
+        // Of keys that are played hard, a few steps are the rule.
+        let moved = match source.2 {
+            Control::Pressure => travel.is_moved(span),
+            _ => travel.is_moved(span) || travel.is_moved_coarsely(),
+        };
+        let pressed = !moved && travel.is_latched();
+        let switch = travel.is_switch();
+        let alone = |(other, travel): (&Source, &Travel)| *other == source || !travel.is_far(seconds);
+        if !moved && !(pressed && self.travels.iter().all(alone)) {
             return None;
         }
-        let (switch, (port, channel, control)) = (travel.is_switch(), source);
+        let (port, channel, control) = source;
         self.spent = Some((source, seconds));
         self.travels.clear();
         self.same.clear();
+        self.forget();
         Some(Seen::Moved(Moved { port, channel, control, fine, switch }))
     }
 }
@@ -330,6 +312,73 @@ mod tests {
             bench.play([127, 0].map(|v| controller(80, v))),
             [moved(Control::Controller(80), false, true)]
         );
+    }
+
+    #[test]
+    fn a_sweep_of_few_steps_is_recognised() {
+        // A selector of few steps, a switch of three positions, and one of them flicked there and back; a tenth of a second each.
+        let others = [1, 2, 3].map(|number| controller(number, 64));
+        for steps in [&[0x10, 0x30, 0x60][..], &[0, 64, 127], &[127, 64, 0], &[64, 127, 64], &[64, 0, 64]] {
+            let mut bench = Bench::default();
+            let turned = steps.iter().flat_map(|value| {
+                let mut all = vec![controller(21, *value)];
+                all.extend(others.iter().cycle().take(9).copied());
+                all
+            });
+            let all = bench.play(turned);
+            assert_eq!(all.len(), 1, "{steps:?}");
+            assert_eq!(all[0].control, Control::Controller(21), "{steps:?}");
+        }
+        let wheel = Bench::default().play([2000, 5000].map(bend));
+        assert!(wheel.is_empty(), "two positions are no sweep");
+        assert_eq!(Bench::default().play([1000, 3000, 7000].map(bend)), [moved(Control::Bend, true, false)]);
+    }
+
+    #[test]
+    fn neither_spikes_nor_a_stray_message_are_a_sweep() {
+        // A worn potentiometer that jumps for a moment, on its own and among its noise; a message, and a pair of them with 14 bits.
+        for noise in [&[60, 127, 60][..], &[60, 61, 60, 0], &[10, 110], &[127]] {
+            let mut bench = Bench::default();
+            assert!(bench.play(noise.iter().map(|v| controller(20, *v))).is_empty(), "{noise:?}");
+        }
+        let pair = |high: u8, low: u8| [controller(16, high), controller(48, low)];
+        let mut bench = Bench::default();
+        assert!(bench.play(pair(20, 5).into_iter().chain(pair(90, 77)).take(3)).is_empty());
+    }
+
+    #[test]
+    fn a_button_that_stays_down_is_recognised_when_nothing_else_moves() {
+        let press = |bench: &mut Bench, value: u8, more: &[Message]| {
+            bench.1 += 0.6;
+            bench.play(more.iter().copied().chain([controller(80, value)]))
+        };
+        let mut bench = Bench::default();
+        assert!(press(&mut bench, 127, &[]).is_empty());
+        assert_eq!(press(&mut bench, 0, &[]), [moved(Control::Controller(80), false, true)]);
+        // Something else moves as well.
+        let mut bench = Bench::default();
+        assert!(press(&mut bench, 127, &[controller(22, 10)]).is_empty());
+        assert!(press(&mut bench, 0, &[controller(22, 60)]).is_empty());
+        // Pressed at leisure.
+        let mut bench = Bench::default();
+        assert!(bench.play([127, 0].map(|v| controller(80, v))).is_empty());
+        bench.1 += 3.0;
+        assert_eq!(bench.play([controller(80, 127)]), [moved(Control::Controller(80), false, true)]);
+    }
+
+    #[test]
+    fn what_was_not_enough_is_known() {
+        let mut bench = Bench::default();
+        assert!(bench.0.heard().most().is_none());
+        bench.play([controller(20, 60), controller(21, 15), controller(21, 18), controller(20, 61)]);
+        let (source, reach) = bench.0.heard().most().unwrap();
+        assert_eq!(source.2, Control::Controller(21));
+        assert_eq!([reach.least, reach.most], [15.0 / 127.0, 18.0 / 127.0]);
+        bench.0.forget();
+        assert!(bench.0.heard().most().is_none());
+        // What is recognised is over, and what it says while it is turned on is not heard of.
+        bench.play((0..100).map(|n| controller(21, n)));
+        assert!(bench.0.heard().most().is_none());
     }
 
     #[test]

@@ -16,7 +16,9 @@ use pacinian::Patch;
 use pacinian::io::midi_in::{self, MidiPorts, PortNews};
 use pacinian::io::osc::endpoint::Endpoint;
 use pacinian::io::{replace, text};
-use pacinian::midi::moved::{Recogniser, Seen, Useless};
+use pacinian::midi::Message;
+use pacinian::midi::moved::{Control, Recogniser, Seen, Useless};
+use pacinian::midi::reach::{Reach, Reaches};
 use pacinian::text::nearest::suggest;
 use pacinian::text::problem::escaped;
 use source::Source;
@@ -31,9 +33,10 @@ use std::time::{Duration, Instant};
 #[command(after_help = "Examples:\n  pacinian learn patches/27-keys.toml\n  \
     pacinian learn PATCH --control strength --osc 9000\n\n\
     It goes through the controls, one after the other; move for each what is to move it, by a tenth of its way or more. Knobs that are \
-    noisy, wheels that spring back and keys that are let go are not mistaken for one that is moved; a button counts when it is \
-    pressed twice. In a terminal, the key s or Enter leaves a control as it is, b goes back to the one before, q ends it; lines of the same \
-    may be piped in.\n\
+    noisy, wheels that spring back and keys that are let go are not mistaken for one that is moved; a selector of few steps counts as it \
+    goes on to a third or comes back, a button when it is pressed twice. What was heard and is not enough is told.\n\
+    In a terminal, the key s or Enter leaves a control as it is, b goes back to the one before, q ends it; lines of the same may be \
+    piped in.\n\
     At the end the bindings go into the patch as [[bind]], and the rest of the file stays as it is. A control that has a binding keeps \
     its range, curve and pick-up. Ctrl-C ends it and writes nothing.")]
 pub struct Learn {
@@ -56,6 +59,8 @@ pub struct Learn {
 /// Messages that may wait.
 const WAITING: usize = 1 << 12;
 const LOOK: Duration = Duration::from_millis(10);
+/// So long what was heard may become enough, before it is told of.
+const HINT: Duration = Duration::from_secs(4);
 
 /// What may be typed.
 const KEYS: &str = "s or Enter: leave it as it is   b: back to the one before   q: end";
@@ -66,11 +71,15 @@ const INTERRUPTED: u8 = 130;
 
 /// What comes from outside.
 struct Ears {
-    messages: Receiver<(f64, u16, String, pacinian::midi::Message)>,
+    messages: Receiver<(f64, u16, String, Message)>,
     news: Receiver<String>,
     recogniser: Recogniser,
     osc: Option<Ear>,
     said: HashSet<Useless>,
+    /// What was told of as not enough.
+    hinted: HashSet<String>,
+    /// Whether anything came that says no position.
+    others: bool,
 }
 
 /// What becomes of a control.
@@ -116,9 +125,7 @@ impl Learn {
         let begin = Instant::now();
         let (tell, news) = channel();
         let ports = midi.then(|| {
-            let ear = move |number: u16,
-                            name: &std::sync::Arc<str>,
-                            message: Option<pacinian::midi::Message>| {
+            let ear = move |number: u16, name: &std::sync::Arc<str>, message: Option<Message>| {
                 if let Some(message) = message {
                     // Of a flood, a part tells as much as all.
                     let _ = send.try_send((begin.elapsed().as_secs_f64(), number, name.to_string(), message));
@@ -133,7 +140,15 @@ impl Learn {
         let ports = ports.transpose().map_err(no_thread)?;
         let person = Typed::listen(true).map_err(no_thread)?;
         let stop = Stop::listen()?;
-        let mut ears = Ears { messages, news, recogniser: Recogniser::default(), osc, said: HashSet::new() };
+        let mut ears = Ears {
+            messages,
+            news,
+            recogniser: Recogniser::default(),
+            osc,
+            said: HashSet::new(),
+            hinted: HashSet::new(),
+            others: false,
+        };
         list(&patch, terminal);
         if let Some(person) = &person {
             terminal.note(&format!("{}\n\n", help(person)));
@@ -234,6 +249,9 @@ impl Learn {
         terminal: &Terminal,
     ) -> Turn {
         let begin = Instant::now();
+        ears.forget();
+        // Since when something was heard that is not enough.
+        let mut heard: Option<Instant> = None;
         let aside = |what: &str| terminal.note(&format!("\n     {what}\n{asked}"));
         // Whether something was typed that means nothing, so that Enter does not agree to anything.
         let mut unclear = false;
@@ -281,8 +299,15 @@ impl Learn {
             }
             ears.news.try_iter().for_each(|news| aside(&news));
             if self.wait.is_some_and(|wait| begin.elapsed().as_secs_f64() >= wait) {
-                terminal.note("\n     nothing moved; it is left as it is\n");
+                let why = ears.short().map_or(String::new(), |(_, why)| format!("\n     {why}"));
+                terminal.note(&format!("\n     nothing moved; it is left as it is{why}\n"));
                 return Turn::Left;
+            }
+            if ears.has_heard() && heard.get_or_insert_with(Instant::now).elapsed() >= HINT {
+                heard = Some(Instant::now());
+                if let Some((_, why)) = ears.short().filter(|(what, _)| ears.hinted.insert(what.clone())) {
+                    aside(&why);
+                }
             }
             std::thread::sleep(LOOK);
         }
@@ -307,9 +332,50 @@ fn told(news: &PortNews) -> String {
 }
 
 impl Ears {
+    /// What was heard before is over.
+    fn forget(&mut self) {
+        self.recogniser.forget();
+        self.others = false;
+        if let Some(osc) = &mut self.osc {
+            osc.heard = Reaches::default();
+        }
+    }
+
+    /// Whether anything was heard that may be told of.
+    fn has_heard(&self) -> bool {
+        let of_osc = self.osc.as_ref().map_or(0, |osc| osc.heard.count());
+        self.others || self.recogniser.heard().count() + of_osc > 0
+    }
+
+    /// What was heard and is not enough: what it is, and why it is not taken.
+    fn short(&self) -> Option<(String, String)> {
+        let (midi, osc) = (self.recogniser.heard(), self.osc.as_ref().map(|osc| &osc.heard));
+        let of_midi = midi.most().map(|((_, channel, control), reach)| {
+            let what = format!("{} on channel {}", source::named(*control), channel.number());
+            (what, reach, *control == Control::Pressure)
+        });
+        let of_osc = osc
+            .and_then(Reaches::most)
+            .map(|(address, reach)| (format!("OSC {}", osc::shown(address)), reach, false));
+        let way = |(_, reach, _): &(String, Reach, bool)| reach.most - reach.least;
+        let furthest = of_midi.into_iter().chain(of_osc).max_by(|a, b| way(a).total_cmp(&way(b)));
+        let count = midi.count() + osc.map_or(0, Reaches::count);
+        match furthest {
+            Some((what, reach, keys)) => {
+                let why = source::short(&what, reach, count - 1, keys);
+                Some((what, why))
+            }
+            None if self.others && self.said.is_empty() => {
+                Some((String::new(), "messages came, and none of them says where something stands".into()))
+            }
+            None => None,
+        }
+    }
+
     /// What somebody has moved since this was asked last.
     fn hear(&mut self) -> Option<Heard> {
         while let Ok((seconds, port, name, message)) = self.messages.try_recv() {
+            self.others |= !matches!(message, Message::Clock | Message::ActiveSensing);
             match self.recogniser.message(seconds, port, message) {
                 Some(Seen::Moved(moved)) => return Some(Heard::Source(Source::midi(moved, &name))),
                 Some(Seen::Useless(useless)) if self.said.insert(useless) => {

@@ -4,7 +4,8 @@ use super::source::Source;
 use pacinian::io::osc::address::LONGEST;
 use pacinian::io::osc::endpoint::{BindError, Endpoint};
 use pacinian::io::osc::packet::unpack;
-use pacinian::midi::moved::Travel;
+use pacinian::midi::reach::Reaches;
+use pacinian::midi::travel::{SPAN, Travel};
 use pacinian::text::problem::escaped;
 use rosc::OscType;
 use std::collections::{HashMap, HashSet};
@@ -35,6 +36,8 @@ pub struct Ear {
     travels: HashMap<String, Travel>,
     spent: Option<(String, f64)>,
     said: HashSet<String>,
+    /// What was heard of and was not enough.
+    pub heard: Reaches<String>,
 }
 
 /// What was heard.
@@ -64,6 +67,7 @@ impl Ear {
             travels: HashMap::new(),
             spent: None,
             said: HashSet::new(),
+            heard: Reaches::default(),
         })
     }
 
@@ -122,12 +126,17 @@ impl Ear {
         if self.travels.len() >= MOST && !self.travels.contains_key(address) {
             return None;
         }
+        self.heard.hear(address.into(), value);
         let travel = self.travels.entry(address.into()).or_default();
-        if !travel.stands(seconds, value) {
+        travel.comes(seconds, value);
+        let moved = travel.is_moved(SPAN) || travel.is_moved_coarsely();
+        let (pressed, source) = (!moved && travel.is_latched(), Source::osc(address, travel.is_switch()));
+        let alone = |(other, travel): (&String, &Travel)| other == address || !travel.is_far(seconds);
+        if !moved && !(pressed && self.travels.iter().all(alone)) {
             return None;
         }
-        let source = Source::osc(address, travel.is_switch());
         self.travels.clear();
+        self.heard = Reaches::default();
         self.spent = Some((address.into(), seconds));
         Some(Heard::Source(source))
     }
@@ -140,7 +149,7 @@ impl Ear {
 }
 
 /// As it may be shown: whoever sends it chooses it.
-fn shown(address: &str) -> String {
+pub fn shown(address: &str) -> String {
     let cut: String = address.chars().take(SHOWN).collect();
     format!("{}{}", escaped(&cut), if cut.len() < address.len() { "..." } else { "" })
 }

@@ -1,6 +1,8 @@
 //! What is moved, as a binding names it and as people do.
 
 use pacinian::midi::moved::{Control, Moved, Useless};
+use pacinian::midi::reach::Reach;
+use pacinian::midi::travel::SPAN;
 use pacinian::text::problem::escaped;
 
 /// What moves a control from now on.
@@ -65,5 +67,60 @@ pub fn why(useless: Useless) -> String {
         Useless::Steps(number) => format!(
             "controller {number} says the same again and again, as endless knobs do that tell steps: set it to tell positions in its editor"
         ),
+    }
+}
+
+/// What is called so in a sentence.
+pub fn named(control: Control) -> String {
+    match control {
+        Control::Controller(number) => format!("controller {number}"),
+        Control::Bend => "the pitch wheel".into(),
+        Control::Pressure => "pressure".into(),
+    }
+}
+
+/// Why what was heard of is not taken: it went furthest, and `others` went less far. `keys` says that it comes along with keys.
+pub fn short(what: &str, reach: Reach, others: usize, keys: bool) -> String {
+    let Reach { least, most } = reach;
+    let percent = |digits: usize| [least, most].map(|x| format!("{:.digits$} %", 100.0 * x));
+    let same = |[a, b]: &[String; 2]| a == b;
+    let [from, to] = Some(percent(0)).filter(|both| !same(both)).unwrap_or_else(|| percent(2));
+    let how = if keys {
+        format!("{what} went from {from} to {to}: press a key harder, and hold it")
+    } else if least == most {
+        format!("{what} says that it stands at {}, and has not moved", percent(0)[0])
+    } else if most - least < SPAN {
+        format!("{what} moved from {from} to {to}: move it by a tenth of its way or more")
+    } else {
+        format!(
+            "{what} went from {from} to {to} at once or too slowly: move it on, or back; press a button once more"
+        )
+    };
+    match others {
+        0 => how,
+        1 => format!("{how}; another moved less"),
+        several => format!("{how}; {several} others moved less"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Control, named, short};
+    use pacinian::midi::reach::Reach;
+
+    #[test]
+    fn what_is_not_taken_is_told_with_its_way() {
+        let of = |least, most, others| {
+            short(&named(Control::Controller(21)), Reach { least, most }, others, false)
+        };
+        assert_eq!(
+            of(0.12, 0.14, 0),
+            "controller 21 moved from 12 % to 14 %: move it by a tenth of its way or more"
+        );
+        assert!(of(0.120_1, 0.120_5, 1).starts_with("controller 21 moved from 12.01 % to 12.05 %: "));
+        assert!(of(0.5, 0.5, 2).ends_with("stands at 50 %, and has not moved; 2 others moved less"));
+        assert!(of(0.0, 1.0, 0).contains("from 0 % to 100 % at once or too slowly: move it on, or back"));
+        let keys = short("pressure", Reach { least: 0.0, most: 0.25 }, 0, true);
+        assert_eq!(keys, "pressure went from 0 % to 25 %: press a key harder, and hold it");
     }
 }
