@@ -15,8 +15,11 @@ use crate::live::signal::{Handle, Signal};
 use crate::midi::{Message, Parser};
 
 mod roster;
+mod unknown;
 
 use roster::Roster;
+pub use unknown::Unknown;
+use unknown::fits;
 
 /// What becomes of ports.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +32,8 @@ pub enum PortNews {
     None(String),
     /// A port that cannot be opened.
     Refused(String, String),
+    /// Ports are there, and none has the name that was asked for. It is told once, and no more once one was there.
+    Unknown(Unknown),
 }
 
 /// Ports that are listened to until this is dropped.
@@ -147,7 +152,7 @@ impl MidiPorts {
             let mut open: Vec<Open> = Vec::new();
             let mut refused: Vec<String> = Vec::new();
             let mut roster = Roster::default();
-            let mut without = false;
+            let (mut without, mut known) = (false, false);
             while !stopped.load(Ordering::Acquire) {
                 match input() {
                     Ok(input) => {
@@ -162,6 +167,12 @@ impl MidiPorts {
                         };
                         release(&input, &mut open, &mut roster, &ear, &mut news);
                         search(&input, &wanted, &mut open, &mut refused, &mut roster, &state, &mut news);
+                        known |= !open.is_empty();
+                        let unknown = wanted.as_ref().filter(|_| !known);
+                        if let Some(unknown) = unknown.and_then(|name| Unknown::of(name, &usable(&input))) {
+                            known = true;
+                            news(PortNews::Unknown(unknown));
+                        }
                     }
                     Err(error) => {
                         if !std::mem::replace(&mut without, true) {
@@ -211,6 +222,17 @@ fn release(
     });
 }
 
+/// What the program itself offers, or the system's loop-back, would answer to itself.
+fn is_through(name: &str) -> bool {
+    name.starts_with("Midi Through")
+}
+
+/// The names of the ports that may be listened to.
+fn usable(input: &MidiInput) -> Vec<String> {
+    let names = input.ports().into_iter().filter_map(|port| input.port_name(&port).ok());
+    names.filter(|name| !is_through(name)).collect()
+}
+
 /// Opens ports that are new.
 fn search(
     input: &MidiInput,
@@ -225,10 +247,9 @@ fn search(
     refused.retain(|id| ports.iter().any(|there| there.id() == *id));
     for port in &ports {
         let (id, name) = (port.id(), input.port_name(port).unwrap_or_default());
-        let fits = wanted.as_ref().is_none_or(|part| name.to_lowercase().contains(&part.to_lowercase()));
-        // What the program itself offers, or the system's loop-back, would answer to itself.
+        let fits = wanted.as_ref().is_none_or(|part| fits(part, &name));
         let known = roster.has(&id) || refused.contains(&id);
-        if !fits || known || name.starts_with("Midi Through") {
+        if !fits || known || is_through(&name) {
             continue;
         }
         let Ok(mut input) = self::input() else { continue };

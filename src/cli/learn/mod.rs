@@ -324,6 +324,7 @@ fn told(news: &PortNews) -> String {
     match news {
         PortNews::Opened(name) => format!("MIDI from {}", escaped(name)),
         PortNews::Gone(name) => format!("the MIDI port {} is gone", escaped(name)),
+        PortNews::Unknown(unknown) => escaped(&unknown.to_string()).into_owned(),
         PortNews::None(why) => format!("no MIDI: {}", escaped(why)),
         PortNews::Refused(name, why) => {
             format!("the MIDI port {} cannot be opened: {}", escaped(name), escaped(why))

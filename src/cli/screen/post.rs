@@ -221,6 +221,7 @@ impl Post {
             PortNews::Gone(name) => {
                 self.say(Mood::Bad, format!("the MIDI port {name} is gone; its notes are released"))
             }
+            PortNews::Unknown(unknown) => self.say(Mood::Bad, unknown.to_string()),
             PortNews::None(why) => self.say(Mood::Bad, format!("no MIDI: {why}")),
             PortNews::Refused(name, why) => {
                 self.say(Mood::Bad, format!("the MIDI port {name} cannot be opened: {why}"))
