@@ -1,7 +1,7 @@
 //! What became of what was saved while it plays.
 
 use super::happened::{Happened, Mood};
-use super::{Out, Show};
+use super::{Out, Show, lines};
 use crate::cli::failure::Failure;
 use crate::cli::loaded::Loaded;
 use crate::cli::problems;
@@ -44,11 +44,14 @@ impl Show {
                 (failure.text(&self.terminal), format!("{why}: {help}"), in_full(&failure), false)
             }
         };
-        self.note(Happened::new(now, Mood::Told, format!("the old one plays on: {brief}")));
-        if let Out::Lines(lines) = &mut self.out
-            && shown
-        {
-            lines.put(why.trim_end());
+        match &mut self.out {
+            // Together, so that nothing comes between.
+            Out::Lines(lines) if shown => {
+                let head =
+                    Happened::new(now, Mood::Told, "the old one plays on, as what was saved is broken:");
+                lines.put(&format!("{}\n{}", lines::event(&head), why.trim_end()));
+            }
+            _ => self.note(Happened::new(now, Mood::Told, format!("the old one plays on: {brief}"))),
         }
         (self.snapshot.stale, self.stale, self.snapshot.wrong) = (Some(brief), why, wrong);
     }
