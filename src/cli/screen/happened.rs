@@ -72,8 +72,8 @@ impl Happened {
     }
 
     /// The same of that voice, if it is known.
-    pub fn touches(self, who: Option<&String>, motion: Motion) -> Self {
-        Self { text: who.map_or(self.text, |who| format!("{who} {}", touched(motion))), ..self }
+    pub fn touches(self, who: Option<&String>, motion: Motion, to: f64) -> Self {
+        Self { text: who.map_or(self.text, |who| format!("{who} {}", touched(motion, to))), ..self }
     }
 
     /// An event that the performer tells of.
@@ -107,7 +107,7 @@ impl Happened {
                 short(position),
                 short(stands)
             ),
-            Happening::Touch(motion, _) => write!(text, "a voice {}", touched(motion)),
+            Happening::Touch(motion, to) => write!(text, "a voice {}", touched(motion, to)),
             Happening::Release => write!(text, "a voice {RELEASED}"),
             Happening::ReleaseAll => write!(text, "all voices are released"),
             Happening::Silence(_) => write!(text, "what MIDI had started falls silent"),
@@ -157,12 +157,18 @@ impl Happened {
 
 const RELEASED: &str = "is released";
 
-/// What a hand does with a voice.
-fn touched(motion: Motion) -> &'static str {
+/// What a hand does with a voice, and how far.
+fn touched(motion: Motion, to: f64) -> String {
+    let percent = |x: f64| format!("{} %", (100.0 * x).round());
     match motion {
-        Motion::Detune => "is bent",
-        Motion::Pressure => "is pressed",
-        Motion::Timbre => "is tilted",
+        // The share of its frequency by which it is moved: 1 is an octave.
+        Motion::Detune => match short(12.0 * (1.0 + to.max(-1.0)).log2()).as_str() {
+            "0" => "is bent back".into(),
+            down if down.starts_with('-') => format!("is bent by {down} semitones"),
+            up => format!("is bent by +{up} semitones"),
+        },
+        Motion::Pressure => format!("is pressed to {}", percent(to)),
+        Motion::Timbre => format!("is tilted to {}", percent(to)),
     }
 }
 

@@ -49,12 +49,12 @@ struct Letter {
 }
 
 /// What a letter is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Of {
     /// The voice of that id, if it has one.
     Voice(Option<u64>),
-    /// What a hand does with the voice of that id.
-    Touch(u64, Motion),
+    /// What a hand does with the voice of that id, and where to.
+    Touch(u64, Motion, f64),
     /// The release of the voice of that id.
     Release(u64),
     /// The marker of that id.
@@ -71,7 +71,7 @@ impl Of {
     fn heard(heard: &Heard<'_>) -> Self {
         match (&heard.what, heard.id) {
             (Happening::Voice { .. }, id) => Self::Voice(id),
-            (Happening::Touch(motion, _), Some(id)) => Self::Touch(id, *motion),
+            (Happening::Touch(motion, to), Some(id)) => Self::Touch(id, *motion, *to),
             (Happening::Release, Some(id)) => Self::Release(id),
             (Happening::Marker(_), Some(id)) => Self::Marker(id),
             (Happening::Silence(_), _) => Self::Silence,
@@ -266,7 +266,7 @@ impl PostBox {
                     self.begin(id, who);
                     if shut { happened.unfelt() } else { happened }
                 }
-                Of::Touch(id, motion) => happened.touches(self.voices.get(&id), motion),
+                Of::Touch(id, motion, to) => happened.touches(self.voices.get(&id), motion, to),
                 Of::Release(id) => happened.releases(self.voices.get(&id)),
                 _ => happened,
             });
@@ -370,8 +370,12 @@ mod tests {
         let (post, mut fetch) = post();
         hear_of(&post, 100, true, Some(7));
         for (sample, id, what) in [
-            (200, 7, Happening::Touch(Motion::Detune, 0.1)),
-            (300, 7, Happening::Touch(Motion::Pressure, 0.1)),
+            (200, 7, Happening::Touch(Motion::Detune, 2.0_f64.powf(1.5 / 12.0) - 1.0)),
+            (210, 7, Happening::Touch(Motion::Detune, -0.5)),
+            (220, 7, Happening::Touch(Motion::Detune, 0.0)),
+            (300, 7, Happening::Touch(Motion::Pressure, 0.634)),
+            (310, 7, Happening::Touch(Motion::Timbre, 0.5)),
+            (320, 8, Happening::Touch(Motion::Pressure, 1.0)),
             (400, 7, Happening::Release),
             (500, 8, Happening::Release),
         ] {
@@ -380,8 +384,16 @@ mod tests {
         }
         let told: Vec<String> =
             fetch.events(501, 501.0 / 8000.0, false).into_iter().map(|h| h.text).collect();
-        let rest =
-            ["tap on t1 is bent", "tap on t1 is pressed", "tap on t1 is released", "a voice is released"];
+        let rest = [
+            "tap on t1 is bent by +1.5 semitones",
+            "tap on t1 is bent by -12 semitones",
+            "tap on t1 is bent back",
+            "tap on t1 is pressed to 63 %",
+            "tap on t1 is tilted to 50 %",
+            "a voice is pressed to 100 %",
+            "tap on t1 is released",
+            "a voice is released",
+        ];
         assert_eq!(told[1..], rest);
         // However many there were.
         for id in 0..3 * KNOWN as u64 {
