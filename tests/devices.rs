@@ -25,6 +25,30 @@ fn the_card_is_listed_with_what_it_offers() {
 }
 
 #[test]
+fn the_virtual_card_is_marked_where_nothing_else_is_played_on_by_default() {
+    let Some(bench) = Bench::new("fallback") else { return };
+    bench.write("hum.toml", HUM);
+    for there in [false, true] {
+        if there {
+            bench.card("!default", "channels 8 played \"@/played.raw\"");
+        }
+        let listed = bench.run(&["devices", "--json"]);
+        let said: serde_json::Value = serde_json::from_slice(&listed.stdout).unwrap();
+        let text = String::from_utf8(bench.run(&["devices"]).stdout).unwrap();
+        let played = bench.run(&["play", "hum.toml", "--duration", "0.1"]);
+        let falls_back = String::from_utf8_lossy(&played.stderr).contains("virtual card");
+        assert_eq!(said["virtual"]["default"], serde_json::json!(falls_back), "{there}: {said:#}");
+        assert_eq!(text.contains("  * keeps real time"), falls_back, "{there}: {text}");
+        assert!(!(there && falls_back), "{}", String::from_utf8_lossy(&played.stderr));
+        // Of no server is it said twice that it does not run.
+        let text = text.to_lowercase();
+        for server in ["pipewire", "pulseaudio", "jack"] {
+            assert!(text.matches(&format!("{server}: does not run")).count() <= 1, "{text}");
+        }
+    }
+}
+
+#[test]
 fn twenty_four_channels_arrive_as_they_would_be_rendered() {
     let Some(bench) = Bench::new("exact") else { return };
     scene(&bench.folder, 24);

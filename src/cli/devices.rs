@@ -7,7 +7,7 @@ use super::servers::{Server, servers};
 use super::table::{Table, grouped};
 use super::terminal::Terminal;
 use clap::Args;
-use pacinian::io::device::choose::{VIRTUAL, VIRTUAL_NAME};
+use pacinian::io::device::choose::{VIRTUAL, VIRTUAL_NAME, falls_back};
 use pacinian::io::device::failure::Trouble;
 use pacinian::io::device::hosts::Hosts;
 use pacinian::io::device::list::{Found, Offer};
@@ -50,6 +50,8 @@ impl Devices {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let (hosts, heard) = patience::look(terminal, everywhere)?;
+        let fallback = falls_back(hosts.iter().filter_map(|(.., found)| found.as_deref().ok()));
+        let servers = running();
         if self.json {
             let hosts: Vec<_> =
                 hosts.iter().map(|(name, runs, found)| host_as_json(name, *runs, found)).collect();
@@ -61,9 +63,9 @@ impl Devices {
             let midi = json!({ "ports": ports, "trouble": trouble });
             let said = json!({
                 "hosts": hosts,
-                "virtual": { "id": VIRTUAL, "name": VIRTUAL_NAME, "default": false },
+                "virtual": { "id": VIRTUAL, "name": VIRTUAL_NAME, "default": fallback },
                 "default_input": heard,
-                "servers": running(),
+                "servers": servers,
                 "midi": midi,
                 "advice": advice,
                 "joining": JOINING,
@@ -71,7 +73,7 @@ impl Devices {
             return terminal.print(&format!("{said:#}\n"));
         }
         let mut text = String::new();
-        for (name, runs, found) in &hosts {
+        for (name, runs, found) in hosts.iter().filter(|(name, runs, _)| *runs || !is_among(name, &servers)) {
             text += &terminal.out.bold(name);
             match (runs, found) {
                 (false, _) => text += ": does not run\n",
@@ -80,10 +82,7 @@ impl Devices {
                 (true, Ok(found)) => text += &format!("\n{}", table(found)),
             }
         }
-        text += &format!(
-            "{}\n  keeps real time and plays to nobody: --device virtual\n",
-            terminal.out.bold("virtual")
-        );
+        text += &format!("{}\n{}\n", terminal.out.bold("virtual"), of_virtual(fallback));
         if let Some(id) = heard {
             text += &format!("{}: {}\n", terminal.out.bold("heard by default"), escaped(&id));
         }
@@ -109,7 +108,7 @@ impl Devices {
                 text += &format!("{}\n{}", terminal.out.bold("serial ports"), table.text());
             }
         }
-        for server in running() {
+        for server in servers {
             let how = if server.runs { "runs" } else { "does not run" };
             text += &format!("{}: {how}\n", terminal.out.bold(server.name));
             // What neither runs nor could be spoken with is not missed.
@@ -125,6 +124,21 @@ impl Devices {
         JOINING.iter().for_each(|(with, how)| text += &format!("  {with}: {how}\n"));
         terminal.print(&text)
     }
+}
+
+/// What is said of the virtual card; `fallback` says whether it is played on where nobody names another.
+fn of_virtual(fallback: bool) -> &'static str {
+    match fallback {
+        true => {
+            "  * keeps real time and plays to nobody: --device virtual; `play` takes it where no device is named"
+        }
+        false => "  keeps real time and plays to nobody: --device virtual",
+    }
+}
+
+/// Whether a sound system is one of these servers, of which it is said whether they run, and what to do.
+fn is_among(name: &str, servers: &[Server]) -> bool {
+    servers.iter().any(|server| server.name.eq_ignore_ascii_case(name))
 }
 
 /// The sound servers of this system; others than Linux have one of their own, and it runs.
@@ -191,7 +205,23 @@ fn counts(channels: &[u16]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{counts, range};
+    use super::{counts, is_among, of_virtual, range};
+    use crate::cli::servers::servers;
+
+    #[test]
+    fn what_is_played_on_for_want_of_another_is_marked() {
+        assert!(of_virtual(true).trim_start().starts_with('*') && !of_virtual(false).contains('*'));
+    }
+
+    #[test]
+    fn a_server_is_a_system_by_its_name() {
+        let servers = servers(|_| None);
+        for (host, is) in
+            [("pipewire", true), ("pulseaudio", true), ("jack", true), ("alsa", false), ("wasapi", false)]
+        {
+            assert_eq!(is_among(host, &servers), is, "{host}");
+        }
+    }
 
     #[test]
     fn numbers_of_channels_are_short() {

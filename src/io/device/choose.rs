@@ -186,6 +186,13 @@ impl Wish {
     }
 }
 
+/// Whether a session plays on the virtual card where nobody names another: no system, in their order, has a usual device that can be played on. As
+/// [`Wish::choose`] of [`Wish::Default`], for whoever has looked already.
+pub fn falls_back<'a>(systems: impl IntoIterator<Item = &'a [Found]>) -> bool {
+    let usual = |found: &'a [Found]| found.iter().find(|found| found.default);
+    !systems.into_iter().filter_map(usual).any(|found| found.output.is_some())
+}
+
 /// The device of that name that fits, or that nobody can tell of whether it does, which is an error of its own.
 fn named<'a>(
     all: &'a [(Device, Found)],
@@ -307,4 +314,31 @@ const JACK_HEARS: &str = "jack:input";
 /// A device of `hosts` with inputs by its id, if it is there now.
 pub(super) fn heard_again(hosts: &Hosts, id: &str) -> Result<(Device, Found), DeviceError> {
     by_id(hosts, id, |found| found.input.is_some())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Found, Hosts, Offer, falls_back};
+
+    fn found(default: bool, plays: bool) -> Found {
+        let offer = Offer { channels: vec![2], rates: (48_000, 48_000), blocks: None, formats: Vec::new() };
+        Found {
+            id: String::new(),
+            name: String::new(),
+            default,
+            output: plays.then(|| offer.clone()),
+            input: Some(offer),
+            trouble: None,
+            hosts: Hosts::default(),
+        }
+    }
+
+    #[test]
+    fn the_virtual_card_is_taken_where_no_usual_device_can_be_played_on() {
+        let (others, busy) = (vec![found(false, true)], vec![found(false, true), found(true, false)]);
+        let usual = vec![found(false, false), found(true, true)];
+        let of = |systems: &[&Vec<Found>]| falls_back(systems.iter().map(|found| found.as_slice()));
+        assert!(of(&[]) && of(&[&Vec::new()]) && of(&[&others, &busy]));
+        assert!(!of(&[&usual]) && !of(&[&busy, &usual]) && !of(&[&usual, &others]));
+    }
 }
