@@ -81,6 +81,8 @@ struct Figures {
     most: f64,
     /// Seconds a second.
     drift: f64,
+    /// Its standard error; of two or fewer nobody knows it.
+    error: Option<f64>,
 }
 
 impl Figures {
@@ -94,12 +96,29 @@ impl Figures {
             (rounds.iter().map(|r| square(r.latency - mean)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt();
         let spread: f64 = rounds.iter().map(|r| square(r.at - middle)).sum();
         let rise: f64 = rounds.iter().map(|r| (r.at - middle) * (r.latency - mean)).sum();
+        let drift = if spread > 0.0 { rise / spread } else { 0.0 };
+        // What the straight line leaves over.
+        let left = rounds.iter().map(|r| square(r.latency - mean - drift * (r.at - middle))).sum::<f64>();
+        let error = (count > 2.0 && spread > 0.0).then(|| (left / (count - 2.0) / spread).sqrt());
         Self {
             mean,
             deviation,
             least: rounds.iter().map(|r| r.latency).fold(f64::INFINITY, f64::min),
             most: rounds.iter().map(|r| r.latency).fold(f64::NEG_INFINITY, f64::max),
-            drift: if spread > 0.0 { rise / spread } else { 0.0 },
+            drift,
+            error,
+        }
+    }
+
+    /// The drift, and how sure it is: where it is within two standard errors of nothing, it may be chance.
+    fn drift(&self) -> [String; 2] {
+        let minute = |x: f64| format!("{:.1} us a minute", 60e6 * x);
+        match self.error {
+            None => [minute(self.drift), "of two probes, so by how much that is chance is unknown".into()],
+            Some(error) if self.drift.abs() <= 2.0 * error => {
+                [format!("none beyond +-{}", minute(2.0 * error)), "two standard errors".into()]
+            }
+            Some(error) => [minute(self.drift), format!("+-{} (standard error)", minute(error))],
         }
     }
 }
@@ -148,6 +167,7 @@ impl Latency {
         let block = blocks.map(|(least, most)| self.block.clamp(least, most.max(least)));
         let ear = self.input_device.as_deref().or(rig.and_then(|rig| rig.device.input.as_deref()));
         let playing = (device, found);
+        let longer = longer(self.block, blocks);
         let ear = ear.map(str::to_string);
         let (playing, heard) = patience::look(terminal, move || {
             let heard = ear.map_or_else(|| choose::heard_beside(&playing), |ear| choose::heard(&ear));
@@ -185,7 +205,7 @@ impl Latency {
         // One that came much later than most is another sound.
         let (measured, strays) = without_strays(measured);
         if measured.rounds.len() * 2 < usize::from(self.count) {
-            return Err(self.nothing(&measured, strays, &names, &name, level));
+            return Err(self.nothing(&measured, strays, &names, &name, level, longer));
         }
         let figures = Figures::of(&measured.rounds);
         if self.json {
@@ -196,7 +216,7 @@ impl Latency {
         }
         match &self.rig {
             Some(path) if self.save => {
-                trusted(&measured, &figures)?;
+                trusted(&measured, &figures, longer)?;
                 save(path, figures.mean, terminal)
             }
             _ => Ok(()),
@@ -258,11 +278,15 @@ impl Latency {
         names: &[String; 2],
         name: &str,
         level: f64,
+        longer: Option<u32>,
     ) -> Failure {
         let heard = measured.rounds.len() + strays;
         if measured.broken * 2 > usize::from(self.count) {
             let what = format!("{} of {} probes fell into gaps of the devices", measured.broken, self.count);
-            return Failure::usage(what, "measure with longer blocks: --block 2048").with_code(74);
+            let help = longer.map_or("close other programs, and measure again".into(), |block| {
+                format!("measure with longer blocks: --block {block}")
+            });
+            return Failure::usage(what, help).with_code(74);
         }
         let what = format!("nothing came back on input {} of {}", self.input, names[1]);
         let (what, help) = match measured.peak {
@@ -288,7 +312,7 @@ impl Latency {
     }
 
     fn text(&self, measured: &Measured, strays: usize, figures: &Figures, rates: [u32; 2]) -> String {
-        let Figures { mean, deviation, least, most, drift } = *figures;
+        let Figures { mean, deviation, least, most, .. } = *figures;
         let micro = |seconds: f64| format!("{:.1} us", 1e6 * seconds);
         let frames = |seconds: f64| format!("{:.2} frames", seconds * f64::from(rates[0]));
         let gain = mean_gain(measured);
@@ -298,7 +322,8 @@ impl Latency {
             let spread = format!("{} (standard deviation)", frames(deviation));
             table.row(["spread".into(), micro(deviation), spread]);
             table.row(["from, to".into(), format!("{:.4} ms", 1e3 * least), format!("{:.4} ms", 1e3 * most)]);
-            table.row(["drift".into(), format!("{:.1} us a minute", 60e6 * drift), String::new()]);
+            let [drift, how] = figures.drift();
+            table.row(["drift".into(), drift, how]);
         } else {
             let why = "of one probe: send more, --count";
             table.row(["spread, drift".into(), "unknown".to_string(), why.into()]);
@@ -350,7 +375,7 @@ impl Latency {
         rates: [u32; 2],
         name: &str,
     ) -> serde_json::Value {
-        let Figures { mean, deviation, least, most, drift } = *figures;
+        let Figures { mean, deviation, least, most, drift, error } = *figures;
         // One probe says nothing of them.
         let [deviation, drift] =
             [deviation, drift].map(|figure| (measured.rounds.len() > 1).then_some(figure));
@@ -361,6 +386,7 @@ impl Latency {
             "loop_latency_frames": mean * f64::from(rates[0]),
             "deviation_s": deviation, "least_s": least, "most_s": most,
             "drift_s_per_s": drift,
+            "drift_error_s_per_s": error,
             "clocks_ppm": 1e6 * measured.drift,
             "round_trip_s": measured.says[0] + mean + measured.says[1],
             "gain": mean_gain(measured),
@@ -373,7 +399,7 @@ impl Latency {
 }
 
 /// Whether what was measured is fit to be written into a rig.
-fn trusted(measured: &Measured, figures: &Figures) -> Result<(), Failure> {
+fn trusted(measured: &Measured, figures: &Figures, longer: Option<u32>) -> Result<(), Failure> {
     let why = if measured.drift.abs() > CLOCKS {
         format!(
             "the clocks come out {:+.0} ppm apart, and no two crystals are: the devices' times are not to be trusted",
@@ -384,8 +410,16 @@ fn trusted(measured: &Measured, figures: &Figures) -> Result<(), Failure> {
     } else {
         return Ok(());
     };
-    let help = "close other programs, ask for longer blocks (--block 1024), and measure again";
+    let blocks = longer.map_or(String::new(), |block| format!(" ask for longer blocks (--block {block}),"));
+    let help = format!("close other programs,{blocks} and measure again");
     Err(Failure::usage(format!("it is not saved: {why}"), help).with_code(74))
+}
+
+/// Longer blocks than `asked`, where the device offers such.
+fn longer(asked: u32, offered: Option<(u32, u32)>) -> Option<u32> {
+    let (least, most) = offered?;
+    let longer = asked.saturating_mul(4).min(most);
+    (longer > asked.max(least)).then_some(longer)
 }
 
 fn mean_gain(measured: &Measured) -> f64 {
@@ -457,32 +491,122 @@ fn with_latency(rig: &str, seconds: f64) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Figures, Round, trusted, with_latency, without_strays};
+    use super::{Figures, Round, longer, trusted, with_latency, without_strays};
     use pacinian::io::latency::measure::Measured;
 
     #[test]
     fn figures_are_those_of_the_definitions() {
-        let round = |at, latency| Round { at, latency, gain: 1.0 };
         let figures = Figures::of(&[round(0.0, 0.001), round(1.0, 0.002), round(2.0, 0.003)]);
         assert!((figures.mean - 0.002).abs() < 1e-12 && (figures.deviation - 0.001).abs() < 1e-12);
         assert!((figures.drift - 0.001).abs() < 1e-12 && (figures.least, figures.most) == (0.001, 0.003));
         let one = Figures::of(&[round(5.0, 0.004)]);
-        assert_eq!((one.mean, one.deviation, one.drift), (0.004, 0.0, 0.0));
+        assert_eq!((one.mean, one.deviation, one.drift, one.error), (0.004, 0.0, 0.0, None));
         let rounds = vec![round(0.0, 0.01), round(1.0, 0.0101), round(2.0, 0.2)];
         let (measured, strays) = without_strays(Measured { rounds, ..Measured::default() });
         assert_eq!((measured.rounds.len(), strays), (2, 1));
     }
 
+    fn round(at: f64, latency: f64) -> Round {
+        Round { at, latency, gain: 1.0 }
+    }
+
+    #[test]
+    fn the_error_of_the_drift_is_that_of_the_closed_form() {
+        // About (0, 0), (1, 1), (2, 0), (3, 1): slope 0.2, what is left over 0.8, so sqrt(0.8 / 2 / 5).
+        let rounds =
+            [(0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (3.0, 1.0)].map(|(at, x)| round(at, 0.004 + 1e-3 * x));
+        let figures = Figures::of(&rounds);
+        assert!((figures.drift - 0.2e-3).abs() < 1e-12);
+        assert!((figures.error.unwrap() - 1e-3 * 0.08_f64.sqrt()).abs() < 1e-12, "{figures:?}");
+        let line = Figures::of(&[round(0.0, 0.001), round(1.0, 0.002), round(2.0, 0.003)]);
+        assert!(line.error.unwrap() < 1e-12);
+        // Two lie on a line whatever they are; and at one time there is no slope.
+        assert_eq!(Figures::of(&rounds[..2]).error, None);
+        assert_eq!(Figures::of(&[round(1.0, 0.1), round(1.0, 0.2), round(1.0, 0.3)]).error, None);
+    }
+
+    /// Many sets of probes with a known slope and known noise: the slopes scatter as the errors say.
+    #[test]
+    fn slopes_scatter_by_their_errors() {
+        let (slope, noise, count, sets) = (1e-6, 20e-6, 25, 2_000);
+        let mut seed = 1_u64;
+        let mut even = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        // A sum of twelve is as good as normal, with variance 1.
+        let mut normal = || (0..12).map(|_| even()).sum::<f64>() - 6.0;
+        let (mut within, mut said, mut square) = (0, 0.0, 0.0);
+        for _ in 0..sets {
+            let rounds: Vec<Round> = (0..count)
+                .map(|n| round(f64::from(n) * 0.25, 0.003 + slope * f64::from(n) * 0.25 + noise * normal()))
+                .collect();
+            let figures = Figures::of(&rounds);
+            let (error, off) = (figures.error.unwrap(), figures.drift - slope);
+            within += i32::from(off.abs() <= 2.0 * error);
+            said += error * error / f64::from(sets);
+            square += off * off / f64::from(sets);
+        }
+        // Sum of (at - middle)^2 of n points d apart: d^2 n (n^2 - 1) / 12.
+        let n = f64::from(count);
+        let known = noise * noise / (0.25 * 0.25 * n * (n * n - 1.0) / 12.0);
+        assert!(
+            (said / known - 1.0).abs() < 0.05 && (square / known - 1.0).abs() < 0.1,
+            "{said} {square} {known}"
+        );
+        // 2 of a t distribution with 23 degrees of freedom: 94.3 %.
+        let share = f64::from(within) / f64::from(sets);
+        assert!((share - 0.943).abs() < 0.02, "{share}");
+    }
+
+    #[test]
+    fn a_drift_that_may_be_chance_is_none() {
+        let of = |drift, error| {
+            let rounds = [round(0.0, 0.0), round(1.0, 0.0)];
+            Figures { drift, error, ..Figures::of(&rounds) }.drift().join(", ")
+        };
+        assert_eq!(
+            of(-64.6e-6 / 60.0, Some(40e-6 / 60.0)),
+            "none beyond +-80.0 us a minute, two standard errors"
+        );
+        assert_eq!(
+            of(-90e-6 / 60.0, Some(40e-6 / 60.0)),
+            "-90.0 us a minute, +-40.0 us a minute (standard error)"
+        );
+        assert!(of(-90e-6 / 60.0, None).ends_with("is unknown"));
+    }
+
+    #[test]
+    fn only_blocks_that_are_offered_are_advised() {
+        assert_eq!(longer(512, Some((64, 8192))), Some(2048));
+        assert_eq!(longer(512, Some((64, 1024))), Some(1024));
+        assert_eq!(longer(512, Some((64, 512))), None);
+        assert_eq!(
+            longer(64, Some((1024, 1024))),
+            None,
+            "it has those alone, and they were asked for in their place"
+        );
+        assert_eq!(longer(512, None), None);
+        let rounds = [0.01, 0.0119, 0.0103].map(|latency| round(0.0, latency)).to_vec();
+        let figures = Figures::of(&rounds);
+        let measured = Measured { rounds, ..Measured::default() };
+        let help = |longer| {
+            trusted(&measured, &figures, longer).unwrap_err().problems()[0].list[0].help.clone().unwrap()
+        };
+        assert_eq!(
+            help(Some(1024)),
+            "close other programs, ask for longer blocks (--block 1024), and measure again"
+        );
+        assert_eq!(help(None), "close other programs, and measure again");
+    }
+
     #[test]
     fn what_cannot_be_is_not_saved() {
         let of = |drift, latencies: [f64; 3]| {
-            let rounds = latencies.map(round).to_vec();
+            let rounds = latencies.map(|latency| round(0.0, latency)).to_vec();
             let figures = Figures::of(&rounds);
-            trusted(&Measured { rounds, drift, ..Measured::default() }, &figures).is_ok()
+            trusted(&Measured { rounds, drift, ..Measured::default() }, &figures, None).is_ok()
         };
-        fn round(latency: f64) -> Round {
-            Round { at: 0.0, latency, gain: 1.0 }
-        }
         let same = [0.01; 3];
         assert!(of(100e-6, same) && of(-499e-6, same) && of(0.0, [0.01, 0.0105, 0.0103]));
         assert!(!of(501e-6, same) && !of(-0.01, same) && !of(0.0, [0.01, 0.0119, 0.0103]));
