@@ -196,7 +196,8 @@ impl Recogniser {
         let pressed = !moved && travel.is_latched();
         let switch = travel.is_switch();
         let alone = |(other, travel): (&Source, &Travel)| *other == source || !travel.is_far(seconds);
-        if !moved && !(pressed && self.travels.iter().all(alone)) {
+        let meant = moved || (pressed && self.travels.iter().all(alone));
+        if !meant {
             return None;
         }
         let (port, channel, control) = source;

@@ -132,7 +132,8 @@ impl Ear {
         let moved = travel.is_moved(SPAN) || travel.is_moved_coarsely();
         let (pressed, source) = (!moved && travel.is_latched(), Source::osc(address, travel.is_switch()));
         let alone = |(other, travel): (&String, &Travel)| other == address || !travel.is_far(seconds);
-        if !moved && !(pressed && self.travels.iter().all(alone)) {
+        let meant = moved || (pressed && self.travels.iter().all(alone));
+        if !meant {
             return None;
         }
         self.travels.clear();
