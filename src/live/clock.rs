@@ -36,8 +36,16 @@ const REMEMBERED: f64 = 30.0;
 const LOST: f64 = 0.02;
 const LOST_BLOCKS: f64 = 1.5;
 
+/// A device that has gone on from elsewhere, and has not said so, is followed there: by what all of so many callbacks were off the same
+/// way, where that is more than this, in seconds. Chance does not make the same of uneven ones.
+const MOVED: usize = 32;
+const AWAY: f64 = 2e-4;
+
 /// Seconds that an event may take from where it arrives to where the callback finds it, or it would be late where it arrives just before one.
 pub const HASTE: f64 = 6e-5;
+
+/// No callback yet.
+const NONE: (f64, f64, usize) = (f64::INFINITY, f64::NEG_INFINITY, 0);
 
 /// The loop, on the audio thread.
 #[derive(Debug)]
@@ -61,6 +69,8 @@ pub struct Follower {
     /// What of it is in the latency: at once where it grows, and a frame less with each callback where it falls, or what comes later would
     /// be played before what came before it.
     lead: u64,
+    /// The least and the most by which callbacks were late, in seconds, and how many there were.
+    off: (f64, f64, usize),
     running: bool,
     face: Arc<Face>,
 }
@@ -126,6 +136,7 @@ impl Follower {
                 early: [0; 2],
                 since: 0.0,
                 lead: 0,
+                off: NONE,
                 running: false,
                 face,
             },
@@ -140,7 +151,7 @@ impl Follower {
         let most = LOST.max(LOST_BLOCKS * self.longest as f64 * self.frame);
         if !self.running || late.abs() > most {
             (self.running, self.next, self.frame) = (true, now, 1.0 / self.rate);
-            (self.age, self.since) = (0.0, 0.0);
+            (self.age, self.since, self.off) = (0.0, 0.0, NONE);
         } else {
             // The loop's natural frequency in radians a callback; below 0.3 it is well damped.
             let block = frames.max(1) as f64 * self.frame;
@@ -153,6 +164,7 @@ impl Follower {
             if self.age >= FOUND.max(FOUND_BLOCKS * block) {
                 self.was_early((self.next - now) * self.rate);
             }
+            self.next += self.moved(late);
         }
         self.longest = self.longest.max(frames);
         self.show();
@@ -183,6 +195,16 @@ impl Follower {
     pub fn forget(&mut self, block: u64) {
         (self.running, self.longest) = (false, block);
         (self.early, self.lead) = ([0; 2], 0);
+    }
+
+    /// By how much the device has moved on, with a callback that was `late` by so much, seconds.
+    fn moved(&mut self, late: f64) -> f64 {
+        let (least, most, count) = self.off;
+        self.off = (least.min(late), most.max(late), count + 1);
+        let (least, most, MOVED..) = self.off else { return 0.0 };
+        self.off = NONE;
+        let moved = least.max(0.0) + most.min(0.0);
+        if moved.abs() > AWAY { moved } else { 0.0 }
     }
 
     /// A callback was early by so many frames, or late.
@@ -288,6 +310,26 @@ mod tests {
             let played = moment.frame_of(stamp(arrived));
             // A block, and three frames.
             assert!((played - (moment.frames as f64 + 128.0 + 3.0 + offset)).abs() < 0.01, "{offset}");
+        }
+    }
+
+    /// A gap that nobody has told of: from then on all comes later, or earlier.
+    #[test]
+    fn a_device_that_goes_on_from_elsewhere_is_followed() {
+        for moved in [3e-3, 0.5e-3, -1e-3] {
+            let (mut follower, clock) = Follower::new(48_000.0, 64);
+            let due = |n: u64| 1.0 + (n * 64) as f64 / 48_000.0;
+            // Up to 50 us late, as on a machine at rest.
+            let late = |n: u64| (n * 7 % 11) as f64 * 5e-6;
+            for n in 0..20_000 {
+                follower.callback(stamp(due(n) + late(n)), 64);
+            }
+            for n in 20_000..20_000 + 2 * 32 {
+                follower.callback(stamp(due(n) + late(n) + moved), 64);
+            }
+            let moment = clock.moment().unwrap();
+            let off = moment.time - (due(20_000 + 2 * 32 - 1) + 25e-6 + moved);
+            assert!(off.abs() < 5e-5, "{moved}: {off}");
         }
     }
 
