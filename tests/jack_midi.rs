@@ -89,7 +89,7 @@ fn wait(seconds: u64, mut what: impl FnMut() -> bool) -> bool {
 
 #[test]
 fn a_note_of_a_client_sounds_until_its_port_is_gone() {
-    let Some(_server) = Server::start() else { return };
+    let Some(server) = Server::start() else { return };
     let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
     let (patch, rig) = (Arc::new(common::patch(PATCH)), Arc::new(Rig::default_for(2)));
     let session = Session::start(Beginning {
@@ -132,4 +132,19 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
         assert!(matches!(&gone, PortNews::Gone(name) if name.contains("keys")), "{round}: {gone:?}");
         assert!(wait(10, || voices() == 0), "{round}: it is not let go of");
     }
+    // A server that stands still leaves out periods, and with them what somebody sends then.
+    let before = session.board().midi.gaps.get();
+    let signal = |name: &str| {
+        assert!(Command::new("kill").args([name, &server.0.id().to_string()]).status().unwrap().success())
+    };
+    let counted = wait(20, || {
+        signal("-STOP");
+        std::thread::sleep(Duration::from_millis(200));
+        signal("-CONT");
+        std::thread::sleep(Duration::from_millis(200));
+        session.board().midi.gaps.get() > before
+    });
+    assert!(counted, "nobody counts what JACK leaves out");
+    let told = session.board().midi.trouble().unwrap();
+    assert!(told.contains("left out by JACK, whose messages are lost"), "{told}");
 }

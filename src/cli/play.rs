@@ -51,7 +51,7 @@ use std::time::{Instant, SystemTime};
     everything that happens.\n\
     With --watch, what is saved takes over while it sounds: what still exists keeps sounding, as the new patch has it, controls keep \
     their values, and of a file that is broken the errors are shown while the old one plays on.\n\
-    Ctrl-C ends it: the output goes to exact zeros within 2 ms."
+    Ctrl-C ends it: the output goes to exact zeros within 2 ms of the next block that the card asks for."
 )]
 pub struct Play {
     #[command(flatten)]
@@ -173,6 +173,7 @@ impl Play {
         };
         let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
         let armed = self.arm || device.is_meant(&wish);
+        let is_virtual = matches!(device, Chosen::Virtual(_));
         let instead = match &device {
             Chosen::Virtual(why) => *why,
             Chosen::Card(..) => None,
@@ -362,7 +363,7 @@ impl Play {
         });
         // The gate closes before anything else is done, even where the conductor is no more.
         session.board().lever.close();
-        let held = device_queue::told(session.board());
+        let held = (!is_virtual).then(|| device_queue::told(session.board()));
         let _ = session.handle().send(Signal::End);
         drop(watching);
         drop(midi);
@@ -384,7 +385,7 @@ impl Play {
         if unsent > 0 {
             terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }
-        let concluded = self.conclude(&loaded, &session, &peaks, &held, ended.is_none(), terminal);
+        let concluded = self.conclude(&loaded, &session, &peaks, held.as_deref(), ended.is_none(), terminal);
         #[cfg(feature = "serial")]
         line.iter().for_each(|line| terminal.note(&line.conclude()));
         let told = knob.map_or(Ok(()), |knob| knob.told(&loaded, session.board(), terminal));
@@ -436,7 +437,7 @@ impl Play {
         loaded: &Loaded,
         session: &Session,
         peaks: &[f32],
-        held: &str,
+        held: Option<&str>,
         ended_by_itself: bool,
         terminal: &Terminal,
     ) -> Result<(), Failure> {
@@ -467,7 +468,9 @@ impl Play {
         }
         let latency = Latency::of(session, loaded.rig.device.loop_latency);
         text += &format!("  from an event to the middle of what it makes at 250 Hz: {}\n", latency.told());
-        text += &format!("  when the output was shut, {held}\n");
+        if let Some(held) = held {
+            text += &format!("  when the output was shut, {held}\n");
+        }
         let input = &board.input;
         if input.frames.get() > 0 {
             text += &format!(

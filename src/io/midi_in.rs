@@ -14,9 +14,13 @@ use crate::live::board::Board;
 use crate::live::signal::{Handle, Signal};
 use crate::midi::{Message, Parser};
 
+#[cfg(all(target_os = "linux", feature = "midi-jack"))]
+mod gaps;
 mod roster;
 mod unknown;
 
+#[cfg(all(target_os = "linux", feature = "midi-jack"))]
+use gaps::Gaps;
 use roster::Roster;
 pub use unknown::Unknown;
 use unknown::fits;
@@ -153,10 +157,16 @@ impl MidiPorts {
             let mut refused: Vec<String> = Vec::new();
             let mut roster = Roster::default();
             let (mut without, mut known) = (false, false);
+            #[cfg(all(target_os = "linux", feature = "midi-jack"))]
+            let mut gaps = None;
             while !stopped.load(Ordering::Acquire) {
                 match input() {
                     Ok(input) => {
                         without = false;
+                        #[cfg(all(target_os = "linux", feature = "midi-jack"))]
+                        if let Some(board) = board.as_ref().filter(|_| gaps.is_none()) {
+                            gaps = Gaps::count(board);
+                        }
                         let state = |number, name: &str| Line {
                             number,
                             name: name.into(),
@@ -175,6 +185,8 @@ impl MidiPorts {
                         }
                     }
                     Err(error) => {
+                        #[cfg(all(target_os = "linux", feature = "midi-jack"))]
+                        drop(gaps.take());
                         if !std::mem::replace(&mut without, true) {
                             news(PortNews::None(error));
                         }

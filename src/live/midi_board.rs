@@ -25,6 +25,8 @@ pub struct MidiBoard {
     pub unheard: Figure,
     /// Messages that concern no player.
     pub left_out: Figure,
+    /// Periods that a JACK server has left out, whose messages are lost.
+    pub gaps: Figure,
 }
 
 impl MidiBoard {
@@ -52,7 +54,7 @@ impl MidiBoard {
     }
 
     /// Each figure by its name in a journal, with what it counts in words.
-    pub fn named(&self) -> [(&'static str, u64, &'static str); 8] {
+    pub fn named(&self) -> [(&'static str, u64, &'static str); 9] {
         [
             ("midi_malformed", self.malformed.get(), "malformed"),
             ("midi_skipped", self.skipped.get(), "system messages skipped"),
@@ -62,12 +64,13 @@ impl MidiBoard {
             ("midi_unmeant", self.unmeant.get(), "values for no parameter"),
             ("midi_unheard", self.unheard.get(), "values of parameters (NRPN, RPN) that no patch can hear"),
             ("midi_left_out", self.left_out.get(), "that concern no player"),
+            ("midi_gaps", self.gaps.get(), "periods left out by JACK, whose messages are lost"),
         ]
     }
 
-    /// How many could not be used. System messages that are skipped are none of them.
+    /// How many could not be used. System messages that are skipped are none of them, and of those that were lost on the way nobody knows.
     pub fn unused(&self) -> u64 {
-        self.named().iter().map(|(_, count, _)| count).sum::<u64>() - self.skipped.get()
+        self.named().iter().map(|(_, count, _)| count).sum::<u64>() - self.skipped.get() - self.gaps.get()
     }
 
     /// What could not be used, in words; `None` if all could.
