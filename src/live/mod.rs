@@ -35,4 +35,5 @@ pub mod stamp;
 pub mod torque;
 pub mod tracker;
 pub mod values;
+pub mod walk;
 pub mod way;

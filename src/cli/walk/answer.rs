@@ -1,6 +1,6 @@
 //! What somebody says about what was felt.
 
-use super::probe::may_be_felt;
+use pacinian::live::walk::probe::may_be_felt;
 use pacinian::rig::{Output, Rig};
 use pacinian::text::nearest::suggest;
 use pacinian::text::problem::escaped;

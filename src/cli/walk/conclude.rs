@@ -1,13 +1,13 @@
 //! What a walk comes to: shown, and written down if that is wanted.
 
-use super::map::{Felt, Map, map};
-use super::probe::Probe;
 use super::round::Round;
 use super::{Walk, write};
 use crate::cli::ask::Typed;
 use crate::cli::failure::Failure;
 use crate::cli::table::{Table, many};
 use pacinian::io::replace;
+use pacinian::live::walk::map::{Felt, Map, map};
+use pacinian::live::walk::probe::Probe;
 use pacinian::text::problem::escaped;
 use std::collections::BTreeMap;
 

@@ -2,11 +2,8 @@
 
 mod answer;
 mod conclude;
-mod map;
 mod presence;
-mod probe;
 mod round;
-mod turns;
 mod write;
 
 use super::ask::Typed;
@@ -26,12 +23,12 @@ use pacinian::io::session::Beginning;
 use pacinian::io::text;
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
+use pacinian::live::walk::probe::{self, Probe, bare, probes};
 use pacinian::rig::{OutputKind, Rig};
 use pacinian::text::problem::escaped;
 use pacinian::text::{Problem, Problems};
 use pacinian::{NoAssets, Options};
 use presence::Presence;
-use probe::{Probe, bare, probes};
 use round::{End, Round};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

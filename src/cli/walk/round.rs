@@ -1,10 +1,7 @@
 //! Channel after channel: with somebody who says what is felt, or without.
 
 use super::answer::{Answer, KEYS, LINES, Pressed};
-use super::map::Felt;
 use super::presence::Presence;
-use super::probe::{Deed, Lowered, Probe};
-use super::turns::Turns;
 use crate::cli::ask::{Edit, Entry, Said, Typed};
 use crate::cli::failure::Failure;
 use crate::cli::guard;
@@ -13,6 +10,9 @@ use crate::cli::terminal::Terminal;
 use crate::cli::wrap::wrapped;
 use pacinian::io::session::Session;
 use pacinian::live::gate::RAMP_IN;
+use pacinian::live::walk::map::Felt;
+use pacinian::live::walk::probe::{Deed, Lowered, Probe};
+use pacinian::live::walk::turns::Turns;
 use pacinian::rig::Rig;
 use pacinian::text::problem::escaped;
 use std::collections::BTreeMap;

@@ -58,7 +58,7 @@ impl Turns {
 #[cfg(test)]
 mod tests {
     use super::Turns;
-    use crate::cli::walk::map::Felt;
+    use crate::live::walk::map::Felt;
     use std::collections::{BTreeMap, BTreeSet};
 
     #[test]

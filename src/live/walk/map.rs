@@ -1,7 +1,7 @@
 //! Which tactor hangs on which channel, after what was felt.
 
 use super::probe::{Probe, may_be_felt};
-use pacinian::rig::{Output, Rig};
+use crate::rig::{Output, Rig};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What was felt on a channel.
@@ -81,9 +81,9 @@ pub fn map(rig: &Rig, probes: &[Probe], felt: &BTreeMap<u32, Felt>) -> Result<Ma
 #[cfg(test)]
 mod tests {
     use super::{Felt, map};
-    use crate::cli::walk::probe::probes;
-    use pacinian::Rig;
-    use pacinian::rig::OutputKind;
+    use crate::Rig;
+    use crate::live::walk::probe::probes;
+    use crate::rig::OutputKind;
     use std::collections::{BTreeMap, BTreeSet};
 
     fn told(rig: &Rig, felt: &[(u32, Option<usize>)]) -> Result<Vec<(usize, u32)>, String> {
@@ -113,9 +113,9 @@ mod tests {
         let mut rig = Rig::default_for(5);
         rig.outputs[4].kind = OutputKind::Torque;
         rig.outputs.pop();
-        rig.outputs.push(pacinian::rig::Output {
+        rig.outputs.push(crate::rig::Output {
             kind: OutputKind::Torque,
-            ..pacinian::rig::Output::tactor("knob", 5, [0.0; 3])
+            ..crate::rig::Output::tactor("knob", 5, [0.0; 3])
         });
         // Every answer that may be given on four channels: one of four tactors, nothing, or none yet.
         for code in 0..6_usize.pow(4) {

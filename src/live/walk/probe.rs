@@ -1,8 +1,8 @@
 //! What is felt on a channel when it is its turn: a tone, or a short turn of a motor, that suits its actuator and cannot harm it.
 
-use pacinian::rig::{Output, OutputKind, Rig, Shaping};
-use pacinian::text::Problems;
-use pacinian::{Note, Patch, Place};
+use crate::rig::{Output, OutputKind, Rig, Shaping};
+use crate::text::Problems;
+use crate::{Note, Patch, Place};
 
 /// A tone that comes and goes gently; a turn and a click of a motor, as its own output drives it.
 const PATCH: &str = "format = \"pacinian-patch/1\"\ntitle = \"A walk over the channels\"\n\
@@ -89,6 +89,9 @@ impl Deed {
 }
 
 /// What plays probes.
+///
+/// # Errors
+/// None: it is made here.
 pub fn patch() -> Result<Patch, Problems> {
     Patch::parse("walk", PATCH.as_bytes()).map(|checked| checked.value)
 }
@@ -177,7 +180,7 @@ fn bearable(rig: &Rig, output: &Output) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::{Deed, Lowered, bare, patch, probes};
-    use pacinian::{NoAssets, Options, Patch, Player, Rig};
+    use crate::{NoAssets, Options, Patch, Player, Rig};
 
     const RIG: &str = "format = \"pacinian-rig/1\"\n[device]\nchannels = 7\nfull_scale_volts = 2.0\ncoupling = \"dc\"\n\
         [amplifier.a]\ngain = 5\ncoupling = \"dc\"\n[actuator.coin]\npart = \"coin-10mm\"\n[actuator.slow]\nresonance = 65\nrated_volts = 2\n[actuator.odd]\nresonance = 3000\n\
