@@ -57,6 +57,10 @@ fn notes_play_a_voice_of_any_patch() {
     );
     assert!((0.5..0.8).contains(&(first.len() as f64 / 48e3)), "{}", first.len());
     scratch.run(&[&render[..], &["--notes", "hmu"]].concat()).fails(2, &["no voice `hmu`", "`hum`"]);
+    scratch.write("p.toml", HUM.replace("output = \"o\"", "output = \"o\"\nstart = \"always\""));
+    scratch
+        .run(&[&render[..], &["--notes", "hum"]].concat())
+        .fails(2, &["--notes: voice `hum` is always on"]);
 }
 
 #[test]
@@ -119,6 +123,17 @@ fn a_song_gives_an_endless_patch_its_length() {
     ] {
         assert_eq!(length(name, patch, song), seconds, "{name}");
     }
+    // What this song cannot set off is no reason to cut its end.
+    let rings = HUM.replace("release = 0.01", "release = 0.5");
+    for on in [on("key.1", "e"), on("osc./e", "e"), on("midi.program 9", "e")] {
+        let whole = length("rings", format!("{rings}{endless}{on}{key}"), "song.mid");
+        assert!(whole > 0.9, "{on}: {whole}");
+    }
+    std::fs::write(scratch.0.join("empty.mid"), song(&[])).unwrap();
+    scratch.write("p.toml", format!("{HUM}{key}{always}"));
+    scratch
+        .run(&["render", "p.toml", "--midi", "empty.mid", "-o", "x.wav"])
+        .fails(2, &["has no length of its own"]);
     // Without the song, it has none.
     scratch.write("p.toml", format!("{HUM}{endless}{}", on("start", "e")));
     scratch

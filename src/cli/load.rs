@@ -23,7 +23,7 @@ use pacinian::io::{
     song::SongError,
     text,
 };
-use pacinian::patch::{self, Events, Patch};
+use pacinian::patch::{self, Events, Patch, Start};
 use pacinian::rig::{RATES, Rig};
 use pacinian::space::spot::Spread;
 use pacinian::text::{Checked, Origin, Problem, Problems, Sink, nearest};
@@ -275,6 +275,11 @@ impl Scene {
         let rig = given.unwrap_or_else(|| by_default::rig(&patch, &self.offered));
         self.check_words(&patch)?;
         setting::set(&mut patch, &self.settings)?;
+        let always = |name: &String| patch.voices.iter().any(|v| v.name == *name && v.start == Start::Always);
+        if let Some(voice) = self.notes.as_ref().filter(|name| always(name)) {
+            let what = format!("--notes: voice `{voice}` is always on, so no note can start it");
+            return Err(Failure::usage(what, "name another voice"));
+        }
         if let Some(voice) = self.notes.as_ref().filter(|voice| !patch.key(voice)) {
             let near = nearest::suggest(voice, patch.voices.iter().map(|v| v.name.as_str()));
             let help = near.unwrap_or_else(|| "a patch declares them with [voice.NAME]".into());

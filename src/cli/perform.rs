@@ -7,7 +7,7 @@ use super::progress::Progress;
 use super::stop::Stop;
 use super::summary::size;
 use super::terminal::Terminal;
-use super::unsung::LONGEST;
+use super::unsung::{LONGEST, sets_off};
 use pacinian::graph::plan::Shared;
 use pacinian::midi::file::Song;
 use pacinian::patch::{Source, Trigger};
@@ -88,9 +88,11 @@ impl Until {
         let lasts = heard.into_iter().chain(sung).reduce(f64::max);
         let playing = playing(loaded);
         let always = player.plan().instruments.iter().find(|i| i.always);
-        // What a song may begin and never ends; a key lets go of what it holds.
+        // What the song begins and never ends; a key lets go of what it holds.
         let begins = |trigger: &&Trigger| {
-            loaded.song.is_some() && trigger.on.is_live() && trigger.on != Source::MidiNote
+            let messages = loaded.song.iter().flat_map(|song| &song.messages);
+            trigger.on != Source::MidiNote
+                && messages.into_iter().any(|(_, message)| sets_off(trigger, *message))
         };
         let begun = patch.triggers.iter().filter(begins);
         let begun = begun.filter_map(|trigger| patch.patterns.iter().find(|p| p.name == trigger.play));
@@ -120,7 +122,7 @@ impl Until {
             }
             (None, None, None) => return Ok(Self::Over(tail)),
         };
-        if let Some(seconds) = lasts {
+        if let Some(seconds) = lasts.filter(|seconds| ((seconds + tail) * rate).round() >= 1.0) {
             return Ok(Self::Seconds(seconds + tail));
         }
         let example = player.length().filter(|length| *length > 0.0).map_or(10.0, f64::ceil);

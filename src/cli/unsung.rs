@@ -3,7 +3,7 @@
 use pacinian::midi::Message;
 use pacinian::midi::file::Song;
 use pacinian::midi::pitch;
-use pacinian::patch::{Mover, Patch, Source};
+use pacinian::patch::{Mover, Patch, Source, Trigger};
 use pacinian::text::problem::Severity;
 use pacinian::text::{Problem, Problems};
 use std::collections::BTreeSet;
@@ -37,24 +37,30 @@ pub fn unsung(patch: &Patch, path: &Path, song: &Song) -> Option<Problems> {
     Some(Problems { file: path.display().to_string(), source: String::new(), list: vec![warning] })
 }
 
+/// Whether a message may set off a trigger.
+pub fn sets_off(trigger: &Trigger, message: Message) -> bool {
+    let on =
+        |channel: pacinian::midi::Channel| trigger.channel.is_none_or(|wanted| wanted == channel.number());
+    match (&trigger.on, message) {
+        (Source::MidiNote, Message::NoteOn { channel, note, velocity: 1.. }) => {
+            on(channel) && trigger.notes.is_none_or(|[least, most]| (least..=most).contains(&note))
+        }
+        (Source::MidiProgram(wanted), Message::Program { channel, program }) => {
+            on(channel) && *wanted == program
+        }
+        (Source::MidiController { number, .. }, Message::Controller { channel, number: moved, .. }) => {
+            on(channel) && moves(*number, moved)
+        }
+        _ => false,
+    }
+}
+
 /// Whether a trigger or a binding may have use for a message.
 fn hears(patch: &Patch, message: Message) -> bool {
     let on = |wanted: Option<u8>, channel: pacinian::midi::Channel| {
         wanted.is_none_or(|wanted| wanted == channel.number())
     };
-    let triggers = patch.triggers.iter().any(|trigger| match (&trigger.on, message) {
-        (Source::MidiNote, Message::NoteOn { channel, note, velocity: 1.. }) => {
-            on(trigger.channel, channel)
-                && trigger.notes.is_none_or(|[least, most]| (least..=most).contains(&note))
-        }
-        (Source::MidiProgram(wanted), Message::Program { channel, program }) => {
-            on(trigger.channel, channel) && *wanted == program
-        }
-        (Source::MidiController { number, .. }, Message::Controller { channel, number: moved, .. }) => {
-            on(trigger.channel, channel) && moves(*number, moved)
-        }
-        _ => false,
-    });
+    let triggers = patch.triggers.iter().any(|trigger| sets_off(trigger, message));
     let binds = patch.binds.iter().any(|bind| match (&bind.from, message) {
         (Mover::Controller(number), Message::Controller { channel, number: moved, .. }) => {
             on(bind.channel, channel) && moves(*number, moved)

@@ -164,7 +164,9 @@ impl MidiPorts {
                     Ok(input) => {
                         without = false;
                         #[cfg(all(target_os = "linux", feature = "midi-jack"))]
-                        if let Some(board) = board.as_ref().filter(|_| gaps.is_none()) {
+                        if let Some(board) =
+                            board.as_ref().filter(|_| gaps.as_ref().is_none_or(Gaps::is_over))
+                        {
                             gaps = Gaps::count(board);
                         }
                         let state = |number, name: &str| Line {

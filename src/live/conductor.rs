@@ -95,6 +95,8 @@ pub struct Conductor {
     waiting: Option<Box<Reload>>,
     rate: f64,
     ratio: f64,
+    /// What arrived last of all, and when it takes effect, in engine samples.
+    latest: (Stamp, f64),
     /// Whether patterns have more to send than they were let at once.
     behind: bool,
     ended: bool,
@@ -168,6 +170,7 @@ impl Conductor {
             waiting: None,
             rate,
             ratio,
+            latest: (Stamp(0), 0.0),
             behind: false,
             ended: false,
         };
@@ -320,14 +323,18 @@ impl Conductor {
         }
     }
 
-    /// When something takes effect that arrived at `stamp`: a whole block later and a little, so that no callback has computed it yet.
-    fn when(&self, stamp: Stamp) -> When {
-        match self.clock.moment() {
-            Some(moment) => {
-                When::of_instant(Instant::of_samples(moment.frame_of(stamp) / self.ratio), self.rate)
-            }
-            None => When::of_sample(self.board.clock.get(), self.rate),
+    /// When something takes effect that arrived at `stamp`: a whole block later and a little, so that no callback has computed it yet. What
+    /// arrives later takes effect no earlier, though the clock be set anew in between.
+    fn when(&mut self, stamp: Stamp) -> When {
+        let Some(moment) = self.clock.moment() else {
+            return When::of_sample(self.board.clock.get(), self.rate);
+        };
+        let mut at = moment.frame_of(stamp) / self.ratio;
+        if stamp >= self.latest.0 {
+            at = at.max(self.latest.1);
+            self.latest = (stamp, at);
         }
+        When::of_instant(Instant::of_samples(at), self.rate)
     }
 
     /// Does what a signal asks for.

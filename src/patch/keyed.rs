@@ -5,12 +5,18 @@ use super::trigger::{Source, Spread, Trigger};
 use super::{Patch, Voice};
 
 impl Patch {
-    /// Lets notes of MIDI play a voice as well, at their pitch where it reads a frequency, as a trigger on `midi.note` would; whether there
-    /// is such a voice.
+    /// Lets notes of MIDI play a voice, at their pitch where it reads a frequency, as a trigger on `midi.note` would, unless one does with all
+    /// of them; whether there is such a voice.
     pub fn key(&mut self, voice: &str) -> bool {
         let Some(reads) = self.voices.iter().find(|v| v.name == voice).map(Voice::reads_frequency) else {
             return false;
         };
+        let does = |t: &Trigger| {
+            t.on == Source::MidiNote && t.play == voice && t.channel.is_none() && t.notes.is_none()
+        };
+        if self.triggers.iter().any(does) {
+            return true;
+        }
         let nowhere = 0..0;
         let pitch = || ("frequency".into(), Expr::Name("pitch".into(), nowhere.clone()), nowhere.clone());
         self.triggers.push(Trigger {
@@ -56,5 +62,8 @@ mod tests {
             assert_eq!(made.set.len(), written.set.len());
         }
         assert!(!parse(head).key("lo"));
+        // Nothing is played twice.
+        let mut patch = parse(head);
+        assert!(patch.key("low") && patch.key("low") && patch.triggers.len() == 1);
     }
 }

@@ -120,7 +120,7 @@ pub const TOPICS: &[Topic] = &[
                Of the device's `max_level` and the output's own, the lower one holds. No sample is ever beyond it, whatever a patch, a control \
                or what comes in may do (in a file of 16 or 24 bits the dither adds up to a step and a half). A rig that is saved with another \
                `max_level` while it plays takes over like anything else: raw outputs and pulses keep to it at once, and vibration glides \
-               there within 100 ms, on whose way it keeps to the higher of both, and what is louder is turned down without a step.",
+               there within 100 ms, on whose way it keeps to the higher of both, and what is louder is turned down without a step (what follows within a quarter of a second of it is turned down with it).",
         tables: &[&output::TABLE],
         example: "[device]\n\
                   channels = 2\n\

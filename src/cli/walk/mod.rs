@@ -46,7 +46,7 @@ use std::sync::Arc;
     end. With --write the channels that were felt go into the rig's file, which stays as it is otherwise; answers may be piped in then, a \
     line each: an empty one for yes, a name, a channel, or a letter as above. Anywhere else it walks over all of them without waiting.\n\
     With no device named, here or in the rig, or a sound system alone (but for JACK), it plays on the default, which may be headphones: at -20 dB until --arm.\n\
-    Ctrl-C ends it: the output goes to exact zeros within 2 ms.")]
+    Ctrl-C ends it: the output goes to exact zeros within 2 ms of the next block that the card asks for.")]
 pub struct Walk {
     /// The rig [default: a line of as many tactors as the device has channels, 8 at most]
     #[arg(long, value_name = "RIG")]
@@ -230,8 +230,7 @@ fn beginning(
     let rate = device.rate(rig.device.rate.map(|rate| rate as u32));
     let patch = Arc::new(probe::patch().map_err(bug)?);
     let rig = Arc::new(bare(rig, probes));
-    let on_card = !matches!(device, Chosen::Virtual(_));
-    let options = Options { rate: Some(f64::from(rate)), live: true, on_card, ..Options::default() };
+    let options = Options { rate: Some(f64::from(rate)), live: true, on_card: true, ..Options::default() };
     let scene = scene(&patch, &rig, &options, &NoAssets).map_err(|problems| Failure::of(78, problems))?;
     let files = Box::new(|_: &str| Err(Problem::of_file("a walk reads no events")));
     Ok(Beginning {

@@ -14,8 +14,8 @@ use crate::dsp::lanes::LANES;
 const FLUSH: f32 = 1e-6;
 /// Samples a block is cut into, at most.
 const CHUNK: usize = GRID as usize;
-/// Grid periods for which it is known at the least what was played: a half-wave of 16 Hz.
-const WHILE: usize = 256 / CHUNK;
+/// Samples for which it is known at the least what was played: a half-wave of 16 Hz.
+const WHILE: u64 = 4 * GRID;
 
 /// Where a group's channels lie in a device frame.
 #[derive(Clone, Copy, Debug)]
@@ -101,9 +101,8 @@ pub(super) struct Group {
     /// Lanes with no input since the last grid point.
     quiet: [bool; LANES],
     asleep: bool,
-    /// The largest magnitudes of a while, and of that before; and grid periods that are left of it.
+    /// The largest magnitudes of a while, by the clock, and of that before; 0 while it sleeps.
     lately: [Row; 2],
-    left: usize,
     pub peak: Row,
     pub counts: Counts,
 }
@@ -125,7 +124,6 @@ impl Group {
             quiet: [true; LANES],
             asleep: true,
             lately: [SILENCE; 2],
-            left: WHILE,
             peak: SILENCE,
             counts: Counts::default(),
         }
@@ -222,6 +220,9 @@ impl Group {
             }
             if self.ceiling.as_ref().is_some_and(|c| glides.is_some() && c.glides().is_none()) {
                 Ceiling::settle(&mut self.ceiling);
+            }
+            if ends_on_grid && clock.wrapping_add((done + count) as u64).is_multiple_of(WHILE) {
+                self.lately = [SILENCE, self.lately[0]];
             }
             if ends_on_grid {
                 self.settle(design.fir.taps);
@@ -424,10 +425,6 @@ impl Group {
     /// At a grid point: flushes lanes that had no input since the last one and have died away; sleeps when all have.
     fn settle(&mut self, taps: usize) {
         self.limiter.settle();
-        self.left -= 1;
-        if self.left == 0 {
-            (self.lately, self.left) = ([SILENCE, self.lately[0]], WHILE);
-        }
         if self.asleep {
             return;
         }
@@ -455,6 +452,7 @@ impl Group {
         }
         self.asleep = silent;
         if silent {
+            self.lately = [SILENCE; 2];
             Ceiling::settle(&mut self.ceiling);
         }
     }

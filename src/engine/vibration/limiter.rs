@@ -416,7 +416,7 @@ impl Limiter {
         }
         let mut now = wanted(limits, x, &peak);
         for l in 0..LANES {
-            now[l] = now[l].max(least[l]);
+            now[l] = now[l].max(if self.engaged[l] { least[l] } else { 0.0 });
             let before = self.need[l];
             let held = self.held[l] - 1.0;
             let faded = if held > 0.0 { before } else { before * limits.left };

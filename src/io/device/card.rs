@@ -9,6 +9,7 @@ use cpal::{
     SupportedStreamConfigRange,
 };
 
+use super::choose::USUAL_BLOCK;
 use super::failure::{DeviceError, Trouble};
 use super::list::{Found, Offer};
 use super::minder::teller;
@@ -31,7 +32,11 @@ pub struct Shape {
 impl Shape {
     /// For a device that is back: in blocks as near to those of before as it now offers.
     pub(super) fn again(self, offer: Option<&Offer>) -> Self {
-        let Some((least, most)) = offer.and_then(|offer| offer.blocks) else { return self };
+        self.within(offer.and_then(|offer| offer.blocks))
+    }
+
+    fn within(self, blocks: Option<(u32, u32)>) -> Self {
+        let Some((least, most)) = blocks else { return self };
         Self { block: self.block.map(|block| block.min(most).max(least)), ..self }
     }
 }
@@ -96,6 +101,8 @@ impl Card {
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
         let ranges = device.supported_output_configs().map_err(|error| trouble(&error))?;
         let (format, blocks) = known_format(ranges, shape).map_err(|error| trouble(&error))?;
+        // That which is taken where nobody says otherwise may be more than so many channels have room for.
+        let shape = if shape.block == Some(USUAL_BLOCK) { shape.within(blocks) } else { shape };
         fit_block(found, shape, blocks)?;
         let buffer_size = shape.block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
