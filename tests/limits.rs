@@ -288,3 +288,45 @@ fn a_level_that_comes_down_over_a_tone_turns_it_down_without_a_step() {
         }
     }
 }
+
+/// What a level that comes down does depends on what was played lately, and not on the lengths of calls: also of a channel that falls asleep
+/// between its blows, whose pieces begin with silence as they are cut.
+#[test]
+fn levels_that_come_down_between_blows_give_the_same_bits_in_any_cut() {
+    let hit = "[voice.hit]\noutput = \"o\"\nplace = \"t1\"\n[voice.hit.nodes]\ntone = { type = \"sine\", frequency = 170 }\n\
+        edge = { type = \"envelope\", attack = 0.002, decay = 0.7, sustain = 0, release = 0.01 }\n\
+        o = { type = \"multiply\", inputs = [\"tone\", \"edge\"] }\n";
+    let plan = |level: f64| {
+        let rig = format!(
+            "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\nmax_level = {level}\n[[tactor]]\nname = \"t1\"\nchannel = 1\n"
+        );
+        let rig = Rig::parse("rig.toml", rig.as_bytes()).unwrap().value;
+        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+        scene(&patch(hit), &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}")).plan
+    };
+    let plans = [plan(1.0), plan(0.08)];
+    // Every half a second another level, and in between calls of these lengths.
+    let (swap, swaps) = (24_000, 40);
+    let rendered = |call: usize| {
+        let (mut director, mut stagehand) = exchange(&plans[0]).unwrap();
+        let blows: Vec<(f64, Play)> = (0..24_u32)
+            .map(|n| (160.0 + 6_509.6 * f64::from(n), common::play(0, 0, 170.0, 0.45, n.into())))
+            .collect();
+        schedule(stagehand.engine(), &blows);
+        let mut frames = vec![0.0; swap * swaps];
+        for (n, half) in frames.chunks_mut(swap).enumerate() {
+            if n > 0 {
+                assert_eq!(director.send(&plans[n % 2]), Ok(true));
+            }
+            half.chunks_mut(call).for_each(|part| stagehand.process(&[], part));
+        }
+        frames
+    };
+    let whole = rendered(swap);
+    assert!(whole.iter().any(|x| x.abs() > 0.5));
+    for call in [48, 64, 666, 4_800] {
+        let other = rendered(call);
+        let differs = whole.iter().zip(&other).position(|(a, b)| a.to_bits() != b.to_bits());
+        assert_eq!(differs, None, "calls of {call}");
+    }
+}

@@ -396,41 +396,6 @@ fn any_split_of_a_glide_gives_the_same_bits() {
     }
 }
 
-/// What was played lately is counted by the clock, whether the stage slept meanwhile, and whether what woke it was in a piece with silence.
-#[test]
-fn any_split_gives_the_same_bits_where_it_sleeps_between() {
-    // Silence, a blow, and something soft behind it.
-    let pulses: Vec<Vec<f32>> = (0..4)
-        .map(|channel| {
-            let size = |n: usize| match n % 2_500 {
-                ..1_700 => 0.0,
-                at if at < 1_740 + channel => 1.0,
-                _ => 0.3,
-            };
-            (0..12_000).map(|n| size(n) * (n as f32 * 0.3).sin()).collect()
-        })
-        .collect();
-    let part = |from: usize, to: usize| -> Vec<Vec<f32>> {
-        pulses.iter().map(|signal| signal[from..to].to_vec()).collect()
-    };
-    let glide = |cut: usize| {
-        let options = Options { levels: vec![0.9; 4], ..Options::default() };
-        let mut chain = stage(4, 48_000.0, &options);
-        let (mut out, mut at) = (Vec::new(), 0);
-        for (end, level) in [(4_610, 0.1), (7_150, 0.9), (9_680, 0.05), (12_000, 0.5)] {
-            out.extend(run(&mut chain, &part(at, end), || cut));
-            chain.limit_to(&[level; 4]);
-            at = end;
-        }
-        out
-    };
-    let whole = glide(12_000);
-    assert!(whole.iter().any(|x| x.abs() > 0.3));
-    for cut in [1, 7, 64, 131, 1_000] {
-        assert!(bits(&glide(cut)) == bits(&whole), "blocks of {cut}");
-    }
-}
-
 /// What leaves keeps to the level of its channel as it otherwise keeps to full scale, and what is too loud there stays the tone it is.
 #[test]
 fn a_level_below_full_scale_is_held_as_full_scale_is() {

@@ -162,6 +162,28 @@ fn what_arrives_within_a_block_is_played_a_block_later_to_the_sample() {
     }
 }
 
+/// The card stands still for 40 ms, and what arrives meanwhile is put where it would have been by then; the clock is set anew, and what arrives
+/// then takes effect no earlier, or a release would find nothing to release.
+#[test]
+fn nothing_overtakes_what_came_before_when_the_clock_is_set_anew() {
+    let mut bench = Bench::new(&["a", "b"]);
+    let due = bench.next();
+    bench.take(due + 39_000_000, Signal::Play(1, "a".into(), Note::default()));
+    bench.block_of(96, due + 40_000_000);
+    bench.take(due + 40_100_000, Signal::Play(2, "b".into(), Note::default()));
+    // What arrived before either, and is only found now, is where it belongs.
+    bench.take(due + 1_000_000, Signal::Play(3, "a".into(), Note::default()));
+    for n in 1..60 {
+        bench.block_of(96, due + 40_000_000 + n * 2_000_000);
+    }
+    let played = bench.played();
+    let at = |n: usize| played[n].0;
+    assert_eq!(played.len(), 3, "{played:?}");
+    let instruments: Vec<u32> = played.iter().map(|(.., instrument)| *instrument).collect();
+    assert_eq!(instruments, [0, 1, 0], "{played:?}");
+    assert!(at(0) <= at(1) && at(1) - at(0) < 1.0 && at(2) < at(0) - 1_000.0, "{played:?}");
+}
+
 /// When callbacks come that are due as evenly as frames pass.
 struct Jitter {
     /// Frames of a block, and by how many it is longer or shorter at most.
