@@ -44,6 +44,7 @@
 //! | `io` | files: WAV, recordings, texts, logs; live also devices, ports of MIDI, OSC, journals, sessions; with the feature `serial` knobs on serial ports; with the feature `io` |
 //! | `live` | what a session is made of but for its devices: signals, the thread that leads it, its callback; with the feature `live` |
 //! | `report` | the scene reference, error against run time, what actuators do under drives, what a knob bears and does, pictures; with the feature `report` |
+//! | `edit` | bindings, channels and figures into the text of a patch or rig; with the feature `edit` |
 //! | [`player`] | performer and engine together |
 //! | [`performer`] | patterns, keys and messages become events |
 //! | [`engine`] | voices, events, mix, output stage, hand-over of plans |
@@ -65,6 +66,8 @@
 
 pub mod actuator;
 pub mod dsp;
+#[cfg(feature = "edit")]
+pub mod edit;
 pub mod engine;
 pub mod feel;
 pub mod graph;

@@ -8,7 +8,7 @@ mod skipped;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
-use std::sync::mpsc::channel;
+use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use midir::MidiOutput;
@@ -18,6 +18,7 @@ use pacinian::io::device::choose::Chosen;
 use pacinian::io::midi_in::{MidiPorts, PortNews};
 use pacinian::io::session::{Beginning, Session};
 use pacinian::live::reload::Reload;
+use pacinian::live::signal::Signal;
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
 use pacinian::text::Problem;
@@ -132,6 +133,7 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
         assert!(matches!(&gone, PortNews::Gone(name) if name.contains("keys")), "{round}: {gone:?}");
         assert!(wait(10, || voices() == 0), "{round}: it is not let go of");
     }
+    a_lost_cable_shuts_the_output(&session, &heard);
     // A server that stands still leaves out periods, and with them what somebody sends then.
     let before = session.board().midi.gaps.get();
     let signal = |name: &str| {
@@ -147,4 +149,38 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
     assert!(counted, "nobody counts what JACK leaves out");
     let told = session.board().midi.trouble().unwrap();
     assert!(told.contains("left out by JACK, whose messages are lost"), "{told}");
+}
+
+/// A cable that promises to stay (0xFE), and then says nothing any more, while its key is down.
+fn a_lost_cable_shuts_the_output(session: &Session, heard: &Receiver<PortNews>) {
+    let mut keys = MidiOutput::new("somebody").unwrap().create_virtual("keys").unwrap();
+    let opened = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+    assert!(matches!(&opened, PortNews::Opened(_)), "{opened:?}");
+    let board = session.board();
+    let sounds = wait(20, || {
+        let _ = keys.send(&[0xFE]);
+        let _ = keys.send(&[0x90, 60, 100]);
+        std::thread::sleep(Duration::from_millis(50));
+        board.voices.get() > 0
+    });
+    assert!(sounds && board.shut.get() == 0 && !board.is_panicked());
+    // For as long as it keeps its word, all is well.
+    for _ in 0..10 {
+        std::thread::sleep(Duration::from_millis(100));
+        let _ = keys.send(&[0xFE]);
+    }
+    assert!(!board.is_panicked() && board.voices.get() > 0, "it says that it is there");
+    let lost = heard.recv_timeout(Duration::from_secs(5)).unwrap();
+    assert!(matches!(&lost, PortNews::Silent(name) if name.contains("keys")), "{lost:?}");
+    assert!(board.is_panicked() && wait(5, || board.shut.get() == 1), "its key is down still");
+    assert!(wait(5, || board.voices.get() == 0));
+    // It comes back to life: what it plays is not heard until somebody says so.
+    let _ = keys.send(&[0x90, 62, 100]);
+    std::thread::sleep(Duration::from_millis(100));
+    assert_eq!(board.shut.get(), 1);
+    session.handle().send(Signal::Calm).unwrap();
+    assert!(wait(5, || board.shut.get() == 0));
+    drop(keys);
+    let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+    assert!(matches!(&gone, PortNews::Gone(_)), "nothing was promised since: {gone:?}");
 }

@@ -1,9 +1,7 @@
 //! `pacinian devices`.
 
 use super::failure::Failure;
-use super::missing::{JOINING, missing};
 use super::patience;
-use super::servers::{Server, servers};
 use super::table::{Table, grouped};
 use super::terminal::Terminal;
 use clap::Args;
@@ -11,6 +9,8 @@ use pacinian::io::device::choose::{VIRTUAL, VIRTUAL_NAME, falls_back};
 use pacinian::io::device::failure::Trouble;
 use pacinian::io::device::hosts::Hosts;
 use pacinian::io::device::list::{Found, Offer};
+use pacinian::io::device::missing::{JOINING, missing};
+use pacinian::io::device::servers::Server;
 use pacinian::io::midi_in;
 use pacinian::text::problem::escaped;
 use serde_json::json;
@@ -51,7 +51,7 @@ impl Devices {
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let (hosts, heard) = patience::look(terminal, everywhere)?;
         let fallback = falls_back(hosts.iter().filter_map(|(.., found)| found.as_deref().ok()));
-        let servers = running();
+        let servers = Server::all();
         if self.json {
             let hosts: Vec<_> =
                 hosts.iter().map(|(name, runs, found)| host_as_json(name, *runs, found)).collect();
@@ -73,7 +73,9 @@ impl Devices {
             return terminal.print(&format!("{said:#}\n"));
         }
         let mut text = String::new();
-        for (name, runs, found) in hosts.iter().filter(|(name, runs, _)| *runs || !is_among(name, &servers)) {
+        for (name, runs, found) in
+            hosts.iter().filter(|(name, runs, _)| *runs || !servers.iter().any(|server| server.is(name)))
+        {
             text += &terminal.out.bold(name);
             match (runs, found) {
                 (false, _) => text += ": does not run\n",
@@ -136,16 +138,6 @@ fn of_virtual(fallback: bool) -> &'static str {
     }
 }
 
-/// Whether a sound system is one of these servers, of which it is said whether they run, and what to do.
-fn is_among(name: &str, servers: &[Server]) -> bool {
-    servers.iter().any(|server| server.name.eq_ignore_ascii_case(name))
-}
-
-/// The sound servers of this system; others than Linux have one of their own, and it runs.
-fn running() -> Vec<Server> {
-    if cfg!(target_os = "linux") { servers(|name| std::env::var(name).ok()) } else { Vec::new() }
-}
-
 fn host_as_json(name: &str, runs: bool, found: &Result<Vec<Found>, String>) -> serde_json::Value {
     let offer = |offer: &Option<Offer>| {
         offer.as_ref().map(|o| {
@@ -205,23 +197,7 @@ fn counts(channels: &[u16]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{counts, is_among, of_virtual, range};
-    use crate::cli::servers::servers;
-
-    #[test]
-    fn what_is_played_on_for_want_of_another_is_marked() {
-        assert!(of_virtual(true).trim_start().starts_with('*') && !of_virtual(false).contains('*'));
-    }
-
-    #[test]
-    fn a_server_is_a_system_by_its_name() {
-        let servers = servers(|_| None);
-        for (host, is) in
-            [("pipewire", true), ("pulseaudio", true), ("jack", true), ("alsa", false), ("wasapi", false)]
-        {
-            assert_eq!(is_among(host, &servers), is, "{host}");
-        }
-    }
+    use super::{counts, range};
 
     #[test]
     fn numbers_of_channels_are_short() {

@@ -6,10 +6,12 @@ use super::stop::Stop;
 use super::table::{Table, dbfs, many};
 use super::terminal::Terminal;
 use clap::Args;
+use pacinian::edit;
 use pacinian::io::device::capture;
 use pacinian::io::device::card::Shape;
 use pacinian::io::device::choose::{self, Chosen, Wish};
-use pacinian::io::latency::measure::{EVERY, Loop, Measured, Round, measure};
+use pacinian::io::latency::figures::{Doubt, Figures};
+use pacinian::io::latency::measure::{EVERY, Loop, Measured, measure};
 use pacinian::io::{out, replace, text};
 use pacinian::rig::{Output, OutputKind, Rig};
 use pacinian::text::problem::escaped;
@@ -59,11 +61,6 @@ pub struct Latency {
     json: bool,
 }
 
-/// Two crystals are apart by up to some 100 millionths: from here on, it is the times that are wrong.
-const CLOCKS: f64 = 500e-6;
-/// Seconds of spread of one measurement, from which on its mean is of no use.
-const SPREAD: f64 = 0.000_5;
-
 /// Largest sample that goes out where nothing says another.
 const USUAL: f64 = 0.1;
 
@@ -72,53 +69,14 @@ fn level(word: &str) -> Result<f64, String> {
     word.parse::<f64>().ok().filter(|x| *x > 0.0 && *x <= 1.0).ok_or_else(|| known.into())
 }
 
-/// Figures of many rounds, seconds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Figures {
-    mean: f64,
-    deviation: f64,
-    least: f64,
-    most: f64,
-    /// Seconds a second.
-    drift: f64,
-    /// Its standard error; of two or fewer nobody knows it.
-    error: Option<f64>,
-}
-
-impl Figures {
-    /// Of one or more.
-    fn of(rounds: &[Round]) -> Self {
-        let count = rounds.len().max(1) as f64;
-        let mean = rounds.iter().map(|r| r.latency).sum::<f64>() / count;
-        let middle = rounds.iter().map(|r| r.at).sum::<f64>() / count;
-        let square = |x: f64| x * x;
-        let deviation =
-            (rounds.iter().map(|r| square(r.latency - mean)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt();
-        let spread: f64 = rounds.iter().map(|r| square(r.at - middle)).sum();
-        let rise: f64 = rounds.iter().map(|r| (r.at - middle) * (r.latency - mean)).sum();
-        let drift = if spread > 0.0 { rise / spread } else { 0.0 };
-        // What the straight line leaves over.
-        let left = rounds.iter().map(|r| square(r.latency - mean - drift * (r.at - middle))).sum::<f64>();
-        let error = (count > 2.0 && spread > 0.0).then(|| (left / (count - 2.0) / spread).sqrt());
-        Self {
-            mean,
-            deviation,
-            least: rounds.iter().map(|r| r.latency).fold(f64::INFINITY, f64::min),
-            most: rounds.iter().map(|r| r.latency).fold(f64::NEG_INFINITY, f64::max),
-            drift,
-            error,
-        }
-    }
-
-    /// The drift, and how sure it is: where it is within two standard errors of nothing, it may be chance.
-    fn drift(&self) -> [String; 2] {
-        let minute = |x: f64| format!("{:.1} us a minute", 60e6 * x);
-        match self.error {
-            None => [minute(self.drift), "of two probes, so by how much that is chance is unknown".into()],
-            Some(error) if self.drift.abs() <= 2.0 * error => {
-                [format!("none beyond +-{}", minute(2.0 * error)), "two standard errors".into()]
-            }
-            Some(error) => [minute(self.drift), format!("+-{} (standard error)", minute(error))],
+/// The drift, and how sure it is.
+fn drift(figures: &Figures) -> [String; 2] {
+    let minute = |x: f64| format!("{:.1} us a minute", 60e6 * x);
+    match (figures.margin, figures.drifts()) {
+        (Some(margin), Some(true)) => [minute(figures.drift), format!("+-{} (95 %)", minute(margin))],
+        (Some(margin), _) => [format!("none beyond +-{}", minute(margin)), "95 %".into()],
+        (None, _) => {
+            [minute(figures.drift), "of two probes, so by how much that is chance is unknown".into()]
         }
     }
 }
@@ -139,7 +97,7 @@ impl Latency {
         let level = self.level(rig, channel, &name)?;
         let said = rig.and_then(|rig| rig.device.name.as_deref());
         let file = self.rig.as_ref().map_or_else(String::new, |path| path.display().to_string());
-        let (wish, chosen) = super::servers::choose_for(self.device.as_deref(), said, file, terminal)?;
+        let (wish, chosen) = super::choose::choose_for(self.device.as_deref(), said, file, terminal)?;
         let rate = chosen.rate(self.rate.or(rig.and_then(|rig| rig.device.rate.map(|rate| rate as u32))));
         let Chosen::Card(device, found) = chosen else {
             let what = match wish {
@@ -199,11 +157,11 @@ impl Latency {
             count: usize::from(self.count),
         };
         let stop = Stop::listen()?;
-        let Some(measured) = measure(&what, |_| stop.asked().is_none())? else {
+        let Some(mut measured) = measure(&what, |_| stop.asked().is_none())? else {
             return Err(Failure::told(stop.asked().unwrap_or(130)));
         };
         // One that came much later than most is another sound.
-        let (measured, strays) = without_strays(measured);
+        let strays = measured.leave_out_strays();
         if measured.rounds.len() * 2 < usize::from(self.count) {
             return Err(self.nothing(&measured, strays, &names, &name, level, longer));
         }
@@ -315,14 +273,14 @@ impl Latency {
         let Figures { mean, deviation, least, most, .. } = *figures;
         let micro = |seconds: f64| format!("{:.1} us", 1e6 * seconds);
         let frames = |seconds: f64| format!("{:.2} frames", seconds * f64::from(rates[0]));
-        let gain = mean_gain(measured);
+        let gain = measured.gain();
         let mut table = Table::default();
         table.row(["loop latency".into(), format!("{:.4} ms", 1e3 * mean), frames(mean)]);
         if measured.rounds.len() > 1 {
             let spread = format!("{} (standard deviation)", frames(deviation));
             table.row(["spread".into(), micro(deviation), spread]);
             table.row(["from, to".into(), format!("{:.4} ms", 1e3 * least), format!("{:.4} ms", 1e3 * most)]);
-            let [drift, how] = figures.drift();
+            let [drift, how] = drift(figures);
             table.row(["drift".into(), drift, how]);
         } else {
             let why = "of one probe: send more, --count";
@@ -375,7 +333,7 @@ impl Latency {
         rates: [u32; 2],
         name: &str,
     ) -> serde_json::Value {
-        let Figures { mean, deviation, least, most, drift, error } = *figures;
+        let Figures { mean, deviation, least, most, drift, error, margin } = *figures;
         // One probe says nothing of them.
         let [deviation, drift] =
             [deviation, drift].map(|figure| (measured.rounds.len() > 1).then_some(figure));
@@ -387,9 +345,10 @@ impl Latency {
             "deviation_s": deviation, "least_s": least, "most_s": most,
             "drift_s_per_s": drift,
             "drift_error_s_per_s": error,
+            "drift_margin_s_per_s": margin,
             "clocks_ppm": 1e6 * measured.drift,
             "round_trip_s": measured.says[0] + mean + measured.says[1],
-            "gain": mean_gain(measured),
+            "gain": measured.gain(),
             "probes": self.count, "heard": measured.rounds.len(),
             "unheard": measured.unheard, "in_gaps": measured.broken, "far_off": strays,
             "overdriven": measured.peak >= 0.999,
@@ -400,15 +359,15 @@ impl Latency {
 
 /// Whether what was measured is fit to be written into a rig.
 fn trusted(measured: &Measured, figures: &Figures, longer: Option<u32>) -> Result<(), Failure> {
-    let why = if measured.drift.abs() > CLOCKS {
-        format!(
+    let Some(doubt) = figures.doubt(measured.drift) else { return Ok(()) };
+    let why = match doubt {
+        Doubt::Clocks(drift) => format!(
             "the clocks come out {:+.0} ppm apart, and no two crystals are: the devices' times are not to be trusted",
-            1e6 * measured.drift
-        )
-    } else if figures.deviation > SPREAD {
-        format!("the rounds differ by {:.0} us (standard deviation)", 1e6 * figures.deviation)
-    } else {
-        return Ok(());
+            1e6 * drift
+        ),
+        Doubt::Spread(deviation) => {
+            format!("the rounds differ by {:.0} us (standard deviation)", 1e6 * deviation)
+        }
     };
     let blocks = longer.map_or(String::new(), |block| format!(" ask for longer blocks (--block {block}),"));
     let help = format!("close other programs,{blocks} and measure again");
@@ -420,20 +379,6 @@ fn longer(asked: u32, offered: Option<(u32, u32)>) -> Option<u32> {
     let (least, most) = offered?;
     let longer = asked.saturating_mul(4).min(most);
     (longer > asked.max(least)).then_some(longer)
-}
-
-fn mean_gain(measured: &Measured) -> f64 {
-    measured.rounds.iter().map(|r| r.gain).sum::<f64>() / measured.rounds.len().max(1) as f64
-}
-
-/// Leaves out what lies further from the median than 2 ms, and says how many that were.
-fn without_strays(mut measured: Measured) -> (Measured, usize) {
-    let mut all: Vec<f64> = measured.rounds.iter().map(|r| r.latency).collect();
-    all.sort_by(f64::total_cmp);
-    let Some(&median) = all.get(all.len() / 2) else { return (measured, 0) };
-    measured.rounds.retain(|r| (r.latency - median).abs() < 0.002);
-    let strays = all.len() - measured.rounds.len();
-    (measured, strays)
 }
 
 fn read(path: &Path, terminal: &Terminal) -> Result<Rig, Failure> {
@@ -451,128 +396,33 @@ fn save(path: &Path, seconds: f64, terminal: &Terminal) -> Result<(), Failure> {
     let name = path.display().to_string();
     // Read again, as it may have changed while it was measured.
     let bytes = text::read(path)?;
-    let with = with_latency(&String::from_utf8_lossy(&bytes), seconds)
-        .ok_or_else(|| Failure::usage(format!("{name} is no rig any more"), "measure again"))?;
-    Rig::parse(&name, with.as_bytes()).map_err(|problems| Failure::of(78, problems))?;
+    let with = edit::loop_latency(&String::from_utf8_lossy(&bytes), seconds).map_err(|why| {
+        Failure::usage(format!("`{name}` was left as it is: {why}"), "mend it, and measure again")
+    })?;
+    let latency = Rig::parse(&name, with.as_bytes()).map_err(|problems| Failure::of(78, problems))?;
     replace::replace(path, &bytes, with.as_bytes())?;
-    terminal.note(&format!("{name}: loop_latency = {}\n", rounded(seconds)));
+    let latency = latency.value.device.loop_latency.unwrap_or(seconds);
+    terminal.note(&format!("{name}: loop_latency = {latency}\n"));
     Ok(())
-}
-
-/// To a ten-millionth of a second.
-fn rounded(seconds: f64) -> f64 {
-    (seconds * 1e7).round() / 1e7
-}
-
-/// The text of a rig with `loop_latency` under `[device]`; `None` where that is missing.
-fn with_latency(rig: &str, seconds: f64) -> Option<String> {
-    let mut document: toml_edit::DocumentMut = rig.parse().ok()?;
-    let item = document.get_mut("device")?;
-    // In a table of one line, the space before its end belongs to the value that was the last.
-    if let Some(inline) = item.as_inline_table_mut().filter(|table| !table.contains_key("loop_latency"))
-        && let Some((_, last)) = inline.iter_mut().last()
-    {
-        last.decor_mut().set_suffix("");
-    }
-    let device = item.as_table_like_mut()?;
-    match device.get_mut("loop_latency").and_then(|item| item.as_value_mut()) {
-        Some(value) => {
-            // A comment behind it stays.
-            let decor = value.decor().clone();
-            *value = rounded(seconds).into();
-            *value.decor_mut() = decor;
-        }
-        None => {
-            device.insert("loop_latency", toml_edit::value(rounded(seconds)));
-        }
-    }
-    Some(document.to_string())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Figures, Round, longer, trusted, with_latency, without_strays};
-    use pacinian::io::latency::measure::Measured;
-
-    #[test]
-    fn figures_are_those_of_the_definitions() {
-        let figures = Figures::of(&[round(0.0, 0.001), round(1.0, 0.002), round(2.0, 0.003)]);
-        assert!((figures.mean - 0.002).abs() < 1e-12 && (figures.deviation - 0.001).abs() < 1e-12);
-        assert!((figures.drift - 0.001).abs() < 1e-12 && (figures.least, figures.most) == (0.001, 0.003));
-        let one = Figures::of(&[round(5.0, 0.004)]);
-        assert_eq!((one.mean, one.deviation, one.drift, one.error), (0.004, 0.0, 0.0, None));
-        let rounds = vec![round(0.0, 0.01), round(1.0, 0.0101), round(2.0, 0.2)];
-        let (measured, strays) = without_strays(Measured { rounds, ..Measured::default() });
-        assert_eq!((measured.rounds.len(), strays), (2, 1));
-    }
+    use super::{Figures, Measured, drift, longer, trusted};
+    use pacinian::io::latency::measure::Round;
 
     fn round(at: f64, latency: f64) -> Round {
         Round { at, latency, gain: 1.0 }
     }
 
     #[test]
-    fn the_error_of_the_drift_is_that_of_the_closed_form() {
-        // About (0, 0), (1, 1), (2, 0), (3, 1): slope 0.2, what is left over 0.8, so sqrt(0.8 / 2 / 5).
-        let rounds =
-            [(0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (3.0, 1.0)].map(|(at, x)| round(at, 0.004 + 1e-3 * x));
-        let figures = Figures::of(&rounds);
-        assert!((figures.drift - 0.2e-3).abs() < 1e-12);
-        assert!((figures.error.unwrap() - 1e-3 * 0.08_f64.sqrt()).abs() < 1e-12, "{figures:?}");
-        let line = Figures::of(&[round(0.0, 0.001), round(1.0, 0.002), round(2.0, 0.003)]);
-        assert!(line.error.unwrap() < 1e-12);
-        // Two lie on a line whatever they are; and at one time there is no slope.
-        assert_eq!(Figures::of(&rounds[..2]).error, None);
-        assert_eq!(Figures::of(&[round(1.0, 0.1), round(1.0, 0.2), round(1.0, 0.3)]).error, None);
-    }
-
-    /// Many sets of probes with a known slope and known noise: the slopes scatter as the errors say.
-    #[test]
-    fn slopes_scatter_by_their_errors() {
-        let (slope, noise, count, sets) = (1e-6, 20e-6, 25, 2_000);
-        let mut seed = 1_u64;
-        let mut even = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        // A sum of twelve is as good as normal, with variance 1.
-        let mut normal = || (0..12).map(|_| even()).sum::<f64>() - 6.0;
-        let (mut within, mut said, mut square) = (0, 0.0, 0.0);
-        for _ in 0..sets {
-            let rounds: Vec<Round> = (0..count)
-                .map(|n| round(f64::from(n) * 0.25, 0.003 + slope * f64::from(n) * 0.25 + noise * normal()))
-                .collect();
-            let figures = Figures::of(&rounds);
-            let (error, off) = (figures.error.unwrap(), figures.drift - slope);
-            within += i32::from(off.abs() <= 2.0 * error);
-            said += error * error / f64::from(sets);
-            square += off * off / f64::from(sets);
-        }
-        // Sum of (at - middle)^2 of n points d apart: d^2 n (n^2 - 1) / 12.
-        let n = f64::from(count);
-        let known = noise * noise / (0.25 * 0.25 * n * (n * n - 1.0) / 12.0);
-        assert!(
-            (said / known - 1.0).abs() < 0.05 && (square / known - 1.0).abs() < 0.1,
-            "{said} {square} {known}"
-        );
-        // 2 of a t distribution with 23 degrees of freedom: 94.3 %.
-        let share = f64::from(within) / f64::from(sets);
-        assert!((share - 0.943).abs() < 0.02, "{share}");
-    }
-
-    #[test]
     fn a_drift_that_may_be_chance_is_none() {
-        let of = |drift, error| {
+        let of = |slope, margin| {
             let rounds = [round(0.0, 0.0), round(1.0, 0.0)];
-            Figures { drift, error, ..Figures::of(&rounds) }.drift().join(", ")
+            drift(&Figures { drift: slope, margin, ..Figures::of(&rounds) }).join(", ")
         };
-        assert_eq!(
-            of(-64.6e-6 / 60.0, Some(40e-6 / 60.0)),
-            "none beyond +-80.0 us a minute, two standard errors"
-        );
-        assert_eq!(
-            of(-90e-6 / 60.0, Some(40e-6 / 60.0)),
-            "-90.0 us a minute, +-40.0 us a minute (standard error)"
-        );
+        assert_eq!(of(-64.6e-6 / 60.0, Some(80e-6 / 60.0)), "none beyond +-80.0 us a minute, 95 %");
+        assert_eq!(of(-90e-6 / 60.0, Some(80e-6 / 60.0)), "-90.0 us a minute, +-80.0 us a minute (95 %)");
         assert!(of(-90e-6 / 60.0, None).ends_with("is unknown"));
     }
 
@@ -598,29 +448,5 @@ mod tests {
             "close other programs, ask for longer blocks (--block 1024), and measure again"
         );
         assert_eq!(help(None), "close other programs, and measure again");
-    }
-
-    #[test]
-    fn what_cannot_be_is_not_saved() {
-        let of = |drift, latencies: [f64; 3]| {
-            let rounds = latencies.map(|latency| round(0.0, latency)).to_vec();
-            let figures = Figures::of(&rounds);
-            trusted(&Measured { rounds, drift, ..Measured::default() }, &figures, None).is_ok()
-        };
-        let same = [0.01; 3];
-        assert!(of(100e-6, same) && of(-499e-6, same) && of(0.0, [0.01, 0.0105, 0.0103]));
-        assert!(!of(501e-6, same) && !of(-0.01, same) && !of(0.0, [0.01, 0.0119, 0.0103]));
-    }
-
-    #[test]
-    fn a_rig_keeps_everything_but_the_figure() {
-        let rig = "# mine\nformat = \"pacinian-rig/1\"\n[device]  # the card\nchannels = 8 # eight\n\n# the first\n[[tactor]]\nname = \"a\"\nchannel = 1\n";
-        let with = with_latency(rig, 0.001_234_567_89).unwrap();
-        assert_eq!(with, rig.replace("# eight\n", "# eight\nloop_latency = 0.0012346\n"));
-        let again = with_latency(&with.replace("0.0012346", "0.5   # before"), 0.002).unwrap();
-        assert_eq!(again, with.replace("0.0012346", "0.002   # before"));
-        let inline = with_latency("device = { channels = 2 } # x\n", 0.5).unwrap();
-        assert_eq!(inline, "device = { channels = 2, loop_latency = 0.5 } # x\n");
-        assert_eq!((with_latency("x = 1\n", 0.1), with_latency("[", 0.1)), (None, None));
     }
 }

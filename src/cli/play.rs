@@ -15,7 +15,6 @@ use super::patience;
 use super::problems;
 use super::provenance::provenance;
 use super::screen::{Ending, Latency, Scenery, Show, cut_short};
-use super::servers;
 use super::stop::Stop;
 use super::table::{dbfs, grouped, many};
 use super::terminal::Terminal;
@@ -156,7 +155,7 @@ impl Play {
         // Where no rig says which tactors there are, the device does.
         let mut device = None;
         if scene.rig.is_none() {
-            let chosen = servers::choose(&Wish::of(self.device.as_deref(), None), terminal)?;
+            let chosen = super::choose::choose(&Wish::of(self.device.as_deref(), None), terminal)?;
             scene.offered = chosen.channels().to_vec();
             device = Some(chosen);
         }
@@ -169,7 +168,7 @@ impl Play {
         let file = file.map_or("the rig".into(), |source| Arc::clone(&source.file));
         let (wish, device) = match device {
             Some(device) => (Wish::of(self.device.as_deref(), said), device),
-            None => servers::choose_for(self.device.as_deref(), said, file, terminal)?,
+            None => super::choose::choose_for(self.device.as_deref(), said, file, terminal)?,
         };
         let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
         let armed = self.arm || device.is_meant(&wish);

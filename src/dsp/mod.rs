@@ -21,6 +21,7 @@ pub(crate) mod recording;
 pub(crate) mod sinc;
 pub(crate) mod sine;
 pub(crate) mod steady;
+pub(crate) mod student;
 pub(crate) mod svf;
 #[cfg(feature = "live")]
 pub(crate) mod varispeed;

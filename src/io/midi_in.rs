@@ -1,17 +1,19 @@
 //! Ports of MIDI: all that there are, or those that are named, as they come and go.
 //!
-//! A system says nothing when a cable is pulled, so ports are looked for once a second. What came through one that is gone is let go.
+//! A system says nothing when a cable is pulled, so ports are looked for once a second. What came through one that is gone is let go. A cable
+//! that has promised to stay, and says nothing any more, shuts the session's output: nobody is there who could stop what it moves.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use midir::{Ignore, MidiInput, MidiInputConnection};
 
 use super::device::priority;
 use crate::live::board::Board;
-use crate::live::signal::{Handle, Signal};
+use crate::live::signal::{Handle, Origin, Signal};
+use crate::midi::sensing::Sensing;
 use crate::midi::{Message, Parser};
 
 #[cfg(all(target_os = "linux", feature = "midi-jack"))]
@@ -32,6 +34,8 @@ pub enum PortNews {
     Opened(String),
     /// A port is gone.
     Gone(String),
+    /// A cable that had promised to stay (active sensing) is lost, with its port or without it.
+    Silent(String),
     /// The system has no MIDI, or does not let us at it.
     None(String),
     /// A port that cannot be opened.
@@ -56,11 +60,44 @@ struct Open {
     id: String,
     name: Arc<str>,
     number: u16,
+    cable: Arc<Cable>,
     _connection: MidiInputConnection<Line>,
 }
 
-/// Hears what comes through a port, by its number and its name; `None` where the port is gone.
-pub type Ear = Arc<dyn Fn(u16, &Arc<str>, Option<Message>) + Send + Sync>;
+/// What comes through a port.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Word {
+    /// A message.
+    Message(Message),
+    /// Nothing, though the cable had promised to say something: it is lost.
+    Silence,
+    /// Nothing any more: the port is gone.
+    End,
+}
+
+/// Hears what comes through a port, by its number and its name.
+pub type Ear = Arc<dyn Fn(u16, &Arc<str>, Word) + Send + Sync>;
+
+/// Whether a port's cable is there, and since when its times are counted.
+#[derive(Debug)]
+struct Cable {
+    sensing: Sensing,
+    begin: Instant,
+}
+
+impl Cable {
+    fn new() -> Arc<Self> {
+        Arc::new(Self { sensing: Sensing::default(), begin: Instant::now() })
+    }
+
+    fn heard(&self) {
+        self.sensing.heard(self.begin.elapsed());
+    }
+
+    fn is_lost(&self) -> bool {
+        self.sensing.is_lost(self.begin.elapsed())
+    }
+}
 
 /// What a port's callback has.
 struct Line {
@@ -68,6 +105,7 @@ struct Line {
     name: Arc<str>,
     parser: Parser,
     ear: Ear,
+    cable: Arc<Cable>,
     /// Where it counts what it cannot use.
     board: Option<Arc<Board>>,
     /// Whether its thread has asked for priority.
@@ -80,9 +118,13 @@ impl Line {
         if !std::mem::replace(&mut self.raised, true) {
             priority::raise_feeding();
         }
-        let (ear, number, name) = (&self.ear, self.number, &self.name);
-        let before = self.parser.counts();
-        self.parser.read(bytes, &mut |message| ear(number, name, Some(message)));
+        let (ear, number, name, cable) = (&self.ear, self.number, &self.name, &self.cable);
+        let (before, now) = (self.parser.counts(), cable.begin.elapsed());
+        cable.sensing.heard(now);
+        self.parser.read(bytes, &mut |message| {
+            cable.sensing.message(now, message);
+            ear(number, name, Word::Message(message));
+        });
         if let Some(board) = &self.board {
             board.midi.parsed(&self.parser.counts(), &before);
         }
@@ -132,10 +174,18 @@ impl MidiPorts {
     ) -> std::io::Result<Self> {
         let handle = handle.clone();
         let board = Arc::clone(handle.board());
-        let ear = move |number: u16, name: &Arc<str>, message: Option<Message>| {
-            let signal = message.map_or(Signal::MidiGone(number), |message| Signal::Midi(number, message));
+        let ear = move |number: u16, name: &Arc<str>, word: Word| {
+            let handle = handle.by(name);
+            let signal = match word {
+                Word::Message(message) => Signal::Midi(number, message),
+                Word::Silence => {
+                    handle.from(Origin::Cable(number)).panic();
+                    Signal::MidiGone(number)
+                }
+                Word::End => Signal::MidiGone(number),
+            };
             // What finds no room is counted there.
-            let _ = handle.by(name).send(signal);
+            let _ = handle.send(signal);
         };
         Self::hear(Arc::new(ear), Some(board), wanted, news)
     }
@@ -169,15 +219,23 @@ impl MidiPorts {
                         {
                             gaps = Gaps::count(board);
                         }
-                        let state = |number, name: &str| Line {
+                        let state = |number, name: &str, cable: &Arc<Cable>| Line {
                             number,
                             name: name.into(),
                             parser: Parser::new(),
                             ear: Arc::clone(&ear),
+                            cable: Arc::clone(cable),
                             board: board.clone(),
                             raised: false,
                         };
-                        release(&input, &mut open, &mut roster, &ear, &mut news);
+                        let there = input.ports();
+                        release(
+                            &mut open,
+                            &|port| there.iter().any(|is| is.id() == port.id),
+                            &mut roster,
+                            &ear,
+                            &mut news,
+                        );
                         search(&input, &wanted, &mut open, &mut refused, &mut roster, &state, &mut news);
                         known |= !open.is_empty();
                         let unknown = wanted.as_ref().filter(|_| !known);
@@ -189,6 +247,8 @@ impl MidiPorts {
                     Err(error) => {
                         #[cfg(all(target_os = "linux", feature = "midi-jack"))]
                         drop(gaps.take());
+                        // A server that has ended took its ports with it.
+                        release(&mut open, &|_| false, &mut roster, &ear, &mut news);
                         if !std::mem::replace(&mut without, true) {
                             news(PortNews::None(error));
                         }
@@ -196,8 +256,15 @@ impl MidiPorts {
                 }
                 let mut waited = Duration::ZERO;
                 while waited < EVERY && !stopped.load(Ordering::Acquire) {
+                    let (begin, before) = (Instant::now(), gaps_of(&board));
                     std::thread::sleep(GLANCE);
                     waited += GLANCE;
+                    // Where the machine stood still, or the server left something out, silence says nothing.
+                    if gaps_of(&board) > before {
+                        open.iter().for_each(|port| port.cable.heard());
+                    } else if begin.elapsed() < 2 * GLANCE {
+                        miss(&open, &ear, &mut news);
+                    }
                 }
             }
         };
@@ -218,22 +285,39 @@ impl Drop for MidiPorts {
 
 /// Lets go of ports that are gone.
 fn release(
-    input: &MidiInput,
     open: &mut Vec<Open>,
+    is_there: &dyn Fn(&Open) -> bool,
     roster: &mut Roster,
     ear: &Ear,
     news: &mut Box<dyn FnMut(PortNews) + Send>,
 ) {
-    let ports = input.ports();
     open.retain(|port| {
-        let stays = ports.iter().any(|there| there.id() == port.id);
+        let stays = is_there(port);
         if !stays {
             roster.leave(&port.id);
-            ear(port.number, &port.name, None);
+            if port.cable.sensing.is_promised() {
+                silence(port, ear, news);
+            }
+            ear(port.number, &port.name, Word::End);
             news(PortNews::Gone(port.name.to_string()));
         }
         stays
     });
+}
+
+/// Tells of cables that are lost.
+fn miss(open: &[Open], ear: &Ear, news: &mut Box<dyn FnMut(PortNews) + Send>) {
+    open.iter().filter(|port| port.cable.is_lost()).for_each(|port| silence(port, ear, news));
+}
+
+fn silence(port: &Open, ear: &Ear, news: &mut Box<dyn FnMut(PortNews) + Send>) {
+    ear(port.number, &port.name, Word::Silence);
+    news(PortNews::Silent(port.name.to_string()));
+}
+
+/// How many periods were left out so far.
+fn gaps_of(board: &Option<Arc<Board>>) -> u64 {
+    board.as_ref().map_or(0, |board| board.midi.gaps.get())
 }
 
 /// What the program itself offers, or the system's loop-back, would answer to itself.
@@ -254,7 +338,7 @@ fn search(
     open: &mut Vec<Open>,
     refused: &mut Vec<String>,
     roster: &mut Roster,
-    line: &dyn Fn(u16, &str) -> Line,
+    line: &dyn Fn(u16, &str, &Arc<Cable>) -> Line,
     news: &mut Box<dyn FnMut(PortNews) + Send>,
 ) {
     let ports = input.ports();
@@ -268,10 +352,10 @@ fn search(
         }
         let Ok(mut input) = self::input() else { continue };
         input.ignore(Ignore::None);
-        let number = roster.seat(&id, &name);
-        match input.connect(port, "in", |_, bytes, line| line.hear(bytes), line(number, &name)) {
+        let (number, cable) = (roster.seat(&id, &name), Cable::new());
+        match input.connect(port, "in", |_, bytes, line| line.hear(bytes), line(number, &name, &cable)) {
             Ok(connection) => {
-                open.push(Open { id, name: name.as_str().into(), number, _connection: connection });
+                open.push(Open { id, name: name.as_str().into(), number, cable, _connection: connection });
                 news(PortNews::Opened(name));
             }
             Err(error) => {
@@ -285,25 +369,42 @@ fn search(
 
 #[cfg(test)]
 mod tests {
-
-    use super::{Arc, Board, Line, Message, Parser};
+    use super::{Arc, Board, Cable, Duration, Ear, Line, Message, Parser, Word};
     use std::sync::Mutex;
+
+    fn line(ear: Ear, board: Option<Arc<Board>>) -> Line {
+        let (name, cable) = ("Keys".into(), Cable::new());
+        Line { number: 3, name, parser: Parser::new(), ear, cable, board, raised: true }
+    }
+
+    #[test]
+    fn a_long_dump_shows_that_its_cable_is_there() {
+        let mut line = line(Arc::new(|_, _: &Arc<str>, _| ()), None);
+        let lost = |line: &Line, later: u64| {
+            let now = line.cable.begin.elapsed() + Duration::from_millis(later);
+            line.cable.sensing.is_lost(now)
+        };
+        line.hear(&[0xF0]);
+        assert!(!lost(&line, 9_000), "nothing was promised");
+        line.hear(&[0xFE]);
+        (0..8).for_each(|_| {
+            std::thread::sleep(Duration::from_millis(50));
+            line.hear(&[1; 64]);
+        });
+        assert!(!line.cable.is_lost(), "400 ms later, in the middle of it");
+        assert!(lost(&line, 301) && !line.cable.sensing.is_promised());
+    }
 
     #[test]
     fn what_comes_cut_anywhere_is_heard_and_what_makes_no_message_is_counted() {
         let heard: Arc<Mutex<Vec<(u16, Message)>>> = Arc::default();
         let (board, keeps) = (Arc::new(Board::new(1)), Arc::clone(&heard));
-        let ear = move |number, _: &Arc<str>, message: Option<Message>| {
-            keeps.lock().unwrap().extend(message.map(|message| (number, message)));
+        let ear = move |number, _: &Arc<str>, word: Word| {
+            if let Word::Message(message) = word {
+                keeps.lock().unwrap().push((number, message));
+            }
         };
-        let mut line = Line {
-            number: 3,
-            name: "Keys".into(),
-            parser: Parser::new(),
-            ear: Arc::new(ear),
-            board: Some(Arc::clone(&board)),
-            raised: true,
-        };
+        let mut line = line(Arc::new(ear), Some(Arc::clone(&board)));
         // Running status across packets, a system exclusive message in a hundred of them with a clock within, and a stray byte.
         [&[0x90][..], &[60], &[1, 61], &[2], &[0xF0]].into_iter().for_each(|bytes| line.hear(bytes));
         (0..100).for_each(|_| line.hear(&[1; 100]));

@@ -15,6 +15,8 @@ pub mod journal;
 pub mod knob;
 #[cfg(feature = "live")]
 pub mod latency;
+#[cfg(feature = "live")]
+pub mod learn;
 pub mod load;
 pub mod log;
 #[cfg(feature = "live")]

@@ -266,7 +266,7 @@ impl Conductor {
 
     /// Feeds patterns, hears what the callback did, and lets a plan that waits take over if it can.
     pub fn go_on(&mut self) {
-        self.tick();
+        self.settle();
         self.feed();
         self.admit();
         if let Some(reload) = self.waiting.take() {
@@ -279,12 +279,12 @@ impl Conductor {
         self.director.collect();
     }
 
-    /// Cables that promised to stay may be lost.
-    fn tick(&mut self) {
+    /// Pedals may have become something else.
+    fn settle(&mut self) {
         let at = self.when(self.epoch.now());
         let mut outlet =
             ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause: 0 };
-        if let Err(problem) = self.performer.midi_tick(at, &mut outlet) {
+        if let Err(problem) = self.performer.midi_settle(at, &mut outlet) {
             (self.audience)(Told::Refused(&problem));
         }
         self.board.midi.performed(&self.performer.midi_counts());

@@ -33,7 +33,7 @@ pub enum Signal {
     Key(u32),
     /// A message of MIDI, and the number of the port through which it came.
     Midi(u16, Message),
-    /// A port of MIDI is gone.
+    /// A port of MIDI is gone, or its cable: what it holds is released.
     MidiGone(u16),
     /// An OSC message that is for the patch's triggers: its address, and its numbers.
     Osc(String, Vec<f64>),
@@ -61,6 +61,8 @@ pub enum Origin {
     Key(Arc<str>),
     /// In an OSC message: its address and its arguments, as they came.
     Osc(Arc<str>, Arc<str>),
+    /// From nobody: a cable of MIDI is lost that had promised to stay, that of the port of this number.
+    Cable(u16),
 }
 
 impl Origin {

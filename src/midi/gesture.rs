@@ -140,6 +140,4 @@ pub enum Reason {
     AllNotesOff,
     /// System reset, 0xFF.
     Reset,
-    /// A cable that had promised to say that it is there (0xFE) has been silent for more than 300 ms.
-    SensingLost,
 }

@@ -6,7 +6,6 @@ use super::desk::Desk;
 use super::gesture::{Gesture, Reason, Transport, What};
 use super::message::Message;
 use super::parameter::{self, Change, Entry};
-use super::sensing::Sensing;
 use super::sounding::{Note, Sounding};
 use super::strip::{MODES, Moved, Range, SOSTENUTO, SUSTAIN, TIMBRE};
 use super::zone::{Channels, Zone};
@@ -39,8 +38,8 @@ pub struct Counts {
 
 /// Understands the messages of one cable.
 ///
-/// It is a state machine without a clock of its own: the same messages at the same times give the same gestures. Times are seconds
-/// since any beginning, at least 0; one that goes back, or is no number, counts as the last. After [`Interpreter::new`] nothing is allocated.
+/// It is a state machine: the same messages give the same gestures, whenever they come. After [`Interpreter::new`] nothing is allocated. Whether
+/// the cable is still there is [`super::sensing`]'s to say; [`Interpreter::let_go`] is for when it is not.
 ///
 /// - **Notes.** Each note-on is a sounding of its own, named by a key, also where the note sounds already on its channel. A note-off
 ///   ends the oldest sounding of its note whose key is still down: two sequences that overlap on one note then each get the length
@@ -57,15 +56,13 @@ pub struct Counts {
 ///   on a member is for all members of its zone. On members controller 74 is timbre alone, elsewhere an ordinary controller too.
 /// - **Controllers** are at their upper 7 bits at once and at 14 bits when the lower ones follow; numbered parameters too. Those that
 ///   somebody listens to by their numbers ([`Interpreter::claim`]) say where they stand, and mean nothing else.
-/// - **Panic.** Controllers 120 and 123 silence a channel, a reset and a lost cable all of them, at once, pedals or not; 124 to 127, which
+/// - **Panic.** Controllers 120 and 123 silence a channel, a reset all of them, at once, pedals or not; 124 to 127, which
 ///   choose modes that do not exist here, imply 123. The MIDI 1.0 Detailed Specification lets notes of 123 die away, and a pedal keep
 ///   them ("Channel Mode Messages", "Hold 1"); but it is what panic buttons send, and what is felt must stop when somebody presses one.
 #[derive(Debug)]
 pub struct Interpreter {
     desk: Desk,
     sounding: Sounding,
-    sensing: Sensing,
-    now: f64,
     counts: Counts,
     /// Whether pedals have become other controllers, or the other way round.
     claimed: bool,
@@ -80,14 +77,7 @@ impl Default for Interpreter {
 impl Interpreter {
     /// As after switching on: nothing sounds, no zones.
     pub fn new() -> Self {
-        Self {
-            desk: Desk::default(),
-            sounding: Sounding::new(),
-            sensing: Sensing::default(),
-            now: 0.0,
-            counts: Counts::default(),
-            claimed: false,
-        }
+        Self { desk: Desk::default(), sounding: Sounding::new(), counts: Counts::default(), claimed: false }
     }
 
     /// Controllers that somebody listens to by their numbers, from now on. Notes that a pedal among them held end with what comes next.
@@ -96,9 +86,9 @@ impl Interpreter {
         self.claimed = true;
     }
 
-    /// Takes a message that came at `seconds`.
-    pub fn message(&mut self, seconds: f64, message: Message, sink: Sink<'_>) {
-        self.heard(seconds, sink);
+    /// Takes a message.
+    pub fn message(&mut self, message: Message, sink: Sink<'_>) {
+        self.settle(sink);
         match message {
             Message::NoteOn { channel, note, velocity } => match velocity & 127 {
                 0 => self.note_off(channel, note & 127, RELEASE, sink),
@@ -128,45 +118,28 @@ impl Interpreter {
             Message::SongPosition { sixteenths } => {
                 sink(Gesture::Position { beats: f64::from(sixteenths & 16_383) / 4.0 });
             }
-            // Whoever follows it counts by itself, since what matters is when it came.
-            Message::Clock => (),
+            // Whoever follows them goes by when they come.
+            Message::Clock | Message::ActiveSensing => (),
             Message::Start => sink(Gesture::Transport { what: Transport::Start }),
             Message::Continue => sink(Gesture::Transport { what: Transport::Continue }),
             Message::Stop => sink(Gesture::Transport { what: Transport::Stop }),
-            Message::ActiveSensing => self.sensing.promise(),
             Message::Reset => {
-                self.sensing.forget();
                 self.desk.reset();
                 self.panic(Reason::Reset, sink);
             }
         }
     }
 
-    /// Says what happens by itself up to `seconds`: whether a cable that had promised to stay is lost. Whoever polls every 50 ms finds it out
-    /// within 350 ms.
-    pub fn tick(&mut self, seconds: f64, sink: Sink<'_>) {
-        if seconds.is_finite() {
-            self.now = self.now.max(seconds);
-        }
+    /// Ends what a pedal held that has become another controller ([`Interpreter::claim`]); the next message does so as well.
+    pub fn settle(&mut self, sink: Sink<'_>) {
         if std::mem::take(&mut self.claimed) {
             self.let_up(Channels::ALL, sink);
         }
-        if self.sensing.lost(self.now) {
-            self.desk.rest();
-            self.panic(Reason::SensingLost, sink);
-        }
     }
 
-    /// Bytes came at `seconds` that made no message, such as those of a long system exclusive: the cable is there.
-    pub fn heard(&mut self, seconds: f64, sink: Sink<'_>) {
-        self.tick(seconds, sink);
-        self.sensing.heard(self.now);
-    }
-
-    /// The port is gone: all that sounds ends, and hands are off wheels and pedals. Zones and bend ranges stay for when it comes back.
+    /// The port is gone, or its cable: all that sounds ends, and hands are off wheels and pedals. Zones and bend ranges stay for when it comes back.
     pub fn let_go(&mut self, sink: Sink<'_>) {
         self.desk.rest();
-        self.sensing.forget();
         self.end(Channels::ALL, sink);
     }
 

@@ -2,7 +2,8 @@
 //!
 //! Everything here is pure. There are no ports, threads or clocks, and no file is opened: bytes and times come from outside, and what they
 //! mean goes out again. [`parser::Parser`] makes [`Message`]s of bytes in any cuts;
-//! [`interpreter::Interpreter`] makes [`Gesture`]s of messages and their times: notes that begin, move and end, controllers, panic.
+//! [`interpreter::Interpreter`] makes [`Gesture`]s of messages: notes that begin, move and end, controllers, panic;
+//! [`sensing::Sensing`] says when a cable is lost that had promised to stay.
 //! With the feature `midi`, `file::Song` reads Standard MIDI Files from bytes.
 //!
 //! The numbers are those of the MIDI 1.0 Detailed Specification (MIDI Association, M1 4.2.1) and of its additions, each named where it

@@ -95,7 +95,7 @@ impl Recogniser {
     /// A message that came through a port at so many seconds.
     pub fn message(&mut self, seconds: f64, port: u16, message: Message) -> Option<Seen> {
         let mut gestures = Vec::new();
-        self.ports.entry(port).or_default().message(seconds, message, &mut |gesture| gestures.push(gesture));
+        self.ports.entry(port).or_default().message(message, &mut |gesture| gestures.push(gesture));
         match message {
             Message::NoteOn { channel, velocity: 1.., .. } => {
                 *self.keys.entry((port, channel)).or_default() += 1;

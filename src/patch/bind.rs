@@ -98,7 +98,33 @@ impl Mover {
     }
 }
 
+/// As `from` of a binding says it.
+impl std::fmt::Display for Mover {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Controller(number) => write!(f, "midi.controller {number}"),
+            Self::Bend => f.write_str("midi.bend"),
+            Self::Pressure => f.write_str("midi.pressure"),
+            Self::Osc(address) => write!(f, "osc.{address}"),
+        }
+    }
+}
+
 impl Bind {
+    /// One that moves a control by all its range, on any channel, from where it stands on.
+    pub fn new(from: Mover, control: &str) -> Self {
+        Self {
+            from,
+            control: control.into(),
+            control_span: Span::default(),
+            channel: None,
+            range: None,
+            curve: None,
+            pickup: true,
+            span: Span::default(),
+        }
+    }
+
     /// What the control becomes at a position from 0 to 1.
     pub fn value(&self, control: &Control, position: f64) -> f64 {
         let [from, to] = self.range.unwrap_or(control.range);

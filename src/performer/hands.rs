@@ -115,8 +115,7 @@ impl Performer {
             self.move_by(at, &|from| *from == mover, Some(channel), position, outlet)
         });
         self.count(at, port, message);
-        let heard =
-            self.hear(port, at, outlet, |interpreter, sink| interpreter.message(at.seconds, message, sink));
+        let heard = self.hear(port, at, outlet, |interpreter, sink| interpreter.message(message, sink));
         if let Some(hands) = self.hands.get_mut(usize::from(port).min(PORTS - 1)) {
             hands.messages += 1;
         }
@@ -149,21 +148,19 @@ impl Performer {
         })
     }
 
-    /// Time has passed at a port: a cable that promised to stay may be lost.
+    /// Ends what pedals held that another patch has made something else.
     ///
     /// # Errors
     /// As [`Performer::midi`].
-    pub fn midi_tick(&mut self, at: When, outlet: &mut dyn Outlet) -> Result<(), Problem> {
+    pub fn midi_settle(&mut self, at: When, outlet: &mut dyn Outlet) -> Result<(), Problem> {
         let mut result = Ok(());
         for port in 0..self.hands.len() {
-            let ticked =
-                self.hear(port as u16, at, outlet, |interpreter, sink| interpreter.tick(at.seconds, sink));
-            result = result.and(ticked);
+            result = result.and(self.hear(port as u16, at, outlet, Interpreter::settle));
         }
         result
     }
 
-    /// A port is gone: what it holds is released.
+    /// A port is gone, or its cable: what it holds is released.
     ///
     /// # Errors
     /// As [`Performer::midi`].

@@ -1,5 +1,7 @@
 //! Least squares: linear and not, and how far off the result may be.
 
+use crate::dsp::student;
+
 /// A square matrix, row by row.
 type Matrix = Vec<Vec<f64>>;
 
@@ -61,12 +63,6 @@ impl Fit {
             .collect();
         self.off(&gradient)
     }
-}
-
-/// Student's quantile of 97.5 %, to 1 % from 5 degrees on (its first terms by the degrees' reciprocal).
-fn reach(degrees: usize) -> f64 {
-    let by = 1.0 / degrees.max(1) as f64;
-    1.96 + by * (2.37 + 2.8 * by)
 }
 
 /// The inverse of a symmetric matrix with a positive diagonal; `None` where it has none.
@@ -183,7 +179,12 @@ pub(super) fn descend(
     let more = (carried(&rest) / connected).clamp(1.0, MOST_MORE);
     let followed = scaled(&around(&plain, &lags), more * count.max(free) / free);
     let covariances = [scaled(&plain, left), blocked, followed];
-    Some(Fit { values, covariances, left, reach: reach((blocks - 1).min(degrees).min(free as usize)) })
+    Some(Fit {
+        values,
+        covariances,
+        left,
+        reach: student::quantile((blocks - 1).min(degrees).min(free as usize).max(1)),
+    })
 }
 
 /// The sum over blocks of what each adds to the slope, squared.

@@ -7,7 +7,7 @@ use super::fit::Found;
 use super::late::Delay;
 use super::take::Take;
 use super::target::Target;
-use super::write::{self, Entry, Given};
+use pacinian::edit::{self, EditError, Entry, Given};
 use pacinian::io::replace;
 use pacinian::rig::{Model, Rig};
 use pacinian::text::problem::escaped;
@@ -124,13 +124,13 @@ impl Answer {
         let Some(rig) = &target.rig else { return Ok(()) };
         let kept = self.told.iter().filter(|figure| figure.is_kept());
         let entries: Vec<Entry> = kept
-            .map(|figure| Entry::of(figure, &self.recording))
+            .map(|f| Entry::measured(f.name, f.value, f.interval, f.unit, &self.recording))
             .chain(self.given.iter().map(|said| Entry::given(said.name, said.value)))
             .collect();
         if entries.is_empty() {
             return Ok(());
         }
-        let by_hand = |why: String| {
+        let by_hand = |why: EditError| {
             let lines: Vec<String> = entries.iter().map(Entry::line).collect();
             let help = format!(
                 "write it yourself, under [actuator.{}]: {}",
@@ -140,14 +140,8 @@ impl Answer {
             Failure::usage(format!("`{}` was left as it is: {why}", escaped(&rig.name)), help).with_code(78)
         };
         let before = String::from_utf8_lossy(&rig.bytes);
-        let after = write::with_figures(&before, target.actuator_name(), &entries).map_err(by_hand)?;
-        // What will be read of it is what was meant.
-        let read =
-            Rig::draft(&rig.name, after.as_bytes()).map_err(|problems| Failure::of(78, problems))?.value;
-        let read = read.actuator(target.actuator_name());
-        if !read.is_some_and(|actuator| entries.iter().all(|entry| entry.is_in(actuator))) {
-            return Err(by_hand("its actuator is written in a way that cannot be changed here".into()));
-        }
+        let after = edit::figures(&before, target.actuator_name(), &entries).map_err(by_hand)?;
+        Rig::draft(&rig.name, after.as_bytes()).map_err(|problems| Failure::of(78, problems))?;
         replace::replace(&rig.path, &rig.bytes, after.as_bytes())?;
         self.written = true;
         Ok(())

@@ -9,7 +9,6 @@ mod stimulus;
 mod take;
 mod target;
 mod text;
-mod write;
 
 use super::check::json;
 use super::failure::Failure;

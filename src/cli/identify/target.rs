@@ -3,8 +3,9 @@
 use super::super::failure::Failure;
 use super::super::terminal::Terminal;
 use super::super::{parts, problems};
-use super::{Identify, write};
+use super::Identify;
 use pacinian::actuator::link::coupling::Corners;
+use pacinian::edit;
 use pacinian::io::{out, text};
 use pacinian::rig::{Actuator, Coupling, Drive, Model, Output, Rig};
 use pacinian::text::nearest;
@@ -135,7 +136,7 @@ impl Target {
             rate: rig.device.rate,
             corners: output.map_or_else(|| of_device(&rig), |output| rig.corners(output)),
             most,
-            own: write::keys(&bytes, &actuator.name),
+            own: edit::keys(&bytes, &actuator.name),
             rig: Some(File { path: path.to_owned(), name: name.clone(), bytes }),
             ..Self::of(format!("actuator {} of {name}", actuator.name), actuator.clone())
         })

@@ -1,8 +1,7 @@
 //! `pacinian learn`.
 
-mod osc;
+mod bound;
 mod source;
-mod write;
 
 use super::ask::{Said, Typed};
 use super::failure::Failure;
@@ -11,21 +10,17 @@ use super::stop::Stop;
 use super::table::Table;
 use super::terminal::Terminal;
 use clap::Args;
-use osc::{Ear, Heard};
-use pacinian::Patch;
-use pacinian::io::midi_in::{self, MidiPorts, PortNews};
+use pacinian::io::learn::{Heard, Learner, Source};
+use pacinian::io::midi_in::{self, PortNews};
 use pacinian::io::osc::endpoint::Endpoint;
 use pacinian::io::{replace, text};
-use pacinian::midi::Message;
-use pacinian::midi::moved::{Control, Recogniser, Seen, Useless};
-use pacinian::midi::reach::{Reach, Reaches};
+use pacinian::patch::Bind;
 use pacinian::text::nearest::suggest;
 use pacinian::text::problem::escaped;
-use source::Source;
+use pacinian::{Patch, edit};
 use std::collections::HashSet;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel, sync_channel};
+use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 /// Binds the controls of a patch to what you move: a knob, a fader, a wheel, an OSC address
@@ -56,8 +51,6 @@ pub struct Learn {
     wait: Option<f64>,
 }
 
-/// Messages that may wait.
-const WAITING: usize = 1 << 12;
 const LOOK: Duration = Duration::from_millis(10);
 /// So long what was heard may become enough, before it is told of.
 const HINT: Duration = Duration::from_secs(4);
@@ -71,15 +64,10 @@ const INTERRUPTED: u8 = 130;
 
 /// What comes from outside.
 struct Ears {
-    messages: Receiver<(f64, u16, String, Message)>,
+    learner: Learner,
     news: Receiver<String>,
-    recogniser: Recogniser,
-    osc: Option<Ear>,
-    said: HashSet<Useless>,
     /// What was told of as not enough.
     hinted: HashSet<String>,
-    /// Whether anything came that says no position.
-    others: bool,
 }
 
 /// What becomes of a control.
@@ -117,38 +105,22 @@ impl Learn {
                 "leave --midi-in none out, or add --osc PORT",
             ));
         }
-        let osc = self.osc.map(Ear::open).transpose()?;
-        if let Some(at) = osc.as_ref().and_then(Ear::address) {
+        let mut learner = Learner::default();
+        if let Some(osc) = self.osc {
+            let at = learner.hear_osc(osc)?;
             terminal.note(&format!("OSC is heard on {at}\n"));
         }
-        let (send, messages) = sync_channel(WAITING);
-        let begin = Instant::now();
         let (tell, news) = channel();
-        let ports = midi.then(|| {
-            let ear = move |number: u16, name: &std::sync::Arc<str>, message: Option<Message>| {
-                if let Some(message) = message {
-                    // Of a flood, a part tells as much as all.
-                    let _ = send.try_send((begin.elapsed().as_secs_f64(), number, name.to_string(), message));
-                }
-            };
-            // It is told by who knows what stands on the line.
-            let news = move |news| drop(tell.send(told(&news)));
-            MidiPorts::hear(Arc::new(ear), None, midi_in, Box::new(news))
-        });
         let no_thread =
             |error: std::io::Error| Failure::said(71, format!("the system gives no thread ({error})"));
-        let ports = ports.transpose().map_err(no_thread)?;
+        if midi {
+            // It is told by who knows what stands on the line.
+            let news = move |news| drop(tell.send(told(&news)));
+            learner.hear_midi(midi_in, Box::new(news)).map_err(no_thread)?;
+        }
         let person = Typed::listen(true).map_err(no_thread)?;
         let stop = Stop::listen()?;
-        let mut ears = Ears {
-            messages,
-            news,
-            recogniser: Recogniser::default(),
-            osc,
-            said: HashSet::new(),
-            hinted: HashSet::new(),
-            others: false,
-        };
+        let mut ears = Ears { learner, news, hinted: HashSet::new() };
         list(&patch, terminal);
         if let Some(person) = &person {
             terminal.note(&format!("{}\n\n", help(person)));
@@ -168,9 +140,9 @@ impl Learn {
             terminal.note(&asked);
             match self.turn(&mut ears, person.as_ref(), &stop, &asked, terminal) {
                 Turn::Learnt(source) => {
-                    let instead = write::replaced(&patch, &control.name, &source);
+                    let instead = bound::replaced(&patch, &source.bind(&control.name));
                     let instead = instead.map_or(String::new(), |old| format!(", {old}"));
-                    terminal.note(&format!("\n     {}{instead}\n", source.shown));
+                    terminal.note(&format!("\n     {}{instead}\n", source::shown(&source)));
                     if let Some(slot) = learnt.get_mut(at) {
                         *slot = Some(source);
                     }
@@ -190,28 +162,27 @@ impl Learn {
                 }
             }
         }
-        drop((ports, person));
-        let name_of = |number: &usize| patch.controls[*number].name.clone();
-        let learnt: Vec<(String, Source)> = controls
+        drop((ears, person));
+        let name_of = |number: &usize| patch.controls[*number].name.as_str();
+        let learnt: Vec<(Bind, Source)> = controls
             .iter()
             .zip(learnt)
-            .filter_map(|(number, source)| Some((name_of(number), source?)))
+            .filter_map(|(number, source)| source.map(|source| (source.bind(name_of(number)), source)))
             .collect();
         if learnt.is_empty() {
             return terminal.print(&format!("{name}: nothing was learnt, so it is as it was\n"));
         }
-        let after = write::with_bindings(&String::from_utf8_lossy(&before), &learnt).map_err(|why| {
-            let lines: String = learnt
-                .iter()
-                .map(|(control, source)| format!("\n  {control} from {}", source.from))
-                .collect();
+        let binds: Vec<Bind> = learnt.iter().map(|(bind, _)| bind.clone()).collect();
+        let after = edit::bindings(&String::from_utf8_lossy(&before), &binds).map_err(|why| {
+            let lines: String =
+                binds.iter().map(|bind| format!("\n  {} from {}", bind.control, bind.from)).collect();
             Failure::said(65, format!("`{name}` was left alone: {why}; write the bindings by hand:{lines}"))
         })?;
         replace::replace(&self.patch, &before, after.as_bytes())?;
         let mut table = Table::default();
-        for (control, source) in &learnt {
-            let instead = write::replaced(&patch, control, source).unwrap_or_default();
-            table.row([control, &source.from, &source.shown, &instead]);
+        for (bind, source) in &learnt {
+            let instead = bound::replaced(&patch, bind).unwrap_or_default();
+            table.row([bind.control.clone(), bind.from.to_string(), source::shown(source), instead]);
         }
         let count = super::table::many(learnt.len(), "binding");
         terminal.print(&format!("{name}: {count}\n{}", table.text()))
@@ -249,7 +220,7 @@ impl Learn {
         terminal: &Terminal,
     ) -> Turn {
         let begin = Instant::now();
-        ears.forget();
+        ears.learner.forget();
         // Since when something was heard that is not enough.
         let mut heard: Option<Instant> = None;
         let aside = |what: &str| terminal.note(&format!("\n     {what}\n{asked}"));
@@ -292,20 +263,22 @@ impl Learn {
             if let Some(turn) = person.and_then(&mut typed) {
                 return turn;
             }
-            match ears.hear() {
+            match ears.learner.hear() {
                 Some(Heard::Source(source)) => return Turn::Learnt(source),
-                Some(Heard::Useless(why)) => aside(&why),
+                Some(Heard::Unfit(unfit)) => aside(&source::why(&unfit)),
                 None => {}
             }
             ears.news.try_iter().for_each(|news| aside(&news));
             if self.wait.is_some_and(|wait| begin.elapsed().as_secs_f64() >= wait) {
-                let why = ears.short().map_or(String::new(), |(_, why)| format!("\n     {why}"));
+                let short = ears.learner.short().map(|short| source::not_enough(&short));
+                let why = short.map_or(String::new(), |(_, why)| format!("\n     {why}"));
                 terminal.note(&format!("\n     nothing moved; it is left as it is{why}\n"));
                 return Turn::Left;
             }
-            if ears.has_heard() && heard.get_or_insert_with(Instant::now).elapsed() >= HINT {
+            if ears.learner.has_heard() && heard.get_or_insert_with(Instant::now).elapsed() >= HINT {
                 heard = Some(Instant::now());
-                if let Some((_, why)) = ears.short().filter(|(what, _)| ears.hinted.insert(what.clone())) {
+                let short = ears.learner.short().map(|short| source::not_enough(&short));
+                if let Some((_, why)) = short.filter(|(what, _)| ears.hinted.insert(what.clone())) {
                     aside(&why);
                 }
             }
@@ -324,68 +297,12 @@ fn told(news: &PortNews) -> String {
     match news {
         PortNews::Opened(name) => format!("MIDI from {}", escaped(name)),
         PortNews::Gone(name) => format!("the MIDI port {} is gone", escaped(name)),
+        PortNews::Silent(name) => format!("the MIDI cable of {} is silent", escaped(name)),
         PortNews::Unknown(unknown) => escaped(&unknown.to_string()).into_owned(),
         PortNews::None(why) => format!("no MIDI: {}", escaped(why)),
         PortNews::Refused(name, why) => {
             format!("the MIDI port {} cannot be opened: {}", escaped(name), escaped(why))
         }
-    }
-}
-
-impl Ears {
-    /// What was heard before is over.
-    fn forget(&mut self) {
-        self.recogniser.forget();
-        self.others = false;
-        if let Some(osc) = &mut self.osc {
-            osc.heard = Reaches::default();
-        }
-    }
-
-    /// Whether anything was heard that may be told of.
-    fn has_heard(&self) -> bool {
-        let of_osc = self.osc.as_ref().map_or(0, |osc| osc.heard.count());
-        self.others || self.recogniser.heard().count() + of_osc > 0
-    }
-
-    /// What was heard and is not enough: what it is, and why it is not taken.
-    fn short(&self) -> Option<(String, String)> {
-        let (midi, osc) = (self.recogniser.heard(), self.osc.as_ref().map(|osc| &osc.heard));
-        let of_midi = midi.most().map(|((_, channel, control), reach)| {
-            let what = format!("{} on channel {}", source::named(*control), channel.number());
-            (what, reach, *control == Control::Pressure)
-        });
-        let of_osc = osc
-            .and_then(Reaches::most)
-            .map(|(address, reach)| (format!("OSC {}", osc::shown(address)), reach, false));
-        let way = |(_, reach, _): &(String, Reach, bool)| reach.most - reach.least;
-        let furthest = of_midi.into_iter().chain(of_osc).max_by(|a, b| way(a).total_cmp(&way(b)));
-        let count = midi.count() + osc.map_or(0, Reaches::count);
-        match furthest {
-            Some((what, reach, keys)) => {
-                let why = source::short(&what, reach, count - 1, keys);
-                Some((what, why))
-            }
-            None if self.others && self.said.is_empty() => {
-                Some((String::new(), "messages came, and none of them says where something stands".into()))
-            }
-            None => None,
-        }
-    }
-
-    /// What somebody has moved since this was asked last.
-    fn hear(&mut self) -> Option<Heard> {
-        while let Ok((seconds, port, name, message)) = self.messages.try_recv() {
-            self.others |= !matches!(message, Message::Clock | Message::ActiveSensing);
-            match self.recogniser.message(seconds, port, message) {
-                Some(Seen::Moved(moved)) => return Some(Heard::Source(Source::midi(moved, &name))),
-                Some(Seen::Useless(useless)) if self.said.insert(useless) => {
-                    return Some(Heard::Useless(source::why(useless)));
-                }
-                _ => {}
-            }
-        }
-        self.osc.as_mut().and_then(Ear::hear)
     }
 }
 
@@ -395,7 +312,7 @@ fn list(patch: &Patch, terminal: &Terminal) {
     for control in &patch.controls {
         let [least, most] = control.range;
         let binds = patch.binds.iter().filter(|bind| bind.control == control.name);
-        let from: Vec<String> = binds.map(write::moved_by).collect();
+        let from: Vec<String> = binds.map(bound::moved_by).collect();
         let moved = if from.is_empty() { "not bound".into() } else { from.join(", ") };
         table.row([control.name.clone(), format!("{least} to {most} {}", control.unit), moved]);
     }

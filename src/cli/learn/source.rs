@@ -1,57 +1,66 @@
-//! What is moved, as a binding names it and as people do.
+//! What is moved, and what is not enough, in words.
 
+use pacinian::io::learn::{Misfit, Mover, Short, Source, Unfit};
+use pacinian::io::osc::address::LONGEST;
 use pacinian::midi::moved::{Control, Moved, Useless};
 use pacinian::midi::reach::Reach;
 use pacinian::midi::travel::SPAN;
 use pacinian::text::problem::escaped;
 
-/// What moves a control from now on.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Source {
-    /// As `from` of a binding says it.
-    pub from: String,
-    /// The MIDI channel, where it has one.
-    pub channel: Option<u8>,
-    /// Whether it comes back to its rest or jumps by its nature, so that a pick-up would be in its way.
-    pub springs: bool,
-    /// For people.
-    pub shown: String,
+/// Characters of an address that are shown, at most.
+const SHOWN: usize = 80;
+
+/// What it is.
+pub fn shown(source: &Source) -> String {
+    match source {
+        Source::Midi { moved, port } => {
+            let Moved { channel, control, fine, switch, .. } = *moved;
+            let what = match control {
+                Control::Controller(number) => {
+                    let bits = if fine { 14 } else { 7 };
+                    let kind = if switch { "a button, ".into() } else { format!("{bits} bits, ") };
+                    format!("controller {number}, {kind}")
+                }
+                Control::Bend => "the pitch wheel, 14 bits, ".into(),
+                Control::Pressure => "pressure, 7 bits, ".to_string(),
+            };
+            format!("{what}on channel {} of {}", channel.number(), escaped(port))
+        }
+        Source::Osc { address, .. } => format!("OSC {}", escaped(address)),
+    }
 }
 
-impl Source {
-    /// Of MIDI, through the port of that name.
-    pub fn midi(moved: Moved, port: &str) -> Self {
-        let Moved { channel, control, fine, switch, .. } = moved;
-        let (from, what) = match control {
-            Control::Controller(number) => {
-                let bits = if fine { 14 } else { 7 };
-                let kind = if switch { "a button, ".into() } else { format!("{bits} bits, ") };
-                (format!("midi.controller {number}"), format!("controller {number}, {kind}"))
-            }
-            Control::Bend => ("midi.bend".into(), "the pitch wheel, 14 bits, ".into()),
-            Control::Pressure => ("midi.pressure".into(), "pressure, 7 bits, ".to_string()),
-        };
-        Self {
-            from,
-            channel: Some(channel.number()),
-            springs: switch || !matches!(control, Control::Controller(_)),
-            shown: format!("{what}on channel {} of {}", channel.number(), escaped(port)),
-        }
-    }
-
-    /// An OSC address; `switch` where it says two positions and no others.
-    pub fn osc(address: &str, switch: bool) -> Self {
-        Self {
-            from: format!("osc.{address}"),
-            channel: None,
-            springs: switch,
-            shown: format!("OSC {}", escaped(address)),
-        }
-    }
+/// An address as it may be shown: whoever sends it chooses it.
+fn cut(address: &str) -> String {
+    let cut: String = address.chars().take(SHOWN).collect();
+    format!("{}{}", escaped(&cut), if cut.len() < address.len() { "..." } else { "" })
 }
 
 /// Why something that was used is no source.
-pub fn why(useless: Useless) -> String {
+pub fn why(unfit: &Unfit) -> String {
+    match unfit {
+        Unfit::Midi(useless) => of_midi(*useless),
+        Unfit::Osc(address, misfit) => of_osc(&cut(address), *misfit),
+    }
+}
+
+fn of_osc(shown: &str, misfit: Misfit) -> String {
+    let elsewhere = "name it otherwise where it comes from";
+    match misfit {
+        Misfit::Own => format!("{shown} is an address of pacinian's own; see docs/osc.md"),
+        Misfit::Blank => format!("{shown} has a blank in it, which a binding cannot have; {elsewhere}"),
+        Misfit::Long => {
+            format!("{shown} is longer than the {LONGEST} bytes that an address may have; {elsewhere}")
+        }
+        Misfit::Value(value) => {
+            format!(
+                "{shown} says {value}: a binding takes positions from 0 to 1; set it so where it comes from"
+            )
+        }
+    }
+}
+
+fn of_midi(useless: Useless) -> String {
     match useless {
         Useless::Note => "keys play voices: a [[trigger]] with on = \"midi.note\" does that".into(),
         Useless::Program => {
@@ -71,7 +80,7 @@ pub fn why(useless: Useless) -> String {
 }
 
 /// What is called so in a sentence.
-pub fn named(control: Control) -> String {
+fn named(control: Control) -> String {
     match control {
         Control::Controller(number) => format!("controller {number}"),
         Control::Bend => "the pitch wheel".into(),
@@ -79,8 +88,28 @@ pub fn named(control: Control) -> String {
     }
 }
 
+/// What was heard of and is not taken, and why not.
+pub fn not_enough(short: &Short) -> (String, String) {
+    match short {
+        Short::Moved(mover, reach, others) => {
+            let (what, keys) = match mover {
+                Mover::Midi(channel, control) => (
+                    format!("{} on channel {}", named(*control), channel.number()),
+                    *control == Control::Pressure,
+                ),
+                Mover::Osc(address) => (format!("OSC {}", cut(address)), false),
+            };
+            let why = too_short(&what, *reach, *others, keys);
+            (what, why)
+        }
+        Short::Nothing => {
+            (String::new(), "messages came, and none of them says where something stands".into())
+        }
+    }
+}
+
 /// Why what was heard of is not taken: it went furthest, and `others` went less far. `keys` says that it comes along with keys.
-pub fn short(what: &str, reach: Reach, others: usize, keys: bool) -> String {
+fn too_short(what: &str, reach: Reach, others: usize, keys: bool) -> String {
     let Reach { least, most } = reach;
     let percent = |digits: usize| [least, most].map(|x| format!("{:.digits$} %", 100.0 * x));
     let same = |[a, b]: &[String; 2]| a == b;
@@ -105,13 +134,13 @@ pub fn short(what: &str, reach: Reach, others: usize, keys: bool) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Control, named, short};
+    use super::{Control, named, too_short};
     use pacinian::midi::reach::Reach;
 
     #[test]
     fn what_is_not_taken_is_told_with_its_way() {
         let of = |least, most, others| {
-            short(&named(Control::Controller(21)), Reach { least, most }, others, false)
+            too_short(&named(Control::Controller(21)), Reach { least, most }, others, false)
         };
         assert_eq!(
             of(0.12, 0.14, 0),
@@ -120,7 +149,7 @@ mod tests {
         assert!(of(0.120_1, 0.120_5, 1).starts_with("controller 21 moved from 12.01 % to 12.05 %: "));
         assert!(of(0.5, 0.5, 2).ends_with("stands at 50 %, and has not moved; 2 others moved less"));
         assert!(of(0.0, 1.0, 0).contains("from 0 % to 100 % at once or too slowly: move it on, or back"));
-        let keys = short("pressure", Reach { least: 0.0, most: 0.25 }, 0, true);
+        let keys = too_short("pressure", Reach { least: 0.0, most: 0.25 }, 0, true);
         assert_eq!(keys, "pressure went from 0 % to 25 %: press a key harder, and hold it");
     }
 }

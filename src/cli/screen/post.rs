@@ -221,6 +221,10 @@ impl Post {
             PortNews::Gone(name) => {
                 self.say(Mood::Bad, format!("the MIDI port {name} is gone; its notes are released"))
             }
+            PortNews::Silent(name) => self.say(
+                Mood::Bad,
+                format!("the MIDI cable of {name} is lost, which had promised to stay: panic"),
+            ),
             PortNews::Unknown(unknown) => self.say(Mood::Bad, unknown.to_string()),
             PortNews::None(why) => self.say(Mood::Bad, format!("no MIDI: {why}")),
             PortNews::Refused(name, why) => {

@@ -1,10 +1,11 @@
 //! What a walk comes to: shown, and written down if that is wanted.
 
+use super::Walk;
 use super::round::Round;
-use super::{Walk, write};
 use crate::cli::ask::Typed;
 use crate::cli::failure::Failure;
 use crate::cli::table::{Table, many};
+use pacinian::edit;
 use pacinian::io::replace;
 use pacinian::live::walk::map::{Felt, Map, map};
 use pacinian::live::walk::probe::Probe;
@@ -79,7 +80,7 @@ impl Walk {
             }
         }
         let before = String::from_utf8_lossy(source);
-        let after = write::with_channels(&before, rig, &moved)
+        let after = edit::channels(&before, rig, &moved)
             .map_err(|why| Failure::said(78, format!("{alone}: {why}; change its channels by hand")))?;
         replace::replace(path, source, after.as_bytes())?;
         terminal.print(&format!("{}: {other} on other channels now\n", escaped(&shown.to_string())))

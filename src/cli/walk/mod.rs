@@ -4,7 +4,6 @@ mod answer;
 mod conclude;
 mod presence;
 mod round;
-mod write;
 
 use super::ask::Typed;
 use super::failure::Failure;
@@ -99,7 +98,7 @@ impl Walk {
             self.check_write(person.is_some())?;
         }
         let file = self.rig.as_ref().map_or_else(String::new, |path| path.display().to_string());
-        let (wish, device) = super::servers::choose_for(self.device.as_deref(), named, file, terminal)?;
+        let (wish, device) = super::choose::choose_for(self.device.as_deref(), named, file, terminal)?;
         let rig = given.unwrap_or_else(|| Rig::default_for(channels(&device)));
         let probes = self.chosen(&rig)?;
         let stop = Stop::listen()?;

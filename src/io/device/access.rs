@@ -6,16 +6,60 @@ pub const HELP: &str = "sudo usermod -aG audio $USER; log in again";
 /// Whether there is hardware of sound that the system does not let this user open. ALSA then lists none of it.
 #[cfg(target_os = "linux")]
 pub fn forbidden() -> bool {
-    let refused = |path: &std::path::Path| {
-        let opened = std::fs::OpenOptions::new().read(true).open(path);
-        opened.is_err_and(|error| error.kind() == std::io::ErrorKind::PermissionDenied)
-    };
-    let cards = std::fs::read_dir("/dev/snd").into_iter().flatten();
-    cards.flatten().any(|entry| refused(&entry.path()))
+    is_kept_from(std::path::Path::new("/dev/snd"))
+}
+
+/// Whether a folder may not be looked into, or something in it not be opened.
+#[cfg(target_os = "linux")]
+fn is_kept_from(folder: &std::path::Path) -> bool {
+    let denied = |error: std::io::Error| error.kind() == std::io::ErrorKind::PermissionDenied;
+    let refused =
+        |path: &std::path::Path| std::fs::OpenOptions::new().read(true).open(path).is_err_and(denied);
+    match std::fs::read_dir(folder) {
+        Ok(entries) => entries.flatten().any(|entry| refused(&entry.path())),
+        Err(error) => denied(error),
+    }
 }
 
 /// Other systems list what they do not let one open.
 #[cfg(not(target_os = "linux"))]
 pub fn forbidden() -> bool {
     false
+}
+
+#[cfg(all(test, target_os = "linux", target_arch = "x86_64"))]
+mod tests {
+    use super::is_kept_from;
+    use std::fs::{self, Permissions};
+    use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn what_the_system_refuses_to_this_user_is_noticed() {
+        let folder = std::env::temp_dir().join(format!("pacinian-access-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("controlC0"), "").unwrap();
+        let mode =
+            |path: &std::path::Path, mode| fs::set_permissions(path, Permissions::from_mode(mode)).unwrap();
+        // What root may is nothing to go by: the thread that looks is nobody's.
+        let looked = || {
+            let folder = folder.clone();
+            let look = move || {
+                // SAFETY: it concerns this thread's access to files alone, and the thread ends with it.
+                unsafe { libc::setfsuid(65_534) };
+                is_kept_from(&folder)
+            };
+            std::thread::spawn(look).join().unwrap()
+        };
+        mode(&folder, 0o755);
+        mode(&folder.join("controlC0"), 0o644);
+        assert!(!looked());
+        mode(&folder.join("controlC0"), 0o000);
+        assert!(looked(), "a card that may not be opened");
+        mode(&folder.join("controlC0"), 0o644);
+        mode(&folder, 0o000);
+        assert!(looked(), "cards that may not be listed");
+        mode(&folder, 0o755);
+        fs::remove_dir_all(&folder).unwrap();
+        assert!(!looked(), "no cards");
+    }
 }

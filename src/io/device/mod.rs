@@ -14,8 +14,10 @@ mod kept;
 pub mod list;
 pub mod listening;
 mod minder;
+pub mod missing;
 pub mod priority;
 #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
 mod pulse_map;
 mod returning;
+pub mod servers;
 pub mod virtual_card;

@@ -156,9 +156,11 @@ fn write(entries: &Receiver<Entry>, form: Form, mut file: OutputFile) -> Result<
     let mut headed = false;
     let mut lines = Vec::with_capacity(2 * TOGETHER);
     loop {
-        let mut ended = false;
+        let (mut ended, mut at_once) = (false, false);
         match entries.recv_timeout(FLUSH) {
             Ok(entry) => {
+                // Without what is played, nothing that comes later is of use to a replay.
+                at_once = !matches!(entry, Entry::Line(_));
                 if !std::mem::replace(&mut headed, true) && form == Form::Csv {
                     // Before the column names, so that whoever reads the first line knows what the file is.
                     match entry {
@@ -174,7 +176,7 @@ fn write(entries: &Receiver<Entry>, form: Form, mut file: OutputFile) -> Result<
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => ended = true,
         }
-        if ended || lines.len() >= TOGETHER || flushed.elapsed() >= FLUSH {
+        if ended || at_once || lines.len() >= TOGETHER || flushed.elapsed() >= FLUSH {
             flushed = Instant::now();
             file.write_all(&lines).map_err(failed)?;
             lines.clear();

@@ -5,6 +5,7 @@
 //! what lies between these two moments: converters, cable, actuator, and whatever of its buffers the system conceals.
 
 pub mod echo;
+pub mod figures;
 pub mod line;
 pub mod measure;
 pub mod probe;

@@ -9,14 +9,14 @@ use crate::midi::message::tests::messages;
 use crate::midi::{Channel, Claims, Expression, Gesture, Message, Parser, Reason, Transport, What, Zone};
 
 /// What bytes mean, all of them at the same time.
-fn hear(interpreter: &mut Interpreter, seconds: f64, bytes: &[u8]) -> Vec<Gesture> {
+fn hear(interpreter: &mut Interpreter, bytes: &[u8]) -> Vec<Gesture> {
     let (mut parser, mut out) = (Parser::new(), Vec::new());
-    parser.read(bytes, &mut |message| interpreter.message(seconds, message, &mut |g| out.push(g)));
+    parser.read(bytes, &mut |message| interpreter.message(message, &mut |g| out.push(g)));
     out
 }
 
 fn all(bytes: &[u8]) -> Vec<Gesture> {
-    hear(&mut Interpreter::new(), 0.0, bytes)
+    hear(&mut Interpreter::new(), bytes)
 }
 
 fn channel(number: u8) -> Channel {
@@ -45,73 +45,69 @@ fn every_note_on_is_a_sounding_and_the_oldest_ends_first() {
     assert_eq!(gestures, expected);
     assert_eq!(all(&[0x90, 60, 127, 60, 0]), [on(0, 1, 60, REST), off(0, 64)], "velocity 0");
     let mut interpreter = Interpreter::new();
-    assert_eq!(hear(&mut interpreter, 0.0, &[0x91, 60, 127, 0x80, 60, 1]).len(), 1, "on another channel");
+    assert_eq!(hear(&mut interpreter, &[0x91, 60, 127, 0x80, 60, 1]).len(), 1, "on another channel");
     assert_eq!(interpreter.counts(), Counts { unmatched: 1, ..Counts::default() });
 }
 
 #[test]
 fn the_sustain_pedal_keeps_note_offs_back() {
     let mut i = Interpreter::new();
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 64, 0x90, 60, 127, 61, 127, 0x80, 60, 9]).len(), 2);
-    assert_eq!(hear(&mut i, 0.0, &[0xB1, 64, 0]), [], "another channel's pedal");
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 63]), [off(0, 9)], "with the velocity that it had");
-    assert_eq!(hear(&mut i, 0.0, &[0x80, 61, 1]), [off(1, 1)]);
+    assert_eq!(hear(&mut i, &[0xB0, 64, 64, 0x90, 60, 127, 61, 127, 0x80, 60, 9]).len(), 2);
+    assert_eq!(hear(&mut i, &[0xB1, 64, 0]), [], "another channel's pedal");
+    assert_eq!(hear(&mut i, &[0xB0, 64, 63]), [off(0, 9)], "with the velocity that it had");
+    assert_eq!(hear(&mut i, &[0x80, 61, 1]), [off(1, 1)]);
     // Struck again while it is held: the key that goes up is the newer one's.
-    let struck = hear(&mut i, 0.0, &[0xB0, 64, 127, 0x90, 60, 127, 0x80, 60, 1, 0x90, 60, 127, 0xB0, 64, 0]);
+    let struck = hear(&mut i, &[0xB0, 64, 127, 0x90, 60, 127, 0x80, 60, 1, 0x90, 60, 127, 0xB0, 64, 0]);
     assert_eq!(struck, [on(2, 1, 60, REST), on(3, 1, 60, REST), off(2, 1)]);
-    assert_eq!(hear(&mut i, 0.0, &[0x80, 60, 2]), [off(3, 2)]);
-    hear(&mut i, 0.0, &[0xB0, 64, 127, 0x90, 60, 127, 0x80, 60, 1, 0x90, 60, 127, 0x80, 60, 2]);
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 0]), [off(4, 1), off(5, 2)], "each note-off has its own");
+    assert_eq!(hear(&mut i, &[0x80, 60, 2]), [off(3, 2)]);
+    hear(&mut i, &[0xB0, 64, 127, 0x90, 60, 127, 0x80, 60, 1, 0x90, 60, 127, 0x80, 60, 2]);
+    assert_eq!(hear(&mut i, &[0xB0, 64, 0]), [off(4, 1), off(5, 2)], "each note-off has its own");
 }
 
 #[test]
 fn the_sostenuto_pedal_keeps_what_was_down() {
     let mut i = Interpreter::new();
-    hear(&mut i, 0.0, &[0x90, 60, 127, 0xB0, 66, 127, 0x90, 61, 127]);
-    assert_eq!(hear(&mut i, 0.0, &[0x80, 60, 1, 61, 2]), [off(1, 2)], "61 came later");
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 66, 100]), [], "still down");
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 66, 0]), [off(0, 1)]);
-    hear(&mut i, 0.0, &[0x90, 60, 127, 0xB0, 66, 127, 64, 127, 0x80, 60, 1]);
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 66, 0]), [], "the other pedal holds it");
-    assert_eq!(
-        hear(&mut i, 0.0, &[0xB0, 66, 127, 64, 0]),
-        [off(2, 1)],
-        "its key was up when the pedal went down"
-    );
+    hear(&mut i, &[0x90, 60, 127, 0xB0, 66, 127, 0x90, 61, 127]);
+    assert_eq!(hear(&mut i, &[0x80, 60, 1, 61, 2]), [off(1, 2)], "61 came later");
+    assert_eq!(hear(&mut i, &[0xB0, 66, 100]), [], "still down");
+    assert_eq!(hear(&mut i, &[0xB0, 66, 0]), [off(0, 1)]);
+    hear(&mut i, &[0x90, 60, 127, 0xB0, 66, 127, 64, 127, 0x80, 60, 1]);
+    assert_eq!(hear(&mut i, &[0xB0, 66, 0]), [], "the other pedal holds it");
+    assert_eq!(hear(&mut i, &[0xB0, 66, 127, 64, 0]), [off(2, 1)], "its key was up when the pedal went down");
 }
 
 #[test]
 fn bends_count_before_the_note_and_after() {
     let mut i = Interpreter::new();
     let expression = Expression { bend: 2.0, pressure: 1.0, timbre: 1.0 };
-    assert_eq!(hear(&mut i, 0.0, &[0xE0, 127, 127, 0xD0, 127]), []);
-    hear(&mut i, 0.0, &[0xB0, 74, 127]);
-    assert_eq!(hear(&mut i, 0.0, &[0x90, 60, 127]), [on(0, 1, 60, expression)]);
-    assert_eq!(hear(&mut i, 0.0, &[0xE0, 0, 0]), [bend(0, -2.0)]);
-    assert_eq!(hear(&mut i, 0.0, &[0xE1, 127, 127]), [], "another channel");
+    assert_eq!(hear(&mut i, &[0xE0, 127, 127, 0xD0, 127]), []);
+    hear(&mut i, &[0xB0, 74, 127]);
+    assert_eq!(hear(&mut i, &[0x90, 60, 127]), [on(0, 1, 60, expression)]);
+    assert_eq!(hear(&mut i, &[0xE0, 0, 0]), [bend(0, -2.0)]);
+    assert_eq!(hear(&mut i, &[0xE1, 127, 127]), [], "another channel");
     // RPN 0: 7 semitones at once, then 25 cents more, then one less.
-    let range = hear(&mut i, 0.0, &[0xB0, 101, 0, 100, 0, 6, 7, 38, 25, 97, 0]);
+    let range = hear(&mut i, &[0xB0, 101, 0, 100, 0, 6, 7, 38, 25, 97, 0]);
     assert_eq!(range, [bend(0, -7.0), bend(0, -7.25), bend(0, -7.24)]);
-    assert_eq!(hear(&mut i, 0.0, &[0xE0, 0, 64]), [bend(0, 0.0)]);
-    assert_eq!(hear(&mut i, 0.0, &[0xE0, 0, 64]), [], "only what changes");
+    assert_eq!(hear(&mut i, &[0xE0, 0, 64]), [bend(0, 0.0)]);
+    assert_eq!(hear(&mut i, &[0xE0, 0, 64]), [], "only what changes");
 }
 
 #[test]
 fn pressure_of_a_key_is_its_own() {
     let mut i = Interpreter::new();
-    hear(&mut i, 0.0, &[0x90, 60, 127, 61, 127]);
+    hear(&mut i, &[0x90, 60, 127, 61, 127]);
     let pressure = |key, value: u8| {
         let value = f64::from(value) / 127.0;
         Gesture::Move { key, what: What::Pressure, value }
     };
-    assert_eq!(hear(&mut i, 0.0, &[0xA0, 61, 50]), [pressure(1, 50)]);
-    assert_eq!(hear(&mut i, 0.0, &[0xD0, 20]), [pressure(0, 20)], "61 is pressed harder");
-    assert_eq!(hear(&mut i, 0.0, &[0xD0, 127]), [pressure(0, 127), pressure(1, 127)]);
-    assert_eq!(hear(&mut i, 0.0, &[0xD0, 0]), [pressure(0, 0), pressure(1, 50)]);
-    assert_eq!(hear(&mut i, 0.0, &[0xA0, 62, 50]), []);
+    assert_eq!(hear(&mut i, &[0xA0, 61, 50]), [pressure(1, 50)]);
+    assert_eq!(hear(&mut i, &[0xD0, 20]), [pressure(0, 20)], "61 is pressed harder");
+    assert_eq!(hear(&mut i, &[0xD0, 127]), [pressure(0, 127), pressure(1, 127)]);
+    assert_eq!(hear(&mut i, &[0xD0, 0]), [pressure(0, 0), pressure(1, 50)]);
+    assert_eq!(hear(&mut i, &[0xA0, 62, 50]), []);
     assert_eq!(i.counts().unmatched, 1);
     assert_eq!(
-        hear(&mut i, 0.0, &[0xB0, 64, 127, 0x80, 61, 1, 0xA0, 61, 99]),
+        hear(&mut i, &[0xB0, 64, 127, 0x80, 61, 1, 0xA0, 61, 99]),
         [],
         "the pedal holds it, and no finger"
     );
@@ -126,56 +122,49 @@ fn zone(status: u8, members: u8) -> [u8; 9] {
 #[test]
 fn in_a_zone_each_note_has_its_own_bend_and_the_manager_adds() {
     let mut i = Interpreter::new();
-    hear(&mut i, 0.0, &[0xE2, 0, 0, 0xD2, 127, 0xB2, 74, 127]);
-    assert_eq!(hear(&mut i, 0.0, &zone(0xB0, 3)), []);
+    hear(&mut i, &[0xE2, 0, 0, 0xD2, 127, 0xB2, 74, 127]);
+    assert_eq!(hear(&mut i, &zone(0xB0, 3)), []);
     assert_eq!(
-        hear(&mut i, 0.0, &[0x92, 60, 127, 0x82, 60, 1]),
+        hear(&mut i, &[0x92, 60, 127, 0x82, 60, 1]),
         [on(0, 3, 60, REST), off(0, 1)],
         "at rest in the zone"
     );
     let mut i = Interpreter::new();
-    hear(&mut i, 0.0, &zone(0xB0, 3));
+    hear(&mut i, &zone(0xB0, 3));
     // Channel 2 by a quarter of its 48 semitones downwards, the manager by both of its own up, before and after the notes.
-    hear(&mut i, 0.0, &[0xE1, 0, 48, 0xE0, 127, 127]);
+    hear(&mut i, &[0xE1, 0, 48, 0xE0, 127, 127]);
     let bent = |bend| Expression { bend, ..REST };
     assert_eq!(
-        hear(&mut i, 0.0, &[0x91, 60, 127, 0x92, 60, 127]),
+        hear(&mut i, &[0x91, 60, 127, 0x92, 60, 127]),
         [on(0, 2, 60, bent(-10.0)), on(1, 3, 60, bent(2.0))]
     );
-    assert_eq!(
-        hear(&mut i, 0.0, &[0x90, 61, 127, 0x95, 62, 127]),
-        [on(2, 1, 61, bent(2.0)), on(3, 6, 62, REST)]
-    );
-    let wider = hear(&mut i, 0.0, &[0xB0, 101, 0, 100, 0, 6, 4]);
+    assert_eq!(hear(&mut i, &[0x90, 61, 127, 0x95, 62, 127]), [on(2, 1, 61, bent(2.0)), on(3, 6, 62, REST)]);
+    let wider = hear(&mut i, &[0xB0, 101, 0, 100, 0, 6, 4]);
     assert_eq!(wider, [bend(0, -8.0), bend(1, 4.0), bend(2, 4.0)], "the manager's range");
-    let middle = hear(&mut i, 0.0, &[0xE0, 0, 64]);
+    let middle = hear(&mut i, &[0xE0, 0, 64]);
     assert_eq!(middle, [bend(0, -12.0), bend(1, 0.0), bend(2, 0.0)]);
-    assert_eq!(hear(&mut i, 0.0, &[0xE2, 127, 127]), [bend(1, 48.0)]);
+    assert_eq!(hear(&mut i, &[0xE2, 127, 127]), [bend(1, 48.0)]);
     // A range for one member is for all.
-    assert_eq!(hear(&mut i, 0.0, &[0xB3, 101, 0, 100, 0, 6, 24]), [bend(0, -6.0), bend(1, 24.0)]);
+    assert_eq!(hear(&mut i, &[0xB3, 101, 0, 100, 0, 6, 24]), [bend(0, -6.0), bend(1, 24.0)]);
     // Pressure and timbre: per note, and of all.
     let moved = |key, what, value: u8| Gesture::Move { key, what, value: f64::from(value) / 127.0 };
-    assert_eq!(hear(&mut i, 0.0, &[0xD1, 9]), [moved(0, What::Pressure, 9)]);
-    assert_eq!(
-        hear(&mut i, 0.0, &[0xB1, 74, 74]),
-        [moved(0, What::Timbre, 74)],
-        "no ordinary controller there"
-    );
-    let of_all = hear(&mut i, 0.0, &[0xB0, 74, 54]);
+    assert_eq!(hear(&mut i, &[0xD1, 9]), [moved(0, What::Pressure, 9)]);
+    assert_eq!(hear(&mut i, &[0xB1, 74, 74]), [moved(0, What::Timbre, 74)], "no ordinary controller there");
+    let of_all = hear(&mut i, &[0xB0, 74, 54]);
     assert_eq!(
         of_all[1..],
         [moved(0, What::Timbre, 64), moved(1, What::Timbre, 54), moved(2, What::Timbre, 54)]
     );
-    assert_eq!(hear(&mut i, 0.0, &[0xD0, 5]), [moved(1, What::Pressure, 5), moved(2, What::Pressure, 5)]);
+    assert_eq!(hear(&mut i, &[0xD0, 5]), [moved(1, What::Pressure, 5), moved(2, What::Pressure, 5)]);
     // The manager's pedal holds the notes of members.
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 127, 0x81, 60, 1]), []);
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 0]), [off(0, 1)]);
+    assert_eq!(hear(&mut i, &[0xB0, 64, 127, 0x81, 60, 1]), []);
+    assert_eq!(hear(&mut i, &[0xB0, 64, 0]), [off(0, 1)]);
     // A smaller zone: all that sounded on its channels ends, what did not belong to it goes on.
-    assert_eq!(hear(&mut i, 0.0, &zone(0xB0, 1)), [off(1, 64), off(2, 64)]);
-    let fresh = hear(&mut i, 0.0, &[0x92, 60, 127, 0xE2, 127, 127]);
+    assert_eq!(hear(&mut i, &zone(0xB0, 1)), [off(1, 64), off(2, 64)]);
+    let fresh = hear(&mut i, &[0x92, 60, 127, 0xE2, 127, 127]);
     assert_eq!(fresh, [on(4, 3, 60, REST), bend(4, 2.0)], "channel 3 is an ordinary one again");
-    assert_eq!(hear(&mut i, 0.0, &zone(0xB3, 1)), []);
-    assert_eq!(hear(&mut i, 0.0, &zone(0xB0, 16)), []);
+    assert_eq!(hear(&mut i, &zone(0xB3, 1)), []);
+    assert_eq!(hear(&mut i, &zone(0xB0, 16)), []);
     assert_eq!(i.counts(), Counts { left_out: 2, ..Counts::default() });
 }
 
@@ -183,10 +172,10 @@ fn in_a_zone_each_note_has_its_own_bend_and_the_manager_adds() {
 fn the_upper_zone_and_a_managers_panic() {
     let mut i = Interpreter::new();
     i.set_zone(Zone::Upper, 2, &mut |_| ());
-    hear(&mut i, 0.0, &[0x9E, 60, 127, 0x9D, 60, 127, 0x9C, 60, 127]);
-    assert_eq!(hear(&mut i, 0.0, &[0xEE, 127, 127, 0xED, 0, 0]), [bend(0, 48.0), bend(1, -48.0)]);
+    hear(&mut i, &[0x9E, 60, 127, 0x9D, 60, 127, 0x9C, 60, 127]);
+    assert_eq!(hear(&mut i, &[0xEE, 127, 127, 0xED, 0, 0]), [bend(0, 48.0), bend(1, -48.0)]);
     let panic = |number| Gesture::Panic { reason: Reason::AllSoundOff, channel: Some(channel(number)) };
-    assert_eq!(hear(&mut i, 0.0, &[0xBF, 120, 0]), [panic(14), panic(15), panic(16)]);
+    assert_eq!(hear(&mut i, &[0xBF, 120, 0]), [panic(14), panic(15), panic(16)]);
     assert_eq!(i.sounding(), 1);
 }
 
@@ -198,7 +187,7 @@ fn numbered_parameters_and_programs() {
     let expected = [parameter(1.0, false), parameter(1.0, true), parameter(16_382.0 / 16_383.0, true)];
     assert_eq!(all(&[0xB0, 99, 1, 98, 2, 6, 127, 38, 127, 97, 0]), expected);
     let mut i = Interpreter::new();
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 6, 1, 99, 1, 6, 1, 98, 1, 96, 1, 101, 127, 100, 127, 6, 1]), []);
+    assert_eq!(hear(&mut i, &[0xB0, 6, 1, 99, 1, 6, 1, 98, 1, 96, 1, 101, 127, 100, 127, 6, 1]), []);
     assert_eq!(i.counts(), Counts { unmeant: 4, ..Counts::default() });
     let program = Gesture::Program { channel: channel(2), bank: 2 << 7 | 3, program: 7 };
     assert_eq!(all(&[0xB1, 0, 2, 32, 3, 0xC1, 7]), [program]);
@@ -217,17 +206,17 @@ fn controllers_come_as_they_move() {
 #[test]
 fn all_sound_off_and_reset_name_the_channel() {
     let mut i = Interpreter::new();
-    hear(&mut i, 0.0, &[0xB0, 64, 127, 0x90, 60, 127, 0x91, 60, 127]);
+    hear(&mut i, &[0xB0, 64, 127, 0x90, 60, 127, 0x91, 60, 127]);
     let expected = [Gesture::Panic { reason: Reason::AllSoundOff, channel: Some(Channel::FIRST) }];
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 120, 0]), expected);
+    assert_eq!(hear(&mut i, &[0xB0, 120, 0]), expected);
     assert_eq!(i.sounding(), 1);
-    assert_eq!(hear(&mut i, 0.0, &[0x80, 60, 1, 0xB0, 64, 0]), [], "it is gone");
+    assert_eq!(hear(&mut i, &[0x80, 60, 1, 0xB0, 64, 0]), [], "it is gone");
     let mut i = Interpreter::new();
-    hear(&mut i, 0.0, &zone(0xB0, 3));
-    hear(&mut i, 0.0, &[0x90, 60, 127, 0xE1, 127, 127]);
-    assert_eq!(hear(&mut i, 0.0, &[0xFF]), [Gesture::Panic { reason: Reason::Reset, channel: None }]);
+    hear(&mut i, &zone(0xB0, 3));
+    hear(&mut i, &[0x90, 60, 127, 0xE1, 127, 127]);
+    assert_eq!(hear(&mut i, &[0xFF]), [Gesture::Panic { reason: Reason::Reset, channel: None }]);
     assert_eq!(
-        hear(&mut i, 0.0, &[0x91, 60, 127]),
+        hear(&mut i, &[0x91, 60, 127]),
         [on(1, 2, 60, REST)],
         "wheels and zones are as after switching on"
     );
@@ -238,16 +227,16 @@ fn all_notes_off_is_a_panic_of_its_channel_pedals_or_not() {
     let panic = |number| Gesture::Panic { reason: Reason::AllNotesOff, channel: Some(channel(number)) };
     for number in [123, 124, 125, 126, 127] {
         let mut i = Interpreter::new();
-        hear(&mut i, 0.0, &[0xB0, 64, 127, 66, 127, 0x90, 60, 127, 62, 127, 0x80, 62, 1, 0x91, 60, 127]);
-        assert_eq!(hear(&mut i, 0.0, &[0xB0, number, 0]), [panic(1)]);
+        hear(&mut i, &[0xB0, 64, 127, 66, 127, 0x90, 60, 127, 62, 127, 0x80, 62, 1, 0x91, 60, 127]);
+        assert_eq!(hear(&mut i, &[0xB0, number, 0]), [panic(1)]);
         assert_eq!((i.sounding(), i.counts()), (1, Counts::default()));
-        assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 0]), [], "nothing is left to be let go of");
+        assert_eq!(hear(&mut i, &[0xB0, 64, 0]), [], "nothing is left to be let go of");
     }
     // That of a manager is for its zone.
     let mut i = Interpreter::new();
-    hear(&mut i, 0.0, &zone(0xB0, 3));
-    hear(&mut i, 0.0, &[0x91, 60, 127, 0x93, 60, 127, 0x94, 60, 127]);
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 123, 0]), [1, 2, 3, 4].map(panic));
+    hear(&mut i, &zone(0xB0, 3));
+    hear(&mut i, &[0x91, 60, 127, 0x93, 60, 127, 0x94, 60, 127]);
+    assert_eq!(hear(&mut i, &[0xB0, 123, 0]), [1, 2, 3, 4].map(panic));
     assert_eq!(i.sounding(), 1);
 }
 
@@ -263,32 +252,32 @@ fn what_is_claimed_says_where_it_stands_and_means_nothing_else() {
     let mut i = Interpreter::new();
     i.claim(&claims(&[64, 66, 98, 99, 6]));
     let bytes = [0xB0, 64, 127, 66, 127, 99, 127, 98, 127, 6, 127];
-    assert_eq!(hear(&mut i, 0.0, &bytes), [64, 66, 99, 98, 6].map(|n| controller(n, 1.0)));
-    assert_eq!(hear(&mut i, 0.0, &[0x90, 60, 127, 0x80, 60, 1]).len(), 2, "no pedal holds it");
-    hear(&mut i, 0.0, &[0xB1, 64, 127, 0x91, 60, 127]);
-    assert_eq!(hear(&mut i, 0.0, &[0x81, 60, 1]), [], "on another channel it is one");
+    assert_eq!(hear(&mut i, &bytes), [64, 66, 99, 98, 6].map(|n| controller(n, 1.0)));
+    assert_eq!(hear(&mut i, &[0x90, 60, 127, 0x80, 60, 1]).len(), 2, "no pedal holds it");
+    hear(&mut i, &[0xB1, 64, 127, 0x91, 60, 127]);
+    assert_eq!(hear(&mut i, &[0x81, 60, 1]), [], "on another channel it is one");
     // A system reset leaves it so.
-    hear(&mut i, 0.0, &[0xFF]);
-    assert_eq!(hear(&mut i, 0.0, &[0xB0, 64, 0]), [controller(64, 0.0)]);
+    hear(&mut i, &[0xFF]);
+    assert_eq!(hear(&mut i, &[0xB0, 64, 0]), [controller(64, 0.0)]);
     // Once it is bound, a pedal that is down holds nothing any more; once it is not, it does so again.
     let mut i = Interpreter::new();
-    hear(&mut i, 0.0, &[0xB0, 64, 127, 0x90, 60, 127, 0x80, 60, 1]);
+    hear(&mut i, &[0xB0, 64, 127, 0x90, 60, 127, 0x80, 60, 1]);
     i.claim(&claims(&[64]));
     let mut out = Vec::new();
-    i.tick(0.0, &mut |gesture| out.push(gesture));
+    i.settle(&mut |gesture| out.push(gesture));
     assert_eq!(out, [off(0, 1)]);
     i.claim(&claims(&[]));
-    assert_eq!(hear(&mut i, 0.0, &[0x90, 60, 127, 0x80, 60, 1]).len(), 1);
+    assert_eq!(hear(&mut i, &[0x90, 60, 127, 0x80, 60, 1]).len(), 1);
     // Timbre is heard on a member, and stays timbre.
     let mut i = Interpreter::new();
-    hear(&mut i, 0.0, &zone(0xB0, 3));
+    hear(&mut i, &zone(0xB0, 3));
     let mut all = Claims::default();
     all.add(74, None);
     i.claim(&all);
-    hear(&mut i, 0.0, &[0x91, 60, 127]);
+    hear(&mut i, &[0x91, 60, 127]);
     let timbre = Gesture::Move { key: 0, what: What::Timbre, value: 1.0 };
     let told = Gesture::Controller { channel: channel(2), number: 74, value: 1.0, fine: false };
-    assert_eq!(hear(&mut i, 0.0, &[0xB1, 74, 127]), [told, timbre]);
+    assert_eq!(hear(&mut i, &[0xB1, 74, 127]), [told, timbre]);
 }
 
 #[test]
@@ -296,45 +285,12 @@ fn reset_all_controllers_is_rp_015() {
     let mut i = Interpreter::new();
     hear(
         &mut i,
-        0.0,
         &[0xB0, 64, 127, 1, 5, 0xE0, 0, 0, 0xD0, 9, 0x90, 60, 127, 61, 127, 0xA0, 61, 99, 0x80, 60, 1],
     );
-    let gestures = hear(&mut i, 0.0, &[0xB0, 121, 0]);
+    let gestures = hear(&mut i, &[0xB0, 121, 0]);
     let moved = Gesture::Move { key: 1, what: What::Pressure, value: 0.0 };
     let controller = Gesture::Controller { channel: Channel::FIRST, number: 1, value: 0.0, fine: false };
     assert_eq!(gestures, [controller, off(0, 1), bend(1, 0.0), moved]);
-}
-
-#[test]
-fn a_lost_cable_is_noticed_only_after_it_promised() {
-    let lost = [Gesture::Panic { reason: Reason::SensingLost, channel: None }];
-    let tick = |i: &mut Interpreter, seconds| {
-        let mut out = Vec::new();
-        i.tick(seconds, &mut |g| out.push(g));
-        out
-    };
-    let mut i = Interpreter::new();
-    hear(&mut i, 0.0, &[0xFE]);
-    assert_eq!(tick(&mut i, 0.3), [], "exactly");
-    assert_eq!(tick(&mut i, 0.300_001), lost);
-    let mut i = Interpreter::new();
-    hear(&mut i, 1.0, &[0x90, 60, 127, 0xE0, 0, 0]);
-    assert_eq!(tick(&mut i, 100.0), [], "nothing was promised");
-    hear(&mut i, 100.0, &[0xFE]);
-    assert_eq!(tick(&mut i, 100.3), []);
-    hear(&mut i, 100.3, &[0xF8]);
-    i.heard(100.5, &mut |g| panic!("{g:?}"));
-    assert_eq!(tick(&mut i, 100.79), []);
-    assert_eq!(tick(&mut i, 100.81), lost);
-    assert_eq!((tick(&mut i, 200.0), i.sounding()), (vec![], 0));
-    assert_eq!(hear(&mut i, 200.0, &[0x90, 60, 127]), [on(1, 1, 60, REST)], "the wheel is let go");
-    hear(&mut i, 200.0, &[0xFE]);
-    assert_eq!(hear(&mut i, 201.0, &[0xFE]), lost, "nobody ticked");
-    assert_eq!(tick(&mut i, 201.4), lost, "promised anew");
-    hear(&mut i, 300.0, &[0xFE]);
-    assert_eq!(tick(&mut i, f64::NAN), []);
-    assert_eq!(tick(&mut i, f64::INFINITY), []);
-    assert_eq!(tick(&mut i, 3.0), []);
 }
 
 #[test]
@@ -353,14 +309,14 @@ fn what_the_song_does() {
 #[test]
 fn a_port_that_vanished_holds_nothing() {
     let mut i = Interpreter::new();
-    hear(&mut i, 0.0, &zone(0xB0, 1));
-    hear(&mut i, 0.0, &[0xFE, 0xB0, 64, 127, 0xE1, 0, 0, 0x91, 60, 127, 0x81, 60, 5, 0x91, 61, 127]);
+    hear(&mut i, &zone(0xB0, 1));
+    hear(&mut i, &[0xB0, 64, 127, 0xE1, 0, 0, 0x91, 60, 127, 0x81, 60, 5, 0x91, 61, 127]);
     let mut out = Vec::new();
     i.let_go(&mut |g| out.push(g));
     assert_eq!(out, [off(0, 5), off(1, 64)]);
-    i.tick(1.0, &mut |g| panic!("{g:?}"));
-    assert_eq!(hear(&mut i, 1.0, &[0x91, 60, 127, 0xE1, 127, 127]), [on(2, 2, 60, REST), bend(2, 48.0)]);
-    assert_eq!(hear(&mut i, 1.0, &[0x81, 60, 1]), [off(2, 1)], "no pedal is down");
+    i.settle(&mut |g| panic!("{g:?}"));
+    assert_eq!(hear(&mut i, &[0x91, 60, 127, 0xE1, 127, 127]), [on(2, 2, 60, REST), bend(2, 48.0)]);
+    assert_eq!(hear(&mut i, &[0x81, 60, 1]), [off(2, 1)], "no pedal is down");
 }
 
 /// Messages that meet often: few notes, few channels, all controllers.
@@ -380,7 +336,7 @@ fn narrow(message: Message, which: u8) -> Message {
 proptest! {
     #[test]
     fn whatever_comes_gestures_make_sense(
-        sequence in proptest::collection::vec((messages(), any::<u8>(), -0.1_f64..0.4, any::<bool>()), 0..400),
+        sequence in proptest::collection::vec((messages(), any::<u8>(), any::<bool>()), 0..400),
         zones in proptest::collection::vec(0_u8..16, 2),
     ) {
         let mut i = Interpreter::new();
@@ -418,12 +374,10 @@ proptest! {
                 wrong = Some(g);
             }
         };
-        let mut now = 0.0;
-        for (message, which, later, twice) in sequence {
-            now += later;
-            i.message(now, narrow(message, which), &mut follow);
+        for (message, which, twice) in sequence {
+            i.message(narrow(message, which), &mut follow);
             if twice {
-                i.tick(now + 0.01, &mut follow);
+                i.settle(&mut follow);
             }
         }
         let left = i.sounding();
@@ -439,9 +393,9 @@ proptest! {
 fn too_many_notes_end_the_oldest() {
     let mut i = Interpreter::new();
     for _ in 0..crate::midi::sounding::MOST {
-        hear(&mut i, 0.0, &[0x90, 60, 127]);
+        hear(&mut i, &[0x90, 60, 127]);
     }
-    let next = hear(&mut i, 0.0, &[0x90, 61, 127]);
+    let next = hear(&mut i, &[0x90, 61, 127]);
     assert_eq!(next[0], Gesture::NoteOff { key: 0, velocity: RELEASE });
     assert_eq!((i.counts().stolen, i.sounding()), (1, crate::midi::sounding::MOST));
 }

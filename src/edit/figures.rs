@@ -1,12 +1,15 @@
-//! Figures into the text of a rig, which stays as it is otherwise.
+//! What is known of an actuator into the text of a rig.
 
-use super::figures::Figure;
-use pacinian::rig::Actuator;
-use pacinian::text::problem::escaped;
-use serde::Serialize;
 use std::ops::Range;
 use std::str::FromStr;
+
+use serde::Serialize;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
+
+use super::value::make_room;
+use super::{EditError, parse};
+use crate::rig::{Actuator, Rig};
+use crate::text::problem::escaped;
 
 /// What is written.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +32,7 @@ pub enum Given {
     Word(&'static str),
 }
 
-/// What a comment of this command begins with, and ends with: between them are the recording and the interval, and only what has all of that in
+/// What a comment of `pacinian identify` begins with, and ends with: between them are the recording and the interval, and only what has all of that in
 /// its place gives way to that of another run.
 const MARK: &str = "pacinian identify ";
 const END: &str = " (95 %)";
@@ -37,15 +40,15 @@ const END: &str = " (95 %)";
 const BOM: char = '\u{feff}';
 
 impl Entry {
-    /// A figure with its interval, and where it is from.
-    pub fn of(figure: &Figure, recording: &str) -> Self {
-        let [least, most] = figure.interval.map(short);
-        let unit = if figure.unit.is_empty() { String::new() } else { format!(" {}", figure.unit) };
+    /// A figure with its interval of 95 %, in `unit` of SI, and the recording that it is from.
+    pub fn measured(key: &'static str, value: f64, interval: [f64; 2], unit: &str, recording: &str) -> Self {
+        let [least, most] = interval.map(short);
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         let comment = format!("{MARK}{}: {least} to {most}{unit}{END}", escaped(recording));
-        Self { key: figure.name, value: Given::Number(figure.value), comment }
+        Self { key, value: Given::Number(value), comment }
     }
 
-    /// What the command line says.
+    /// What was said to `pacinian identify`.
     pub fn given(key: &'static str, value: Given) -> Self {
         Self { key, value, comment: "given to pacinian identify".into() }
     }
@@ -64,7 +67,7 @@ impl Entry {
     }
 
     /// Whether an actuator has it so.
-    pub fn is_in(&self, actuator: &Actuator) -> bool {
+    fn is_in(&self, actuator: &Actuator) -> bool {
         match self.value {
             Given::Number(value) => actuator.value(self.key) == Some(value),
             Given::Word(word) => self.key == "model" && actuator.model.word() == word,
@@ -93,11 +96,11 @@ pub fn keys(rig: &[u8], actuator: &str) -> Vec<String> {
 
 /// The text of a rig with entries under `[actuator.NAME]`, each with its comment. What somebody wrote behind a figure stays before that; the
 /// comment of an earlier run gives way. A table of one line gets figures without comments, as there is no room for any. Lines end as they
-/// did, new ones as the line before.
+/// did, new ones as the line before. What it says then may still contradict itself: [`Rig::parse`](crate::rig::Rig::parse) tells.
 ///
 /// # Errors
-/// Says why it cannot be done.
-pub fn with_figures(source: &str, actuator: &str, entries: &[Entry]) -> Result<String, String> {
+/// A text without that actuator, and one whose value is none that could be changed.
+pub fn figures(source: &str, actuator: &str, entries: &[Entry]) -> Result<String, EditError> {
     let bare = source.strip_prefix(BOM).unwrap_or(source);
     let mut ends: Vec<&str> = bare
         .split_inclusive('\n')
@@ -121,13 +124,20 @@ pub fn with_figures(source: &str, actuator: &str, entries: &[Entry]) -> Result<S
                 ends[at - 1] = if ends.contains(&"\r\n") { "\r\n" } else { "\n" };
             }
         } else if now.len() != before.len() {
-            return Err(format!("its `{}` cannot be changed here", entry.key));
+            return Err(EditError::Form(format!("`{}`", entry.key)));
         }
         text = after;
     }
     let mut all: String = source[..source.len() - bare.len()].into();
     lines(&text).zip(ends).for_each(|(line, end)| all.extend([line, end]));
-    Ok(all)
+    // What will be read of it is what was meant.
+    let read = Rig::draft("", all.as_bytes());
+    let is_meant =
+        |rig: &Rig| rig.actuator(actuator).is_some_and(|read| entries.iter().all(|entry| entry.is_in(read)));
+    match read.map_or(true, |read| is_meant(&read.value)) {
+        true => Ok(all),
+        false => Err(EditError::Form("actuator".into())),
+    }
 }
 
 /// Without what ends them.
@@ -136,25 +146,22 @@ fn lines(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// With one entry.
-fn with_one(source: &str, actuator: &str, entry: &Entry) -> Result<String, String> {
-    let mut document =
-        DocumentMut::from_str(source).map_err(|error| format!("it cannot be read again ({error})"))?;
+fn with_one(source: &str, actuator: &str, entry: &Entry) -> Result<String, EditError> {
+    let mut document = parse(source)?;
     let item = document.get_mut("actuator").and_then(|actuators| actuators.get_mut(actuator));
-    let item =
-        item.filter(|item| !item.is_none()).ok_or_else(|| format!("it has no [actuator.{actuator}]"))?;
+    let item = item
+        .filter(|item| !item.is_none())
+        .ok_or_else(|| EditError::Missing(format!("[actuator.{actuator}]")))?;
     let is_inline = item.as_inline_table().is_some();
-    if let Some(inline) = item.as_inline_table_mut().filter(|table| !table.contains_key(entry.key))
-        && let Some((_, last)) = inline.iter_mut().last()
-    {
-        // The space before the end of the line belongs to the value that was the last.
-        last.decor_mut().set_suffix("");
-    }
-    put(item.as_table_like_mut().ok_or("its actuator is no table")?, entry, is_inline)?;
+    make_room(item, entry.key);
+    let table = item.as_table_like_mut().ok_or_else(|| EditError::Form("actuator".into()))?;
+    put(table, entry, is_inline)?;
     Ok(document.to_string())
 }
 
-fn put(table: &mut dyn TableLike, entry: &Entry, is_inline: bool) -> Result<(), String> {
-    let mut value = Value::from_str(&entry.text()).map_err(|error| error.to_string())?;
+fn put(table: &mut dyn TableLike, entry: &Entry, is_inline: bool) -> Result<(), EditError> {
+    let mut value =
+        Value::from_str(&entry.text()).map_err(|_| EditError::Form(format!("`{}`", entry.key)))?;
     match table.get_mut(entry.key).map(|item| item.as_value_mut()) {
         Some(Some(old)) => {
             *value.decor_mut() = old.decor().clone();
@@ -164,7 +171,7 @@ fn put(table: &mut dyn TableLike, entry: &Entry, is_inline: bool) -> Result<(), 
             }
             *old = value;
         }
-        Some(None) => return Err(format!("its `{}` is no figure", entry.key)),
+        Some(None) => return Err(EditError::Form(format!("`{}`", entry.key))),
         None => {
             if !is_inline {
                 value.decor_mut().set_prefix(" ");
@@ -189,7 +196,7 @@ fn said(behind: &str, comment: &str) -> String {
     }
 }
 
-/// Where in a comment one of this command is: MARK, recording, a colon, one number to another, a unit or none, END.
+/// Where in a comment one of `pacinian identify` is: MARK, recording, a colon, one number to another, a unit or none, END.
 fn own(text: &str) -> Option<Range<usize>> {
     text.rmatch_indices(MARK).find_map(|(at, _)| {
         let rest = &text[at + MARK.len()..];

@@ -1,13 +1,8 @@
 //! Sound servers: whether they run, and by what they are reached.
 
-use super::failure::Failure;
-use super::patience;
-use super::terminal::Terminal;
-use pacinian::io::device::choose::{Chosen, Wish};
-use pacinian::io::device::failure::Trouble;
-use pacinian::text::problem::escaped;
-use serde::Serialize;
 use std::path::{Path, PathBuf};
+
+use serde::Serialize;
 
 /// A sound server.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -22,8 +17,27 @@ pub struct Server {
     pub help: &'static str,
 }
 
+impl Server {
+    /// Those of this system; none but on Linux, as other systems have one sound system of their own, which runs.
+    pub fn all() -> Vec<Self> {
+        if cfg!(target_os = "linux") { servers(|name| std::env::var(name).ok()) } else { Vec::new() }
+    }
+
+    /// The one that a device's name or id begins with: `jack:...`, `pulse:...`.
+    pub fn named(device: &str) -> Option<Self> {
+        let host = device.split(':').next().unwrap_or(device).to_lowercase();
+        let is = |server: &Self| server.is(&host) || (host == "pulse" && server.is("pulseaudio"));
+        servers(|name| std::env::var(name).ok()).into_iter().find(is)
+    }
+
+    /// Whether it is the sound system of that name.
+    pub fn is(&self, host: &str) -> bool {
+        self.name.eq_ignore_ascii_case(host)
+    }
+}
+
 /// Those that there may be; `lookup` is the environment.
-pub fn servers(lookup: impl Fn(&str) -> Option<String>) -> Vec<Server> {
+fn servers(lookup: impl Fn(&str) -> Option<String>) -> Vec<Server> {
     let path = |name: &str| lookup(name).filter(|path| !path.is_empty()).map(PathBuf::from);
     let runtime = path("XDG_RUNTIME_DIR");
     let pipewire = path("PIPEWIRE_RUNTIME_DIR").or_else(|| runtime.clone()).map(|folder| {
@@ -75,62 +89,6 @@ pub fn servers(lookup: impl Fn(&str) -> Option<String>) -> Vec<Server> {
     .to_vec()
 }
 
-/// The device that is meant. Where none of a sound server is there that was named, the server is the reason.
-///
-/// # Errors
-/// As [`Wish::choose`], and a sound system that does not answer.
-pub fn choose(wish: &Wish, terminal: &Terminal) -> Result<Chosen, Failure> {
-    let asked = wish.clone();
-    patience::look(terminal, move || asked.choose())?.map_err(|error| {
-        let named = match wish {
-            Wish::Named(name) if error.kind == Trouble::Missing => named(name),
-            _ => None,
-        };
-        match named {
-            Some(Server { name, built_in: false, help, .. }) => Failure::usage(
-                format!("{}: this program does not speak with {name} itself", error.what),
-                help,
-            ),
-            Some(Server { name, runs: false, help, .. }) => {
-                Failure::usage(format!("{}: {name} does not run", error.what), format!("start it: {help}"))
-            }
-            _ => return error.into(),
-        }
-        .with_code(error.kind.exit_code())
-    })
-}
-
-/// As [`choose`]: the device that the command line names, or else the rig in that file; and how it was meant.
-///
-/// # Errors
-/// As [`choose`]; of a rig's device it is said where it stands.
-pub fn choose_for(
-    device: Option<&str>,
-    by_rig: Option<&str>,
-    rig: impl std::fmt::Display,
-    terminal: &Terminal,
-) -> Result<(Wish, Chosen), Failure> {
-    let wish = Wish::of(device, by_rig);
-    match choose(&wish, terminal) {
-        Ok(chosen) => Ok((wish, chosen)),
-        Err(failure) if device.is_none() && by_rig.is_some() => Err(failure.and(&format!(
-            "it is the `name` under [device] in {}; --device names another",
-            escaped(&rig.to_string())
-        ))),
-        Err(failure) => Err(failure),
-    }
-}
-
-/// The server that a device's name begins with.
-fn named(device: &str) -> Option<Server> {
-    let host = device.split(':').next().unwrap_or(device).to_lowercase();
-    let is = |server: &Server| {
-        let name = server.name.to_lowercase();
-        name == host || (host == "pulse" && name == "pulseaudio")
-    };
-    servers(|name| std::env::var(name).ok()).into_iter().find(is)
-}
-
 /// Whether somebody listens there.
 fn answers(socket: &Path) -> bool {
     #[cfg(unix)]
@@ -151,7 +109,7 @@ fn has_jack(folder: &Path, name: &str) -> bool {
 
 #[cfg(all(test, unix))]
 mod tests {
-    use super::{has_jack, servers};
+    use super::{Server, has_jack, servers};
     use std::os::unix::net::UnixListener;
 
     #[test]
@@ -177,5 +135,19 @@ mod tests {
             assert!(server.built_in || server.help.contains("--features"), "{server:?}");
         }
         std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn a_server_is_a_system_by_its_name() {
+        let is = |host: &str| servers(|_| None).iter().any(|server| server.is(host));
+        for (host, due) in
+            [("pipewire", true), ("pulseaudio", true), ("jack", true), ("alsa", false), ("wasapi", false)]
+        {
+            assert_eq!(is(host), due, "{host}");
+        }
+        let named = |device: &str| Server::named(device).map(|server| server.name);
+        assert_eq!(named("jack:system"), Some("JACK"));
+        assert_eq!(named("Pulse:alsa_output.usb"), Some("PulseAudio"));
+        assert_eq!((named("alsa:hw:0"), named("USB Sound")), (None, None));
     }
 }

@@ -1,16 +1,20 @@
-//! Channels into the text of a rig, which stays as it is otherwise.
+//! Channels into the text of a rig.
 
-use pacinian::rig::Rig;
 use std::collections::BTreeMap;
-use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike, Value, value};
 
-/// The text of a rig with outputs on other channels, by their places in `rig`, which was read from it.
+use toml_edit::{ArrayOfTables, Item, Table, TableLike, Value, value};
+
+use super::value::put;
+use super::{EditError, broken, parse};
+use crate::rig::Rig;
+
+/// The text of a rig with outputs on other channels (from 1), by their places in `rig`, which was read from it. A rig that lists no tactors
+/// gets a list of those that it has.
 ///
 /// # Errors
-/// Says why it cannot be done. It is then left to the person.
-pub fn with_channels(source: &str, rig: &Rig, moved: &BTreeMap<usize, u32>) -> Result<String, String> {
-    let mut document: DocumentMut =
-        source.parse().map_err(|error| format!("it cannot be read again ({error})"))?;
+/// A text that is not that of `rig`, and one that is no rig then, since two outputs are on one channel, or one is where there is none.
+pub fn channels(source: &str, rig: &Rig, moved: &BTreeMap<usize, u32>) -> Result<String, EditError> {
+    let mut document = parse(source)?;
     let listed = ["tactor", "output"].iter().any(|key| document.contains_key(key));
     let channel =
         |n: usize| moved.get(&n).copied().unwrap_or(rig.outputs.get(n).map_or(0, |output| output.channel));
@@ -19,8 +23,9 @@ pub fn with_channels(source: &str, rig: &Rig, moved: &BTreeMap<usize, u32>) -> R
             let name = rig.outputs.get(*n).map_or("", |output| output.name.as_str());
             let mut lists = document.iter_mut().filter(|(key, _)| ["tactor", "output"].contains(&key.get()));
             let table = lists.find_map(|(_, list)| find(list, name));
-            let done = table.and_then(|table| put(table, i64::from(*channel)));
-            done.ok_or_else(|| format!("`{name}` was not found in it"))?;
+            let table = table.filter(|table| table.contains_key("channel"));
+            let table = table.ok_or_else(|| EditError::Missing(format!("output `{name}`")))?;
+            put(table, "channel", i64::from(*channel).into());
         }
     } else {
         // A line of tactors that stands nowhere yet.
@@ -38,12 +43,11 @@ pub fn with_channels(source: &str, rig: &Rig, moved: &BTreeMap<usize, u32>) -> R
     }
     let text = document.to_string();
     // What will be read of it is what was meant.
-    let read =
-        Rig::parse("", text.as_bytes()).map_err(|problems| format!("it would be broken ({problems})"))?;
+    let read = Rig::parse("", text.as_bytes()).map_err(broken)?;
     let wanted = rig.outputs.iter().enumerate().map(|(n, output)| (output.name.as_str(), channel(n)));
     match wanted.eq(read.value.outputs.iter().map(|output| (output.name.as_str(), output.channel))) {
         true => Ok(text),
-        false => Err("it is written in a way that cannot be changed here".into()),
+        false => Err(EditError::Form("list of outputs".into())),
     }
 }
 
@@ -62,24 +66,16 @@ fn find<'a>(item: &'a mut Item, name: &str) -> Option<&'a mut dyn TableLike> {
     }
 }
 
-/// Another channel, with the blanks and comments around the old one.
-fn put(table: &mut dyn TableLike, channel: i64) -> Option<()> {
-    let old = table.get_mut("channel")?.as_value_mut()?;
-    let decor = old.decor().clone();
-    *old = Value::from(channel);
-    *old.decor_mut() = decor;
-    Some(())
-}
-
 #[cfg(test)]
 mod tests {
-    use super::with_channels;
-    use pacinian::Rig;
     use std::collections::BTreeMap;
+
+    use super::{EditError, channels};
+    use crate::rig::Rig;
 
     fn written(source: &str, moved: &[(usize, u32)]) -> String {
         let rig = Rig::parse("r", source.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-        with_channels(source, &rig, &moved.iter().copied().collect::<BTreeMap<_, _>>()).unwrap()
+        channels(source, &rig, &moved.iter().copied().collect::<BTreeMap<_, _>>()).unwrap()
     }
 
     #[test]
@@ -93,6 +89,22 @@ mod tests {
         let inline = "format = \"pacinian-rig/1\"\ndevice = { channels = 3 }\ntactor = [\n  { name = \"a\", channel = 1 },  # one\n\
             \x20 { name = \"b\", channel = 2 },\n]\n";
         assert_eq!(written(inline, &[(1, 3)]), inline.replace("channel = 2", "channel = 3"));
+    }
+
+    #[test]
+    fn what_is_not_there_or_cannot_be_is_told() {
+        let source = "format = \"pacinian-rig/1\"\n[device]\nchannels = 2\n[[tactor]]\nname = \"a\"\nchannel = 1\n[[tactor]]\n\
+            name = \"b\"\nchannel = 2\n";
+        let rig = Rig::parse("r", source.as_bytes()).unwrap().value;
+        let with = |source: &str, moved: &[(usize, u32)]| {
+            channels(source, &rig, &moved.iter().copied().collect::<BTreeMap<_, _>>())
+        };
+        let another = source.replace("\"b\"", "\"c\"");
+        assert_eq!(with(&another, &[(1, 1), (0, 2)]), Err(EditError::Missing("output `b`".into())));
+        for (n, channel) in [(0, 2), (0, 3), (0, 0)] {
+            assert!(matches!(with(source, &[(n, channel)]), Err(EditError::Broken(_))), "{channel}");
+        }
+        assert!(matches!(with("[", &[]), Err(EditError::Unreadable(_))));
     }
 
     #[test]

@@ -1,16 +1,17 @@
 //! Which OSC address somebody moves.
 
-use super::source::Source;
-use pacinian::io::osc::address::LONGEST;
-use pacinian::io::osc::endpoint::{BindError, Endpoint};
-use pacinian::io::osc::packet::unpack;
-use pacinian::midi::reach::Reaches;
-use pacinian::midi::travel::{SPAN, Travel};
-use pacinian::text::problem::escaped;
-use rosc::OscType;
 use std::collections::{HashMap, HashSet};
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Instant;
+
+use rosc::OscType;
+
+use super::{Heard, Misfit, Source, Unfit};
+use crate::io::osc::address::LONGEST;
+use crate::io::osc::endpoint::{BindError, Endpoint};
+use crate::io::osc::packet::unpack;
+use crate::midi::reach::Reaches;
+use crate::midi::travel::{SPAN, Travel};
 
 /// The largest datagram of UDP.
 const DATAGRAM: usize = 1 << 16;
@@ -21,15 +22,13 @@ const MOST: usize = 1 << 12;
 /// So long what was recognised must rest before it is recognised again, seconds.
 const REST: f64 = 0.7;
 
-/// Characters of an address that are shown, at most.
-const SHOWN: usize = 80;
-
 /// First parts of addresses that pacinian has itself.
 const OWN: [&str; 11] =
     ["voice", "pattern", "control", "controls", "panic", "calm", "arm", "meter", "status", "ping", "input"];
 
 /// Listens to OSC for what is moved.
-pub struct Ear {
+#[derive(Debug)]
+pub(super) struct Ear {
     socket: UdpSocket,
     space: Vec<u8>,
     begin: Instant,
@@ -40,27 +39,21 @@ pub struct Ear {
     pub heard: Reaches<String>,
 }
 
-/// What was heard.
-pub enum Heard {
-    /// Somebody moves this.
-    Source(Source),
-    /// Something that cannot be bound, in words.
-    Useless(String),
-}
-
 impl Ear {
-    /// Listens there.
+    /// Listens, and says where.
     ///
     /// # Errors
     /// A port that cannot be had.
-    pub fn open(at: Endpoint) -> Result<Self, BindError> {
+    pub fn open(at: Endpoint) -> Result<(Self, SocketAddr), BindError> {
         let socket = at.bind()?;
-        socket.set_nonblocking(true).map_err(|error| BindError {
+        let deaf = |error| BindError {
             what: format!("the system does not let OSC be listened for: {error}"),
             help: "try another port".into(),
             exit_code: 74,
-        })?;
-        Ok(Self {
+        };
+        socket.set_nonblocking(true).map_err(deaf)?;
+        let address = socket.local_addr().map_err(deaf)?;
+        let ear = Self {
             socket,
             space: vec![0; DATAGRAM],
             begin: Instant::now(),
@@ -68,12 +61,8 @@ impl Ear {
             spent: None,
             said: HashSet::new(),
             heard: Reaches::default(),
-        })
-    }
-
-    /// Where it listens.
-    pub fn address(&self) -> Option<SocketAddr> {
-        self.socket.local_addr().ok()
+        };
+        Ok((ear, address))
     }
 
     /// What somebody has moved since this was asked last; the rest waits.
@@ -98,24 +87,21 @@ impl Ear {
 
     fn message(&mut self, seconds: f64, address: &str, value: f64) -> Option<Heard> {
         let first = address.split('/').nth(1).unwrap_or_default();
-        let shown = shown(address);
-        if OWN.contains(&first) {
-            return self.say(address, format!("{shown} is an address of pacinian's own; see docs/osc.md"));
-        }
-        if address.contains(char::is_whitespace) {
-            return self.say(address, format!("{shown} has a blank in it, which a binding cannot have; name it otherwise where it comes from"));
-        }
-        if address.len() > LONGEST {
-            let why = format!(
-                "{shown} is longer than the {LONGEST} bytes that an address may have; name it otherwise where it comes from"
-            );
-            return self.say(address, why);
-        }
-        if !(-1e-6..=1.0 + 1e-6).contains(&value) {
-            let why = format!(
-                "{shown} says {value}: a binding takes positions from 0 to 1; set it so where it comes from"
-            );
-            return self.say(address, why);
+        let misfit = if OWN.contains(&first) {
+            Some(Misfit::Own)
+        } else if address.contains(char::is_whitespace) {
+            Some(Misfit::Blank)
+        } else if address.len() > LONGEST {
+            Some(Misfit::Long)
+        } else if !(-1e-6..=1.0 + 1e-6).contains(&value) {
+            Some(Misfit::Value(value))
+        } else {
+            None
+        };
+        if let Some(misfit) = misfit {
+            // Once for each address.
+            let new = self.said.len() < MOST && self.said.insert(address.into());
+            return new.then(|| Heard::Unfit(Unfit::Osc(address.into(), misfit)));
         }
         if let Some((_, last)) = self.spent.as_mut().filter(|(spent, _)| spent == address) {
             if seconds - std::mem::replace(last, seconds) < REST {
@@ -130,7 +116,7 @@ impl Ear {
         let travel = self.travels.entry(address.into()).or_default();
         travel.comes(seconds, value);
         let moved = travel.is_moved(SPAN) || travel.is_moved_coarsely();
-        let (pressed, source) = (!moved && travel.is_latched(), Source::osc(address, travel.is_switch()));
+        let (pressed, switch) = (!moved && travel.is_latched(), travel.is_switch());
         let alone = |(other, travel): (&String, &Travel)| other == address || !travel.is_far(seconds);
         let meant = moved || (pressed && self.travels.iter().all(alone));
         if !meant {
@@ -139,20 +125,8 @@ impl Ear {
         self.travels.clear();
         self.heard = Reaches::default();
         self.spent = Some((address.into(), seconds));
-        Some(Heard::Source(source))
+        Some(Heard::Source(Source::Osc { address: address.into(), switch }))
     }
-
-    /// Once for each address.
-    fn say(&mut self, address: &str, why: String) -> Option<Heard> {
-        let new = self.said.len() < MOST && self.said.insert(address.into());
-        new.then_some(Heard::Useless(why))
-    }
-}
-
-/// As it may be shown: whoever sends it chooses it.
-pub fn shown(address: &str) -> String {
-    let cut: String = address.chars().take(SHOWN).collect();
-    format!("{}{}", escaped(&cut), if cut.len() < address.len() { "..." } else { "" })
 }
 
 fn number(value: &OscType) -> Option<f64> {

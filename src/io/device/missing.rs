@@ -1,9 +1,9 @@
 //! What is missing on this machine for playing live, and how to get it.
 
-use pacinian::io::device::access;
-use pacinian::io::device::priority::{self, Priority};
+use super::access;
+use super::priority::{self, Priority};
 
-/// How several sound cards become one device, by what joins them.
+/// How several sound cards become one device: what joins them, and how, in a line each.
 pub const JOINING: [(&str, &str); 3] = [
     ("PipeWire", "pactl load-module module-combine-sink; it resamples, so that they stay together"),
     (
@@ -25,7 +25,8 @@ struct Machine {
     first: bool,
 }
 
-/// What is missing, and what to do, in a line each.
+/// What is missing, and what to do about it, in a line each. It asks for real-time priority, in a thread of its own, to see whether there is
+/// any.
 pub fn missing() -> Vec<(&'static str, &'static str)> {
     Machine::this().lacks()
 }
