@@ -51,20 +51,19 @@ impl Rig {
         }
         let folder = std::env::temp_dir().join(format!("pacinian-pulse-{}-{name}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
-        let socket = format!(
-            "module-native-protocol-unix socket={} auth-anonymous=1",
-            folder.join("native").display()
-        );
-        let mut server = in_folder(&folder, "pulseaudio");
-        server.args(["-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--disallow-exit"]);
-        for module in [&sink("glove"), &sink("belt"), &socket] {
-            server.args(["-L", module]);
-        }
-        let says = fs::File::create(folder.join("says")).unwrap();
-        let server = server.stdout(Stdio::null()).stderr(says).spawn().unwrap();
+        let server = served(&folder);
         let rig = Self { folder, server, _alone: alone };
         wait("the server", || rig.pactl(&["info"]).is_some());
         Some(rig)
+    }
+
+    /// The server dies, and another one comes in its place.
+    fn dies_and_comes_back(&mut self) {
+        self.server.kill().unwrap();
+        self.server.wait().unwrap();
+        std::thread::sleep(Duration::from_millis(700));
+        self.server = served(&self.folder);
+        wait("the server", || self.pactl(&["info"]).is_some());
     }
 
     /// What `pactl` says; `None` where it fails.
@@ -117,6 +116,19 @@ impl Rig {
         let bytes = fs::read(self.folder.join(file)).unwrap();
         bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
     }
+}
+
+/// A server.
+fn served(folder: &PathBuf) -> Child {
+    let socket =
+        format!("module-native-protocol-unix socket={} auth-anonymous=1", folder.join("native").display());
+    let mut server = in_folder(folder, "pulseaudio");
+    server.args(["-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--disallow-exit"]);
+    for module in [&sink("glove"), &sink("belt"), &socket] {
+        server.args(["-L", module]);
+    }
+    let says = fs::File::create(folder.join("says")).unwrap();
+    server.stdout(Stdio::null()).stderr(says).spawn().unwrap()
 }
 
 fn in_folder(folder: &PathBuf, program: &str) -> Command {
@@ -275,5 +287,29 @@ fn a_stream_that_is_moved_without_a_word_is_shut() {
     let again = rig.heard(recorder, "again.raw");
     let peak = again.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
     assert!(hums(&again, CHANNELS), "it sounds again: {peak} of {}, {}", again.len(), playing.text());
+    playing.interrupt();
+}
+
+/// A server that is killed takes the stream with it; another one in its place has the same sink, and that one is played on again.
+#[test]
+fn a_server_that_is_killed_and_comes_back_is_played_on_again() {
+    let Some(mut rig) = Rig::new("killed") else { return };
+    scene(&rig.folder, CHANNELS);
+    fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
+    let mut play = rig.program(&["play", "hum.toml", "--rig", "rig.toml", "--device", "pulseaudio:glove"]);
+    play.args(["--block", "1024"]);
+    let mut playing = Playing::start(play, rig.folder.join("told"));
+    wait("the beginning", || playing.says("plays on") == 1);
+    for round in 1..=5 {
+        std::thread::sleep(Duration::from_millis(500));
+        rig.dies_and_comes_back();
+        wait("the loss", || playing.says("the device is gone") == round);
+        wait("its return", || playing.says("the device is back") == round);
+        assert!(playing.goes_on(), "{}", playing.text());
+    }
+    let recorder = rig.record("glove", "again.raw");
+    std::thread::sleep(Duration::from_millis(3000));
+    let again = rig.heard(recorder, "again.raw");
+    assert!(hums(&again, CHANNELS), "{}", playing.text());
     playing.interrupt();
 }

@@ -332,13 +332,18 @@ mod tests {
         }
         let wheel = Bench::default().play([2000, 5000].map(bend));
         assert!(wheel.is_empty(), "two positions are no sweep");
-        assert_eq!(Bench::default().play([1000, 3000, 7000].map(bend)), [moved(Control::Bend, true, false)]);
+        let mut bench = Bench::default();
+        let all = [1000, 3000, 7000].into_iter().flat_map(|value| {
+            bench.1 += 0.05;
+            bench.play([bend(value)])
+        });
+        assert_eq!(all.collect::<Vec<_>>(), [moved(Control::Bend, true, false)]);
     }
 
     #[test]
     fn neither_spikes_nor_a_stray_message_are_a_sweep() {
         // A worn potentiometer that jumps for a moment, on its own and among its noise; a message, and a pair of them with 14 bits.
-        for noise in [&[60, 127, 60][..], &[60, 61, 60, 0], &[10, 110], &[127]] {
+        for noise in [&[60, 127, 60][..], &[10, 60, 110, 10], &[60, 61, 60, 0], &[10, 110], &[127]] {
             let mut bench = Bench::default();
             assert!(bench.play(noise.iter().map(|v| controller(20, *v))).is_empty(), "{noise:?}");
         }

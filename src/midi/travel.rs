@@ -82,12 +82,12 @@ impl Travel {
         all >= span && without >= 0.5 * span && self.steps(CHANGE).len() >= CHANGES
     }
 
-    /// Whether it has been moved through few positions, and far: one way, or there and back.
+    /// Whether it has been moved through few positions, and far: one way, or there and back, and no faster than a hand does.
     pub fn is_moved_coarsely(&self) -> bool {
         let steps = self.steps(STEP);
         let Some([a, b, c]) = steps.last_chunk::<STEPS>() else { return false };
-        let one_way = (b.1 - a.1) * (c.1 - b.1) > 0.0;
-        self.spans().0 >= LARGE && (one_way || c.0 - b.0 >= SPIKE)
+        let since = if (b.1 - a.1) * (c.1 - b.1) > 0.0 { a.0 } else { b.0 };
+        self.spans().0 >= LARGE && c.0 - since >= SPIKE
     }
 
     /// Whether it has gone to its upper end and come back to the lower one, no sooner than a button that is pressed by mistake.
