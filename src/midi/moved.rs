@@ -343,7 +343,7 @@ mod tests {
     #[test]
     fn neither_spikes_nor_a_stray_message_are_a_sweep() {
         // A worn potentiometer that jumps for a moment, on its own and among its noise; a message, and a pair of them with 14 bits.
-        for noise in [&[60, 127, 60][..], &[10, 60, 110, 10], &[60, 61, 60, 0], &[10, 110], &[127]] {
+        for noise in [&[60, 127, 60][..], &[10, 60, 110], &[60, 61, 60, 0], &[10, 110], &[127]] {
             let mut bench = Bench::default();
             assert!(bench.play(noise.iter().map(|v| controller(20, *v))).is_empty(), "{noise:?}");
         }
