@@ -99,7 +99,11 @@ fn few_steps_are_bound_and_what_is_not_enough_is_told() {
     scratch.write("p.toml", PATCH);
     let (mut child, mut lines, surface) = start(&scratch, &["--control", "depth", "--control", "rate"]);
     hears(&mut lines, "not bound");
-    [0.125, 0.375, 0.75].iter().for_each(|position| surface.say("/selector", *position as f32));
+    for position in [0.125, 0.375, 0.75] {
+        surface.say("/selector", position as f32);
+        // No hand is faster.
+        std::thread::sleep(std::time::Duration::from_millis(60));
+    }
     hears(&mut lines, "OSC /selector");
     [0.12, 0.13, 0.14].iter().for_each(|position| surface.say("/small", *position as f32));
     surface.say("/still", 0.5_f32);
