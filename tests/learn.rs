@@ -97,7 +97,8 @@ fn what_is_moved_is_bound_and_the_rest_of_the_patch_stays() {
 fn few_steps_are_bound_and_what_is_not_enough_is_told() {
     let scratch = Scratch::new("learn-few");
     scratch.write("p.toml", PATCH);
-    let (mut child, mut lines, surface) = start(&scratch, &["--control", "depth", "--control", "rate"]);
+    let (mut child, mut lines, surface) =
+        start(&scratch, &["--control", "depth", "--control", "rate", "--wait", "20"]);
     hears(&mut lines, "not bound");
     for position in [0.125, 0.375, 0.75] {
         surface.say("/selector", position as f32);
