@@ -362,7 +362,7 @@ pub const TOPICS: &[Topic] = &[
                silences what its channel has started, voices that die away and patterns included, and a reset what its port has started: to less than a hundredth within \
                5 ms, and to exact zeros where nothing else sounds. Voices that are always on, what plays from the beginning and what other ports, keys or programs have \
                started go on. A cable that had promised to stay (active sensing) and says nothing for 0.3 s is more than that: nobody is left who \
-               could stop what it plays. It shuts the whole output, as [panic](live.md#keys) does, until somebody opens it.\n\n\
+               could stop what it plays. It shuts the whole output, as the key p does in `pacinian play`, until somebody opens it.\n\n\
                A node is looked at sample by sample, at the engine's rate. Where one sample lies short of the threshold and the next on it or \
                beyond, the instant is where a straight line between the two passes it, and the voice begins 8 samples of the engine after \
                that, 1 ms at 8000 Hz: always the same, however the card asks for its frames. To set off a voice again it must have come \
