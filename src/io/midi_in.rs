@@ -61,7 +61,7 @@ struct Open {
     name: Arc<str>,
     number: u16,
     cable: Arc<Cable>,
-    _connection: MidiInputConnection<Line>,
+    connection: MidiInputConnection<Line>,
 }
 
 /// What comes through a port.
@@ -214,6 +214,11 @@ impl MidiPorts {
                     Ok(input) => {
                         without = false;
                         #[cfg(all(target_os = "linux", feature = "midi-jack"))]
+                        if gaps.as_ref().is_some_and(Gaps::is_over) {
+                            // Another server answers: the ports of the one before went with it.
+                            release(&mut open, &|_| false, &mut roster, &ear, &mut news, true);
+                        }
+                        #[cfg(all(target_os = "linux", feature = "midi-jack"))]
                         if let Some(board) =
                             board.as_ref().filter(|_| gaps.as_ref().is_none_or(Gaps::is_over))
                         {
@@ -235,6 +240,7 @@ impl MidiPorts {
                             &mut roster,
                             &ear,
                             &mut news,
+                            false,
                         );
                         search(&input, &wanted, &mut open, &mut refused, &mut roster, &state, &mut news);
                         known |= !open.is_empty();
@@ -246,9 +252,12 @@ impl MidiPorts {
                     }
                     Err(error) => {
                         #[cfg(all(target_os = "linux", feature = "midi-jack"))]
-                        drop(gaps.take());
+                        if let Some(gaps) = gaps.take() {
+                            Gaps::server_ended(&gaps);
+                        }
                         // A server that has ended took its ports with it.
-                        release(&mut open, &|_| false, &mut roster, &ear, &mut news);
+                        let of_server = cfg!(all(target_os = "linux", feature = "midi-jack"));
+                        release(&mut open, &|_| false, &mut roster, &ear, &mut news, of_server);
                         if !std::mem::replace(&mut without, true) {
                             news(PortNews::None(error));
                         }
@@ -267,6 +276,10 @@ impl MidiPorts {
                     }
                 }
             }
+            #[cfg(all(target_os = "linux", feature = "midi-jack"))]
+            if gaps.is_some_and(|gaps| gaps.is_over()) {
+                std::mem::forget(open);
+            }
         };
         let thread = std::thread::Builder::new().name("midi ports".into()).spawn(look)?;
         Ok(Self { stop, thread: Some(thread) })
@@ -283,26 +296,29 @@ impl Drop for MidiPorts {
     }
 }
 
-/// Lets go of ports that are gone.
+/// Lets go of ports that are gone. `abandoned` says that their server has ended: JACK's library crashes where one takes leave of it then, so that the
+/// connections stay.
 fn release(
     open: &mut Vec<Open>,
     is_there: &dyn Fn(&Open) -> bool,
     roster: &mut Roster,
     ear: &Ear,
     news: &mut Box<dyn FnMut(PortNews) + Send>,
+    abandoned: bool,
 ) {
-    open.retain(|port| {
-        let stays = is_there(port);
-        if !stays {
-            roster.leave(&port.id);
-            if port.cable.sensing.is_promised() {
-                silence(port, ear, news);
-            }
-            ear(port.number, &port.name, Word::End);
-            news(PortNews::Gone(port.name.to_string()));
+    let (stay, gone): (Vec<Open>, Vec<Open>) = std::mem::take(open).into_iter().partition(is_there);
+    *open = stay;
+    for port in gone {
+        roster.leave(&port.id);
+        if port.cable.sensing.is_promised() {
+            silence(&port, ear, news);
         }
-        stays
-    });
+        ear(port.number, &port.name, Word::End);
+        news(PortNews::Gone(port.name.to_string()));
+        if abandoned {
+            std::mem::forget(port.connection);
+        }
+    }
 }
 
 /// Tells of cables that are lost.
@@ -355,7 +371,7 @@ fn search(
         let (number, cable) = (roster.seat(&id, &name), Cable::new());
         match input.connect(port, "in", |_, bytes, line| line.hear(bytes), line(number, &name, &cable)) {
             Ok(connection) => {
-                open.push(Open { id, name: name.as_str().into(), number, cable, _connection: connection });
+                open.push(Open { id, name: name.as_str().into(), number, cable, connection });
                 news(PortNews::Opened(name));
             }
             Err(error) => {

@@ -9,7 +9,7 @@ use crate::live::board::Board;
 
 /// Counts them, as long as it is there and the server runs.
 pub(super) struct Gaps {
-    _client: AsyncClient<Counter, ()>,
+    client: Option<AsyncClient<Counter, ()>>,
     over: Arc<AtomicBool>,
 }
 
@@ -33,11 +33,25 @@ impl Gaps {
         let (client, _) = Client::new("pacinian_gaps", ClientOptions::NO_START_SERVER).ok()?;
         let over = Arc::new(AtomicBool::new(false));
         let client = client.activate_async(Counter(Arc::clone(board), Arc::clone(&over)), ()).ok()?;
-        Some(Self { _client: client, over })
+        Some(Self { client: Some(client), over })
     }
 
     /// Whether its server has ended: another may have come in its place.
     pub fn is_over(&self) -> bool {
         self.over.load(Ordering::Acquire)
+    }
+
+    /// Its server has ended, whether JACK has said so yet or not.
+    pub fn server_ended(&self) {
+        self.over.store(true, Ordering::Release);
+    }
+}
+
+impl Drop for Gaps {
+    fn drop(&mut self) {
+        // JACK's library crashes where one takes leave of a server that has ended: the client stays.
+        if self.is_over() {
+            std::mem::forget(self.client.take());
+        }
     }
 }
