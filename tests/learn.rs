@@ -100,6 +100,9 @@ fn few_steps_are_bound_and_what_is_not_enough_is_told() {
     let (mut child, mut lines, surface) =
         start(&scratch, &["--control", "depth", "--control", "rate", "--wait", "20"]);
     hears(&mut lines, "not bound");
+    // What is pacinian's own is none to bind.
+    [0.0, 0.5, 1.0].iter().for_each(|position| surface.say("/torque", *position as f32));
+    hears(&mut lines, "/torque is an address of pacinian's own");
     for position in [0.125, 0.375, 0.75] {
         surface.say("/selector", position as f32);
         // No hand is faster.
@@ -145,6 +148,7 @@ fn whoever_waits_in_vain_or_stops_leaves_the_patch_as_it_was() {
     scratch.write("p.toml", PATCH.replace("a title", "another"));
     surface.move_fader("/a");
     hears(&mut lines, "was written by somebody else meanwhile");
+    hears(&mut lines, "write the bindings by hand: rate from osc./a");
     assert_eq!(child.wait().unwrap().code(), Some(74));
     assert!(std::fs::read_to_string(&path).unwrap().contains("another"));
 }
@@ -157,6 +161,8 @@ fn what_makes_no_sense_is_refused() {
         scratch.run(&[&["learn"], arguments].concat()).fails(code, words);
     };
     refused(&["p.toml", "--control", "dept", "--osc", "0"], 2, &["no control `dept`", "`depth`"]);
+    let twice = ["p.toml", "--control", "depth", "--control", "depth", "--osc", "0"];
+    refused(&twice, 2, &["`depth` is asked for twice"]);
     refused(&["good.toml", "--osc", "0"], 65, &["the patch has no controls"]);
     refused(&["-", "--osc", "0"], 2, &["comes through a pipe"]);
     refused(&["none.toml"], 66, &["`none.toml` is not there"]);

@@ -90,6 +90,18 @@ impl Rig {
         command
     }
 
+    /// The program, playing a hum on the glove.
+    fn hum(&self) -> Playing {
+        scene(&self.folder, CHANNELS);
+        fs::write(self.folder.join("hum.toml"), HUM).unwrap();
+        let mut play =
+            self.program(&["play", "hum.toml", "--rig", "rig.toml", "--device", "pulseaudio:glove"]);
+        play.args(["--block", "1024"]);
+        let playing = Playing::start(play, self.folder.join("told"));
+        wait("the beginning", || playing.says("plays on") == 1);
+        playing
+    }
+
     /// What a sink plays, recorded by a second program until it is told to stop; it listens when this returns.
     fn record(&self, sink: &str, file: &str) -> Child {
         self.record_as(sink, file, CHANNELS, &map())
@@ -244,12 +256,7 @@ fn channels_that_a_sink_does_not_have_are_refused() {
 #[test]
 fn a_stream_that_is_moved_without_a_word_is_shut() {
     let Some(rig) = Rig::new("moved") else { return };
-    scene(&rig.folder, CHANNELS);
-    fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
-    let mut play = rig.program(&["play", "hum.toml", "--rig", "rig.toml", "--device", "pulseaudio:glove"]);
-    play.args(["--block", "1024"]);
-    let mut playing = Playing::start(play, rig.folder.join("told"));
-    wait("the beginning", || playing.says("plays on") == 1);
+    let mut playing = rig.hum();
     let sounds = rig.record("glove", "first.raw");
     std::thread::sleep(Duration::from_millis(4000));
     assert!(hums(&rig.heard(sounds, "first.raw"), CHANNELS), "{}", playing.text());
@@ -294,12 +301,7 @@ fn a_stream_that_is_moved_without_a_word_is_shut() {
 #[test]
 fn a_server_that_is_killed_and_comes_back_is_played_on_again() {
     let Some(mut rig) = Rig::new("killed") else { return };
-    scene(&rig.folder, CHANNELS);
-    fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
-    let mut play = rig.program(&["play", "hum.toml", "--rig", "rig.toml", "--device", "pulseaudio:glove"]);
-    play.args(["--block", "1024"]);
-    let mut playing = Playing::start(play, rig.folder.join("told"));
-    wait("the beginning", || playing.says("plays on") == 1);
+    let mut playing = rig.hum();
     for round in 1..=5 {
         std::thread::sleep(Duration::from_millis(500));
         rig.dies_and_comes_back();

@@ -57,6 +57,7 @@ fn start_with(scene: Reload) -> (Session, HeapCons<f32>, Words) {
             }
             Told::Report(report, _) => format!("{report:?}"),
             Told::Began(..) | Told::Came(..) | Told::Reloading(_) => return,
+            Told::Lost(port, _) => format!("lost {port}"),
             Told::Refused(problem) => format!("refused: {problem}"),
             Told::Reloaded => "reloaded".into(),
             Told::Playing(_) => "playing".into(),
@@ -415,8 +416,8 @@ fn the_first_that_is_felt_has_its_full_level() {
     assert!(peak(&channel(&all, 0)) > 0.9, "a trigger of the start waits as well");
 }
 
-/// A port whose messages stop after it had promised to go on: what it holds falls silent, in exact zeros within 5 ms where nothing else
-/// sounds; where something does, that goes on, and what rings is below -60 dB of what was.
+/// A port that says that everything is reset: what it holds falls silent, in exact zeros within 5 ms where nothing else sounds; where something
+/// does, that goes on, and what rings is below -60 dB of what was.
 #[test]
 fn a_port_that_is_reset_falls_silent_at_once() {
     use pacinian::midi::{Channel, Message};
@@ -453,5 +454,53 @@ fn a_port_that_is_reset_falls_silent_at_once() {
                 );
             }
         }
+    }
+}
+
+/// A cable that had promised to stay (0xFE) and says nothing any more, or whose port vanishes: exact zeros within 5 ms, also of what is
+/// always on and of what a pattern plays, until somebody opens the output.
+#[test]
+fn a_cable_that_is_lost_is_a_panic() {
+    use pacinian::midi::{Channel, Message};
+    let beat = "[pattern.beat]\nrepeat = { every = 0.1 }\nevents = [{ at = 0, voice = \"tap\", duration = 0.05 }]\n\
+        [[trigger]]\non = \"midi.note\"\nplay = \"tap\"\n[[trigger]]\non = \"start\"\nplay = \"beat\"\n";
+    let (first, text) = (Channel::new(0).unwrap(), format!("{HUM}{beat}"));
+    for vanishes in [false, true] {
+        let (mut session, mut recording, words) = start(&text);
+        wait("the ramp's end", || session.board().frames.get() > 12_000);
+        let say = |message| session.handle().send(Signal::Midi(5, message)).unwrap();
+        say(Message::NoteOn { channel: first, note: 60, velocity: 127 });
+        say(Message::ActiveSensing);
+        let begun = Instant::now();
+        match vanishes {
+            true => session.handle().send(Signal::MidiGone(5)).unwrap(),
+            false => {
+                wait("the loss", || session.board().is_panicked());
+                assert!(begun.elapsed() >= Duration::from_millis(300), "{:?}", begun.elapsed());
+            }
+        }
+        wait("the gate", || session.board().shut.get() == 1);
+        let shut = session.board().frames.get();
+        // What plays and holds is over, so nothing comes back but what is always on.
+        wait("a while", || session.board().frames.get() > shut + 9_600 && session.board().voices.get() == 0);
+        assert_eq!(words.lock().unwrap().iter().filter(|word| *word == "lost 5").count(), 1);
+        session.handle().send(Signal::Calm).unwrap();
+        let from = session.board().frames.get();
+        wait("its return", || session.board().frames.get() > from + 14_400);
+        session.stop();
+        let latch = words.lock().unwrap().iter().find_map(|w| {
+            w.strip_prefix("Order(").and_then(|w| w.strip_suffix(", Latch)")).map(str::to_string)
+        });
+        let latch: usize = latch.unwrap().parse().unwrap();
+        let mut all = Vec::new();
+        fetch(&mut recording, &mut all);
+        assert!(all[2 * (latch - 2_400)..2 * latch].iter().any(|x| x.abs() > 0.4), "it sounds up to there");
+        let still = &all[2 * (latch + 240)..2 * from as usize];
+        assert!(still.len() > 9_600 && still.iter().all(|x| x.to_bits() == 0), "exact zeros after 5 ms");
+        let after = &all[2 * (from as usize + 9_800)..];
+        assert!(
+            after.iter().step_by(2).any(|x| x.abs() > 0.4)
+                && after.iter().skip(1).step_by(2).all(|x| *x == 0.0)
+        );
     }
 }

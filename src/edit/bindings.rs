@@ -1,59 +1,71 @@
 //! Bindings into the text of a patch.
 
-use toml_edit::{ArrayOfTables, InlineTable, Item, Table, TableLike, Value};
+use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-use super::value::put;
-use super::{EditError, broken, parse};
+use super::text::Text;
+use super::value::{one_line, put};
+use super::{EditError, broken};
 use crate::patch::{Bind, Curve, Patch};
 
 /// The text of a patch with these bindings. A control that one binding moves already is moved by another thing from now on (`from`, `channel`), and keeps
-/// its range, curve and pick-up; others get a binding of their own, which says what is not as usual. Spans do not matter.
+/// its range, curve and pick-up, whatever is given here; others get a binding of their own, which says what is not as usual. Of several
+/// for one control that had none or one, the last counts. Spans do not matter.
 ///
 /// # Errors
 /// A text that is no patch, or none any more: a control that is not there, a range that cannot be.
 pub fn bindings(source: &str, binds: &[Bind]) -> Result<String, EditError> {
-    let mut document = parse(source)?;
+    let mut text = Text::of(source);
     for bind in binds {
-        let list = document.entry("bind").or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
-        match list {
-            Item::ArrayOfTables(tables) => {
-                let known = only(tables.iter().map(|table| moves(table, &bind.control)));
-                match known.and_then(|at| tables.get_mut(at)) {
-                    Some(table) => set(table, bind),
-                    None => {
-                        let mut table = Table::new();
-                        fill(&mut table, bind);
-                        tables.push(table);
-                    }
-                }
-            }
-            Item::Value(Value::Array(tables)) => {
-                let is_it =
-                    |value: &Value| value.as_inline_table().is_some_and(|table| moves(table, &bind.control));
-                let known = only(tables.iter().map(is_it));
-                match known.and_then(|at| tables.get_mut(at)).and_then(Value::as_inline_table_mut) {
-                    Some(table) => set(table, bind),
-                    None => {
-                        let mut table = InlineTable::new();
-                        fill(&mut table, bind);
-                        tables.push(table);
-                    }
-                }
-            }
-            _ => return Err(EditError::Form("`bind`".into())),
-        }
+        text.change(|document| bound(document, bind))?;
     }
-    let text = document.to_string();
+    let text = text.finish();
     // What will be read of it is what was meant.
     let patch = Patch::parse("", text.as_bytes()).map_err(broken)?.value;
     let is_there = |bind: &Bind| {
-        let same =
-            |is: &&Bind| is.control == bind.control && is.from == bind.from && is.channel == bind.channel;
-        patch.binds.iter().any(|is| same(&is))
+        patch
+            .binds
+            .iter()
+            .any(|is| is.control == bind.control && is.from == bind.from && is.channel == bind.channel)
     };
-    match binds.iter().all(is_there) {
+    let counts =
+        |(n, bind): &(usize, &Bind)| binds[n + 1..].iter().all(|later| later.control != bind.control);
+    match binds.iter().enumerate().filter(counts).all(|(_, bind)| is_there(bind)) {
         true => Ok(text),
         false => Err(EditError::Form("`bind`".into())),
+    }
+}
+
+/// With one.
+fn bound(document: &mut DocumentMut, bind: &Bind) -> Result<(), EditError> {
+    let list = document.entry("bind").or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
+    match list {
+        Item::ArrayOfTables(tables) => {
+            let known = only(tables.iter().map(|table| moves(table, &bind.control)));
+            match known.and_then(|at| tables.get_mut(at)) {
+                Some(table) => set(table, bind),
+                None => {
+                    let mut table = Table::new();
+                    fill(&mut table, bind)?;
+                    tables.push(table);
+                    Ok(())
+                }
+            }
+        }
+        Item::Value(Value::Array(tables)) => {
+            let is_it =
+                |value: &Value| value.as_inline_table().is_some_and(|table| moves(table, &bind.control));
+            let known = only(tables.iter().map(is_it));
+            match known.and_then(|at| tables.get_mut(at)).and_then(Value::as_inline_table_mut) {
+                Some(table) => one_line(table, |table| set(table, bind)),
+                None => {
+                    let mut table = InlineTable::new();
+                    fill(&mut table, bind)?;
+                    tables.push(table);
+                    Ok(())
+                }
+            }
+        }
+        _ => Err(EditError::Form("`bind`".into())),
     }
 }
 
@@ -68,30 +80,31 @@ fn moves(table: &dyn TableLike, control: &str) -> bool {
 }
 
 /// A new binding.
-fn fill(table: &mut dyn TableLike, bind: &Bind) {
-    put(table, "from", bind.from.to_string().into());
-    put(table, "control", bind.control.as_str().into());
-    set(table, bind);
+fn fill(table: &mut dyn TableLike, bind: &Bind) -> Result<(), EditError> {
+    put(table, "from", bind.from.to_string().into())?;
+    put(table, "control", bind.control.as_str().into())?;
+    set(table, bind)?;
     if let Some([from, to]) = bind.range {
-        put(table, "range", [from, to].into_iter().collect::<Value>());
+        put(table, "range", [from, to].into_iter().collect::<Value>())?;
     }
     match bind.curve {
         Some(Curve::Linear) => put(table, "curve", "linear".into()),
         Some(Curve::Exponential) => put(table, "curve", "exponential".into()),
-        None => {}
+        None => Ok(()),
     }
 }
 
 /// Another source for a binding.
-fn set(table: &mut dyn TableLike, bind: &Bind) {
-    put(table, "from", bind.from.to_string().into());
+fn set(table: &mut dyn TableLike, bind: &Bind) -> Result<(), EditError> {
+    put(table, "from", bind.from.to_string().into())?;
     match bind.channel {
-        Some(channel) => put(table, "channel", i64::from(channel).into()),
+        Some(channel) => put(table, "channel", i64::from(channel).into())?,
         None => drop(table.remove("channel")),
     }
     if !bind.pickup && !table.contains_key("pickup") {
-        put(table, "pickup", false.into());
+        put(table, "pickup", false.into())?;
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -151,6 +164,28 @@ mod tests {
         );
         let text = written(&inline, &[osc("/a", "a", false), osc("/b", "b", false)]);
         assert!(text.contains("bind = [{ from = \"osc./a\", control = \"a\" }, { from = \"osc./b\", control = \"b\" }] # here"), "{text}");
+    }
+
+    #[test]
+    fn lines_end_as_they_did_and_the_last_of_several_counts() {
+        let crlf = |text: &str| format!("\u{feff}{}", text.replace('\n', "\r\n"));
+        for binds in [
+            vec![midi("midi.controller 21", "a", 3, false), midi("midi.bend", "b", 1, true)],
+            vec![osc("/x", "a", true), osc("/y", "b", false)],
+        ] {
+            assert_eq!(written(&crlf(PATCH), &binds), crlf(&written(PATCH, &binds)));
+        }
+        let twice = [osc("/x", "b", false), osc("/y", "b", false)];
+        assert_eq!(written(PATCH, &twice), written(PATCH, &twice[1..]));
+        let inline = PATCH.replace(
+            "# The wheel.\n[[bind]]\nfrom = 'midi.bend'   # up\ncontrol = \"a\"\nrange = [0.1, 0.90]\n",
+            "",
+        );
+        let inline =
+            inline.replace("[control.a]", "bind = [{ from = \"midi.bend\", control = \"a\" }]\n[control.a]");
+        let text = written(&inline, &[midi("midi.bend", "a", 3, true)]);
+        let due = "bind = [{ from = \"midi.bend\", control = \"a\", channel = 3, pickup = false }]\n";
+        assert!(text.contains(due), "{text}");
     }
 
     #[test]

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use toml_edit::{ArrayOfTables, Item, Table, TableLike, Value, value};
 
+use super::text::Text;
 use super::value::put;
-use super::{EditError, broken, parse};
+use super::{EditError, broken};
 use crate::rig::Rig;
 
 /// The text of a rig with outputs on other channels (from 1), by their places in `rig`, which was read from it. A rig that lists no tactors
@@ -14,20 +15,24 @@ use crate::rig::Rig;
 /// # Errors
 /// A text that is not that of `rig`, and one that is no rig then, since two outputs are on one channel, or one is where there is none.
 pub fn channels(source: &str, rig: &Rig, moved: &BTreeMap<usize, u32>) -> Result<String, EditError> {
-    let mut document = parse(source)?;
+    let mut text = Text::of(source);
+    let document = text.document()?;
     let listed = ["tactor", "output"].iter().any(|key| document.contains_key(key));
     let channel =
         |n: usize| moved.get(&n).copied().unwrap_or(rig.outputs.get(n).map_or(0, |output| output.channel));
     if listed {
         for (n, channel) in moved {
             let name = rig.outputs.get(*n).map_or("", |output| output.name.as_str());
-            let mut lists = document.iter_mut().filter(|(key, _)| ["tactor", "output"].contains(&key.get()));
-            let table = lists.find_map(|(_, list)| find(list, name));
-            let table = table.filter(|table| table.contains_key("channel"));
-            let table = table.ok_or_else(|| EditError::Missing(format!("output `{name}`")))?;
-            put(table, "channel", i64::from(*channel).into());
+            text.change(|document| {
+                let mut lists =
+                    document.iter_mut().filter(|(key, _)| ["tactor", "output"].contains(&key.get()));
+                let table = lists.find_map(|(_, list)| find(list, name));
+                let table = table.filter(|table| table.contains_key("channel"));
+                let table = table.ok_or_else(|| EditError::Missing(format!("output `{name}`")))?;
+                put(table, "channel", i64::from(*channel).into())
+            })?;
         }
-    } else {
+    } else if !moved.is_empty() {
         // A line of tactors that stands nowhere yet.
         let mut tactors = ArrayOfTables::new();
         for (n, output) in rig.outputs.iter().enumerate() {
@@ -39,9 +44,12 @@ pub fn channels(source: &str, rig: &Rig, moved: &BTreeMap<usize, u32>) -> Result
             }
             tactors.push(table);
         }
-        document.insert("tactor", Item::ArrayOfTables(tactors));
+        text.change(|document| {
+            document.insert("tactor", Item::ArrayOfTables(tactors));
+            Ok(())
+        })?;
     }
-    let text = document.to_string();
+    let text = text.finish();
     // What will be read of it is what was meant.
     let read = Rig::parse("", text.as_bytes()).map_err(broken)?;
     let wanted = rig.outputs.iter().enumerate().map(|(n, output)| (output.name.as_str(), channel(n)));
@@ -86,6 +94,8 @@ mod tests {
         let expected = source.replace("=  1     #", "=  2     #").replace("channel = 2\n", "channel = 1\n");
         assert_eq!(written(source, &[(0, 2), (1, 1)]), expected);
         assert_eq!(written(source, &[]), source);
+        let crlf = |text: &str| format!("\u{feff}{}", text.replace('\n', "\r\n"));
+        assert_eq!(written(&crlf(source), &[(0, 2), (1, 1)]), crlf(&expected));
         let inline = "format = \"pacinian-rig/1\"\ndevice = { channels = 3 }\ntactor = [\n  { name = \"a\", channel = 1 },  # one\n\
             \x20 { name = \"b\", channel = 2 },\n]\n";
         assert_eq!(written(inline, &[(1, 3)]), inline.replace("channel = 2", "channel = 3"));
@@ -110,7 +120,10 @@ mod tests {
     #[test]
     fn a_line_that_stands_nowhere_is_written_out() {
         let source = "format = \"pacinian-rig/1\"\n[device]\nchannels = 2 # both\n";
+        assert_eq!(written(source, &[]), source, "nothing is another channel");
         let text = written(source, &[(0, 2), (1, 1)]);
+        let crlf = |text: &str| text.replace('\n', "\r\n");
+        assert_eq!(written(&crlf(source), &[(0, 2), (1, 1)]), crlf(&text));
         assert!(text.starts_with(source), "{text}");
         let rig = Rig::parse("r", text.as_bytes()).unwrap().value;
         assert_eq!(

@@ -4,10 +4,11 @@ use std::ops::Range;
 use std::str::FromStr;
 
 use serde::Serialize;
-use toml_edit::{DocumentMut, Item, TableLike, Value};
+use toml_edit::{Item, TableLike, Value};
 
-use super::value::make_room;
-use super::{EditError, parse};
+use super::text::Text;
+use super::value::table;
+use super::{EditError, broken};
 use crate::rig::{Actuator, Rig};
 use crate::text::problem::escaped;
 
@@ -36,8 +37,6 @@ pub enum Given {
 /// its place gives way to that of another run.
 const MARK: &str = "pacinian identify ";
 const END: &str = " (95 %)";
-/// What stands before a text in Unicode, if somebody's editor puts it there.
-const BOM: char = '\u{feff}';
 
 impl Entry {
     /// A figure with its interval of 95 %, in `unit` of SI, and the recording that it is from.
@@ -87,8 +86,7 @@ fn short(value: f64) -> String {
 
 /// The keys that an actuator of a rig has itself.
 pub fn keys(rig: &[u8], actuator: &str) -> Vec<String> {
-    let text = String::from_utf8_lossy(rig);
-    let document = DocumentMut::from_str(text.strip_prefix(BOM).unwrap_or(&text)).ok();
+    let document = Text::of(&String::from_utf8_lossy(rig)).document().ok();
     let table =
         document.as_ref().and_then(|document| document.get("actuator")?.get(actuator)?.as_table_like());
     table.map_or(Vec::new(), |table| table.iter().map(|(key, _)| key.to_string()).collect())
@@ -96,67 +94,35 @@ pub fn keys(rig: &[u8], actuator: &str) -> Vec<String> {
 
 /// The text of a rig with entries under `[actuator.NAME]`, each with its comment. What somebody wrote behind a figure stays before that; the
 /// comment of an earlier run gives way. A table of one line gets figures without comments, as there is no room for any. Lines end as they
-/// did, new ones as the line before. What it says then may still contradict itself: [`Rig::parse`](crate::rig::Rig::parse) tells.
+/// did, new ones as the line before.
 ///
 /// # Errors
-/// A text without that actuator, and one whose value is none that could be changed.
+/// A text without that actuator, one whose value is none that could be changed, and one that is no rig then, not even a draft ([`Rig::draft`]).
 pub fn figures(source: &str, actuator: &str, entries: &[Entry]) -> Result<String, EditError> {
-    let bare = source.strip_prefix(BOM).unwrap_or(source);
-    let mut ends: Vec<&str> = bare
-        .split_inclusive('\n')
-        .map(|line| match line {
-            _ if line.ends_with("\r\n") => "\r\n",
-            _ if line.ends_with('\n') => "\n",
-            _ => "",
-        })
-        .collect();
-    // Neither reader nor writer of TOML keeps what ends a line: one entry after the other, so that it is known which line is new.
-    let mut text = bare.replace("\r\n", "\n");
-    for entry in entries {
-        let after = with_one(&text, actuator, entry)?;
-        let [before, now] = [&text, &after].map(|text| lines(text).collect::<Vec<_>>());
-        if now.len() == before.len() + 1 {
-            let at = before.iter().zip(&now).take_while(|(a, b)| a == b).count();
-            // Behind a last line that nothing ended the new one is the last.
-            let like = at.checked_sub(1).map_or("\n", |at| ends[at]);
-            ends.insert(at, like);
-            if like.is_empty() {
-                ends[at - 1] = if ends.contains(&"\r\n") { "\r\n" } else { "\n" };
-            }
-        } else if now.len() != before.len() {
-            return Err(EditError::Form(format!("`{}`", entry.key)));
-        }
-        text = after;
-    }
-    let mut all: String = source[..source.len() - bare.len()].into();
-    lines(&text).zip(ends).for_each(|(line, end)| all.extend([line, end]));
+    let text = changed(source, actuator, entries)?;
     // What will be read of it is what was meant.
-    let read = Rig::draft("", all.as_bytes());
-    let is_meant =
-        |rig: &Rig| rig.actuator(actuator).is_some_and(|read| entries.iter().all(|entry| entry.is_in(read)));
-    match read.map_or(true, |read| is_meant(&read.value)) {
-        true => Ok(all),
+    let read = Rig::draft("", text.as_bytes()).map_err(broken)?.value;
+    let read = read.actuator(actuator);
+    match read.is_some_and(|read| entries.iter().all(|entry| entry.is_in(read))) {
+        true => Ok(text),
         false => Err(EditError::Form("actuator".into())),
     }
 }
 
-/// Without what ends them.
-fn lines(text: &str) -> impl Iterator<Item = &str> {
-    text.split_inclusive('\n').map(|line| line.strip_suffix('\n').unwrap_or(line))
-}
-
-/// With one entry.
-fn with_one(source: &str, actuator: &str, entry: &Entry) -> Result<String, EditError> {
-    let mut document = parse(source)?;
-    let item = document.get_mut("actuator").and_then(|actuators| actuators.get_mut(actuator));
-    let item = item
-        .filter(|item| !item.is_none())
-        .ok_or_else(|| EditError::Missing(format!("[actuator.{actuator}]")))?;
-    let is_inline = item.as_inline_table().is_some();
-    make_room(item, entry.key);
-    let table = item.as_table_like_mut().ok_or_else(|| EditError::Form("actuator".into()))?;
-    put(table, entry, is_inline)?;
-    Ok(document.to_string())
+/// The same, whatever will be read of it.
+fn changed(source: &str, actuator: &str, entries: &[Entry]) -> Result<String, EditError> {
+    let mut text = Text::of(source);
+    for entry in entries {
+        text.change(|document| {
+            let item = document.get_mut("actuator").and_then(|actuators| actuators.get_mut(actuator));
+            let item = item
+                .filter(|item| !item.is_none())
+                .ok_or_else(|| EditError::Missing(format!("[actuator.{actuator}]")))?;
+            let is_inline = item.as_inline_table().is_some();
+            table(item, "actuator", |table| put(table, entry, is_inline))
+        })?;
+    }
+    Ok(text.finish())
 }
 
 fn put(table: &mut dyn TableLike, entry: &Entry, is_inline: bool) -> Result<(), EditError> {

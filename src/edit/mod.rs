@@ -1,4 +1,4 @@
-//! Changes the text of patches and rigs, and leaves all else there as it is: comments, blanks, the order of the lines.
+//! Changes the text of patches and rigs, and leaves all else there as it is: comments, blanks, the order of the lines and what ends them.
 //!
 //! Each function takes a text and gives another, which was read again to see that it says what was meant; nothing here opens a file.
 #![cfg_attr(
@@ -19,6 +19,7 @@ mod bindings;
 mod channels;
 mod figures;
 mod loop_latency;
+mod text;
 mod value;
 
 pub use bindings::bindings;

@@ -4,6 +4,7 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
+use super::cables::Cables;
 use super::lever::Lever;
 use super::load::Load;
 use super::midi_board::MidiBoard;
@@ -137,6 +138,8 @@ pub struct Board {
     pub engine_delay: Figure,
     /// What comes over MIDI.
     pub midi: MidiBoard,
+    /// Its cables.
+    pub(super) cables: Cables,
     /// What it hears.
     pub input: InputBoard,
 }

@@ -10,6 +10,7 @@ use std::time::Duration;
 use ringbuf::traits::{Consumer, Observer, Producer};
 
 use super::board::Board;
+use super::cables::Watch;
 use super::callback::{Cue, Deed, Report, Rings, SOURCES};
 use super::clock::{Moment, StreamClock};
 use super::gate::UNARMED;
@@ -52,6 +53,8 @@ pub enum Told<'a> {
     Began(Epoch, &'a Arc<Board>),
     /// Something came in; it is told before anything is done about it.
     Came(&'a Stamped),
+    /// A cable of MIDI is lost that had promised to stay: the number of its port, and its name where that is known. All is shut.
+    Lost(u16, Option<&'a str>),
     /// What the callback did, and how its frames and wall time belonged together a moment ago.
     Report(&'a Report, Option<Moment>),
     /// Something that was asked for and cannot be done.
@@ -79,6 +82,9 @@ pub struct Conductor {
     board: Arc<Board>,
     inbox: Inbox,
     audience: Audience,
+    watch: Watch,
+    /// Whoever spoke last through a port of MIDI.
+    ports: HashMap<u16, Arc<str>>,
     /// The performer's ids and serial numbers by those that handles gave out.
     voices: BTreeMap<u64, u64>,
     patterns: HashMap<u64, u64>,
@@ -160,6 +166,8 @@ impl Conductor {
             board: Arc::clone(board),
             inbox,
             audience,
+            watch: Watch::default(),
+            ports: HashMap::new(),
             voices: BTreeMap::new(),
             patterns: HashMap::from([(0, 0)]),
             playing: Vec::new(),
@@ -267,6 +275,7 @@ impl Conductor {
     /// Feeds patterns, hears what the callback did, and lets a plan that waits take over if it can.
     pub fn go_on(&mut self) {
         self.settle();
+        self.miss();
         self.feed();
         self.admit();
         if let Some(reload) = self.waiting.take() {
@@ -288,6 +297,41 @@ impl Conductor {
             (self.audience)(Told::Refused(&problem));
         }
         self.board.midi.performed(&self.performer.midi_counts());
+    }
+
+    /// Cables that promised to stay may be lost.
+    fn miss(&mut self) {
+        let board = Arc::clone(&self.board);
+        let lost = self.watch.look(&board.cables, self.epoch.now(), board.midi.gaps.get());
+        for port in lost {
+            self.lose(port);
+        }
+    }
+
+    /// A cable is lost: nobody is there who could stop what it moves.
+    fn lose(&mut self, port: u16) {
+        (self.audience)(Told::Lost(port, self.ports.get(&port).map(|name| &**name)));
+        let at = self.when(self.epoch.now());
+        self.shut(at, 0);
+        let mut outlet =
+            ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause: 0 };
+        if let Err(problem) = self.performer.midi_gone(at, port, &mut outlet) {
+            (self.audience)(Told::Refused(&problem));
+        }
+    }
+
+    /// A panic: the gate closes at once, and everything stops behind it. The signal that asks for it is `cause`; 0 for none.
+    fn shut(&mut self, at: When, cause: u64) {
+        // The board's brake may have closed the gate already.
+        self.board.panic();
+        let clock = self.board.clock.get();
+        let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan, cause };
+        self.performer.stop_patterns(at, &mut outlet);
+        self.voices.clear();
+        if self.performer.plan().sensor().is_some() {
+            self.performer.torque(at, false, &mut outlet);
+        }
+        self.performer.release_all(at, &mut outlet);
     }
 
     fn tell_playing(&mut self) {
@@ -340,14 +384,14 @@ impl Conductor {
     /// Does what a signal asks for.
     pub fn take(&mut self, stamped: Stamped) {
         (self.audience)(Told::Came(&stamped));
-        let Stamped { id, stamp, signal, .. } = stamped;
+        let Stamped { id, stamp, peer, signal, .. } = stamped;
         self.performer.because(id);
         let at = self.when(stamp);
         let clock = self.board.clock.get();
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan, cause: id };
         let outlet = &mut outlet;
         let plan = self.performer.plan();
-        let (has_knob, reads) = (plan.knob.is_some(), plan.sensor().is_some());
+        let has_knob = plan.knob.is_some();
         let done = match signal {
             Signal::Play(number, voice, note) => self.performer.play(at, &voice, &note, outlet).map(|id| {
                 // Numbers come in order. Whoever has let go of none for so long has no use for the oldest.
@@ -387,18 +431,20 @@ impl Conductor {
                 Ok(())
             }
             Signal::Key(key) => self.performer.key(at, key, outlet),
-            Signal::Midi(port, message) => self.performer.midi(at, port, message, outlet),
+            Signal::Midi(port, message) => {
+                if let Some(name) = peer.filter(|name| self.ports.get(&port) != Some(name)) {
+                    self.ports.insert(port, name);
+                }
+                self.performer.midi(at, port, message, outlet)
+            }
+            Signal::MidiGone(port) if self.board.cables.take_promise(port) => {
+                self.lose(port);
+                Ok(())
+            }
             Signal::MidiGone(port) => self.performer.midi_gone(at, port, outlet),
             Signal::Osc(address, values) => self.performer.osc(at, &address, &values, outlet).map(drop),
             Signal::Panic => {
-                // The board's brake has closed the gate, or will.
-                self.board.panic();
-                self.performer.stop_patterns(at, outlet);
-                self.voices.clear();
-                if reads {
-                    self.performer.torque(at, false, outlet);
-                }
-                self.performer.release_all(at, outlet);
+                self.shut(at, id);
                 Ok(())
             }
             Signal::Calm => {

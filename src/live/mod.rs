@@ -11,6 +11,7 @@
 //! alone.
 
 pub mod board;
+pub mod cables;
 pub mod callback;
 mod called_off;
 pub mod clock;

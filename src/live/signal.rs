@@ -33,7 +33,7 @@ pub enum Signal {
     Key(u32),
     /// A message of MIDI, and the number of the port through which it came.
     Midi(u16, Message),
-    /// A port of MIDI is gone, or its cable: what it holds is released.
+    /// A port of MIDI is gone: what it holds is released. Where its cable had promised to stay, that is a panic.
     MidiGone(u16),
     /// An OSC message that is for the patch's triggers: its address, and its numbers.
     Osc(String, Vec<f64>),
@@ -61,8 +61,6 @@ pub enum Origin {
     Key(Arc<str>),
     /// In an OSC message: its address and its arguments, as they came.
     Osc(Arc<str>, Arc<str>),
-    /// From nobody: a cable of MIDI is lost that had promised to stay, that of the port of this number.
-    Cable(u16),
 }
 
 impl Origin {
@@ -166,7 +164,11 @@ impl Handle {
     pub(crate) fn send_numbered(&self, stamp: Stamp, signal: Signal) -> Result<u64, Refused> {
         let way = Way::of(&signal, &self.origin);
         let (origin, peer) = (self.origin.clone(), self.peer.clone());
-        let sent = self.inlet.send(self.epoch.now(), Stamped { id: 0, stamp, origin, peer, signal });
+        let now = self.epoch.now();
+        if let Signal::Midi(port, message) = &signal {
+            self.board.cables.message(*port, now, *message);
+        }
+        let sent = self.inlet.send(now, Stamped { id: 0, stamp, origin, peer, signal });
         self.board.refused.of(way).add(u64::from(sent == Err(Refused::Busy)));
         sent
     }
@@ -236,6 +238,12 @@ impl Handle {
         self.board.panic();
         // The brake is pulled, even where the session has ended.
         let _ = self.send(Signal::Panic);
+    }
+
+    /// Bytes came through a port of MIDI that make no message yet, as those in the middle of a long system exclusive: its cable is there. One that
+    /// had promised to stay (active sensing) and says nothing any more is lost, and that is a panic.
+    pub fn heard(&self, port: u16) {
+        self.board.cables.heard(port, self.epoch.now());
     }
 
     /// A number that nobody else has.

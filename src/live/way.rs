@@ -26,7 +26,7 @@ impl Way {
     /// That of a signal.
     pub fn of(signal: &Signal, origin: &Origin) -> Self {
         match (signal, origin) {
-            (Signal::Midi(..) | Signal::MidiGone(_), _) | (_, Origin::Cable(_)) => Self::Midi,
+            (Signal::Midi(..) | Signal::MidiGone(_), _) => Self::Midi,
             (Signal::Osc(..), _) | (_, Origin::Osc(..)) => Self::Osc,
             (Signal::Key(_), _) | (_, Origin::Key(_)) => Self::Key,
             (_, Origin::Program) => Self::Program,
@@ -107,7 +107,6 @@ mod tests {
         assert_eq!(Way::of(&Signal::Osc("/a".into(), vec![]), &Origin::Program), Way::Osc);
         assert_eq!(Way::of(&Signal::Panic, &osc), Way::Osc);
         assert_eq!(Way::of(&Signal::Panic, &Origin::Key("x".into())), Way::Key);
-        assert_eq!(Way::of(&Signal::Panic, &Origin::Cable(3)), Way::Midi);
         assert_eq!(Way::of(&Signal::Key(1), &Origin::Program), Way::Key);
         assert_eq!(Way::of(&Signal::Panic, &Origin::Program), Way::Program);
     }

@@ -8,12 +8,16 @@ use super::message::Message;
 /// How long a cable that has said 0xFE may be silent: MIDI 1.0 Detailed Specification, "Active Sensing".
 pub const SILENCE: Duration = Duration::from_millis(300);
 
+/// How long at most silence is forgiven.
+pub const FORGIVEN: Duration = Duration::from_secs(1);
+
 /// Watches one cable, from its first 0xFE on. One thread may tell it what comes while another asks, and neither waits. Times are those since any
 /// one beginning.
 #[derive(Debug, Default)]
 pub struct Sensing {
-    /// When something came last, nanoseconds.
+    /// When something came last, and up to when silence is not held against it, nanoseconds.
     last: AtomicU64,
+    forgiven: AtomicU64,
     promised: AtomicBool,
 }
 
@@ -33,15 +37,24 @@ impl Sensing {
         }
     }
 
-    /// Whether it has promised to stay.
-    pub fn is_promised(&self) -> bool {
-        self.promised.load(Ordering::Acquire)
+    /// Whether it had promised to stay. It has not any more.
+    pub fn take_promise(&self) -> bool {
+        self.promised.swap(false, Ordering::AcqRel)
+    }
+
+    /// Silence up to now says nothing: whoever listens stood still, or something that came was lost on the way. That holds for [`FORGIVEN`] from the
+    /// last that came, so that a cable which is gone is noticed in the end.
+    pub fn forgive(&self, now: Duration) {
+        let now = nanoseconds(now);
+        if now.saturating_sub(self.last.load(Ordering::Acquire)) <= nanoseconds(FORGIVEN) {
+            self.forgiven.fetch_max(now, Ordering::AcqRel);
+        }
     }
 
     /// Whether the silence up to now is too long: the cable is lost. It is said once; then nothing is promised any more.
     pub fn is_lost(&self, now: Duration) -> bool {
-        let silence = nanoseconds(now).saturating_sub(self.last.load(Ordering::Acquire));
-        silence > nanoseconds(SILENCE) && self.promised.swap(false, Ordering::AcqRel)
+        let since = self.last.load(Ordering::Acquire).max(self.forgiven.load(Ordering::Acquire));
+        nanoseconds(now).saturating_sub(since) > nanoseconds(SILENCE) && self.take_promise()
     }
 }
 
@@ -62,11 +75,27 @@ mod tests {
         cable.message(MS(100), Message::Clock);
         assert!(!cable.is_lost(MS(100_000)), "nothing was promised");
         cable.message(MS(100_000), Message::ActiveSensing);
-        assert!(cable.is_promised() && !cable.is_lost(MS(100_300)), "exactly");
+        assert!(!cable.is_lost(MS(100_300)), "exactly");
         assert!(cable.is_lost(MS(100_300) + Duration::from_nanos(1)));
         assert!(!cable.is_lost(MS(200_000)), "it is said once");
         cable.message(MS(200_000), Message::ActiveSensing);
         assert!(cable.is_lost(MS(200_301)), "promised anew");
+        cable.message(MS(300_000), Message::ActiveSensing);
+        assert!(cable.take_promise() && !cable.take_promise() && !cable.is_lost(MS(400_000)));
+    }
+
+    #[test]
+    fn silence_is_forgiven_for_a_second_and_no_longer() {
+        let cable = Sensing::default();
+        cable.message(MS(0), Message::ActiveSensing);
+        cable.forgive(MS(250));
+        assert!(!cable.is_lost(MS(550)), "it counts anew from then on");
+        (1..40).for_each(|n| cable.forgive(MS(250 * n)));
+        assert!(!cable.is_lost(MS(1_300)) && cable.is_lost(MS(1_301)));
+        // Whatever comes begins anew.
+        cable.message(MS(20_000), Message::ActiveSensing);
+        cable.forgive(MS(20_900));
+        assert!(!cable.is_lost(MS(21_200)) && cable.is_lost(MS(21_201)));
     }
 
     #[test]

@@ -9,7 +9,8 @@ use super::take::Take;
 use super::target::Target;
 use pacinian::edit::{self, EditError, Entry, Given};
 use pacinian::io::replace;
-use pacinian::rig::{Model, Rig};
+use pacinian::rig::Model;
+use pacinian::text::Problems;
 use pacinian::text::problem::escaped;
 use serde::Serialize;
 use std::path::Path;
@@ -130,7 +131,10 @@ impl Answer {
         if entries.is_empty() {
             return Ok(());
         }
-        let by_hand = |why: EditError| {
+        let refused = |why: EditError| {
+            if let EditError::Broken(problems) = why {
+                return Failure::of(78, Problems { file: rig.name.clone(), ..*problems });
+            }
             let lines: Vec<String> = entries.iter().map(Entry::line).collect();
             let help = format!(
                 "write it yourself, under [actuator.{}]: {}",
@@ -140,8 +144,7 @@ impl Answer {
             Failure::usage(format!("`{}` was left as it is: {why}", escaped(&rig.name)), help).with_code(78)
         };
         let before = String::from_utf8_lossy(&rig.bytes);
-        let after = edit::figures(&before, target.actuator_name(), &entries).map_err(by_hand)?;
-        Rig::draft(&rig.name, after.as_bytes()).map_err(|problems| Failure::of(78, problems))?;
+        let after = edit::figures(&before, target.actuator_name(), &entries).map_err(refused)?;
         replace::replace(&rig.path, &rig.bytes, after.as_bytes())?;
         self.written = true;
         Ok(())

@@ -169,23 +169,26 @@ impl Learn {
             .zip(learnt)
             .filter_map(|(number, source)| source.map(|source| (source.bind(name_of(number)), source)))
             .collect();
+        let shown = escaped(&name);
         if learnt.is_empty() {
-            return terminal.print(&format!("{name}: nothing was learnt, so it is as it was\n"));
+            return terminal.print(&format!("{shown}: nothing was learnt, so it is as it was\n"));
         }
         let binds: Vec<Bind> = learnt.iter().map(|(bind, _)| bind.clone()).collect();
-        let after = edit::bindings(&String::from_utf8_lossy(&before), &binds).map_err(|why| {
-            let lines: String =
-                binds.iter().map(|bind| format!("\n  {} from {}", bind.control, bind.from)).collect();
-            Failure::said(65, format!("`{name}` was left alone: {why}; write the bindings by hand:{lines}"))
-        })?;
-        replace::replace(&self.patch, &before, after.as_bytes())?;
+        // What somebody has taken the trouble to move is not lost with the file.
+        let all: Vec<String> =
+            binds.iter().map(|bind| format!("{} from {}", bind.control, bind.from)).collect();
+        let by_hand = format!("write the bindings by hand: {}", all.join(", "));
+        let after = edit::bindings(&String::from_utf8_lossy(&before), &binds)
+            .map_err(|why| Failure::said(65, format!("`{name}` was left alone: {why}")).and(&by_hand))?;
+        replace::replace(&self.patch, &before, after.as_bytes())
+            .map_err(|error| Failure::from(error).and(&by_hand))?;
         let mut table = Table::default();
         for (bind, source) in &learnt {
             let instead = bound::replaced(&patch, bind).unwrap_or_default();
             table.row([bind.control.clone(), bind.from.to_string(), source::shown(source), instead]);
         }
         let count = super::table::many(learnt.len(), "binding");
-        terminal.print(&format!("{name}: {count}\n{}", table.text()))
+        terminal.print(&format!("{shown}: {count}\n{}", table.text()))
     }
 
     /// The controls to learn, by their places in the patch.
@@ -206,7 +209,15 @@ impl Learn {
                 Failure::usage(format!("the patch has no control `{word}`"), help)
             })
         };
-        self.controls.iter().map(find).collect()
+        let chosen: Vec<usize> = self.controls.iter().map(find).collect::<Result<_, _>>()?;
+        let twice = chosen.iter().enumerate().find(|(n, number)| chosen[..*n].contains(number));
+        match twice {
+            Some((n, _)) => Err(Failure::usage(
+                format!("`{}` is asked for twice", self.controls[n]),
+                "name each control once",
+            )),
+            None => Ok(chosen),
+        }
     }
 
     /// Waits for something to move, for somebody to say otherwise, or for as long as was said. What is told meanwhile gets lines of its
@@ -297,7 +308,6 @@ fn told(news: &PortNews) -> String {
     match news {
         PortNews::Opened(name) => format!("MIDI from {}", escaped(name)),
         PortNews::Gone(name) => format!("the MIDI port {} is gone", escaped(name)),
-        PortNews::Silent(name) => format!("the MIDI cable of {} is silent", escaped(name)),
         PortNews::Unknown(unknown) => escaped(&unknown.to_string()).into_owned(),
         PortNews::None(why) => format!("no MIDI: {}", escaped(why)),
         PortNews::Refused(name, why) => {

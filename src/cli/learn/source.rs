@@ -1,6 +1,6 @@
 //! What is moved, and what is not enough, in words.
 
-use pacinian::io::learn::{Misfit, Mover, Short, Source, Unfit};
+use pacinian::io::learn::{Candidate, Misfit, Short, Source, Unfit};
 use pacinian::io::osc::address::LONGEST;
 use pacinian::midi::moved::{Control, Moved, Useless};
 use pacinian::midi::reach::Reach;
@@ -93,11 +93,11 @@ pub fn not_enough(short: &Short) -> (String, String) {
     match short {
         Short::Moved(mover, reach, others) => {
             let (what, keys) = match mover {
-                Mover::Midi(channel, control) => (
+                Candidate::Midi(channel, control) => (
                     format!("{} on channel {}", named(*control), channel.number()),
                     *control == Control::Pressure,
                 ),
-                Mover::Osc(address) => (format!("OSC {}", cut(address)), false),
+                Candidate::Osc(address) => (format!("OSC {}", cut(address)), false),
             };
             let why = too_short(&what, *reach, *others, keys);
             (what, why)

@@ -185,6 +185,13 @@ impl Post {
                 self.state(State::Armed(*gain >= 1.0));
             }
             Told::Report(..) | Told::Began(..) | Told::Came(..) | Told::Reloading(_) => {}
+            Told::Lost(port, name) => {
+                let of = name.map_or_else(|| format!("port {port}"), ToString::to_string);
+                self.say(
+                    Mood::Bad,
+                    format!("the MIDI cable of {of} is lost, which had promised to stay: panic"),
+                );
+            }
             Told::Refused(problem) => self.say(Mood::Bad, problem.to_string()),
             Told::Playing(playing) => {
                 self.state(State::Playing(playing.iter().map(|(_, name)| (*name).into()).collect()));
@@ -221,10 +228,6 @@ impl Post {
             PortNews::Gone(name) => {
                 self.say(Mood::Bad, format!("the MIDI port {name} is gone; its notes are released"))
             }
-            PortNews::Silent(name) => self.say(
-                Mood::Bad,
-                format!("the MIDI cable of {name} is lost, which had promised to stay: panic"),
-            ),
             PortNews::Unknown(unknown) => self.say(Mood::Bad, unknown.to_string()),
             PortNews::None(why) => self.say(Mood::Bad, format!("no MIDI: {why}")),
             PortNews::Refused(name, why) => {

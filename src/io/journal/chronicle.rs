@@ -93,6 +93,13 @@ impl Chronicle {
                 None
             }
             Told::Came(stamped) => Some(self.came(stamped)),
+            Told::Lost(port, name) => Some(Line {
+                source: Some("midi".into()),
+                name: Some(port.to_string()),
+                peer: name.map(String::from),
+                message: Some("cable lost, panic".into()),
+                ..self.now(Kind::In)
+            }),
             Told::Report(report, moment) => Some(self.report(report, *moment)),
             Told::Reloading(reload) => {
                 self.next.push_back(Names::of(&reload.scene.plan));

@@ -15,10 +15,6 @@ pub(super) fn of_signal(signal: &Signal, origin: &Origin) -> (&'static str, Opti
             let words = [what].into_iter().chain(which).collect::<Vec<_>>().join(" ");
             ("key", Some(key.to_string()), Some(words))
         }
-        (Origin::Cable(port), _) => {
-            let (what, _) = asked(signal);
-            ("midi", Some(port.to_string()), Some(format!("cable lost, {what}")))
-        }
         (_, Signal::Midi(port, message)) => {
             ("midi", Some(port.to_string()), Some(hexadecimal(&message.bytes())))
         }
@@ -136,7 +132,6 @@ mod tests {
         assert_eq!(told(&start, &key), "key|3|start walk");
         assert_eq!(told(&start, &osc), "osc|/pattern/w*/play|1");
         assert_eq!(told(&Signal::Panic, &key), "key|3|panic");
-        assert_eq!(told(&Signal::Panic, &Origin::Cable(2)), "midi|2|cable lost, panic");
         assert_eq!(told(&Signal::Key(3), &key), "key|3|");
         assert_eq!(told(&Signal::Key(3), &program), "key|3|");
         let midi = Signal::Midi(

@@ -38,7 +38,7 @@ use std::time::Instant;
 
 use self::osc::Ear;
 pub use self::source::Source;
-use super::midi_in::{MidiPorts, PortNews, Word};
+use super::midi_in::{MidiPorts, Newsreader, Word};
 use super::osc::endpoint::{BindError, Endpoint};
 use crate::midi::moved::{Control, Recogniser, Seen, Useless};
 use crate::midi::reach::{Reach, Reaches};
@@ -84,14 +84,14 @@ pub enum Misfit {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Short {
     /// This went furthest: what, from where to where, and how many others went less far.
-    Moved(Mover, Reach, usize),
+    Moved(Candidate, Reach, usize),
     /// Messages came, and none of them says where something stands.
     Nothing,
 }
 
 /// What may be moved.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Mover {
+pub enum Candidate {
     /// A controller on a channel.
     Midi(Channel, Control),
     /// An OSC address.
@@ -119,11 +119,7 @@ impl Learner {
     ///
     /// # Errors
     /// A system that has no thread left. One without MIDI is told as news.
-    pub fn hear_midi(
-        &mut self,
-        wanted: Option<String>,
-        news: Box<dyn FnMut(PortNews) + Send>,
-    ) -> std::io::Result<()> {
+    pub fn hear_midi(&mut self, wanted: Option<String>, news: Newsreader) -> std::io::Result<()> {
         let (send, messages) = sync_channel(WAITING);
         let begin = Instant::now();
         let ear = move |number: u16, name: &Arc<str>, word: Word| {
@@ -182,9 +178,10 @@ impl Learner {
     pub fn short(&self) -> Option<Short> {
         let (midi, osc) = (self.recogniser.heard(), self.osc.as_ref().map(|osc| &osc.heard));
         let of_midi =
-            midi.most().map(|((_, channel, control), reach)| (Mover::Midi(*channel, *control), reach));
-        let of_osc = osc.and_then(Reaches::most).map(|(address, reach)| (Mover::Osc(address.clone()), reach));
-        let way = |(_, reach): &(Mover, Reach)| reach.most - reach.least;
+            midi.most().map(|((_, channel, control), reach)| (Candidate::Midi(*channel, *control), reach));
+        let of_osc =
+            osc.and_then(Reaches::most).map(|(address, reach)| (Candidate::Osc(address.clone()), reach));
+        let way = |(_, reach): &(Candidate, Reach)| reach.most - reach.least;
         let furthest = of_midi.into_iter().chain(of_osc).max_by(|a, b| way(a).total_cmp(&way(b)));
         let count = midi.count() + osc.map_or(0, Reaches::count);
         match furthest {

@@ -4,11 +4,11 @@ use std::collections::{HashMap, HashSet};
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Instant;
 
-use rosc::OscType;
-
 use super::{Heard, Misfit, Source, Unfit};
 use crate::io::osc::address::LONGEST;
 use crate::io::osc::endpoint::{BindError, Endpoint};
+use crate::io::osc::message::number;
+use crate::io::osc::names::is_own;
 use crate::io::osc::packet::unpack;
 use crate::midi::reach::Reaches;
 use crate::midi::travel::{SPAN, Travel};
@@ -21,10 +21,6 @@ const TURN: usize = 256;
 const MOST: usize = 1 << 12;
 /// So long what was recognised must rest before it is recognised again, seconds.
 const REST: f64 = 0.7;
-
-/// First parts of addresses that pacinian has itself.
-const OWN: [&str; 11] =
-    ["voice", "pattern", "control", "controls", "panic", "calm", "arm", "meter", "status", "ping", "input"];
 
 /// Listens to OSC for what is moved.
 #[derive(Debug)]
@@ -86,8 +82,7 @@ impl Ear {
     }
 
     fn message(&mut self, seconds: f64, address: &str, value: f64) -> Option<Heard> {
-        let first = address.split('/').nth(1).unwrap_or_default();
-        let misfit = if OWN.contains(&first) {
+        let misfit = if is_own(address) {
             Some(Misfit::Own)
         } else if address.contains(char::is_whitespace) {
             Some(Misfit::Blank)
@@ -127,16 +122,4 @@ impl Ear {
         self.spent = Some((address.into(), seconds));
         Some(Heard::Source(Source::Osc { address: address.into(), switch }))
     }
-}
-
-fn number(value: &OscType) -> Option<f64> {
-    match value {
-        OscType::Int(x) => Some(f64::from(*x)),
-        OscType::Long(x) => Some(*x as f64),
-        OscType::Float(x) => Some(f64::from(*x)),
-        OscType::Double(x) => Some(*x),
-        OscType::Bool(x) => Some(f64::from(u8::from(*x))),
-        _ => None,
-    }
-    .filter(|x| x.is_finite())
 }

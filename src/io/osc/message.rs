@@ -182,7 +182,7 @@ fn milliseconds(ms: f64) -> Duration {
 }
 
 /// Whatever may stand for a number.
-fn number(value: &OscType) -> Option<f64> {
+pub(in crate::io) fn number(value: &OscType) -> Option<f64> {
     match value {
         OscType::Int(x) => Some(f64::from(*x)),
         OscType::Long(x) => Some(*x as f64),

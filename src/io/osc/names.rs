@@ -92,6 +92,41 @@ impl Method {
     }
 }
 
+/// Addresses that are there whatever the patch.
+const OWN: [(&str, Method); 19] = [
+    ("/voice/release", Method::Release),
+    ("/voice/bend", Method::Touch(What::Bend)),
+    ("/voice/pressure", Method::Touch(What::Pressure)),
+    ("/voice/timbre", Method::Touch(What::Timbre)),
+    ("/controls", Method::List(Kind::Controls)),
+    ("/voices", Method::List(Kind::Voices)),
+    ("/patterns", Method::List(Kind::Patterns)),
+    ("/panic", Method::Panic),
+    ("/calm", Method::Calm),
+    ("/arm", Method::Arm),
+    ("/torque", Method::Torque),
+    ("/meter/subscribe", Method::Subscribe),
+    ("/meter/unsubscribe", Method::Unsubscribe),
+    ("/marker/subscribe", Method::Invite(Wants::Markers)),
+    ("/marker/unsubscribe", Method::Dismiss),
+    ("/event/subscribe", Method::Invite(Wants::All)),
+    ("/event/unsubscribe", Method::Dismiss),
+    ("/status", Method::Status),
+    ("/ping", Method::Ping),
+];
+
+/// What addresses begin with that are those of a patch's voices, patterns and controls.
+const OF_PATCHES: [&str; 4] = ["voice", "pattern", "control", "input"];
+
+/// Whether an address is one of pacinian's own, or beside such, where a patch may have one.
+pub fn is_own(address: &str) -> bool {
+    let first = |address: &str| address.split('/').nth(1).map(String::from);
+    first(address).is_some_and(|begins| {
+        OF_PATCHES.contains(&begins.as_str())
+            || OWN.iter().any(|(own, _)| first(own).as_ref() == Some(&begins))
+    })
+}
+
 /// The addresses there are for a patch.
 #[derive(Debug, Clone, Default)]
 pub struct Names {
@@ -117,27 +152,7 @@ impl Names {
             patterns: patch.patterns.iter().map(|pattern| pattern.name.clone()).collect(),
             ..Self::default()
         };
-        for (address, method) in [
-            ("/voice/release", Method::Release),
-            ("/voice/bend", Method::Touch(What::Bend)),
-            ("/voice/pressure", Method::Touch(What::Pressure)),
-            ("/voice/timbre", Method::Touch(What::Timbre)),
-            ("/controls", Method::List(Kind::Controls)),
-            ("/voices", Method::List(Kind::Voices)),
-            ("/patterns", Method::List(Kind::Patterns)),
-            ("/panic", Method::Panic),
-            ("/calm", Method::Calm),
-            ("/arm", Method::Arm),
-            ("/torque", Method::Torque),
-            ("/meter/subscribe", Method::Subscribe),
-            ("/meter/unsubscribe", Method::Unsubscribe),
-            ("/marker/subscribe", Method::Invite(Wants::Markers)),
-            ("/marker/unsubscribe", Method::Dismiss),
-            ("/event/subscribe", Method::Invite(Wants::All)),
-            ("/event/unsubscribe", Method::Dismiss),
-            ("/status", Method::Status),
-            ("/ping", Method::Ping),
-        ] {
+        for (address, method) in OWN {
             names.add(address.into(), method);
         }
         for voice in &patch.voices {
@@ -211,9 +226,21 @@ pub struct NoPattern;
 
 #[cfg(test)]
 mod tests {
-    use super::{Method, Names, NoPattern};
+    use super::{Method, Names, NoPattern, is_own};
     use crate::io::osc::tests::PATCH;
     use crate::patch::Patch;
+
+    #[test]
+    fn whatever_a_session_has_itself_is_its_own() {
+        let names = Names::of(&Patch::parse("p", PATCH.as_bytes()).unwrap().value);
+        assert!(names.methods.len() > 25);
+        for (address, method) in &names.methods {
+            assert_eq!(is_own(address), !matches!(method, Method::Trigger(_)), "{address}");
+        }
+        for other in ["/1/fader1", "/voicemail", "/", "", "voice", "/torque2"] {
+            assert!(!is_own(other), "{other}");
+        }
+    }
 
     #[test]
     fn to_the_letter_and_by_pattern() {

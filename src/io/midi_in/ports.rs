@@ -1,0 +1,135 @@
+//! Which ports are there, and which of them are open.
+
+use std::sync::Arc;
+
+use midir::{Ignore, MidiInput, MidiInputConnection};
+
+use super::line::Line;
+use super::roster::Roster;
+use super::unknown::{Unknown, fits};
+use super::{Ear, Newsreader, PortNews, Word};
+use crate::live::board::Board;
+
+/// A port that is listened to.
+struct Open {
+    id: String,
+    name: Arc<str>,
+    number: u16,
+    connection: MidiInputConnection<Line>,
+}
+
+/// All of them.
+pub(super) struct Ports {
+    ear: Ear,
+    board: Option<Arc<Board>>,
+    wanted: Option<String>,
+    news: Newsreader,
+    open: Vec<Open>,
+    /// Those that could not be opened.
+    refused: Vec<String>,
+    roster: Roster,
+    /// Whether it was told that there is no MIDI.
+    without: bool,
+    /// Whether it was told that none has the name, or one had it.
+    known: bool,
+}
+
+impl Ports {
+    /// None so far.
+    pub fn new(ear: Ear, board: Option<Arc<Board>>, wanted: Option<String>, news: Newsreader) -> Self {
+        Self {
+            ear,
+            board,
+            wanted,
+            news,
+            open: Vec::new(),
+            refused: Vec::new(),
+            roster: Roster::default(),
+            without: false,
+            known: false,
+        }
+    }
+
+    /// Lets go of ports that are gone, and opens those that are new. Where the system does not answer, that is told once.
+    pub fn look(&mut self, input: Result<MidiInput, String>) {
+        let input = match input {
+            Ok(input) => input,
+            Err(error) => {
+                if !std::mem::replace(&mut self.without, true) {
+                    (self.news)(PortNews::None(error));
+                }
+                return;
+            }
+        };
+        self.without = false;
+        let there: Vec<String> = input.ports().iter().map(midir::MidiInputPort::id).collect();
+        let (stay, gone) =
+            std::mem::take(&mut self.open).into_iter().partition(|port| there.contains(&port.id));
+        self.open = stay;
+        self.let_go(gone).into_iter().for_each(drop);
+        self.search(&input, &there);
+        self.known |= !self.open.is_empty();
+        let unknown = self.wanted.as_ref().filter(|_| !self.known);
+        if let Some(unknown) = unknown.and_then(|name| Unknown::of(name, &usable(&input))) {
+            self.known = true;
+            (self.news)(PortNews::Unknown(unknown));
+        }
+    }
+
+    /// The server that they were of has ended, and all of them with it. JACK's library crashes where one takes leave of a server that is gone, so
+    /// the connections stay.
+    pub fn abandon(&mut self) {
+        let gone = std::mem::take(&mut self.open);
+        self.let_go(gone).into_iter().for_each(std::mem::forget);
+    }
+
+    /// Tells that ports are gone, and gives what connects to them.
+    fn let_go(&mut self, gone: Vec<Open>) -> Vec<MidiInputConnection<Line>> {
+        let end = |port: Open| {
+            self.roster.leave(&port.id);
+            (self.ear)(port.number, &port.name, Word::End);
+            (self.news)(PortNews::Gone(port.name.to_string()));
+            port.connection
+        };
+        gone.into_iter().map(end).collect()
+    }
+
+    /// Opens ports that are new.
+    fn search(&mut self, input: &MidiInput, there: &[String]) {
+        self.refused.retain(|id| there.contains(id));
+        for port in &input.ports() {
+            let (id, name) = (port.id(), input.port_name(port).unwrap_or_default());
+            let fits = self.wanted.as_ref().is_none_or(|part| fits(part, &name));
+            let known = self.roster.has(&id) || self.refused.contains(&id);
+            if !fits || known || is_through(&name) {
+                continue;
+            }
+            let Ok(mut input) = super::input() else { continue };
+            input.ignore(Ignore::None);
+            let (number, shared) = (self.roster.seat(&id, &name), name.as_str().into());
+            let line = Line::new(number, &shared, &self.ear, self.board.as_ref());
+            match input.connect(port, "in", |_, bytes, line| line.hear(bytes), line) {
+                Ok(connection) => {
+                    self.open.push(Open { id, name: shared, number, connection });
+                    (self.news)(PortNews::Opened(name));
+                }
+                Err(error) => {
+                    self.roster.leave(&id);
+                    self.refused.push(id);
+                    (self.news)(PortNews::Refused(name, error.to_string()));
+                }
+            }
+        }
+    }
+}
+
+/// What the program itself offers, or the system's loop-back, would answer to itself.
+fn is_through(name: &str) -> bool {
+    name.starts_with("Midi Through")
+}
+
+/// The names of the ports that may be listened to.
+fn usable(input: &MidiInput) -> Vec<String> {
+    let names = input.ports().into_iter().filter_map(|port| input.port_name(&port).ok());
+    names.filter(|name| !is_through(name)).collect()
+}
