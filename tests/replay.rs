@@ -338,7 +338,16 @@ fn a_journal_is_not_believed_about_files() {
     let from = journal.find(",\"files\":[").unwrap();
     let to = from + journal[from..].find(']').unwrap() + 1;
     std::fs::write(room.0.join("s.jsonl"), format!("{}{}", &journal[..from], &journal[to..])).unwrap();
-    fails(&room.run(&["replay", "s.jsonl", "--allow-outside"]), 65, "has no SHA-256 of `../sounds/felt.wav`");
+    let forged = room.run(&["replay", "s.jsonl", "--allow-outside"]);
+    fails(&forged, 65, "s.jsonl:2: there is no SHA-256 of `../sounds/felt.wav`");
+    // Nor is a patch played that is not the one that was.
+    std::fs::write(room.0.join("s.jsonl"), journal.replacen("felt.wav", "melt.wav", 1)).unwrap();
+    let forged = room.run(&["replay", "s.jsonl", "--allow-outside"]);
+    fails(
+        &forged,
+        65,
+        "does not have the SHA-256 beside it; no session writes that: play the journal as it was written",
+    );
 }
 
 /// Files that were removed while they were written are nowhere: that is no success. What is there may be played again as it is suggested.

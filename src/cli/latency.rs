@@ -333,7 +333,7 @@ impl Latency {
         rates: [u32; 2],
         name: &str,
     ) -> serde_json::Value {
-        let Figures { mean, deviation, least, most, drift, error, margin } = *figures;
+        let Figures { mean, sure, deviation, least, most, drift, error, margin } = *figures;
         // One probe says nothing of them.
         let [deviation, drift] =
             [deviation, drift].map(|figure| (measured.rounds.len() > 1).then_some(figure));
@@ -341,6 +341,7 @@ impl Latency {
             "out": { "device": names[0], "output": name, "rate_hz": rates[0], "says_s": measured.says[0] },
             "in": { "device": names[1], "channel": self.input, "rate_hz": rates[1], "says_s": measured.says[1] },
             "loop_latency_s": mean,
+            "loop_latency_margin_s": sure,
             "loop_latency_frames": mean * f64::from(rates[0]),
             "deviation_s": deviation, "least_s": least, "most_s": most,
             "drift_s_per_s": drift,
@@ -367,6 +368,15 @@ fn trusted(measured: &Measured, figures: &Figures, longer: Option<u32>) -> Resul
         ),
         Doubt::Spread(deviation) => {
             format!("the rounds differ by {:.0} us (standard deviation)", 1e6 * deviation)
+        }
+        Doubt::Few(sure) => {
+            let by = sure.map_or("nobody knows by how much".into(), |sure| {
+                format!("by +-{:.0} us (95 %)", 1e6 * sure)
+            });
+            let what = format!("of {}, the mean may be off, {by}", many(measured.rounds.len(), "probe"));
+            return Err(
+                Failure::usage(format!("it is not saved: {what}"), "send more: --count 25").with_code(74)
+            );
         }
     };
     let blocks = longer.map_or(String::new(), |block| format!(" ask for longer blocks (--block {block}),"));
@@ -402,7 +412,8 @@ fn save(path: &Path, seconds: f64, terminal: &Terminal) -> Result<(), Failure> {
     let latency = Rig::parse(&name, with.as_bytes()).map_err(|problems| Failure::of(78, problems))?;
     replace::replace(path, &bytes, with.as_bytes())?;
     let latency = latency.value.device.loop_latency.unwrap_or(seconds);
-    terminal.note(&format!("{name}: loop_latency = {latency}\n"));
+    let less = "; less than the system says passes, so that it is taken off what is told";
+    terminal.note(&format!("{name}: loop_latency = {latency}{}\n", if latency < 0.0 { less } else { "" }));
     Ok(())
 }
 
@@ -448,5 +459,11 @@ mod tests {
             "close other programs, ask for longer blocks (--block 1024), and measure again"
         );
         assert_eq!(help(None), "close other programs, and measure again");
+        let rounds = vec![round(0.0, 0.01)];
+        let figures = Figures::of(&rounds);
+        let why = trusted(&Measured { rounds, ..Measured::default() }, &figures, None).unwrap_err();
+        let why = &why.problems()[0].list[0];
+        assert_eq!(why.what, "it is not saved: of one probe, the mean may be off, nobody knows by how much");
+        assert_eq!(why.help.as_deref(), Some("send more: --count 25"));
     }
 }

@@ -59,6 +59,9 @@ impl From<ReplayError> for Failure {
     fn from(error: ReplayError) -> Self {
         match error {
             ReplayError::File(error) | ReplayError::Scene(RemakeError::File(error)) => error.into(),
+            ReplayError::Scene(RemakeError::Journal(what)) => {
+                Self::usage(what, "play the journal as it was written").with_code(65)
+            }
             ReplayError::Scene(RemakeError::Scene(problems)) => Self::of(65, problems),
         }
     }

@@ -7,19 +7,23 @@ use std::io::Write;
 use std::path::Path;
 
 /// Puts `after` in place of `before` into the file at `path`, by renaming a new file over it, so that nobody ever finds half of it and
-/// a full disk leaves it as it was. Rights stay; a symbolic link is followed; what has a second hard link keeps the old
+/// a full disk leaves it as it was. Rights and owner stay; a symbolic link is followed; what has a second hard link keeps the old
 /// content under that name. `before` is what was read of it.
 ///
 /// # Errors
-/// When something else stands in it by now, and when the new file cannot be made, written or renamed.
+/// When something else stands in it by now, when it may not be written, and when the new file cannot be made, given to whoever has the old
+/// one, written or renamed.
 pub fn replace(path: impl AsRef<Path>, before: &[u8], after: &[u8]) -> Result<(), FileError> {
     let path = path.as_ref();
     let real = path.canonicalize().map_err(|error| FileError::reading(path, &error))?;
     let about = fs::metadata(&real).map_err(|error| FileError::reading(path, &error))?;
+    // Renaming asks the folder alone.
+    File::options().write(true).open(&real).map_err(|error| FileError::creating(path, &error))?;
     let name = real.file_name().unwrap_or_default().to_string_lossy();
     let near = real.with_file_name(format!(".{name}.{}", std::process::id()));
     let written = (|| {
         let mut file = File::options().write(true).create_new(true).open(&near)?;
+        own(&file, &about)?;
         file.set_permissions(about.permissions())?;
         file.write_all(after)?;
         file.sync_all()
@@ -39,6 +43,23 @@ pub fn replace(path: impl AsRef<Path>, before: &[u8], after: &[u8]) -> Result<()
         let _ = fs::remove_file(&near);
     }
     swapped
+}
+
+/// Gives a new file to whoever has the old one.
+#[cfg(unix)]
+fn own(file: &File, like: &fs::Metadata) -> std::io::Result<()> {
+    use std::os::unix::fs::{MetadataExt, fchown};
+    let now = file.metadata()?;
+    let other = |now: u32, then: u32| (now != then).then_some(then);
+    match (other(now.uid(), like.uid()), other(now.gid(), like.gid())) {
+        (None, None) => Ok(()),
+        (user, group) => fchown(file, user, group),
+    }
+}
+
+#[cfg(not(unix))]
+fn own(_: &File, _: &fs::Metadata) -> std::io::Result<()> {
+    Ok(())
 }
 
 #[cfg(test)]
@@ -67,6 +88,20 @@ mod tests {
             replace(&link, b"two", b"four").unwrap();
             assert!(link.is_symlink() && fs::read(&file).unwrap() == b"four");
             assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+            let owned = |file: &std::path::Path| {
+                use std::os::unix::fs::MetadataExt;
+                let about = fs::metadata(file).unwrap();
+                (about.uid(), about.gid())
+            };
+            // Only root can give files away, and only root writes what nobody may.
+            if std::os::unix::fs::chown(&file, Some(1234), Some(4321)).is_ok() {
+                replace(&file, b"four", b"five").unwrap();
+                assert_eq!(owned(&file), (1234, 4321));
+            } else {
+                fs::set_permissions(&file, fs::Permissions::from_mode(0o444)).unwrap();
+                let error = replace(&file, b"four", b"five").unwrap_err();
+                assert_eq!((error.exit_code(), fs::read(&file).unwrap()), (77, b"four".to_vec()), "{error}");
+            }
         }
         assert_eq!(
             fs::read_dir(&folder)

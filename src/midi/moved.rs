@@ -135,8 +135,10 @@ impl Recogniser {
         &self.heard
     }
 
-    /// What was heard of is over: something else is asked for.
+    /// What was heard of is over: something else is asked for, and half a movement counts for nothing.
     pub fn forget(&mut self) {
+        self.travels.clear();
+        self.same.clear();
         self.heard = Reaches::default();
     }
 
@@ -202,8 +204,6 @@ impl Recogniser {
         }
         let (port, channel, control) = source;
         self.spent = Some((source, seconds));
-        self.travels.clear();
-        self.same.clear();
         self.forget();
         Some(Seen::Moved(Moved { port, channel, control, fine, switch }))
     }
@@ -382,6 +382,14 @@ mod tests {
         assert_eq!([reach.least, reach.most], [15.0 / 127.0, 18.0 / 127.0]);
         bench.0.forget();
         assert!(bench.0.heard().most().is_none());
+        // Half a movement for what was asked before, and half for what is asked now.
+        let rise = |from: u8| (0..5).map(move |n| controller(22, from + 2 * n));
+        assert!(bench.play(rise(40)).is_empty());
+        bench.0.forget();
+        assert!(bench.play(rise(50)).is_empty());
+        assert!(bench.play([controller(23, 9); 7]).is_empty());
+        bench.0.forget();
+        assert_eq!(bench.0.message(bench.1, 3, controller(23, 9)), None, "steps of before");
         // What is recognised is over, and what it says while it is turned on is not heard of.
         bench.play((0..100).map(|n| controller(21, n)));
         assert!(bench.0.heard().most().is_none());

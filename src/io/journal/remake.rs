@@ -31,6 +31,8 @@ impl Recordings {
 /// Why a scene cannot be made again.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RemakeError {
+    /// What the journal says cannot be: somebody has changed it.
+    Journal(String),
     /// A file that is not there, or not what it was.
     File(FileError),
     /// What is wrong with patch or rig.
@@ -40,6 +42,7 @@ pub enum RemakeError {
 impl std::fmt::Display for RemakeError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            Self::Journal(what) => what.fmt(f),
             Self::File(error) => error.fmt(f),
             Self::Scene(problems) => problems.fmt(f),
         }
@@ -84,20 +87,19 @@ pub fn remake(made_of: &Provenance, recordings: &Recordings) -> Result<Scene, Re
     let folder = recordings.folder(made_of).at_rate(recordings_rate(rate));
     let listed = |path: &str| made_of.files.iter().any(|file| file.path == path);
     if let Some((path, _)) = patch.recordings().find(|(path, _)| !listed(path)) {
-        return Err(malformed(format!(
-            "the journal has no SHA-256 of `{path}`, which its patch plays: somebody has changed it"
-        )));
+        return Err(RemakeError::Journal(format!("there is no SHA-256 of `{path}`, which the patch plays")));
     }
     // Only recordings are needed again: what was in events files has become events.
     for file in made_of.files.iter().filter(|file| is_recording(&patch, &file.path)) {
         let path = folder.resolve(&file.path).map_err(|error| missing(error, &folder))?;
         let now = digest::of_file(&path).map_err(RemakeError::File)?;
         if now != file.sha256 {
-            return Err(malformed(format!(
+            let what = format!(
                 "`{}` is not what was played: its SHA-256 is {now}, that of the session's was {}",
                 path.display(),
                 file.sha256
-            )));
+            );
+            return Err(RemakeError::File(FileError::new(FileErrorKind::Malformed, what)));
         }
     }
     scene(&patch, &rig, &options, &folder).map_err(RemakeError::Scene)
@@ -108,9 +110,7 @@ fn tabled(mut rig: Rig, tables: &[Text]) -> Result<Rig, RemakeError> {
     for calibration in &mut rig.calibrations {
         let Some(path) = &calibration.file else { continue };
         let table = tables.iter().find(|table| table.name == *path).ok_or_else(|| {
-            malformed(format!(
-                "the journal has no text of `{path}`, which its rig names: somebody has changed it"
-            ))
+            RemakeError::Journal(format!("there is no text of `{path}`, which the rig names"))
         })?;
         same(&table.text, &table.sha256, &table.name)?;
         calibration.take(&table.text).map_err(|list| {
@@ -130,13 +130,7 @@ fn same(text: &str, sha256: &str, name: &str) -> Result<(), RemakeError> {
     if digest::of_bytes(text.as_bytes()) == sha256 {
         return Ok(());
     }
-    Err(malformed(format!(
-        "the journal's text of `{name}` does not have its SHA-256: somebody has changed one of them"
-    )))
-}
-
-fn malformed(what: String) -> RemakeError {
-    RemakeError::File(FileError::new(FileErrorKind::Malformed, what))
+    Err(RemakeError::Journal(format!("the text of `{name}` does not have the SHA-256 beside it")))
 }
 
 /// Whoever plays a journal elsewhere has the recordings elsewhere.

@@ -156,7 +156,7 @@ impl<R: BufRead> Replay<R> {
             return Err(reader.unwritten("a plan must follow the first line").into());
         };
         let Some(made_of) = first.made_of else { return Err(unmade(&reader)) };
-        let plan = remake(&made_of, &recordings).map_err(ReplayError::Scene)?.plan;
+        let plan = remake(&made_of, &recordings).map_err(|why| unmakeable(&reader, why))?.plan;
         let wrong = |what: String| ReplayError::from(reader.unwritten(&what));
         if plan.channels != head.channels || plan.device_rate != head.rate {
             return Err(wrong(format!(
@@ -413,7 +413,7 @@ impl<R: BufRead> Replay<R> {
         let Some(made_of) = self.next.pop_front() else {
             return Err(self.reader.unwritten("no plan was written down that could take over here").into());
         };
-        let plan = remake(&made_of, &self.recordings).map_err(ReplayError::Scene)?.plan;
+        let plan = remake(&made_of, &self.recordings).map_err(|why| unmakeable(&self.reader, why))?.plan;
         let sent =
             self.director.send(&plan).map_err(|mismatch| self.reader.unwritten(&mismatch.to_string()))?;
         if !sent || !self.stagehand.take_over_now() {
@@ -430,6 +430,13 @@ impl<R: BufRead> Replay<R> {
 /// In one sentence.
 fn told(problem: Problem) -> String {
     problem.help.map_or(problem.what.clone(), |help| format!("{}: {help}", problem.what))
+}
+
+fn unmakeable<R: BufRead>(reader: &Reader<R>, why: RemakeError) -> ReplayError {
+    match why {
+        RemakeError::Journal(what) => reader.unwritten(&what).into(),
+        why => ReplayError::Scene(why),
+    }
 }
 
 fn unmade<R: BufRead>(reader: &Reader<R>) -> ReplayError {

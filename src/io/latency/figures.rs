@@ -6,7 +6,7 @@ use crate::dsp::student;
 /// Two crystals are apart by up to some 100 millionths: from here on, it is the times that are wrong.
 const CLOCKS: f64 = 500e-6;
 
-/// Seconds of deviation of one round, from which on the mean is of no use.
+/// Seconds by which one round deviates, or by which the mean may be off, from which on the mean is of no use.
 const SPREAD: f64 = 0.000_5;
 
 /// Seconds from the median, from which on it was another sound that came back.
@@ -17,7 +17,9 @@ const STRAY: f64 = 0.002;
 pub struct Figures {
     /// The mean latency.
     pub mean: f64,
-    /// Its standard deviation from round to round; 0 of one.
+    /// By how much that may be off, 95 times in 100, to either side: its standard error by Student's quantile; of one round nobody knows it.
+    pub sure: Option<f64>,
+    /// The standard deviation from round to round; 0 of one.
     pub deviation: f64,
     /// The shortest,
     pub least: f64,
@@ -38,6 +40,8 @@ pub enum Doubt {
     Clocks(f64),
     /// The rounds differ by this much, seconds (standard deviation).
     Spread(f64),
+    /// There were too few rounds: the mean may be off by this much, seconds; `None`: nobody knows by how much, as there was one.
+    Few(Option<f64>),
 }
 
 impl Figures {
@@ -55,8 +59,10 @@ impl Figures {
         // What the straight line leaves over.
         let left = rounds.iter().map(|r| square(r.latency - mean - drift * (r.at - middle))).sum::<f64>();
         let error = (rounds.len() > 2 && spread > 0.0).then(|| (left / (count - 2.0) / spread).sqrt());
+        let sure = (rounds.len() > 1).then(|| deviation / count.sqrt() * student::quantile(rounds.len() - 1));
         Self {
             mean,
+            sure,
             deviation,
             least: rounds.iter().map(|r| r.latency).fold(f64::INFINITY, f64::min),
             most: rounds.iter().map(|r| r.latency).fold(f64::NEG_INFINITY, f64::max),
@@ -78,7 +84,7 @@ impl Figures {
         } else if self.deviation > SPREAD {
             Some(Doubt::Spread(self.deviation))
         } else {
-            None
+            self.sure.is_none_or(|sure| sure > SPREAD).then_some(Doubt::Few(self.sure))
         }
     }
 }
@@ -174,11 +180,18 @@ mod tests {
             Figures::of(&rounds).doubt(drift)
         };
         let same = [0.01; 3];
-        for (drift, latencies) in [(100e-6, same), (-499e-6, same), (0.0, [0.01, 0.0105, 0.0103])] {
+        for (drift, latencies) in [(100e-6, same), (-499e-6, same), (0.0, [0.01, 0.0102, 0.0101])] {
             assert_eq!(of(drift, latencies), None);
         }
         assert_eq!(of(501e-6, same), Some(Doubt::Clocks(501e-6)));
         assert_eq!(of(-0.01, same), Some(Doubt::Clocks(-0.01)));
         assert!(matches!(of(0.0, [0.01, 0.0119, 0.0103]), Some(Doubt::Spread(x)) if x > 0.0009));
+        // Two that are 0.1 ms apart: half of that, by Student's 12.706 for one degree of freedom.
+        let few = |rounds: &[Round]| Figures::of(rounds).doubt(0.0);
+        let two = [round(0.0, 0.01), round(1.0, 0.0101)];
+        assert!(matches!(few(&two), Some(Doubt::Few(Some(x))) if (x - 0.05e-3 * 12.706_204_7).abs() < 1e-9));
+        assert_eq!(few(&[round(0.0, 0.01), round(1.0, 0.01004)]), None);
+        assert_eq!(few(&two[..1]), Some(Doubt::Few(None)));
+        assert_eq!(Figures::of(&two[..1]).sure, None);
     }
 }

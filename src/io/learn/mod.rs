@@ -164,7 +164,7 @@ impl Learner {
         self.recogniser.forget();
         self.others = false;
         if let Some(osc) = &mut self.osc {
-            osc.heard = Reaches::default();
+            osc.forget();
         }
     }
 

@@ -28,7 +28,8 @@ pub(super) struct Ear {
     socket: UdpSocket,
     space: Vec<u8>,
     begin: Instant,
-    travels: HashMap<String, Travel>,
+    /// Where each address has been, and when it was heard of last.
+    travels: HashMap<String, (Travel, f64)>,
     spent: Option<(String, f64)>,
     said: HashSet<String>,
     /// What was heard of and was not enough.
@@ -81,6 +82,12 @@ impl Ear {
         heard
     }
 
+    /// What was heard of is over.
+    pub fn forget(&mut self) {
+        self.travels.clear();
+        self.heard = Reaches::default();
+    }
+
     fn message(&mut self, seconds: f64, address: &str, value: f64) -> Option<Heard> {
         let misfit = if is_own(address) {
             Some(Misfit::Own)
@@ -105,21 +112,55 @@ impl Ear {
             self.spent = None;
         }
         if self.travels.len() >= MOST && !self.travels.contains_key(address) {
-            return None;
+            // Whatever says nothing any more makes room.
+            let oldest =
+                self.travels.iter().min_by(|a, b| a.1.1.total_cmp(&b.1.1)).map(|(old, _)| old.clone());
+            oldest.and_then(|oldest| self.travels.remove(&oldest));
         }
         self.heard.hear(address.into(), value);
-        let travel = self.travels.entry(address.into()).or_default();
+        let (travel, last) = self.travels.entry(address.into()).or_default();
+        *last = seconds;
         travel.comes(seconds, value);
         let moved = travel.is_moved(SPAN) || travel.is_moved_coarsely();
         let (pressed, switch) = (!moved && travel.is_latched(), travel.is_switch());
-        let alone = |(other, travel): (&String, &Travel)| other == address || !travel.is_far(seconds);
+        let alone =
+            |(other, (travel, _)): (&String, &(Travel, f64))| other == address || !travel.is_far(seconds);
         let meant = moved || (pressed && self.travels.iter().all(alone));
         if !meant {
             return None;
         }
-        self.travels.clear();
-        self.heard = Reaches::default();
+        self.forget();
         self.spent = Some((address.into(), seconds));
         Some(Heard::Source(Source::Osc { address: address.into(), switch }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Ear, Heard, MOST};
+    use crate::io::osc::endpoint::Endpoint;
+
+    #[test]
+    fn among_more_addresses_than_are_told_apart_one_that_moves_is_recognised() {
+        let (mut ear, _) = Ear::open("127.0.0.1:0".parse::<Endpoint>().unwrap()).unwrap();
+        for n in 0..3 * MOST {
+            assert_eq!(ear.message(1e-4 * n as f64, &format!("/desk/{n}"), 0.5), None);
+        }
+        assert_eq!(ear.travels.len(), MOST);
+        let moved =
+            (0..=50).filter_map(|n| ear.message(2.0 + 0.02 * f64::from(n), "/fader", 0.02 * f64::from(n)));
+        assert!(matches!(moved.collect::<Vec<_>>()[..], [Heard::Source(_)]));
+    }
+
+    #[test]
+    fn half_a_movement_is_none() {
+        let (mut ear, _) = Ear::open("127.0.0.1:0".parse::<Endpoint>().unwrap()).unwrap();
+        let half = |ear: &mut Ear, from: f64| {
+            (0..5).find_map(|n| ear.message(from, "/fader", from + 0.012 * f64::from(n)))
+        };
+        assert_eq!(half(&mut ear, 0.4), None);
+        ear.forget();
+        assert_eq!(half(&mut ear, 0.46), None);
+        assert!(half(&mut ear, 0.52).is_some());
     }
 }

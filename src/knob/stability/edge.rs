@@ -67,6 +67,8 @@ where
     S: Fn(f64, Complex) -> Complex,
 {
     let at = |phi: f64| {
+        #[cfg(test)]
+        super::work::point();
         let half = (0.5 * phi).sin();
         let w = Complex::new(-2.0 * half * half, phi.sin());
         let turned = Complex::turned(phi * grid.lag as f64);

@@ -12,3 +12,5 @@ pub mod rules;
 pub mod sampled;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+pub(crate) mod work;

@@ -110,6 +110,8 @@ impl Characteristic {
         let count = (degree(&self.delayed) + self.lag)
             .max(degree(&self.fed_back))
             .max(self.between.iter().map(|(p, less)| degree(p) + less).max().unwrap_or(0));
+        #[cfg(test)]
+        super::work::eigenvalues(count);
         let mut roots: Vec<Complex> = (0..count)
             .map(|k| {
                 let turn = std::f64::consts::TAU * (k as f64 + 0.37) / count as f64;
