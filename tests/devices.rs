@@ -303,6 +303,10 @@ fn a_card_that_cannot_be_opened_is_told_of_with_the_reason() {
     let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
     let row = |name: &str| listed.lines().find(|line| line.contains(name)).unwrap_or("").to_string();
     assert!(row("shut13").contains("not allowed") && row("shut16").contains("in use"), "{listed}");
+    for (name, help) in [("shut13", "sudo usermod -aG audio"), ("shut16", "close the program")] {
+        let line = |line: &str| line.contains(&format!("{name}: ")) && line.contains(help);
+        assert!(listed.lines().any(line), "{name}: {listed}");
+    }
     assert!(["shut5", "shut12", "shut22"].iter().all(|name| row(name).is_empty()), "{listed}");
     // Where no card is named, the virtual one plays, and it is said why.
     for (number, why) in [

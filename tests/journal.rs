@@ -543,7 +543,7 @@ fn what_is_no_journal_any_more_is_refused_at_its_line() {
     refused("{\"kind\":\"end\",\"frame\":3}\n", "1: this is no journal");
     refused(&edited("pacinian-journal/1", "pacinian-journal/2"), "reads `pacinian-journal/1`");
     refused(&edited("\"plan\":0", "\"plan\":-1"), "s.jsonl:2:");
-    refused(&edited("frequency = 100", "frequency = 101"), "somebody has changed one of them");
+    refused(&edited("frequency = 100", "frequency = 101"), "does not have the SHA-256 beside it");
     refused(&edited("\"channels\":3", "\"channels\":4"), "the session had 4 channels");
     refused(&edited("\"name\":\"tap\"", "\"name\":\"nap\""), "no voice called `nap`");
     refused(&edited("\"place\":\"t", "\"place\":\"q"), "there is no output `q");

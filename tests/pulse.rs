@@ -1,5 +1,5 @@
-//! Playing through PulseAudio to a second program, `parec`, and what happens when its sink goes away: the server then moves the stream to
-//! another one, and says nothing.
+//! Playing through PulseAudio to a second program, `parec`, and what happens when its sink goes away, or somebody leads the stream elsewhere: the
+//! server then moves it to another one, and says nothing.
 //!
 //! It needs the feature `pulseaudio`, and pulseaudio and pulseaudio-utils (on Debian packages of these names). The server runs in a folder of
 //! the test's own, with sinks that have no hardware. Where it is missing, a test says that it was skipped, and why.
@@ -76,6 +76,15 @@ impl Rig {
         let modules = self.pactl(&["list", "short", "modules"]).unwrap();
         let line = modules.lines().find(|line| line.contains(&format!("sink_name={name} "))).unwrap();
         self.pactl(&["unload-module", line.split_whitespace().next().unwrap()]).unwrap();
+    }
+
+    /// Leads what `kind` (`sink-input`, `source-output`) the program has to another device, as a mixer's window does.
+    fn lead(&self, kind: &str, to: &str) {
+        let all = self.pactl(&["list", &format!("{kind}s")]).unwrap();
+        let own =
+            all.split("\n\n").find(|one| one.contains("cpal-pulseaudio")).unwrap_or_else(|| panic!("{all}"));
+        let number = own.split('#').nth(1).unwrap().split_whitespace().next().unwrap();
+        self.pactl(&[&format!("move-{kind}"), number, to]).unwrap();
     }
 
     fn load(&self, name: &str) {
@@ -294,6 +303,56 @@ fn a_stream_that_is_moved_without_a_word_is_shut() {
     let again = rig.heard(recorder, "again.raw");
     let peak = again.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
     assert!(hums(&again, CHANNELS), "it sounds again: {peak} of {}, {}", again.len(), playing.text());
+    playing.interrupt();
+}
+
+/// Somebody leads the stream to another sink with a mixer's window: it is shut there, and goes on where it was opened. The session's clock goes on
+/// all the while, and does not stand still for the two seconds of its own that an idle sink plays first.
+#[test]
+fn a_stream_that_somebody_leads_elsewhere_goes_back() {
+    let Some(rig) = Rig::new("led") else { return };
+    let mut playing = rig.hum();
+    let sounds = rig.record("glove", "first.raw");
+    std::thread::sleep(Duration::from_millis(3000));
+    assert!(hums(&rig.heard(sounds, "first.raw"), CHANNELS), "{}", playing.text());
+    for round in 1..=3 {
+        let recorder = rig.record("belt", "other.raw");
+        rig.lead("sink-input", "belt");
+        wait("the move", || playing.says("moved the stream") == round);
+        wait("its return", || playing.says("the device is back") == round);
+        std::thread::sleep(Duration::from_millis(1000));
+        let other = rig.heard(recorder, "other.raw");
+        let sounding = other.chunks(CHANNELS as usize).filter(|f| f.iter().any(|x| *x != 0.0)).count();
+        assert!(sounding < 24_000, "{sounding} frames");
+        let tail = &other[other.len() - 24_000 * CHANNELS as usize..];
+        assert!(tail.iter().all(|x| *x == 0.0), "it is still played on");
+    }
+    let recorder = rig.record("glove", "again.raw");
+    std::thread::sleep(Duration::from_millis(3000));
+    assert!(hums(&rig.heard(recorder, "again.raw"), CHANNELS), "{}", playing.text());
+    playing.interrupt();
+}
+
+/// What is listened to comes from one source, and from no other to which somebody leads the stream.
+#[test]
+fn an_input_that_somebody_leads_elsewhere_goes_back() {
+    let Some(rig) = Rig::new("ear") else { return };
+    scene(&rig.folder, CHANNELS);
+    let listens = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"i\"\n[voice.v.nodes]\n\
+                   i = { type = \"input\", channel = 1 }\n";
+    fs::write(rig.folder.join("listens.toml"), listens).unwrap();
+    let mut play =
+        rig.program(&["play", "listens.toml", "--rig", "rig.toml", "--device", "pulseaudio:glove"]);
+    play.args(["--input-device", "pulseaudio:belt.monitor", "--block", "1024"]);
+    let mut playing = Playing::start(play, rig.folder.join("told"));
+    wait("the beginning", || playing.says("plays on") == 1);
+    std::thread::sleep(Duration::from_millis(1000));
+    for round in 1..=3 {
+        rig.lead("source-output", "glove.monitor");
+        wait("the move", || playing.says("moved the input") == round);
+        wait("its return", || playing.says("the input device is back") == round);
+        std::thread::sleep(Duration::from_millis(500));
+    }
     playing.interrupt();
 }
 

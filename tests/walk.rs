@@ -161,13 +161,13 @@ fn a_guess_is_written_when_somebody_agrees() {
 
 /// Answers that are piped in, a line each.
 #[cfg(unix)]
-fn piped(scratch: &Scratch, answers: &str) -> program::Run {
+fn piped(scratch: &Scratch, answers: impl AsRef<[u8]>) -> program::Run {
     use std::io::Write;
     use std::process::Stdio;
     let mut command = scratch.command(&["walk", "--rig", "r.toml", "--seconds", "0.1", "--write"]);
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
-    child.stdin.take().unwrap().write_all(answers.as_bytes()).unwrap();
+    child.stdin.take().unwrap().write_all(answers.as_ref()).unwrap();
     program::Run::of(child.wait_with_output().unwrap())
 }
 
@@ -184,6 +184,24 @@ fn lines_are_answers_and_what_is_not_understood_is_asked_again() {
         run.err
     );
     assert!(std::fs::read_to_string(path).unwrap().contains("channel = 2     # by the seam"));
+}
+
+/// An empty pipe, bytes that are no text, a line that nobody can have typed: nothing is written, and that is told.
+#[cfg(unix)]
+#[test]
+fn where_nothing_is_said_nothing_is_written() {
+    let scratch = Scratch::new("walk-nothing");
+    let path = scratch.write("r.toml", RIG);
+    let long = "left".repeat(1 << 20) + "\n";
+    for answers in [&b""[..], b"\xff\xfe\x00\n", long.as_bytes()] {
+        let run = piped(&scratch, answers);
+        assert!(run.err.len() < 4_000, "{}", run.err.len());
+        run.fails(
+            65,
+            &["nothing was said of any channel, so `r.toml` was left alone", "pipe a line for each"],
+        );
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), RIG);
+    }
 }
 
 #[cfg(unix)]

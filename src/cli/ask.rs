@@ -2,7 +2,7 @@
 
 use super::screen::tty;
 use crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
-use std::io::{BufRead, IsTerminal, stderr, stdin};
+use std::io::{BufRead, IsTerminal, Read, stderr, stdin};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::time::Duration;
 
@@ -29,6 +29,9 @@ pub enum Said {
     /// Nobody will type anything any more.
     End,
 }
+
+/// Bytes of the longest line.
+const LONGEST: u64 = 4096;
 
 /// What may wait.
 const WAITING: usize = 64;
@@ -130,15 +133,31 @@ fn key_of(key: KeyEvent) -> Option<Said> {
 }
 
 fn lines(say: &SyncSender<Said>) {
-    for line in stdin().lock().lines() {
-        let Ok(line) = line else { break };
-        let plain = plain(&line);
-        // What was not empty does not mean what an empty line means.
-        let said = if plain.is_empty() && !line.is_empty() { Said::Unclear } else { Said::Line(plain) };
+    let mut from = stdin().lock();
+    while let Some(said) = next_line(&mut from) {
         if say.send(said).is_err() {
             break;
         }
     }
+}
+
+/// The next line, of which no more is kept than somebody may type; `None` at the end, or where nothing can be read any more.
+fn next_line(from: &mut impl BufRead) -> Option<Said> {
+    let mut line = Vec::new();
+    let read = from.by_ref().take(LONGEST).read_until(b'\n', &mut line).ok()?;
+    if read == 0 {
+        return None;
+    }
+    if read as u64 == LONGEST && line.last() != Some(&b'\n') {
+        from.skip_until(b'\n').ok()?;
+        return Some(Said::Unclear);
+    }
+    let line = line.strip_suffix(b"\n").unwrap_or(&line);
+    let line = line.strip_suffix(b"\r").unwrap_or(line);
+    let Ok(text) = std::str::from_utf8(line) else { return Some(Said::Unclear) };
+    let plain = plain(text);
+    // What was not empty does not mean what an empty line means.
+    Some(if plain.is_empty() && !line.is_empty() { Said::Unclear } else { Said::Line(plain) })
 }
 
 /// Without blanks around it, and without what keys leave behind that move a cursor.
@@ -192,7 +211,7 @@ impl Entry {
 
 #[cfg(test)]
 mod tests {
-    use super::{Edit, Entry, Said, key_of, plain};
+    use super::{Edit, Entry, LONGEST, Said, key_of, next_line, plain};
     use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
     #[test]
@@ -207,6 +226,21 @@ mod tests {
         ] {
             assert_eq!(plain(typed), line, "{typed:?}");
         }
+    }
+
+    #[test]
+    fn lines_are_text_and_no_longer_than_somebody_types() {
+        let long = vec![b'x'; 3 * LONGEST as usize];
+        let all = [b"left\r\n\n \n\xff\xfe\n".as_slice(), &long, b"\nright"].concat();
+        let mut from = all.as_slice();
+        let said: Vec<_> = std::iter::from_fn(|| next_line(&mut from)).collect();
+        let line = |text: &str| Said::Line(text.into());
+        assert_eq!(
+            said,
+            [line("left"), line(""), Said::Unclear, Said::Unclear, Said::Unclear, line("right")]
+        );
+        let whole = [&long[..LONGEST as usize - 1], b"\n"].concat();
+        assert!(matches!(next_line(&mut whole.as_slice()), Some(Said::Line(_))));
     }
 
     #[test]

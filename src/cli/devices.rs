@@ -177,7 +177,23 @@ fn table(found: &[Found]) -> String {
             device.id.clone(),
         ]);
     }
-    table.text()
+    table.text() + &remedies(found)
+}
+
+/// What helps against each trouble, once for all that have the same.
+fn remedies(found: &[Found]) -> String {
+    let mut all: Vec<(&str, Vec<String>)> = Vec::new();
+    for device in found {
+        let Some(help) = device.trouble.as_ref().and_then(|trouble| trouble.help.as_deref()) else {
+            continue;
+        };
+        let name = escaped(&device.name).into_owned();
+        match all.iter_mut().find(|(known, _)| *known == help) {
+            Some((_, names)) => names.push(name),
+            None => all.push((help, vec![name])),
+        }
+    }
+    all.iter().map(|(help, names)| format!("  {}: {help}\n", names.join(", "))).collect()
 }
 
 fn range((least, most): (u32, u32)) -> String {

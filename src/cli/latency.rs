@@ -463,7 +463,7 @@ mod tests {
         let figures = Figures::of(&rounds);
         let why = trusted(&Measured { rounds, ..Measured::default() }, &figures, None).unwrap_err();
         let why = &why.problems()[0].list[0];
-        assert_eq!(why.what, "it is not saved: of one probe, the mean may be off, nobody knows by how much");
+        assert_eq!(why.what, "it is not saved: of 1 probe, the mean may be off, nobody knows by how much");
         assert_eq!(why.help.as_deref(), Some("send more: --count 25"));
     }
 }

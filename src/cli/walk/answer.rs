@@ -25,8 +25,7 @@ pub enum Answer {
 }
 
 /// What may be said in a line.
-pub const LINES: &str =
-    "Enter: yes   NAME or channel: it was that one   n: nothing   r: again   s: skip   b: back   q: end";
+pub const LINES: &str = "Enter: yes   NAME, t NAME or channel: it was that one   n: nothing   r: again   s: skip   b: back   q: end";
 
 /// What may be said with a key.
 pub const KEYS: &str = "y or Enter: yes   t: it was another, by name or channel   n: nothing   r: again   s: skip   b: back   q: end";
@@ -71,7 +70,10 @@ impl Answer {
             "s" => Ok(Self::Skip),
             "b" => Ok(Self::Back),
             "q" => Ok(Self::Quit),
-            _ => Self::named(line, rig),
+            // A name may be a letter that means something else.
+            _ => Self::named(line, rig).or_else(|why| {
+                line.strip_prefix("t ").map_or(Err(why), |name| Self::named(name.trim_start(), rig))
+            }),
         }
     }
 
@@ -131,6 +133,8 @@ mod tests {
         // A name is a name, though it begins as a word that may be said.
         assert_eq!(Answer::named("b", &rig), Ok(Answer::Felt(2)));
         assert!(Answer::named("", &rig).is_err());
+        assert_eq!([of("t b"), of("t  BACK"), of("t 1")], [2, 2, 1].map(|n| Ok(Answer::Felt(n))));
+        assert!(of("t").is_err() && of("t x").unwrap_err().contains("`x`"));
     }
 
     #[test]

@@ -136,7 +136,19 @@ impl Walk {
         if let End::Stopped(code) = ended? {
             return Err(Failure::told(code));
         }
-        let Some(person) = person.filter(|_| !felt.is_empty()) else { return Ok(()) };
+        let Some(person) = person else { return Ok(()) };
+        if felt.is_empty() {
+            let rig = self.rig.as_ref().filter(|_| self.write);
+            let Some(rig) = rig.map(|rig| escaped(&rig.display().to_string()).into_owned()) else {
+                return Ok(());
+            };
+            let what = format!("nothing was said of any channel, so `{rig}` was left alone");
+            if person.keyed {
+                terminal.note(&format!("{what}\n"));
+                return Ok(());
+            }
+            return Err(Failure::said(65, format!("{what}; pipe a line for each channel in")));
+        }
         self.conclude(&round, &person, &felt, &source.unwrap_or_default())
     }
 

@@ -43,7 +43,7 @@ impl Chosen {
         let Self::Card(_, found) = self else { return None };
         #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
         if let Some(sink) = found.id.strip_prefix("pulseaudio:") {
-            return super::pulse_map::told(sink, channels);
+            return super::pulse::map::told(sink, channels);
         }
         let hands_on = MIXERS.contains(&found.id.as_str());
         (hands_on && channels > NAMED).then(|| {

@@ -5,13 +5,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
+use cpal::Device;
+
 use super::card::{Card, News, Shape};
 use super::choose::{Chosen, again};
 use super::failure::{DeviceError, Trouble};
 use super::hosts::Hosts;
-use super::minder::{Bell, Minder, Pulse, Search, Watch, bell, let_go};
+use super::list::Found;
+use super::minder::{Bell, Minder, Pulse, Search, WATCH, bell, let_go};
 use super::returning::{Returning, Stand};
 use super::virtual_card::VirtualCard;
+use super::watch::{Watch, Way};
 use crate::live::board::Board;
 use crate::live::driver::Driver;
 use crate::live::gate::{Order, UNARMED};
@@ -24,7 +28,7 @@ pub enum Fate {
     Lost(String),
     /// It is back.
     Back,
-    /// The system lets the stream play on another device than it was opened on; that of an output is let go of.
+    /// The system has led the stream to another device than it was opened on: it is let go of.
     Moved,
     /// Nobody has named the device, so what comes back may be another: at -20 dB until it is armed.
     Lowered,
@@ -112,19 +116,23 @@ impl Keeper {
             bell: bell.clone(),
             pulse: Pulse::new(),
             search: Search::new(),
-            watch: Watch::default(),
+            watch: Watch::of("", Way::Out),
             resting: Arc::default(),
             trouble: None,
         };
         let resting = Arc::clone(&keeping.resting);
         match chosen {
             Chosen::Card(device, found) => {
-                let (tell, news) = keeping.bell.news();
-                let lent = keeping.lend(driver);
-                keeping.playing = Playing::Card(Card::open(&device, &found, shape, lent, board, tell)?);
-                keeping.news = Some(news);
+                if found.host() == "pulseaudio" {
+                    keeping.begin_late(&device, &found, driver)?;
+                } else {
+                    let (tell, news) = keeping.bell.news();
+                    let lent = keeping.lend(driver);
+                    keeping.playing = Playing::Card(Card::open(&device, &found, shape, lent, board, tell)?);
+                    keeping.news = Some(news);
+                }
                 keeping.default = found.may_be_another();
-                keeping.watch = Watch::of(found.host());
+                keeping.watch = Watch::of(&found.id, Way::Out);
                 keeping.sought = Some((found.hosts, found.id));
             }
             Chosen::Virtual(_) => keeping.tick(driver)?,
@@ -144,6 +152,24 @@ impl Keeping {
         let (lent, recall) = lend(Box::new(driver), self.lend.clone());
         self.recall = Some(recall);
         lent
+    }
+
+    /// Of a device that may pause at first: the clock begins when it does not any more.
+    fn begin_late(&mut self, device: &Device, found: &Found, driver: Driver) -> Result<(), DeviceError> {
+        let mut first = Returning::open(device, found, self.shape, &self.board, &self.bell)?;
+        loop {
+            match first.stand(Instant::now()) {
+                Stand::Waits => std::thread::sleep(WATCH),
+                Stand::Plays => break,
+                Stand::Fails(why) => {
+                    return Err(DeviceError::new(Trouble::Other, format!("{}: {why}", found.name)));
+                }
+            }
+        }
+        let (card, said, news) = first.play(self.lend(driver));
+        (self.playing, self.news) = (Playing::Card(card), Some(news));
+        said.into_iter().for_each(|news| self.hear(news));
+        Ok(())
     }
 
     fn tick(&mut self, driver: Driver) -> Result<(), DeviceError> {
@@ -217,10 +243,10 @@ impl Keeping {
         }
     }
 
-    /// Of a host that moves streams without a word: whether the device is none of its any more.
+    /// Of a host that moves streams without a word: whether the device is none of its any more, or the stream is on another.
     fn finds_away(&mut self, now: Instant) -> bool {
-        let Some((hosts, id)) = self.sought.clone() else { return false };
-        self.watch.finds_away(now, move || !hosts.has(&id))
+        let Some((hosts, id)) = &self.sought else { return false };
+        self.watch.finds_away(now, hosts, id)
     }
 
     fn hear(&mut self, news: News) {

@@ -14,6 +14,7 @@ use super::hosts::Hosts;
 use super::keeper::Fate;
 use super::list::Found;
 use super::minder::{Bell, Minder, Pulse, Search, bell, let_go};
+use super::watch::{Watch, Way};
 use crate::live::board::Board;
 use crate::live::intake::Intake;
 use crate::live::lent::{Recall, lend};
@@ -46,6 +47,7 @@ struct Keeping {
     bell: Bell,
     pulse: Pulse,
     search: Search,
+    watch: Watch,
     /// Where it was told that the device is gone: frames that had come by then.
     gone: Option<u64>,
     /// What was said last of why it is not listened to.
@@ -80,6 +82,7 @@ impl Listening {
             bell: bell.clone(),
             pulse: Pulse::new(),
             search: Search::new(),
+            watch: Watch::of(&found.id, Way::In),
             gone: None,
             trouble: None,
         };
@@ -114,12 +117,15 @@ impl Keeping {
         while let Some(Ok(news)) = self.news.as_ref().map(Receiver::try_recv) {
             match news {
                 News::Lost(why) | News::Broke(why) => self.lose(why),
-                News::Moved => (self.fate)(Fate::Moved),
+                News::Moved => self.moved(),
                 News::Said(what) => (self.fate)(Fate::Said(what)),
             }
         }
         if self.capture.is_some() && pause > SILENT {
             self.lose("it brings nothing any more".into());
+        }
+        if self.capture.is_some() && self.watch.finds_away(now, &self.hosts, &self.id) {
+            self.moved();
         }
         // That it lets itself be opened does not mean that it hears.
         if self.capture.is_some() && self.gone.is_some_and(|before| frames != before) {
@@ -129,12 +135,21 @@ impl Keeping {
         if self.search.is_due(now, self.capture.is_some()) {
             let there = heard_again(&self.hosts, &self.id);
             match there.and_then(|(device, found)| self.open(&device, &found)) {
-                Ok(()) => self.pulse.begin(),
+                Ok(()) => {
+                    self.pulse.begin();
+                    self.watch.forget();
+                }
                 // That it is away is known.
                 Err(error) if error.kind == Trouble::Missing => {}
                 Err(error) => self.complain(error.to_string()),
             }
         }
+    }
+
+    /// What comes is of another device, and is not listened to.
+    fn moved(&mut self) {
+        (self.fate)(Fate::Moved);
+        self.lose("what comes from another is not heard; its own is waited for".into());
     }
 
     /// The device is gone, or gone again.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -12,10 +12,10 @@ use super::card::News;
 use super::failure::{DeviceError, Trouble};
 
 /// How often it looks.
-const WATCH: Duration = Duration::from_millis(20);
+pub(super) const WATCH: Duration = Duration::from_millis(20);
 
 /// How often a device is looked for while it is away: soon at first, later not so often.
-const SEARCH: Duration = Duration::from_millis(100);
+pub(super) const SEARCH: Duration = Duration::from_millis(100);
 const SEARCH_LATER: Duration = Duration::from_secs(1);
 const SOON: Duration = Duration::from_secs(5);
 
@@ -182,50 +182,6 @@ impl Search {
     }
 }
 
-/// A look now and then at a device that plays, where its host does not tell that a stream plays on another one now.
-#[derive(Debug, Default)]
-pub(super) struct Watch {
-    /// When it was looked at last; `None` where the host tells.
-    last: Option<Instant>,
-    /// Who looks, in a thread of its own: a server that does not answer holds up nobody else.
-    looks: Option<Receiver<bool>>,
-}
-
-impl Watch {
-    /// PulseAudio moves the streams of a device that goes, and cpal does not hear of it.
-    pub fn of(host: &str) -> Self {
-        Self { last: (host == "pulseaudio").then(Instant::now), looks: None }
-    }
-
-    /// Whether a look has come to that the device is away, as `is_away` says. What was looked at before is asked for at the next call.
-    pub fn finds_away(&mut self, now: Instant, is_away: impl FnOnce() -> bool + Send + 'static) -> bool {
-        match self.looks.as_ref().map(Receiver::try_recv) {
-            Some(Err(TryRecvError::Empty)) => return false,
-            Some(answer) => {
-                self.looks = None;
-                return answer == Ok(true);
-            }
-            None => {}
-        }
-        if self.last.is_some_and(|last| now.saturating_duration_since(last) >= SEARCH) {
-            self.last = Some(now);
-            let (tell, looks) = channel();
-            let look = move || {
-                // Who has forgotten it does not wait.
-                let _ = tell.send(is_away());
-            };
-            // Where there is no thread for it, the next look will do.
-            self.looks = std::thread::Builder::new().name("look".into()).spawn(look).ok().map(|_| looks);
-        }
-        false
-    }
-
-    /// What was looked at is no more.
-    pub fn forget(&mut self) {
-        self.looks = None;
-    }
-}
-
 /// What a stream is given to tell of its errors: `gap` counts those after which it has gone on by itself, `lost` hears at once of those
 /// after which it is of no use, such as that it plays on another device now.
 pub(super) fn teller(
@@ -278,7 +234,7 @@ pub(super) fn within<T: Send + 'static>(
 
 #[cfg(test)]
 mod tests {
-    use super::{Minder, PATIENCE, Pulse, SEARCH, SOON, STALL, Search, Watch, bell};
+    use super::{Minder, PATIENCE, Pulse, SEARCH, SOON, STALL, Search, bell};
     use crate::io::device::card::News;
     use std::sync::mpsc::channel;
     use std::time::{Duration, Instant};
@@ -342,28 +298,6 @@ mod tests {
         let soon = SOON.as_millis() as u64;
         assert_eq!(due(2_000, 2_000 + soon - 100, &mut search), (soon - 100) / SEARCH.as_millis() as u64);
         assert_eq!(due(2_000 + soon, 12_000 + soon, &mut search), 10);
-    }
-
-    #[test]
-    fn a_look_that_does_not_come_to_an_end_holds_up_nobody() {
-        let (begin, mut watch) = (Instant::now(), Watch::of("pulseaudio"));
-        let later = |ms: u64| begin + Duration::from_millis(1000 + ms);
-        let (answer, asked) = std::sync::mpsc::channel::<bool>();
-        assert!(!watch.finds_away(later(0), move || asked.recv() == Ok(true)));
-        assert!((1..50).all(|n| !watch.finds_away(later(200 * n), || panic!("one looks already"))));
-        answer.send(true).unwrap();
-        let mut found = (0..5000).map(|n| {
-            std::thread::sleep(Duration::from_millis(1));
-            watch.finds_away(later(20_000 + n), || false)
-        });
-        assert!(found.any(|found| found));
-        // What was asked for before it was back is of no more use.
-        assert!(!watch.finds_away(later(40_000), || true));
-        std::thread::sleep(Duration::from_millis(20));
-        watch.forget();
-        assert!(!watch.finds_away(later(40_010), || true), "it is not due again");
-        let mut tells = Watch::of("pipewire");
-        assert!((0..50).all(|n| !tells.finds_away(later(200 * n), || panic!("the host tells"))));
     }
 
     #[test]

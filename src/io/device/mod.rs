@@ -17,7 +17,8 @@ mod minder;
 pub mod missing;
 pub mod priority;
 #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
-mod pulse_map;
+mod pulse;
 mod returning;
 pub mod servers;
 pub mod virtual_card;
+mod watch;

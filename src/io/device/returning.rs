@@ -1,8 +1,9 @@
 //! A device that seems to be back. It plays silence until it has asked for some; only then is it given what there is to play, so that one
-//! that takes a stream and never asks for anything does not hold up the session.
+//! that takes a stream and never asks for anything does not hold up the session. PulseAudio must go on asking: a sink that was idle asks for a
+//! block or two, and then plays two seconds of its own silence.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
@@ -18,11 +19,15 @@ use crate::live::board::Board;
 use crate::live::driver::Driver;
 use crate::live::lent::Lent;
 
+/// Looks, a few hundredths of a second apart, at which one must have asked for more that may yet pause.
+const GOES_ON: u32 = 4;
+
 /// What fills a device's frames: silence, until the driver comes.
 struct Waiting {
     driver: Option<Lent<Driver>>,
     comes: HeapCons<Lent<Driver>>,
-    asked: Arc<AtomicBool>,
+    /// Blocks that were asked for.
+    asked: Arc<AtomicU32>,
 }
 
 impl Fill for Waiting {
@@ -41,7 +46,7 @@ impl Fill for Waiting {
             None => output.fill(0.0),
         }
         if !output.is_empty() {
-            self.asked.store(true, Ordering::Relaxed);
+            self.asked.fetch_add(1, Ordering::Relaxed);
         }
     }
 }
@@ -50,7 +55,12 @@ impl Fill for Waiting {
 pub(super) struct Returning {
     card: Card,
     driver: HeapProd<Lent<Driver>>,
-    asked: Arc<AtomicBool>,
+    asked: Arc<AtomicU32>,
+    /// Blocks that had been asked for at the last look, and at how many looks there were more.
+    last: u32,
+    more: u32,
+    /// At how many there must be.
+    due: u32,
     since: Instant,
     news: Receiver<News>,
     /// What it has said of itself, but that it is lost.
@@ -59,7 +69,7 @@ pub(super) struct Returning {
 
 /// How it stands with it.
 pub(super) enum Stand {
-    /// It has not asked for anything yet.
+    /// It has not asked for anything yet, or not often enough.
     Waits,
     /// It has.
     Plays,
@@ -80,11 +90,13 @@ impl Returning {
         bell: &Bell,
     ) -> Result<Self, DeviceError> {
         let (driver, comes) = HeapRb::new(1).split();
-        let asked = Arc::new(AtomicBool::new(false));
+        let asked = Arc::<AtomicU32>::default();
         let waiting = Waiting { driver: None, comes, asked: Arc::clone(&asked) };
         let (tell, news) = bell.news();
         let card = Card::open(device, found, shape.again(found.output.as_ref()), waiting, board, tell)?;
-        Ok(Self { card, driver, asked, since: Instant::now(), news, said: Vec::new() })
+        let due = if found.host() == "pulseaudio" { GOES_ON } else { 1 };
+        let since = Instant::now();
+        Ok(Self { card, driver, asked, last: 0, more: 0, due, since, news, said: Vec::new() })
     }
 
     /// How it stands at a moment.
@@ -95,9 +107,13 @@ impl Returning {
                 other => self.said.push(other),
             }
         }
-        if self.asked.load(Ordering::Relaxed) {
+        let asked = self.asked.load(Ordering::Relaxed);
+        self.more += u32::from(asked != self.last);
+        self.last = asked;
+        let waited = now.saturating_duration_since(self.since) > PATIENCE;
+        if self.more >= self.due || (waited && asked > 0) {
             Stand::Plays
-        } else if now.saturating_duration_since(self.since) > PATIENCE {
+        } else if waited {
             Stand::Fails("it is there, and does not ask for anything".into())
         } else {
             Stand::Waits

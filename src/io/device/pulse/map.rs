@@ -3,19 +3,19 @@
 
 use std::ffi::CString;
 
-use futures_executor::block_on;
-use pulseaudio::Client;
 use pulseaudio::protocol::ChannelPosition::{self, *};
+use pulseaudio::protocol::{Command, GetSinkInfo, SinkInfo};
 
-use super::kept::PATIENCE;
-use super::minder::within;
+use super::client::Client;
+use crate::io::device::kept::PATIENCE;
+use crate::io::device::minder::within;
 
 /// What is to be known before `channels` of them go to a sink; `None` where each arrives on its own number, and where the sink does not say.
-pub(super) fn told(sink: &str, channels: usize) -> Option<String> {
+pub(in super::super) fn told(sink: &str, channels: usize) -> Option<String> {
     let name = CString::new(sink).ok()?;
     let own = within("asks", PATIENCE, move || {
-        let client = Client::from_env(c"pacinian, a look at a sink").ok()?;
-        let info = block_on(client.sink_info_by_name(name)).ok()?;
+        let asked = Command::GetSinkInfo(GetSinkInfo { index: None, name: Some(name) });
+        let info: SinkInfo = Client::connect().ok()?.ask(&asked).ok()?;
         Some(info.channel_map.into_iter().map(|name| name as u8).collect::<Vec<u8>>())
     })??;
     led(sink, &stream(channels)?, &own)
