@@ -7,7 +7,7 @@ use crate::performer::MidiCounts;
 /// Messages of all ports, and what of them could not be used.
 #[derive(Debug, Default)]
 pub struct MidiBoard {
-    /// Messages that came.
+    /// Messages that came, without those that are malformed or skipped.
     pub messages: Figure,
     /// Messages cut short, data bytes that belong to none, and status bytes that mean nothing.
     pub malformed: Figure,
@@ -75,7 +75,9 @@ impl MidiBoard {
 
     /// What could not be used, in words; `None` if all could.
     pub fn trouble(&self) -> Option<String> {
-        in_words(&self.named()).map(|told| format!("MIDI, of {} messages: {told}", self.messages.get()))
+        // What no parser makes a message of came as well.
+        let came = self.messages.get() + self.malformed.get() + self.skipped.get();
+        in_words(&self.named()).map(|told| format!("MIDI, of {came} messages: {told}"))
     }
 }
 
@@ -104,7 +106,7 @@ mod tests {
         }
         board.performed(&MidiCounts { messages: 9, unheard: 4, ..MidiCounts::default() });
         // A status byte that means nothing, a byte without one, a note without its velocity.
-        let told = "MIDI, of 9 messages: 3 malformed, 1 system messages skipped, \
+        let told = "MIDI, of 13 messages: 3 malformed, 1 system messages skipped, \
                     4 values of parameters (NRPN, RPN) that no patch can hear";
         assert_eq!(board.trouble().as_deref(), Some(told));
         assert_eq!(board.unused(), 7);
