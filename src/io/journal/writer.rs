@@ -15,7 +15,7 @@ use crate::io::error::{FileError, FileErrorKind};
 use crate::io::out::OutputFile;
 
 /// Lines that may wait to be written.
-const WAITING: usize = 1 << 16;
+const WAITING: usize = 1 << 18;
 
 /// Of a session that breaks off, so much is missing at the end of its journal.
 const FLUSH: Duration = Duration::from_millis(500);
