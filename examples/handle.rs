@@ -5,11 +5,9 @@
 //! `cargo run --release --example handle`.
 
 use std::error::Error;
-use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-use pacinian::graph::scene::scene;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::session::{Beginning, Session};
 use pacinian::live::callback::Deed;
@@ -17,7 +15,6 @@ use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::live::stamp::Stamp;
-use pacinian::text::Problem;
 use pacinian::{NoAssets, Note, Options, Patch, Rig};
 
 const PATCH: &str = r#"
@@ -46,14 +43,8 @@ events = [{ at = 0, voice = "buzz", duration = 0.05, repeat = { every = 0.1, tim
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (patch, rig) = (Patch::parse("hand.toml", PATCH.as_bytes())?.value, Rig::default_for(4));
-    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let scene = Reload {
-        scene: scene(&patch, &rig, &options, &NoAssets)?,
-        patch: Arc::new(patch),
-        rig: Arc::new(rig),
-        files: Box::new(|path| Err(Problem::of_file(format!("there is no {path}")))),
-        provenance: None,
-    };
+    let options = Options { rate: Some(48_000.0), ..Options::default() };
+    let scene = Reload::of(patch, rig, &options, &NoAssets)?;
     let mut session = Session::start(Beginning {
         // In a thread of the session, which may take its time.
         audience: Box::new(|told| match told {

@@ -3,7 +3,6 @@
 //! Plays on the virtual card, so that nobody needs a real one; `Wish::Default.choose()` finds that. Run with
 //! `cargo run --release --example live_coding`.
 
-use pacinian::graph::scene::scene;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::session::{Beginning, Session};
 use pacinian::io::watch::Watch;
@@ -33,18 +32,10 @@ fn patch(node: &str) -> String {
 
 /// Reads and compiles what stands in the file. In a thread that may take its time: not in that of the sound.
 fn compile(path: &Path) -> Result<Reload, Problems> {
-    let patch = Arc::new(load::patch(path)?.value);
-    let rig = Arc::new(Rig::default_for(2));
     let folder = Arc::new(Folder::new(path.parent().unwrap_or(Path::new(""))));
-    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let scene = scene(&patch, &rig, &options, &*folder)?;
-    Ok(Reload {
-        scene,
-        patch,
-        rig,
-        files: Box::new(move |path| events::open(&folder, path)),
-        provenance: None,
-    })
+    let options = Options { rate: Some(48_000.0), ..Options::default() };
+    let reload = Reload::of(load::patch(path)?.value, Rig::default_for(2), &options, &*folder)?;
+    Ok(Reload { files: Box::new(move |path| events::open(&folder, path)), ..reload })
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -9,7 +9,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use pacinian::Note;
 use pacinian::engine::event::Event;
-use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::osc::announce::Announcer;
 use pacinian::io::osc::server::Server;
@@ -20,7 +20,6 @@ use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
-use pacinian::text::Problem;
 use rosc::{OscMessage, OscPacket, OscType, encoder};
 
 const PATCH: &str = "[voice.hum]\nvoices = 16\noutput = \"o\"\n[voice.hum.nodes]\ns = { type = \"sine\", frequency = 200 }\n\
@@ -29,10 +28,8 @@ const PATCH: &str = "[voice.hum]\nvoices = 16\noutput = \"o\"\n[voice.hum.nodes]
     { at = 0.0301, voice = \"hum\", duration = 0.02, place = 2, level = 0.25 }, { at = 0.0502, marker = \"end\" }]\n";
 
 fn reload(text: &str) -> Reload {
-    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let (patch, rig) = (Arc::new(common::patch(text)), Arc::new(Rig::default_for(2)));
-    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap();
-    Reload { scene, patch, rig, files: Box::new(|path| Err(Problem::of_file(path))), provenance: None }
+    let options = Options { rate: Some(48_000.0), ..Options::default() };
+    Reload::of(common::patch(text), Rig::default_for(2), &options, &NoAssets).unwrap()
 }
 
 fn client() -> UdpSocket {

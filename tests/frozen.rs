@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use common::scenes::busy;
-use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::osc::endpoint::Endpoint;
 use pacinian::io::osc::server::Server;
@@ -23,7 +23,6 @@ use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::midi::{Channel, Message};
 use pacinian::node::asset::NoAssets;
-use pacinian::text::Problem;
 use pacinian::{Note, Patch, Rig};
 use ringbuf::traits::Consumer;
 
@@ -84,11 +83,8 @@ fn until(done: impl Fn() -> bool) -> bool {
 
 fn reload(text: &str) -> Reload {
     let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-    let rig = Rig::default_for(CHANNELS);
-    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
-    let files = Box::new(|_: &str| Err(Problem::of_file("no files here")));
-    Reload { scene, patch: Arc::new(patch), rig: Arc::new(rig), files, provenance: None }
+    let options = Options { rate: Some(48_000.0), ..Options::default() };
+    Reload::of(patch, Rig::default_for(CHANNELS), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"))
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use cpal::{ErrorKind, SampleFormat};
-use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::{Chosen, Wish, heard_among};
 use pacinian::io::device::failure::{DeviceError, Trouble};
 use pacinian::io::device::keeper::Fate;
@@ -17,7 +17,6 @@ use pacinian::io::session::{Beginning, Ear, Session, SessionError};
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::player::Player;
-use pacinian::text::Problem;
 use pacinian::{NoAssets, Patch, Rig};
 use scripted::{Make, Scripted, System};
 
@@ -37,10 +36,8 @@ fn options() -> Options {
 }
 
 fn reload(text: &str, channels: u32) -> Reload {
-    let (patch, rig) = (patch(text), Rig::default_for(channels));
-    let scene = scene(&patch, &rig, &options(), &NoAssets).unwrap_or_else(|p| panic!("{p}"));
-    let files = Box::new(|_: &str| Err(Problem::of_file("no files here")));
-    Reload { scene, patch: Arc::new(patch), rig: Arc::new(rig), files, provenance: None }
+    Reload::of(patch(text), Rig::default_for(channels), &options(), &NoAssets)
+        .unwrap_or_else(|p| panic!("{p}"))
 }
 
 type Fates = Arc<Mutex<Vec<Fate>>>;

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use midir::os::unix::VirtualOutput;
 use midir::{MidiOutput, MidiOutputConnection};
-use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::midi_in::{MidiPorts, PortNews};
 use pacinian::io::session::{Beginning, Session};
@@ -24,7 +24,6 @@ use pacinian::live::signal::Signal;
 use pacinian::live::way::Way;
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
-use pacinian::text::Problem;
 
 const PATCH: &str = "[voice.hum]\noutput = \"o\"\n[voice.hum.nodes]\n\
     s = { type = \"sine\", frequency = \"event.frequency * touch.bend\" }\n\
@@ -175,15 +174,8 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
 }
 
 fn reload(patch: &str) -> Reload {
-    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let (patch, rig) = (Arc::new(common::patch(patch)), Arc::new(Rig::default_for(2)));
-    Reload {
-        scene: scene(&patch, &rig, &options, &NoAssets).unwrap(),
-        patch,
-        rig,
-        files: Box::new(|path| Err(Problem::of_file(path))),
-        provenance: None,
-    }
+    let options = Options { rate: Some(48_000.0), ..Options::default() };
+    Reload::of(common::patch(patch), Rig::default_for(2), &options, &NoAssets).unwrap()
 }
 
 /// A hundred thousand messages as quickly as the server takes them to and fro, while patches are taken over: each is played or counted.

@@ -3,10 +3,9 @@
 
 mod common;
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::session::{Beginning, Session};
 use pacinian::knob::local_model::link::Seen;
@@ -18,7 +17,6 @@ use pacinian::live::signal::Signal;
 use pacinian::live::torque::Torque;
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
-use pacinian::text::Problem;
 
 const FREE: &str = "[knob.effects]\nf = { type = \"constant\", torque = 0 }\n";
 const SOUND: &str =
@@ -26,10 +24,8 @@ const SOUND: &str =
 
 fn reload(text: &str) -> Reload {
     // The rate of the virtual card.
-    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let (patch, rig) = (Arc::new(common::patch(text)), Arc::new(Rig::default_for(1)));
-    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap();
-    Reload { scene, patch, rig, files: Box::new(|path| Err(Problem::of_file(path))), provenance: None }
+    let options = Options { rate: Some(48_000.0), ..Options::default() };
+    Reload::of(common::patch(text), Rig::default_for(1), &options, &NoAssets).unwrap()
 }
 
 fn session(text: &str, link_knob: bool) -> Session {

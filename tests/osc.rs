@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session};
@@ -23,7 +23,6 @@ use pacinian::live::signal::{Handle, Signal, Stamped};
 use pacinian::midi::{Channel, Message};
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
-use pacinian::text::Problem;
 use rosc::{OscMessage, OscPacket, OscType, encoder};
 
 const CHANNELS: u32 = 2;
@@ -56,10 +55,8 @@ fn reload(text: &str) -> Reload {
 
 fn reload_on(text: &str, channels: u32) -> Reload {
     // The rate of the virtual card.
-    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let (patch, rig) = (Arc::new(common::patch(text)), Arc::new(Rig::default_for(channels)));
-    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap();
-    Reload { scene, patch, rig, files: Box::new(|path| Err(Problem::of_file(path))), provenance: None }
+    let options = Options { rate: Some(48_000.0), ..Options::default() };
+    Reload::of(common::patch(text), Rig::default_for(channels), &options, &NoAssets).unwrap()
 }
 
 impl Stage {

@@ -7,7 +7,7 @@ mod unbroken;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::session::{Beginning, Session};
 use pacinian::live::callback::{Deed, Report};
@@ -15,7 +15,6 @@ use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::{Signal, Stamped};
 use pacinian::node::asset::NoAssets;
-use pacinian::text::Problem;
 use pacinian::{Note, Patch, Rig};
 use ringbuf::HeapCons;
 use ringbuf::traits::Consumer;
@@ -31,10 +30,8 @@ fn reload(text: &str) -> Reload {
 
 fn reload_on(text: &str, rig: Rig) -> Reload {
     let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
-    let files = Box::new(|_: &str| Err(Problem::of_file("no files here")));
-    Reload { scene, patch: Arc::new(patch), rig: Arc::new(rig), files, provenance: None }
+    let options = Options { rate: Some(48_000.0), ..Options::default() };
+    Reload::of(patch, rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"))
 }
 
 /// What was told, in words.

@@ -362,7 +362,7 @@ fn what_the_patch_names_is_watched_and_what_another_session_needs_is_kept() {
 /// From Rust: a session, files that are watched, and what comes out.
 #[test]
 fn nothing_jumps_while_files_are_saved() {
-    use pacinian::graph::scene::{Options, scene};
+    use pacinian::graph::scene::Options;
     use pacinian::io::device::choose::Chosen;
     use pacinian::io::session::{Beginning, Session};
     use pacinian::io::{load, watch::Watch};
@@ -377,18 +377,8 @@ fn nothing_jumps_while_files_are_saved() {
     let original = PATCH.replace("start = \"always\"", "start = \"always\"\nplace = \"t2\"");
     let file = scratch.write("p.toml", &original);
     let read = |path: &std::path::Path| {
-        let patch = load::patch(path)?.value;
-        let rig = Rig::default_for(2);
-        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-        let scene = scene(&patch, &rig, &options, &NoAssets)?;
-        let files = Box::new(|_: &str| Err(pacinian::text::Problem::of_file("no files here")));
-        Ok::<_, pacinian::text::Problems>(Reload {
-            scene,
-            patch: Arc::new(patch),
-            rig: Arc::new(rig),
-            files,
-            provenance: None,
-        })
+        let options = Options { rate: Some(48_000.0), ..Options::default() };
+        Reload::of(load::patch(path)?.value, Rig::default_for(2), &options, &NoAssets)
     };
     let mut watch = Watch::of([&file]);
     let taken = Arc::<AtomicUsize>::default();

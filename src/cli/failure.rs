@@ -28,6 +28,11 @@ impl Failure {
         Self { parts: vec![(code, Part::Said(what.into(), None))] }
     }
 
+    /// The system gives no thread for something.
+    pub fn no_thread(what: &str, error: &std::io::Error) -> Self {
+        Self::said(71, format!("no thread for {what}: {error}"))
+    }
+
     /// What was asked for does not make sense.
     pub fn usage(what: impl Into<String>, help: impl Into<String>) -> Self {
         Self { parts: vec![(2, Part::Said(what.into(), Some(help.into())))] }

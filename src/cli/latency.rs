@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::patience;
-use super::stop::Stop;
+use super::stop::{INTERRUPTED, Stop};
 use super::table::{Table, dbfs, many};
 use super::terminal::Terminal;
 use clap::Args;
@@ -151,14 +151,14 @@ impl Latency {
         let names = [found.name.clone(), heard_of.name.clone()];
         let rates = [rate, ears.rate];
         let what = Loop {
-            out: (device, found, Shape { channels, rate, block }, channel - 1),
+            out: (device, found, Shape { channels, rate, block, exact: false }, channel - 1),
             input: (ear, heard_of, ears, usize::from(self.input) - 1),
             level,
             count: usize::from(self.count),
         };
         let stop = Stop::listen()?;
         let Some(mut measured) = measure(&what, |_| stop.asked().is_none())? else {
-            return Err(Failure::told(stop.asked().unwrap_or(130)));
+            return Err(Failure::told(stop.asked().unwrap_or(INTERRUPTED)));
         };
         // One that came much later than most is another sound.
         let strays = measured.leave_out_strays();

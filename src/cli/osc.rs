@@ -56,8 +56,8 @@ impl Osc {
             let help = "let one program pass them on";
             return Err(Failure::usage(format!("--osc-to is given more than {MOST} times"), help));
         }
-        let announcer = Announcer::new(plan)
-            .map_err(|error| Failure::said(71, format!("no thread to send OSC: {error}")))?;
+        let announcer =
+            Announcer::new(plan).map_err(|error| Failure::no_thread("OSC that is sent", &error))?;
         for endpoint in &self.osc_to {
             announcer.always(endpoint.0)?;
         }

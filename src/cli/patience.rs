@@ -7,6 +7,7 @@ use super::terminal::Terminal;
 use pacinian::io::device::hush::aloud;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::text::problem::escaped;
+use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
@@ -49,10 +50,13 @@ enum Silence {
 /// # Errors
 /// As [`Session::start`], and a device that does not answer: what asks it goes on until the program ends.
 pub fn begin(name: &str, beginning: Beginning, stop: &Stop, terminal: &Terminal) -> Result<Session, Failure> {
+    let patch = Arc::clone(&beginning.scene.patch);
     let answer = ask(&escaped(name), || stop.asked(), terminal, || Session::start(beginning))?;
     answer.map_err(|error| match error {
         SessionError::Device(error) => error.into(),
-        SessionError::Plan(what) => Failure::said(65, what),
+        SessionError::Patch(problem) => Failure::of(65, patch.origin.problems(vec![problem])),
+        error @ SessionError::Engine(_) => Failure::said(65, error.to_string()),
+        error @ SessionError::Thread(_) => Failure::said(71, error.to_string()),
     })
 }
 

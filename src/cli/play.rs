@@ -4,7 +4,6 @@ use super::advice;
 use super::device_queue;
 use super::ear::Listens;
 use super::failure::Failure;
-use super::guard;
 use super::hearers::Hearers;
 use super::keep::{Keep, Sound};
 use super::knob::turning::Turning;
@@ -15,7 +14,7 @@ use super::patience;
 use super::problems;
 use super::provenance::provenance;
 use super::screen::{Ending, Latency, Scenery, Show, cut_short};
-use super::stop::Stop;
+use super::stop::{CLOSED, Stop};
 use super::table::{dbfs, grouped, many};
 use super::terminal::Terminal;
 use super::watch::{Course, News, Watching};
@@ -94,9 +93,6 @@ pub struct Play {
 
 /// Seconds that nobody plays.
 const FOREVER: f64 = 1e9;
-
-/// The exit code where the terminal was closed, as that of SIGHUP.
-const CLOSED: u8 = 129;
 
 impl From<DeviceError> for Failure {
     fn from(error: DeviceError) -> Self {
@@ -286,7 +282,7 @@ impl Play {
             let ports = ports.clone();
             let news = Box::new(move |news| ports.port(&news));
             let open = use_for_it.then(|| MidiPorts::listen(session.handle(), wanted.clone(), news));
-            open.transpose().map_err(|error| Failure::said(71, format!("no thread for MIDI: {error}")))
+            open.transpose().map_err(|error| Failure::no_thread("MIDI", &error))
         };
         let mut midi = listen(&loaded.patch)?;
         let course = || Course {
@@ -304,9 +300,8 @@ impl Play {
         };
         let watching =
             self.watch.then(|| Watching::begin(course(), since, session.handle().clone(), verdicts));
-        let watching = watching
-            .transpose()
-            .map_err(|error| Failure::said(71, format!("no thread to watch files: {error}")))?;
+        let watching =
+            watching.transpose().map_err(|error| Failure::no_thread("files that are watched", &error))?;
         if self.torque {
             let _ = session.handle().send(Signal::Torque(true));
         }
@@ -410,9 +405,6 @@ impl Play {
             if let Some(code) = stop.asked() {
                 return Some(code);
             }
-            if guard::has_panicked() {
-                return Some(guard::BUG);
-            }
             let (passed, played) =
                 (begin.elapsed().as_secs_f64(), session.board().frames.get() as f64 / session.rate());
             // A device may need a while before it asks for frames regularly; it is waited for, but not for ever.
@@ -425,7 +417,6 @@ impl Play {
             match show.step(session) {
                 None => {}
                 Some(Ending::Asked(code)) => return code,
-                Some(Ending::Closed) if guard::has_panicked() => return Some(guard::BUG),
                 Some(Ending::Closed) => return Some(stop.asked().unwrap_or(CLOSED)),
             }
         }

@@ -2,6 +2,7 @@
 //! system and a shell, or from whoever passes it on), and what plays must still fade, motors be braked and files be finished then.
 
 use super::failure::Failure;
+use super::guard;
 use signal_hook::consts::signal::{SIGINT, SIGTERM};
 use signal_hook::flag;
 #[cfg(unix)]
@@ -51,6 +52,12 @@ pub fn outlive_large_files() {
     #[cfg(unix)]
     let _ = flag::register(signal_hook::consts::signal::SIGXFSZ, Arc::default());
 }
+
+/// The exit code of Ctrl-C,
+pub const INTERRUPTED: u8 = 130;
+
+/// and where the terminal was closed, as that of SIGHUP.
+pub const CLOSED: u8 = 129;
 
 /// Whether somebody has asked to stop.
 #[derive(Debug, Clone, Default)]
@@ -121,11 +128,15 @@ impl Stop {
         Ok(())
     }
 
-    /// The exit code to end with, if somebody has asked: 129 for SIGHUP, 130 for Ctrl-C, 131 for SIGQUIT, 143 for SIGTERM.
+    /// The exit code to end with, if somebody has asked: 129 for SIGHUP, 130 for Ctrl-C, 131 for SIGQUIT, 143 for SIGTERM; [`guard::BUG`] where a
+    /// thread has panicked, without which nothing is worth going on with.
     pub fn asked(&self) -> Option<u8> {
+        if guard::has_panicked() {
+            return Some(guard::BUG);
+        }
         match self.signal.load(Ordering::Relaxed) {
             0 => None,
-            signal => Some(u8::try_from(128 + signal).unwrap_or(130)),
+            signal => Some(u8::try_from(128 + signal).unwrap_or(INTERRUPTED)),
         }
     }
 }

@@ -21,6 +21,8 @@ pub enum FileErrorKind {
     Outside,
     /// The caller asked for what no file can hold.
     Misuse,
+    /// The system has no thread left that would write it.
+    System,
 }
 
 /// Trouble with a file: one sentence that says what, where and what to do.
@@ -116,6 +118,12 @@ impl FileError {
         Self { kind, io: Some(error.kind()), message }
     }
 
+    /// What the system said when a thread was asked for that was to write to `path`.
+    pub(crate) fn no_thread(path: &Path, error: &io::Error) -> Self {
+        let message = format!("no thread to write `{}` in ({error}): end other programs", path.display());
+        Self { kind: FileErrorKind::System, io: Some(error.kind()), message }
+    }
+
     /// What the system said when more was written to `path`.
     pub(crate) fn writing(path: &Path, error: &io::Error) -> Self {
         let shown = path.display();
@@ -158,6 +166,7 @@ impl FileError {
             FileErrorKind::Malformed | FileErrorKind::Outside => 65,
             FileErrorKind::Missing => 66,
             FileErrorKind::Misuse => 70,
+            FileErrorKind::System => 71,
             FileErrorKind::CannotCreate => 73,
             FileErrorKind::Io => 74,
             FileErrorKind::Permission => 77,
@@ -200,6 +209,7 @@ mod tests {
             (FileError::creating(path, &Error::from(ErrorKind::StorageFull)), 74),
             (FileError::writing(path, &Error::from(ErrorKind::StorageFull)), 74),
             (FileError::writing(path, &Error::other("cable")), 74),
+            (FileError::no_thread(path, &Error::from(ErrorKind::WouldBlock)), 71),
         ];
         for (error, code) in cases {
             assert!(error.message.contains("`a/b.wav`"), "{error}");

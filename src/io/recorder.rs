@@ -59,7 +59,7 @@ impl Recorder {
         let thread = std::thread::Builder::new()
             .name("recorder".into())
             .spawn(move || record(ring, writer, channels, digest, &told))
-            .map_err(|error| FileError::creating(path, &error))?;
+            .map_err(|error| FileError::no_thread(path, &error))?;
         Ok(Self { thread: Some(thread), over })
     }
 

@@ -18,6 +18,7 @@ use super::device::listening::Listening;
 use super::device::priority;
 use super::input::{Heard, Input};
 use crate::engine::exchange::exchange;
+use crate::engine::refusal::Refusal;
 use crate::engine::task::Task;
 use crate::engine::{Delay, Duty};
 use crate::knob::local_model::link::Slow;
@@ -34,6 +35,7 @@ use crate::live::signal::{Handle, Signal};
 use crate::live::stamp::{self, Epoch};
 use crate::midi::file::Song;
 use crate::performer::{Listener, Performer};
+use crate::text::Problem;
 
 /// How a session begins.
 pub struct Beginning {
@@ -153,21 +155,18 @@ impl Session {
         } = beginning;
         let Reload { scene, patch, rig, files, .. } = reload;
         let (rate, channels) = (scene.plan.device_rate, scene.plan.channels);
-        let (director, mut stagehand) =
-            exchange(&scene.plan).map_err(|why| SessionError::Plan(why.to_string()))?;
-        let mut performer =
-            Performer::new(scene, patch, rig, files).map_err(|why| SessionError::Plan(why.to_string()))?;
+        let (director, mut stagehand) = exchange(&scene.plan)?;
+        let mut performer = Performer::new(scene, patch, rig, files)?;
         if let Some(listener) = listener {
             performer.listen(listener);
         }
         // The first that is felt is not to be weaker than the others.
-        performer.lead_in(RAMP_IN).map_err(|why| SessionError::Plan(why.to_string()))?;
+        performer.lead_in(RAMP_IN)?;
         if let Some(song) = song {
             performer.play_song(song.messages.iter().copied(), song.seconds);
-            let counted = performer.follow_song(&song.tempi, song.seconds);
-            counted.map_err(|why| SessionError::Plan(why.to_string()))?;
+            performer.follow_song(&song.tempi, song.seconds)?;
         }
-        performer.await_clock().map_err(|why| SessionError::Plan(why.to_string()))?;
+        performer.await_clock()?;
         let delay = stagehand.engine().delay();
         let linked = if link_knob { stagehand.engine().link_knob() } else { None };
         // The clock is asked once here, so that the audio thread finds it running.
@@ -192,6 +191,7 @@ impl Session {
             (back, inputs)
         });
         let epoch = Epoch::begin();
+        let exact = block.is_some();
         let block = block.or_else(|| device.usual_block());
         let expected = block.map_or(BLOCK, |block| block as usize);
         let (mut driver, clock) = Driver::new(callback, rate, expected, epoch, Arc::clone(&board));
@@ -204,13 +204,11 @@ impl Session {
             Ear::Nothing => None,
             Ear::File(input) => Some(Box::new(Heard::new(input))),
             Ear::Device { device, fate } => {
-                let shape =
-                    capture::shape(&device.1, others, rate as u32, block).map_err(SessionError::Device)?;
+                let shape = capture::shape(&device.1, others, rate as u32, block)?;
                 let block = shape.block.map_or(BLOCK, |block| block as usize);
                 let ears = Ears { rate: f64::from(shape.rate), channels: shape.channels, block };
                 let (intake, feed) = bridge(ears, rate, expected, epoch, &board);
-                let started = Listening::start(intake, device, shape, &board, fate);
-                listening = Some(started.map_err(SessionError::Device)?);
+                listening = Some(Listening::start(intake, device, shape, &board, fate)?);
                 Some(Box::new(feed))
             }
         };
@@ -229,15 +227,15 @@ impl Session {
             Conductor::new(performer, director, rings, clock.clone(), epoch, &board, audience);
         // What plays from the beginning is there before the device asks for it, so that it plays as it would be rendered.
         conductor.begin();
-        let shape = Shape { channels, rate: rate as u32, block };
-        let keeper = Keeper::start(driver, device, shape, &board, fate).map_err(SessionError::Device)?;
+        let shape = Shape { channels, rate: rate as u32, block, exact };
+        let keeper = Keeper::start(driver, device, shape, &board, fate)?;
         let conductor = std::thread::Builder::new()
             .name("conductor".into())
             .spawn(move || {
                 priority::raise_feeding();
                 conductor.lead();
             })
-            .map_err(|error| SessionError::Plan(format!("no thread for the conductor: {error}")))?;
+            .map_err(|error| SessionError::Thread(error.to_string()))?;
         let (keeper, conductor) = (Some(keeper), Some(conductor));
         Ok(Self {
             handle,
@@ -344,15 +342,39 @@ impl Drop for Session {
 pub enum SessionError {
     /// The device.
     Device(DeviceError),
-    /// What it is to play.
-    Plan(String),
+    /// No engine can be built for what it is to play.
+    Engine(Refusal),
+    /// What is wrong with its patch.
+    Patch(Problem),
+    /// The system has no thread left: its words.
+    Thread(String),
+}
+
+impl From<DeviceError> for SessionError {
+    fn from(error: DeviceError) -> Self {
+        Self::Device(error)
+    }
+}
+
+impl From<Refusal> for SessionError {
+    fn from(refusal: Refusal) -> Self {
+        Self::Engine(refusal)
+    }
+}
+
+impl From<Problem> for SessionError {
+    fn from(problem: Problem) -> Self {
+        Self::Patch(problem)
+    }
 }
 
 impl std::fmt::Display for SessionError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Device(error) => error.fmt(f),
-            Self::Plan(what) => f.write_str(what),
+            Self::Engine(refusal) => refusal.fmt(f),
+            Self::Patch(problem) => problem.fmt(f),
+            Self::Thread(why) => write!(f, "no thread for the conductor: {why}"),
         }
     }
 }

@@ -7,6 +7,7 @@
 //!
 //! The distance is the reader's longest block, half the kernel, and a margin for jitter. Where nothing is there in spite of it, the
 //! input fades out, the margin grows, and the input fades in again as soon as it can.
+#![deny(clippy::disallowed_methods)]
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -113,10 +114,15 @@ pub fn bridge(ears: Ears, rate: f64, block: usize, epoch: Epoch, board: &Arc<Boa
     let (filled, ring) = HeapRb::new((ROOM * rate_in) as usize * channels).split();
     let (follower, clock) = Follower::new(rate_in, block_in as u64);
     let skipped = Arc::<AtomicU64>::default();
-    let (skips, epoch) = (Arc::clone(&skipped), epoch);
-    let gaps = 0;
-    let intake =
-        Intake { ring: filled, follower, skipped: skips, epoch, channels, gaps, board: Arc::clone(board) };
+    let intake = Intake {
+        ring: filled,
+        follower,
+        skipped: Arc::clone(&skipped),
+        epoch,
+        channels,
+        gaps: 0,
+        board: Arc::clone(board),
+    };
     let frame = || vec![0.0; channels];
     let feed = Feed {
         ring,

@@ -233,7 +233,47 @@ impl Handle {
         self.send(Signal::Stop(number))
     }
 
-    /// Closes the gate with the next callback, whatever else waits; it stays closed until [`Signal::Calm`].
+    /// Stops all that a pattern of that name plays, however it was started.
+    ///
+    /// # Errors
+    /// A signal that was not taken.
+    pub fn stop_named(&self, pattern: &str) -> Result<(), Refused> {
+        self.send(Signal::StopNamed(pattern.into()))
+    }
+
+    /// Releases everything.
+    ///
+    /// # Errors
+    /// A signal that was not taken.
+    pub fn release_all(&self) -> Result<(), Refused> {
+        self.send(Signal::ReleaseAll)
+    }
+
+    /// Gives the output its full level, or that for headphones, -20 dB.
+    ///
+    /// # Errors
+    /// A signal that was not taken.
+    pub fn arm(&self, full: bool) -> Result<(), Refused> {
+        self.send(Signal::Arm(full))
+    }
+
+    /// Has another patch or rig take over, at the next moment at which it can. What becomes of it the session tells.
+    ///
+    /// # Errors
+    /// A signal that was not taken.
+    pub fn reload(&self, reload: Reload) -> Result<(), Refused> {
+        self.send(Signal::Reload(Box::new(reload)))
+    }
+
+    /// Takes back a panic: the gate opens.
+    ///
+    /// # Errors
+    /// A signal that was not taken.
+    pub fn calm(&self) -> Result<(), Refused> {
+        self.send(Signal::Calm)
+    }
+
+    /// Closes the gate with the next callback, whatever else waits; it stays closed until [`Handle::calm`].
     pub fn panic(&self) {
         self.board.panic();
         // The brake is pulled, even where the session has ended.

@@ -3,6 +3,7 @@
 //! A proportional and integral loop, critically damped, behind two low-passes that keep the jitter of callbacks out of the speed
 //! (F. Adriaensen, "Controlling adaptive resampling", Linux Audio Conference 2012). The integral is what the two clocks
 //! differ by, so that in the end no error is left.
+#![deny(clippy::disallowed_methods)]
 
 use std::f64::consts::TAU;
 
@@ -44,11 +45,6 @@ impl Tracker {
         self.drift = (self.drift + omega * omega * error * seconds).clamp(-MOST, MOST);
         1.0 + (self.drift + 2.0 * omega * error).clamp(-MOST, MOST)
     }
-
-    /// By how much the writer's clock is fast, as a share.
-    pub fn drift(&self) -> f64 {
-        self.drift
-    }
 }
 
 #[cfg(test)]
@@ -62,7 +58,7 @@ mod tests {
             let speed = tracker.speed(error, step);
             error += step * (1.0 + drift - speed);
         }
-        (error, tracker.drift())
+        (error, tracker.drift)
     }
 
     #[test]

@@ -5,8 +5,7 @@ mod source;
 
 use super::ask::{Said, Typed};
 use super::failure::Failure;
-use super::guard;
-use super::stop::Stop;
+use super::stop::{INTERRUPTED, Stop};
 use super::table::Table;
 use super::terminal::Terminal;
 use clap::Args;
@@ -59,9 +58,6 @@ const HINT: Duration = Duration::from_secs(4);
 const KEYS: &str = "s or Enter: leave it as it is   b: back to the one before   q: end";
 const LINES: &str = "s or an empty line: leave it as it is   b: back to the one before   q: end";
 
-/// The exit code of Ctrl-C.
-const INTERRUPTED: u8 = 130;
-
 /// What comes from outside.
 struct Ears {
     learner: Learner,
@@ -111,8 +107,7 @@ impl Learn {
             terminal.note(&format!("OSC is heard on {at}\n"));
         }
         let (tell, news) = channel();
-        let no_thread =
-            |error: std::io::Error| Failure::said(71, format!("the system gives no thread ({error})"));
+        let no_thread = |error: std::io::Error| Failure::no_thread("what is heard", &error);
         if midi {
             // It is told by who knows what stands on the line.
             let news = move |news| drop(tell.send(told(&news)));
@@ -265,9 +260,6 @@ impl Learn {
             Some(turn)
         };
         loop {
-            if guard::has_panicked() {
-                return Turn::Stopped(guard::BUG);
-            }
             if let Some(code) = stop.asked() {
                 return Turn::Stopped(code);
             }

@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 use crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use pacinian::live::signal::Origin;
 
+use crate::cli::stop::INTERRUPTED;
+
 /// What somebody at the keyboard wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Act {
@@ -64,7 +66,7 @@ impl Keys {
         let repeated = repeated || key.kind == KeyEventKind::Repeat;
         if key.modifiers.contains(KeyModifiers::CONTROL) {
             return match key.code {
-                KeyCode::Char('c' | 'C') => Some(Act::End(Some(130))),
+                KeyCode::Char('c' | 'C') => Some(Act::End(Some(INTERRUPTED))),
                 KeyCode::Char('l' | 'L') => Some(Act::Redraw),
                 _ => None,
             };

@@ -151,8 +151,7 @@ impl Show {
             fancy: tty::is_fancy(|name| std::env::var(name).ok()),
             ..Snapshot::default()
         };
-        let no_thread =
-            |error: std::io::Error| Failure::said(71, format!("the system gives no thread ({error})"));
+        let no_thread = |error: std::io::Error| Failure::no_thread("what is shown", &error);
         let out = match tty::is_fit(terminal) {
             true => Out::Screen(Screen::new(terminal.out.0).map_err(no_thread)?),
             false => Out::Lines(Lines::begin(*terminal).map_err(no_thread)?),

@@ -15,7 +15,6 @@ use super::wrap::wrapped;
 #[cfg(test)]
 pub use answer::KEYS;
 use clap::Args;
-use pacinian::graph::scene::scene;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::device::keeper::Fate;
 use pacinian::io::session::Beginning;
@@ -24,8 +23,8 @@ use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::walk::probe::{self, Probe, bare, probes};
 use pacinian::rig::{OutputKind, Rig};
+use pacinian::text::Problems;
 use pacinian::text::problem::escaped;
-use pacinian::text::{Problem, Problems};
 use pacinian::{NoAssets, Options};
 use presence::Presence;
 use round::{End, Round};
@@ -92,8 +91,8 @@ impl Walk {
         });
         let given = read.transpose()?.map(|checked| checked.value);
         let named = given.as_ref().and_then(|rig| rig.device.name.as_deref());
-        let person = Typed::listen(self.write)
-            .map_err(|error| Failure::said(71, format!("no thread for what is typed: {error}")))?;
+        let person =
+            Typed::listen(self.write).map_err(|error| Failure::no_thread("what is typed", &error))?;
         if self.write {
             self.check_write(person.is_some())?;
         }
@@ -239,11 +238,10 @@ fn beginning(
 ) -> Result<Beginning, Failure> {
     let bug = |problems: Problems| Failure::of(70, problems);
     let rate = device.rate(rig.device.rate.map(|rate| rate as u32));
-    let patch = Arc::new(probe::patch().map_err(bug)?);
-    let rig = Arc::new(bare(rig, probes));
-    let options = Options { rate: Some(f64::from(rate)), live: true, on_card: true, ..Options::default() };
-    let scene = scene(&patch, &rig, &options, &NoAssets).map_err(|problems| Failure::of(78, problems))?;
-    let files = Box::new(|_: &str| Err(Problem::of_file("a walk reads no events")));
+    let patch = probe::patch().map_err(bug)?;
+    let options = Options { rate: Some(f64::from(rate)), on_card: true, ..Options::default() };
+    let scene = Reload::of(patch, bare(rig, probes), &options, &NoAssets)
+        .map_err(|problems| Failure::of(78, problems))?;
     Ok(Beginning {
         audience: Box::new(move |told| {
             if let Told::Refused(problem) = told {
@@ -262,7 +260,7 @@ fn beginning(
                 Fate::Said(what) => format!("\n{}\n", escaped(&what)),
             });
         }),
-        ..Beginning::of(Reload { scene, patch, rig, files, provenance: None }, device)
+        ..Beginning::of(scene, device)
     })
 }
 

@@ -4,8 +4,7 @@ use super::answer::{Answer, KEYS, LINES, Pressed};
 use super::presence::Presence;
 use crate::cli::ask::{Edit, Entry, Said, Typed};
 use crate::cli::failure::Failure;
-use crate::cli::guard;
-use crate::cli::stop::Stop;
+use crate::cli::stop::{INTERRUPTED, Stop};
 use crate::cli::terminal::Terminal;
 use crate::cli::wrap::wrapped;
 use pacinian::io::session::Session;
@@ -23,9 +22,6 @@ const PAUSE: Duration = Duration::from_millis(300);
 
 /// So long the output takes to come in.
 const OPENS: Duration = Duration::from_millis((1000.0 * RAMP_IN) as u64);
-
-/// The exit code of Ctrl-C.
-const INTERRUPTED: u8 = 130;
 
 /// Before a name.
 const IT_WAS: &str = "it was ";
@@ -231,9 +227,6 @@ impl Round<'_> {
     fn wait(&self, time: Duration) -> Option<u8> {
         let until = Instant::now() + time;
         loop {
-            if guard::has_panicked() {
-                return Some(guard::BUG);
-            }
             if let Some(code) = self.stop.asked() {
                 return Some(code);
             }

@@ -1,11 +1,12 @@
 //! A stream from a sound card that hears.
+#![deny(clippy::disallowed_methods)]
 
 use std::sync::Arc;
 
 use cpal::traits::{DeviceTrait, StreamTrait};
 use cpal::{BufferSize, Device, FromSample, SampleFormat, SizedSample, StreamConfig};
 
-use super::card::{News, Shape, behind, known_format, seconds};
+use super::card::{News, STRETCH, Shape, behind, known_format, seconds};
 use super::failure::{DeviceError, Trouble};
 use super::list::Found;
 use super::minder::teller;
@@ -54,7 +55,7 @@ pub fn shape(found: &Found, channels: usize, rate: u32, block: Option<u32>) -> R
     let length = block.map_or(BLOCK, |block| f64::from(block) / f64::from(rate.max(1)));
     let frames = (length * f64::from(taken)).round().max(1.0) as u32;
     let block = offer.blocks.map(|(least, most)| frames.clamp(least, most.max(least)));
-    Ok(Shape { channels: enough.unwrap_or(1), rate: taken, block })
+    Ok(Shape { channels: enough.unwrap_or(1), rate: taken, block, exact: false })
 }
 
 impl Capture {
@@ -73,11 +74,7 @@ impl Capture {
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
         let ranges = device.supported_input_configs().map_err(|error| trouble(&error))?;
         let (format, blocks) = known_format(ranges, shape).map_err(|error| trouble(&error))?;
-        let block = shape.block.map(|block| {
-            let (least, most) = blocks.unwrap_or((block, block));
-            block.min(most).max(least)
-        });
-        let buffer_size = block.map_or(BufferSize::Default, BufferSize::Fixed);
+        let buffer_size = shape.within(blocks).block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
         let tell = teller(news, move || gaps.input.xruns.add(1), || {});
@@ -97,9 +94,6 @@ impl Capture {
         behind(&self.stream, clock)
     }
 }
-
-/// Frames that are converted at a time, at least.
-const STRETCH: usize = 8192;
 
 fn stream<T, E>(
     device: &Device,
@@ -151,9 +145,15 @@ mod tests {
         let (id, name, hosts) = ("x".into(), "x".into(), Hosts::default());
         let card = Found { id, name, default: false, output: None, input: Some(offer), trouble: None, hosts };
         let of = |channels, rate, block| shape(&card, channels, rate, block).unwrap();
-        assert_eq!(of(1, 48_000, None), Shape { channels: 1, rate: 48_000, block: Some(240) });
-        assert_eq!(of(3, 96_000, Some(256)), Shape { channels: 8, rate: 48_000, block: Some(128) });
-        assert_eq!(of(9, 22_050, Some(8)), Shape { channels: 8, rate: 44_100, block: Some(64) });
+        assert_eq!(of(1, 48_000, None), Shape { channels: 1, rate: 48_000, block: Some(240), exact: false });
+        assert_eq!(
+            of(3, 96_000, Some(256)),
+            Shape { channels: 8, rate: 48_000, block: Some(128), exact: false }
+        );
+        assert_eq!(
+            of(9, 22_050, Some(8)),
+            Shape { channels: 8, rate: 44_100, block: Some(64), exact: false }
+        );
         let deaf = Found { input: None, ..card };
         assert!(shape(&deaf, 1, 48_000, None).unwrap_err().to_string().contains("has no inputs"));
     }

@@ -1,4 +1,5 @@
 //! A stream to a sound card.
+#![deny(clippy::disallowed_methods)]
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +10,6 @@ use cpal::{
     SupportedStreamConfigRange,
 };
 
-use super::choose::USUAL_BLOCK;
 use super::failure::{DeviceError, Trouble};
 use super::list::{Found, Offer};
 use super::minder::teller;
@@ -27,15 +27,18 @@ pub struct Shape {
     pub rate: u32,
     /// Frames a block; `None`: as the card likes.
     pub block: Option<u32>,
+    /// Whether somebody has asked for blocks of that length: where they are not offered that is an error. Otherwise those nearest to it are taken.
+    pub exact: bool,
 }
 
 impl Shape {
     /// For a device that is back: in blocks as near to those of before as it now offers.
     pub(super) fn again(self, offer: Option<&Offer>) -> Self {
-        self.within(offer.and_then(|offer| offer.blocks))
+        Self { exact: false, ..self.within(offer.and_then(|offer| offer.blocks)) }
     }
 
-    fn within(self, blocks: Option<(u32, u32)>) -> Self {
+    /// In blocks as near to its own as are offered, from the least to the most.
+    pub(super) fn within(self, blocks: Option<(u32, u32)>) -> Self {
         let Some((least, most)) = blocks else { return self };
         Self { block: self.block.map(|block| block.min(most).max(least)), ..self }
     }
@@ -101,8 +104,8 @@ impl Card {
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
         let ranges = device.supported_output_configs().map_err(|error| trouble(&error))?;
         let (format, blocks) = known_format(ranges, shape).map_err(|error| trouble(&error))?;
-        // That which is taken where nobody says otherwise may be more than so many channels have room for.
-        let shape = if shape.block == Some(USUAL_BLOCK) { shape.within(blocks) } else { shape };
+        // What a device offers on the whole may be more than so many channels have room for.
+        let shape = if shape.exact { shape } else { shape.within(blocks) };
         fit_block(found, shape, blocks)?;
         let buffer_size = shape.block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
@@ -183,7 +186,7 @@ impl<F: Fill> Player<F> {
 }
 
 /// Frames that are converted at a time, at least.
-const STRETCH: usize = 8192;
+pub(super) const STRETCH: usize = 8192;
 
 fn convert<T, E>(
     device: &Device,

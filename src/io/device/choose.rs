@@ -102,7 +102,7 @@ const MIXERS: [&str; 3] = ["alsa:pulse", "alsa:default", "alsa:sysdefault"];
 const NAMED: usize = 8;
 
 /// Frames of a block where nobody says otherwise: a system's own choice may be a second long.
-pub(super) const USUAL_BLOCK: u32 = 256;
+const USUAL_BLOCK: u32 = 256;
 
 /// What the virtual card is called on the command line and in a rig.
 pub const VIRTUAL: &str = "virtual";

@@ -24,6 +24,8 @@ pub enum Trouble {
     Forbidden,
     /// It does not offer what is wanted of it.
     Unfit,
+    /// The system has no thread left.
+    System,
     /// Anything else.
     Other,
 }
@@ -35,6 +37,7 @@ impl Trouble {
             Self::Missing | Self::Unfit => 69,
             Self::Busy => 75,
             Self::Forbidden => 77,
+            Self::System => 71,
             Self::Other => 74,
         }
     }
@@ -44,6 +47,11 @@ impl DeviceError {
     /// Of a device.
     pub fn new(kind: Trouble, what: impl Into<String>) -> Self {
         Self { kind, what: what.into(), help: None }
+    }
+
+    /// Of a thread for `what` that the system did not give.
+    pub(super) fn no_thread(what: &str, error: &std::io::Error) -> Self {
+        Self::new(Trouble::System, format!("no thread for the {what}: {error}"))
     }
 
     /// With what to do about it.

@@ -176,9 +176,8 @@ impl Keeping {
         let block = self.shape.block.map_or(BLOCK, |block| block as usize);
         let lent = self.lend(driver);
         let (channels, rate, board) = (self.shape.channels, f64::from(self.shape.rate), self.board.clone());
-        let card = VirtualCard::start(lent, channels, rate, block, board).map_err(|error| {
-            DeviceError::new(Trouble::Other, format!("no thread for the virtual card: {error}"))
-        })?;
+        let card = VirtualCard::start(lent, channels, rate, block, board)
+            .map_err(|error| DeviceError::no_thread("virtual card", &error))?;
         self.playing = Playing::Virtual(card);
         Ok(())
     }

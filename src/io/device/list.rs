@@ -123,7 +123,7 @@ pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Dev
         let error = DeviceError::of(&name, &error);
         match error.kind {
             Trouble::Busy | Trouble::Forbidden => _ = trouble.get_or_insert(error),
-            Trouble::Unfit | Trouble::Other => _ = other.get_or_insert(error),
+            Trouble::Unfit | Trouble::System | Trouble::Other => _ = other.get_or_insert(error),
             Trouble::Missing => {}
         }
     };
@@ -272,8 +272,12 @@ mod tests {
         let offer = Offer::of(card.into_iter()).unwrap();
         assert_eq!((offer.channels, offer.formats), (vec![1, 2], vec!["i16".to_string(), "f32".into()]));
         // And of those channels, where it is opened.
-        let shape =
-            |channels, block| crate::io::device::card::Shape { channels, rate: 48_000, block: Some(block) };
+        let shape = |channels, block| crate::io::device::card::Shape {
+            channels,
+            rate: 48_000,
+            block: Some(block),
+            exact: true,
+        };
         let known =
             |channels| crate::io::device::card::known_format(card.into_iter(), shape(channels, 64)).unwrap();
         assert_eq!(known(2), (SampleFormat::F32, Some((8, 2048))));

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use cpal::ErrorKind;
 
 use super::card::News;
-use super::failure::{DeviceError, Trouble};
+use super::failure::DeviceError;
 
 /// How often it looks.
 pub(super) const WATCH: Duration = Duration::from_millis(20);
@@ -87,9 +87,10 @@ impl Minder {
                 look();
             }
         };
-        let thread = std::thread::Builder::new().name(name.into()).spawn(work).map_err(|error| {
-            DeviceError::new(Trouble::Other, format!("no thread for the {name}: {error}"))
-        })?;
+        let thread = std::thread::Builder::new()
+            .name(name.into())
+            .spawn(work)
+            .map_err(|error| DeviceError::no_thread(name, &error))?;
         Ok(Self { quit, bell, thread: Some(thread) })
     }
 }

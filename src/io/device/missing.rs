@@ -1,7 +1,7 @@
 //! What is missing on this machine for playing live, and how to get it.
 
 use super::access;
-use super::priority::{self, Priority};
+use super::priority;
 
 /// How several sound cards become one device: what joins them, and how, in a line each.
 pub const JOINING: [(&str, &str); 3] = [
@@ -33,9 +33,9 @@ pub fn missing() -> Vec<(&'static str, &'static str)> {
 
 impl Machine {
     fn this() -> Self {
-        // A thread of its own, so that this one stays as it is.
-        let raised = std::thread::Builder::new().spawn(priority::raise).map(std::thread::JoinHandle::join);
-        let first = raised.is_err() || priority::latest() != Priority::Refused;
+        // A thread of its own, so that this one stays as it is; where there is none, nothing is known.
+        let asked = std::thread::Builder::new().spawn(priority::rises);
+        let first = asked.map_or(true, |asked| asked.join().unwrap_or(true));
         #[cfg(target_os = "linux")]
         return Self {
             cards: std::path::Path::new("/dev/snd").is_dir(),

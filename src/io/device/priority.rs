@@ -34,11 +34,15 @@ const FEEDING: u8 = 40;
 
 /// Asks the system to let this thread run before all others. It is called once by each thread that plays, before it first does.
 pub fn raise() {
+    LATEST.store(if rises() { 1 } else { 2 }, Ordering::Relaxed);
+}
+
+/// The same for a thread that only wants to know whether it may.
+pub(super) fn rises() -> bool {
     #[cfg(unix)]
-    let raised = fifo(FIFO);
+    return fifo(FIFO);
     #[cfg(not(unix))]
-    let raised = thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Max).is_ok();
-    LATEST.store(if raised { 1 } else { 2 }, Ordering::Relaxed);
+    thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Max).is_ok()
 }
 
 /// Asks the same for a thread that waits for events and sends them to those that play, which go before it. Where the system refuses it

@@ -34,7 +34,6 @@ pub struct Reader<R> {
     number: u64,
     line: Vec<u8>,
     columns: Option<Vec<String>>,
-    broken_off: bool,
 }
 
 impl Reader<BufReader<File>> {
@@ -51,12 +50,7 @@ impl Reader<BufReader<File>> {
 impl<R: BufRead> Reader<R> {
     /// Reads what is called `name` in errors.
     pub fn new(input: R, name: &str) -> Self {
-        Self { input, name: name.into(), number: 0, line: Vec::new(), columns: None, broken_off: false }
-    }
-
-    /// Whether it ended within a line.
-    pub fn is_broken_off(&self) -> bool {
-        self.broken_off
+        Self { input, name: name.into(), number: 0, line: Vec::new(), columns: None }
     }
 
     /// An error of the line that was read last, with what to do about it.
@@ -95,7 +89,6 @@ impl<R: BufRead> Reader<R> {
                     return Err(self.unwritten("the line is longer than any that a journal has"));
                 }
                 if self.number > 1 {
-                    self.broken_off = true;
                     return Ok(None);
                 }
             }

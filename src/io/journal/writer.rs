@@ -101,7 +101,7 @@ impl Writer {
         let thread = std::thread::Builder::new()
             .name("journal".into())
             .spawn(move || write(&entries, form, file))
-            .map_err(|error| FileError::creating(&self.path, &error))?;
+            .map_err(|error| FileError::no_thread(&self.path, &error))?;
         self.thread = Some(thread);
         Ok(())
     }

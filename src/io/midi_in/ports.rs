@@ -123,7 +123,7 @@ impl Ports {
     }
 }
 
-/// What the program itself offers, or the system's loop-back, would answer to itself.
+/// ALSA's loop-back: what somebody sends there comes from there, and again from wherever they play.
 fn is_through(name: &str) -> bool {
     name.starts_with("Midi Through")
 }

@@ -2,6 +2,7 @@
 
 use super::super::rules::gil;
 use super::super::sampled::{Loop, Rotor};
+use super::super::work;
 use super::{J, rigid};
 
 #[test]
@@ -21,6 +22,19 @@ fn the_edge_is_where_the_radius_passes_1() {
             }
         }
     }
+}
+
+/// What it costs grows with the delay, and not with its square, as that of all eigenvalues does.
+#[test]
+fn an_edge_costs_a_grid_and_no_eigenvalues() {
+    let cost = |delay: f64| {
+        let l = rigid(2e-4, 48_000.0, delay);
+        let (edge, work) = work::of(|| l.edge(0.0));
+        assert!(edge.gain > 0.0 && work.eigenvalues < 8, "{work:?}");
+        work.points as f64
+    };
+    assert!(cost(1024.0) / cost(512.0) < 2.2, "{} {}", cost(512.0), cost(1024.0));
+    assert!(cost(512.0) > 48.0 * 512.0);
 }
 
 #[test]
