@@ -21,7 +21,8 @@ fn the_card_is_listed_with_what_it_offers() {
         said["hosts"].as_array().unwrap().iter().flat_map(|h| h["devices"].as_array().unwrap()).collect();
     let card = all.iter().find(|d| d["name"] == "Card of 24 channels").unwrap_or_else(|| panic!("{said:#}"));
     assert_eq!(card["output"]["channels"], serde_json::json!([24]));
-    assert_eq!(card["output"]["rates"], serde_json::json!([44_100, 192_000]));
+    let rates = [44_100, 48_000, 88_200, 96_000, 192_000].map(|rate| [rate, rate]);
+    assert_eq!(card["output"]["rates"], serde_json::json!(rates));
 }
 
 #[test]
@@ -265,8 +266,12 @@ fn what_a_card_does_not_offer_is_refused_with_what_it_does() {
     scene(&bench.folder, 8);
     let (code, said) = of(&["--device", "card8", "--block", "60000"]);
     assert!(code == Some(69) && said.contains("blocks of 60000 frames are not offered"), "{said}");
-    let (code, said) = of(&["--device", "card8", "--rate", "22050"]);
-    assert!(code == Some(69) && said.contains("22050 Hz are not offered"), "{said}");
+    // Below what it has, and between.
+    for rate in ["22050", "50000"] {
+        let (code, said) = of(&["--device", "card8", "--rate", rate]);
+        assert!(code == Some(69) && said.contains(&format!("{rate} Hz are not offered")), "{said}");
+        assert!(said.contains("it offers 44100, 48000, 88200, 96000, 192000 Hz: --rate"), "{said}");
+    }
     fs::write(bench.gone(), "").unwrap();
     let (code, said) = of(&["--device", "card8"]);
     assert!(code == Some(69), "{said}");
@@ -298,6 +303,14 @@ fn a_card_that_cannot_be_opened_is_told_of_with_the_reason() {
             assert!(words.iter().all(|word| said.contains(word)), "{device}: {said}");
         }
     }
+    // One that takes what it is given as fast as it comes is let go of; the session goes on, as long as it was to.
+    let config = bench.folder.join("asound.conf");
+    let text = fs::read_to_string(&config).unwrap()
+        + "pcm.rush { type file slave.pcm \"null\" file \"/dev/null\" }\n";
+    fs::write(config, text).unwrap();
+    let played = bench.run(&["play", "hum.toml", "--device", "alsa:rush", "--duration", "1.5"]);
+    let said = String::from_utf8_lossy(&played.stderr).into_owned();
+    assert!(said.contains("nothing keeps time on it") && !said.contains("is back"), "{said}");
     // Of those that are listed it is said; the others may be converters.
     let listed = bench.run(&["devices"]);
     let listed = String::from_utf8_lossy(&listed.stdout).into_owned();

@@ -55,7 +55,8 @@ fn keys_do_what_the_screen_says() {
         rest[..end].parse().unwrap_or_else(|_| panic!("{name}: {line}"))
     };
     let [all, block, engine] = ["latency at least ", "block ", "engine "].map(figure);
-    assert_eq!(block, 2.7, "{line}");
+    // By how much callbacks have come early so far is in it.
+    assert!((2.7..3.2).contains(&block), "{line}");
     assert!((1.0..1.7).contains(&engine) && (all - block - engine).abs() < 0.11, "{line}");
     seat.press("2");
     seat.see("second pattern", |text| text.contains("2 ▶ right"));

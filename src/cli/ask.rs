@@ -45,7 +45,7 @@ impl Typed {
     /// # Errors
     /// What the system says where it gives no thread.
     pub fn listen(piped: bool) -> std::io::Result<Option<Self>> {
-        let person = stdin().is_terminal();
+        let person = stdin().is_terminal() && tty::is_in_front();
         let wanted = if person { stderr().is_terminal() } else { piped && !is_nothing() };
         if !wanted {
             return Ok(None);

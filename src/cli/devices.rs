@@ -10,6 +10,7 @@ use pacinian::io::device::failure::Trouble;
 use pacinian::io::device::hosts::Hosts;
 use pacinian::io::device::list::{Found, Offer};
 use pacinian::io::device::missing::{JOINING, missing};
+use pacinian::io::device::rates::Rates;
 use pacinian::io::device::servers::Server;
 use pacinian::io::midi_in;
 use pacinian::text::problem::escaped;
@@ -59,7 +60,10 @@ impl Devices {
                 Ok(ports) => (ports, None),
                 Err(why) => (Vec::new(), Some(why)),
             };
-            let advice = missing();
+            let object = |(what, fix): &(&str, &str)| json!({ "what": what, "fix": fix });
+            let advice: Vec<_> = missing().iter().map(object).collect();
+            let joining: Vec<_> =
+                JOINING.iter().map(|(with, how)| json!({ "with": with, "how": how })).collect();
             let midi = json!({ "ports": ports, "trouble": trouble });
             let said = json!({
                 "hosts": hosts,
@@ -68,7 +72,8 @@ impl Devices {
                 "servers": servers,
                 "midi": midi,
                 "advice": advice,
-                "joining": JOINING,
+                "joining": joining,
+                "serial_ports": serial_ports(),
             });
             return terminal.print(&format!("{said:#}\n"));
         }
@@ -128,6 +133,20 @@ impl Devices {
     }
 }
 
+/// Serial ports, of which a knob may hang on one.
+fn serial_ports() -> Vec<serde_json::Value> {
+    #[cfg(feature = "serial")]
+    return pacinian::io::knob::ports::list()
+        .into_iter()
+        .map(|port| {
+            let (usb, knob) = (port.usb.map(|usb| usb.to_string()), port.knob.map(|knob| knob.to_string()));
+            json!({ "path": port.path, "usb": usb, "knob": knob })
+        })
+        .collect();
+    #[cfg(not(feature = "serial"))]
+    Vec::new()
+}
+
 /// What is said of the virtual card; `fallback` says whether it is played on where nobody names another.
 fn of_virtual(fallback: bool) -> &'static str {
     match fallback {
@@ -142,12 +161,12 @@ fn host_as_json(name: &str, runs: bool, found: &Result<Vec<Found>, String>) -> s
     let offer = |offer: &Option<Offer>| {
         offer.as_ref().map(|o| {
             json!({
-                "channels": o.channels, "rates": [o.rates.0, o.rates.1],
+                "channels": o.channels, "rates": o.rates.iter().map(|(least, most)| [least, most]).collect::<Vec<_>>(),
                 "blocks": o.blocks.map(|(least, most)| [least, most]), "formats": o.formats,
             })
         })
     };
-    let device = |f: &Found| json!({ "id": f.id, "name": f.name, "default": f.default, "output": offer(&f.output), "input": offer(&f.input), "trouble": f.trouble.as_ref().map(ToString::to_string) });
+    let device = |f: &Found| json!({ "id": f.id, "name": f.name, "default": f.default, "output": offer(&f.output), "input": offer(&f.input), "trouble": f.trouble.as_ref().map(|trouble| &trouble.what), "help": f.trouble.as_ref().and_then(|trouble| trouble.help.as_ref()) });
     let (devices, trouble) = match found {
         Ok(all) => (all.iter().map(device).collect(), None),
         Err(error) => (Vec::new(), Some(error)),
@@ -165,7 +184,7 @@ fn table(found: &[Found]) -> String {
             Trouble::Busy => "in use",
             _ => "not allowed",
         });
-        let rates = offer.map_or(trouble.to_string(), |o| range(o.rates) + " Hz");
+        let rates = offer.map_or(trouble.to_string(), |o| of_rates(&o.rates));
         let blocks = offer.and_then(|o| o.blocks).map_or(String::new(), range);
         table.row([
             if device.default { "*" } else { "" }.to_string(),
@@ -194,6 +213,15 @@ fn remedies(found: &[Found]) -> String {
         }
     }
     all.iter().map(|(help, names)| format!("  {}: {help}\n", names.join(", "))).collect()
+}
+
+/// A few rates by themselves, and of more the first and the last.
+fn of_rates(rates: &Rates) -> String {
+    let all: Vec<String> = rates.iter().map(range).collect();
+    match all.as_slice() {
+        [first, _, _, .., last] if all.len() > 5 => format!("{first}, ..., {last} Hz"),
+        all => format!("{} Hz", all.join(", ")),
+    }
 }
 
 fn range((least, most): (u32, u32)) -> String {

@@ -158,6 +158,9 @@ impl Keep {
 impl Kept {
     /// To be called often. What goes wrong is said once; playing goes on.
     pub fn look(&mut self, session: &Session) -> Option<String> {
+        if let Some((journal, _)) = &self.journal {
+            journal.gaps();
+        }
         if self.clock.is_none_or(|clock| clock.elapsed() >= CLOCK) {
             self.clock = Some(Instant::now());
             if let Some((journal, _)) = &self.journal {

@@ -165,7 +165,7 @@ impl Latency {
         if measured.rounds.len() * 2 < usize::from(self.count) {
             return Err(self.nothing(&measured, strays, &names, &name, level, longer));
         }
-        let figures = Figures::of(&measured.rounds);
+        let figures = measured.figures();
         if self.json {
             terminal
                 .print(&format!("{:#}\n", self.as_json(&measured, strays, &figures, &names, rates, &name)))?;
@@ -289,7 +289,7 @@ impl Latency {
         table.row([
             "clocks".into(),
             format!("{:+.1} ppm", 1e6 * measured.drift),
-            "the input's against the output's".into(),
+            format!("+-{:.1} (95 %), the input's against the output's", 1e6 * measured.clocks_margin()),
         ]);
         table.row([
             "heard".into(),
@@ -348,6 +348,7 @@ impl Latency {
             "drift_error_s_per_s": error,
             "drift_margin_s_per_s": margin,
             "clocks_ppm": 1e6 * measured.drift,
+            "clocks_margin_ppm": 1e6 * measured.clocks_margin(),
             "round_trip_s": measured.says[0] + mean + measured.says[1],
             "gain": measured.gain(),
             "probes": self.count, "heard": measured.rounds.len(),

@@ -31,6 +31,7 @@ use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
 use pacinian::patch::knob::HAND;
+use pacinian::rig::OutputKind;
 use pacinian::text::problem::escaped;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
@@ -238,7 +239,7 @@ impl Play {
         if let Some(knob) = &knob {
             listener = knob.beside(listener);
         }
-        let waits = advice::waits(&loaded, &reload.scene.patterns);
+        let waits = advice::waits(&loaded, &reload.scene.patterns).filter(|_| loaded.song.is_none());
         let beginning = Beginning {
             block: self.block,
             armed,
@@ -260,7 +261,11 @@ impl Play {
             "{} plays on {}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
             escaped(loaded.name()),
             escaped(&name),
-            if armed { "" } else { ", at -20 dB: --arm for full level" }
+            match (armed, loaded.rig.outputs.iter().any(|o| matches!(o.kind, OutputKind::Trigger { .. }))) {
+                (true, _) => "",
+                (false, false) => ", at -20 dB: --arm for full level",
+                (false, true) => ", at -20 dB, pulses on trigger outputs as well: --arm for full level",
+            }
         ));
         if loaded.rig_source.is_some() && loaded.rig.device.coupling.is_none() {
             terminal.note(UNSAID);
@@ -307,7 +312,7 @@ impl Play {
         }
         // Only now, so that a session that could not begin has touched nothing.
         let mut kept = self.keep.begin(sound, journal, &loaded)?;
-        if let Err(failure) = show.begin() {
+        if let Err(failure) = show.begin(session.board().lever.closing()) {
             kept.abandon();
             return Err(failure);
         }

@@ -63,6 +63,8 @@ pub const CLOSED: u8 = 129;
 #[derive(Debug, Clone, Default)]
 pub struct Stop {
     signal: Arc<AtomicUsize>,
+    /// Whether it listens: then a thread that has panicked counts as well.
+    listens: bool,
 }
 
 /// From so long after the first on, any signal means at once.
@@ -79,7 +81,7 @@ impl Stop {
     /// # Errors
     /// When the system does not let the program listen.
     pub fn listen() -> Result<Self, Failure> {
-        let stop = Self::default();
+        let stop = Self { listens: true, ..Self::default() };
         stop.begin().map_err(|error| unheard(&error))?;
         Ok(stop)
     }
@@ -131,7 +133,7 @@ impl Stop {
     /// The exit code to end with, if somebody has asked: 129 for SIGHUP, 130 for Ctrl-C, 131 for SIGQUIT, 143 for SIGTERM; [`guard::BUG`] where a
     /// thread has panicked, without which nothing is worth going on with.
     pub fn asked(&self) -> Option<u8> {
-        if guard::has_panicked() {
+        if self.listens && guard::has_panicked() {
             return Some(guard::BUG);
         }
         match self.signal.load(Ordering::Relaxed) {

@@ -301,7 +301,7 @@ impl Session {
     }
 
     /// The end by which a slow thread sends local models to the knob and sees it, if that was asked for and the plan has a knob; patches that take over
-    /// go on with it. What is sent is no part of a journal, so a session of which it is a part cannot be replayed.
+    /// go on with it. What is sent stands in the journal, and is replayed.
     pub fn linked_knob(&mut self) -> Option<Slow> {
         self.linked.take()
     }

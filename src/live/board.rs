@@ -53,6 +53,8 @@ pub struct InputBoard {
     pub lost: Figure,
     /// Gaps that the device told of.
     pub xruns: Figure,
+    /// Frames given to the device that plays before the last of them.
+    pub xrun_at: Figure,
     /// Frames that the recording of what was heard missed.
     pub unrecorded: Figure,
 }
@@ -130,6 +132,8 @@ pub struct Board {
     pub load: Load,
     /// Gaps that the device told of.
     pub xruns: Figure,
+    /// Frames given to the device before the last of them.
+    pub xrun_at: Figure,
     /// Frames of the last block.
     pub block: Figure,
     /// Nanoseconds from a callback to when the device plays its first frame, as the device has it; 0 where it does not say.
@@ -145,6 +149,18 @@ pub struct Board {
 }
 
 impl Board {
+    /// The device has told of a gap.
+    pub fn gap(&self) {
+        self.xrun_at.set(self.frames.get());
+        self.xruns.add(1);
+    }
+
+    /// The device that is listened to has.
+    pub fn gap_of_input(&self) {
+        self.input.xrun_at.set(self.frames.get());
+        self.input.xruns.add(1);
+    }
+
     /// For so many channels.
     pub fn new(channels: usize) -> Self {
         let peaks = || (0..channels).map(|_| AtomicU32::new(0)).collect();

@@ -56,7 +56,7 @@ pub fn listen(
             next += 128.0 / 44_100.0;
         }
         if n % 1000 == 950 {
-            board.input.xruns.add(1);
+            board.gap_of_input();
             (0..500).for_each(|_| intake.take(Stamp((now * 1e9) as u64), 0.0, &frames));
         }
         feed.hear(now, 3, &mut output);

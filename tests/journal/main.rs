@@ -4,6 +4,7 @@
 mod bits;
 mod edited;
 mod flood;
+mod gaps;
 mod shed;
 
 use std::path::{Path, PathBuf};

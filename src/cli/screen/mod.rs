@@ -22,6 +22,8 @@ pub mod tty;
 mod window;
 
 use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use crossterm::event::Event;
@@ -207,13 +209,13 @@ impl Show {
         }
     }
 
-    /// Takes the terminal over, where there is to be a screen.
+    /// Takes the terminal over, where there is to be a screen. `closing` is set at the moment at which that terminal is gone.
     ///
     /// # Errors
     /// A terminal that does not let itself be taken.
-    pub fn begin(&mut self) -> Result<(), Failure> {
+    pub fn begin(&mut self, closing: Arc<AtomicBool>) -> Result<(), Failure> {
         let Out::Screen(screen) = &mut self.out else { return Ok(()) };
-        screen.begin().map_err(|error| {
+        screen.begin(closing).map_err(|error| {
             Failure::said(74, format!("the terminal cannot be used ({error}); --plain does without"))
         })
     }
@@ -316,7 +318,7 @@ impl Show {
         }
         if !self.humble && priority::latest() == Priority::Refused {
             self.humble = true;
-            let text = "the system gives no real-time priority, so gaps are likelier; on Linux, allow rtprio in /etc/security/limits.d";
+            let text = "the system gives no real-time priority, so gaps are likelier; `pacinian devices` says how to allow it";
             self.note(Happened::new(now, Mood::Told, text));
         }
     }

@@ -25,7 +25,32 @@ static KEYS: AtomicBool = AtomicBool::new(false);
 pub fn is_fit(terminal: &Terminal) -> bool {
     let plain = !terminal.pictured;
     let fits = || size().is_some_and(|(width, height)| width >= LEAST.0 && height >= LEAST.1);
-    !plain && terminal.lively && stdin().is_terminal() && stdout().is_terminal() && fits()
+    !plain && terminal.lively && stdin().is_terminal() && stdout().is_terminal() && is_in_front() && fits()
+}
+
+/// Whether keys of the terminal are this program's: one in the background is stopped as soon as it asks for them.
+pub fn is_in_front() -> bool {
+    // Of a terminal that is not the one it was begun at, the system says nothing, and stops nobody.
+    #[cfg(unix)]
+    return rustix::termios::tcgetpgrp(stdin()).map_or(true, |front| front == rustix::process::getpgrp());
+    #[cfg(not(unix))]
+    true
+}
+
+/// Waits until the terminal is gone, and says so; `false` where it was given back before.
+#[cfg(unix)]
+pub fn hangs_up() -> bool {
+    use rustix::event::{PollFd, PollFlags, Timespec, poll};
+    const LOOK: Timespec = Timespec { tv_sec: 0, tv_nsec: 250_000_000 };
+    while is_taken() {
+        let input = stdin();
+        // What is asked for is nothing: that it has hung up is told all the same.
+        let mut keys = [PollFd::new(&input, PollFlags::empty())];
+        if matches!(poll(&mut keys, Some(&LOOK)), Ok(1..)) {
+            return is_taken();
+        }
+    }
+    false
 }
 
 /// Columns and rows, where the terminal says.

@@ -53,12 +53,21 @@ impl Screen {
         Ok(Self { frames: Some(frames), typed: None, thread, face })
     }
 
-    /// Takes the terminal over, and listens to its keys from then on: in a thread of its own.
+    /// Takes the terminal over, and listens to its keys from then on: in a thread of its own. Another sets `closing` at the moment at which the
+    /// terminal is gone.
     ///
     /// # Errors
     /// What the system says.
-    pub fn begin(&mut self) -> std::io::Result<()> {
+    pub fn begin(&mut self, closing: Arc<AtomicBool>) -> std::io::Result<()> {
         tty::take()?;
+        #[cfg(unix)]
+        std::thread::Builder::new().name("hang-up".into()).spawn(move || {
+            if tty::hangs_up() {
+                closing.store(true, Ordering::Release);
+            }
+        })?;
+        #[cfg(not(unix))]
+        drop(closing);
         let (out, typed) = sync_channel(TYPED);
         std::thread::Builder::new().name("keys".into()).spawn(move || {
             while tty::is_taken() {

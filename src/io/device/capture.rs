@@ -51,7 +51,7 @@ pub fn shape(found: &Found, channels: usize, rate: u32, block: Option<u32>) -> R
     };
     let counts = || offer.channels.iter().map(|&n| usize::from(n));
     let enough = counts().find(|&n| n >= channels).or(counts().max());
-    let taken = rate.clamp(offer.rates.0, offer.rates.1);
+    let taken = offer.rates.nearest(rate);
     let length = block.map_or(BLOCK, |block| f64::from(block) / f64::from(rate.max(1)));
     let frames = (length * f64::from(taken)).round().max(1.0) as u32;
     let block = offer.blocks.map(|(least, most)| frames.clamp(least, most.max(least)));
@@ -77,7 +77,7 @@ impl Capture {
         let buffer_size = shape.within(blocks).block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
-        let tell = teller(news, move || gaps.input.xruns.add(1), || {});
+        let tell = teller(news, move || gaps.gap_of_input(), || {});
         let stream = match format {
             SampleFormat::F32 => stream::<f32, _>(device, config, hear, tell),
             SampleFormat::I32 => stream::<i32, _>(device, config, hear, tell),
@@ -133,15 +133,13 @@ mod tests {
     use super::{Shape, shape};
     use crate::io::device::hosts::Hosts;
     use crate::io::device::list::{Found, Offer};
+    use crate::io::device::rates::Rates;
 
     #[test]
     fn a_card_is_asked_for_what_it_has() {
-        let offer = Offer {
-            channels: vec![1, 2, 8],
-            rates: (44_100, 48_000),
-            blocks: Some((64, 4096)),
-            formats: vec![],
-        };
+        let mut rates = Rates::default();
+        rates.add((44_100, 48_000));
+        let offer = Offer { channels: vec![1, 2, 8], rates, blocks: Some((64, 4096)), formats: vec![] };
         let (id, name, hosts) = ("x".into(), "x".into(), Hosts::default());
         let card = Found { id, name, default: false, output: None, input: Some(offer), trouble: None, hosts };
         let of = |channels, rate, block| shape(&card, channels, rate, block).unwrap();

@@ -14,6 +14,7 @@ use super::failure::{DeviceError, Trouble};
 use super::list::{Found, Offer};
 use super::minder::teller;
 use super::priority;
+use super::rates::Rates;
 use crate::live::board::Board;
 use crate::live::driver::Driver;
 use crate::live::lent::Lent;
@@ -103,7 +104,15 @@ impl Card {
         fit(found, shape)?;
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
         let ranges = device.supported_output_configs().map_err(|error| trouble(&error))?;
-        let (format, blocks) = known_format(ranges, shape).map_err(|error| trouble(&error))?;
+        let ranges: Vec<SupportedStreamConfigRange> = ranges.collect();
+        let mut rates = Rates::default();
+        // Of so many channels it may have other rates than on the whole.
+        let own = ranges.iter().filter(|range| usize::from(range.channels()) == shape.channels);
+        own.for_each(|range| rates.add((range.min_sample_rate(), range.max_sample_rate())));
+        if !rates.contains(shape.rate) {
+            return Err(no_rate(&found.name, shape, &rates));
+        }
+        let (format, blocks) = known_format(ranges.into_iter(), shape).map_err(|error| trouble(&error))?;
         // What a device offers on the whole may be more than so many channels have room for.
         let shape = if shape.exact { shape } else { shape.within(blocks) };
         fit_block(found, shape, blocks)?;
@@ -113,7 +122,7 @@ impl Card {
         let gone = Arc::new(AtomicBool::new(false));
         let mut player = Player { driver, raised: false, gone: Arc::clone(&gone), board: Arc::clone(board) };
         let lost = move || gone.store(true, Ordering::Relaxed);
-        let tell = teller(news, move || gaps.xruns.add(1), lost);
+        let tell = teller(news, move || gaps.gap(), lost);
         let stream = match format {
             SampleFormat::F32 => device.build_output_stream(
                 config,
@@ -232,13 +241,17 @@ fn fit(found: &Found, shape: Shape) -> Result<(), DeviceError> {
             format!("it offers {}; say so under [device] in the rig", list.join(", ")),
         );
     }
-    if shape.rate < offer.rates.0 || shape.rate > offer.rates.1 {
-        return unfit(
-            format!("{} Hz are not offered", shape.rate),
-            format!("it offers {} to {} Hz; say so under [device] in the rig", offer.rates.0, offer.rates.1),
-        );
+    if !offer.rates.contains(shape.rate) {
+        return Err(no_rate(&found.name, shape, &offer.rates));
     }
     fit_block(found, shape, offer.blocks)
+}
+
+/// That a rate is not offered, and which are.
+fn no_rate(name: &str, shape: Shape, rates: &Rates) -> DeviceError {
+    let what = format!("{name}: {} Hz are not offered", shape.rate);
+    DeviceError::new(Trouble::Unfit, what)
+        .help(format!("it offers {rates} Hz: --rate, or `rate` under [device] in the rig"))
 }
 
 /// The same of how long blocks are.

@@ -86,9 +86,7 @@ impl Chosen {
         let usual = 48_000;
         match (wanted, self) {
             (Some(rate), _) => rate,
-            (None, Self::Card(_, Found { output: Some(Offer { rates: (least, most), .. }), .. })) => {
-                usual.clamp(*least, *most)
-            }
+            (None, Self::Card(_, Found { output: Some(Offer { rates, .. }), .. })) => rates.nearest(usual),
             _ => usual,
         }
     }
@@ -319,9 +317,10 @@ pub(super) fn heard_again(hosts: &Hosts, id: &str) -> Result<(Device, Found), De
 #[cfg(test)]
 mod tests {
     use super::{Found, Hosts, Offer, falls_back};
+    use crate::io::device::rates::Rates;
 
     fn found(default: bool, plays: bool) -> Found {
-        let offer = Offer { channels: vec![2], rates: (48_000, 48_000), blocks: None, formats: Vec::new() };
+        let offer = Offer { channels: vec![2], rates: Rates::default(), blocks: None, formats: Vec::new() };
         Found {
             id: String::new(),
             name: String::new(),

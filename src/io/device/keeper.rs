@@ -12,7 +12,7 @@ use super::choose::{Chosen, again};
 use super::failure::{DeviceError, Trouble};
 use super::hosts::Hosts;
 use super::list::Found;
-use super::minder::{Bell, Minder, Pulse, Search, WATCH, bell, let_go};
+use super::minder::{Bell, Minder, Pace, Pulse, Search, WATCH, bell, let_go};
 use super::returning::{Returning, Stand};
 use super::virtual_card::VirtualCard;
 use super::watch::{Watch, Way};
@@ -80,6 +80,7 @@ struct Keeping {
     /// What a device says is looked at at once.
     bell: Bell,
     pulse: Pulse,
+    pace: Pace,
     search: Search,
     watch: Watch,
     /// The session is about to end.
@@ -115,6 +116,7 @@ impl Keeper {
             fate,
             bell: bell.clone(),
             pulse: Pulse::new(),
+            pace: Pace::begin(Instant::now(), board.frames.get()),
             search: Search::new(),
             watch: Watch::of("", Way::Out),
             resting: Arc::default(),
@@ -220,6 +222,10 @@ impl Keeping {
         let silent = SILENT.max(Duration::from_secs_f64(MISSED * block));
         if self.is_present() && pause > silent {
             self.lose("it does not ask for anything any more".into());
+        }
+        if self.pace.is_lost(now, self.board.frames.get(), f64::from(self.shape.rate)) && self.is_present() {
+            self.leave("it takes what it is given as fast as it comes, so that nothing keeps time on it: it is not come back to".into());
+            self.sought = None;
         }
         if matches!(self.playing, Playing::Nothing)
             && let Some(driver) = self.driver()

@@ -6,6 +6,7 @@ use cpal::{Device, SupportedBufferSize, SupportedStreamConfigRange};
 use super::card::KNOWN;
 use super::failure::{DeviceError, Trouble};
 use super::hosts::Hosts;
+use super::rates::Rates;
 use crate::text::nearest::nearest;
 
 /// A device that there is.
@@ -32,8 +33,8 @@ pub struct Found {
 pub struct Offer {
     /// Numbers of channels, ascending.
     pub channels: Vec<u16>,
-    /// Frames a second, least and most.
-    pub rates: (u32, u32),
+    /// Frames a second.
+    pub rates: Rates,
     /// Frames a block, least and most, where it says.
     pub blocks: Option<(u32, u32)>,
     /// Names of sample formats.
@@ -76,11 +77,10 @@ impl Offer {
         let ranges: Vec<_> = ranges.collect();
         let mut offer: Option<Self> = None;
         for range in &ranges {
-            let rates = (range.min_sample_rate(), range.max_sample_rate());
             let (channels, format) = (range.channels(), range.sample_format().to_string());
-            let all =
-                offer.get_or_insert_with(|| Self { channels: vec![], rates, blocks: None, formats: vec![] });
-            all.rates = (all.rates.0.min(rates.0), all.rates.1.max(rates.1));
+            let none = || Self { channels: vec![], rates: Rates::default(), blocks: None, formats: vec![] };
+            let all = offer.get_or_insert_with(none);
+            all.rates.add((range.min_sample_rate(), range.max_sample_rate()));
             if let Err(place) = all.channels.binary_search(&channels) {
                 all.channels.insert(place, channels);
             }

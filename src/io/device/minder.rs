@@ -116,6 +116,33 @@ const REGULAR: u32 = 10;
 /// From one look to the next, no more counts for a pause: who looks so late stood still with the whole machine, and so did the device.
 const STALL: Duration = Duration::from_millis(60);
 
+/// So much faster than it plays a device may ask for frames, over so long: no buffer is that large.
+const RUSH: f64 = 10.0;
+const RUSH_FOR: Duration = Duration::from_millis(500);
+
+/// Whether a device takes what it is given as fast as it comes, so that nothing keeps time on it.
+pub(super) struct Pace {
+    since: Instant,
+    frames: u64,
+}
+
+impl Pace {
+    /// From so many frames on.
+    pub fn begin(now: Instant, frames: u64) -> Self {
+        Self { since: now, frames }
+    }
+
+    /// Whether so many frames at `rate` are far more than there was time for.
+    pub fn is_lost(&mut self, now: Instant, frames: u64, rate: f64) -> bool {
+        let time = now.saturating_duration_since(self.since);
+        if time < RUSH_FOR {
+            return false;
+        }
+        let begun = std::mem::replace(self, Self::begin(now, frames));
+        frames.saturating_sub(begun.frames) as f64 > RUSH * rate * time.as_secs_f64()
+    }
+}
+
 /// Whether a device still calls back.
 pub(super) struct Pulse {
     /// Frames that were counted last, and for how long there have been no more.
@@ -235,7 +262,7 @@ pub(super) fn within<T: Send + 'static>(
 
 #[cfg(test)]
 mod tests {
-    use super::{Minder, PATIENCE, Pulse, SEARCH, SOON, STALL, Search, bell};
+    use super::{Minder, PATIENCE, Pace, Pulse, SEARCH, SOON, STALL, Search, bell};
     use crate::io::device::card::News;
     use std::sync::mpsc::channel;
     use std::time::{Duration, Instant};
@@ -299,6 +326,19 @@ mod tests {
         let soon = SOON.as_millis() as u64;
         assert_eq!(due(2_000, 2_000 + soon - 100, &mut search), (soon - 100) / SEARCH.as_millis() as u64);
         assert_eq!(due(2_000 + soon, 12_000 + soon, &mut search), 10);
+    }
+
+    #[test]
+    fn a_device_that_takes_all_at_once_keeps_no_time() {
+        let begin = Instant::now();
+        let at = |ms: u64| begin + Duration::from_millis(ms);
+        let mut pace = Pace::begin(begin, 0);
+        // Two seconds of a server's buffer at once, and then as it plays.
+        let buffered = |ms: u64| 96_000 + 48 * ms;
+        assert!((1..200).all(|n| !pace.is_lost(at(20 * n), buffered(20 * n), 48e3)));
+        let mut pace = Pace::begin(begin, 0);
+        let rushes = (1..100).find(|n| pace.is_lost(at(20 * n), 1_000 * 48 * 20 * n, 48e3));
+        assert_eq!(rushes, Some(25), "after half a second");
     }
 
     #[test]

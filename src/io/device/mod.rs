@@ -18,6 +18,7 @@ pub mod missing;
 pub mod priority;
 #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
 mod pulse;
+pub mod rates;
 mod returning;
 pub mod servers;
 pub mod virtual_card;

@@ -50,7 +50,7 @@ impl VirtualCard {
                 }
                 match pace.filled(Instant::now()) {
                     Next::In(wait) => std::thread::sleep(wait),
-                    Next::Xrun => board.xruns.add(1),
+                    Next::Xrun => board.gap(),
                 }
             }
         };

@@ -43,6 +43,8 @@ pub enum Kind {
     Refused,
     /// Something became of the device.
     Device,
+    /// Where blocks came too late, `value` times since the last such line: for the device, or for the `input`.
+    Xrun,
     /// How frames and time belong together, and what was counted so far.
     Clock,
     /// Lines are missing here, as many as `value` says.
@@ -53,7 +55,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Voice,
         Self::Release,
         Self::ReleaseAll,
@@ -72,6 +74,7 @@ impl Kind {
         Self::In,
         Self::Refused,
         Self::Device,
+        Self::Xrun,
         Self::Clock,
         Self::Lost,
         Self::End,
@@ -98,6 +101,7 @@ impl Kind {
             Self::In => "in",
             Self::Refused => "refused",
             Self::Device => "device",
+            Self::Xrun => "xrun",
             Self::Clock => "clock",
             Self::Lost => "lost",
             Self::End => "end",

@@ -67,6 +67,8 @@ struct Keeping {
     plans: u64,
     first: Option<(PlanHead, f64, usize)>,
     heard: Option<(u64, String)>,
+    /// Gaps of the device and of the input that stand there.
+    gaps: [u64; 2],
     /// What others have counted.
     counted: BTreeMap<String, f64>,
 }
@@ -103,6 +105,7 @@ impl Journal {
             plans: 1,
             first: Some((plan_head(0, plan, made_of), plan.device_rate, plan.channels)),
             heard: None,
+            gaps: [0; 2],
             counted: BTreeMap::new(),
         }))))
     }
@@ -157,6 +160,24 @@ impl Journal {
         keeping.writer.put(Entry::Line(Box::new(line)));
     }
 
+    /// Writes where blocks came too late since this was called last; to be called often.
+    pub fn gaps(&self) {
+        let mut keeping = self.get();
+        let board = std::sync::Arc::clone(&keeping.chronicle.board);
+        let all =
+            [(None, &board.xruns, &board.xrun_at), (Some("input"), &board.input.xruns, &board.input.xrun_at)];
+        for (n, (name, count, at)) in all.into_iter().enumerate() {
+            let count = count.get();
+            let new = count - std::mem::replace(&mut keeping.gaps[n], count);
+            if new > 0 {
+                let (frame, value) = (Some(at.get()), Some(new as f64));
+                let line =
+                    Line { name: name.map(String::from), frame, value, ..keeping.chronicle.now(Kind::Xrun) };
+                keeping.writer.put(Entry::Line(Box::new(line)));
+            }
+        }
+    }
+
     /// Writes how frames and time belong together, and what was counted so far; to be called about once a second. All that was done
     /// before that frame stands before this line, so a journal that breaks off can be played again up to there.
     pub fn clock(&self, moment: Option<Moment>) {
@@ -194,6 +215,7 @@ impl Journal {
     /// # Errors
     /// What went wrong with the file.
     pub fn finish(&self) -> Result<u64, FileError> {
+        self.gaps();
         let mut keeping = self.get();
         let mut line = keeping.chronicle.now(Kind::End);
         line.frame = Some(keeping.chronicle.board.frames.get());

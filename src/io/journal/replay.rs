@@ -152,8 +152,13 @@ impl<R: BufRead> Replay<R> {
         let Some(Item::Session(head)) = reader.read()? else {
             return Err(reader.unwritten("this is no journal of a session").into());
         };
-        let Some(Item::Plan(first)) = reader.read()? else {
-            return Err(reader.unwritten("a plan must follow the first line").into());
+        let first = match reader.read()? {
+            Some(Item::Plan(first)) => first,
+            Some(_) => return Err(reader.unwritten("a plan must follow the first line").into()),
+            None => {
+                let what = "it breaks off before it says what was played, so nothing can be played again";
+                return Err(reader.wrong(what).into());
+            }
         };
         let Some(made_of) = first.made_of else { return Err(unmade(&reader)) };
         let plan = remake(&made_of, &recordings).map_err(|why| unmakeable(&reader, why))?.plan;
@@ -380,9 +385,14 @@ impl<R: BufRead> Replay<R> {
                 // One of an older journal cannot be called off.
                 Event::Marker(number.map_or(u32::MAX, |number| number as u32), line.id.unwrap_or(u64::MAX))
             }
-            Kind::Swap | Kind::In | Kind::Refused | Kind::Device | Kind::Clock | Kind::Lost | Kind::End => {
-                return Ok(());
-            }
+            Kind::Swap
+            | Kind::In
+            | Kind::Refused
+            | Kind::Device
+            | Kind::Xrun
+            | Kind::Clock
+            | Kind::Lost
+            | Kind::End => return Ok(()),
         };
         let at = instant(line).ok_or("an event must have a `sample` and a `fraction` from 0 to below 1")?;
         let source = line.source.as_deref().unwrap_or_default();

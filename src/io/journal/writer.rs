@@ -157,7 +157,7 @@ fn write(entries: &Receiver<Entry>, form: Form, mut file: OutputFile) -> Result<
     let mut lines = Vec::with_capacity(2 * TOGETHER);
     loop {
         let (mut ended, mut at_once) = (false, false);
-        match entries.recv_timeout(FLUSH) {
+        match entries.recv_timeout(FLUSH.saturating_sub(flushed.elapsed())) {
             Ok(entry) => {
                 // Without what is played, nothing that comes later is of use to a replay.
                 at_once = !matches!(entry, Entry::Line(_));

@@ -1,5 +1,6 @@
 //! What many rounds come to.
 
+use super::line::PARTS;
 use super::measure::{Measured, Round};
 use crate::dsp::student;
 
@@ -27,7 +28,7 @@ pub struct Figures {
     pub most: f64,
     /// By how much it grows, seconds a second: the slope of the line of least squares.
     pub drift: f64,
-    /// The standard error of that; of two or fewer nobody knows it.
+    /// The standard error of that; of two or fewer rounds nobody knows it.
     pub error: Option<f64>,
     /// By how much the drift may be off, 95 times in 100, to either side: the standard error by Student's quantile.
     pub margin: Option<f64>,
@@ -90,6 +91,24 @@ impl Figures {
 }
 
 impl Measured {
+    /// Its figures. What the devices' times may be off by is in `sure`, `error` and `margin`: all rounds lie on the same two lines, so that they do not
+    /// show it.
+    pub fn figures(&self) -> Figures {
+        let rounds = Figures::of(&self.rounds);
+        let sure = |own: f64| own.hypot(self.times.height * student::quantile(PARTS - 2));
+        Figures {
+            sure: rounds.sure.map(sure),
+            error: rounds.error.map(|own| own.hypot(self.times.slope)),
+            margin: rounds.margin.map(|own| own.hypot(self.clocks_margin())),
+            ..rounds
+        }
+    }
+
+    /// By how much [`Measured::drift`] may be off, as a share, 95 times in 100, to either side.
+    pub fn clocks_margin(&self) -> f64 {
+        self.times.slope * student::quantile(PARTS - 2)
+    }
+
     /// Leaves out rounds that lie further than 2 ms from the median, since that was another sound, and says how many those were.
     pub fn leave_out_strays(&mut self) -> usize {
         let mut all: Vec<f64> = self.rounds.iter().map(|r| r.latency).collect();
