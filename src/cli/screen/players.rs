@@ -19,6 +19,8 @@ pub struct Players {
     playing: Vec<String>,
     /// Whether any has played.
     played: bool,
+    /// Whether the patch that took over last has one of which the patch before knew nothing, and which begins by itself.
+    begins: bool,
 }
 
 impl Players {
@@ -40,7 +42,9 @@ impl Players {
     /// The patch is another; what plays goes on until it is told otherwise.
     pub fn become_of(&mut self, patch: &Patch, first: &[usize]) {
         let (playing, played) = (std::mem::take(&mut self.playing), self.played);
+        let before = std::mem::take(&mut self.patterns);
         *self = Self { playing, played, ..Self::new(patch, first) };
+        self.begins = self.first.iter().any(|name| !before.contains(name));
     }
 
     /// These play now.
@@ -51,7 +55,8 @@ impl Players {
 
     /// What is to be said of patterns that have played where none plays any more; `keys` says whether there are such.
     pub fn over(&self, keys: bool) -> &'static str {
-        match (self.played && !self.patterns.is_empty() && self.playing.is_empty(), keys) {
+        let over = self.played && !self.patterns.is_empty() && self.playing.is_empty() && !self.begins;
+        match (over, keys) {
             (false, _) => "",
             (true, true) => {
                 "; patterns that are over do not begin again by themselves: 1 or space starts one"
@@ -161,6 +166,7 @@ fn start(names: &[&String], mut number: impl FnMut() -> u64) -> Vec<Signal> {
 mod tests {
     use super::Players;
     use pacinian::live::signal::Signal;
+    use pacinian::patch::Patch;
 
     fn names(names: &[&str]) -> Vec<String> {
         names.iter().map(ToString::to_string).collect()
@@ -191,6 +197,32 @@ mod tests {
         // Ended by itself: a digit starts it again.
         players.play(names(&["rest"]));
         assert_eq!(said(players.digit(2, || 7)), "Start(7, \"run\");");
+    }
+
+    /// Of a pattern that the patch before did not have, which begins by itself, it is not said that it does not.
+    #[test]
+    fn patterns_that_are_over_are_told_of_and_new_ones_are_not() {
+        let patch = |names: &[&str]| {
+            let pattern =
+                |name: &&str| format!("[pattern.{name}]\nevents = [{{ at = 0, marker = \"m\" }}]\n");
+            let patterns: String = names.iter().map(pattern).collect();
+            let text = format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{patterns}");
+            Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value
+        };
+        let mut players = Players::new(&patch(&["walk"]), &[0]);
+        players.play(names(&["walk"]));
+        players.play(vec![]);
+        players.become_of(&patch(&["walk"]), &[0]);
+        assert!(
+            players.over(true).contains("1 or space starts one")
+                && players.over(false).ends_with("themselves")
+        );
+        players.become_of(&patch(&[]), &[]);
+        assert_eq!(players.over(true), "", "there are none");
+        players.become_of(&patch(&["walk"]), &[0]);
+        assert_eq!(players.over(true), "", "it begins");
+        players.become_of(&patch(&["walk", "run"]), &[0]);
+        assert!(!players.over(true).is_empty(), "the new one waits to be started");
     }
 
     #[test]
