@@ -204,6 +204,28 @@ fn floods_of_midi_and_osc_at_once_are_played_or_counted() {
     });
 }
 
+/// Patterns that take long do not hold up whoever comes behind them: of a datagram full of them a part is done, the rest is counted.
+#[test]
+fn a_datagram_of_costly_patterns_holds_nobody_up() {
+    let name = |n: usize| format!("{}{n}", "long".repeat(9));
+    let controls = (0..40).map(|n| format!("[control.{}]\ndefault = 0.5\n", name(n)));
+    let stage = Stage::of(reload(&format!("{}{PATCH}", controls.collect::<String>())), CHANNELS);
+    let counts = Arc::clone(stage.server.as_ref().unwrap().counts());
+    let costly = |n: usize| {
+        let addr = format!("/control/{}{n}", "*{a,}".repeat(47));
+        OscPacket::Message(OscMessage { addr, args: vec![OscType::Float(0.1)] })
+    };
+    let timetag = rosc::OscTime { seconds: 0, fractional: 1 };
+    let bundle = OscPacket::Bundle(rosc::OscBundle { timetag, content: (0..230).map(costly).collect() });
+    let bytes = encoder::encode(&bundle).unwrap();
+    assert!(bytes.len() > 50_000);
+    stage.send(&bytes);
+    stage.say("/panic", &[]);
+    until("the brake is pulled", || stage.session.board().is_panicked());
+    let refused = counts.refused.get();
+    assert!((50..230).contains(&refused) && counts.messages.get() >= 230, "{:?}", counts.trouble());
+}
+
 const FLOOD: u64 = 100_000;
 
 #[track_caller]

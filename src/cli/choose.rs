@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::patience;
+use super::stop::Stop;
 use super::terminal::Terminal;
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::Trouble;
@@ -12,9 +13,9 @@ use pacinian::text::problem::escaped;
 ///
 /// # Errors
 /// As [`Wish::choose`], and a sound system that does not answer.
-pub fn choose(wish: &Wish, terminal: &Terminal) -> Result<Chosen, Failure> {
+pub fn choose(wish: &Wish, stop: Option<&Stop>, terminal: &Terminal) -> Result<Chosen, Failure> {
     let asked = wish.clone();
-    patience::look(terminal, move || asked.choose())?.map_err(|error| {
+    patience::look(stop, terminal, move || asked.choose())?.map_err(|error| {
         let named = match wish {
             Wish::Named(name) if error.kind == Trouble::Missing => Server::named(name),
             _ => None,
@@ -41,10 +42,11 @@ pub fn choose_for(
     device: Option<&str>,
     by_rig: Option<&str>,
     rig: impl std::fmt::Display,
+    stop: Option<&Stop>,
     terminal: &Terminal,
 ) -> Result<(Wish, Chosen), Failure> {
     let wish = Wish::of(device, by_rig);
-    match choose(&wish, terminal) {
+    match choose(&wish, stop, terminal) {
         Ok(chosen) => Ok((wish, chosen)),
         Err(failure) if device.is_none() && by_rig.is_some() => Err(failure.and(&format!(
             "it is the `name` under [device] in {}; --device names another",

@@ -50,7 +50,7 @@ fn everywhere() -> (Vec<Place>, Option<String>) {
 impl Devices {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let (hosts, heard) = patience::look(terminal, everywhere)?;
+        let (hosts, heard) = patience::look(None, terminal, everywhere)?;
         let fallback = falls_back(hosts.iter().filter_map(|(.., found)| found.as_deref().ok()));
         let servers = Server::all();
         if self.json {
@@ -97,7 +97,7 @@ impl Devices {
             Ok(ports) if ports.is_empty() => format!("{}: no port\n", terminal.out.bold("MIDI")),
             Ok(ports) => {
                 let mut table = Table::default();
-                ports.into_iter().for_each(|port| table.row([port]));
+                ports.into_iter().for_each(|port| table.row([escaped(&port)]));
                 format!("{}\n{}", terminal.out.bold("MIDI"), table.text())
             }
             Err(why) => format!("{}: {}\n", terminal.out.bold("MIDI"), escaped(&why)),
@@ -188,12 +188,12 @@ fn table(found: &[Found]) -> String {
         let blocks = offer.and_then(|o| o.blocks).map_or(String::new(), range);
         table.row([
             if device.default { "*" } else { "" }.to_string(),
-            device.name.clone(),
+            escaped(&device.name).into_owned(),
             channels(&device.output),
             channels(&device.input),
             rates,
             blocks,
-            device.id.clone(),
+            escaped(&device.id).into_owned(),
         ]);
     }
     table.text() + &remedies(found)

@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::input::named;
 use super::loaded::Loaded;
 use super::patience;
+use super::stop::Stop;
 use super::table::many;
 use super::terminal::Terminal;
 use pacinian::io::device::capture;
@@ -35,6 +36,7 @@ impl Listens {
         (path, device): (Option<&Path>, Option<&str>),
         channels: &[usize],
         (rate, block): (u32, Option<u32>),
+        stop: &Stop,
         terminal: &Terminal,
     ) -> Result<Self, Failure> {
         if let (Some(input), Some(path)) = (&loaded.input, path) {
@@ -59,7 +61,7 @@ impl Listens {
             return Ok(Self { note, ..Self::default() });
         }
         let name = name.to_string();
-        let (device, found) = patience::look(terminal, move || choose::heard(&name))??;
+        let (device, found) = patience::look(Some(stop), terminal, move || choose::heard(&name))??;
         let most = channels.last().map_or(0, |last| last + 1);
         let shape = capture::shape(&found, most, rate, block)?;
         let of = many(shape.channels, "channel");

@@ -12,6 +12,7 @@ use pacinian::io::osc::counts::Counts;
 use pacinian::io::recorder::Recorder;
 use pacinian::io::session::Session;
 use pacinian::io::wav::{Encoding, WavSpec};
+use pacinian::live::board::Board;
 use pacinian::live::reload::Reload;
 use pacinian::text::problem::escaped;
 use ringbuf::HeapCons;
@@ -203,21 +204,28 @@ impl Kept {
     ///
     /// # Errors
     /// What went wrong with them.
-    pub fn finish(self, terminal: &Terminal) -> Result<(), Failure> {
+    pub fn finish(self, board: &Board, terminal: &Terminal) -> Result<(), Failure> {
         let mut failure = Failure::default();
-        let note = |path: &Path, frames: u64, words: &str| {
-            terminal.note(&format!("{}: {} frames, as they were {words}\n", shown(path), grouped(frames)));
+        let note = |path: &Path, frames: u64, missed: u64, words: &str| {
+            let path = shown(path);
+            let but = if missed > 0 { ", but for those that found no room" } else { "" };
+            terminal.note(&format!("{path}: {} frames, as they were {words}{but}\n", grouped(frames)));
+            if missed == 0 {
+                return Failure::default();
+            }
+            let what = format!("{path}: {} frames found no room and are silence there", grouped(missed));
+            Failure::usage(what, "write to a faster disk").with_code(74)
         };
         if let Some((recorder, path)) = self.sent {
             match recorder.finish() {
-                Ok(written) => note(&path, written.frames, "sent"),
+                Ok(written) => failure.join(note(&path, written.frames, board.unrecorded.get(), "sent")),
                 Err(error) => failure.join(error.into()),
             }
         }
         if let Some((recorder, path)) = self.heard {
             match recorder.finish_with_digest() {
                 Ok((written, digest)) => {
-                    note(&path, written.frames, "heard");
+                    failure.join(note(&path, written.frames, board.input.unrecorded.get(), "heard"));
                     if let Some(((journal, _), digest)) = self.journal.as_ref().zip(digest) {
                         journal.heard(written.frames, digest);
                     }

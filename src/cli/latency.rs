@@ -12,11 +12,13 @@ use pacinian::io::device::card::Shape;
 use pacinian::io::device::choose::{self, Chosen, Wish};
 use pacinian::io::latency::figures::{Doubt, Figures};
 use pacinian::io::latency::measure::{EVERY, Loop, Measured, measure};
-use pacinian::io::{out, replace, text};
+use pacinian::io::{replace, text};
 use pacinian::rig::{Output, OutputKind, Rig};
 use pacinian::text::problem::escaped;
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Measures how long it takes from an output through a cable, or a tactor and an accelerometer, back to an input
 #[derive(Debug, Args)]
@@ -91,13 +93,13 @@ impl Latency {
             if text::is_stream(path) {
                 return Err(Failure::usage("there is no file to save it in", "name one: --rig RIG.toml"));
             }
-            out::check(path)?;
+            replace::check(path)?;
         }
         let (channel, name) = self.output(rig)?;
         let level = self.level(rig, channel, &name)?;
         let said = rig.and_then(|rig| rig.device.name.as_deref());
         let file = self.rig.as_ref().map_or_else(String::new, |path| path.display().to_string());
-        let (wish, chosen) = super::choose::choose_for(self.device.as_deref(), said, file, terminal)?;
+        let (wish, chosen) = super::choose::choose_for(self.device.as_deref(), said, file, None, terminal)?;
         let rate = chosen.rate(self.rate.or(rig.and_then(|rig| rig.device.rate.map(|rate| rate as u32))));
         let Chosen::Card(device, found) = chosen else {
             let what = match wish {
@@ -127,7 +129,7 @@ impl Latency {
         let playing = (device, found);
         let longer = longer(self.block, blocks);
         let ear = ear.map(str::to_string);
-        let (playing, heard) = patience::look(terminal, move || {
+        let (playing, heard) = patience::look(None, terminal, move || {
             let heard = ear.map_or_else(|| choose::heard_beside(&playing), |ear| choose::heard(&ear));
             (playing, heard)
         })?;
@@ -157,7 +159,15 @@ impl Latency {
             count: usize::from(self.count),
         };
         let stop = Stop::listen()?;
-        let Some(mut measured) = measure(&what, |_| stop.asked().is_none())? else {
+        let begun = Arc::<AtomicBool>::default();
+        let (begins, asked) = (Arc::clone(&begun), stop.clone());
+        let measured = patience::long(&names[0], &begun, &stop, terminal, move || {
+            measure(&what, |_| {
+                begins.store(true, Ordering::Release);
+                asked.asked().is_none()
+            })
+        })?;
+        let Some(mut measured) = measured? else {
             return Err(Failure::told(stop.asked().unwrap_or(INTERRUPTED)));
         };
         // One that came much later than most is another sound.

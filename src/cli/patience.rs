@@ -8,6 +8,7 @@ use pacinian::io::device::hush::aloud;
 use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::text::problem::escaped;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
@@ -60,16 +61,47 @@ pub fn begin(name: &str, beginning: Beginning, stop: &Stop, terminal: &Terminal)
     })
 }
 
-/// What the sound systems say of their devices.
+/// What the sound systems say of their devices. Where nobody listens to signals yet, they end the program by themselves.
 ///
 /// # Errors
 /// One that does not answer, such as a server that has been stopped.
 pub fn look<T: Send + 'static>(
+    stop: Option<&Stop>,
     terminal: &Terminal,
     look: impl FnOnce() -> T + Send + 'static,
 ) -> Result<T, Failure> {
-    // Nothing has begun, so a signal ends the program by itself.
-    ask("a sound system", || None, terminal, look)
+    ask("a sound system", || stop.and_then(Stop::asked), terminal, look)
+}
+
+/// What a device is used for that may not answer at first, but takes its time once `begun` says that it has.
+///
+/// # Errors
+/// A device that does not answer.
+pub fn long<T: Send + 'static>(
+    name: &str,
+    begun: &Arc<AtomicBool>,
+    stop: &Stop,
+    terminal: &Terminal,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, Failure> {
+    let ((answer, answers), now) = (channel(), Arc::clone(begun));
+    let work = move || {
+        // Who has given up does not hear it any more.
+        let _ = answer.send(work());
+        now.store(true, Ordering::Release);
+    };
+    let begins = Arc::clone(begun);
+    let until_it_begins = move || -> std::io::Result<()> {
+        std::thread::Builder::new().name("use".into()).spawn(work)?;
+        while !begins.load(Ordering::Acquire) {
+            std::thread::sleep(LOOK);
+        }
+        Ok(())
+    };
+    let started = ask(&escaped(name), || stop.asked(), terminal, until_it_begins)?;
+    started.map_err(|error| Failure::no_thread(name, &error))?;
+    // It looks by itself whether somebody has asked to stop.
+    answers.recv().map_err(|_| Failure::told(guard::BUG))
 }
 
 fn ask<T: Send + 'static>(

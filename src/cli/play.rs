@@ -152,7 +152,7 @@ impl Play {
         // Where no rig says which tactors there are, the device does.
         let mut device = None;
         if scene.rig.is_none() {
-            let chosen = super::choose::choose(&Wish::of(self.device.as_deref(), None), terminal)?;
+            let chosen = super::choose::choose(&Wish::of(self.device.as_deref(), None), None, terminal)?;
             scene.offered = chosen.channels().to_vec();
             device = Some(chosen);
         }
@@ -165,7 +165,7 @@ impl Play {
         let file = file.map_or("the rig".into(), |source| Arc::clone(&source.file));
         let (wish, device) = match device {
             Some(device) => (Wish::of(self.device.as_deref(), said), device),
-            None => super::choose::choose_for(self.device.as_deref(), said, file, terminal)?,
+            None => super::choose::choose_for(self.device.as_deref(), said, file, None, terminal)?,
         };
         let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
         let armed = self.arm || device.is_meant(&wish);
@@ -210,7 +210,7 @@ impl Play {
         // What is on a line is no affair of the card.
         let first = on_line.as_ref().map_or(usize::MAX, |knob| knob.first());
         let by_card: Vec<usize> = heard_from.iter().copied().filter(|channel| *channel < first).collect();
-        let mut listens = Listens::of(&loaded, listens, &by_card, (rate, self.block), terminal)?;
+        let mut listens = Listens::of(&loaded, listens, &by_card, (rate, self.block), &stop, terminal)?;
         let hears = listens.note.take();
         #[cfg(feature = "serial")]
         let hears = match (hears, line.as_ref().map(|line| line.note.clone())) {
@@ -390,7 +390,7 @@ impl Play {
         let told = knob.map_or(Ok(()), |knob| knob.told(&loaded, session.board(), terminal));
         // Whoever has asked it to stop is told of what was lost as well.
         let mut failure = ended.map_or(Failure::default(), Failure::told);
-        for part in [kept.finish(terminal), concluded, told] {
+        for part in [kept.finish(session.board(), terminal), concluded, told] {
             part.err().into_iter().for_each(|part| failure.join(part));
         }
         if failure.is_none() { Ok(()) } else { Err(failure) }
@@ -461,6 +461,11 @@ impl Play {
                 "  of {asked} s no more than {played:.1} s were played, as the machine or the device could not keep time\n"
             );
         }
+        let (away, is_away) = board.absence();
+        if away > 0 {
+            let seconds = away as f64 / session.rate();
+            text += &format!("  the device was away for {seconds:.1} of {played:.1} s, which nobody felt\n");
+        }
         let latency = Latency::of(session, loaded.rig.device.loop_latency);
         text += &format!("  from an event to the middle of what it makes at 250 Hz: {}\n", latency.told());
         if let Some(held) = held {
@@ -499,7 +504,14 @@ impl Play {
                 text += &format!("  {}: {}\n", escaped(name), dbfs(peak));
             }
         }
-        terminal.print(&text)
+        terminal.print(&text)?;
+        if is_away {
+            let what = "the device was away at the end";
+            return Err(
+                Failure::usage(what, "plug it in, or see above why it went, and play again").with_code(74)
+            );
+        }
+        Ok(())
     }
 }
 

@@ -241,7 +241,7 @@ impl Summary {
     fn text(&self, terminal: &Terminal) -> String {
         let paint = terminal.out;
         let mut table = Table::default();
-        table.row(["session".into(), format!("{}, on {}", self.began, self.device)]);
+        table.row(["session".into(), format!("{}, on {}", escaped(&self.began), escaped(&self.device))]);
         table.row(["channels".into(), format!("{} at {} Hz", self.channels, self.rate)]);
         table.row(["length".into(), format!("{:.3} s, {} frames", self.seconds, grouped(self.frames))]);
         table.row(["events".into(), grouped(self.events)]);

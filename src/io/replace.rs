@@ -4,7 +4,8 @@ use super::error::{FileError, FileErrorKind};
 use super::text;
 use std::fs::{self, File};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Puts `after` in place of `before` into the file at `path`, by renaming a new file over it, so that nobody ever finds half of it and
 /// a full disk leaves it as it was. Rights and owner stay; a symbolic link is followed; what has a second hard link keeps the old
@@ -15,20 +16,9 @@ use std::path::Path;
 /// one, written or renamed.
 pub fn replace(path: impl AsRef<Path>, before: &[u8], after: &[u8]) -> Result<(), FileError> {
     let path = path.as_ref();
-    let real = path.canonicalize().map_err(|error| FileError::reading(path, &error))?;
-    let about = fs::metadata(&real).map_err(|error| FileError::reading(path, &error))?;
-    // Renaming asks the folder alone.
-    File::options().write(true).open(&real).map_err(|error| FileError::creating(path, &error))?;
-    let name = real.file_name().unwrap_or_default().to_string_lossy();
-    let near = real.with_file_name(format!(".{name}.{}", std::process::id()));
-    let written = (|| {
-        let mut file = File::options().write(true).create_new(true).open(&near)?;
-        own(&file, &about)?;
-        file.set_permissions(about.permissions())?;
-        file.write_all(after)?;
-        file.sync_all()
-    })();
-    let swapped = written.map_err(|error| FileError::creating(path, &error)).and_then(|()| {
+    let (real, near, mut file) = beside(path)?;
+    let written = file.write_all(after).and_then(|()| file.sync_all());
+    let swapped = written.map_err(|error| FileError::writing(path, &error)).and_then(|()| {
         if text::read(&real)? != before {
             let what = format!(
                 "`{}` was written by somebody else meanwhile, so it was left alone: do it again",
@@ -39,10 +29,61 @@ pub fn replace(path: impl AsRef<Path>, before: &[u8], after: &[u8]) -> Result<()
         fs::rename(&near, &real).map_err(|error| FileError::creating(path, &error))
     });
     if swapped.is_err() {
-        // Where nothing was made there is nothing to take away.
+        // It is of no use any more; what is wrong has been found.
         let _ = fs::remove_file(&near);
     }
     swapped
+}
+
+/// Whether [`replace`] could put something into a file, as far as can be known beforehand.
+///
+/// # Errors
+/// As [`replace`].
+pub fn check(path: impl AsRef<Path>) -> Result<(), FileError> {
+    let path = path.as_ref();
+    let (_, near, _) = beside(path)?;
+    fs::remove_file(near).map_err(|error| FileError::creating(path, &error))
+}
+
+/// The file itself, and a new one beside it with its rights and its owner.
+fn beside(path: &Path) -> Result<(PathBuf, PathBuf, File), FileError> {
+    static NUMBER: AtomicU32 = AtomicU32::new(0);
+    let real = path.canonicalize().map_err(|error| FileError::reading(path, &error))?;
+    let about = fs::metadata(&real).map_err(|error| FileError::reading(path, &error))?;
+    if !about.is_file() {
+        // One that opens a pipe waits for whoever reads it.
+        let what = format!("`{}` is no file, so nothing can be written into it: name a file", path.display());
+        return Err(FileError::new(FileErrorKind::CannotCreate, what));
+    }
+    // Renaming asks the folder alone.
+    File::options().write(true).open(&real).map_err(|error| FileError::creating(path, &error))?;
+    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+    let near = real.with_file_name(format!(".pacinian-{}-{number}", std::process::id()));
+    let refused = |why: String, error: &std::io::Error| {
+        let message =
+            format!("`{}` is changed by a new file in its place, and {why} ({error})", path.display());
+        FileError { message, ..FileError::creating(path, error) }
+    };
+    let file = File::options().write(true).create_new(true).open(&near).map_err(|error| {
+        let folder = real.parent().unwrap_or(Path::new("")).display();
+        refused(format!("none can be made in `{folder}`: allow it, or change it by hand"), &error)
+    })?;
+    let made = own(&file, &about)
+        .map_err(|error| {
+            refused("that cannot be its owner's: take it over, or change it by hand".into(), &error)
+        })
+        .and_then(|()| {
+            let rights = file.set_permissions(about.permissions());
+            rights.map_err(|error| refused("that cannot have its rights".into(), &error))
+        });
+    match made {
+        Ok(()) => Ok((real, near, file)),
+        Err(error) => {
+            // What cannot take its place is of no use.
+            let _ = fs::remove_file(&near);
+            Err(error)
+        }
+    }
 }
 
 /// Gives a new file to whoever has the old one.
@@ -64,7 +105,7 @@ fn own(_: &File, _: &fs::Metadata) -> std::io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::replace;
+    use super::{check, replace};
     use std::fs;
 
     #[test]
@@ -79,6 +120,13 @@ mod tests {
         assert!(error.exit_code() == 74 && error.message.contains("somebody else"), "{error}");
         assert_eq!(fs::read(&file).unwrap(), b"two");
         assert_eq!(replace(folder.join("none"), b"", b"x").unwrap_err().exit_code(), 66);
+        check(&file).unwrap();
+        assert_eq!(check(&folder).unwrap_err().exit_code(), 73, "a folder");
+        // As long as a name may be.
+        let long = folder.join("x".repeat(255));
+        fs::write(&long, "one").unwrap();
+        replace(&long, b"one", b"two").unwrap();
+        assert_eq!(fs::read(&long).unwrap(), b"two");
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;

@@ -100,6 +100,10 @@ pub struct Board {
     pub late: Figure,
     /// Events for which the engine had no room, and orders for which a motor had none.
     pub dropped: Figure,
+    /// Frames that nobody felt, as the device was away.
+    pub away: Figure,
+    /// One more than the frames before it went that is away; 0 while it is there.
+    pub away_since: Figure,
     /// Samples that were no numbers.
     pub masked: Figure,
     /// Samples that were cut at full scale.
@@ -149,6 +153,13 @@ pub struct Board {
 }
 
 impl Board {
+    /// Frames that nobody felt so far, as the device was away, and whether it is.
+    pub fn absence(&self) -> (u64, bool) {
+        let since = self.away_since.get();
+        let now = if since > 0 { (self.frames.get() + 1).saturating_sub(since) } else { 0 };
+        (self.away.get() + now, since > 0)
+    }
+
     /// The device has told of a gap.
     pub fn gap(&self) {
         self.xrun_at.set(self.frames.get());

@@ -370,6 +370,7 @@ impl Performer {
         let ((level, felt), duration) =
             (voice.strength(note.level, note.felt), note.duration.unwrap_or(voice.duration));
         let mut fields = vec![("level", level), ("duration", duration)];
+        fields.extend(note.felt.map(|felt| ("felt", felt)));
         fields.extend(note.fields.iter().map(|(name, value)| (name.as_str(), *value)));
         let own = self.plan.play(&voice.name, &fields)?.own;
         let place = note.place.as_ref().or(voice.place.as_ref());

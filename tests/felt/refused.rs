@@ -23,7 +23,10 @@ fn what_cannot_be_known_is_refused_when_it_is_played() {
     assert!(high.contains("`finger` at 401 Hz: its calibration goes from 40 to 400 Hz"), "{high}");
     assert!(told("v", &note(100.0).level(0.5)).contains("`level` and `felt` at once"));
     assert!(told("fixed", &note(100.0)).contains("felt_at"));
-    assert!(told("v", &Note::default().felt(f64::NAN)).contains("not a number"));
+    for felt in [121.0, -61.0, 1e9, f64::NAN] {
+        let beyond = told("v", &Note::default().felt(felt).frequency(100.0).at_place("finger"));
+        assert!(beyond.contains("it may be from -60 to 120"), "{beyond}");
+    }
     let point = told("v", &Note { place: Some(pacinian::Place::Position([0.0; 3])), ..note(30.0) });
     assert!(point.contains("nothing is extrapolated"), "{point}");
 }

@@ -135,8 +135,12 @@ fn paint(frames: &Receiver<Snapshot>, face: &Face, colours: bool) -> std::io::Re
         if !tty::is_taken() {
             break;
         }
-        let (width, height) = tty::size().ok_or(std::io::ErrorKind::NotConnected)?;
+        let (width, height) = crossterm::terminal::size()?;
         let (width, height) = (usize::from(width), usize::from(height));
+        if width == 0 || height == 0 {
+            // As that of a window which somebody has put away.
+            continue;
+        }
         if face.redraw.swap(false, Ordering::Relaxed) {
             painter.forget();
         }

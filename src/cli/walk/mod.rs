@@ -18,7 +18,7 @@ use clap::Args;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::device::keeper::Fate;
 use pacinian::io::session::Beginning;
-use pacinian::io::text;
+use pacinian::io::{replace, text};
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::walk::probe::{self, Probe, bare, probes};
@@ -91,16 +91,18 @@ impl Walk {
         });
         let given = read.transpose()?.map(|checked| checked.value);
         let named = given.as_ref().and_then(|rig| rig.device.name.as_deref());
+        // Before keys are taken: from here on, a signal ends it in order, and gives them back.
+        let stop = Stop::listen()?;
         let person =
             Typed::listen(self.write).map_err(|error| Failure::no_thread("what is typed", &error))?;
         if self.write {
             self.check_write(person.is_some())?;
         }
         let file = self.rig.as_ref().map_or_else(String::new, |path| path.display().to_string());
-        let (wish, device) = super::choose::choose_for(self.device.as_deref(), named, file, terminal)?;
+        let (wish, device) =
+            super::choose::choose_for(self.device.as_deref(), named, file, Some(&stop), terminal)?;
         let rig = given.unwrap_or_else(|| Rig::default_for(channels(&device)));
         let probes = self.chosen(&rig)?;
-        let stop = Stop::listen()?;
         let presence = Arc::<Presence>::default();
         let (name, armed) = (device.name().to_string(), self.arm || device.is_meant(&wish));
         let why = match &device {
@@ -164,6 +166,8 @@ impl Walk {
                 "save it first",
             ));
         }
+        // Better said now than when all has been felt.
+        self.rig.as_ref().map_or(Ok(()), replace::check)?;
         Ok(())
     }
 

@@ -282,6 +282,7 @@ impl Keeping {
     fn leave(&mut self, why: String) {
         self.news = None;
         self.trouble = Some(why.clone());
+        self.board.away_since.set(self.board.frames.get() + 1);
         (self.fate)(Fate::Lost(why));
         // The clock goes on before the device has let go: one whose server has died may take seconds for it, or for ever.
         let left = std::mem::replace(&mut self.playing, Playing::Nothing);
@@ -340,6 +341,8 @@ impl Keeping {
         (self.playing, self.news, self.trouble) = (Playing::Card(card), Some(news), None);
         self.pulse.begin();
         self.watch.forget();
+        self.board.away.set(self.board.absence().0);
+        self.board.away_since.set(0);
         (self.fate)(Fate::Back);
         said.into_iter().for_each(|news| self.hear(news));
     }

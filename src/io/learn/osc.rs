@@ -1,6 +1,6 @@
 //! Which OSC address somebody moves.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Instant;
 
@@ -32,6 +32,8 @@ pub(super) struct Ear {
     travels: HashMap<String, (Travel, f64)>,
     spent: Option<(String, f64)>,
     said: HashSet<String>,
+    /// What a datagram said besides the first.
+    waiting: VecDeque<Heard>,
     /// What was heard of and was not enough.
     pub heard: Reaches<String>,
 }
@@ -57,6 +59,7 @@ impl Ear {
             travels: HashMap::new(),
             spent: None,
             said: HashSet::new(),
+            waiting: VecDeque::new(),
             heard: Reaches::default(),
         };
         Ok((ear, address))
@@ -64,26 +67,34 @@ impl Ear {
 
     /// What somebody has moved since this was asked last; the rest waits.
     pub fn hear(&mut self) -> Option<Heard> {
+        if let Some(heard) = self.waiting.pop_front() {
+            return Some(heard);
+        }
         let mut space = std::mem::take(&mut self.space);
-        let mut heard = None;
         for _ in 0..TURN {
             // Nothing there, or nobody any more to whom nothing was sent: both come again.
             let Ok((length, _)) = self.socket.recv_from(&mut space) else { break };
             let seconds = self.begin.elapsed().as_secs_f64();
             for (_, message) in unpack(space.get(..length).unwrap_or_default()).unwrap_or_default() {
                 let value = message.args.first().and_then(number);
-                heard = heard.or(value.and_then(|value| self.message(seconds, &message.addr, value)));
+                let heard = value.and_then(|value| self.message(seconds, &message.addr, value));
+                self.waiting.extend(heard);
             }
-            if heard.is_some() {
+            if !self.waiting.is_empty() {
                 break;
             }
         }
         self.space = space;
-        heard
+        self.waiting.pop_front()
     }
 
-    /// What was heard of is over.
+    /// Another is asked for: what was heard of is over, and what moved for the one before.
     pub fn forget(&mut self) {
+        self.waiting.retain(|heard| matches!(heard, Heard::Unfit(_)));
+        self.begin_anew();
+    }
+
+    fn begin_anew(&mut self) {
         self.travels.clear();
         self.heard = Reaches::default();
     }
@@ -129,7 +140,7 @@ impl Ear {
         if !meant {
             return None;
         }
-        self.forget();
+        self.begin_anew();
         self.spent = Some((address.into(), seconds));
         Some(Heard::Source(Source::Osc { address: address.into(), switch }))
     }
@@ -150,6 +161,39 @@ mod tests {
         let moved =
             (0..=50).filter_map(|n| ear.message(2.0 + 0.02 * f64::from(n), "/fader", 0.02 * f64::from(n)));
         assert!(matches!(moved.collect::<Vec<_>>()[..], [Heard::Source(_)]));
+    }
+
+    /// All of what one datagram says is heard, one after the other: a fader that is learnt behind an address that cannot be.
+    #[test]
+    fn what_comes_in_one_datagram_is_heard_one_by_one() {
+        use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType, encoder::encode};
+        let (mut ear, at) = Ear::open("127.0.0.1:0".parse::<Endpoint>().unwrap()).unwrap();
+        let message = |addr: &str, value: f32| {
+            OscPacket::Message(OscMessage { addr: addr.into(), args: vec![OscType::Float(value)] })
+        };
+        let client = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+        let (mut unfit, mut learnt, begin) = (0, 0, std::time::Instant::now());
+        for n in 0..=50_u32 {
+            let content = vec![
+                message(&format!("/desk/{n}/a"), 5.0),
+                message(&format!("/desk/{n}/b"), 64.0),
+                message("/fader", 0.02 * n as f32),
+            ];
+            let timetag = OscTime { seconds: 0, fractional: 1 };
+            let bundle = OscPacket::Bundle(OscBundle { timetag, content });
+            client.send_to(&encode(&bundle).unwrap(), at).unwrap();
+            std::thread::sleep(std::time::Duration::from_millis(5));
+            while let Some(heard) = ear.hear() {
+                match heard {
+                    Heard::Unfit(_) => unfit += 1,
+                    Heard::Source(_) => learnt += 1,
+                }
+            }
+        }
+        while unfit < 102 && begin.elapsed().as_secs() < 10 {
+            unfit += i32::from(matches!(ear.hear(), Some(Heard::Unfit(_))));
+        }
+        assert_eq!((unfit, learnt), (102, 1));
     }
 
     #[test]

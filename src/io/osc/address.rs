@@ -32,9 +32,14 @@ impl Pattern {
 
     /// Whether an address matches, part by part.
     pub fn matches(&self, address: &str) -> bool {
+        self.matches_counted(address, &mut 0)
+    }
+
+    /// The same. Adds to `steps` how many characters were looked at, those of each token anew.
+    pub fn matches_counted(&self, address: &str, steps: &mut u64) -> bool {
         let Some(rest) = address.strip_prefix('/') else { return false };
         let mut parts = rest.split('/');
-        self.parts.iter().all(|tokens| parts.next().is_some_and(|part| fits(tokens, part)))
+        self.parts.iter().all(|tokens| parts.next().is_some_and(|part| fits(tokens, part, steps)))
             && parts.next().is_none()
     }
 }
@@ -91,12 +96,14 @@ fn among(inner: &[char]) -> Token {
 }
 
 /// Follows all ways through the pattern at once, so that no pattern takes longer than its length times that of the part.
-fn fits(tokens: &[Token], part: &str) -> bool {
+fn fits(tokens: &[Token], part: &str, steps: &mut u64) -> bool {
     let part: Vec<char> = part.chars().collect();
     // Which numbers of characters the tokens so far can have taken.
     let mut reached = vec![false; part.len() + 1];
     reached[0] = true;
     for token in tokens {
+        let words = if let Token::Either(words) = token { words.len() } else { 0 };
+        *steps += (part.len() as u64 + 1) * (1 + words as u64);
         let mut next = vec![false; part.len() + 1];
         for (at, _) in reached.iter().enumerate().filter(|(_, reached)| **reached) {
             let one = |fits: bool, next: &mut [bool]| {

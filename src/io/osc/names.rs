@@ -200,33 +200,54 @@ impl Names {
         nearest(address, self.methods.iter().take(NEAR).map(|(address, _)| address.as_str()))
     }
 
-    /// What an address means: that which has it to the letter, else all that it matches as a pattern. Nothing, if there is none.
+    #[cfg(test)]
+    fn find(&self, address: &str) -> Result<Vec<Method>, Unfound> {
+        self.find_within(address, &mut { u64::MAX })
+    }
+
+    /// What an address means: that which has it to the letter, else all that it matches as a pattern. Nothing, if there is none. It takes no more than
+    /// so many steps ([`Pattern::matches_counted`]), which become fewer.
     ///
     /// # Errors
-    /// An address that is too long, or no pattern.
-    pub fn find(&self, address: &str) -> Result<Vec<Method>, NoPattern> {
+    /// An address that is too long, or no pattern; one that takes more steps.
+    pub fn find_within(&self, address: &str, steps: &mut u64) -> Result<Vec<Method>, Unfound> {
         if let Some((_, method)) = self.places.get(address).and_then(|place| self.methods.get(*place)) {
             return Ok(vec![method.clone()]);
         }
         if address.len() > LONGEST {
-            return Err(NoPattern);
+            return Err(Unfound::NoPattern);
         }
         if !address.contains(['?', '*', '[', ']', '{', '}']) {
             return Ok(Vec::new());
         }
-        let pattern = Pattern::parse(address).ok_or(NoPattern)?;
-        let found = self.methods.iter().filter(|(address, _)| pattern.matches(address));
-        Ok(found.map(|(_, method)| method.clone()).collect())
+        let pattern = Pattern::parse(address).ok_or(Unfound::NoPattern)?;
+        let mut found = Vec::new();
+        for (address, method) in &self.methods {
+            let mut taken = 0;
+            if pattern.matches_counted(address, &mut taken) {
+                found.push(method.clone());
+            }
+            *steps = steps.saturating_sub(taken);
+            if *steps == 0 {
+                return Err(Unfound::Costly);
+            }
+        }
+        Ok(found)
     }
 }
 
-/// An address that is no pattern.
+/// Why an address is not looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct NoPattern;
+pub enum Unfound {
+    /// It is too long, or no pattern.
+    NoPattern,
+    /// It takes too many steps.
+    Costly,
+}
 
 #[cfg(test)]
 mod tests {
-    use super::{Method, Names, NoPattern, is_own};
+    use super::{Method, Names, Unfound, is_own};
     use crate::io::osc::tests::PATCH;
     use crate::patch::Patch;
 
@@ -267,8 +288,19 @@ mod tests {
         {
             assert_eq!(find(nothing), [], "{nothing}");
         }
+        // What a pattern costs is known, and what costs too much is not done.
+        let cost = |pattern: &str| {
+            let mut steps = 1_000_000;
+            let found = names.find_within(pattern, &mut steps);
+            (found.is_ok(), 1_000_000 - steps)
+        };
+        let (all, hostile) = (cost("/control/*"), cost(&format!("/control/{}*0", "*{a,}".repeat(48))));
+        assert!(all.0 && all.1 < 20_000, "{all:?}");
+        assert!(hostile.1 > 20 * names.controls.len() as u64, "{hostile:?}");
+        assert_eq!(names.find_within(&format!("/*/{}", "*{a,}".repeat(49)), &mut 100), Err(Unfound::Costly));
+        assert_eq!(names.find_within("/panic", &mut 1), Ok(vec![Method::Panic]));
         for wrong in ["/voice/[a/play", "/a{", &format!("/{}", "a".repeat(300))] {
-            assert_eq!(names.find(wrong), Err(NoPattern), "{wrong}");
+            assert_eq!(names.find(wrong), Err(Unfound::NoPattern), "{wrong}");
         }
     }
 }

@@ -18,7 +18,7 @@ use super::drops::dropped;
 use super::endpoint::{BindError, Endpoint};
 use super::ids::Ids;
 use super::message::{Ask, ask};
-use super::names::{Kind, Names};
+use super::names::{Kind, Names, Unfound};
 use super::packet::{Unreadable, unpack};
 use super::peers::{LIFE, Peers, What};
 use super::said;
@@ -39,6 +39,11 @@ const LOOK: Duration = Duration::from_millis(50);
 const MANY: u64 = 1 << 12;
 const FLOOD: f64 = 0.05;
 const REST: Duration = Duration::from_micros(500);
+
+/// Steps ([`Names::find_within`]) that all messages of a datagram may take together, some hundredths of a second at most: whoever pulls the brake waits
+/// behind it. And what one thing that is done counts for among them.
+const STEPS: u64 = 1_000_000;
+const DEED: u64 = 100;
 
 /// The largest datagram of UDP.
 const DATAGRAM: usize = 1 << 16;
@@ -251,18 +256,23 @@ impl Listener {
             Err(Unreadable::Malformed) => return self.counts.malformed.add(1),
             Err(Unreadable::Deep) => return self.counts.deep.add(1),
         };
+        let mut steps = STEPS;
         for (tag, message) in messages {
             self.messages += 1;
             self.counts.messages.add(1);
-            let methods = match self.names.find(&message.addr) {
+            let methods = match self.names.find_within(&message.addr, &mut steps) {
                 Ok(methods) if methods.is_empty() => {
                     self.counts.unknown.add(1);
                     self.complaints.unknown(&message.addr, &self.names);
                     continue;
                 }
                 Ok(methods) => methods,
-                Err(_) => {
+                Err(Unfound::NoPattern) => {
                     self.counts.malformed.add(1);
+                    continue;
+                }
+                Err(Unfound::Costly) => {
+                    self.counts.refused.add(1);
                     continue;
                 }
             };
@@ -272,6 +282,8 @@ impl Listener {
             let due = tag.due(now, wall);
             self.counts.late.add(u64::from(due == Due::Late));
             for method in methods {
+                let costly = steps == 0;
+                steps = steps.saturating_sub(DEED);
                 match (ask(&method, &message.args), due) {
                     (Err(_), _) => {
                         self.counts.wrong.add(1);
@@ -279,6 +291,7 @@ impl Listener {
                     }
                     // A brake waits for nothing.
                     (Ok(Ask::Panic), _) => self.act(now, from, self.messages, Ask::Panic),
+                    (Ok(_), _) if costly => self.counts.refused.add(1),
                     (Ok(_), Due::Far) => self.counts.far.add(1),
                     (Ok(what), Due::At(at)) => {
                         let room = self.agenda.add(at, (from, self.messages, origin.clone(), what));
