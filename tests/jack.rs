@@ -226,15 +226,14 @@ fn a_second_program_hears_every_channel_to_the_bit() {
                 + &String::from_utf8_lossy(&played.stderr);
             let (heard, gaps) = recorder.finish();
             assert!(played.status.success(), "{said}");
-            let whole = gaps == 0 && said.contains(" 0 xruns");
             if likeness(&heard, &offline, CHANNELS) == Likeness::Same {
                 let off = astray(&rig.folder, &heard, &offline);
                 println!("{way}: heard {:.2} ms after the device asked for it by the journal", 1e3 * off);
-                // A quarter of a block; it is tried again where the machine stood still.
+                // A quarter of a block. A busy machine calls back unevenly: what is wrong about the delay is so each time.
                 if (off - known(way)).abs() < 0.005 {
                     break;
                 }
-                assert!(!whole, "{way}: {off} s: {said}");
+                assert!(attempt < 4, "{way}: {off} s: {said}");
                 continue;
             }
             let gap = gaps > 0 || !said.contains(" 0 xruns");
