@@ -272,6 +272,23 @@ fn ties_go_by_source_and_then_by_arrival() {
     assert_eq!(low, rendered(&[(Source::Program, 0.9), (Source::Program, 0.2)]), "then arrival does");
 }
 
+/// A voice that comes too late and is let go of just in time begins before it is let go of.
+#[test]
+fn what_comes_too_late_stays_in_its_order() {
+    let plan = compiled(TONE, 1, 48_000.0).plan;
+    for (begin, end) in [(0.0, 799.5), (798.9, 799.1), (799.0, 799.000_001), (798.0, 799.0), (799.5, 799.6)] {
+        let mut engine = Engine::new(&plan).unwrap();
+        run(&mut engine, 4800, &[480]);
+        assert_eq!(engine.clock(), 800);
+        let play = play(0, 0, 90.0, f64::INFINITY, 77);
+        for (at, event) in [(begin, Event::Play(play)), (end, Event::Release(play.id))] {
+            assert!(engine.schedule(Instant::of_samples(at), Source::Program, event));
+        }
+        run(&mut engine, 48_000, &[480]);
+        assert_eq!((engine.counters().started, engine.sounding()), (1, 0), "{begin} {end}");
+    }
+}
+
 #[test]
 fn late_and_hostile_instants_are_played_and_counted() {
     let plan = compiled(TONE, 1, 48_000.0).plan;

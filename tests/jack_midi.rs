@@ -8,20 +8,22 @@ mod skipped;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use midir::os::unix::VirtualOutput;
 use midir::{MidiOutput, MidiOutputConnection};
-use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::midi_in::{MidiPorts, PortNews};
 use pacinian::io::session::{Beginning, Session};
+use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
+use pacinian::live::way::Way;
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
-use pacinian::text::Problem;
 
 const PATCH: &str = "[voice.hum]\noutput = \"o\"\n[voice.hum.nodes]\n\
     s = { type = \"sine\", frequency = \"event.frequency * touch.bend\" }\n\
@@ -113,20 +115,16 @@ fn wait(seconds: u64, mut what: impl FnMut() -> bool) -> bool {
 #[test]
 fn a_note_of_a_client_sounds_until_its_port_is_gone() {
     let Some(mut server) = Server::start() else { return };
-    let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-    let (patch, rig) = (Arc::new(common::patch(PATCH)), Arc::new(Rig::default_for(2)));
+    let swaps = Arc::<AtomicU64>::default();
+    let counts = Arc::clone(&swaps);
     let session = Session::start(Beginning {
         block: Some(64),
-        ..Beginning::of(
-            Reload {
-                scene: scene(&patch, &rig, &options, &NoAssets).unwrap(),
-                patch,
-                rig,
-                files: Box::new(|path| Err(Problem::of_file(path))),
-                provenance: None,
-            },
-            Chosen::Virtual(None),
-        )
+        audience: Box::new(move |told| {
+            if matches!(told, Told::Reloaded) {
+                counts.fetch_add(1, Ordering::Relaxed);
+            }
+        }),
+        ..Beginning::of(reload(PATCH), Chosen::Virtual(None))
     })
     .unwrap();
     let (news, heard) = channel();
@@ -155,6 +153,7 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
         assert!(matches!(&gone, PortNews::Gone(name) if name.contains("keys")), "{round}: {gone:?}");
         assert!(wait(10, || voices() == 0), "{round}: it is not let go of");
     }
+    a_flood_is_played_or_counted(&session, &heard, &swaps);
     a_lost_cable_shuts_the_output(&session, &heard);
     a_server_that_dies_lets_go(&mut server, &session, &heard);
     // A server that stands still leaves out periods, and with them what somebody sends then.
@@ -172,6 +171,80 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
     assert!(counted, "nobody counts what JACK leaves out");
     let told = session.board().midi.trouble().unwrap();
     assert!(told.contains("left out by JACK, whose messages are lost"), "{told}");
+}
+
+fn reload(patch: &str) -> Reload {
+    let options = Options { rate: Some(48_000.0), ..Options::default() };
+    Reload::of(common::patch(patch), Rig::default_for(2), &options, &NoAssets).unwrap()
+}
+
+/// A hundred thousand messages as quickly as the server takes them to and fro, while patches are taken over: each is played or counted.
+fn a_flood_is_played_or_counted(session: &Session, heard: &Receiver<PortNews>, swaps: &AtomicU64) {
+    const FLOOD: u64 = 100_000;
+    // More than the other program's queue holds would be lost before they come to anybody.
+    const ON_THE_WAY: u64 = 1_500;
+    let mut keys = MidiOutput::new("somebody").unwrap().create_virtual("keys").unwrap();
+    let opened = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+    assert!(matches!(&opened, PortNews::Opened(_)), "{opened:?}");
+    let board = session.board();
+    let met = || board.midi.messages.get() + board.refused.of(Way::Midi).get();
+    let before = met();
+    assert!(wait(20, || {
+        let _ = keys.send(&[0xB0, 20, 0]);
+        std::thread::sleep(Duration::from_millis(50));
+        met() > before
+    }));
+    assert!(wait(5, || {
+        let now = met();
+        std::thread::sleep(Duration::from_millis(100));
+        met() == now
+    }));
+    let (before, frames, gaps, swapped) =
+        (met(), board.frames.get(), board.midi.gaps.get(), swaps.load(Ordering::Relaxed));
+    let begin = Instant::now();
+    let (mut lost, mut seen) = (0, gaps);
+    for n in 0..FLOOD {
+        let note = (n / 2 % 128) as u8;
+        let _ = keys.send(&[if n % 2 == 0 { 0x90 } else { 0x80 }, note, 100]);
+        if n % 10_000 == 5_000 {
+            let other = PATCH.replace("attack = 0.005", &format!("attack = {}", 0.006 + 1e-7 * n as f64));
+            assert!(wait(10, || session.handle().send(Signal::Reload(Box::new(reload(&other)))).is_ok()));
+        }
+        let on_the_way = |lost: u64| (n + 1).saturating_sub(met() - before + lost);
+        let waits = Instant::now();
+        while on_the_way(lost) >= ON_THE_WAY {
+            // What JACK leaves out never comes: it is what has not, once nothing comes any more.
+            let (left_out, now) = (board.midi.gaps.get(), met());
+            std::thread::sleep(Duration::from_millis(if left_out > seen { 200 } else { 1 }));
+            if left_out > seen && met() == now {
+                (lost, seen) = (lost + on_the_way(lost), left_out);
+            }
+            assert!(waits.elapsed() < Duration::from_secs(20), "{} of {n}", met() - before);
+        }
+    }
+    let seconds = begin.elapsed().as_secs_f64();
+    let last = wait(10, || met() - before + lost >= FLOOD);
+    std::thread::sleep(Duration::from_millis(200));
+    println!(
+        "{} of {FLOOD} in {seconds:.2} s, {} of them refused",
+        met() - before,
+        board.refused.of(Way::Midi).get()
+    );
+    if board.midi.gaps.get() == gaps {
+        assert!(last && met() - before == FLOOD, "{} of {FLOOD}: {:?}", met() - before, board.midi.trouble());
+    }
+    assert!(
+        wait(20, || swaps.load(Ordering::Relaxed) > swapped),
+        "no patch takes over: {} told",
+        swaps.load(Ordering::Relaxed)
+    );
+    assert!(wait(5, || board.voices.get() == 0), "all keys are up");
+    // Playing never stopped: its frames are those of the time.
+    let played = (board.frames.get() - frames) as f64 / 48_000.0;
+    assert!((played - begin.elapsed().as_secs_f64()).abs() < 0.5, "{played} s of {:?}", begin.elapsed());
+    drop(keys);
+    let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+    assert!(matches!(&gone, PortNews::Gone(_)), "{gone:?}");
 }
 
 /// An instrument of another program, whose key is down, and that has promised to stay.

@@ -254,11 +254,11 @@ impl<R: Real> Core<R> {
 
     /// An event at an instant; one in the past takes effect with the next sample. Says whether there was room.
     pub fn schedule(&mut self, at: Instant, source: Source, event: Event) -> bool {
-        let now = Instant { sample: self.clock, fraction: 0 };
-        // What falls between the last sample and the next takes effect with the next.
+        // What falls between the last sample and the next takes effect with the next. What is late comes before it, as it was due before it: a voice begins
+        // before it is let go of.
         let at = if at.ceiling() < self.clock {
             self.counters.late += 1;
-            now
+            Instant::first_of(self.clock)
         } else {
             at
         };

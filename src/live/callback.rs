@@ -350,7 +350,7 @@ impl Callback {
                     continue;
                 }
                 let clock = self.stagehand.engine().clock();
-                let at = if due.ceiling() < clock { Instant { sample: clock, fraction: 0 } } else { due };
+                let at = if due.ceiling() < clock { Instant::first_of(clock) } else { due };
                 self.stagehand.engine().schedule(at, source, event);
                 self.board.late.add(u64::from(at != due));
                 self.tell(Deed::Event { at, due, source, event, cause });

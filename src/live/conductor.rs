@@ -16,6 +16,7 @@ use super::clock::{Moment, StreamClock};
 use super::gate::UNARMED;
 use super::queues::{Inbox, queues};
 use super::reload::Reload;
+use super::sequence::Sequence;
 use super::signal::{Handle, Signal, Stamped};
 use super::stamp::{Epoch, Stamp};
 use super::way::{WAYS, Way};
@@ -101,8 +102,7 @@ pub struct Conductor {
     waiting: Option<Box<Reload>>,
     rate: f64,
     ratio: f64,
-    /// What arrived last of all, and when it takes effect, in engine samples.
-    latest: (Stamp, f64),
+    sequence: Sequence,
     /// Whether patterns have more to send than they were let at once.
     behind: bool,
     ended: bool,
@@ -178,7 +178,7 @@ impl Conductor {
             waiting: None,
             rate,
             ratio,
-            latest: (Stamp(0), 0.0),
+            sequence: Sequence::default(),
             behind: false,
             ended: false,
         };
@@ -290,7 +290,7 @@ impl Conductor {
 
     /// Pedals may have become something else.
     fn settle(&mut self) {
-        let at = self.when(self.epoch.now());
+        let at = self.now();
         let mut outlet =
             ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause: 0 };
         if let Err(problem) = self.performer.midi_settle(at, &mut outlet) {
@@ -311,7 +311,7 @@ impl Conductor {
     /// A cable is lost: nobody is there who could stop what it moves.
     fn lose(&mut self, port: u16) {
         (self.audience)(Told::Lost(port, self.ports.get(&port).map(|name| &**name)));
-        let at = self.when(self.epoch.now());
+        let at = self.now();
         self.shut(at, 0);
         let mut outlet =
             ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause: 0 };
@@ -367,18 +367,23 @@ impl Conductor {
         }
     }
 
-    /// When something takes effect that arrived at `stamp`: a whole block later and a little, so that no callback has computed it yet. What
-    /// arrives later takes effect no earlier, though the clock be set anew in between.
+    /// When something takes effect that arrived at `stamp`: a whole block later and a little, so that no callback has computed it yet.
     fn when(&mut self, stamp: Stamp) -> When {
-        let Some(moment) = self.clock.moment() else {
-            return When::of_sample(self.board.clock.get(), self.rate);
-        };
-        let mut at = moment.frame_of(stamp) / self.ratio;
-        if stamp >= self.latest.0 {
-            at = at.max(self.latest.1);
-            self.latest = (stamp, at);
+        let at = self.clock.moment().map(|moment| self.sequence.take(moment, stamp));
+        self.at_frame(at)
+    }
+
+    /// When something takes effect that nobody has sent.
+    fn now(&self) -> When {
+        let at = self.clock.moment().map(|moment| self.sequence.see(moment, self.epoch.now()));
+        self.at_frame(at)
+    }
+
+    fn at_frame(&self, frame: Option<f64>) -> When {
+        match frame {
+            Some(frame) => When::of_instant(Instant::of_samples(frame / self.ratio), self.rate),
+            None => When::of_sample(self.board.clock.get(), self.rate),
         }
-        When::of_instant(Instant::of_samples(at), self.rate)
     }
 
     /// Does what a signal asks for.

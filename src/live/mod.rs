@@ -31,6 +31,7 @@ pub mod queues;
 pub mod relief;
 pub mod reload;
 pub mod remote;
+mod sequence;
 pub mod signal;
 pub mod stamp;
 pub mod torque;

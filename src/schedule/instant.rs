@@ -33,6 +33,14 @@ impl Instant {
         self.sample.saturating_add(u64::from(self.fraction > 0))
     }
 
+    /// The first instant that takes effect with engine sample `sample`, as its [`Instant::ceiling`]: nothing that still does lies before it.
+    pub fn first_of(sample: u64) -> Self {
+        match sample.checked_sub(1) {
+            Some(before) => Self { sample: before, fraction: 1 },
+            None => Self::default(),
+        }
+    }
+
     /// Samples from this instant to engine sample `sample`, negative where the instant lies later.
     pub fn until(self, sample: u64) -> f64 {
         let (whole, less) = self.apart(sample);
@@ -78,6 +86,20 @@ mod tests {
         assert_eq!((t + 0.75).fraction, 0);
         assert_eq!((t + 5.5).since(t), 5.5);
         assert_eq!(Instant::of_samples(7.0).ceiling(), 7);
+    }
+
+    #[test]
+    fn the_first_instant_of_a_sample_is_before_all_others_of_it() {
+        for sample in [0, 1, 2, 8_000, u64::MAX] {
+            let first = Instant::first_of(sample);
+            assert_eq!(first.ceiling(), sample);
+            let before = match first.fraction {
+                0 => continue,
+                fraction => Instant { fraction: fraction - 1, ..first },
+            };
+            assert_eq!(before.ceiling(), sample - 1);
+        }
+        assert_eq!(Instant::first_of(0), Instant::of_samples(0.0));
     }
 
     #[test]
