@@ -105,7 +105,7 @@ impl Rig {
         fs::write(self.folder.join("hum.toml"), HUM).unwrap();
         let mut play =
             self.program(&["play", "hum.toml", "--rig", "rig.toml", "--device", "pulseaudio:glove"]);
-        play.args(["--block", "1024"]);
+        play.args(["--block", "1024", "--events", "s.jsonl"]);
         let playing = Playing::start(play, self.folder.join("told"));
         wait("the beginning", || playing.says("plays on") == 1);
         playing
@@ -331,6 +331,18 @@ fn a_stream_that_somebody_leads_elsewhere_goes_back() {
     std::thread::sleep(Duration::from_millis(3000));
     assert!(hums(&rig.heard(recorder, "again.raw"), CHANNELS), "{}", playing.text());
     playing.interrupt();
+    // From each look at the clock to the next, as many frames have passed as time has.
+    let journal = fs::read_to_string(rig.folder.join("s.jsonl")).unwrap();
+    let lines = journal.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+    let clocks: Vec<(f64, f64)> = lines
+        .filter(|line| line["kind"] == "clock")
+        .filter_map(|line| Some((line["frame"].as_f64()? / 48_000.0, line["seconds"].as_f64()?)))
+        .collect();
+    assert!(clocks.len() > 10, "{clocks:?}");
+    for pair in clocks.windows(2) {
+        let (frames, time) = (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
+        assert!((frames - time).abs() < 0.5, "{frames} s of frames in {time} s: {clocks:?}");
+    }
 }
 
 /// What is listened to comes from one source, and from no other to which somebody leads the stream.

@@ -343,7 +343,7 @@ impl Latency {
         rates: [u32; 2],
         name: &str,
     ) -> serde_json::Value {
-        let Figures { mean, sure, deviation, least, most, drift, error, margin } = *figures;
+        let Figures { mean, mean_margin, deviation, least, most, drift, error, margin } = *figures;
         // One probe says nothing of them.
         let [deviation, drift] =
             [deviation, drift].map(|figure| (measured.rounds.len() > 1).then_some(figure));
@@ -351,7 +351,7 @@ impl Latency {
             "out": { "device": names[0], "output": name, "rate_hz": rates[0], "says_s": measured.says[0] },
             "in": { "device": names[1], "channel": self.input, "rate_hz": rates[1], "says_s": measured.says[1] },
             "loop_latency_s": mean,
-            "loop_latency_margin_s": sure,
+            "loop_latency_margin_s": mean_margin,
             "loop_latency_frames": mean * f64::from(rates[0]),
             "deviation_s": deviation, "least_s": least, "most_s": most,
             "drift_s_per_s": drift,

@@ -5,6 +5,7 @@
 //! evenly. An event that arrives between two callbacks is played as many frames into the next block as it arrived after the first,
 //! so that the jitter of callbacks and the length of a block become one constant latency: [`Moment::ahead`]. That holds as much besides as
 //! callbacks have come early, or what arrives just after such a one would be asked for before its time.
+
 #![deny(clippy::disallowed_methods)]
 
 use std::f64::consts::{SQRT_2, TAU};

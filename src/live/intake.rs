@@ -7,6 +7,7 @@
 //!
 //! The distance is the reader's longest block, half the kernel, and a margin for jitter. Where nothing is there in spite of it, the
 //! input fades out, the margin grows, and the input fades in again as soon as it can.
+
 #![deny(clippy::disallowed_methods)]
 
 use std::sync::Arc;

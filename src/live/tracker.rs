@@ -3,6 +3,7 @@
 //! A proportional and integral loop, critically damped, behind two low-passes that keep the jitter of callbacks out of the speed
 //! (F. Adriaensen, "Controlling adaptive resampling", Linux Audio Conference 2012). The integral is what the two clocks
 //! differ by, so that in the end no error is left.
+
 #![deny(clippy::disallowed_methods)]
 
 use std::f64::consts::TAU;

@@ -5,13 +5,14 @@ mod bits;
 mod edited;
 mod flood;
 mod gaps;
+mod knob;
 mod shed;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use pacinian::graph::scene::{Options, scene};
+use pacinian::graph::scene::Options;
 use pacinian::io::journal::reader::{Item, Reader};
 use pacinian::io::journal::remake::Recordings;
 use pacinian::io::journal::replay::{Met, Replay};
@@ -21,7 +22,6 @@ use pacinian::io::wav::WavReader;
 use pacinian::live::provenance::{Provenance, RigText, Text};
 use pacinian::live::reload::Reload;
 use pacinian::node::asset::NoAssets;
-use pacinian::text::Problem;
 use pacinian::{Patch, Rig};
 
 /// Three tactors, one of them calibrated by a file.
@@ -107,34 +107,32 @@ set = { level = 0.3, duration = 0.01 }
 "#;
 
 fn reload(text: &str) -> Reload {
-    let patch = Patch::parse("t.toml", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-    let rig = rig();
     let options = Options { rate: Some(48_000.0), live: true, seed: Some(7), ..Options::default() };
-    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
-    let files = Box::new(|_: &str| Err(Problem::of_file("no files here")));
+    let tables = vec![named("c.csv", TABLE)];
+    staged(text, rig(), (RigText::Text(named("r.toml", RIG)), tables), &options)
+}
+
+fn named(name: &str, text: &str) -> Text {
+    Text { name: name.into(), sha256: of_bytes(text.as_bytes()), text: text.into() }
+}
+
+/// A patch on a rig that is called so, with what a journal writes of them.
+fn staged(text: &str, rig: Rig, (called, tables): (RigText, Vec<Text>), options: &Options) -> Reload {
+    let patch = Patch::parse("t.toml", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
     let provenance = Provenance {
-        patch: Text { name: "t.toml".into(), sha256: of_bytes(text.as_bytes()), text: text.into() },
-        rig: RigText::Text(Text {
-            name: "r.toml".into(),
-            sha256: of_bytes(RIG.as_bytes()),
-            text: RIG.into(),
-        }),
-        tables: vec![Text { name: "c.csv".into(), sha256: of_bytes(TABLE.as_bytes()), text: TABLE.into() }],
+        patch: named("t.toml", text),
+        rig: called,
+        tables,
         folder: ".".into(),
         allow_outside: false,
         files: Vec::new(),
         song: None,
         set: Vec::new(),
         notes: None,
-        options: (&options).into(),
+        options: options.into(),
     };
-    Reload {
-        scene,
-        patch: Arc::new(patch),
-        rig: Arc::new(rig),
-        files,
-        provenance: Some(Arc::new(provenance)),
-    }
+    let reload = Reload::of(patch, rig, options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
+    Reload { provenance: Some(Arc::new(provenance)), ..reload }
 }
 
 fn folder(name: &str) -> PathBuf {

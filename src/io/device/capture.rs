@@ -1,4 +1,5 @@
 //! A stream from a sound card that hears.
+
 #![deny(clippy::disallowed_methods)]
 
 use std::sync::Arc;

@@ -1,4 +1,5 @@
 //! A stream to a sound card.
+
 #![deny(clippy::disallowed_methods)]
 
 use std::sync::Arc;

@@ -42,7 +42,7 @@ impl Chosen {
     pub fn mixes(&self, channels: usize) -> Option<String> {
         let Self::Card(_, found) = self else { return None };
         #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
-        if let Some(sink) = found.id.strip_prefix("pulseaudio:") {
+        if let Some(sink) = found.pulse() {
             return super::pulse::map::told(sink, channels);
         }
         let hands_on = MIXERS.contains(&found.id.as_str());

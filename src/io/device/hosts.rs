@@ -112,8 +112,8 @@ impl Hosts {
     }
 }
 
-/// The system of which the program keeps a host.
-const PULSE: &str = "pulseaudio";
+/// The system of which the program keeps a host. Its sinks pause at first where they were idle, and it moves streams without a word.
+pub(super) const PULSE: &str = "pulseaudio";
 
 impl Place {
     /// Whether it runs. Of JACK, which has a device for whoever asks, a server must be there.

@@ -15,7 +15,7 @@ use super::list::Found;
 use super::minder::{Bell, Minder, Pace, Pulse, Search, WATCH, bell, let_go};
 use super::returning::{Returning, Stand};
 use super::virtual_card::VirtualCard;
-use super::watch::{Watch, Way};
+use super::watch::{Direction, Watch};
 use crate::live::board::Board;
 use crate::live::driver::Driver;
 use crate::live::gate::{Order, UNARMED};
@@ -118,14 +118,14 @@ impl Keeper {
             pulse: Pulse::new(),
             pace: Pace::begin(Instant::now(), board.frames.get()),
             search: Search::new(),
-            watch: Watch::of("", Way::Out),
+            watch: Watch::default(),
             resting: Arc::default(),
             trouble: None,
         };
         let resting = Arc::clone(&keeping.resting);
         match chosen {
             Chosen::Card(device, found) => {
-                if found.host() == "pulseaudio" {
+                if found.pulse().is_some() {
                     keeping.begin_late(&device, &found, driver)?;
                 } else {
                     let (tell, news) = keeping.bell.news();
@@ -134,7 +134,7 @@ impl Keeper {
                     keeping.news = Some(news);
                 }
                 keeping.default = found.may_be_another();
-                keeping.watch = Watch::of(&found.id, Way::Out);
+                keeping.watch = Watch::of(&found.id);
                 keeping.sought = Some((found.hosts, found.id));
             }
             Chosen::Virtual(_) => keeping.tick(driver)?,
@@ -251,7 +251,7 @@ impl Keeping {
     /// Of a host that moves streams without a word: whether the device is none of its any more, or the stream is on another.
     fn finds_away(&mut self, now: Instant) -> bool {
         let Some((hosts, id)) = &self.sought else { return false };
-        self.watch.finds_away(now, hosts, id)
+        self.watch.finds_away(now, hosts, id, Direction::Out)
     }
 
     fn hear(&mut self, news: News) {

@@ -5,7 +5,7 @@ use cpal::{Device, SupportedBufferSize, SupportedStreamConfigRange};
 
 use super::card::KNOWN;
 use super::failure::{DeviceError, Trouble};
-use super::hosts::Hosts;
+use super::hosts::{Hosts, PULSE};
 use super::rates::Rates;
 use crate::text::nearest::nearest;
 
@@ -45,6 +45,11 @@ impl Found {
     /// What its host is called.
     pub fn host(&self) -> &str {
         self.id.split_once(':').map_or("", |(host, _)| host)
+    }
+
+    /// What PulseAudio calls it, where it is that which has it.
+    pub(super) fn pulse(&self) -> Option<&str> {
+        pulse(&self.id)
     }
 
     /// Whether nobody has named it: it is what the system plays on by default, which may be another by the time it is there again. JACK has one device, its
@@ -104,6 +109,11 @@ pub(super) fn id(device: &Device) -> String {
     device.id().map_or_else(|_| device.to_string(), |id| id.to_string())
 }
 
+/// What PulseAudio calls a device of that id, where it is that which has it.
+pub(super) fn pulse(id: &str) -> Option<&str> {
+    id.split_once(':').filter(|(host, _)| *host == PULSE).map(|(_, name)| name)
+}
+
 /// Whether a device only swallows what it is given, as fast as it comes: on it no session would keep time.
 pub(super) fn is_none(id: &str) -> bool {
     id == "alsa:null"
@@ -130,7 +140,7 @@ pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Dev
     let mut output = device.supported_output_configs().map_err(&mut refused).ok().and_then(Offer::of);
     let mut input = device.supported_input_configs().map_err(&mut refused).ok().and_then(Offer::of);
     // PulseAudio takes any number of channels, and mixes those that are not the device's own into others, or into nothing.
-    if id.starts_with("pulseaudio:") {
+    if pulse(&id).is_some() {
         let own =
             |config: Result<cpal::SupportedStreamConfig, _>| config.ok().map(|config| config.channels());
         limit(&mut output, own(device.default_output_config()));

@@ -14,7 +14,7 @@ use super::hosts::Hosts;
 use super::keeper::Fate;
 use super::list::Found;
 use super::minder::{Bell, Minder, Pulse, Search, bell, let_go};
-use super::watch::{Watch, Way};
+use super::watch::{Direction, Watch};
 use crate::live::board::Board;
 use crate::live::intake::Intake;
 use crate::live::lent::{Recall, lend};
@@ -82,7 +82,7 @@ impl Listening {
             bell: bell.clone(),
             pulse: Pulse::new(),
             search: Search::new(),
-            watch: Watch::of(&found.id, Way::In),
+            watch: Watch::of(&found.id),
             gone: None,
             trouble: None,
         };
@@ -124,7 +124,7 @@ impl Keeping {
         if self.capture.is_some() && pause > SILENT {
             self.lose("it brings nothing any more".into());
         }
-        if self.capture.is_some() && self.watch.finds_away(now, &self.hosts, &self.id) {
+        if self.capture.is_some() && self.watch.finds_away(now, &self.hosts, &self.id, Direction::In) {
             self.moved();
         }
         // That it lets itself be opened does not mean that it hears.

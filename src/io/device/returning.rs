@@ -94,7 +94,7 @@ impl Returning {
         let waiting = Waiting { driver: None, comes, asked: Arc::clone(&asked) };
         let (tell, news) = bell.news();
         let card = Card::open(device, found, shape.again(found.output.as_ref()), waiting, board, tell)?;
-        let due = if found.host() == "pulseaudio" { GOES_ON } else { 1 };
+        let due = if found.pulse().is_some() { GOES_ON } else { 1 };
         let since = Instant::now();
         Ok(Self { card, driver, asked, last: 0, more: 0, due, since, news, said: Vec::new() })
     }

@@ -6,13 +6,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use super::hosts::Hosts;
+use super::list::pulse;
 use super::minder::SEARCH;
 #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
 use super::pulse::streams::Streams;
 
 /// Which way a stream goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum Direction {
     /// To a device.
     Out,
     /// From one.
@@ -20,9 +21,8 @@ pub(super) enum Way {
 }
 
 /// Looks at one device.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Watch {
-    way: Way,
     /// When it was looked at last; `None` where the host tells.
     last: Option<Instant>,
     /// Who looks, in a thread of its own: a server that does not answer holds up nobody else.
@@ -33,32 +33,26 @@ pub(super) struct Watch {
 
 impl Watch {
     /// PulseAudio moves streams, of a device that goes or because somebody wants it so, and cpal does not hear of it.
-    pub fn of(id: &str, way: Way) -> Self {
-        Self {
-            way,
-            last: id.starts_with("pulseaudio:").then(Instant::now),
-            looks: None,
-            #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
-            streams: Arc::default(),
-        }
+    pub fn of(id: &str) -> Self {
+        Self { last: pulse(id).map(|_| Instant::now()), ..Self::default() }
     }
 
     /// Whether a look has come to that the device is away, or the stream is on another. What was looked at before is asked for at the next call.
-    pub fn finds_away(&mut self, now: Instant, hosts: &Hosts, id: &str) -> bool {
-        let (hosts, id, way) = (hosts.clone(), id.to_string(), self.way);
+    pub fn finds_away(&mut self, now: Instant, hosts: &Hosts, id: &str, way: Direction) -> bool {
+        let (hosts, id) = (hosts.clone(), id.to_string());
         #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
         let streams = Arc::clone(&self.streams);
         self.finds(now, move || {
             #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
-            if let Some(device) = id.strip_prefix("pulseaudio:")
+            if let Some(device) = pulse(&id)
                 && streams.lock().unwrap_or_else(PoisonError::into_inner).left(way, device)
             {
                 return true;
             }
             match way {
-                Way::Out => !hosts.has(&id),
+                Direction::Out => !hosts.has(&id),
                 // That an input has gone, whoever listens hears from there.
-                Way::In => false,
+                Direction::In => false,
             }
         })
     }
@@ -98,12 +92,12 @@ impl Watch {
 
 #[cfg(test)]
 mod tests {
-    use super::{Watch, Way};
+    use super::Watch;
     use std::time::{Duration, Instant};
 
     #[test]
     fn a_look_that_does_not_come_to_an_end_holds_up_nobody() {
-        let (begin, mut watch) = (Instant::now(), Watch::of("pulseaudio:glove", Way::Out));
+        let (begin, mut watch) = (Instant::now(), Watch::of("pulseaudio:glove"));
         let later = |ms: u64| begin + Duration::from_millis(1000 + ms);
         let (answer, asked) = std::sync::mpsc::channel::<bool>();
         assert!(!watch.finds(later(0), move || asked.recv() == Ok(true)));
@@ -119,7 +113,7 @@ mod tests {
         std::thread::sleep(Duration::from_millis(20));
         watch.forget();
         assert!(!watch.finds(later(40_010), || true), "it is not due again");
-        let mut tells = Watch::of("pipewire:glove", Way::Out);
+        let mut tells = Watch::of("pipewire:glove");
         assert!((0..50).all(|n| !tells.finds(later(200 * n), || panic!("the host tells"))));
     }
 }

@@ -19,7 +19,7 @@ pub struct Figures {
     /// The mean latency.
     pub mean: f64,
     /// By how much that may be off, 95 times in 100, to either side: its standard error by Student's quantile; of one round nobody knows it.
-    pub sure: Option<f64>,
+    pub mean_margin: Option<f64>,
     /// The standard deviation from round to round; 0 of one.
     pub deviation: f64,
     /// The shortest,
@@ -60,10 +60,11 @@ impl Figures {
         // What the straight line leaves over.
         let left = rounds.iter().map(|r| square(r.latency - mean - drift * (r.at - middle))).sum::<f64>();
         let error = (rounds.len() > 2 && spread > 0.0).then(|| (left / (count - 2.0) / spread).sqrt());
-        let sure = (rounds.len() > 1).then(|| deviation / count.sqrt() * student::quantile(rounds.len() - 1));
+        let mean_margin =
+            (rounds.len() > 1).then(|| deviation / count.sqrt() * student::quantile(rounds.len() - 1));
         Self {
             mean,
-            sure,
+            mean_margin,
             deviation,
             least: rounds.iter().map(|r| r.latency).fold(f64::INFINITY, f64::min),
             most: rounds.iter().map(|r| r.latency).fold(f64::NEG_INFINITY, f64::max),
@@ -85,19 +86,19 @@ impl Figures {
         } else if self.deviation > SPREAD {
             Some(Doubt::Spread(self.deviation))
         } else {
-            self.sure.is_none_or(|sure| sure > SPREAD).then_some(Doubt::Few(self.sure))
+            self.mean_margin.is_none_or(|margin| margin > SPREAD).then_some(Doubt::Few(self.mean_margin))
         }
     }
 }
 
 impl Measured {
-    /// Its figures. What the devices' times may be off by is in `sure`, `error` and `margin`: all rounds lie on the same two lines, so that they do not
+    /// Its figures. What the devices' times may be off by is in `mean_margin`, `error` and `margin`: all rounds lie on the same two lines, so that they do not
     /// show it.
     pub fn figures(&self) -> Figures {
         let rounds = Figures::of(&self.rounds);
-        let sure = |own: f64| own.hypot(self.times.height * student::quantile(PARTS - 2));
+        let mean = |own: f64| own.hypot(self.times.height * student::quantile(PARTS - 2));
         Figures {
-            sure: rounds.sure.map(sure),
+            mean_margin: rounds.mean_margin.map(mean),
             error: rounds.error.map(|own| own.hypot(self.times.slope)),
             margin: rounds.margin.map(|own| own.hypot(self.clocks_margin())),
             ..rounds
@@ -211,6 +212,6 @@ mod tests {
         assert!(matches!(few(&two), Some(Doubt::Few(Some(x))) if (x - 0.05e-3 * 12.706_204_7).abs() < 1e-9));
         assert_eq!(few(&[round(0.0, 0.01), round(1.0, 0.01004)]), None);
         assert_eq!(few(&two[..1]), Some(Doubt::Few(None)));
-        assert_eq!(Figures::of(&two[..1]).sure, None);
+        assert_eq!(Figures::of(&two[..1]).mean_margin, None);
     }
 }

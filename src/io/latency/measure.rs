@@ -431,7 +431,7 @@ mod tests {
             let figures = measured.figures();
             drifts += i32::from(figures.drifts() == Some(true));
             let off = (figures.mean - cable).abs();
-            assert!(off < 1.5 * figures.sure.unwrap(), "{off} {:?}", figures.sure);
+            assert!(off < 1.5 * figures.mean_margin.unwrap(), "{off} {:?}", figures.mean_margin);
             assert!(figures.margin.unwrap() < 500e-6, "{:?}", figures.margin);
         }
         assert!(drifts <= 6, "{drifts} of {sets}");

@@ -200,17 +200,12 @@ impl Names {
         nearest(address, self.methods.iter().take(NEAR).map(|(address, _)| address.as_str()))
     }
 
-    #[cfg(test)]
-    fn find(&self, address: &str) -> Result<Vec<Method>, Unfound> {
-        self.find_within(address, &mut { u64::MAX })
-    }
-
     /// What an address means: that which has it to the letter, else all that it matches as a pattern. Nothing, if there is none. It takes no more than
-    /// so many steps ([`Pattern::matches_counted`]), which become fewer.
+    /// so many steps ([`Pattern::matches`]), which become fewer.
     ///
     /// # Errors
     /// An address that is too long, or no pattern; one that takes more steps.
-    pub fn find_within(&self, address: &str, steps: &mut u64) -> Result<Vec<Method>, Unfound> {
+    pub fn find(&self, address: &str, steps: &mut u64) -> Result<Vec<Method>, Unfound> {
         if let Some((_, method)) = self.places.get(address).and_then(|place| self.methods.get(*place)) {
             return Ok(vec![method.clone()]);
         }
@@ -224,7 +219,7 @@ impl Names {
         let mut found = Vec::new();
         for (address, method) in &self.methods {
             let mut taken = 0;
-            if pattern.matches_counted(address, &mut taken) {
+            if pattern.matches(address, &mut taken) {
                 found.push(method.clone());
             }
             *steps = steps.saturating_sub(taken);
@@ -266,7 +261,7 @@ mod tests {
     #[test]
     fn to_the_letter_and_by_pattern() {
         let names = Names::of(&Patch::parse("p", PATCH.as_bytes()).unwrap().value);
-        let find = |address: &str| names.find(address).unwrap();
+        let find = |address: &str| names.find(address, &mut { u64::MAX }).unwrap();
         assert_eq!(find("/voice/low/play"), [Method::Play("low".into())]);
         assert_eq!(
             find("/voice/*/play"),
@@ -291,16 +286,16 @@ mod tests {
         // What a pattern costs is known, and what costs too much is not done.
         let cost = |pattern: &str| {
             let mut steps = 1_000_000;
-            let found = names.find_within(pattern, &mut steps);
+            let found = names.find(pattern, &mut steps);
             (found.is_ok(), 1_000_000 - steps)
         };
         let (all, hostile) = (cost("/control/*"), cost(&format!("/control/{}*0", "*{a,}".repeat(48))));
         assert!(all.0 && all.1 < 20_000, "{all:?}");
         assert!(hostile.1 > 20 * names.controls.len() as u64, "{hostile:?}");
-        assert_eq!(names.find_within(&format!("/*/{}", "*{a,}".repeat(49)), &mut 100), Err(Unfound::Costly));
-        assert_eq!(names.find_within("/panic", &mut 1), Ok(vec![Method::Panic]));
+        assert_eq!(names.find(&format!("/*/{}", "*{a,}".repeat(49)), &mut 100), Err(Unfound::Costly));
+        assert_eq!(names.find("/panic", &mut 1), Ok(vec![Method::Panic]));
         for wrong in ["/voice/[a/play", "/a{", &format!("/{}", "a".repeat(300))] {
-            assert_eq!(names.find(wrong), Err(Unfound::NoPattern), "{wrong}");
+            assert_eq!(names.find(wrong, &mut { u64::MAX }), Err(Unfound::NoPattern), "{wrong}");
         }
     }
 }

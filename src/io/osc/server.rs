@@ -40,7 +40,7 @@ const MANY: u64 = 1 << 12;
 const FLOOD: f64 = 0.05;
 const REST: Duration = Duration::from_micros(500);
 
-/// Steps ([`Names::find_within`]) that all messages of a datagram may take together, some hundredths of a second at most: whoever pulls the brake waits
+/// Steps ([`Names::find`]) that all messages of a datagram may take together, some hundredths of a second at most: whoever pulls the brake waits
 /// behind it. And what one thing that is done counts for among them.
 const STEPS: u64 = 1_000_000;
 const DEED: u64 = 100;
@@ -260,7 +260,7 @@ impl Listener {
         for (tag, message) in messages {
             self.messages += 1;
             self.counts.messages.add(1);
-            let methods = match self.names.find_within(&message.addr, &mut steps) {
+            let methods = match self.names.find(&message.addr, &mut steps) {
                 Ok(methods) if methods.is_empty() => {
                     self.counts.unknown.add(1);
                     self.complaints.unknown(&message.addr, &self.names);

@@ -5,7 +5,7 @@ use std::ffi::CString;
 use pulseaudio::protocol::{Command, LookupReply, Prop, Props, SinkInputInfoList, SourceOutputInfoList};
 
 use super::client::{Client, process};
-use crate::io::device::watch::Way;
+use crate::io::device::watch::Direction;
 
 /// Looks at the streams of one device.
 #[derive(Debug, Default)]
@@ -17,7 +17,7 @@ pub(crate) struct Streams {
 
 impl Streams {
     /// Whether one of this program's has left `device` for another. Not where nobody answers: that is known by other signs.
-    pub fn left(&mut self, way: Way, device: &str) -> bool {
+    pub fn left(&mut self, way: Direction, device: &str) -> bool {
         let Some((device, all)) = self.look(way, device) else {
             self.client = None;
             return false;
@@ -26,15 +26,15 @@ impl Streams {
     }
 
     /// The number of the device, and of each stream the number and that of its device.
-    fn look(&mut self, way: Way, device: &str) -> Option<(u32, Vec<[u32; 2]>)> {
+    fn look(&mut self, way: Direction, device: &str) -> Option<(u32, Vec<[u32; 2]>)> {
         let client = match &mut self.client {
             Some(client) => client,
             none => none.insert(Client::connect().ok()?),
         };
         let name = CString::new(device).ok()?;
         let lookup = match way {
-            Way::Out => Command::LookupSink(name),
-            Way::In => Command::LookupSource(name),
+            Direction::Out => Command::LookupSink(name),
+            Direction::In => Command::LookupSource(name),
         };
         let LookupReply(device) = client.ask(&lookup).ok()?;
         let process = process();
@@ -43,11 +43,11 @@ impl Streams {
             of.is_some_and(|of| of.strip_suffix(&[0]).unwrap_or(of) == process.as_bytes())
         };
         let all = match way {
-            Way::Out => {
+            Direction::Out => {
                 let all: SinkInputInfoList = client.ask(&Command::GetSinkInputInfoList).ok()?;
                 all.iter().filter(|one| own(&one.props)).map(|one| [one.index, one.sink_index]).collect()
             }
-            Way::In => {
+            Direction::In => {
                 let all: SourceOutputInfoList = client.ask(&Command::GetSourceOutputInfoList).ok()?;
                 all.iter().filter(|one| own(&one.props)).map(|one| [one.index, one.source_index]).collect()
             }

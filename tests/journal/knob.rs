@@ -1,28 +1,22 @@
-//! What reaches a knob beside events is kept as well: worlds of a slow thread, and the patterns that it sets off. A replay is the same to the bit.
-#![cfg(feature = "live")]
+//! What reaches a knob beside events is kept as well: worlds of a slow thread, and the patterns that it sets off.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::path::Path;
 
-use pacinian::graph::scene::{Options, scene};
+use pacinian::Rig;
+use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Chosen;
-use pacinian::io::journal::reader::{Item, Reader};
-use pacinian::io::journal::remake::Recordings;
-use pacinian::io::journal::replay::{Met, Replay};
-use pacinian::io::journal::{Journal, Kind, Line, Setting, of_bytes};
+use pacinian::io::journal::{Journal, Kind, Line};
 use pacinian::io::recorder::Recorder;
 use pacinian::io::session::{Beginning, Session};
-use pacinian::io::wav::{Encoding, WavReader, WavSpec};
+use pacinian::io::wav::{Encoding, WavSpec};
 use pacinian::knob::local_model::model::{Contact, LocalModel};
 use pacinian::knob::local_model::pending::Message;
-use pacinian::live::provenance::{Provenance, RigText, Text};
+use pacinian::live::provenance::RigText;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
-use pacinian::node::asset::NoAssets;
-use pacinian::text::Problem;
-use pacinian::{Patch, Rig};
+
+use super::{folder, lines, recorded, replayed, setting, staged, until};
 
 /// What the knob does is heard: its torque and its angle as levels of a hum.
 const PATCH: &str = r#"format = "pacinian-patch/1"
@@ -48,37 +42,15 @@ set = { gain = "min(1, speed / 10)" }
 "#;
 
 fn reload(text: &str) -> Reload {
-    let patch = Patch::parse("t.toml", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-    let rig = Rig::default_for(2);
     let options = Options { rate: Some(48_000.0), live: true, block: Some(64), ..Options::default() };
-    let scene = scene(&patch, &rig, &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
-    let provenance = Provenance {
-        patch: Text { name: "t.toml".into(), sha256: of_bytes(text.as_bytes()), text: text.into() },
-        rig: RigText::Line { line: 2 },
-        tables: Vec::new(),
-        folder: ".".into(),
-        allow_outside: false,
-        files: Vec::new(),
-        song: None,
-        set: Vec::new(),
-        notes: None,
-        options: (&options).into(),
-    };
-    Reload {
-        scene,
-        patch: Arc::new(patch),
-        rig: Arc::new(rig),
-        files: Box::new(|_| Err(Problem::of_file("no files here"))),
-        provenance: Some(Arc::new(provenance)),
-    }
+    staged(text, Rig::default_for(2), (RigText::Line { line: 2 }, Vec::new()), &options)
 }
 
 /// Plays for a second, while a slow thread sends a wall and kicks and the hand turns, with another patch from the middle on.
 fn play(journal_path: &Path, recording: &Path) {
     let first = reload(PATCH);
-    let setting = Setting { device: "virtual".into(), armed: true, input: None, recording: None };
     let journal =
-        Journal::create(journal_path, setting, &first.scene.plan, first.provenance.as_deref()).unwrap();
+        Journal::create(journal_path, setting(), &first.scene.plan, first.provenance.as_deref()).unwrap();
     let (hears, is_told) = (journal.clone(), journal.clone());
     let mut session = Session::start(Beginning {
         block: Some(64),
@@ -94,11 +66,7 @@ fn play(journal_path: &Path, recording: &Path) {
     let recorder = Recorder::start(ring, recording, WavSpec::new(2, 48_000, Encoding::F32)).unwrap();
     let mut most = 0.0_f64;
     for step in 0..40 {
-        let begin = Instant::now();
-        while session.board().frames.get() < 4_800 + 1_200 * step {
-            assert!(begin.elapsed() < Duration::from_secs(30), "the card stands still");
-            std::thread::sleep(Duration::from_millis(1));
-        }
+        until(&session, 4_800 + 1_200 * step);
         let look = slow.look();
         most = most.max(look.torque.abs());
         let contact = Contact { angle: 0.5, below: false, stiffness: 0.02 + 0.002 * step as f64 };
@@ -123,38 +91,15 @@ fn play(journal_path: &Path, recording: &Path) {
     assert_eq!((journal.finish().unwrap(), session.board().untold.get()), (0, 0));
 }
 
-fn lines(path: &Path) -> Vec<Line> {
-    let mut reader = Reader::open(path).unwrap();
-    let mut lines = Vec::new();
-    while let Some(item) = reader.read().unwrap() {
-        if let Item::Line(line) = item {
-            lines.push(*line);
-        }
-    }
-    lines
-}
-
-fn replayed(path: &Path) -> (Vec<f32>, Met) {
-    let mut replay = Replay::open(path, Recordings::default()).unwrap_or_else(|error| panic!("{error}"));
-    let mut all = Vec::new();
-    while let Some(frames) = replay.block().unwrap_or_else(|error| panic!("{error}")) {
-        all.extend_from_slice(frames);
-    }
-    (all, replay.met())
-}
-
 #[test]
 fn a_slow_thread_and_what_a_knob_sets_off_are_played_again_to_the_bit() {
-    let folder: PathBuf = std::env::temp_dir().join(format!("pacinian-kept-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
+    let folder = folder("knob");
     for ending in ["csv", "jsonl"] {
         let (journal, recording) = (folder.join(format!("s.{ending}")), folder.join("s.wav"));
         play(&journal, &recording);
         let (again, met) = replayed(&journal);
         assert!(met.ended && met.lost == 0 && met.swaps == 1, "{met:?}");
-        let mut wav = WavReader::open(&recording).unwrap();
-        let mut heard = Vec::new();
-        wav.part(0, again.len() / 2 + 1, &mut heard).unwrap();
+        let heard = recorded(&recording);
         let differs = heard.iter().zip(&again).position(|(a, b)| a.to_bits() != b.to_bits());
         assert_eq!((differs, heard.len()), (None, again.len()), "{ending}");
 
