@@ -118,9 +118,12 @@ impl Devices {
         for server in servers {
             let how = if server.runs { "runs" } else { "does not run" };
             text += &format!("{}: {how}\n", terminal.out.bold(server.name));
-            // What neither runs nor could be spoken with is not missed.
-            if (server.runs || server.built_in) && !server.help.is_empty() {
-                let what = if server.built_in { "start it" } else { "reach it by its own channels" };
+            if !server.help.is_empty() {
+                let what = match (server.runs, server.built_in) {
+                    (_, true) => "start it",
+                    (true, false) => "reach it by its own channels",
+                    (false, false) => "where it is to be used, a build that knows it",
+                };
                 text += &format!("  {what}: {}\n", server.help);
             }
         }

@@ -250,11 +250,16 @@ impl<R: Real> Bank<R> {
         }
     }
 
-    /// Releases all voices of that id, or all there are; `released` hears of their lanes and serial numbers.
-    pub fn release_all(&mut self, id: Option<u64>, at: Instant, mut released: impl FnMut(usize, u64)) {
+    /// Releases the voices whose ids are such; `released` hears of their lanes and serial numbers.
+    pub fn release(
+        &mut self,
+        which: impl Fn(u64) -> bool,
+        at: Instant,
+        mut released: impl FnMut(usize, u64),
+    ) {
         for lane in 0..self.lanes.len() {
             let voice = self.lanes[lane];
-            if voice.status == Status::Held && id.is_none_or(|id| id == voice.play.id) {
+            if voice.status == Status::Held && which(voice.play.id) {
                 self.end(lane, voice.serial, at);
                 released(lane, voice.serial);
             }

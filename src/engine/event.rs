@@ -84,8 +84,8 @@ pub enum Event {
     /// bits; those of them that are still to begin do not. Where no other voice
     /// sounds, all but the pulses of markers is exact zero 2 ms later (what turns motors 4 ms, in which they are braked), until one does.
     Silence(u64, u8),
-    /// Call off voices and markers that are still to begin and whose ids agree with this one but for so many of their lowest bits: their
-    /// pattern stops here. What sounds goes on.
+    /// Call off voices and markers that are still to begin and whose ids agree with this one but for so many of their lowest bits, and release
+    /// those voices of them that sound: their pattern stops here.
     Cancel(u64, u8),
     /// Put a pulse on the trigger outputs that listen to this marker, by its place in
     /// [`crate::graph::plan::Plan::markers`]; to one that is not there only outputs for all markers listen. Behind it the id by

@@ -12,6 +12,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering, fence};
 
+use super::lately::Lately;
 use super::stamp::Stamp;
 
 /// Bandwidth of the loop, Hz, once it is settled. It follows the drift of a converter's clock, and averages so many callbacks that blocks
@@ -29,14 +30,13 @@ const NARROWING: f64 = 0.45;
 const FOUND: f64 = 0.25;
 const FOUND_BLOCKS: f64 = 16.0;
 
-/// For so long at least, in seconds, it is remembered that a callback came early, and for no longer than twice that: then a device whose
-/// callbacks come otherwise than before, and which did not say so, has its latency back. A young loop remembers for as long as it is old.
-const REMEMBERED: f64 = 30.0;
-
 /// A callback that is further off than this, in seconds and in blocks, begins the loop anew: the device stood still. Servers of large
 /// blocks ask for two at once.
 const LOST: f64 = 0.02;
 const LOST_BLOCKS: f64 = 1.5;
+
+/// So many seconds before its time, what is to be played at a time may be said to have arrived.
+pub const SENT: f64 = 0.02;
 
 /// A device that has gone on from elsewhere, and has not said so, is followed there: by what all callbacks of so long were off the same way,
 /// if there were so many, where that is more than this, in seconds. Neither chance nor a short load makes the same of uneven ones.
@@ -63,17 +63,13 @@ pub struct Follower {
     due: f64,
     /// Seconds since the loop began.
     age: f64,
-    /// The longest block so far, and what an event may take to the callback, in frames.
-    longest: u64,
+    /// What an event may take to the callback, the longest block, and the most by which a callback has come early, in frames. A device whose callbacks
+    /// come otherwise than before, and which did not say so, has its latency back after a while.
     haste: u64,
-    /// The most by which a callback has come early, in frames, since a moment and before it; that moment, and how long the device has played
-    /// by now, gaps or not, in seconds.
-    early: [u64; 2],
-    since: f64,
+    longest: Lately,
+    lead: Lately,
+    /// How long the device has played by now, gaps or not, in seconds.
     played: f64,
-    /// What of it is in the latency: at once where it grows, and a frame less with each callback where it falls, or what comes later would
-    /// be played before what came before it.
-    lead: u64,
     /// The least and the most by which callbacks were late, in seconds, how many there were, and since which age.
     off: (f64, f64, usize, f64),
     running: bool,
@@ -103,15 +99,17 @@ pub struct Moment {
     pub time: f64,
     /// Seconds a frame, as the device has it.
     pub frame: f64,
-    /// Frames by which events are played later than they arrive: the longest block so far, the most by which a callback has come early,
+    /// Frames by which events are played later than they arrive: the longest block of late, the most by which a callback has come early,
     /// and [`HASTE`].
     pub ahead: u64,
 }
 
 impl Moment {
-    /// The frame at which an event is played that arrived at `stamp`.
+    /// The frame at which an event is played that arrived at `stamp`. What arrives while the device stands still is played when it goes on, which
+    /// nobody knows beforehand.
     pub fn frame_of(&self, stamp: Stamp) -> f64 {
-        let since = (stamp.seconds() - self.time) / self.frame;
+        let most = ((LOST + SENT) / self.frame).max(LOST_BLOCKS * self.ahead as f64);
+        let since = ((stamp.seconds() - self.time) / self.frame).min(most);
         (self.frames as f64 + self.ahead as f64 + since).max(0.0)
     }
 
@@ -136,12 +134,10 @@ impl Follower {
                 frame,
                 due: 0.0,
                 age: 0.0,
-                longest: block,
                 haste,
-                early: [0; 2],
-                since: 0.0,
+                longest: Lately::new(block),
+                lead: Lately::default(),
                 played: 0.0,
-                lead: 0,
                 off: NONE,
                 running: false,
                 face,
@@ -154,7 +150,7 @@ impl Follower {
     pub fn callback(&mut self, stamp: Stamp, frames: u64) -> f64 {
         let now = stamp.seconds();
         let late = now - self.next;
-        let most = LOST.max(LOST_BLOCKS * self.longest as f64 * self.frame);
+        let most = LOST.max(LOST_BLOCKS * self.longest.get() as f64 * self.frame);
         if !self.running || late.abs() > most {
             (self.running, self.next, self.frame) = (true, now, 1.0 / self.rate);
             (self.age, self.off) = (0.0, NONE);
@@ -168,11 +164,12 @@ impl Follower {
             let frame = self.frame + omega * omega * late / frames.max(1) as f64;
             self.frame = frame.clamp(0.999 / self.rate, 1.001 / self.rate);
             if self.age >= FOUND.max(FOUND_BLOCKS * block) {
-                self.was_early((self.next - now) * self.rate);
+                let early = ((self.next - now) * self.rate).round().max(0.0);
+                self.lead.hear(early as u64, self.played);
             }
             self.next += self.moved(late);
         }
-        self.longest = self.longest.max(frames);
+        self.longest.hear(frames, self.played);
         self.show();
         self.due = self.next;
         self.frames += frames;
@@ -200,8 +197,8 @@ impl Follower {
 
     /// The device was away: the next callback begins the loop anew, and its blocks may have another length and other times.
     pub fn forget(&mut self, block: u64) {
-        (self.running, self.longest) = (false, block);
-        (self.early, self.lead, self.since, self.played) = ([0; 2], 0, 0.0, 0.0);
+        (self.running, self.longest, self.lead) = (false, Lately::new(block), Lately::default());
+        self.played = 0.0;
     }
 
     /// By how much the device has moved on, with a callback that was `late` by so much, seconds.
@@ -219,18 +216,9 @@ impl Follower {
         }
         if moved < 0.0 {
             // They were not early, but where they are now.
-            self.early = [0; 2];
+            self.lead.forget();
         }
         moved
-    }
-
-    /// A callback was early by so many frames, or late.
-    fn was_early(&mut self, frames: f64) {
-        if self.played - self.since > self.since.clamp(FOUND, REMEMBERED) {
-            (self.early, self.since) = ([0, self.early[0]], self.played);
-        }
-        self.early[0] = self.early[0].max(frames.round().max(0.0) as u64);
-        self.lead = self.early[0].max(self.early[1]).max(self.lead.saturating_sub(1));
     }
 
     fn show(&self) {
@@ -241,7 +229,7 @@ impl Follower {
         frames.store(self.frames, Ordering::Relaxed);
         time.store(self.next.to_bits(), Ordering::Relaxed);
         frame.store(self.frame.to_bits(), Ordering::Relaxed);
-        ahead.store(self.longest + self.lead + self.haste, Ordering::Relaxed);
+        ahead.store(self.longest.get() + self.lead.get() + self.haste, Ordering::Relaxed);
         turn.store(before + 2, Ordering::Release);
     }
 }
@@ -442,6 +430,40 @@ mod tests {
         let moment = clock.moment().unwrap();
         let due = 1.0 + moment.frames as f64 / 48_000.0 + 0.5 * block;
         assert!((moment.time - due).abs() < 0.15 * block, "{} s off", moment.time - due);
+    }
+
+    /// A server's first block may be a double one, and its blocks may become shorter.
+    #[test]
+    fn a_long_block_is_forgotten_after_a_while() {
+        let (mut follower, clock) = Follower::new(48_000.0, 256);
+        let (mut frames, mut before) = (0, 2048 + 3);
+        for n in 0..20_000 {
+            let block = if n == 0 { 2048 } else { 256 };
+            follower.callback(stamp(1.0 + frames as f64 / 48_000.0), block);
+            frames += block;
+            assert!(clock.ahead() + 1 >= before, "what comes later is played later");
+            before = clock.ahead();
+            assert!(n > 90 || before > 1900, "{n}: {before}");
+        }
+        assert_eq!(before, 256 + 3);
+    }
+
+    /// Callbacks stop for seconds: what arrives then is played soon after they go on, and in order.
+    #[test]
+    fn what_arrives_while_the_device_stands_still_waits_for_no_longer() {
+        let (mut follower, clock) = run(48_000.0, 128, 0.0, 2000);
+        let stood = clock.moment().unwrap();
+        let arrivals = (0..300).map(|n| stamp(stood.time + 0.01 * f64::from(n)));
+        let frames: Vec<f64> = arrivals.map(|at| stood.frame_of(at)).collect();
+        assert!(frames.is_sorted());
+        let goes_on = stamp(stood.time + 3.0);
+        follower.callback(goes_on, 128);
+        let moment = clock.moment().unwrap();
+        let latest = moment.frame_of(goes_on) + 0.041 * 48_000.0;
+        assert!(frames.iter().all(|frame| *frame <= latest), "{:?} {latest}", frames.last());
+        // What was sent a little ahead of its time keeps it.
+        let ahead = stood.frame_of(stamp(stood.time + 0.019)) - stood.frame_of(stamp(stood.time));
+        assert!((ahead - 0.019 * 48_000.0).abs() < 0.01, "{ahead}");
     }
 
     #[test]

@@ -18,6 +18,7 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 
 use super::board::Board;
 use super::clock::{Follower, Moment, StreamClock};
+use super::lately::Lately;
 use super::stamp::{Epoch, Stamp};
 use super::tracker::Tracker;
 use crate::dsp::varispeed::Varispeed;
@@ -92,7 +93,7 @@ pub struct Feed {
     rate_in: f64,
     rate: f64,
     step: f64,
-    longest: usize,
+    longest: Lately,
     margin: f64,
     flows: bool,
     /// Gains of what flows and of what was held when it stopped; the step from frame to frame.
@@ -139,7 +140,7 @@ pub fn bridge(ears: Ears, rate: f64, block: usize, epoch: Epoch, board: &Arc<Boa
         rate_in,
         rate,
         step: rate_in / rate,
-        longest: block,
+        longest: Lately::new(block as u64),
         margin: MARGIN,
         flows: false,
         open: 0.0,
@@ -271,9 +272,9 @@ impl Feed {
         self.moment = self.clock.glimpse().or(self.moment);
         let Some(moment) = self.moment else { return 1.0 };
         let heard = moment.frames as f64 + (due - moment.time) / moment.frame;
-        self.longest = self.longest.max(frames);
-        let wanted =
-            self.longest as f64 * self.step + self.stream.behind() as f64 + self.margin * self.rate_in;
+        let wanted = self.longest.hear(frames as u64, due) as f64 * self.step
+            + self.stream.behind() as f64
+            + self.margin * self.rate_in;
         let mut error = (self.distance(heard) - wanted) / self.rate_in;
         if self.flows && error > LATE {
             self.board.input.jumps.add(1);

@@ -20,6 +20,7 @@ pub mod driver;
 mod effort;
 pub mod gate;
 pub mod intake;
+mod lately;
 pub mod lent;
 pub mod lever;
 pub mod load;

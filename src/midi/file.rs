@@ -133,6 +133,9 @@ fn read(bytes: &[u8], events: usize, warnings: &mut Warnings) -> Result<Song, Pr
     Ok(song)
 }
 
+/// The tempo of a song that names none, quarter notes a minute.
+const USUAL: f64 = 120.0;
+
 /// Puts what tracks contain that play together into the song, from `begin` on; gives when they end.
 fn place(mut contents: Contents, division: Division, begin: f64, song: &mut Song) -> f64 {
     let map = Map::new(division, &mut contents.tempi);
@@ -146,6 +149,10 @@ fn place(mut contents: Contents, division: Division, begin: f64, song: &mut Song
         cue: mark.cue,
         text: mark.text,
     }));
+    if begin > 0.0 {
+        // A piece of its own: it knows nothing of the tempo of the one before.
+        song.tempi.push((begin, USUAL));
+    }
     song.tempi.extend(map.tempi().map(|(seconds, tempo)| (begin + seconds, tempo)));
     song.exclusive += contents.exclusive;
     let pause = contents.pause.map(|pause| {

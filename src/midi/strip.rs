@@ -1,5 +1,7 @@
 //! What one channel stands at.
 
+use std::cmp::Ordering;
+
 use super::claims::Own;
 use super::parameter::{self, Selection};
 
@@ -54,12 +56,18 @@ impl Moved {
     fn coarse(number: u8, value: u8) -> Self {
         Self { number, value: f64::from(value) / 127.0, fine: false }
     }
+    fn fine(number: u8, upper: u8, lower: u8) -> Self {
+        let long = u16::from(upper) << 7 | u16::from(lower);
+        Self { number, value: f64::from(long) / 16_383.0, fine: true }
+    }
 }
 
 /// Controllers, pitch wheel, pressure, bend range and chosen parameter of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Strip {
     values: [u8; 128],
+    /// Controllers of 14 bits whose upper half came last, a bit each: their lower half is awaited.
+    halves: u32,
     pub bend: i16,
     pub pressure: u8,
     pub range: Range,
@@ -72,6 +80,7 @@ impl Default for Strip {
     fn default() -> Self {
         Self {
             values: [NEVER; 128],
+            halves: 0,
             bend: 0,
             pressure: 0,
             range: Range::TWO,
@@ -93,32 +102,53 @@ impl Strip {
 
     /// Notes where a controller stands; gives what an ordinary one, or one that is claimed, moved to.
     ///
-    /// Controllers 0 to 31 may have seven more bits in those from 32 to 63. The upper half applies at once, as upper / 127, and takes the
-    /// lower one for 0 from then on; the lower half refines it to (128 upper + lower) / 16,383. The first of these always lies among
-    /// the values that the second can have, and both reach 0 and 1. A controller from 32 to 63 that is claimed itself, or whose partner
-    /// never moved on this channel, is one of 7 bits of its own: there are boxes that send them so.
+    /// Controllers 0 to 31 may have seven more bits in those from 32 to 63. The upper half applies at once, as upper / 127; the lower half refines
+    /// it to (128 upper + lower) / 16,383. The first of these always lies among the values that the second can have, and both reach 0 and 1. Where
+    /// lower halves come, an upper half moves it no further than to the nearest of the values that it leaves open, so that a fader that rises never
+    /// seems to fall; a second one without a lower half between them is one of 7 bits again. A controller from 32 to 63 that is claimed itself, or
+    /// whose partner never moved on this channel, is one of 7 bits of its own: there are boxes that send them so.
     pub fn controller(&mut self, number: u8, value: u8) -> Option<Moved> {
-        self.set(number, value);
         let moved = match number {
-            0..32 => {
-                if self.value(number + 32).is_some() && !self.claimed.has(number + 32) {
-                    self.set(number + 32, 0);
-                }
-                Moved::coarse(number, value)
-            }
+            0..32 => self.upper(number, value),
             32..64 => match self.value(number - 32).filter(|_| !self.claimed.has(number)) {
                 Some(upper) => {
-                    let long = u16::from(upper) << 7 | u16::from(value);
-                    Moved { number: number - 32, value: f64::from(long) / 16_383.0, fine: true }
+                    self.halves &= !(1 << (number - 32));
+                    Moved::fine(number - 32, upper, value)
                 }
                 None => Moved::coarse(number, value),
             },
             _ => Moved::coarse(number, value),
         };
+        self.set(number, value);
         let ordinary = !parameter::concerns(number)
             && ![SUSTAIN, SOSTENUTO].contains(&number)
             && !BANK.contains(&number);
         Some(moved).filter(|_| (ordinary || self.claimed.takes(number)) && number < MODES)
+    }
+
+    /// The upper half of a controller, or all of it. What the lower one stands at then is noted.
+    fn upper(&mut self, number: u8, value: u8) -> Moved {
+        let (before, bit) = (self.value(number), 1_u32 << number);
+        let known = self.value(number + 32).filter(|_| !self.claimed.has(number + 32));
+        let (Some(before), Some(lower)) = (before, known) else { return Moved::coarse(number, value) };
+        if number == BANK[0] {
+            // No fader: the standard's nought.
+            self.set(BANK[1], 0);
+            return Moved::coarse(number, value);
+        }
+        if self.halves & bit != 0 {
+            self.set(number + 32, NEVER);
+            self.halves &= !bit;
+            return Moved::coarse(number, value);
+        }
+        self.halves |= bit;
+        let nearest = match value.cmp(&before) {
+            Ordering::Less => 127,
+            Ordering::Equal => lower,
+            Ordering::Greater => 0,
+        };
+        self.set(number + 32, nearest);
+        Moved::fine(number, value, nearest)
     }
 
     /// Semitones, with both ends of the wheel exact: −8192 and 8191 are the whole range.
@@ -158,6 +188,10 @@ impl Strip {
                 let pair = number < 32 && !self.claimed.has(number + 32);
                 let fine = pair.then(|| self.value(number + 32)).flatten().unwrap_or(0);
                 self.value(number).filter(|stands| *stands != value || fine != 0)?;
+                if pair {
+                    self.set(number + 32, NEVER);
+                    self.halves &= !(1 << number);
+                }
                 self.controller(number, value)
             })
             .into_iter()
@@ -183,13 +217,37 @@ mod tests {
         let fine = |value: u16| Some(Moved { number: 1, value: f64::from(value) / 16_383.0, fine: true });
         assert_eq!(strip.controller(33, 5), fine(64 << 7 | 5));
         assert_eq!(strip.controller(33, 6), fine(64 << 7 | 6));
-        assert_eq!(strip.controller(1, 127), coarse(1, 1.0));
+        assert_eq!(strip.controller(1, 127), fine(127 << 7), "as little as may be");
+        assert_eq!(strip.controller(1, 127), coarse(1, 1.0), "the lower half comes no more");
         assert_eq!(strip.controller(33, 127), fine(16_383));
         assert_eq!(fine(16_383).map(|m| m.value), Some(1.0));
         for upper in 0..128 {
+            strip = Strip::default();
             let once = strip.controller(1, upper).unwrap().value;
             let range = [0, 127].map(|lower| strip.controller(33, lower).unwrap().value);
             assert!((range[0]..=range[1]).contains(&once), "{upper}");
+        }
+    }
+
+    /// A fader of 14 bits that rises is never told to fall, nor the other way round, and ends where it stands.
+    #[test]
+    fn a_fader_moves_one_way() {
+        let mut strip = Strip::default();
+        let mut move_to = |long: u16| {
+            let [upper, lower] = [long >> 7, long & 127].map(|half| half as u8);
+            [strip.controller(1, upper), strip.controller(33, lower)].map(|moved| moved.unwrap().value)
+        };
+        let mut before = move_to(0)[1];
+        for long in (0..16_384).step_by(3) {
+            let now = move_to(long);
+            assert!(before <= now[0] && now[0] <= now[1], "{long}: {before} {now:?}");
+            assert_eq!(now[1], f64::from(long) / 16_383.0);
+            before = now[1];
+        }
+        for long in (0..16_384).step_by(7).map(|n| 16_383 - n) {
+            let now = move_to(long);
+            assert!(before >= now[0] && now[0] >= now[1], "{long}: {before} {now:?}");
+            before = now[1];
         }
     }
 

@@ -5,6 +5,7 @@
 //! which are counted, so that it never drifts away from the sender, and its period is smooth. A song from a file says where its beats are
 //! beforehand.
 
+use std::collections::VecDeque;
 use std::f64::consts::{SQRT_2, TAU};
 
 /// Clocks a beat: MIDI 1.0 Detailed Specification, "Timing Clock".
@@ -14,8 +15,12 @@ pub(super) const CLOCKS: f64 = 24.0;
 const BANDWIDTH: f64 = 0.8;
 const EAGER: f64 = 4.0;
 
-/// Off by more clocks than this, the loop begins anew: the sender has jumped.
+/// Off by more clocks than this, the loop begins anew: the sender has jumped, or messages came late all at once.
 const LOST: f64 = 2.5;
+
+/// Clocks that are remembered, by which a loop that begins anew knows the period; and a pause, in seconds, behind which none before counts.
+const KNOWN: usize = 13;
+const PAUSE: f64 = 2.0 * PERIODS[1];
 
 /// A clock that is this long overdue, in clocks, has stopped by itself: nothing is played beyond.
 const TRUSTED: f64 = 24.0;
@@ -51,17 +56,21 @@ pub(super) struct Clock {
     period: f64,
     /// Clocks since the loop began.
     age: u32,
+    /// When the last ones came.
+    came: VecDeque<f64>,
 }
 
 impl Clock {
     /// A clock came at `now` seconds.
     pub fn tick(&mut self, now: f64) {
+        if self.came.back().is_some_and(|last| now - last > PAUSE) {
+            self.came.clear();
+        }
+        if self.came.len() == KNOWN {
+            self.came.pop_front();
+        }
+        self.came.push_back(now);
         match self.next {
-            // The second of all says what the period is, as far as one can.
-            Some(next) if self.age == 1 => {
-                self.period = (now - next).clamp(PERIODS[0], PERIODS[1]);
-                self.next = Some(now + self.period);
-            }
             Some(next) if self.age > 1 && (now - next).abs() <= LOST * self.period => {
                 let late = now - next;
                 let bandwidth = if f64::from(self.age) < CLOCKS { EAGER } else { BANDWIDTH };
@@ -71,13 +80,12 @@ impl Clock {
                 self.period = (self.period + omega * omega * late).clamp(PERIODS[0], PERIODS[1]);
             }
             _ => {
-                self.next = Some(now);
-                self.age = 0;
-                if self.period > 0.0 {
-                    // It goes on at the tempo that it had, until the next one tells.
-                    self.next = Some(now + self.period);
-                    self.age = 2;
+                // The mean of what is known; after a pause it goes on at the tempo that it had, until the next one tells.
+                if let (Some(first), more @ 1..) = (self.came.front(), self.came.len() - 1) {
+                    self.period = ((now - first) / more as f64).clamp(PERIODS[0], PERIODS[1]);
                 }
+                self.next = Some(now + self.period);
+                self.age = if self.period > 0.0 { 2 } else { 0 };
             }
         }
         self.age = self.age.saturating_add(1);
@@ -265,6 +273,43 @@ mod tests {
                 now += 60.0 / CLOCKS / if now < 3.0 { before } else { after };
                 n += 1.0;
             }
+        }
+    }
+
+    /// Whatever has come before: clocks that stood still and came all at once, two at a time with every period of a server, a tempo that is another by
+    /// far, a first that came twice.
+    #[test]
+    fn the_tempo_is_found_again_whatever_came_before() {
+        let regular = |bpm: f64, from: f64| (0..1440).map(move |n| from + f64::from(n) * 60.0 / bpm / CLOCKS);
+        let mut cases: Vec<(String, f64, Vec<f64>)> = Vec::new();
+        for (before, after) in [(120.0, 34.0), (160.0, 45.0), (300.0, 20.0), (20.0, 300.0)] {
+            let clocks = regular(before, 0.0).take(480).chain(regular(after, 480.0 * 60.0 / before / CLOCKS));
+            cases.push((format!("{before} to {after}"), after, clocks.collect()));
+        }
+        for bpm in [30.0, 60.0, 90.0, 120.0, 180.0] {
+            for stall in [0.1, 0.3, 0.5, 1.0, 2.0] {
+                let late = |at: f64| if (5.003..5.003 + stall).contains(&at) { 5.003 + stall } else { at };
+                cases.push((format!("{bpm}, {stall} s late"), bpm, regular(bpm, 0.0).map(late).collect()));
+            }
+            for first in [0.0, 0.002, 0.0058] {
+                let clocks = std::iter::once(0.0).chain(regular(bpm, first));
+                cases.push((format!("{bpm}, {first} s behind a first"), bpm, clocks.collect()));
+            }
+            for period in [0.001, 1024.0 / 48_000.0, 2048.0 / 48_000.0] {
+                let quantised = |at: f64| ((at + 0.013) / period).ceil() * period;
+                cases.push((
+                    format!("{bpm}, every {period} s"),
+                    bpm,
+                    regular(bpm, 0.0).map(quantised).collect(),
+                ));
+            }
+        }
+        for (what, bpm, clocks) in cases {
+            let mut beats = Beats::None;
+            beats.clock().run(0.0);
+            clocks.iter().for_each(|at| beats.clock().tick(*at));
+            let (_, speed) = beats.at(clocks.len() as f64 / CLOCKS, 2.0).unwrap();
+            assert!((60.0 * speed / bpm - 1.0).abs() < 0.1, "{what}: {} a minute", 60.0 * speed);
         }
     }
 

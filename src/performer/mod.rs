@@ -34,7 +34,6 @@ use crate::graph::scene::Scene;
 use crate::midi::Message;
 use crate::patch::{Patch, Voice};
 use crate::rig::{Finder, Rig};
-use crate::schedule::Instant;
 use crate::score::{EventStream, HORIZON, Root, Score};
 use crate::text::Problem;
 
@@ -50,7 +49,7 @@ pub use outlet::Outlet;
 pub use patterns::MOST_RUNS;
 use pickup::Pickup;
 use run::Run;
-use stopping::Stop;
+use stopping::{Sent, Stop};
 use stream::Stream;
 pub use touch::Touch;
 pub use when::When;
@@ -100,8 +99,8 @@ pub struct Performer {
     crossings: u64,
     /// What is to stop when it has been fed so far.
     stops: Vec<Stop>,
-    /// What the patterns of the beginning have sent and the engine has not come to yet: when, its id, and its pattern.
-    ahead: VecDeque<(Instant, u64, usize)>,
+    /// What the patterns of the beginning have sent and is not over yet.
+    ahead: VecDeque<Sent>,
     /// Whether a control was sent somewhere since this was asked last.
     moved: bool,
     /// One for each port of MIDI.
@@ -120,6 +119,8 @@ pub struct Performer {
     first: Vec<(When, Play)>,
     /// Seconds up to which patterns have been fed.
     fed: f64,
+    /// Where the engine stood when it was fed last, seconds.
+    clock: f64,
     /// Seconds after which what plays from the beginning begins.
     lead: f64,
 }
@@ -219,6 +220,7 @@ impl Performer {
             listener: None,
             first: Vec::new(),
             fed: 0.0,
+            clock: 0.0,
             lead: 0.0,
         }
     }
@@ -287,7 +289,7 @@ impl Performer {
 
     /// Whether all patterns have ended, and a song if there is one.
     pub fn is_over(&self) -> bool {
-        self.runs.is_empty()
+        self.runs.iter().all(Run::is_over)
             && self.crossed.is_empty()
             && self.song.is_empty()
             && self.clocked.begin.is_none()

@@ -2,6 +2,7 @@
 
 use super::clocked::NEAR;
 use super::run::{Next, Run};
+use super::stopping::Sent;
 use super::touch::RESERVED;
 use super::whence::Whence;
 use super::{Happening, Outlet, Performer, Stand, When, in_time};
@@ -15,6 +16,9 @@ pub const MOST_RUNS: usize = 256;
 
 /// Events that [`Performer::feed_some`] gives or leaves out, and messages of a song that it plays: about a millisecond's work.
 const AT_ONCE: usize = 512;
+
+/// What patterns of the beginning have sent and is remembered until it is over, so that it can be stopped.
+const MOST_KEPT: usize = 1 << 13;
 
 /// Room that a message of a song needs at most, lest one that could set more off than there ever is room for would wait for ever.
 const MOST_NEEDED: usize = 1 << 12;
@@ -48,7 +52,7 @@ impl Performer {
             let what = format!("there is no pattern `{name}`");
             return Err(Problem::of_file(what).help(suggest(name, names())));
         };
-        if self.runs.len() >= MOST_RUNS {
+        if self.runs.iter().filter(|run| !run.is_over()).count() >= MOST_RUNS {
             self.turned_away += 1;
             let what = format!("pattern `{name}` does not play: {MOST_RUNS} patterns play already");
             return Err(Problem::of_file(what).help("stop some, or start fewer".to_string()));
@@ -59,6 +63,12 @@ impl Performer {
         let score = self.score(&[root], self.seed_of(serial))?;
         self.count_started(whence);
         let run = Run::new(serial, vec![root], score).by(whence, self.cause);
+        // Of those that only sound, the oldest is forgotten, and sounds its time.
+        if self.runs.len() >= 2 * MOST_RUNS
+            && let Some(oldest) = self.runs.iter().position(Run::is_over)
+        {
+            self.runs.remove(oldest);
+        }
         self.runs.push(match follows {
             Some((beat, beats)) => run.following(beat, beats),
             None => run,
@@ -82,10 +92,12 @@ impl Performer {
         pattern.and_then(|pattern| pattern.repeat).is_some_and(|repeat| repeat.times.is_none())
     }
 
-    /// The patterns that play: number, and name; those that play from the beginning have number 0.
+    /// The patterns that play, until the last of their voices is released: number, and name; those that play from the beginning have number 0.
     pub fn patterns(&self) -> impl Iterator<Item = (u64, &str)> {
         let name = |pattern: usize| self.patch.patterns.get(pattern).map_or("", |p| p.name.as_str());
-        self.runs.iter().flat_map(move |run| run.playing().map(move |pattern| (run.serial, name(pattern))))
+        self.runs
+            .iter()
+            .flat_map(move |run| run.playing(self.clock).map(move |pattern| (run.serial, name(pattern))))
     }
 
     /// Gives the outlet all that patterns have before engine sample `until`, as long as it has room. Where it has not, the sample
@@ -125,6 +137,8 @@ impl Performer {
 
     /// The same for what patterns have before `until` seconds, in which none is stopped.
     fn feed_patterns(&mut self, until: f64, outlet: &mut dyn Outlet, most: usize) -> (bool, Option<u64>) {
+        let earliest = outlet.clock() as f64 / self.plan.engine_rate();
+        self.clock = earliest;
         // What has much to leave out must not keep the others waiting.
         let (mut work, mut left_out) = (most, most);
         while let Some((number, at, longer)) = self.first_run(outlet, &mut left_out) {
@@ -146,8 +160,13 @@ impl Performer {
                     note.duration *= longer;
                 }
                 self.fed = self.fed.max(at);
+                let end = match &timed.what {
+                    What::Play(note) => at + note.duration,
+                    What::Marker(_) => at,
+                };
+                run.sounds_until(timed.root, end);
                 if serial == 0 {
-                    self.keep_ahead(&timed, outlet.clock());
+                    self.keep_ahead(&timed, end, earliest);
                 }
                 outlet.because(cause);
                 self.perform(whence.of_run(serial, timed.id), timed, outlet);
@@ -205,7 +224,7 @@ impl Performer {
     }
 
     /// Which pattern says something next, when, and how much longer than by its own count it lasts; of those at the same time, the one
-    /// that was started first. Takes those away that have ended. There are no more than [`MOST_RUNS`], so they are searched.
+    /// that was started first. Takes those away that have ended. There are no more than twice [`MOST_RUNS`], so they are searched.
     fn first_run(&mut self, outlet: &dyn Outlet, left_out: &mut usize) -> Option<(usize, f64, f64)> {
         let earliest = outlet.clock() as f64 / self.plan.engine_rate();
         let mut first: Option<(usize, f64, f64)> = None;
@@ -230,8 +249,12 @@ impl Performer {
                     number += 1;
                 }
                 Next::Over => {
-                    let run = self.runs.remove(number);
-                    self.cut |= run.is_cut();
+                    self.cut |= self.runs[number].is_cut();
+                    if self.runs[number].sounds(earliest) {
+                        number += 1;
+                    } else {
+                        self.runs.remove(number);
+                    }
                 }
             }
         }
@@ -250,15 +273,17 @@ impl Performer {
         }
     }
 
-    /// Notes what a pattern of the beginning sends, so that it can be called off by its id: all of them share one run.
-    fn keep_ahead(&mut self, timed: &Timed, clock: u64) {
-        while self.ahead.front().is_some_and(|(at, ..)| at.ceiling() < clock) {
-            self.ahead.pop_front();
+    /// Notes what a pattern of the beginning sends and when it is over, so that it can be called off by its id: all of them share one run.
+    fn keep_ahead(&mut self, timed: &Timed, end: f64, now: f64) {
+        if self.ahead.len() >= MOST_KEPT {
+            self.ahead.retain(|sent| sent.end >= now);
+            let more = self.ahead.len().saturating_sub(MOST_KEPT / 2);
+            self.ahead.drain(..more);
         }
         let Some(run) = self.runs.iter().find(|run| run.serial == 0) else { return };
         if let Some(root) = run.roots.get(timed.root) {
             let id = run.whence.of_run(0, timed.id);
-            self.ahead.push_back((self.when(timed.at).instant, id, root.pattern));
+            self.ahead.push_back(Sent { end, id, pattern: root.pattern });
         }
     }
 

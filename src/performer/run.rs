@@ -16,6 +16,8 @@ pub(super) struct Run {
     pub roots: Vec<Root>,
     /// Where it follows a clock: the beat with which it begins, and its own beats a second.
     pub follows: Option<(f64, f64)>,
+    /// When the last voice of each of the roots is released, seconds, as far as they have begun.
+    pub ends: Vec<f64>,
     score: Score<'static>,
     ahead: Option<Timed>,
     /// What it would say before is left out, by its own count; `None` once it has come there.
@@ -42,6 +44,7 @@ impl Run {
             serial,
             whence: Whence::HERE,
             cause: 0,
+            ends: vec![f64::NEG_INFINITY; roots.len()],
             roots,
             follows: None,
             score,
@@ -104,10 +107,30 @@ impl Run {
         self.ahead.take()
     }
 
-    /// The patterns of it that still play, by their places in the patch.
-    pub fn playing(&self) -> impl Iterator<Item = usize> {
-        let plays = |number: usize| {
-            self.score.plays(number) || self.ahead.as_ref().is_some_and(|timed| timed.root == number)
+    /// Something of one of its roots sounds until so many seconds.
+    pub fn sounds_until(&mut self, root: usize, seconds: f64) {
+        if let Some(end) = self.ends.get_mut(root) {
+            *end = end.max(seconds);
+        }
+    }
+
+    /// Whether it has said all.
+    pub fn is_over(&self) -> bool {
+        self.over && self.ahead.is_none()
+    }
+
+    /// Whether a voice of it is not released before so many seconds.
+    pub fn sounds(&self, seconds: f64) -> bool {
+        self.ends.iter().any(|end| *end > seconds)
+    }
+
+    /// The patterns of it that still play, by their places in the patch: those that have more to say, or whose last voice is not released before
+    /// so many seconds.
+    pub fn playing(&self, seconds: f64) -> impl Iterator<Item = usize> {
+        let plays = move |number: usize| {
+            self.score.plays(number)
+                || self.ahead.as_ref().is_some_and(|timed| timed.root == number)
+                || self.ends.get(number).is_some_and(|end| *end > seconds)
         };
         self.roots.iter().enumerate().filter(move |(number, _)| plays(*number)).map(|(_, root)| root.pattern)
     }
@@ -117,6 +140,7 @@ impl Run {
         for number in (0..self.roots.len()).filter(|number| self.roots[*number].pattern == pattern) {
             self.score.stop(number);
             self.ahead.take_if(|timed| timed.root == number);
+            self.ends[number] = f64::NEG_INFINITY;
         }
     }
 

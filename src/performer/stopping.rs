@@ -1,4 +1,5 @@
-//! Patterns that are stopped, each at an instant: nothing of them begins with it or behind it. What was sent ahead is called off in the engine.
+//! Patterns that are stopped, each at an instant: nothing of them begins with it or behind it, and what sounds of them is released. What was sent ahead
+//! is called off in the engine.
 
 use super::run::Run;
 use super::whence::OF_RUN;
@@ -18,9 +19,19 @@ pub(super) struct Stop {
     name: Option<String>,
 }
 
+/// What a pattern of the beginning has sent.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sent {
+    /// When it is over: a marker with its instant, a voice when it is released; seconds.
+    pub end: f64,
+    pub id: u64,
+    /// The pattern, by its place in the patch.
+    pub pattern: usize,
+}
+
 impl Performer {
     /// Stops a pattern by the number under which it was started, or what plays from the beginning by 0: nothing more of it begins at that
-    /// instant or later. What it has played before sounds its time. Says whether it still played.
+    /// instant or later, and what it sounds is released. Says whether it still played.
     pub fn stop_pattern(&mut self, at: When, serial: u64, outlet: &mut dyn Outlet) -> bool {
         let played = self.plays(serial);
         self.stop_at(Stop { at, serial, name: None }, outlet);
@@ -113,15 +124,18 @@ impl Performer {
             return self.cancel(at, id, OF_RUN as u8, outlet);
         };
         run.stop(pattern);
-        let ahead = self.ahead.iter().filter(|(instant, _, of)| *of == pattern && *instant >= at.instant);
-        let ids: Vec<u64> = ahead.map(|(_, id, _)| *id).collect();
+        let sent = self.ahead.iter().filter(|sent| sent.pattern == pattern && sent.end >= at.seconds);
+        let ids: Vec<u64> = sent.map(|sent| sent.id).collect();
         ids.into_iter().for_each(|id| self.cancel(at, id, 0, outlet));
     }
 
-    /// Calls off what was sent of patterns whose ids agree with this one but for so many of the lowest bits, from `at` on.
+    /// Calls off what was sent of patterns whose ids agree with this one but for so many of the lowest bits, from `at` on, and releases what sounds.
     fn cancel(&mut self, at: When, id: u64, bits: u8, outlet: &mut dyn Outlet) {
         if let Some(record) = &mut self.record {
             record.retain(|(start, play)| *start < at.seconds || !is_of(play.id, id, bits));
+            for (start, play) in record.iter_mut().filter(|(_, play)| play.is_of(id, bits)) {
+                play.duration = play.duration.min((at.seconds - *start).max(0.0));
+            }
         }
         self.let_go(at, Event::Cancel(id, bits), outlet);
     }

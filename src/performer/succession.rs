@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::clocked::speed;
 use super::run::Run;
+use super::stopping::Sent;
 use super::{OpenEvents, Performer};
 use crate::graph::plan::Plan;
 use crate::graph::scene::Scene;
@@ -32,6 +33,7 @@ impl Performer {
         let mut new = Self::bare(scene, patch, rig, files);
         std::mem::swap(self, &mut new);
         (self.played, self.started, self.fed, self.lead) = (new.played, new.started, fed, new.lead);
+        self.clock = new.clock;
         self.turned_away = new.turned_away;
         self.endless = std::mem::take(&mut new.endless);
         self.asleep = std::mem::take(&mut new.asleep);
@@ -43,7 +45,8 @@ impl Performer {
             self.patch.patterns.iter().position(|p| p.name == *name)
         };
         let ahead = std::mem::take(&mut new.ahead).into_iter();
-        self.ahead = ahead.filter_map(|(at, id, pattern)| Some((at, id, become_of(pattern)?))).collect();
+        self.ahead =
+            ahead.filter_map(|sent| Some(Sent { pattern: become_of(sent.pattern)?, ..sent })).collect();
         // What does not go on in the new plan sounds there from its beginning.
         self.asleep.retain(|name| {
             let of = |plan: &'_ Plan| plan.instruments.iter().find(|i| *i.name == **name).cloned();
@@ -77,9 +80,17 @@ impl Performer {
             let stopped = |p: &crate::patch::Pattern| self.stopped.contains(&p.name);
             let patterns = self.patch.patterns.iter().enumerate();
             patterns.filter(|(_, p)| stopped(p)).for_each(|(pattern, _)| run.stop(pattern));
+            // Voices that it has begun sound on.
+            for (root, end) in began.iter().flat_map(|run| run.roots.iter().zip(&run.ends)) {
+                let name = old.patterns.get(root.pattern).map(|p| &p.name);
+                let is = |new: &Root| self.patch.patterns.get(new.pattern).map(|p| &p.name) == name;
+                if let Some(new) = run.roots.iter().position(is) {
+                    run.sounds_until(new, *end);
+                }
+            }
             self.resume(run);
         }
-        for Run { serial, whence, cause, roots, follows, .. } in runs {
+        for Run { serial, whence, cause, roots, follows, ends, .. } in runs {
             let Some(&root) = roots.first() else { continue };
             let name = old.patterns.get(root.pattern).map(|p| &p.name);
             let Some(pattern) = self.patch.patterns.iter().position(|p| Some(&p.name) == name) else {
@@ -96,7 +107,8 @@ impl Performer {
                 root.at = (fed - (beat - begin) / beats).max(0.0);
             }
             let score = self.score(&[root], self.seed_of(serial))?;
-            let run = Run::new(serial, vec![root], score).by(whence, cause);
+            let mut run = Run::new(serial, vec![root], score).by(whence, cause);
+            ends.into_iter().for_each(|end| run.sounds_until(0, end));
             self.resume(match follows.zip(new) {
                 Some(((beat, _), beats)) => run.following(beat, beats),
                 None => run,

@@ -46,9 +46,10 @@ impl Whence {
         PROGRAM | u64::from(self.0) << BELOW | number & ((1 << BELOW) - 1)
     }
 
-    /// The id of what a run plays.
+    /// The id of what a run plays. There are fewer ids than runs; none but what plays from the beginning has those of 0.
     pub fn of_run(self, serial: u64, number: u64) -> u64 {
-        let serial = serial & ((1 << (BELOW - OF_RUN)) - 1);
+        let most = (1 << (BELOW - OF_RUN)) - 1;
+        let serial = if serial == 0 { 0 } else { (serial - 1) % most + 1 };
         u64::from(self.0) << BELOW | serial << OF_RUN | number & ((1 << OF_RUN) - 1)
     }
 
@@ -67,6 +68,16 @@ mod tests {
     use crate::engine::event::Play;
     use crate::graph::watch;
     use crate::midi::Channel;
+
+    #[test]
+    fn no_run_has_the_ids_of_the_beginning() {
+        let of = |serial: u64| Whence::HERE.of_run(serial, 0);
+        assert_eq!(of(0), 0);
+        for serial in [1, (1 << 18) - 1, 1 << 18, (1 << 18) + 1, 3 << 18, (1 << 40) - 1, 1 << 40, u64::MAX] {
+            assert!(of(serial) != 0 && of(serial) < 1 << 50, "{serial}");
+        }
+        assert!((1..(1 << 18) - 1).all(|serial| of(serial) != of(serial + 1)));
+    }
 
     #[test]
     fn ids_tell_whence_they_are() {

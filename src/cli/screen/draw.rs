@@ -1,6 +1,7 @@
 //! From a snapshot to the lines of the screen.
 
 use super::dial::dial;
+use super::fold::folded;
 use super::happened::{Happened, Mood, moment};
 use super::head::{figures, title};
 use super::line::{Ink, Line, flow};
@@ -119,7 +120,7 @@ pub fn draw(snapshot: &Snapshot, width: usize, height: usize) -> Drawn {
         rest -= 1;
     }
     if for_events > 0 || headed {
-        top.extend(events(&snapshot.events, rest));
+        top.extend(events(&snapshot.events, width, rest));
     }
     top.truncate(height.saturating_sub(foot.len()));
     top.resize(height.saturating_sub(foot.len()), Line::default());
@@ -197,21 +198,48 @@ fn heading(text: &str, width: usize, fancy: bool) -> Line {
     line
 }
 
+/// Rows that one event takes at most.
+const ROWS: usize = 4;
+
 /// The last events, the latest at the foot.
-fn events(all: &[Happened], rows: usize) -> Vec<Line> {
-    let latest = all.get(all.len().saturating_sub(rows)..).unwrap_or_default();
-    let line = |event: &Happened| {
-        let mut line = Line::of(Ink::Dim, &format!(" {:>9}  ", moment(event.at)));
-        let ink = match event.mood {
-            Mood::Usual => Ink::Plain,
-            Mood::Told => Ink::Accent,
-            Mood::Good => Ink::Good,
-            Mood::Bad => Ink::Hot,
-        };
-        line.put(ink, &event.told());
-        line
+fn events(all: &[Happened], width: usize, rows: usize) -> Vec<Line> {
+    let mut lines = Vec::new();
+    for event in all.iter().rev() {
+        let room = (rows - lines.len()).min(ROWS);
+        if room == 0 {
+            break;
+        }
+        lines.extend(told(event, width, room).into_iter().rev());
+    }
+    lines.reverse();
+    lines
+}
+
+/// An event in so many rows at most. What is more than usual, and may say what to do, is folded.
+fn told(event: &Happened, width: usize, rows: usize) -> Vec<Line> {
+    let (ink, rows) = match event.mood {
+        Mood::Usual => (Ink::Plain, 1),
+        Mood::Told => (Ink::Accent, rows),
+        Mood::Good => (Ink::Good, rows),
+        Mood::Bad => (Ink::Hot, rows),
     };
-    latest.iter().map(line).collect()
+    let mut begin = Line::of(Ink::Dim, &format!(" {:>9}  ", moment(event.at)));
+    let column = begin.width();
+    let mut parts = folded(&event.told(), width.saturating_sub(column).max(1), 0, ink).into_iter();
+    let mut lines = Vec::new();
+    while let Some(part) = parts.next() {
+        begin.join(part);
+        if lines.len() + 1 == rows {
+            // What there is no row for is cut off at the end of the last one.
+            parts.by_ref().for_each(|rest| {
+                begin.put(ink, " ");
+                begin.join(rest);
+            });
+        }
+        lines.push(std::mem::take(&mut begin));
+        begin.fill_to(column);
+    }
+    lines
 }
 
 fn banner(snapshot: &Snapshot, width: usize) -> Vec<Line> {
@@ -330,7 +358,7 @@ mod tests {
             "xruns 1,234",
             "late 0",
             "lost 0",
-            "latency 5.2 ms = block 2.7 + engine 1.5 + device 1.0",
+            "latency 5.20 ms = block 2.70 + engine 1.50 + device 1.00",
             "limited 0",
             "clamped 0",
             "16 tactors",
@@ -347,7 +375,7 @@ mod tests {
         snapshot.latency.device = None;
         assert!(
             self::text(&snapshot, 100, 30)
-                .contains("latency at least 4.2 ms = block 2.7 + engine 1.5 + device unknown")
+                .contains("latency at least 4.20 ms = block 2.70 + engine 1.50 + device unknown")
         );
     }
 
@@ -439,6 +467,31 @@ mod tests {
             assert!(text.contains("0:49.000  t49"), "{height}: {text}");
             assert!(text.contains("4,321 more"));
         }
+    }
+
+    /// What went wrong, with what helps, whole where that takes four rows; what is usual takes one.
+    #[test]
+    fn what_says_what_to_do_is_read_to_its_end() {
+        let mut snapshot = scene(2, |n| format!("t{n} {}", "usual ".repeat(40)));
+        let long = "the card is gone: ".to_string() + &"why ".repeat(30) + "--block 512 helps";
+        snapshot.events.push(Happened::new(50.0, Mood::Bad, long.as_str()));
+        snapshot.events.push(Happened::new(51.0, Mood::Usual, "last"));
+        let shown = text(&snapshot, 80, 24);
+        let lines: Vec<_> = shown.lines().map(str::trim_end).collect();
+        let first =
+            lines.iter().position(|line| line.starts_with("  0:50.000  the card is gone: why")).unwrap();
+        let after = lines.iter().position(|line| *line == "  0:51.000  last").unwrap();
+        assert_eq!(after - first, 3, "{shown}");
+        let whole: String = lines[first..after].iter().map(|line| line[12..].to_string() + " ").collect();
+        assert_eq!(whole.trim_end(), long);
+        assert!(lines[first - 1].starts_with("  0:49.000  t49 usual") && lines[first - 1].ends_with('…'));
+        // What is longer than that says that it goes on.
+        snapshot.events[50].text = "word ".repeat(200);
+        let shown = text(&snapshot, 80, 24);
+        let words = shown.lines().filter(|line| line.trim_start().starts_with("word"));
+        assert!(
+            words.count() == 3 && shown.lines().any(|line| line.contains("word wo") && line.ends_with('…'))
+        );
     }
 
     #[test]

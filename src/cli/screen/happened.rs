@@ -111,7 +111,10 @@ impl Happened {
             Happening::Release => write!(text, "a voice {RELEASED}"),
             Happening::ReleaseAll => write!(text, "all voices are released"),
             Happening::Silence(_) => write!(text, "what MIDI had started falls silent"),
-            Happening::Cancel(_) => write!(text, "what was still to begin of a pattern is called off"),
+            Happening::Cancel(_) => write!(
+                text,
+                "a pattern is stopped: what was still to begin of it is called off, and what sounds is released"
+            ),
         };
         if let Some(origin) = heard.origin {
             let _ = write!(text, "  [{}]", origin.pattern);

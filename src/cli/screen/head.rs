@@ -59,7 +59,7 @@ pub fn figures(snapshot: &Snapshot, width: usize) -> Vec<Line> {
     let mut load = figure("load", &format!("{:.2} %", 100.0 * figures.mean), share(figures.mean));
     load.put(Ink::Dim, ", p99.9 ");
     load.put(share(figures.p999), &format!("{:.1} %", 100.0 * figures.p999));
-    let milli = |seconds: f64| format!("{:.1}", 1000.0 * seconds);
+    let milli = |seconds: f64| format!("{:.2}", 1000.0 * seconds);
     let mut delay = figure("latency", &latency.told(), Ink::Plain);
     if width >= PARTS {
         delay.put(Ink::Dim, &format!(" = block {} + engine {}", milli(latency.block), milli(latency.engine)));

@@ -119,7 +119,7 @@ pub fn status(snapshot: &Snapshot, highest: f32) -> String {
             unused => format!(", {} of MIDI unused", grouped(unused)),
         },
         latency.told(),
-        latency.input.map_or(String::new(), |input| format!(", input {:.1} ms", 1000.0 * input)),
+        latency.input.map_or(String::new(), |input| format!(", input {:.2} ms", 1000.0 * input)),
         dbfs(highest),
         match (snapshot.lost, snapshot.panicked) {
             (true, _) => ", device gone",

@@ -5,6 +5,7 @@ mod controls;
 mod dial;
 mod draw;
 mod echo;
+mod fold;
 pub mod happened;
 mod head;
 mod keys;

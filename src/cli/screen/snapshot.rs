@@ -144,6 +144,6 @@ impl Latency {
     /// The same for people, who learn where the device does not say what it adds.
     pub fn told(&self) -> String {
         let least = if self.device.is_none() { "at least " } else { "" };
-        format!("{least}{:.1} ms", 1000.0 * self.total())
+        format!("{least}{:.2} ms", 1000.0 * self.total())
     }
 }

@@ -242,7 +242,7 @@ fn beginning(
 ) -> Result<Beginning, Failure> {
     let bug = |problems: Problems| Failure::of(70, problems);
     let rate = device.rate(rig.device.rate.map(|rate| rate as u32));
-    let patch = probe::patch().map_err(bug)?;
+    let patch = probe::patch(probes).map_err(bug)?;
     let options = Options { rate: Some(f64::from(rate)), on_card: true, ..Options::default() };
     let scene = Reload::of(patch, bare(rig, probes), &options, &NoAssets)
         .map_err(|problems| Failure::of(78, problems))?;

@@ -2,7 +2,7 @@
 
 use super::Core;
 use crate::dsp::lanes::Real;
-use crate::engine::event::{Event, Play};
+use crate::engine::event::{Event, Play, is_of};
 use crate::engine::watch::SetOff;
 use crate::schedule::Instant;
 
@@ -54,8 +54,8 @@ impl<R: Real> Core<R> {
     fn handle(&mut self, at: Instant, event: Event) {
         match event {
             Event::Play(play) => self.play(&play, at),
-            Event::Release(id) => self.release_all(Some(id), at),
-            Event::ReleaseAll => self.release_all(None, at),
+            Event::Release(id) => self.release(|voice| voice == id, at),
+            Event::ReleaseAll => self.release(|_| true, at),
             Event::Silence(id, bits) => self.silence(id, bits, at),
             Event::Touch(to) => self.banks.iter_mut().for_each(|bank| bank.touch(to, at)),
             Event::Glide(index, value, seconds) => {
@@ -68,7 +68,7 @@ impl<R: Real> Core<R> {
                     ramp.send(value, at);
                 }
             }
-            Event::Cancel(id, bits) => self.cancel(id, bits),
+            Event::Cancel(id, bits) => self.cancel(id, bits, at),
             Event::Marker(name, _) => self.stage.mark(name, at),
             Event::Shed(above) => self.tasks.shed(above),
             Event::Push(torque) => self.knob.iter_mut().for_each(|knob| knob.push(torque)),
@@ -102,10 +102,10 @@ impl<R: Real> Core<R> {
         }
     }
 
-    fn release_all(&mut self, id: Option<u64>, at: Instant) {
+    fn release(&mut self, which: impl Fn(u64) -> bool, at: Instant) {
         let Self { banks, first, ends, commander, stage, .. } = self;
         for (number, (bank, first)) in banks.iter_mut().zip(first).enumerate() {
-            bank.release_all(id, at, |lane, serial| {
+            bank.release(&which, at, |lane, serial| {
                 ends.clear(*first + lane);
                 commander.release(number, serial, at, stage);
             });
@@ -113,8 +113,9 @@ impl<R: Real> Core<R> {
     }
 
     /// What waits lies at this instant or behind it.
-    fn cancel(&mut self, id: u64, bits: u8) {
+    fn cancel(&mut self, id: u64, bits: u8, at: Instant) {
         self.queue.edit(|event| !event.begins_of(id, bits));
+        self.release(|voice| is_of(voice, id, bits), at);
     }
 
     fn silence(&mut self, id: u64, bits: u8, at: Instant) {

@@ -7,6 +7,7 @@ use super::card::KNOWN;
 use super::failure::{DeviceError, Trouble};
 use super::hosts::{Hosts, PULSE};
 use super::rates::Rates;
+use super::servers::Server;
 use crate::text::nearest::nearest;
 
 /// A device that there is.
@@ -130,7 +131,11 @@ pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Dev
     };
     let (mut trouble, mut other) = (None, None);
     let mut refused = |error: cpal::Error| {
-        let error = DeviceError::of(&name, &error);
+        let mut error = DeviceError::of(&name, &error);
+        // What ALSA hands to a server that is not there.
+        if let Some(server) = id.strip_prefix("alsa:").and_then(Server::named).filter(|server| !server.runs) {
+            error = error.help(format!("{} does not run; start it: {}", server.name, server.start));
+        }
         match error.kind {
             Trouble::Busy | Trouble::Forbidden => _ = trouble.get_or_insert(error),
             Trouble::Unfit | Trouble::System | Trouble::Other => _ = other.get_or_insert(error),

@@ -15,6 +15,9 @@ pub struct Server {
     pub built_in: bool,
     /// How to get at it, where that is not so, or how to start it; what is done in one line.
     pub help: &'static str,
+    /// How to start it, where it does not run; else nothing.
+    #[serde(skip)]
+    pub start: &'static str,
 }
 
 impl Server {
@@ -84,7 +87,7 @@ fn servers(lookup: impl Fn(&str) -> Option<String>) -> Vec<Server> {
             (false, true) => start,
             (_, false) => build,
         };
-        Server { name, runs, built_in, help }
+        Server { name, runs, built_in, help, start: if runs { "" } else { start } }
     })
     .to_vec()
 }

@@ -25,6 +25,9 @@ use crate::schedule::Instant;
 /// Origins of events that may wait for the callback to take them.
 const PENDING: usize = 1 << 17;
 
+/// By more than this, a clock that is another was set; by less, it was only read a little later.
+const SET: Duration = Duration::from_millis(1);
+
 /// Makes lines of what is told of a session.
 #[derive(Debug)]
 pub struct Chronicle {
@@ -45,6 +48,13 @@ struct Stand {
     pattern: String,
     event: u64,
     drawn: Option<u64>,
+}
+
+/// When a session began that has gone on for so long, by a clock that says `now`; as it said at the beginning, unless it was set since.
+fn began(then: SystemTime, elapsed: Duration, now: SystemTime) -> SystemTime {
+    let by_now = now.checked_sub(elapsed).unwrap_or(then);
+    let off = by_now.duration_since(then).unwrap_or_else(|error| error.duration());
+    if off > SET { by_now } else { then }
 }
 
 impl Chronicle {
@@ -116,10 +126,13 @@ impl Chronicle {
         self.board.engine_delay.get() as f64 * 1e-9
     }
 
-    /// The time of day, so many seconds after the beginning.
+    /// The time of day, so many seconds after the beginning, by the system's clock as it goes now: where that is set meanwhile, times are others from
+    /// then on.
     pub fn time(&self, seconds: f64) -> Option<SystemTime> {
-        let (_, utc) = self.began?;
-        utc.checked_add(Duration::try_from_secs_f64(seconds).ok()?)
+        let (epoch, utc) = self.began?;
+        let elapsed = Duration::try_from_secs_f64(epoch.now().seconds()).ok()?;
+        let began = began(utc, elapsed, SystemTime::now());
+        began.checked_add(Duration::try_from_secs_f64(seconds).ok()?)
     }
 
     /// The same in words.
@@ -240,5 +253,21 @@ impl Chronicle {
         let seconds = Some(stamp.seconds());
         let utc = self.date(stamp.seconds());
         Line { source: Some(source.into()), id, name, peer, message, seconds, utc, ..Line::new(Kind::In) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::began;
+    use std::time::{Duration, SystemTime};
+
+    #[test]
+    fn a_clock_that_is_set_is_followed() {
+        let then = SystemTime::UNIX_EPOCH + Duration::from_secs(1_800_000_000);
+        let (hour, second) = (Duration::from_secs(3600), Duration::from_secs(1));
+        let by = |now| began(then, hour, now);
+        assert_eq!(by(then + hour + Duration::from_micros(300)), then, "read a little later");
+        assert_eq!(by(then + hour + second), then + second, "set forward");
+        assert_eq!(by(then + hour - second), then - second, "set back");
     }
 }

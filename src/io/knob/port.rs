@@ -104,6 +104,26 @@ fn refused(path: &str, error: &serialport::Error) -> LineError {
     LineError { kind, message: format!("{path}: {error}"), help }
 }
 
+/// Whether it is the terminal that this program is spoken to in: who opened that as a serial port would take the person's keys for a device's words,
+/// and leave it without echo.
+#[cfg(unix)]
+fn is_own_terminal(path: &str) -> bool {
+    use std::io::IsTerminal;
+    use std::os::unix::fs::{FileTypeExt, MetadataExt};
+    let device = |path: &str| {
+        let about = std::fs::metadata(path).ok()?;
+        about.file_type().is_char_device().then(|| about.rdev())
+    };
+    let Some(this) = device(path) else { return false };
+    let own = [
+        ("/dev/tty", true),
+        ("/dev/stdin", std::io::stdin().is_terminal()),
+        ("/dev/stdout", std::io::stdout().is_terminal()),
+        ("/dev/stderr", std::io::stderr().is_terminal()),
+    ];
+    own.iter().any(|(path, is_terminal)| *is_terminal && device(path) == Some(this))
+}
+
 impl Line for Port {
     fn read(&mut self, to: &mut [u8], wait: Duration) -> Result<usize, String> {
         let open = self.open.as_mut().ok_or("it is closed")?;
@@ -148,6 +168,14 @@ impl Line for Port {
     fn open_again(&mut self) -> Result<(), LineError> {
         self.open = None;
         let path = self.find()?;
+        #[cfg(unix)]
+        if is_own_terminal(&path) {
+            return Err(LineError {
+                kind: Trouble::Other,
+                message: format!("{path} is the terminal that this program runs in"),
+                help: "name the port of the device; `pacinian devices` lists what is there",
+            });
+        }
         let builder = serialport::new(&path, self.baud).timeout(Duration::ZERO);
         let open = builder.open().map_err(|error| refused(&path, &error))?;
         self.path = path;

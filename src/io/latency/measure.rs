@@ -97,6 +97,13 @@ struct Sender {
     told: HeapProd<Callback>,
 }
 
+/// Seconds of silence before the first probe: until the buffers of both have filled.
+fn before(blocks: [Option<u32>; 2], rates: [f64; 2]) -> f64 {
+    let settles =
+        |(block, rate): (Option<u32>, f64)| (SETTLING + 2) as f64 * f64::from(block.unwrap_or(0)) / rate;
+    blocks.into_iter().zip(rates).map(settles).fold(BEFORE, f64::max) + EARLIEST
+}
+
 /// When, in frames since the beginning, probe `n` goes out: not in step with the blocks.
 fn begins(n: u64, every: u64, before: u64) -> u64 {
     before + n * every + n * 37 % 512
@@ -183,8 +190,14 @@ fn stretches(callbacks: &[Callback]) -> Vec<Stretch> {
 }
 
 /// What comes of callbacks on both sides and of what was heard.
-fn reckon(sent: &[Callback], heard: &[Callback], samples: &[f32], rates: [f64; 2], count: usize) -> Measured {
-    let (every, before) = ((EVERY * rates[0]) as u64, (BEFORE * rates[0]) as u64);
+fn reckon(
+    sent: &[Callback],
+    heard: &[Callback],
+    samples: &[f32],
+    rates: [f64; 2],
+    (before, count): (f64, usize),
+) -> Measured {
+    let (every, before) = ((EVERY * rates[0]) as u64, (before * rates[0]) as u64);
     let mut measured = Measured {
         peak: samples.iter().fold(0.0, |most, x| x.abs().max(most)),
         says: [sent, heard].map(|all| all.iter().map(|c| c.delay).sum::<f64>() / all.len().max(1) as f64),
@@ -254,12 +267,13 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
     let (sent_in, mut sent_out) = ring(1 << 14);
     let (heard_in, mut heard_out) = ring(1 << 14);
     let (samples_in, mut samples_out) = ring((4.0 * rates[1]) as usize);
+    let before = before([shape.block, ears.block], rates);
     let length = (probe::SECONDS * rates[0]).ceil() as usize;
     let sender = Sender {
         frame: 0,
         probe: (0..length).map(|n| (what.level * probe::at(n as f64 / rates[0])) as f32).collect(),
         every: (EVERY * rates[0]) as u64,
-        before: (BEFORE * rates[0]) as u64,
+        before: (before * rates[0]) as u64,
         count: what.count as u64,
         channel: *channel_out,
         channels: shape.channels,
@@ -278,7 +292,7 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
     let listening = Capture::open(ear, heard_of, *ears, recorder, &board, tell())?;
     let playing = Card::open(device, found, *shape, sender, &board, tell())?;
     let (mut sent, mut heard, mut samples) = (Vec::new(), Vec::new(), Vec::<f32>::new());
-    let seconds = BEFORE + what.count as f64 * EVERY + WITHIN + 0.3;
+    let seconds = before + what.count as f64 * EVERY + WITHIN + 0.3;
     let (begin, mut frames) = (Instant::now(), 0);
     let mut since = Instant::now();
     loop {
@@ -330,7 +344,7 @@ pub fn measure(what: &Loop, mut go_on: impl FnMut(f64) -> bool) -> Result<Option
     drop(playing);
     drop(listening);
     heard.iter_mut().for_each(|callback| callback.time += apart);
-    let mut measured = reckon(&sent, &heard, &samples, rates, what.count);
+    let mut measured = reckon(&sent, &heard, &samples, rates, (before, what.count));
     measured.rounds.iter_mut().for_each(|round| round.gain /= what.level);
     Ok(Some(measured))
 }
@@ -341,7 +355,7 @@ fn ring<T>(room: usize) -> (HeapProd<T>, HeapCons<T>) {
 
 #[cfg(test)]
 mod tests {
-    use super::{BEFORE, Callback, EVERY, begins, probe, reckon};
+    use super::{BEFORE, Callback, EARLIEST, EVERY, SETTLING, before, begins, probe, reckon};
 
     /// Callbacks of a device of `rate` from `begin` on, each a little late by the numbers `late` gives; the true moment is `sign` times
     /// the delay away.
@@ -383,7 +397,7 @@ mod tests {
                         (-0.01 * value) as f32
                     })
                     .collect();
-                let measured = reckon(&sent, &heard, &samples, [out, nominal], count as usize);
+                let measured = reckon(&sent, &heard, &samples, [out, nominal], (BEFORE, count as usize));
                 // Two of the streams' gaps fall into probes.
                 assert!(measured.rounds.len() >= 15 && measured.unheard == 0, "{measured:?}");
                 assert_eq!(measured.rounds.len() + measured.broken, count as usize);
@@ -426,7 +440,8 @@ mod tests {
                     })
                     .collect()
             };
-            let measured = reckon(&device(3.0, 3.2), &device(2.9, 3.5), &samples, [rate; 2], count as usize);
+            let measured =
+                reckon(&device(3.0, 3.2), &device(2.9, 3.5), &samples, [rate; 2], (BEFORE, count as usize));
             assert_eq!(measured.rounds.len(), count as usize, "{measured:?}");
             let figures = measured.figures();
             drifts += i32::from(figures.drifts() == Some(true));
@@ -442,9 +457,18 @@ mod tests {
         let (sent, heard) = (callbacks(48e3, 256, 3.0, 10.0, 1.0), callbacks(48e3, 256, 3.0, 10.0, -1.0));
         let hum: Vec<f32> = (0..480_000).map(|n| (n as f32 * 0.0065).sin()).collect();
         for samples in [vec![0.0; 480_000], hum, vec![]] {
-            let measured = reckon(&sent, &heard, &samples, [48e3; 2], 20);
+            let measured = reckon(&sent, &heard, &samples, [48e3; 2], (BEFORE, 20));
             assert!(measured.rounds.is_empty() && measured.unheard + measured.broken == 20, "{measured:?}");
         }
-        assert_eq!(reckon(&[], &[], &[], [48e3; 2], 3).broken, 3);
+        assert_eq!(reckon(&[], &[], &[], [48e3; 2], (BEFORE, 3)).broken, 3);
+    }
+
+    #[test]
+    fn the_first_probe_waits_until_buffers_have_filled() {
+        let at = |blocks| before(blocks, [48_000.0, 44_100.0]);
+        assert_eq!(at([Some(64), None]), BEFORE + EARLIEST);
+        let of = |block: f64, rate: f64| (SETTLING + 2) as f64 * block / rate + EARLIEST;
+        assert!((at([Some(4096), Some(64)]) - of(4096.0, 48e3)).abs() < 1e-12);
+        assert!((at([Some(64), Some(4096)]) - of(4096.0, 44.1e3)).abs() < 1e-12);
     }
 }

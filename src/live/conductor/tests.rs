@@ -414,7 +414,7 @@ const STEPS: &str = "[[trigger]]\non = \"start\"\nplay = \"low\"\n[[trigger]]\no
 /// wherever in what was sent ahead, or beyond it, the instant lies; and of the others nothing is missing.
 #[test]
 fn nothing_of_a_pattern_begins_at_the_instant_at_which_it_stops_or_later() {
-    for ahead_us in [250_u64, 1_700, 19_300, 43_100, 70_900] {
+    for ahead_us in [250_u64, 1_700, 9_700, 19_300, 28_900] {
         let mut bench = Bench::of(compiled_with(&["a", "b"], STEPS));
         let board = Arc::clone(&bench.conductor.board);
         let turn = |bench: &mut Bench, blocks: u64| {
@@ -457,6 +457,47 @@ fn nothing_of_a_pattern_begins_at_the_instant_at_which_it_stops_or_later() {
         assert_eq!(board.started.get(), low + high + later, "{ahead_us}: {low} {high} {later}");
         assert_eq!(bench.conductor.board.dropped.get(), 0);
     }
+}
+
+/// Voices of 20 s from two patterns that play from the beginning, and one that is started.
+const LONG: &str = "[[trigger]]\non = \"start\"\nplay = \"left\"\n[[trigger]]\non = \"start\"\nplay = \"right\"\n\
+    [pattern.left]\nevents = [{ at = 0, voice = \"a\", duration = 20 }, { at = 0.1, voice = \"a\", duration = 20 }]\n\
+    [pattern.right]\nevents = [{ at = 0, voice = \"b\", duration = 20 }]\n\
+    [pattern.later]\nevents = [{ at = 0, voice = \"a\", duration = 0.05 }]\n";
+
+/// A pattern plays until the last of its voices is released, and what it sounds is released where it is stopped; nothing else is.
+#[test]
+fn a_pattern_that_is_stopped_is_heard_no_more() {
+    let mut bench = Bench::of(compiled_with(&["a", "b"], LONG));
+    let board = Arc::clone(&bench.conductor.board);
+    let turn = |bench: &mut Bench, blocks: u64| {
+        for _ in 0..blocks {
+            bench.conductor.go_on();
+            bench.block();
+        }
+    };
+    let playing = |bench: &Bench| -> Vec<String> {
+        bench.conductor.performer.patterns().map(|(_, name)| name.to_string()).collect()
+    };
+    turn(&mut bench, 200);
+    assert_eq!((board.voices.get(), playing(&bench)), (3, vec!["left".into(), "right".into()]));
+    bench.take(bench.next(), Signal::Start(5, "left".into()));
+    bench.take(bench.next(), Signal::Start(6, "later".into()));
+    turn(&mut bench, 20);
+    assert_eq!((board.voices.get(), playing(&bench).len()), (5, 4));
+    // That of 50 ms has ended by itself.
+    turn(&mut bench, 80);
+    assert_eq!(
+        (board.voices.get(), playing(&bench)),
+        (5, vec!["left".into(), "right".into(), "left".into()])
+    );
+    // By its number, and then by the name, which is that of the other patterns' run as well.
+    bench.take(bench.next(), Signal::Stop(5));
+    turn(&mut bench, 20);
+    assert_eq!((board.voices.get(), playing(&bench)), (3, vec!["left".into(), "right".into()]));
+    bench.take(bench.next(), Signal::StopNamed("left".into()));
+    turn(&mut bench, 20);
+    assert_eq!((board.voices.get(), playing(&bench)), (1, vec!["right".into()]));
 }
 
 const FADER: &str = "[control.depth]\ndefault = 0.5\nrange = [0, 2]\n[[bind]]\nfrom = \"osc./1/fader1\"\ncontrol = \"depth\"\n\

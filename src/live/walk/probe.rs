@@ -88,12 +88,14 @@ impl Deed {
     }
 }
 
-/// What plays probes.
+/// What plays probes, at a channel unless they say where.
 ///
 /// # Errors
 /// None: it is made here.
-pub fn patch() -> Result<Patch, Problems> {
-    Patch::parse("walk", PATCH.as_bytes()).map(|checked| checked.value)
+pub fn patch(probes: &[Probe]) -> Result<Patch, Problems> {
+    let channel = probes.first().map_or(1, |probe| probe.channel);
+    let placed = PATCH.replace("voices = 1\n", &format!("voices = 1\nplace = {channel}\n"));
+    Patch::parse("walk", placed.as_bytes()).map(|checked| checked.value)
 }
 
 /// Whether a probe may go there: vibration for the skin, what is played as it comes, and a rumble motor, whose own output sees to its
@@ -230,7 +232,7 @@ mod tests {
     fn only_the_channel_whose_turn_it_is_moves() {
         let rig = rig();
         let probes = probes(&rig, 0.5, true);
-        let patch: Patch = patch().unwrap();
+        let patch: Patch = patch(&probes).unwrap();
         for probe in &probes {
             let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
             let mut player = Player::new(&patch, &bare(&rig, &probes), &options, &NoAssets).unwrap();
@@ -256,6 +258,21 @@ mod tests {
         }
     }
 
+    /// A rig without any tactor: what is played as it comes is walked over as well.
+    #[test]
+    fn raw_outputs_alone_are_walked_over() {
+        let text = "format = \"pacinian-rig/1\"\n[device]\nchannels = 3\n[[output]]\nname = \"r\"\nkind = \"raw\"\nchannel = 3\n";
+        let rig = Rig::parse("r", text.as_bytes()).unwrap().value;
+        let probes = probes(&rig, 0.25, false);
+        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+        let mut player =
+            Player::new(&patch(&probes).unwrap(), &bare(&rig, &probes), &options, &NoAssets).unwrap();
+        player.play_at(0.05, "probe", &probes[0].note(0.3)).unwrap();
+        let mut out = vec![0.0_f32; 3 * 9_600];
+        player.process(&mut out);
+        assert!(out.chunks(3).any(|frame| frame[2].abs() > 0.1));
+    }
+
     /// Every rig that ships can be walked over, knobs and all, and no torque moves.
     #[test]
     fn rigs_that_ship_can_be_walked_over() {
@@ -271,7 +288,7 @@ mod tests {
             knobs += u32::from(rig.knob.is_some());
             let probes = probes(&rig, 0.25, true);
             let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
-            let mut player = Player::new(&patch().unwrap(), &bare(&rig, &probes), &options, &NoAssets)
+            let mut player = Player::new(&patch(&probes).unwrap(), &bare(&rig, &probes), &options, &NoAssets)
                 .unwrap_or_else(|problems| panic!("{name}: {problems}"));
             for (number, probe) in probes.iter().enumerate() {
                 let at = 0.05 + 0.5 * number as f64;

@@ -91,7 +91,8 @@ fn the_tempo_of_any_track_is_that_of_all() {
     assert_eq!(found.tempi, [(0.25, 60.0), (0.75, 120.0)]);
     let found = song(&file(2, BEATS, &[&first, &second, &first]));
     assert_eq!(times(&found), [0.0, 0.5, 0.75, 1.25], "one piece after another, each with its own tempo");
-    assert_eq!((found.seconds, found.tempi), (1.25, vec![(0.75, 60.0)]));
+    let tempi = vec![(0.5, 120.0), (0.75, 60.0), (0.75, 120.0)];
+    assert_eq!((found.seconds, found.tempi), (1.25, tempi), "none has that of the one before");
 }
 
 #[test]
