@@ -23,7 +23,7 @@ use pacinian::live::signal::{Handle, Signal, Stamped};
 use pacinian::midi::{Channel, Message};
 use pacinian::node::asset::NoAssets;
 use pacinian::rig::Rig;
-use rosc::{OscMessage, OscPacket, OscType, encoder};
+use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType, encoder};
 
 const CHANNELS: u32 = 2;
 
@@ -363,7 +363,16 @@ fn what_comes_too_fast_to_be_written_is_counted() {
 /// The program, the file that it writes its log to, and where it hears OSC.
 #[cfg(feature = "cli")]
 fn playing(scratch: &program::Scratch, more: &[&str]) -> (std::process::Child, std::path::PathBuf, String) {
-    scratch.write("p.toml", format!("{}{PATCH}", program::HEAD));
+    playing_of(scratch, PATCH, more)
+}
+
+#[cfg(feature = "cli")]
+fn playing_of(
+    scratch: &program::Scratch,
+    patch: &str,
+    more: &[&str],
+) -> (std::process::Child, std::path::PathBuf, String) {
+    scratch.write("p.toml", format!("{}{patch}", program::HEAD));
     let arguments = [&["play", "p.toml", "--device", "virtual", "--osc", "0"], more].concat();
     let log = scratch.0.join("log.txt");
     let command = &mut scratch.command(&arguments);
@@ -398,6 +407,35 @@ fn a_journal_counts_what_came_to_nothing() {
     let count = |name: &str| end["fields"][name].as_f64().unwrap_or_else(|| panic!("{name}: {end}"));
     let counted = ["osc", "osc_unknown", "osc_wrong", "osc_malformed", "osc_late"].map(count);
     assert_eq!(counted, [4.0, 2.0, 1.0, 1.0, 0.0], "{end}");
+}
+
+/// What was sampled 0.3 s ago is reached 0.7 s from now where the stream is a second late; and that is what is played again.
+#[cfg(feature = "cli")]
+#[test]
+fn a_value_is_of_when_it_was_sampled_and_is_played_again_so() {
+    let scratch = program::Scratch::new("sampled");
+    let patch = STEADY.replace("0.4", "\"depth\"") + "[control.depth]\ndefault = 0\nstream = 1\n";
+    let keep = ["--duration", "2", "--record", "o.wav", "--events", "j.jsonl"];
+    let (child, _, to) = playing_of(&scratch, &patch, &keep);
+    std::thread::sleep(Duration::from_millis(400));
+    let sampled = std::time::SystemTime::now() - Duration::from_millis(300);
+    let timetag = OscTime::try_from(sampled).unwrap();
+    let message = OscMessage { addr: "/input/depth".into(), args: vec![0.5_f32.into()] };
+    let bundle = OscPacket::Bundle(OscBundle { timetag, content: vec![OscPacket::Message(message)] });
+    let client = UdpSocket::bind("127.0.0.1:0").unwrap();
+    client.send_to(&encoder::encode(&bundle).unwrap(), &to).unwrap();
+    assert!(child.wait_with_output().unwrap().status.success());
+    let journal = std::fs::read_to_string(scratch.0.join("j.jsonl")).unwrap();
+    let lines: Vec<serde_json::Value> =
+        journal.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let of = |key: &str, word: &str| {
+        lines.iter().find(|line| line[key] == word).unwrap_or_else(|| panic!("no {word}: {journal}"))
+    };
+    let seconds = of("kind", "control")["duration"].as_f64().unwrap();
+    assert!(seconds > 0.0 && seconds <= 0.7, "{}", of("kind", "control"));
+    assert_eq!(of("source", "osc")["message"], "0.5");
+    assert_eq!(of("kind", "end")["fields"]["osc_late"], 0.0);
+    scratch.run(&["replay", "j.jsonl", "--against", "o.wav"]).succeeds();
 }
 
 #[cfg(feature = "cli")]

@@ -229,6 +229,71 @@ fn replays(scratch: &Scratch) {
     assert!(sent.iter().zip(&again).all(|(a, b)| a.to_bits() == b.to_bits()));
 }
 
+/// A recording that is saved anew while it plays: one path, and what was played by it more than once.
+#[cfg(unix)]
+#[test]
+fn recordings_that_were_saved_anew_are_played_again() {
+    let scratch = Scratch::new("watch-recordings");
+    let tap = "{ type = \"sine\", frequency = 90 }";
+    assert!(PATCH.contains(tap));
+    scratch.write("p.toml", PATCH.replace(tap, "{ type = \"sample\", file = \"x.wav\" }"));
+    let tone = |frequency: f32| {
+        let spec = hound::WavSpec {
+            channels: 1,
+            sample_rate: 8_000,
+            bits_per_sample: 32,
+            sample_format: hound::SampleFormat::Float,
+        };
+        let mut wav = hound::WavWriter::create(scratch.0.join("x.wav"), spec).unwrap();
+        let tone = |n: u16| 0.5 * (std::f32::consts::TAU * frequency * f32::from(n) / 8_000.0).sin();
+        (0..1600).for_each(|n| wav.write_sample(tone(n)).unwrap());
+        wav.finalize().unwrap();
+    };
+    let copies = |journal: &str| {
+        let entries = fs::read_dir(scratch.0.join(format!("{journal}.files")));
+        entries.map_or(0, |entries| entries.count())
+    };
+    let all = ["p.toml", "--device", "virtual", "--record", "o.wav", "--replace", "--events"];
+    for journal in ["j.csv", "j.jsonl"] {
+        tone(80.0);
+        let mut playing = Playing::new(&scratch, &[&all[..], &[journal]].concat());
+        for frequency in [120.0, 200.0] {
+            tone(frequency);
+            playing.hears("x.wav: taken up");
+            playing.hears("tap on t1");
+            playing.hears("tap on t1");
+        }
+        playing.interrupt();
+        playing.hears(&format!("{journal}.files: 3 recordings of the journal, as they were played"));
+        playing.hears("plays it again");
+        assert_eq!(copies(journal), 3);
+        // Of no use any more.
+        fs::remove_file(scratch.0.join("x.wav")).unwrap();
+        let again = scratch.run(&["replay", journal, "--against", "o.wav"]);
+        assert!(again.succeeds().out.contains("the same, to the bit"), "{}", again.out);
+        // The session's own is not written over.
+        let copy = fs::read_dir(scratch.0.join(format!("{journal}.files"))).unwrap().next().unwrap();
+        let copy = copy.unwrap().path().display().to_string();
+        scratch.run(&["replay", journal, "-o", &copy]).fails(2, &["belongs to the session itself"]);
+        // Nor is one believed that is another.
+        fs::write(copy, "something else").unwrap();
+        scratch.run(&["replay", journal]).fails(66, &["x.wav` is not there"]);
+    }
+    // What belongs to a journal that is gone is replaced only where that is asked for.
+    tone(80.0);
+    fs::remove_file(scratch.0.join("j.csv")).unwrap();
+    let short =
+        ["play", "p.toml", "--device", "virtual", "--duration", "0.5", "--watch", "--events", "j.csv"];
+    scratch.run(&short).fails(73, &["j.csv.files` is there already", "--replace"]);
+    let run = scratch.run(&[&short[..], &["--replace"]].concat());
+    assert!(!run.succeeds().err.contains("j.csv.files"), "{}", run.err);
+    assert!(!scratch.0.join("j.csv.files").exists());
+    // What cannot be kept is told.
+    std::os::unix::fs::symlink("none/none", scratch.0.join("j.csv.files")).unwrap();
+    let run = scratch.run(&[&short[..], &["--replace"]].concat());
+    run.fails(74, &["`j.csv.files` takes no more", "the journal, which lacks a recording"]);
+}
+
 /// Delays of a minute take over a little at a time, while the old patch goes on; and the journal knows when.
 #[test]
 fn what_remembers_for_long_takes_over_and_is_played_again() {

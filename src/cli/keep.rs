@@ -2,11 +2,12 @@
 
 use super::failure::Failure;
 use super::loaded::Loaded;
-use super::place::{check_kept, check_new};
-use super::table::grouped;
+use super::place::{check_folder, check_kept, check_new};
+use super::table::{grouped, many};
 use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::error::FileError;
+use pacinian::io::journal::files::{self, Files};
 use pacinian::io::journal::{Form, Journal, Setting};
 use pacinian::io::osc::counts::Counts;
 use pacinian::io::recorder::Recorder;
@@ -59,6 +60,8 @@ pub struct Kept {
     sent: Option<(Recorder, PathBuf)>,
     heard: Option<(Recorder, PathBuf)>,
     journal: Option<(Journal, PathBuf)>,
+    /// Recordings that are played while they may be saved anew.
+    files: Option<Files>,
     /// Files that were not there before.
     made: Vec<PathBuf>,
     clock: Option<Instant>,
@@ -72,11 +75,16 @@ impl Keep {
         self.events.as_ref().map(|events| events.with_extension("input.wav"))
     }
 
+    /// Where recordings are kept that are played while they may be saved anew: beside the journal.
+    pub fn files(&self) -> Option<Files> {
+        self.events.as_deref().map(Files::beside)
+    }
+
     /// Refuses files that cannot be, or that have something in them, before anything plays.
     ///
     /// # Errors
     /// As [`check_kept`] and [`check_new`].
-    pub fn check(&self, loaded: &Loaded, hears: bool) -> Result<(), Failure> {
+    pub fn check(&self, loaded: &Loaded, hears: bool, watch: bool) -> Result<(), Failure> {
         let record = self.record.as_deref();
         if let Some(record) = record {
             check_kept(record, "--record", &[], Some(loaded))?;
@@ -89,6 +97,9 @@ impl Keep {
             if let Some(heard) = &heard {
                 check_kept(heard, "--events", &others, Some(loaded))?;
             }
+        }
+        if let Some(folder) = self.events.as_deref().filter(|_| watch).map(files::beside) {
+            check_folder(&folder, self.replace)?;
         }
         let files = [record, self.events.as_deref(), heard.as_deref()].into_iter().flatten();
         files.filter(|_| !self.replace).try_for_each(check_new)
@@ -114,8 +125,14 @@ impl Keep {
     ///
     /// # Errors
     /// A file that cannot be made; the others are as they were then.
-    pub fn begin(&self, sound: Sound, journal: Option<Journal>, loaded: &Loaded) -> Result<Kept, FileError> {
-        let mut kept = Kept::default();
+    pub fn begin(
+        &self,
+        sound: Sound,
+        journal: Option<Journal>,
+        files: Option<Files>,
+        loaded: &Loaded,
+    ) -> Result<Kept, FileError> {
+        let mut kept = Kept { files, ..Kept::default() };
         match self.make(&mut kept, sound, journal, loaded) {
             Ok(()) => Ok(kept),
             Err(error) => {
@@ -150,6 +167,9 @@ impl Keep {
         if let Some((journal, path)) = journal.zip(self.events.as_ref()) {
             made(path);
             journal.open()?;
+            if self.replace {
+                files::clear(path)?;
+            }
             kept.journal = Some((journal, path.clone()));
         }
         Ok(())
@@ -172,7 +192,13 @@ impl Kept {
         let recorders = self.sent.iter().chain(&self.heard);
         let recorders = recorders.filter(|(recorder, _)| recorder.has_failed()).map(|(_, path)| path);
         let journal = self.journal.iter().filter(|(journal, _)| journal.has_failed()).map(|(_, path)| path);
-        let path = recorders.chain(journal).find(|path| !self.said.contains(path))?.clone();
+        let files = self.files.iter().filter(|files| files.has_failed()).map(Files::folder);
+        let path = recorders
+            .map(PathBuf::as_path)
+            .chain(journal.map(PathBuf::as_path))
+            .chain(files)
+            .find(|path| self.said.iter().all(|said| said != path))?
+            .to_path_buf();
         let trouble = failed(&path);
         self.said.push(path);
         trouble
@@ -186,6 +212,9 @@ impl Kept {
         }
         if let Some((journal, _)) = self.journal {
             let _ = journal.finish();
+        }
+        if let Some(files) = self.files {
+            let _ = files.finish();
         }
         for path in self.made {
             let _ = std::fs::remove_file(path);
@@ -233,8 +262,25 @@ impl Kept {
                 Err(error) => failure.join(error.into()),
             }
         }
+        let (mut whole, folder) = (true, self.files.as_ref().map(|files| shown(files.folder())));
+        match self.files.map(|files| files.finish()).transpose() {
+            Ok(None | Some(0)) => {}
+            Ok(Some(count)) => {
+                let recordings = many(count, "recording");
+                let folder = folder.unwrap_or_default();
+                terminal.note(&format!("{folder}: {recordings} of the journal, as they were played\n"));
+            }
+            Err(error) => {
+                whole = false;
+                failure.join(error.into());
+            }
+        }
         if let Some((journal, path)) = self.journal {
             match journal.finish() {
+                Ok(0) if !whole => {
+                    let lacks = "which lacks a recording that was saved anew";
+                    terminal.note(&format!("{}: the journal, {lacks}\n", shown(&path)));
+                }
                 Ok(0) => {
                     let word = word(&path).map_or(String::new(), |word| format!(" {word}"));
                     let path = shown(&path);

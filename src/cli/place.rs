@@ -103,6 +103,26 @@ pub fn check_new(output: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Refuses a folder for what belongs to a journal where something else is, or where something is in it that is not to be replaced.
+///
+/// # Errors
+/// Exit code 73.
+pub fn check_folder(folder: &Path, replace: bool) -> Result<(), Failure> {
+    let there = match std::fs::read_dir(folder) {
+        Ok(mut entries) => entries.next().is_some() && !replace,
+        Err(error) => error.kind() != std::io::ErrorKind::NotFound,
+    };
+    if !there {
+        return Ok(());
+    }
+    let help = if folder.is_dir() {
+        "give the journal another name, or --replace"
+    } else {
+        "give the journal another name"
+    };
+    Err(Failure::usage(format!("`{}` is there already", folder.display()), help).with_code(73))
+}
+
 /// Refuses a picture or a table that is made of something else than a rendering where nothing good would come of it; `own` is what it
 /// is made of.
 ///

@@ -192,7 +192,10 @@ impl Play {
             ..loaded.options.clone()
         };
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
-        self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty())?;
+        self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty(), self.watch)?;
+        let files = self.keep.files().filter(|_| self.watch);
+        let playing = (Arc::clone(&loaded.folder), Arc::clone(&loaded.patch), reload.provenance.clone());
+        let keeper = files.clone();
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
         let mixes = device.mixes(channels);
         if scene.rig.is_none() {
@@ -301,17 +304,29 @@ impl Play {
             heard: heard_from.clone(),
             knob_channel: if first == usize::MAX { 0 } else { first },
             channels,
-            journalled: self.keep.events.is_some(),
+            files: files.clone(),
         };
-        let watching =
-            self.watch.then(|| Watching::begin(course(), since, session.handle().clone(), verdicts));
-        let watching =
-            watching.transpose().map_err(|error| Failure::no_thread("files that are watched", &error))?;
         if self.torque {
             let _ = session.handle().send(Signal::Torque(true));
         }
         // Only now, so that a session that could not begin has touched nothing.
-        let mut kept = self.keep.begin(sound, journal, &loaded)?;
+        let mut kept = self.keep.begin(sound, journal, files.clone(), &loaded)?;
+        let keep_what_plays = move || {
+            let (folder, patch, made_of) = playing;
+            if let Some((files, made_of)) = keeper.zip(made_of) {
+                files.keep(&folder, &patch, &made_of).unwrap_or_else(|error| files.fail(error));
+            }
+        };
+        let watching = self
+            .watch
+            .then(|| Watching::begin(course(), since, session.handle().clone(), verdicts, keep_what_plays));
+        let watching = match watching.transpose() {
+            Ok(watching) => watching,
+            Err(error) => {
+                kept.abandon();
+                return Err(Failure::no_thread("files that are watched", &error));
+            }
+        };
         if let Err(failure) = show.begin(session.board().lever.closing()) {
             kept.abandon();
             return Err(failure);

@@ -10,6 +10,7 @@ use super::table::{Table, dbfs, grouped};
 use super::terminal::Terminal;
 use clap::Args;
 use pacinian::io::error::FileError;
+use pacinian::io::journal::files;
 use pacinian::io::journal::reader::{Item, Reader};
 use pacinian::io::journal::remake::{Recordings, RemakeError};
 use pacinian::io::journal::replay::{Replay as Player, ReplayError};
@@ -28,7 +29,7 @@ use std::path::{Path, PathBuf};
     pacinian replay heard.csv --against heard.wav\n  pacinian replay heard.csv -o again.wav\n\n\
     A journal holds patch and rig as they were, also those that were saved in between, and every event with its sample; so the same \
     version of pacinian gives the same samples on any machine. Recordings that the patch names must still be where they were, or in \
-    --folder, and be the same; what the session heard must still be beside the journal.\n\
+    --folder, and be the same, or in the folder beside the journal that play --watch has made; what the session heard must still be beside the journal.\n\
     A journal that breaks off is played as far as it tells of.\n\
     With --against, the exit code is 1 where anything differs, be it the length."
 )]
@@ -136,7 +137,8 @@ impl Run<'_> {
 impl Replay {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
-        let recordings = Recordings { folder: self.folder.clone(), allow_outside: self.allow_outside };
+        let (folder, kept) = (self.folder.clone(), Some(files::beside(&self.journal)));
+        let recordings = Recordings { folder, allow_outside: self.allow_outside, kept };
         if let Some(output) = &self.output {
             let others: Vec<_> = [Some(&self.journal), self.against.as_ref()].into_iter().flatten().collect();
             let others: Vec<_> = others.into_iter().map(PathBuf::as_path).collect();
@@ -225,6 +227,9 @@ impl Replay {
                     let Some(made_of) = plan.made_of else { continue };
                     let folder = recordings.folder(&made_of);
                     files.extend(made_of.files.iter().map(|file| folder.root().join(&file.path)));
+                    let kept = recordings.kept.as_deref();
+                    let copy = |sha256: &str| files::copy_in(kept?, sha256);
+                    files.extend(made_of.files.iter().filter_map(|file| copy(&file.sha256)));
                     files.push(made_of.patch.name.into());
                     if let RigText::Text(rig) = made_of.rig {
                         files.push(rig.name.into());

@@ -9,7 +9,7 @@ use super::loaded::Loaded;
 use super::named::named;
 use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Wish;
-use pacinian::io::{assets::Folder, error::FileErrorKind, text, watch};
+use pacinian::io::{assets::Folder, error::FileErrorKind, journal::files::Files, text, watch};
 use pacinian::knob::effect::program::Any;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::{Handle, Refused, Signal};
@@ -59,8 +59,8 @@ pub struct Course {
     pub knob_channel: usize,
     /// Channels of the device.
     pub channels: usize,
-    /// Whether a journal is kept, which writes down what takes over.
-    pub journalled: bool,
+    /// Where the recordings are kept of a journal, which writes down what takes over; `None`: none is kept.
+    pub files: Option<Files>,
 }
 
 /// Looks at files until it is dropped.
@@ -113,7 +113,7 @@ impl Scene {
 }
 
 impl Watching {
-    /// Looks at what `course` was read from since `since`, and sends what is saved to the session.
+    /// Looks at what `course` was read from since `since`, and sends what is saved to the session; before, does what is to be done `first`.
     ///
     /// # Errors
     /// What the system says where it gives no thread.
@@ -122,13 +122,17 @@ impl Watching {
         since: SystemTime,
         session: Handle,
         verdicts: Receiver<Verdict>,
+        first: impl FnOnce() + Send + 'static,
     ) -> std::io::Result<Self> {
         let (tell, news) = channel();
         let stop = Arc::<AtomicBool>::default();
         let mut watch = watch::Watch::default();
         watch.follow(course.scene.watched(), since);
         let mut watcher = Watcher { course, watch, session, verdicts, tell, stop: Arc::clone(&stop) };
-        let work = move || while watcher.turn().is_some() {};
+        let work = move || {
+            first();
+            while watcher.turn().is_some() {}
+        };
         let thread = std::thread::Builder::new().name("watch".into()).spawn(work)?;
         Ok(Self { news, stop, thread: Some(thread) })
     }
@@ -211,7 +215,7 @@ impl Watcher {
                 Err(Refused::Busy) if self.stop.load(Ordering::Relaxed) => return None,
                 Err(Refused::Busy) => std::thread::sleep(Duration::from_millis(20)),
             }
-            reload = match loaded.reload(&self.course.options(loaded), self.course.journalled) {
+            reload = match self.course.reload(loaded) {
                 Ok(reload) => reload,
                 Err(failure) => return Some(Err(failure)),
             };
@@ -265,7 +269,7 @@ impl Course {
                 false => of(&loaded.patch.origin.file, format!("the patch needs {began}")),
             };
         }
-        let reload = loaded.reload(&self.options(&loaded), self.journalled)?;
+        let reload = self.reload(&loaded)?;
         let unheard = reload.scene.plan.inputs().into_iter().find(|channel| !self.heard.contains(channel));
         if let Some(channel) = unheard.filter(|_| !by_rig || device.input.is_some()) {
             let why = format!(
@@ -275,6 +279,15 @@ impl Course {
             return of(&loaded.patch.origin.file, why);
         }
         Ok(Ok((Box::new(loaded), reload)))
+    }
+
+    /// Ready to take over, with its recordings kept.
+    fn reload(&self, loaded: &Loaded) -> Result<Reload, Failure> {
+        let reload = loaded.reload(&self.options(loaded), self.files.is_some())?;
+        if let Some((files, made_of)) = self.files.as_ref().zip(reload.provenance.as_ref()) {
+            files.keep(&loaded.folder, &loaded.patch, made_of)?;
+        }
+        Ok(reload)
     }
 
     fn options(&self, loaded: &Loaded) -> Options {

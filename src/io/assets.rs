@@ -5,7 +5,7 @@ use super::resample::Converter;
 use super::wav::WavReader;
 use crate::node::asset::{Asset, Assets};
 use crate::rig::usual_ratio;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::io::{Cursor, ErrorKind, Read, Seek};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -20,6 +20,7 @@ pub struct Folder {
     allow_outside: bool,
     rate: Option<f64>,
     held: &'static [(&'static str, &'static [u8])],
+    instead: BTreeMap<String, PathBuf>,
     loaded: Mutex<Loaded>,
 }
 
@@ -44,7 +45,14 @@ impl Folder {
         let root = root.as_ref();
         // The folder of `patch.toml` is ``, by which the current one is meant.
         let root = if root.as_os_str().is_empty() { Path::new(".") } else { root };
-        Self { root: root.to_owned(), allow_outside: false, rate: None, held: &[], loaded: Mutex::default() }
+        Self {
+            root: root.to_owned(),
+            allow_outside: false,
+            rate: None,
+            held: &[],
+            instead: BTreeMap::new(),
+            loaded: Mutex::default(),
+        }
     }
 
     /// Whether paths may leave the folder.
@@ -56,6 +64,12 @@ impl Folder {
     /// Files that need no disk, by their path as a patch says it.
     pub fn holding(mut self, files: &'static [(&'static str, &'static [u8])]) -> Self {
         self.held = files;
+        self
+    }
+
+    /// Recordings that lie elsewhere, by their path as a patch says it; what they are, somebody has looked at.
+    pub(crate) fn with_others(mut self, instead: BTreeMap<String, PathBuf>) -> Self {
+        self.instead = instead;
         self
     }
 
@@ -121,7 +135,11 @@ impl Folder {
     /// have more than 2²⁸ samples (1 GiB).
     pub fn recording(&self, path: &str, channel: usize) -> Result<Arc<Asset>, FileError> {
         let held = self.held.iter().find(|(name, _)| *name == path);
-        let real = if held.is_some() { PathBuf::from(path) } else { self.resolve(path)? };
+        let real = match self.instead.get(path) {
+            _ if held.is_some() => PathBuf::from(path),
+            Some(other) => other.clone(),
+            None => self.resolve(path)?,
+        };
         let key = (real, channel);
         let mut loaded = self.loaded.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(asset) = loaded.assets.get(&key) {

@@ -391,7 +391,7 @@ impl Conductor {
         (self.audience)(Told::Came(&stamped));
         let Stamped { id, stamp, peer, signal, .. } = stamped;
         self.performer.because(id);
-        let at = self.when(stamp);
+        let (at, now) = (self.when(stamp), self.now());
         let clock = self.board.clock.get();
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan, cause: id };
         let outlet = &mut outlet;
@@ -421,7 +421,7 @@ impl Conductor {
                 self.performer.release_all(at, outlet);
                 Ok(())
             }
-            Signal::Set(control, value) => self.performer.set(at, &control, value, outlet),
+            Signal::Set(control, value) => self.performer.set_by(at, now, &control, value, outlet),
             Signal::Start(number, name) => self.performer.start_pattern(at, &name).map(|serial| {
                 self.patterns.insert(number, serial);
             }),

@@ -60,7 +60,7 @@ pub static TABLE: Table = Table {
             Form::number(0.0, 0.0, 1.0),
             "s",
             "For one that a sensor, a tracker or a mouse moves: how much later than what comes it is, so that it goes in straight lines \
-             from value to value; longer than the longest pause between two. 0 for a control that goes to each new value by itself.",
+             from value to value; longer than the longest pause between two (and their way here, where bundles say when they were sampled). 0 for a control that goes to each new value by itself.",
         ),
     ],
     others: None,

@@ -402,6 +402,21 @@ impl Performer {
         value: f64,
         outlet: &mut dyn Outlet,
     ) -> Result<(), Problem> {
+        self.set_by(at, at, control, value, outlet)
+    }
+
+    /// The same of a value of `at`, which came so late that nothing before `now` can be changed any more: a stream still reaches it at its time.
+    ///
+    /// # Errors
+    /// As [`Performer::set`].
+    pub fn set_by(
+        &mut self,
+        at: When,
+        now: When,
+        control: &str,
+        value: f64,
+        outlet: &mut dyn Outlet,
+    ) -> Result<(), Problem> {
         let index = self.plan.control(control)?;
         if !value.is_finite() {
             let what = format!("control `{control}` cannot be set to {value}");
@@ -410,7 +425,7 @@ impl Performer {
         let number = self.patch.controls.iter().position(|c| c.name == control);
         let (at, event) = match number.and_then(|number| self.streams.get_mut(number)?.as_mut()) {
             Some(stream) => {
-                let glide = stream.take(at.seconds);
+                let glide = stream.take(at.seconds, now.seconds);
                 (self.when(glide.begin), Event::Glide(index, value, glide.seconds))
             }
             None => (at, Event::Control(index, value)),

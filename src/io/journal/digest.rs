@@ -30,6 +30,11 @@ impl Digest {
         }
     }
 
+    /// Goes on with bytes.
+    pub fn bytes(&mut self, bytes: &[u8]) {
+        self.0.update(bytes);
+    }
+
     /// Of all that, in hexadecimal.
     pub fn finish(self) -> String {
         hexadecimal(&self.0.finalize())

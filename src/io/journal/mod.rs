@@ -7,6 +7,7 @@
 
 pub mod chronicle;
 mod digest;
+pub mod files;
 mod head;
 mod kind;
 mod line;

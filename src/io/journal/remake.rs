@@ -1,8 +1,9 @@
 //! Makes a scene again from what a journal says that it was made of.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::digest;
+use super::{digest, files};
 use crate::graph::scene::{Options, Scene, scene};
 use crate::io::assets::{Folder, recordings_rate};
 use crate::io::error::{FileError, FileErrorKind};
@@ -18,6 +19,8 @@ pub struct Recordings {
     pub folder: Option<PathBuf>,
     /// Whether they may lie outside of it.
     pub allow_outside: bool,
+    /// The folder of those that are not there any more, by their digests: [`files::beside`] the journal.
+    pub kept: Option<PathBuf>,
 }
 
 impl Recordings {
@@ -25,6 +28,12 @@ impl Recordings {
     pub fn folder(&self, made_of: &Provenance) -> Folder {
         let folder = self.folder.as_deref().unwrap_or(Path::new(&made_of.folder));
         Folder::new(folder).allow_outside(self.allow_outside)
+    }
+
+    /// Where one was kept, if it is what its name says.
+    fn kept(&self, sha256: &str) -> Option<PathBuf> {
+        let copy = files::copy_in(self.kept.as_deref()?, sha256)?;
+        digest::of_file(&copy).is_ok_and(|now| now == sha256).then_some(copy)
     }
 }
 
@@ -90,18 +99,25 @@ pub fn remake(made_of: &Provenance, recordings: &Recordings) -> Result<Scene, Re
         return Err(RemakeError::Journal(format!("there is no SHA-256 of `{path}`, which the patch plays")));
     }
     // Only recordings are needed again: what was in events files has become events.
+    let mut elsewhere = BTreeMap::new();
     for file in made_of.files.iter().filter(|file| is_recording(&patch, &file.path)) {
-        let path = folder.resolve(&file.path).map_err(|error| missing(error, &folder))?;
-        let now = digest::of_file(&path).map_err(RemakeError::File)?;
-        if now != file.sha256 {
-            let what = format!(
-                "`{}` is not what was played: its SHA-256 is {now}, that of the session's was {}",
-                path.display(),
-                file.sha256
-            );
-            return Err(RemakeError::File(FileError::new(FileErrorKind::Malformed, what)));
-        }
+        let found = folder.resolve(&file.path).and_then(|path| Ok((digest::of_file(&path)?, path)));
+        let why = match found {
+            Ok((now, _)) if now == file.sha256 => continue,
+            Ok((now, path)) => {
+                let what = format!(
+                    "`{}` is not what was played: its SHA-256 is {now}, that of the session's was {}",
+                    path.display(),
+                    file.sha256
+                );
+                RemakeError::File(FileError::new(FileErrorKind::Malformed, what))
+            }
+            Err(error) if error.kind == FileErrorKind::Outside => return Err(missing(error, &folder)),
+            Err(error) => missing(error, &folder),
+        };
+        elsewhere.insert(file.path.clone(), recordings.kept(&file.sha256).ok_or(why)?);
     }
+    let folder = folder.with_others(elsewhere);
     scene(&patch, &rig, &options, &folder).map_err(RemakeError::Scene)
 }
 

@@ -12,7 +12,7 @@ use super::line::Line;
 use super::reader::{Item, Reader};
 use super::recorded::Recorded;
 use super::remake::{Recordings, RemakeError, remake};
-use super::{INPUT_FRAMES, INPUT_UNRECORDED, UNTOLD, words, world};
+use super::{INPUT_FRAMES, INPUT_UNRECORDED, UNTOLD, files, words, world};
 use crate::engine::event::{Event, Move, Play};
 use crate::engine::exchange::{Director, Stagehand, exchange};
 use crate::engine::knob::followed::Followed;
@@ -123,11 +123,14 @@ impl Numbers {
 }
 
 impl Replay<BufReader<File>> {
-    /// Opens a journal, and beside it the recording of what was heard, if there is one.
+    /// Opens a journal, and beside it the recording of what was heard, if there is one. Recordings that are not what was played are looked for
+    /// beside it as well.
     ///
     /// # Errors
     /// Files that cannot be read, a first scene that cannot be made again, and a recording that is not as the session heard.
     pub fn open(path: &Path, recordings: Recordings) -> Result<Self, ReplayError> {
+        let kept = recordings.kept.unwrap_or_else(|| files::beside(path));
+        let recordings = Recordings { kept: Some(kept), ..recordings };
         let mut replay = Self::new(Reader::open(path)?, recordings)?;
         if let Some(input) = &replay.head.input {
             if Path::new(input).file_name() != Some(input.as_ref()) {

@@ -18,7 +18,7 @@ use super::drops::dropped;
 use super::endpoint::{BindError, Endpoint};
 use super::ids::Ids;
 use super::message::{Ask, ask};
-use super::names::{Kind, Names, Unfound};
+use super::names::{Kind, Method, Names, Unfound};
 use super::packet::{Unreadable, unpack};
 use super::peers::{LIFE, Peers, What};
 use super::said;
@@ -280,10 +280,13 @@ impl Listener {
             let peer = self.peer_of(from);
             self.handle = self.handle.from(origin.clone()).by(&peer);
             let due = tag.due(now, wall);
-            self.counts.late.add(u64::from(due == Due::Late));
+            let of = |method: &Method| self.sampled(method, due, now);
+            let late = matches!(due, Due::Late(_)) && methods.iter().any(|method| of(method).is_none());
+            self.counts.late.add(u64::from(late));
             for method in methods {
                 let costly = steps == 0;
                 steps = steps.saturating_sub(DEED);
+                let sampled = self.sampled(&method, due, now);
                 match (ask(&method, &message.args), due) {
                     (Err(_), _) => {
                         self.counts.wrong.add(1);
@@ -297,10 +300,19 @@ impl Listener {
                         let room = self.agenda.add(at, (from, self.messages, origin.clone(), what));
                         self.counts.refused.add(u64::from(!room));
                     }
-                    (Ok(what), Due::AtOnce | Due::Late) => self.act(now, from, self.messages, what),
+                    (Ok(what), Due::AtOnce | Due::Late(_)) => {
+                        self.act(sampled.unwrap_or(now), from, self.messages, what);
+                    }
                 }
             }
         }
+    }
+
+    /// When a value for a stream was sampled that came late, but within what the stream is later anyway.
+    fn sampled(&self, method: &Method, due: Due, now: Stamp) -> Option<Stamp> {
+        let (Method::Set(number), Due::Late(ago)) = (method, due) else { return None };
+        let control = self.names.controls.get(*number)?;
+        (ago as f64 * 1e-9 < control.stream).then(|| Stamp(now.0.saturating_sub(ago)))
     }
 
     /// Does what is due, and tells what is.

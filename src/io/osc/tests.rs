@@ -2,7 +2,7 @@
 
 /// A patch with something of everything.
 pub(super) const PATCH: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n\
-    [control.depth]\ndefault = 0.5\nrange = [0, 2]\nunit = \"mm\"\n[control.tempo]\ndefault = 90\nrange = [30, 240]\nstream = 0.02\n\
+    [control.depth]\ndefault = 0.5\nrange = [0, 2]\nunit = \"mm\"\n[control.tempo]\ndefault = 90\nrange = [30, 240]\nstream = 1.0\n\
     [voice.low]\noutput = \"s\"\n[voice.low.nodes]\ns = { type = \"sine\", frequency = 80 }\n\
     [voice.high]\noutput = \"s\"\n[voice.high.nodes]\ns = { type = \"sine\", frequency = 200 }\n\
     [voice.release]\noutput = \"s\"\n[voice.release.nodes]\ns = { type = \"sine\", frequency = 200 }\n\
@@ -389,6 +389,39 @@ fn late_far_and_cancelled() {
     scene.handle.board().panic();
     (0..2).for_each(|_| drop(scene.settle()));
     assert_eq!(scene.counts().cancelled.get(), 3);
+}
+
+/// The tag of a value for a stream is when it was sampled, as far back as the stream can make up for it. All else is done when it comes.
+#[test]
+fn a_stream_has_its_values_as_of_their_tags() {
+    let scene = Scene::new();
+    let set = |addr: &str| message(addr, &[OscType::Float(100.0)]);
+    let stamps = |ms: i64, content: Vec<OscPacket>| {
+        let before = scene.handle.epoch().now().0;
+        scene.send(&bundle(ms, content));
+        scene.settle();
+        let stamps: Vec<u64> = scene.heard().iter().map(|stamped| stamped.stamp.0).collect();
+        (before, stamps, scene.handle.epoch().now().0)
+    };
+    // A session that has lasted for longer than that.
+    std::thread::sleep(Duration::from_millis(400));
+    let (before, of, after) = stamps(-300, vec![set("/input/tempo"), set("/control/tempo")]);
+    assert_eq!((of.len(), scene.counts().late.get()), (2, 0));
+    for stamp in of {
+        // Two clocks of the system, one of which may be set right meanwhile.
+        let came = stamp + 300_000_000;
+        assert!(came + 1_000_000 > before && came < after + 1_000_000, "{before} {came} {after}");
+    }
+    let (before, of, _) = stamps(-300, vec![set("/control/depth"), message("/voice/low/play", &[])]);
+    assert!(of.len() == 2 && of.iter().all(|stamp| *stamp >= before), "{before} {of:?}");
+    assert_eq!(scene.counts().late.get(), 2);
+    let (before, of, _) = stamps(-1100, vec![set("/input/tempo")]);
+    assert!(of.len() == 1 && of[0] >= before, "{before} {of:?}");
+    assert_eq!(scene.counts().late.get(), 3);
+    // What goes to a stream and to another control is late for that one.
+    let (_, of, _) = stamps(-300, vec![set("/control/{depth,tempo}")]);
+    assert!(of.len() == 2 && of[0] > of[1], "{of:?}");
+    assert_eq!(scene.counts().late.get(), 4);
 }
 
 #[test]

@@ -19,8 +19,8 @@ pub const FURTHEST: u64 = 60;
 pub enum Due {
     /// At once, as was asked for.
     AtOnce,
-    /// Some time ago.
-    Late,
+    /// So many nanoseconds ago.
+    Late(u64),
     /// Then.
     At(Stamp),
     /// More than [`FURTHEST`] ahead.
@@ -65,11 +65,9 @@ impl Tag {
             return Due::AtOnce;
         }
         let ahead = self.after(wall);
-        if ahead < 0 {
-            return Due::Late;
-        }
         let nanoseconds = (u128::from(ahead.unsigned_abs()) * 1_000_000_000) >> 32;
         match u64::try_from(nanoseconds) {
+            ago if ahead < 0 => Due::Late(ago.unwrap_or(u64::MAX)),
             Ok(ns) if ns <= FURTHEST * 1_000_000_000 => Due::At(Stamp(now.0.saturating_add(ns))),
             _ => Due::Far,
         }
@@ -97,7 +95,8 @@ mod tests {
         for start in [1_700_000_000, 2_085_978_470_u64] {
             let at = |ms: u64| Tag::of(UNIX_EPOCH + Duration::from_millis(start * 1000 + ms));
             let due = |tag: Tag| tag.due(now, at(20_000));
-            assert_eq!(due(at(19_999)), Due::Late);
+            let Due::Late(ago) = due(at(19_993)) else { panic!() };
+            assert!(ago.abs_diff(7_000_000) <= 1, "{ago}");
             assert_eq!(due(Tag::AT_ONCE), Due::AtOnce);
             assert_eq!(due(at(80_002)), Due::Far);
             for ms in [0, 1, 250, 59_999] {
