@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..Beginning::of(scene, Chosen::Virtual(None))
     })?;
 
-    // A handle is cheap to clone, can be used from any thread, and never waits for anybody.
+    // A handle is cheap to clone, can be used from any thread but the audio callback's own, and never waits for anybody.
     let handle = session.handle();
     let finger = thread::spawn({
         let handle = handle.clone();

@@ -130,7 +130,7 @@ impl Devices {
         for (what, help) in missing() {
             text += &format!("\n{what}\n  {help}\n");
         }
-        text += "\nSeveral cards as one\n";
+        text += "\nSeveral cards as one (docs/cards.md has the files and the commands)\n";
         JOINING.iter().for_each(|(with, how)| text += &format!("  {with}: {how}\n"));
         terminal.print(&text)
     }

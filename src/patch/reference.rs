@@ -359,8 +359,9 @@ pub const TOPICS: &[Topic] = &[
                and counted as late. What is to be felt at once is a voice of its own.\n\n\
                Controllers 120 (all sound off) and 123 (all notes off, which 124 to 127 imply) are a panic, pedals or not, and not the note-offs \
                that the standard has for 123, since panic buttons send it: each \
-               silences what its channel has started, voices that die away and patterns included, and a reset what its port has started: to less than a hundredth within \
-               5 ms, and to exact zeros where nothing else sounds. Voices that are always on, what plays from the beginning and what other ports, keys or programs have \
+               silences what its channel has started, voices that die away and patterns included, and a reset what its port has started: to exact zeros within 5 ms where \
+               nothing else sounds, and else to less than a hundredth of what it was within 5 ms up to 200 Hz, 10 at 500 and 30 at 800, as the band limit \
+               rings near its edge. Voices that are always on, what plays from the beginning and what other ports, keys or programs have \
                started go on. A cable that had promised to stay (active sensing) and says nothing for 0.3 s is more than that: nobody is left who \
                could stop what it plays. It shuts the whole output, as the key p does in `pacinian play`, until somebody opens it.\n\n\
                A node is looked at sample by sample, at the engine's rate. Where one sample lies short of the threshold and the next on it or \

@@ -89,7 +89,7 @@ pub const TOPICS: &[Topic] = &[
                - `vibration`: for the skin, band-limited to 1 kHz and limited to `max_level`; the same as a [[tactor]]\n\
                - `trigger`: a pulse at each marker, or at those called `marker`, `max_level` high and aligned with the vibration; for EEG \
                amplifiers, cameras, loggers\n\
-               - `raw`: what is played there as it comes, without equaliser, limiter and band limit, cut at `max_level`; for measuring, \
+               - `raw`: what is played there as it comes, steady voltages too, without equaliser, limiter and band limit, cut at `max_level`; for measuring, \
                not for skin\n\
                - `drive`: a rumble motor is turned by what is played: see below\n\
                - `torque`: the torque of the [knob], in shares of its peak where `output` of that says nothing else\n\n\

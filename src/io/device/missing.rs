@@ -3,14 +3,25 @@
 use super::access;
 use super::priority;
 
-/// How several sound cards become one device: what joins them, and how, in a line each.
-pub const JOINING: [(&str, &str); 3] = [
-    ("PipeWire", "pactl load-module module-combine-sink; it resamples, so that they stay together"),
+/// How several sound cards become one device: what joins them, and how, in a line each; `docs/cards.md` has the whole of it.
+pub const JOINING: [(&str, &str); 4] = [
+    (
+        "PipeWire",
+        "libpipewire-module-combine-stream in ~/.config/pipewire/pipewire.conf.d; it resamples, so that cards stay together (module-combine-sink alone \
+         plays the same on all)",
+    ),
+    (
+        "PulseAudio",
+        "module-remap-sink for each card, with aux0,aux1,... and aux8,aux9,..., and module-combine-sink over them with channels=16; it resamples",
+    ),
     (
         "ALSA",
-        "a device of `type multi` in ~/.asoundrc; without a common clock the cards drift apart, by some 50 microseconds a second",
+        "a device of `type multi` in ~/.asoundrc; without a common clock the cards drift apart, and every few minutes there is an xrun",
     ),
-    ("JACK", "zalsa_out for each further card (package zita-ajbridge); it resamples"),
+    (
+        "JACK",
+        "jackd -d dummy -P 0, zalsa_out for each card (package jackd2), and ports connected by hand; it resamples",
+    ),
 ];
 
 /// What this machine has of what playing live needs.
