@@ -29,11 +29,11 @@ struct Rig {
     _alone: MutexGuard<'static, ()>,
 }
 
-fn sink(name: &str) -> String {
-    let position: String = (0..CHANNELS).map(|n| format!("AUX{n} ")).collect();
+fn sink(name: &str, channels: u32) -> String {
+    let position: String = (0..channels).map(|n| format!("AUX{n} ")).collect();
     format!(
         "{{ factory.name = support.null-audio-sink node.name = {name} node.description = {name} media.class = Audio/Sink audio.rate = 48000 \
-         audio.channels = {CHANNELS} audio.position = [ {position}] object.linger = true monitor.channel-volumes = false }}"
+         audio.channels = {channels} audio.position = [ {position}] object.linger = true monitor.channel-volumes = false }}"
     )
 }
 
@@ -53,7 +53,7 @@ impl Rig {
             "context.properties = {{ default.clock.rate = 48000 default.clock.allowed-rates = [ 48000 ] default.clock.quantum = 1024 \
              default.clock.min-quantum = 1024 default.clock.max-quantum = 2048 }}\n\
              context.objects = [ {{ factory = adapter args = {} }} ]\n",
-            sink("glove")
+            sink("glove", CHANNELS)
         );
         fs::write(folder.join("config/pipewire/pipewire.conf.d/sink.conf"), config).unwrap();
         let mut rig = Self { folder, running: Vec::new(), _alone: alone };
@@ -86,8 +86,9 @@ impl Rig {
         self.node(name).is_some()
     }
 
-    fn make(&self, sink_name: &str) {
-        let made = self.command("pw-cli").args(["create-node", "adapter", &sink(sink_name)]).status();
+    fn make(&self, sink_name: &str, channels: u32) {
+        let made =
+            self.command("pw-cli").args(["create-node", "adapter", &sink(sink_name, channels)]).status();
         assert!(made.unwrap().success());
         wait("a sink", || self.has(sink_name));
     }
@@ -141,11 +142,11 @@ impl Rig {
     }
 
     /// A sink's inputs, recorded by a second program until it is told to stop; it listens when this returns.
-    fn record(&self, sink: &str, file: &str) -> Child {
-        let map: Vec<String> = (0..CHANNELS).map(|n| format!("AUX{n}")).collect();
+    fn record(&self, sink: &str, channels: u32, file: &str) -> Child {
+        let map: Vec<String> = (0..channels).map(|n| format!("AUX{n}")).collect();
         let mut command = self.command("pw-record");
         command.args(["--target", sink, "-P", "{ stream.capture.sink=true stream.dont-remix=true }"]);
-        command.args(["--rate", "48000", "--format", "f32", "--channels", &CHANNELS.to_string()]);
+        command.args(["--rate", "48000", "--format", "f32", "--channels", &channels.to_string()]);
         let child = command.args(["--channel-map", &map.join(","), file]).spawn().unwrap();
         let length = || fs::metadata(self.folder.join(file)).map_or(0, |about| about.len());
         wait("the recorder", || length() > 20_000);
@@ -175,7 +176,7 @@ fn a_second_program_hears_every_channel_to_the_bit() {
     assert!(rig.program(&render).output().unwrap().status.success());
     let offline = floats(&rig.folder.join("offline.wav"));
     heard_to_the_bit(&offline, CHANNELS, || {
-        let recorder = rig.record("glove", "heard.wav");
+        let recorder = rig.record("glove", CHANNELS, "heard.wav");
         let play = ["play", "patch.toml", "--rig", "rig.toml", "--device", DEVICE];
         let played = rig.program(&play).args(["--block", "1024", "--duration", "2"]).output().unwrap();
         let said =
@@ -202,7 +203,7 @@ fn a_sink_and_a_server_that_go_are_waited_for() {
     rig.destroy("glove");
     wait("the loss of the sink", || playing.says("the device is gone") == 1);
     std::thread::sleep(Duration::from_millis(500));
-    rig.make("glove");
+    rig.make("glove", CHANNELS);
     wait("its return", || playing.says("the device is back") == 1);
 
     rig.kill();
@@ -211,7 +212,7 @@ fn a_sink_and_a_server_that_go_are_waited_for() {
     wait("its return", || playing.says("the device is back") == 2);
     assert!(playing.goes_on(), "it goes on");
 
-    let recorder = rig.record("glove", "heard.wav");
+    let recorder = rig.record("glove", CHANNELS, "heard.wav");
     std::thread::sleep(Duration::from_millis(800));
     let heard = rig.heard(recorder, "heard.wav");
     playing.interrupt();
@@ -231,8 +232,8 @@ fn where_the_default_sink_goes_the_next_one_hears_a_tenth() {
     wait("the beginning", || playing.says("plays on") == 1);
     std::thread::sleep(Duration::from_millis(500));
 
-    rig.make("belt");
-    let recorder = rig.record("belt", "heard.wav");
+    rig.make("belt", CHANNELS);
+    let recorder = rig.record("belt", CHANNELS, "heard.wav");
     rig.destroy("glove");
     wait("the loss", || playing.says("the device is gone") == 1);
     std::thread::sleep(Duration::from_millis(1500));
@@ -240,4 +241,38 @@ fn where_the_default_sink_goes_the_next_one_hears_a_tenth() {
     let loudest = heard.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
     assert!((0.045..=0.0506).contains(&loudest), "{loudest}: {}", playing.text());
     playing.interrupt();
+}
+
+/// Two cards of eight channels, joined as the document says: each plays its own eight of sixteen, and nothing of the others.
+#[test]
+fn cards_that_are_joined_play_each_its_own() {
+    let Some(mut rig) = Rig::new("joined") else { return };
+    rig.kill();
+    let text = include_str!("../docs/cards.md");
+    let joined = text.split("```\n").find(|part| part.starts_with("context.modules")).unwrap();
+    let joined = joined.replace("CARD1", "one").replace("CARD2", "two");
+    fs::write(rig.folder.join("config/pipewire/pipewire.conf.d/joined.conf"), joined).unwrap();
+    rig.start();
+    if !rig.has("joined") {
+        return bench::skipped("this PipeWire has no libpipewire-module-combine-stream");
+    }
+    ["one", "two"].into_iter().for_each(|card| rig.make(card, 8));
+    scene(&rig.folder, 16);
+    let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
+    assert!(rig.program(&render).output().unwrap().status.success());
+    let offline = floats(&rig.folder.join("offline.wav"));
+    for (card, first) in [("one", 0), ("two", 8)] {
+        let own: Vec<f32> = offline.chunks(16).flat_map(|frame| frame[first..first + 8].to_vec()).collect();
+        heard_to_the_bit(&own, 8, || {
+            let recorder = rig.record(card, 8, "heard.wav");
+            let play = ["play", "patch.toml", "--rig", "rig.toml", "--device", "pipewire:joined"];
+            let played = rig.program(&play).args(["--block", "1024", "--duration", "2"]).output().unwrap();
+            let said = String::from_utf8_lossy(&played.stdout).into_owned()
+                + &String::from_utf8_lossy(&played.stderr);
+            std::thread::sleep(Duration::from_millis(300));
+            let heard = rig.heard(recorder, "heard.wav");
+            assert!(played.status.success(), "{said}");
+            (heard, said)
+        });
+    }
 }

@@ -41,11 +41,24 @@ fn notes_play_a_voice_of_any_patch() {
     let told = "nothing in the patch hears MIDI";
     scratch.run(&["check", "p.toml", "--midi", "song.mid"]).succeeds();
     let render = ["render", "p.toml", "--midi", "song.mid", "-o", "x.wav"];
+    // Of two voices, it is not known which is meant; where there is one, it is told.
+    scratch.write(
+        "p.toml",
+        format!("{HUM}[voice.two]\noutput = \"s\"\nnodes.s = {{ type = \"sine\", frequency = 100 }}\n"),
+    );
     let run = scratch.run(&[&render[..], &["--duration", "0.1"]].concat());
-    assert!(run.err.contains(told) && run.err.contains("--notes VOICE"), "{}", run.err);
+    assert!(
+        run.err.contains("so that the song changes nothing") && run.err.contains("--notes VOICE"),
+        "{}",
+        run.err
+    );
+    scratch.write("p.toml", HUM);
+    let run = scratch.run(&["render", "p.toml", "--midi", "song.mid", "-o", "only.wav"]);
+    assert!(run.succeeds().err.contains("the song's notes play its voice `hum`"), "{}", run.err);
     let run = scratch.run(&[&render[..], &["--notes", "hum"]].concat());
     assert!(!run.succeeds().err.contains(told), "{}", run.err);
     let (spec, samples) = scratch.wav("x.wav");
+    assert_eq!(scratch.wav("only.wav").1, samples);
     let first: Vec<f32> = samples.chunks(usize::from(spec.channels)).map(|frame| frame[0]).collect();
     // A2 and A3 are 110 and 220 Hz; the velocity is the level.
     let (low, strong) = felt(&first, 0.05, 0.25);

@@ -7,7 +7,7 @@ use super::loaded::Loaded;
 use super::named::{Watched, named, unreadable};
 use super::rise;
 use super::setting::{self, Setting};
-use super::unsung::unsung;
+use super::unsung::{only_voice, unsung};
 use clap::{Args, ValueEnum};
 use pacinian::graph::plan::Precision;
 use pacinian::graph::scene::{Options, scene};
@@ -267,7 +267,7 @@ impl Scene {
         mut patch: Patch,
         given: Option<Rig>,
         source: Problems,
-        warnings: Vec<Problems>,
+        mut warnings: Vec<Problems>,
         all: bool,
         duration: Option<f64>,
     ) -> Result<Loaded, Failure> {
@@ -285,6 +285,13 @@ impl Scene {
             let help = near.unwrap_or_else(|| "a patch declares them with [voice.NAME]".into());
             return Err(Failure::usage(format!("--notes: the patch has no voice `{voice}`"), help));
         }
+        let notes = self.notes.clone().or_else(|| {
+            let (voice, told) = self.midi.as_ref().and_then(|song| only_voice(&patch, song))?;
+            patch.key(&voice).then(|| {
+                warnings.push(told);
+                voice
+            })
+        });
         let rate = self.rate.map(f64::from).or(rig.device.rate).unwrap_or(48_000.0);
         if rate.fract() != 0.0 {
             let what = format!("the rig's device has a rate of {rate} Hz, which no WAV file can say");
@@ -401,7 +408,7 @@ impl Scene {
             warnings,
             surveyed,
             settings: self.settings.clone(),
-            notes: self.notes.clone(),
+            notes,
             files,
             tables: Vec::new(),
             song: None,

@@ -3,7 +3,7 @@
 use pacinian::midi::Message;
 use pacinian::midi::file::Song;
 use pacinian::midi::pitch;
-use pacinian::patch::{Mover, Patch, Source, Trigger};
+use pacinian::patch::{Mover, Patch, Source, Start, Trigger};
 use pacinian::text::problem::Severity;
 use pacinian::text::{Problem, Problems};
 use std::collections::BTreeSet;
@@ -11,6 +11,20 @@ use std::path::Path;
 
 /// Seconds of a song that are rendered without anybody saying how many are wanted: an hour.
 pub const LONGEST: f64 = 3600.0;
+
+/// The voice that the notes of a song play where nothing in a patch hears MIDI, as it is the only one that they could; and a warning that says so.
+pub fn only_voice(patch: &Patch, path: &Path) -> Option<(String, Problems)> {
+    if patch.hears_midi() || patch.patterns.iter().any(|pattern| pattern.follows) {
+        return None;
+    }
+    let mut voices = patch.voices.iter().filter(|voice| voice.start != Start::Always);
+    let (Some(voice), None) = (voices.next(), voices.next()) else { return None };
+    let what = format!("nothing in the patch hears MIDI: the song's notes play its voice `{}`", voice.name);
+    let help = "--notes VOICE says so as well; or add a [[trigger]] with on = \"midi.note\": see `pacinian format trigger`";
+    let warning = Problem { severity: Severity::Warning, ..Problem::of_file(what).help(help.to_string()) };
+    let told = Problems { file: path.display().to_string(), source: String::new(), list: vec![warning] };
+    Some((voice.name.clone(), told))
+}
 
 /// A warning where nothing in a patch hears a song, or nothing that is in it.
 pub fn unsung(patch: &Patch, path: &Path, song: &Song) -> Option<Problems> {
