@@ -35,9 +35,6 @@ const FOUND_BLOCKS: f64 = 16.0;
 const LOST: f64 = 0.02;
 const LOST_BLOCKS: f64 = 1.5;
 
-/// So many seconds before its time, what is to be played at a time may be said to have arrived.
-pub const SENT: f64 = 0.02;
-
 /// A device that has gone on from elsewhere, and has not said so, is followed there: by what all callbacks of so long were off the same way,
 /// if there were so many, where that is more than this, in seconds. Neither chance nor a short load makes the same of uneven ones.
 const MOVED: f64 = 0.25;
@@ -105,11 +102,12 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// The frame at which an event is played that arrived at `stamp`. What arrives while the device stands still is played when it goes on, which
-    /// nobody knows beforehand.
-    pub fn frame_of(&self, stamp: Stamp) -> f64 {
-        let most = ((LOST + SENT) / self.frame).max(LOST_BLOCKS * self.ahead as f64);
-        let since = ((stamp.seconds() - self.time) / self.frame).min(most);
+    /// The frame at which an event is played that arrived at `stamp`, or is meant for then, where it is `now`. Time that has passed while the device
+    /// stood still does not count: what arrives then is played when it goes on, which nobody knows beforehand.
+    pub fn frame_of(&self, stamp: Stamp, now: Stamp) -> f64 {
+        let most = (LOST / self.frame).max(LOST_BLOCKS * self.ahead as f64);
+        let (come, to_come) = (stamp.min(now).seconds() - self.time, stamp.seconds() - now.seconds());
+        let since = (come / self.frame).min(most) + to_come.max(0.0) / self.frame;
         (self.frames as f64 + self.ahead as f64 + since).max(0.0)
     }
 
@@ -312,7 +310,7 @@ mod tests {
         let moment = clock.moment().unwrap();
         for offset in [0.0, 1.0, 63.5, 127.0] {
             let arrived = 1.0 + (moment.frames as f64 + offset) / 48_000.0;
-            let played = moment.frame_of(stamp(arrived));
+            let played = moment.frame_of(stamp(arrived), stamp(arrived));
             // A block, and three frames.
             assert!((played - (moment.frames as f64 + 128.0 + 3.0 + offset)).abs() < 0.01, "{offset}");
         }
@@ -454,16 +452,17 @@ mod tests {
         let (mut follower, clock) = run(48_000.0, 128, 0.0, 2000);
         let stood = clock.moment().unwrap();
         let arrivals = (0..300).map(|n| stamp(stood.time + 0.01 * f64::from(n)));
-        let frames: Vec<f64> = arrivals.map(|at| stood.frame_of(at)).collect();
+        let frames: Vec<f64> = arrivals.map(|at| stood.frame_of(at, at)).collect();
         assert!(frames.is_sorted());
         let goes_on = stamp(stood.time + 3.0);
         follower.callback(goes_on, 128);
         let moment = clock.moment().unwrap();
-        let latest = moment.frame_of(goes_on) + 0.041 * 48_000.0;
+        let latest = moment.frame_of(goes_on, goes_on) + 0.021 * 48_000.0;
         assert!(frames.iter().all(|frame| *frame <= latest), "{:?} {latest}", frames.last());
-        // What was sent a little ahead of its time keeps it.
-        let ahead = stood.frame_of(stamp(stood.time + 0.019)) - stood.frame_of(stamp(stood.time));
-        assert!((ahead - 0.019 * 48_000.0).abs() < 0.01, "{ahead}");
+        // What was sent ahead of its time keeps it.
+        let now = stamp(stood.time + 0.001);
+        let ahead = stood.frame_of(stamp(stood.time + 0.101), now) - stood.frame_of(now, now);
+        assert!((ahead - 0.1 * 48_000.0).abs() < 0.01, "{ahead}");
     }
 
     #[test]

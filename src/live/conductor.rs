@@ -369,13 +369,14 @@ impl Conductor {
 
     /// When something takes effect that arrived at `stamp`: a whole block later and a little, so that no callback has computed it yet.
     fn when(&mut self, stamp: Stamp) -> When {
-        let at = self.clock.moment().map(|moment| self.sequence.take(moment, stamp));
+        let at = self.clock.moment().map(|moment| self.sequence.take(moment, stamp, self.epoch.now()));
         self.at_frame(at)
     }
 
     /// When something takes effect that nobody has sent.
     fn now(&self) -> When {
-        let at = self.clock.moment().map(|moment| self.sequence.see(moment, self.epoch.now()));
+        let now = self.epoch.now();
+        let at = self.clock.moment().map(|moment| self.sequence.see(moment, now, now));
         self.at_frame(at)
     }
 

@@ -26,9 +26,10 @@ struct Given {
 }
 
 impl Sequence {
-    /// The frame at which something takes effect that arrived at `stamp`; what arrives later does not overtake it.
-    pub fn take(&mut self, moment: Moment, stamp: Stamp) -> f64 {
-        let frame = self.see(moment, stamp);
+    /// The frame at which something takes effect that arrived at `stamp`, or is meant for then, where it is `now`; what arrives later does not
+    /// overtake it.
+    pub fn take(&mut self, moment: Moment, stamp: Stamp, now: Stamp) -> f64 {
+        let frame = self.see(moment, stamp, now);
         match self.0.back_mut().filter(|given| given.moment == moment) {
             Some(last) if last.stamp <= stamp => (last.stamp, last.frame) = (stamp, frame),
             Some(_) => {}
@@ -43,12 +44,12 @@ impl Sequence {
     }
 
     /// The same of what nothing has to wait for.
-    pub fn see(&self, moment: Moment, stamp: Stamp) -> f64 {
+    pub fn see(&self, moment: Moment, stamp: Stamp, now: Stamp) -> f64 {
         let made = |given: &Given| match stamp >= given.stamp {
             true => given.frame,
-            false => given.moment.frame_of(stamp),
+            false => given.moment.frame_of(stamp, now),
         };
-        self.0.iter().map(made).fold(moment.frame_of(stamp), f64::max)
+        self.0.iter().map(made).fold(moment.frame_of(stamp, now), f64::max)
     }
 }
 
@@ -82,11 +83,11 @@ mod tests {
                 now = moment((seconds * 48_000.0) as u64 - 48_000, seconds + 1e-4 * (2.0 * noise() - 1.0));
             }
             // What looks a little later than this arrived.
-            sequence.see(now, stamp(seconds + 40e-6));
+            sequence.see(now, stamp(seconds + 40e-6), stamp(seconds + 40e-6));
             if n % 100 == 50 {
-                sequence.take(now, stamp(seconds + 0.001));
+                sequence.take(now, stamp(seconds + 0.001), stamp(seconds));
             }
-            all.push((seconds, sequence.take(now, stamp(seconds))));
+            all.push((seconds, sequence.take(now, stamp(seconds), stamp(seconds))));
         }
         assert!(all.windows(2).all(|w| w[0].1 <= w[1].1), "one overtakes the one before");
         for (seconds, frame) in all {
@@ -98,14 +99,14 @@ mod tests {
     #[test]
     fn a_clock_that_is_set_back_is_waited_for() {
         let mut sequence = Sequence::default();
-        let far = sequence.take(moment(10_000, 1.0), stamp(1.0));
+        let far = sequence.take(moment(10_000, 1.0), stamp(1.0), stamp(1.0));
         for n in 1..200 {
             // Callbacks go on, 200 ms behind.
             let at = 1.0 + 0.001 * f64::from(n);
-            let frame = sequence.take(moment(400 + 48 * n as u64, at), stamp(at));
+            let frame = sequence.take(moment(400 + 48 * n as u64, at), stamp(at), stamp(at));
             assert!(frame >= far, "{n}: {frame} {far}");
         }
         // What had arrived before, and is only found now, is where it belongs.
-        assert!(sequence.take(moment(10_048, 1.201), stamp(0.9)) < far);
+        assert!(sequence.take(moment(10_048, 1.201), stamp(0.9), stamp(1.201)) < far);
     }
 }

@@ -136,7 +136,7 @@ impl Strip {
             self.set(BANK[1], 0);
             return Moved::coarse(number, value);
         }
-        if self.halves & bit != 0 {
+        if self.halves & bit != 0 && value != before {
             self.set(number + 32, NEVER);
             self.halves &= !bit;
             return Moved::coarse(number, value);
@@ -217,7 +217,8 @@ mod tests {
         let fine = |value: u16| Some(Moved { number: 1, value: f64::from(value) / 16_383.0, fine: true });
         assert_eq!(strip.controller(33, 5), fine(64 << 7 | 5));
         assert_eq!(strip.controller(33, 6), fine(64 << 7 | 6));
-        assert_eq!(strip.controller(1, 127), fine(127 << 7), "as little as may be");
+        assert_eq!(strip.controller(1, 126), fine(126 << 7), "as little as may be");
+        assert_eq!(strip.controller(1, 126), fine(126 << 7), "it stands");
         assert_eq!(strip.controller(1, 127), coarse(1, 1.0), "the lower half comes no more");
         assert_eq!(strip.controller(33, 127), fine(16_383));
         assert_eq!(fine(16_383).map(|m| m.value), Some(1.0));

@@ -283,7 +283,12 @@ impl Performer {
         let Some(run) = self.runs.iter().find(|run| run.serial == 0) else { return };
         if let Some(root) = run.roots.get(timed.root) {
             let id = run.whence.of_run(0, timed.id);
-            self.ahead.push_back(Sent { end, id, pattern: root.pattern });
+            let instrument = match &timed.what {
+                What::Play(note) => self.instruments.get(note.voice).copied().flatten(),
+                What::Marker(_) => None,
+            };
+            let begin = timed.at;
+            self.ahead.push_back(Sent { end, id, begin, instrument, pattern: root.pattern });
         }
     }
 

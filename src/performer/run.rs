@@ -75,8 +75,11 @@ impl Run {
     pub fn next(&mut self, work: &mut usize) -> Result<Next, Problem> {
         loop {
             if self.ahead.is_none() && !self.over {
-                self.ahead = self.score.next().transpose().inspect_err(|_| self.over = true)?;
-                self.over = self.ahead.is_none();
+                let next = self.score.next().transpose();
+                if !matches!(next, Ok(Some(_))) {
+                    (self.over, self.from, self.behind) = (true, None, false);
+                }
+                self.ahead = next?;
             }
             let Some(timed) = &self.ahead else { return Ok(Next::Over) };
             if self.from.is_none_or(|from| timed.at >= from) {

@@ -1,6 +1,8 @@
 //! Patterns that are stopped, each at an instant: nothing of them begins with it or behind it, and what sounds of them is released. What was sent ahead
 //! is called off in the engine.
 
+use std::collections::HashMap;
+
 use super::run::Run;
 use super::whence::OF_RUN;
 use super::{Outlet, Performer, When};
@@ -25,6 +27,10 @@ pub(super) struct Sent {
     /// When it is over: a marker with its instant, a voice when it is released; seconds.
     pub end: f64,
     pub id: u64,
+    /// When it begins, likewise.
+    pub begin: f64,
+    /// The instrument that plays it, by its place in the plan; none for a marker.
+    pub instrument: Option<u32>,
     /// The pattern, by its place in the patch.
     pub pattern: usize,
 }
@@ -124,8 +130,19 @@ impl Performer {
             return self.cancel(at, id, OF_RUN as u8, outlet);
         };
         run.stop(pattern);
-        let sent = self.ahead.iter().filter(|sent| sent.pattern == pattern && sent.end >= at.seconds);
-        let ids: Vec<u64> = sent.map(|sent| sent.id).collect();
+        // Of those that have begun, no more sound than their instrument has voices; the latest, and as many again, whichever were taken from others.
+        let voices = |number: u32| self.plan.instruments.get(number as usize).map_or(0, |i| 2 * i.voices);
+        let mut begun: HashMap<u32, usize> = HashMap::new();
+        let sounds = |sent: &&Sent| match sent.instrument.filter(|_| sent.begin < at.seconds) {
+            None => true,
+            Some(number) => {
+                let count = begun.entry(number).or_default();
+                *count += 1;
+                *count <= voices(number)
+            }
+        };
+        let sent = self.ahead.iter().rev().filter(|sent| sent.pattern == pattern && sent.end >= at.seconds);
+        let ids: Vec<u64> = sent.filter(sounds).map(|sent| sent.id).collect();
         ids.into_iter().for_each(|id| self.cancel(at, id, 0, outlet));
     }
 

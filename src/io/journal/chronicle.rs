@@ -1,5 +1,6 @@
 //! What is told of a session, line by line: with the names that its plans give, where in the patterns an event stands, and its times.
 
+use std::cell::Cell;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
@@ -26,7 +27,7 @@ use crate::schedule::Instant;
 const PENDING: usize = 1 << 17;
 
 /// By more than this, a clock that is another was set; by less, it was only read a little later.
-const SET: Duration = Duration::from_millis(1);
+const SET: Duration = Duration::from_millis(2);
 
 /// Makes lines of what is told of a session.
 #[derive(Debug)]
@@ -37,7 +38,7 @@ pub struct Chronicle {
     /// Where events come from, by the ids of their voices; of markers, in the order in which they were sent.
     voices: BTreeMap<u64, Stand>,
     markers: VecDeque<(Instant, String, Stand)>,
-    began: Option<(Epoch, SystemTime)>,
+    began: Option<(Epoch, Cell<SystemTime>)>,
     /// That of the session, once it has begun.
     pub board: Arc<Board>,
 }
@@ -99,7 +100,7 @@ impl Chronicle {
             Told::Began(epoch, board) => {
                 let elapsed = epoch.instant(Stamp(0)).elapsed();
                 let utc = SystemTime::now().checked_sub(elapsed).unwrap_or(SystemTime::now());
-                (self.began, self.board) = (Some((*epoch, utc)), Arc::clone(board));
+                (self.began, self.board) = (Some((*epoch, Cell::new(utc))), Arc::clone(board));
                 None
             }
             Told::Came(stamped) => Some(self.came(stamped)),
@@ -129,10 +130,13 @@ impl Chronicle {
     /// The time of day, so many seconds after the beginning, by the system's clock as it goes now: where that is set meanwhile, times are others from
     /// then on.
     pub fn time(&self, seconds: f64) -> Option<SystemTime> {
-        let (epoch, utc) = self.began?;
-        let elapsed = Duration::try_from_secs_f64(epoch.now().seconds()).ok()?;
-        let began = began(utc, elapsed, SystemTime::now());
-        began.checked_add(Duration::try_from_secs_f64(seconds).ok()?)
+        let (epoch, utc) = self.began.as_ref()?;
+        let (before, now, after) = (epoch.now().seconds(), SystemTime::now(), epoch.now().seconds());
+        // Else this thread has waited in between, and does not know.
+        if after - before < 0.5 * SET.as_secs_f64() {
+            utc.set(began(utc.get(), Duration::try_from_secs_f64(before).ok()?, now));
+        }
+        utc.get().checked_add(Duration::try_from_secs_f64(seconds).ok()?)
     }
 
     /// The same in words.
@@ -142,7 +146,7 @@ impl Chronicle {
 
     /// A line of something that is noticed now.
     pub fn now(&self, kind: Kind) -> Line {
-        let seconds = self.began.map(|(epoch, _)| epoch.now().seconds());
+        let seconds = self.began.as_ref().map(|(epoch, _)| epoch.now().seconds());
         Line { seconds, utc: seconds.and_then(|seconds| self.date(seconds)), ..Line::new(kind) }
     }
 
@@ -266,7 +270,7 @@ mod tests {
         let then = SystemTime::UNIX_EPOCH + Duration::from_secs(1_800_000_000);
         let (hour, second) = (Duration::from_secs(3600), Duration::from_secs(1));
         let by = |now| began(then, hour, now);
-        assert_eq!(by(then + hour + Duration::from_micros(300)), then, "read a little later");
+        assert_eq!(by(then + hour + Duration::from_micros(900)), then, "read a little later");
         assert_eq!(by(then + hour + second), then + second, "set forward");
         assert_eq!(by(then + hour - second), then - second, "set back");
     }

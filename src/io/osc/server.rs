@@ -30,7 +30,7 @@ use crate::live::way::Way;
 use crate::patch::{Control, Patch};
 
 /// The session is told of what is due this long before: more than this thread can wake too late, less than patterns are fed ahead.
-const AHEAD: u64 = (1e9 * crate::live::clock::SENT) as u64;
+const AHEAD: u64 = 20_000_000;
 
 /// It looks this often whether it is to stop.
 const LOOK: Duration = Duration::from_millis(50);

@@ -122,3 +122,22 @@ fn what_has_much_to_leave_out_keeps_nobody_waiting() {
     assert!(of_each[..both].iter().all(|count| *count == 1), "{of_each:?}");
     assert!(of_each[both..].iter().all(|count| *count == 2), "{of_each:?}");
 }
+
+/// A pattern that has said all, and whose voice still sounds when its file is saved, is taken up with little work and waited for no more.
+#[test]
+fn what_only_sounds_on_keeps_nobody_waiting() {
+    let text = |level: f64| {
+        format!(
+            "[[trigger]]\non = \"start\"\nplay = \"a\"\n[[trigger]]\non = \"start\"\nplay = \"b\"\n\
+             [pattern.a]\nrepeat = {{ every = 0.001, times = 600 }}\nevents = [{{ at = 0, voice = \"v\", level = {level} }}]\n\
+             [pattern.b]\nevents = [{{ at = 0, voice = \"v\", level = {level}, duration = 100 }}]\n"
+        )
+    };
+    let (mut performer, mut kept) = (performer(&text(1.0)), Kept::default());
+    performer.feed(16_000, &mut kept);
+    kept.0 = 16_000;
+    saved(&mut performer, &text(0.5));
+    assert!((0..10).any(|_| performer.feed_some(kept.0 + 400, &mut kept)), "it comes to its end");
+    let playing: Vec<_> = performer.patterns().map(|(_, name)| name.to_string()).collect();
+    assert_eq!((playing, performer.is_over()), (vec!["b".to_string()], true));
+}
