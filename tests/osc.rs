@@ -459,6 +459,9 @@ fn missed_in_a_flood() -> u64 {
     assert!(number(cut) > 1_000, "{out}");
     let missed = counted(" events came too fast to be written here");
     let lines = log.lines().filter(|line| line.contains("  hum on t")).count() as u64;
-    assert_eq!(lines + counted(" lines were left out here") + missed, number(played), "{out}");
+    // An xrun is an event, too, and may be one that came too fast.
+    let xruns = out.split_once(" xrun").map_or(0, |(before, _)| number(before.rsplit(", ").next().unwrap()));
+    let told = lines + counted(" lines were left out here") + missed;
+    assert!((number(played)..=number(played) + xruns).contains(&told), "{told}: {out}");
     missed
 }
