@@ -194,8 +194,7 @@ impl Play {
         let reload = loaded.reload(&options, self.keep.events.is_some())?;
         self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty(), self.watch)?;
         let files = self.keep.files().filter(|_| self.watch);
-        let playing = (Arc::clone(&loaded.folder), Arc::clone(&loaded.patch), reload.provenance.clone());
-        let keeper = files.clone();
+        let playing = files.clone().zip(reload.provenance.clone());
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
         let mixes = device.mixes(channels);
         if scene.rig.is_none() {
@@ -311,9 +310,9 @@ impl Play {
         }
         // Only now, so that a session that could not begin has touched nothing.
         let mut kept = self.keep.begin(sound, journal, files.clone(), &loaded)?;
+        let (folder, patch) = (Arc::clone(&loaded.folder), Arc::clone(&loaded.patch));
         let keep_what_plays = move || {
-            let (folder, patch, made_of) = playing;
-            if let Some((files, made_of)) = keeper.zip(made_of) {
+            if let Some((files, made_of)) = playing {
                 files.keep(&folder, &patch, &made_of).unwrap_or_else(|error| files.fail(error));
             }
         };

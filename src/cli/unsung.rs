@@ -21,9 +21,7 @@ pub fn only_voice(patch: &Patch, path: &Path) -> Option<(String, Problems)> {
     let (Some(voice), None) = (voices.next(), voices.next()) else { return None };
     let what = format!("nothing in the patch hears MIDI: the song's notes play its voice `{}`", voice.name);
     let help = "--notes VOICE says so as well; or add a [[trigger]] with on = \"midi.note\": see `pacinian format trigger`";
-    let warning = Problem { severity: Severity::Warning, ..Problem::of_file(what).help(help.to_string()) };
-    let told = Problems { file: path.display().to_string(), source: String::new(), list: vec![warning] };
-    Some((voice.name.clone(), told))
+    Some((voice.name.clone(), warning(path, what, help)))
 }
 
 /// A warning where nothing in a patch hears a song, or nothing that is in it.
@@ -47,8 +45,12 @@ pub fn unsung(patch: &Patch, path: &Path, song: &Song) -> Option<Problems> {
     } else {
         return None;
     };
+    Some(warning(path, what, help))
+}
+
+fn warning(path: &Path, what: String, help: &str) -> Problems {
     let warning = Problem { severity: Severity::Warning, ..Problem::of_file(what).help(help.to_string()) };
-    Some(Problems { file: path.display().to_string(), source: String::new(), list: vec![warning] })
+    Problems { file: path.display().to_string(), source: String::new(), list: vec![warning] }
 }
 
 /// Whether a message may set off a trigger.

@@ -45,8 +45,19 @@ impl Performer {
             self.patch.patterns.iter().position(|p| p.name == *name)
         };
         let ahead = std::mem::take(&mut new.ahead).into_iter();
-        self.ahead =
-            ahead.filter_map(|sent| Some(Sent { pattern: become_of(sent.pattern)?, ..sent })).collect();
+        let instrument = |number: u32| {
+            let name = &new.plan.instruments.get(number as usize)?.name;
+            self.plan.instruments.iter().position(|i| i.name == *name).map(|number| number as u32)
+        };
+        let sent = ahead.filter_map(|sent| {
+            // One whose instrument is no more fades.
+            let instrument = match sent.instrument {
+                Some(number) => Some(instrument(number)?),
+                None => None,
+            };
+            Some(Sent { pattern: become_of(sent.pattern)?, instrument, ..sent })
+        });
+        self.ahead = sent.collect();
         // What does not go on in the new plan sounds there from its beginning.
         self.asleep.retain(|name| {
             let of = |plan: &'_ Plan| plan.instruments.iter().find(|i| *i.name == **name).cloned();

@@ -43,7 +43,12 @@ fn compiled_with(voices: &[&str], rest: &str) -> (Scene, Arc<Patch>, Arc<Rig>) {
 }
 
 fn reload(voices: &[&str]) -> Box<Reload> {
-    let (scene, patch, rig) = compiled(voices);
+    reload_with(voices, "")
+}
+
+/// The same, and what else the file says.
+fn reload_with(voices: &[&str], rest: &str) -> Box<Reload> {
+    let (scene, patch, rig) = compiled_with(voices, rest);
     Box::new(Reload {
         scene,
         patch,
@@ -104,6 +109,14 @@ impl Bench {
     fn block_of(&mut self, frames: usize, nanoseconds: u64) {
         self.follower.callback(Stamp(nanoseconds), frames as u64);
         self.callback.process(&[], &mut vec![0.0; frames]);
+    }
+
+    /// So many blocks, each behind what the conductor has to do.
+    fn turn(&mut self, blocks: u64) {
+        for _ in 0..blocks {
+            self.conductor.go_on();
+            self.block();
+        }
     }
 
     fn take(&mut self, nanoseconds: u64, signal: Signal) {
@@ -417,21 +430,15 @@ fn nothing_of_a_pattern_begins_at_the_instant_at_which_it_stops_or_later() {
     for ahead_us in [250_u64, 1_700, 19_300, 43_100, 70_900] {
         let mut bench = Bench::of(compiled_with(&["a", "b"], STEPS));
         let board = Arc::clone(&bench.conductor.board);
-        let turn = |bench: &mut Bench, blocks: u64| {
-            for _ in 0..blocks {
-                bench.conductor.go_on();
-                bench.block();
-            }
-        };
-        turn(&mut bench, 10);
+        bench.turn(10);
         // One that was started and is stopped by its number.
         let at = bench.next() + 300_000;
         let until = at + 30_000_000 + ahead_us * 1000;
         bench.take(at, Signal::Start(5, "later".into()));
         bench.take(bench.next() + 1_000, Signal::StopNamed("low".into()));
-        turn(&mut bench, 15);
+        bench.turn(15);
         bench.take(until, Signal::Stop(5));
-        turn(&mut bench, 60);
+        bench.turn(60);
         let reports = bench.reports.lock().unwrap().clone();
         // Instants in seconds, and by which pattern: that of `b`, those of the beginning, that which was started.
         let frames = |at: crate::schedule::Instant| at.since(crate::schedule::Instant::default()) / 8000.0;
@@ -468,36 +475,37 @@ const LONG: &str = "[[trigger]]\non = \"start\"\nplay = \"left\"\n[[trigger]]\no
 /// A pattern plays until the last of its voices is released, and what it sounds is released where it is stopped; nothing else is.
 #[test]
 fn a_pattern_that_is_stopped_is_heard_no_more() {
-    let mut bench = Bench::of(compiled_with(&["a", "b"], LONG));
+    let mut bench = Bench::of(compiled_with(&["z", "a", "b"], LONG));
     let board = Arc::clone(&bench.conductor.board);
-    let turn = |bench: &mut Bench, blocks: u64| {
-        for _ in 0..blocks {
-            bench.conductor.go_on();
-            bench.block();
-        }
-    };
     let playing = |bench: &Bench| -> Vec<String> {
         bench.conductor.performer.patterns().map(|(_, name)| name.to_string()).collect()
     };
-    turn(&mut bench, 200);
+    bench.turn(200);
     assert_eq!((board.voices.get(), playing(&bench)), (3, vec!["left".into(), "right".into()]));
     bench.take(bench.next(), Signal::Start(5, "left".into()));
     bench.take(bench.next(), Signal::Start(6, "later".into()));
-    turn(&mut bench, 20);
+    bench.turn(20);
     assert_eq!((board.voices.get(), playing(&bench).len()), (5, 4));
     // That of 50 ms has ended by itself.
-    turn(&mut bench, 80);
+    bench.turn(80);
     assert_eq!(
         (board.voices.get(), playing(&bench)),
         (5, vec!["left".into(), "right".into(), "left".into()])
     );
     // By its number, and then by the name, which is that of the other patterns' run as well.
     bench.take(bench.next(), Signal::Stop(5));
-    turn(&mut bench, 20);
+    bench.turn(20);
     assert_eq!((board.voices.get(), playing(&bench)), (3, vec!["left".into(), "right".into()]));
     bench.take(bench.next(), Signal::StopNamed("left".into()));
-    turn(&mut bench, 20);
+    bench.turn(20);
     assert_eq!((board.voices.get(), playing(&bench)), (1, vec!["right".into()]));
+    // Saved anew, without a voice that stood before its own.
+    bench.take(bench.next(), Signal::Reload(reload_with(&["a", "b"], LONG)));
+    bench.turn(60);
+    assert_eq!((board.voices.get(), playing(&bench)), (1, vec!["right".into()]));
+    bench.take(bench.next(), Signal::StopNamed("right".into()));
+    bench.turn(20);
+    assert_eq!((board.voices.get(), playing(&bench).len()), (0, 0));
 }
 
 const FADER: &str = "[control.depth]\ndefault = 0.5\nrange = [0, 2]\n[[bind]]\nfrom = \"osc./1/fader1\"\ncontrol = \"depth\"\n\
