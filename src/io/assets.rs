@@ -68,6 +68,7 @@ impl Folder {
     }
 
     /// Recordings that lie elsewhere, by their path as a patch says it; what they are, somebody has looked at.
+    #[cfg(feature = "live")]
     pub(crate) fn with_others(mut self, instead: BTreeMap<String, PathBuf>) -> Self {
         self.instead = instead;
         self

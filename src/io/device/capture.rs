@@ -7,6 +7,7 @@ use std::sync::Arc;
 use cpal::traits::{DeviceTrait, StreamTrait};
 use cpal::{BufferSize, Device, FromSample, SampleFormat, SizedSample, StreamConfig};
 
+use super::callers::Callers;
 use super::card::{News, STRETCH, Shape, behind, known_format, seconds};
 use super::failure::{DeviceError, Trouble};
 use super::list::Found;
@@ -35,6 +36,13 @@ impl Hear for Lent<Intake> {
 pub struct Capture {
     /// Dropped first, so that nothing calls back any more.
     stream: cpal::Stream,
+    callers: Callers,
+}
+
+impl Drop for Capture {
+    fn drop(&mut self) {
+        self.callers.rest();
+    }
 }
 
 /// Seconds of a block where nobody says otherwise.
@@ -78,16 +86,17 @@ impl Capture {
         let buffer_size = shape.within(blocks).block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
-        let tell = teller(news, move || gaps.gap_of_input(), || {});
+        let callers = Callers::default();
+        let tell = teller(news, move || gaps.gap_of_input(), || {}, callers.clone());
         let stream = match format {
-            SampleFormat::F32 => stream::<f32, _>(device, config, hear, tell),
-            SampleFormat::I32 => stream::<i32, _>(device, config, hear, tell),
-            SampleFormat::I24 => stream::<cpal::I24, _>(device, config, hear, tell),
-            _ => stream::<i16, _>(device, config, hear, tell),
+            SampleFormat::F32 => stream::<f32, _>(device, config, hear, tell, callers.clone()),
+            SampleFormat::I32 => stream::<i32, _>(device, config, hear, tell, callers.clone()),
+            SampleFormat::I24 => stream::<cpal::I24, _>(device, config, hear, tell, callers.clone()),
+            _ => stream::<i16, _>(device, config, hear, tell, callers.clone()),
         };
         let stream = stream.map_err(|error| trouble(&error))?;
         stream.play().map_err(|error| trouble(&error))?;
-        Ok(Self { stream })
+        Ok(Self { stream, callers })
     }
 
     /// By how much a clock is ahead of the stream's own, seconds.
@@ -101,6 +110,7 @@ fn stream<T, E>(
     config: StreamConfig,
     mut hear: impl Hear,
     tell: E,
+    callers: Callers,
 ) -> Result<cpal::Stream, cpal::Error>
 where
     T: SizedSample,
@@ -112,6 +122,7 @@ where
     let mut raised = false;
     let take = move |input: &[T], info: &cpal::InputCallbackInfo| {
         if !std::mem::replace(&mut raised, true) {
+            callers.calls();
             priority::raise();
         }
         let stamp = info.timestamp();

@@ -11,6 +11,7 @@ use cpal::{
     SupportedStreamConfigRange,
 };
 
+use super::callers::Callers;
 use super::failure::{DeviceError, Trouble};
 use super::list::{Found, Offer};
 use super::minder::teller;
@@ -87,6 +88,13 @@ pub struct Card {
     stream: cpal::Stream,
     /// Frames a block, as far as it says.
     pub block: Option<u32>,
+    callers: Callers,
+}
+
+impl Drop for Card {
+    fn drop(&mut self) {
+        self.callers.rest();
+    }
 }
 
 impl Card {
@@ -121,9 +129,16 @@ impl Card {
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
         let gone = Arc::new(AtomicBool::new(false));
-        let mut player = Player { driver, raised: false, gone: Arc::clone(&gone), board: Arc::clone(board) };
+        let callers = Callers::default();
+        let mut player = Player {
+            driver,
+            raised: false,
+            gone: Arc::clone(&gone),
+            board: Arc::clone(board),
+            callers: callers.clone(),
+        };
         let lost = move || gone.store(true, Ordering::Relaxed);
-        let tell = teller(news, move || gaps.gap(), lost);
+        let tell = teller(news, move || gaps.gap(), lost, callers.clone());
         let stream = match format {
             SampleFormat::F32 => device.build_output_stream(
                 config,
@@ -144,7 +159,7 @@ impl Card {
         let stream = stream.map_err(|error| DeviceError::of(&found.name, &error))?;
         stream.play().map_err(|error| DeviceError::of(&found.name, &error))?;
         let block = stream.buffer_size().ok();
-        Ok(Self { stream, block })
+        Ok(Self { stream, block, callers })
     }
 
     /// By how much a clock is ahead of the stream's own, seconds.
@@ -176,6 +191,7 @@ struct Player<F> {
     /// The device was lost, even if it still asks for frames.
     gone: Arc<AtomicBool>,
     board: Arc<Board>,
+    callers: Callers,
 }
 
 impl<F: Fill> Player<F> {
@@ -185,6 +201,7 @@ impl<F: Fill> Player<F> {
             return false;
         }
         if !std::mem::replace(&mut self.raised, true) {
+            self.callers.calls();
             priority::raise();
         }
         let stamp = info.timestamp();

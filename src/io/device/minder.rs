@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use cpal::ErrorKind;
 
+use super::callers::Callers;
 use super::card::News;
 use super::failure::DeviceError;
 
@@ -211,12 +212,17 @@ impl Search {
 }
 
 /// What a stream is given to tell of its errors: `gap` counts those after which it has gone on by itself, `lost` hears at once of those
-/// after which it is of no use, such as that it plays on another device now.
+/// after which it is of no use, such as that it plays on another device now. `callers` know of the thread that tells them.
 pub(super) fn teller(
     news: impl Fn(News) + Send + 'static,
     gap: impl Fn() + Send + 'static,
     lost: impl Fn() + Send + 'static,
+    callers: Callers,
 ) -> impl FnMut(cpal::Error) + Send + 'static {
+    let lost = move || {
+        callers.lose();
+        lost();
+    };
     move |error| match error.kind() {
         ErrorKind::Xrun => gap(),
         ErrorKind::DeviceChanged => {
