@@ -82,7 +82,10 @@ impl OutsideReport {
 
     fn of_bind(bind: &Bind, patch: &Patch) -> Self {
         let from = match &bind.from {
-            Mover::Controller(number) => format!("controller {number} of MIDI"),
+            Mover::Controller(number) => {
+                let encoder = bind.encoder.map(|encoder| format!(", an encoder ({})", encoder.name()));
+                format!("controller {number} of MIDI{}", encoder.unwrap_or_default())
+            }
             Mover::Bend => "bend of MIDI".into(),
             Mover::Pressure => "pressure of MIDI".into(),
             Mover::Osc(address) => format!("OSC to {address}"),
@@ -96,7 +99,7 @@ impl OutsideReport {
             spread: None,
             moves: Some(bind.control.clone()),
             range: control.map(|control| [0.0, 1.0].map(|position| bind.value(control, position))),
-            pickup: Some(bind.pickup),
+            pickup: Some(bind.pickup && bind.encoder.is_none()),
         }
     }
 

@@ -5,6 +5,7 @@ use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike,
 use super::text::Text;
 use super::value::{one_line, put};
 use super::{EditError, broken};
+use crate::patch::bind::STEP;
 use crate::patch::{Bind, Curve, Patch};
 
 /// The text of a patch with these bindings. A control that one binding moves already is moved by another thing from now on (`from`, `channel`), and keeps
@@ -87,6 +88,9 @@ fn fill(table: &mut dyn TableLike, bind: &Bind) -> Result<(), EditError> {
     if let Some([from, to]) = bind.range {
         put(table, "range", [from, to].into_iter().collect::<Value>())?;
     }
+    if bind.step != STEP {
+        put(table, "step", bind.step.into())?;
+    }
     match bind.curve {
         Some(Curve::Linear) => put(table, "curve", "linear".into()),
         Some(Curve::Exponential) => put(table, "curve", "exponential".into()),
@@ -101,6 +105,10 @@ fn set(table: &mut dyn TableLike, bind: &Bind) -> Result<(), EditError> {
         Some(channel) => put(table, "channel", i64::from(channel).into())?,
         None => drop(table.remove("channel")),
     }
+    match bind.encoder {
+        Some(encoder) => put(table, "encoder", encoder.name().into())?,
+        None => drop(table.remove("encoder")),
+    }
     if !bind.pickup && !table.contains_key("pickup") {
         put(table, "pickup", false.into())?;
     }
@@ -110,6 +118,7 @@ fn set(table: &mut dyn TableLike, bind: &Bind) -> Result<(), EditError> {
 #[cfg(test)]
 mod tests {
     use super::{Curve, EditError, bindings};
+    use crate::midi::Encoder;
     use crate::patch::{Bind, Mover, Patch};
 
     const PATCH: &str = "#:schema x\nformat = \"pacinian-patch/1\"\ntitle = \"t\"  # of these\n\n[control.a]\ndefault = 0.5\n\
@@ -186,6 +195,21 @@ mod tests {
         let text = written(&inline, &[midi("midi.bend", "a", 3, true)]);
         let due = "bind = [{ from = \"midi.bend\", control = \"a\", channel = 3, pickup = false }]\n";
         assert!(text.contains(due), "{text}");
+    }
+
+    #[test]
+    fn an_endless_knob_is_written_as_one_and_gives_way_to_a_fader() {
+        let fader = midi("midi.controller 5", "b", 1, false);
+        let knob = Bind { encoder: Some(Encoder::SignedBit), step: 0.05, ..fader.clone() };
+        let text = written(PATCH, std::slice::from_ref(&knob));
+        assert!(
+            text.contains("control = \"b\"\nchannel = 1\nencoder = \"signed-bit\"\nstep = 0.05\n"),
+            "{text}"
+        );
+        let read = Patch::parse("", text.as_bytes()).unwrap().value.binds.pop().unwrap();
+        assert_eq!((read.encoder, read.step), (knob.encoder, 0.05));
+        let text = written(&text, &[fader]);
+        assert!(!text.contains("encoder") && text.contains("step = 0.05"), "{text}");
     }
 
     #[test]

@@ -13,6 +13,7 @@ pub mod channel;
 pub mod claims;
 pub mod curve;
 mod desk;
+pub mod encoder;
 #[cfg(feature = "midi")]
 pub mod file;
 pub mod gesture;
@@ -32,6 +33,7 @@ pub mod zone;
 pub use channel::Channel;
 pub use claims::Claims;
 pub use curve::Curve;
+pub use encoder::Encoder;
 pub use gesture::{Expression, Gesture, Reason, Transport, What};
 pub use interpreter::Interpreter;
 pub use message::Message;

@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use super::channel::Channel;
+use super::encoder::{Encoder, Said, Turns};
 use super::gesture::Gesture;
 use super::interpreter::Interpreter;
 use super::message::Message;
@@ -44,6 +45,8 @@ pub struct Moved {
     pub fine: bool,
     /// Whether it is a button.
     pub switch: bool,
+    /// Of an endless knob, how it says its steps.
+    pub encoder: Option<Encoder>,
 }
 
 /// Something that was used and gives no position.
@@ -57,7 +60,7 @@ pub enum Useless {
     Parameter,
     /// This pedal, 64 or 66, was pressed: it holds voices.
     Pedal(u8),
-    /// This controller says the same again and again, as endless knobs do that tell steps.
+    /// This controller says the same again and again, as endless knobs do that tell steps: it has to be turned both ways to tell which.
     Steps(u8),
 }
 
@@ -83,6 +86,7 @@ pub struct Recogniser {
     keys: HashMap<(u16, Channel), u32>,
     /// How often a controller has said the same, and what.
     same: HashMap<Source, (f64, u32)>,
+    said: HashMap<Source, Said>,
     /// What was recognised last, and when it was heard of since.
     spent: Option<(Source, f64)>,
     /// Wheels that must come to rest before they count.
@@ -123,7 +127,11 @@ impl Recogniser {
         }
         gestures.into_iter().find_map(|gesture| match gesture {
             Gesture::Controller { channel, number, value, fine } => {
-                self.turn(seconds, (port, channel, Control::Controller(number)), value, fine)
+                let raw = match message {
+                    Message::Controller { value, .. } if !fine => Some(value),
+                    _ => None,
+                };
+                self.turn(seconds, (port, channel, Control::Controller(number)), value, raw)
             }
             Gesture::Parameter { .. } => Some(Seen::Useless(Useless::Parameter)),
             _ => None,
@@ -139,18 +147,28 @@ impl Recogniser {
     pub fn forget(&mut self) {
         self.travels.clear();
         self.same.clear();
+        self.said.clear();
         self.heard = Reaches::default();
     }
 
-    fn turn(&mut self, seconds: f64, source: Source, value: f64, fine: bool) -> Option<Seen> {
+    /// A controller stands at a position, or says seven bits that may be steps.
+    fn turn(&mut self, seconds: f64, source: Source, value: f64, raw: Option<u8>) -> Option<Seen> {
+        let turns = raw.map_or(Turns::No, |raw| self.said.entry(source).or_default().says(raw));
         let (last, count) = self.same.entry(source).or_insert((value, 0));
         *count = if *last == value { *count + 1 } else { 1 };
         *last = value;
         let (count, number) = (*count, source.2);
-        if let (SAME, Control::Controller(number)) = (count, number) {
-            return Some(Seen::Useless(Useless::Steps(number)));
+        match (turns, number) {
+            (Turns::Yes(encoder), _) => self.found(seconds, source, Some(encoder), false, false),
+            (_, Control::Controller(number)) if count == SAME => Some(Seen::Useless(Useless::Steps(number))),
+            // Steps are no way that it goes.
+            (Turns::Perhaps, _) => {
+                self.travels.remove(&source);
+                self.heard.hear(source, value);
+                None
+            }
+            _ => self.count(seconds, source, value, SPAN, raw.is_none()),
         }
-        self.count(seconds, source, value, SPAN, fine)
     }
 
     /// A wheel springs back: it counts from its rest on.
@@ -180,12 +198,8 @@ impl Recogniser {
     }
 
     fn count(&mut self, seconds: f64, source: Source, value: f64, span: f64, fine: bool) -> Option<Seen> {
-        if let Some((_, heard)) = self.spent.as_mut().filter(|(spent, _)| *spent == source) {
-            let rested = seconds - std::mem::replace(heard, seconds) >= REST;
-            if !rested {
-                return None;
-            }
-            self.spent = None;
+        if !self.rested(seconds, source) {
+            return None;
         }
         self.heard.hear(source, value);
         let travel = self.travels.entry(source).or_default();
@@ -202,16 +216,41 @@ impl Recogniser {
         if !meant {
             return None;
         }
+        self.found(seconds, source, None, fine, switch)
+    }
+
+    /// Whether it is not what was recognised last, or has rested since.
+    fn rested(&mut self, seconds: f64, source: Source) -> bool {
+        let Some((_, heard)) = self.spent.as_mut().filter(|(spent, _)| *spent == source) else { return true };
+        let rested = seconds - std::mem::replace(heard, seconds) >= REST;
+        if rested {
+            self.spent = None;
+        }
+        rested
+    }
+
+    /// It was moved; unless whoever moved it, and was told so, still does.
+    fn found(
+        &mut self,
+        seconds: f64,
+        source: Source,
+        encoder: Option<Encoder>,
+        fine: bool,
+        switch: bool,
+    ) -> Option<Seen> {
+        if !self.rested(seconds, source) {
+            return None;
+        }
         let (port, channel, control) = source;
         self.spent = Some((source, seconds));
         self.forget();
-        Some(Seen::Moved(Moved { port, channel, control, fine, switch }))
+        Some(Seen::Moved(Moved { port, channel, control, fine, switch, encoder }))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Control, Moved, Recogniser, Seen, Useless};
+    use super::{Control, Encoder, Moved, Recogniser, Seen, Useless};
     use crate::midi::{Channel, Message};
 
     const CHANNEL: Channel = Channel::FIRST;
@@ -246,7 +285,7 @@ mod tests {
     }
 
     fn moved(control: Control, fine: bool, switch: bool) -> Moved {
-        Moved { port: 3, channel: CHANNEL, control, fine, switch }
+        Moved { port: 3, channel: CHANNEL, control, fine, switch, encoder: None }
     }
 
     #[test]
@@ -274,6 +313,29 @@ mod tests {
             bench.play((0..50).map(|n| controller(49, n))),
             [moved(Control::Controller(49), false, false)]
         );
+    }
+
+    /// Up, down, and what it says in each of the three ways.
+    #[test]
+    fn an_endless_knob_is_one_once_it_was_turned_both_ways() {
+        for (encoder, [up, down]) in [
+            (Encoder::TwosComplement, [1, 127]),
+            (Encoder::BinaryOffset, [65, 63]),
+            (Encoder::SignedBit, [1, 65]),
+        ] {
+            let mut bench = Bench::default();
+            assert!(bench.play([controller(21, up); 12]).is_empty(), "which of them it is, is not known yet");
+            let found = bench.play([controller(21, down); 3]);
+            let one = Moved { encoder: Some(encoder), ..moved(Control::Controller(21), false, false) };
+            assert_eq!(found, [one]);
+            assert!(bench.play([controller(21, up); 12]).is_empty(), "it is still turned");
+            // Another, when it has come to rest and something else is asked for.
+            bench.1 += 5.0;
+            assert_eq!(
+                bench.play([up, up, up, up, down, down, down, down].map(|v| controller(21, v))),
+                [one]
+            );
+        }
     }
 
     #[test]

@@ -187,7 +187,8 @@ impl Strip {
             .map(|(number, value)| {
                 let pair = number < 32 && !self.claimed.has(number + 32);
                 let fine = pair.then(|| self.value(number + 32)).flatten().unwrap_or(0);
-                self.value(number).filter(|stands| *stands != value || fine != 0)?;
+                let stands = self.value(number).filter(|_| !self.claimed.steps(number));
+                stands.filter(|stands| *stands != value || fine != 0)?;
                 if pair {
                     self.set(number + 32, NEVER);
                     self.halves &= !(1 << number);
@@ -273,6 +274,11 @@ mod tests {
         let moved: Vec<u8> = strip.reset().map(|m| m.number).collect();
         assert_eq!(moved, [1, 64, 65, 66, 67], "11 stands there");
         assert_eq!(strip.value(33), Some(127), "no half of 1");
+        // What tells steps stands nowhere.
+        claims.add_steps(1, None);
+        let mut strip = Strip { claimed: claims.of(Channel::FIRST), ..Strip::default() };
+        assert_eq!([1, 33].map(|number| strip.controller(number, 127)), [coarse(1, 1.0), coarse(33, 1.0)]);
+        assert_eq!(strip.reset().count(), 0);
         // A pair of which the upper half is claimed.
         let mut claims = Claims::default();
         claims.add(6, None);

@@ -1,6 +1,7 @@
 //! What moves a control from outside.
 
 use super::control::{Control, Curve};
+use crate::midi::Encoder;
 use crate::text::field::{Field, Form, Table};
 use crate::text::nearest::suggest;
 use crate::text::reader::Reader;
@@ -23,6 +24,10 @@ pub struct Bind {
     pub curve: Option<Curve>,
     /// Whether it moves the control only from where that stands, so that nothing jumps.
     pub pickup: bool,
+    /// Of an endless knob that tells steps, how it says them: it moves the control on from where that stands.
+    pub encoder: Option<Encoder>,
+    /// The part of its range by which one such step moves it.
+    pub step: f64,
     /// Where it stands.
     pub span: Span,
 }
@@ -39,6 +44,9 @@ pub enum Mover {
     /// A message to this OSC address, with a position from 0 to 1.
     Osc(String),
 }
+
+/// What one step of an encoder does where nobody says so: a hundred for the whole range.
+pub const STEP: f64 = 0.01;
 
 /// Its keys.
 pub(crate) static TABLE: Table = Table {
@@ -67,6 +75,18 @@ pub(crate) static TABLE: Table = Table {
             Form::Flag(true),
             "",
             "Whether it moves the control only once it has come to where that stands, so that nothing jumps.",
+        ),
+        Field::new(
+            "encoder",
+            Form::Word(&["none", "twos-complement", "binary-offset", "signed-bit"]),
+            "",
+            "Of a controller that is an endless knob and tells steps in place of positions: how it says them.",
+        ),
+        Field::new(
+            "step",
+            Form::Number { default: Some(STEP), least: 0.0, most: 1.0 },
+            "",
+            "Of an encoder: the part of the range, as the curve has it, by which one step moves the control.",
         ),
     ],
     others: None,
@@ -121,6 +141,8 @@ impl Bind {
             range: None,
             curve: None,
             pickup: true,
+            encoder: None,
+            step: STEP,
             span: Span::default(),
         }
     }
@@ -133,6 +155,19 @@ impl Bind {
             Curve::Exponential if from > 0.0 && to > 0.0 => from * (to / from).powf(position),
             _ => from + (to - from) * position,
         }
+    }
+
+    /// What the control becomes from `value` on when an encoder says this, 0 to 127; the same where it says no step. Beyond the ends of the range it goes on
+    /// from the nearer one.
+    pub fn turned(&self, encoder: Encoder, control: &Control, value: f64, says: u8) -> f64 {
+        let steps = encoder.steps(says);
+        if steps == 0 {
+            return value;
+        }
+        let [from, to] = self.range.unwrap_or(control.range);
+        let within = value.clamp(from.min(to), from.max(to));
+        let position = self.position(control, within).unwrap_or(0.0);
+        self.value(control, position + f64::from(steps) * self.step)
     }
 
     /// The position at which the control is what it is, where there is one.
@@ -171,6 +206,18 @@ pub(crate) fn read(reader: &Reader) -> Option<Bind> {
         2 => Some(Curve::Exponential),
         _ => None,
     };
+    let encoder = reader.word("encoder").checked_sub(1).and_then(|n| Encoder::ALL.get(n).copied());
+    if encoder.is_some() && from.as_ref().is_some_and(|from| !matches!(from, Mover::Controller(_))) {
+        reader.sink.push(
+            Problem::error(
+                &reader.span_of("encoder"),
+                format!("`encoder` of {}: only a controller tells steps", reader.who),
+            )
+            .help(
+                "from = \"midi.controller 21\"; the wheel, pressure and OSC say where they stand".to_string(),
+            ),
+        );
+    }
     Some(Bind {
         control: reader.text("control")?.into(),
         control_span: reader.span_of("control"),
@@ -178,6 +225,8 @@ pub(crate) fn read(reader: &Reader) -> Option<Bind> {
         range,
         curve,
         pickup: reader.flag("pickup"),
+        encoder,
+        step: reader.number_or_default("step"),
         span: reader.span.clone(),
         // What is wrong has been reported; what it moves can be looked at all the same.
         from: from.unwrap_or(Mover::Bend),
@@ -187,6 +236,7 @@ pub(crate) fn read(reader: &Reader) -> Option<Bind> {
 #[cfg(test)]
 mod tests {
     use super::{Bind, Mover};
+    use crate::midi::Encoder;
     use crate::patch::{Control, Curve};
 
     #[test]
@@ -198,9 +248,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn positions_and_values_are_inverse() {
-        let control = |curve| Control {
+    fn control(curve: Curve) -> Control {
+        Control {
             name: "c".into(),
             default: 20.0,
             range: [10.0, 1000.0],
@@ -209,17 +258,32 @@ mod tests {
             smoothing: 0.0,
             stream: 0.0,
             span: 0..0,
-        };
-        let bind = |range, curve| Bind {
-            from: Mover::Bend,
-            control: "c".into(),
-            control_span: 0..0,
-            channel: None,
-            range,
-            curve,
-            pickup: true,
-            span: 0..0,
-        };
+        }
+    }
+
+    /// A hundred steps are the whole range, in ratios where the curve has them, and back again.
+    #[test]
+    fn steps_of_an_encoder_go_along_the_curve() {
+        for (curve, range) in
+            [(Curve::Linear, None), (Curve::Exponential, None), (Curve::Exponential, Some([800.0, 20.0]))]
+        {
+            let bind = Bind { range, ..Bind::new(Mover::Controller(1), "c") };
+            let control = control(curve);
+            let [from, to] = range.unwrap_or(control.range);
+            let turn = |value, says| bind.turned(Encoder::TwosComplement, &control, value, says);
+            let up: Vec<f64> =
+                std::iter::successors(Some(from), |value| Some(turn(*value, 1))).take(101).collect();
+            assert!((up[100] / to - 1.0).abs() < 1e-9, "{}", up[100]);
+            assert!((up[50] / bind.value(&control, 0.5) - 1.0).abs() < 1e-9, "{}", up[50]);
+            assert!((turn(up[30], 127) / up[29] - 1.0).abs() < 1e-9);
+            assert_eq!((turn(from, 127), turn(to, 1)), (from, to), "the ends are the ends");
+            assert_eq!(turn(123.4, 0), 123.4);
+        }
+    }
+
+    #[test]
+    fn positions_and_values_are_inverse() {
+        let bind = |range, curve| Bind { range, curve, ..Bind::new(Mover::Bend, "c") };
         let exponential = bind(None, None);
         // A tenth of the way in ratios: 10 * 100^0.5.
         assert!((exponential.value(&control(Curve::Exponential), 0.5) - 100.0).abs() < 1e-9);

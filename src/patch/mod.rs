@@ -264,9 +264,15 @@ impl Patch {
             Mover::Controller(number) => Some((number, bind.channel)),
             _ => None,
         });
+        let on = |channel: Option<u8>| channel.and_then(|number| Channel::new(number.wrapping_sub(1)));
         let mut claims = Claims::default();
         for (number, channel) in triggers.chain(binds) {
-            claims.add(number, channel.and_then(|number| Channel::new(number.wrapping_sub(1))));
+            claims.add(number, on(channel));
+        }
+        for bind in self.binds.iter().filter(|bind| bind.encoder.is_some()) {
+            if let Mover::Controller(number) = bind.from {
+                claims.add_steps(number, on(bind.channel));
+            }
         }
         claims
     }

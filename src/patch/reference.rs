@@ -252,7 +252,7 @@ pub const TOPICS: &[Topic] = &[
         doc: "Events in time.",
         text: "Times are counted in seconds, or with time = \"beats\" in beats of `tempo` a minute, durations too.\n\n\
                With clock = \"midi\" a pattern plays when a sequencer's song does: start, stop, continue and song position move it, and its \
-               beats, durations too, are those of the MIDI clock, jitter taken out. What it plays moves with it. Where a trigger plays it \
+               beats, durations too, are those of the MIDI clock, jitter taken out. What it plays moves with it, and is released where the song stops or jumps. Where a trigger plays it \
                while that song runs, it joins in at once; while none runs, and in a rendering without --midi, it has its own tempo. Of \
                several ports, the one counts whose song runs; another may start one when that stands. With \
                --midi, the tempo of that song counts.\n\n\
@@ -397,7 +397,10 @@ pub const TOPICS: &[Topic] = &[
                A controller that a binding or a trigger names has no other meaning on its channel: 64 and 66 are then no pedals that hold \
                notes, 0 and 32 choose no bank, and 6, 38 and 96 to 101 no numbered parameter. Timbre (74) stays timbre as well. Numbered \
                parameters (NRPN, RPN) move nothing but the bend range and the zones of MPE: their values are counted and told.\n\n\
-               With `pickup` a fader moves its control only from where that stands. Turn it off for a wheel that comes back to its rest.",
+               With `pickup` a fader moves its control only from where that stands. Turn it off for a wheel that comes back to its rest.\n\n\
+               An endless knob may tell steps in place of positions, in one of three ways, which its editor or `pacinian learn` says: \
+               twos-complement (1 is a step up, 127 one down), binary-offset (65 and 63) or signed-bit (1 and 65). With `encoder` it moves its \
+               control on from where that stands, whoever moved it before, by `step` of the range for each.",
         tables: &[&super::bind::TABLE],
         example: "[control.strength]\n\
                   default = 0.8\n\
@@ -405,7 +408,12 @@ pub const TOPICS: &[Topic] = &[
                   [[bind]]\n\
                   from = \"midi.controller 7\"\n\
                   control = \"strength\"\n\
-                  range = [0.1, 1]",
+                  range = [0.1, 1]\n\
+                  \n\
+                  [[bind]]\n\
+                  from = \"midi.controller 16\"\n\
+                  encoder = \"twos-complement\"\n\
+                  control = \"strength\"",
     },
     Topic {
         name: "knob",

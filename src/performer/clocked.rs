@@ -6,8 +6,8 @@
 use super::beats::Beats;
 use super::hands::PORTS;
 use super::run::Run;
-use super::whence::Whence;
-use super::{Performer, When};
+use super::whence::{OF_RUN, Whence};
+use super::{Outlet, Performer, When};
 use crate::midi::Message;
 use crate::patch::Pattern;
 use crate::score::Root;
@@ -18,8 +18,8 @@ use crate::text::Problem;
 pub(super) struct Clocked {
     /// Whether what follows a clock waits for one.
     pub awaits: bool,
-    /// By their place in the patch, with the serial number under which each plays or played last.
-    pub patterns: Vec<(usize, Option<u64>)>,
+    /// By their place in the patch, with how each was started last.
+    pub patterns: Vec<(usize, Option<Started>)>,
     pub beats: Beats,
     /// Where the song begins that was started and whose patterns have yet to begin, and whether what they draw is drawn anew.
     pub begin: Option<(f64, bool)>,
@@ -27,6 +27,15 @@ pub(super) struct Clocked {
     port: Option<u16>,
     /// Where the song stands, in beats.
     stands: f64,
+}
+
+/// How a pattern was started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Started {
+    /// The serial number of its run: another each time, as what it plays is called off by that.
+    pub serial: u64,
+    /// That of the run with which what it draws was drawn anew.
+    pub draws: u64,
 }
 
 /// Beats by which a place may be missed and still count as reached.
@@ -68,7 +77,7 @@ impl Performer {
     }
 
     /// What a message says about the song. A song of another port is taken up where none runs.
-    pub(super) fn count(&mut self, at: When, port: u16, message: Message) {
+    pub(super) fn count(&mut self, at: When, port: u16, message: Message, outlet: &mut dyn Outlet) {
         let begins = matches!(message, Message::Start | Message::Continue | Message::SongPosition { .. });
         if !(begins || matches!(message, Message::Clock | Message::Stop))
             || !self.clocked.awaits
@@ -81,22 +90,22 @@ impl Performer {
                 return;
             }
             // Its clocks are others, too.
-            self.stop_clocked();
+            self.stop_clocked(at, outlet);
             self.clocked.beats = Beats::None;
         }
         self.clocked.port = Some(port);
         match message {
             Message::Clock => self.clocked.beats.clock().tick(at.seconds),
-            Message::Start => self.song_runs(0.0, true),
-            Message::Continue => self.song_runs(self.clocked.stands, false),
+            Message::Start => self.song_runs(at, 0.0, true, outlet),
+            Message::Continue => self.song_runs(at, self.clocked.stands, false, outlet),
             Message::SongPosition { sixteenths } => self.clocked.stands = f64::from(sixteenths) / 4.0,
-            _ => self.stop_clocked(),
+            _ => self.stop_clocked(at, outlet),
         }
     }
 
     /// The song plays on from so many beats. Its patterns are begun when they are fed, however often it is said before.
-    fn song_runs(&mut self, beat: f64, anew: bool) {
-        self.runs.retain(|run| run.follows.is_none());
+    fn song_runs(&mut self, at: When, beat: f64, anew: bool, outlet: &mut dyn Outlet) {
+        self.release_clocked(at, outlet);
         self.clocked.beats.clock().run(beat);
         let anew = anew || self.clocked.begin.is_some_and(|(_, anew)| anew);
         self.clocked.begin = Some((beat, anew));
@@ -108,22 +117,39 @@ impl Performer {
     }
 
     /// A port is gone: if its clock counted, another may.
-    pub(super) fn count_no_more(&mut self, port: u16) {
+    pub(super) fn count_no_more(&mut self, at: When, port: u16, outlet: &mut dyn Outlet) {
         if self.clock_is_of(usize::from(port).min(PORTS - 1)) {
-            self.stop_clocked();
+            self.stop_clocked(at, outlet);
             (self.clocked.port, self.clocked.beats) = (None, Beats::None);
         }
     }
 
-    /// Takes away what follows a clock.
-    pub(super) fn stop_clocked(&mut self) {
+    /// Takes away what follows a clock, and releases what it sounds.
+    fn stop_clocked(&mut self, at: When, outlet: &mut dyn Outlet) {
         if let Beats::Clock(clock) = &mut self.clocked.beats
             && let Some(beat) = clock.stop()
         {
             self.clocked.stands = beat;
         }
         self.clocked.begin = None;
+        self.release_clocked(at, outlet);
+    }
+
+    /// Nothing more of what follows a clock begins from then on, and what it sounds is released.
+    fn release_clocked(&mut self, at: When, outlet: &mut dyn Outlet) {
+        let all: Vec<u64> = self.clocked_runs().map(|run| run.whence.of_run(run.serial, 0)).collect();
+        self.end_clocked();
+        all.into_iter().for_each(|id| self.cancel(at, id, OF_RUN as u8, outlet));
+    }
+
+    /// The song is over: nothing more of it is said, and what sounds does for as long as it was to.
+    pub(super) fn end_clocked(&mut self) {
+        self.clocked.begin = None;
         self.runs.retain(|run| run.follows.is_none());
+    }
+
+    fn clocked_runs(&self) -> impl Iterator<Item = &Run> {
+        self.runs.iter().filter(|run| run.follows.is_some())
     }
 
     /// Begins what a song that was started has yet to begin.
@@ -146,20 +172,21 @@ impl Performer {
 
     /// The same for the one of that number in [`Clocked::patterns`].
     pub(super) fn start_one_clocked(&mut self, number: usize, beat: f64, anew: bool) -> Result<(), Problem> {
-        let Some(&(pattern, serial)) = self.clocked.patterns.get(number) else { return Ok(()) };
+        let Some(&(pattern, before)) = self.clocked.patterns.get(number) else { return Ok(()) };
         let Some(speed) = self.patch.patterns.get(pattern).map(speed) else { return Ok(()) };
-        let serial = serial.filter(|_| !anew).unwrap_or(self.started + 1);
-        self.started = self.started.max(serial);
-        self.clocked.patterns[number].1 = Some(serial);
+        self.started += 1;
+        let serial = self.started;
+        let draws = before.filter(|_| !anew).map_or(serial, |before| before.draws);
+        self.clocked.patterns[number].1 = Some(Started { serial, draws });
         if let Some(pattern) = self.patch.patterns.get(pattern) {
             self.stopped.remove(&pattern.name);
         }
         let root = Root::at(pattern, 0.0);
-        let score = self.score(&[root], self.seed_of(serial))?;
+        let score = self.score(&[root], self.seed_of(draws))?;
         let port = self.clocked.port.map(|port| usize::from(port).min(PORTS - 1));
         let whence = port.map_or(Whence::HERE, |port| Whence::midi(port, None));
-        let run = Run::new(serial, vec![root], score).by(whence, self.cause).following(0.0, speed);
-        self.runs.push(run.from((beat - NEAR) / speed));
+        let run = Run::new(serial, vec![root], score).by(whence, self.cause).drawing(draws);
+        self.runs.push(run.following(0.0, speed).from((beat - NEAR) / speed));
         Ok(())
     }
 

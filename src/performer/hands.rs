@@ -114,7 +114,7 @@ impl Performer {
         let result = moved.map_or(Ok(()), |(mover, channel, position)| {
             self.move_by(at, &|from| *from == mover, Some(channel), position, outlet)
         });
-        self.count(at, port, message);
+        self.count(at, port, message, outlet);
         let heard = self.hear(port, at, outlet, |interpreter, sink| interpreter.message(message, sink));
         if let Some(hands) = self.hands.get_mut(usize::from(port).min(PORTS - 1)) {
             hands.messages += 1;
@@ -165,7 +165,7 @@ impl Performer {
     /// # Errors
     /// As [`Performer::midi`].
     pub fn midi_gone(&mut self, at: When, port: u16, outlet: &mut dyn Outlet) -> Result<(), Problem> {
-        self.count_no_more(port);
+        self.count_no_more(at, port, outlet);
         self.hear(port, at, outlet, |interpreter, sink| interpreter.let_go(sink))
     }
 
@@ -327,7 +327,7 @@ impl Performer {
         self.silence(at, port, channel, outlet);
         self.hands[port].loud &= !quiet;
         if clock {
-            self.count_no_more(port as u16);
+            self.count_no_more(at, port as u16, outlet);
         }
     }
 
@@ -521,6 +521,13 @@ impl Performer {
             else {
                 continue;
             };
+            if let Some((encoder, value)) = bind.encoder.zip(self.targets.get(place).copied()) {
+                let turned = bind.turned(encoder, control, value, (127.0 * position).round() as u8);
+                if turned != value && self.plan.control(&control.name).is_ok() {
+                    result = result.and(self.set(at, &control.name, turned, outlet));
+                }
+                continue;
+            }
             let stands = self.targets.get(place).and_then(|value| bind.position(control, *value));
             let pickup = self.pickups.get_mut(number).filter(|_| bind.pickup);
             let waits = pickup.and_then(|pickup| {

@@ -212,7 +212,7 @@ impl Performer {
             let played = match message {
                 Some(message) => self.midi(at, 0, message, outlet),
                 None => {
-                    self.stop_clocked();
+                    self.end_clocked();
                     self.midi_gone(at, 0, outlet)
                 }
             };

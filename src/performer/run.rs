@@ -8,6 +8,8 @@ use crate::text::Problem;
 pub(super) struct Run {
     /// 0 for what plays from the beginning; then as they were started.
     pub serial: u64,
+    /// The run whose draws are drawn again: its own, but where a song goes on.
+    pub draws: u64,
     /// Who started it.
     pub whence: Whence,
     /// The signal that started it; 0 for none.
@@ -42,6 +44,7 @@ impl Run {
     pub fn new(serial: u64, roots: Vec<Root>, score: Score<'static>) -> Self {
         Self {
             serial,
+            draws: serial,
             whence: Whence::HERE,
             cause: 0,
             ends: vec![f64::NEG_INFINITY; roots.len()],
@@ -58,6 +61,11 @@ impl Run {
     /// The same, started by somebody, because of a signal.
     pub fn by(self, whence: Whence, cause: u64) -> Self {
         Self { whence, cause, ..self }
+    }
+
+    /// The same, which draws what another drew.
+    pub fn drawing(self, draws: u64) -> Self {
+        Self { draws, ..self }
     }
 
     /// The same, counted by a clock: it begins with `beat`, and has itself so many `beats` a second.

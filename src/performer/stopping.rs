@@ -147,7 +147,7 @@ impl Performer {
     }
 
     /// Calls off what was sent of patterns whose ids agree with this one but for so many of the lowest bits, from `at` on, and releases what sounds.
-    fn cancel(&mut self, at: When, id: u64, bits: u8, outlet: &mut dyn Outlet) {
+    pub(super) fn cancel(&mut self, at: When, id: u64, bits: u8, outlet: &mut dyn Outlet) {
         if let Some(record) = &mut self.record {
             record.retain(|(start, play)| *start < at.seconds || !is_of(play.id, id, bits));
             for (start, play) in record.iter_mut().filter(|(_, play)| play.is_of(id, bits)) {

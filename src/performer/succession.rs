@@ -1,6 +1,5 @@
 //! From one scene to the next while patterns play.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::clocked::speed;
@@ -29,7 +28,7 @@ impl Performer {
     ) -> Result<(), Problem> {
         let (old, fed) = (Arc::clone(&self.patch), self.fed);
         let (began, runs): (Vec<_>, Vec<_>) = self.runs.drain(..).partition(|run| run.serial == 0);
-        let clocked = self.clocked_names();
+        let counted = self.counted();
         let mut new = Self::bare(scene, patch, rig, files);
         std::mem::swap(self, &mut new);
         (self.played, self.started, self.fed, self.lead) = (new.played, new.started, fed, new.lead);
@@ -101,7 +100,7 @@ impl Performer {
             }
             self.resume(run);
         }
-        for Run { serial, whence, cause, roots, follows, ends, .. } in runs {
+        for Run { serial, draws, whence, cause, roots, follows, ends, .. } in runs {
             let Some(&root) = roots.first() else { continue };
             let name = old.patterns.get(root.pattern).map(|p| &p.name);
             let Some(pattern) = self.patch.patterns.iter().position(|p| Some(&p.name) == name) else {
@@ -110,15 +109,15 @@ impl Performer {
             let mut root = Root { pattern, ..root };
             let new = self.patch.patterns.get(pattern).filter(|new| new.follows).map(speed);
             if let (Some((begin, beats)), None) = (follows, new) {
-                if clocked.values().any(|known| *known == Some(serial)) {
+                if counted.contains(&serial) {
                     continue;
                 }
                 // A clock counted it, and does so no more.
                 let beat = self.clocked.beats.beat(fed).unwrap_or(begin);
                 root.at = (fed - (beat - begin) / beats).max(0.0);
             }
-            let score = self.score(&[root], self.seed_of(serial))?;
-            let mut run = Run::new(serial, vec![root], score).by(whence, cause);
+            let score = self.score(&[root], self.seed_of(draws))?;
+            let mut run = Run::new(serial, vec![root], score).by(whence, cause).drawing(draws);
             ends.into_iter().for_each(|end| run.sounds_until(0, end));
             self.resume(match follows.zip(new) {
                 Some(((beat, _), beats)) => run.following(beat, beats),
@@ -135,21 +134,18 @@ impl Performer {
         };
         let mut result = Ok(());
         for number in 0..self.clocked.patterns.len() {
-            let (pattern, serial) = self.clocked.patterns[number];
+            let (pattern, before) = self.clocked.patterns[number];
             let stopped = self.patch.patterns.get(pattern).is_none_or(|p| self.stopped.contains(&p.name));
-            if serial.is_none() && !stopped {
+            if before.is_none() && !stopped {
                 result = result.and(self.start_one_clocked(number, beat, false));
             }
         }
         result
     }
 
-    /// The patterns that a clock starts and stops, by their names, with their serial numbers.
-    fn clocked_names(&self) -> HashMap<String, Option<u64>> {
-        let named = |(pattern, serial): &(usize, Option<u64>)| {
-            Some((self.patch.patterns.get(*pattern)?.name.clone(), *serial))
-        };
-        self.clocked.patterns.iter().filter_map(named).collect()
+    /// The serial numbers of the patterns that a clock has started.
+    fn counted(&self) -> Vec<u64> {
+        self.clocked.patterns.iter().filter_map(|(_, started)| Some(started.as_ref()?.serial)).collect()
     }
 
     /// Voices that keys of the `old` plan hold are those of this one, and hear what theirs hear now; controllers are those of the new patch.
@@ -168,18 +164,18 @@ impl Performer {
         }
     }
 
-    /// The clock counts on, for the patterns that follow it now; one that did before has the serial number that it had.
+    /// The clock counts on, for the patterns that follow it now; one that did before was started as it was.
     fn take_clock(&mut self, from: &mut Self, old: &Patch) {
         if from.clocked.awaits {
             let follows = |p: &usize| self.patch.patterns.get(*p).is_some_and(|pattern| pattern.follows);
             let (clocked, own): (Vec<usize>, Vec<usize>) = self.roots.iter().partition(|p| follows(p));
             let name = |patch: &Patch, p: usize| patch.patterns.get(p).map(|p| p.name.clone());
-            let serial = |pattern: usize| {
+            let started = |pattern: usize| {
                 let known =
                     from.clocked.patterns.iter().find(|(p, _)| name(old, *p) == name(&self.patch, pattern));
-                known.and_then(|(_, serial)| *serial)
+                known.and_then(|(_, started)| *started)
             };
-            let patterns = clocked.into_iter().map(|pattern| (pattern, serial(pattern))).collect();
+            let patterns = clocked.into_iter().map(|pattern| (pattern, started(pattern))).collect();
             self.roots = own;
             self.clocked = std::mem::take(&mut from.clocked);
             self.clocked.patterns = patterns;

@@ -14,11 +14,15 @@ const SHOWN: usize = 80;
 pub fn shown(source: &Source) -> String {
     match source {
         Source::Midi { moved, port } => {
-            let Moved { channel, control, fine, switch, .. } = *moved;
+            let Moved { channel, control, fine, switch, encoder, .. } = *moved;
             let what = match control {
                 Control::Controller(number) => {
                     let bits = if fine { 14 } else { 7 };
-                    let kind = if switch { "a button, ".into() } else { format!("{bits} bits, ") };
+                    let kind = match encoder {
+                        Some(encoder) => format!("an encoder ({}), ", encoder.name()),
+                        None if switch => "a button, ".into(),
+                        None => format!("{bits} bits, "),
+                    };
                     format!("controller {number}, {kind}")
                 }
                 Control::Bend => "the pitch wheel, 14 bits, ".into(),
@@ -74,7 +78,7 @@ fn of_midi(useless: Useless) -> String {
             "controller {number} is a pedal that holds voices: a [[bind]] or a [[trigger]] that names midi.controller {number} makes it something else"
         ),
         Useless::Steps(number) => format!(
-            "controller {number} says the same again and again, as endless knobs do that tell steps: set it to tell positions in its editor"
+            "controller {number} says the same again and again, as endless knobs do that tell steps: turn it one way and back"
         ),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::midi::Encoder;
 use crate::midi::moved::{Control, Moved};
 use crate::patch::{Bind, Mover};
 
@@ -45,6 +46,14 @@ impl Source {
         }
     }
 
+    /// Of an endless knob, how it says its steps.
+    pub fn encoder(&self) -> Option<Encoder> {
+        match self {
+            Self::Midi { moved, .. } => moved.encoder,
+            Self::Osc { .. } => None,
+        }
+    }
+
     /// Whether it comes back to its rest or jumps by its nature, so that a pick-up would be in its way.
     pub fn springs(&self) -> bool {
         match self {
@@ -55,7 +64,12 @@ impl Source {
 
     /// The binding that lets it move a control.
     pub fn bind(&self, control: &str) -> Bind {
-        Bind { channel: self.channel(), pickup: !self.springs(), ..Bind::new(self.mover(), control) }
+        Bind {
+            channel: self.channel(),
+            pickup: !self.springs(),
+            encoder: self.encoder(),
+            ..Bind::new(self.mover(), control)
+        }
     }
 }
 
@@ -67,7 +81,14 @@ mod tests {
     #[test]
     fn a_binding_is_that_of_what_was_moved() {
         let of = |control, switch| {
-            let moved = Moved { port: 0, channel: Channel::new(4).unwrap(), control, fine: false, switch };
+            let moved = Moved {
+                port: 0,
+                channel: Channel::new(4).unwrap(),
+                control,
+                fine: false,
+                switch,
+                encoder: None,
+            };
             let bind = Source::Midi { moved, port: "Keys".into() }.bind("depth");
             assert_eq!((bind.control.as_str(), bind.range, bind.curve), ("depth", None, None));
             (bind.from, bind.channel, bind.pickup)

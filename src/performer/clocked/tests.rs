@@ -323,3 +323,87 @@ fn without_a_clock_it_has_its_own_tempo() {
     performer.feed(16_001, &mut kept);
     assert_eq!(kept.1.iter().map(|(at, _)| *at).collect::<Vec<_>>(), [0.0, 1.0, 2.0]);
 }
+
+/// What sounds when, as the engine has it: an order to stop takes effect at its instant, on whatever has been sent by then.
+#[derive(Default)]
+struct Sounding {
+    clock: u64,
+    /// Of each voice its id, and from when to when it sounds, in seconds.
+    voices: Vec<(u64, f64, f64)>,
+    stops: Vec<(f64, u64, u8)>,
+}
+
+impl Outlet for Sounding {
+    fn clock(&self) -> u64 {
+        self.clock
+    }
+    fn room(&self, _: Source) -> usize {
+        10_000
+    }
+    fn send(&mut self, at: Instant, _: Source, event: Event) -> bool {
+        let at = at.since(Instant::default()) / RATE;
+        match event {
+            Event::Play(play) => self.voices.push((play.id, at, at + play.duration)),
+            Event::Cancel(id, bits) => self.stops.push((at, id, bits)),
+            other => panic!("{other:?}"),
+        }
+        true
+    }
+}
+
+impl Sounding {
+    /// At so many seconds, a message comes; the session goes on to there, and feeds fifty milliseconds ahead.
+    fn say(&mut self, performer: &mut Performer, seconds: f64, message: Message) {
+        self.clock = (seconds * RATE) as u64;
+        let due = std::mem::take(&mut self.stops).into_iter().partition(|(at, ..)| *at <= seconds);
+        let (due, later): (Vec<_>, Vec<_>) = due;
+        self.stops = later;
+        for (at, id, bits) in due {
+            let is_of = |voice: &(u64, f64, f64)| crate::engine::event::is_of(voice.0, id, bits);
+            self.voices.retain(|voice| !is_of(voice) || voice.1 < at);
+            self.voices.iter_mut().filter(|voice| is_of(voice)).for_each(|voice| voice.2 = voice.2.min(at));
+        }
+        performer.midi(When::of_seconds(seconds, RATE), 0, message, self).unwrap_or_else(|p| panic!("{p}"));
+        performer.feed(self.clock + 400, self);
+    }
+
+    fn clocks(&mut self, performer: &mut Performer, from: f64, count: u32) -> f64 {
+        (0..count).for_each(|n| self.say(performer, from + f64::from(n) / 48.0, Message::Clock));
+        from + f64::from(count) / 48.0
+    }
+}
+
+/// Each of its voices is played for eight beats, of which there are two a second.
+#[test]
+fn a_sequencer_that_stops_or_jumps_releases_what_its_patterns_sound() {
+    let long = text("clock = \"midi\"").replace("duration = 0.5", "duration = 8");
+    let (mut performer, mut sounding) = (staged::performer(&long, 1), Sounding::default());
+    performer.await_clock().unwrap();
+    sounding.say(&mut performer, 0.99, Message::Start);
+    // A beat has just been sent ahead when it stops.
+    let stop = sounding.clocks(&mut performer, 1.0, 24 + 23);
+    sounding.say(&mut performer, stop, Message::Stop);
+    sounding.clocks(&mut performer, stop, 48);
+    let until = |sounding: &Sounding| sounding.voices.iter().map(|voice| voice.2).fold(0.0, f64::max);
+    assert_eq!(sounding.voices.len(), 2, "{:?}", sounding.voices);
+    assert!((until(&sounding) - stop).abs() < 1e-3, "{:?}", sounding.voices);
+    // From one place to another without a pause, as in a loop: what begins there is heard from its first beat on.
+    sounding.voices.clear();
+    sounding.say(&mut performer, 5.0, Message::Start);
+    let jump = sounding.clocks(&mut performer, 5.0, 36);
+    for message in [Message::Stop, Message::SongPosition { sixteenths: 16 }, Message::Continue] {
+        sounding.say(&mut performer, jump, message);
+    }
+    let again = sounding.clocks(&mut performer, jump, 36);
+    let begun = |sounding: &Sounding, from: f64| -> Vec<f64> {
+        sounding.voices.iter().map(|voice| voice.1).filter(|at| *at > from - 0.01).collect()
+    };
+    let heard = begun(&sounding, jump);
+    assert!(heard.len() == 2 && (heard[0] - jump).abs() < 2e-3, "{heard:?} from {jump} on");
+    assert!(sounding.voices[..2].iter().all(|voice| (voice.2 - jump).abs() < 1e-3), "{:?}", sounding.voices);
+    // Started again without a stop.
+    sounding.say(&mut performer, again, Message::Start);
+    sounding.clocks(&mut performer, again, 12);
+    assert!(sounding.voices[2..4].iter().all(|voice| voice.2 < again + 1e-3), "{:?}", sounding.voices);
+    assert_eq!(begun(&sounding, again).len(), 1, "{:?}", sounding.voices);
+}

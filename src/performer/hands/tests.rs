@@ -235,6 +235,32 @@ fn any_controller_can_be_bound_and_set_something_off() {
     }
 }
 
+/// The control goes from 0 to 2.
+#[test]
+fn an_endless_knob_moves_a_control_on_from_where_it_stands() {
+    let (mut performer, mut kept) = performer(
+        "[[bind]]\nfrom = \"midi.controller 7\"\ncontrol = \"depth\"\nencoder = \"twos-complement\"\nrange = [0.5, 1.5]\n\
+         [[bind]]\nfrom = \"midi.controller 8\"\ncontrol = \"depth\"\nencoder = \"binary-offset\"\nstep = 0.25\n",
+    );
+    let mut turn = |number, value, wanted: f64| {
+        send(&mut performer, &mut kept, 0.1, controller(number, value));
+        assert!((performer.targets[0] - wanted).abs() < 1e-12, "{} for {wanted}", performer.targets[0]);
+    };
+    turn(8, 0, 0.0);
+    // From below its range it begins at that, and beyond its end it does not go.
+    turn(7, 1, 0.51);
+    turn(7, 10, 0.61);
+    turn(7, 127, 0.6);
+    turn(7, 0, 0.6);
+    turn(7, 63, 1.23);
+    turn(7, 63, 1.5);
+    turn(8, 65, 2.0);
+    turn(7, 127, 1.49);
+    // What is a lower half to faders is a controller of its own to these.
+    turn(39, 127, 1.49);
+    turn(7, 127, 1.48);
+}
+
 #[test]
 fn a_lower_half_that_is_bound_itself_is_its_own() {
     let (mut performer, mut kept) =
