@@ -155,6 +155,8 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
     }
     a_flood_is_played_or_counted(&session, &heard, &swaps);
     a_lost_cable_shuts_the_output(&session, &heard);
+    #[cfg(feature = "cli")]
+    what_is_turned_is_learnt();
     a_server_that_dies_lets_go(&mut server, &session, &heard);
     // A server that stands still leaves out periods, and with them what somebody sends then.
     let before = session.board().midi.gaps.get();
@@ -292,6 +294,64 @@ fn a_lost_cable_shuts_the_output(session: &Session, heard: &Receiver<PortNews>) 
     let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
     assert!(matches!(&gone, PortNews::Gone(_)), "{gone:?}");
     assert!(!board.is_panicked(), "nothing was promised since");
+}
+
+/// A fader of 14 bits and an endless knob, from their port to the bindings that are written.
+#[cfg(feature = "cli")]
+fn what_is_turned_is_learnt() {
+    use std::io::{BufRead, BufReader};
+
+    let folder = std::env::temp_dir().join(format!("pacinian-learnt-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("p.toml");
+    let patch = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[control.depth]\ndefault = 0.5\n[control.rate]\ndefault = 0.5\n\
+        [voice.hum]\noutput = \"s\"\nnodes.s = { type = \"sine\", frequency = \"100 * rate\", amplitude = \"depth\" }\n";
+    std::fs::write(&path, patch).unwrap();
+    let mut desk = MidiOutput::new("somebody").unwrap().create_virtual("desk").unwrap();
+    let mut learn = Command::new(env!("CARGO_BIN_EXE_pacinian"));
+    learn.arg("learn").arg(&path).args(["--midi-in", "desk", "--control", "depth", "--control", "rate"]);
+    let mut learn = learn.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let (tell, told) = channel();
+    let lines = BufReader::new(learn.stderr.take().unwrap());
+    std::thread::spawn(move || lines.lines().map_while(Result::ok).for_each(|line| drop(tell.send(line))));
+    let mut all = String::new();
+    let mut hears = |what: &str, mut moves: Box<dyn FnMut() + '_>| {
+        let found = wait(30, || {
+            moves();
+            all.extend(told.try_iter().map(|line| line + "\n"));
+            all.contains(what)
+        });
+        assert!(found, "no `{what}`: {all}");
+    };
+    hears("depth (0 to 1): move something", Box::new(|| {}));
+    let mut at = 0_u16;
+    let fader = |at: &mut u16, desk: &mut MidiOutputConnection| {
+        *at = (*at + 200).min(16_383);
+        let _ = desk.send(&[0xB2, 16, (*at >> 7) as u8]);
+        let _ = desk.send(&[0xB2, 48, (*at & 127) as u8]);
+    };
+    hears("controller 16, 14 bits, on channel 3", Box::new(|| fader(&mut at, &mut desk)));
+    hears("rate (0 to 1): move something", Box::new(|| {}));
+    // Eight steps one way, and as many back.
+    let mut turns = 0;
+    let knob = |turns: &mut u8, desk: &mut MidiOutputConnection| {
+        let _ = desk.send(&[0xB2, 20, if *turns / 8 % 2 == 0 { 1 } else { 127 }]);
+        *turns = turns.wrapping_add(1);
+    };
+    hears(
+        "controller 20, an encoder (twos-complement), on channel 3",
+        Box::new(|| knob(&mut turns, &mut desk)),
+    );
+    assert!(wait(20, || learn.try_wait().unwrap().is_some_and(|status| status.success())));
+    let text = std::fs::read_to_string(&path).unwrap();
+    for written in [
+        "from = \"midi.controller 16\"\ncontrol = \"depth\"\nchannel = 3\n",
+        "from = \"midi.controller 20\"\ncontrol = \"rate\"\nchannel = 3\nencoder = \"twos-complement\"\n",
+    ] {
+        assert!(text.contains(written), "{text}");
+    }
+    drop(desk);
+    let _ = std::fs::remove_dir_all(&folder);
 }
 
 /// The server is killed while a key is down: it is let go of, and what comes with the next server is heard.

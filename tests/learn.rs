@@ -160,6 +160,7 @@ fn what_makes_no_sense_is_refused() {
     let refused = |arguments: &[&str], code, words: &[&str]| {
         scratch.run(&[&["learn"], arguments].concat()).fails(code, words);
     };
+    refused(&["p.toml", "--midi-in", "none"], 2, &["nothing to learn from", "leave --midi-in none out"]);
     refused(&["p.toml", "--control", "dept", "--osc", "0"], 2, &["no control `dept`", "`depth`"]);
     let twice = ["p.toml", "--control", "depth", "--control", "depth", "--osc", "0"];
     refused(&twice, 2, &["`depth` is asked for twice"]);

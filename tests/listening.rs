@@ -143,6 +143,8 @@ fn a_microphone_that_is_pulled_leaves_silence_and_comes_back() {
         "microphone",
         "--block",
         "256",
+        "--events",
+        "heard.csv",
     ]);
     let length = || fs::metadata(bench.played()).map_or(0, |about| about.len());
     let loud = || bench.samples().iter().rev().take(8 * 4800).any(|x| x.abs() > 0.4);
@@ -159,6 +161,15 @@ fn a_microphone_that_is_pulled_leaves_silence_and_comes_back() {
     let told = said(&output);
     assert_eq!(output.status.code(), Some(130), "{told}");
     assert!(told.contains("the input device is gone") && told.contains("the input device is back"), "{told}");
+    // So the journal has it.
+    let journal = fs::read_to_string(bench.folder.join("heard.csv")).unwrap();
+    let of = |what: &str| journal.lines().position(|l| l.starts_with("device,") && l.contains(what));
+    assert!(of("input-lost").unwrap() < of("input-back").unwrap(), "{journal}");
+    let head = journal.lines().next().unwrap();
+    assert!(head.contains("\"heard\":\"microphone\""), "{head}");
+    let end = journal.lines().rfind(|line| line.starts_with("end,")).unwrap();
+    let dry = end.split("input_dry=").nth(1).unwrap().split(';').next().unwrap();
+    assert!(dry.parse::<u32>().unwrap() > 0, "{end}");
     // The tone has a slope of 0.0033 a frame, its fades add 0.0042 at most; a step would be up to 0.5. Gaps of the cards are their own.
     let heard = first_channel(&bench, 8);
     let steps = heard.windows(2).filter(|w| (w[1] - w[0]).abs() > 0.012).count();

@@ -1,6 +1,6 @@
 //! The audio thread makes no system call: it runs under a filter by which the first one ends the process.
 //!
-//! The filter allows nothing at all, so it is set in a child: this very program, told by its environment what to do. The audio
+//! The filter allows nothing at all, or what a device calls the one clock that has to be asked for, so it is set in a child: this very program, told by its environment what to do. The audio
 //! thread cannot even end; it says that it is done through memory and waits.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 
@@ -31,20 +31,27 @@ const FRAMES: usize = 480;
 const EVENTS: u32 = 50_000;
 const PLANS: u32 = 100;
 
-/// From now on, any system call of this thread ends the process. Says whether the system can do that.
-fn forbid() -> bool {
-    let mut all = [libc::sock_filter {
-        code: (libc::BPF_RET | libc::BPF_K) as u16,
-        jt: 0,
-        jf: 0,
-        k: libc::SECCOMP_RET_KILL_PROCESS,
-    }];
+/// From now on, any system call of this thread ends the process, but for one. Says whether the system can do that.
+fn forbid_all_but(one: Option<libc::c_long>) -> bool {
+    let word = |code: u32, jf: u8, k: u32| libc::sock_filter { code: code as u16, jt: 0, jf, k };
+    let mut all = [
+        // The number of the call; none has the last of all numbers.
+        word(libc::BPF_LD | libc::BPF_W | libc::BPF_ABS, 0, 0),
+        word(libc::BPF_JMP | libc::BPF_JEQ | libc::BPF_K, 1, one.map_or(u32::MAX, |call| call as u32)),
+        word(libc::BPF_RET | libc::BPF_K, 0, libc::SECCOMP_RET_ALLOW),
+        word(libc::BPF_RET | libc::BPF_K, 0, libc::SECCOMP_RET_KILL_PROCESS),
+    ];
     let program = libc::sock_fprog { len: all.len() as u16, filter: all.as_mut_ptr() };
     // SAFETY: both calls read their arguments and nothing else; the program outlives them.
     unsafe {
         libc::prctl(libc::PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0
             && libc::prctl(libc::PR_SET_SECCOMP, libc::SECCOMP_MODE_FILTER, &program) == 0
     }
+}
+
+/// The same of every one.
+fn forbid() -> bool {
+    forbid_all_but(None)
 }
 
 #[derive(Default)]
@@ -109,13 +116,32 @@ fn call_back(mut callback: pacinian::live::callback::Callback, progress: &Progre
     }
 }
 
-/// The child's other thread, for a callback.
+/// The same by what a device calls, which asks for the processor time of its thread.
 #[cfg(feature = "live")]
-fn send_to_callback(plans: &[Plan; 2]) -> ! {
+fn fill(mut driver: pacinian::live::driver::Driver, progress: &Progress, task: &str) -> ! {
+    let mut output = vec![0.0_f32; FRAMES * CHANNELS];
+    let allowed = forbid_all_but(Some(libc::SYS_clock_gettime).filter(|_| task == "fill"));
+    progress.state.store(if allowed { 1 } else { 2 }, Ordering::Release);
+    while allowed && progress.plans.load(Ordering::Acquire) < PLANS {
+        driver.fill(&mut output);
+    }
+    if allowed {
+        progress.state.store(3, Ordering::Release);
+    }
+    loop {
+        std::hint::spin_loop();
+    }
+}
+
+/// The child's other thread, for a callback, or what a device calls.
+#[cfg(feature = "live")]
+fn send_to_callback(plans: &[Plan; 2], task: String) -> ! {
     use common::storm::pull;
     use pacinian::live::board::Board;
     use pacinian::live::callback::{Callback, Cue};
+    use pacinian::live::driver::Driver;
     use pacinian::live::gate::Gate;
+    use pacinian::live::stamp::Epoch;
     use ringbuf::HeapRb;
     use ringbuf::traits::{Consumer, Producer, Split};
     use std::sync::Arc;
@@ -126,7 +152,11 @@ fn send_to_callback(plans: &[Plan; 2]) -> ! {
     let (record, mut recorded) = HeapRb::new(FRAMES * CHANNELS * 64).split();
     callback.record(record);
     let progress: &'static Progress = Box::leak(Box::default());
-    std::thread::spawn(move || call_back(callback, progress));
+    let calls = Arc::clone(&board);
+    std::thread::spawn(move || match task.as_str() {
+        "callback" => call_back(callback, progress),
+        _ => fill(Driver::new(callback, 48_000.0, FRAMES, Epoch::begin(), calls).0, progress, &task),
+    });
     let (mut sent, mut event, mut heard) = (0_u32, 0_u32, 0_u64);
     loop {
         match progress.state.load(Ordering::Acquire) {
@@ -207,8 +237,8 @@ fn child() {
     };
     let plans = [plan("0.01,"), plan("0.02,")];
     #[cfg(feature = "live")]
-    if task == "callback" {
-        send_to_callback(&plans);
+    if ["callback", "fill", "fill without a clock"].contains(&task.as_str()) {
+        send_to_callback(&plans, task);
     }
     let (mut director, stagehand) = exchange(&plans[0]).unwrap();
     // The audio thread goes on when this function ends.
@@ -256,6 +286,16 @@ fn events_and_plans_without_a_system_call() {
 fn a_session_s_callback_without_a_system_call() {
     let Some(status) = run("callback") else { return };
     assert_eq!(status.code(), Some(DONE), "{status}");
+}
+
+/// But that of the thread's own clock.
+#[cfg(feature = "live")]
+#[test]
+fn a_device_is_filled_without_another_system_call() {
+    let Some(status) = run("fill") else { return };
+    assert_eq!(status.code(), Some(DONE), "{status}");
+    let Some(status) = run("fill without a clock") else { return };
+    assert_eq!(status.signal(), Some(libc::SIGSYS), "{status}");
 }
 
 #[cfg(feature = "live")]

@@ -24,6 +24,8 @@ pub struct Listens {
     device: Option<(cpal::Device, Found)>,
     /// For people.
     pub note: Option<String>,
+    /// What is listened to, by its name.
+    pub heard: Option<String>,
 }
 
 impl Listens {
@@ -52,7 +54,8 @@ impl Listens {
             let note = (!channels.is_empty()).then(|| {
                 format!("it hears {name} from the beginning on, {:.1} s; then silence", file.seconds())
             });
-            return Ok(Self { file: Some(file), note, ..Self::default() });
+            let heard = note.is_some().then(|| name.to_string());
+            return Ok(Self { file: Some(file), note, heard, ..Self::default() });
         }
         let Some(name) = device.or(loaded.rig.device.input.as_deref()) else { return Ok(Self::default()) };
         if channels.is_empty() {
@@ -75,7 +78,8 @@ impl Listens {
         if !missing.is_empty() {
             note += &format!("; {} is not there and stays silent", named(&missing));
         }
-        Ok(Self { device: Some((device, found)), note: Some(note), file: None })
+        let heard = Some(found.name.clone());
+        Ok(Self { device: Some((device, found)), note: Some(note), file: None, heard })
     }
 
     /// For a session; `fate` hears what becomes of a device.

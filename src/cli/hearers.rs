@@ -46,6 +46,14 @@ impl Hearers {
         })
     }
 
+    /// Hears of what happens to the device that is listened to.
+    pub fn input_fate(self) -> Box<dyn FnMut(Fate) + Send> {
+        Box::new(move |what| {
+            self.journal.iter().for_each(|journal| journal.input_fate(&what));
+            self.post.input_fate(what);
+        })
+    }
+
     /// Hears of what happens to the device.
     pub fn fate(self) -> Box<dyn FnMut(Fate) + Send> {
         Box::new(move |what| {

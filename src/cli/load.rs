@@ -71,6 +71,9 @@ pub struct Scene {
     /// Where no rig is named, the numbers of channels of which the line of tactors is to have one; none: any.
     #[arg(skip)]
     pub offered: Vec<u16>,
+    /// Whether somebody keeps a journal, which has a digest of each file.
+    #[arg(skip)]
+    pub journalled: bool,
     /// Whether it is played on a real card.
     #[arg(skip)]
     pub on_card: bool,
@@ -167,6 +170,7 @@ impl Scene {
             notes: None,
             allow_outside: false,
             offered: Vec::new(),
+            journalled: false,
             on_card: false,
             live: false,
             hears: false,
@@ -302,6 +306,7 @@ impl Scene {
             .allow_outside(self.allow_outside)
             .at_rate(recordings_rate(rate))
             .holding(self.held);
+        let folder = if self.journalled { folder.digesting(of_bytes) } else { folder };
         let folder = Arc::new(folder);
         let (hears, on_line) = (self.hears || rig.device.input.is_some(), serial(&rig));
         let options = Options {

@@ -15,8 +15,8 @@ pub struct OutsideReport {
     notes: Option<[u8; 2]>,
     /// The voice or pattern that it plays.
     plays: Option<String>,
-    /// "notes" or "channels", where it is spread over the tactors by these.
-    spread: Option<&'static str>,
+    /// "notes", "channels" or "controller N", where it is spread over the tactors by these.
+    spread: Option<String>,
     /// The control that it moves.
     moves: Option<String>,
     /// What its ends become, in the control's unit.
@@ -71,8 +71,9 @@ impl OutsideReport {
             plays: Some(trigger.play.clone()),
             spread: match trigger.spread {
                 Spread::Off => None,
-                Spread::Notes => Some("notes"),
-                Spread::Channels => Some("channels"),
+                Spread::Notes => Some("notes".into()),
+                Spread::Channels => Some("channels".into()),
+                Spread::Controller(number) => Some(format!("controller {number}")),
             },
             moves: None,
             range: None,
@@ -109,7 +110,7 @@ impl OutsideReport {
         let notes = self.notes.map(|[low, high]| format!(" from {} to {}", name(low), name(high)));
         let from = format!("{}{}{channel}", self.from, notes.unwrap_or_default());
         if let Some(plays) = &self.plays {
-            let spread = self.spread.map(|by| format!("spread over the tactors by {by}"));
+            let spread = self.spread.as_ref().map(|by| format!("spread over the tactors by {by}"));
             return [from, format!("plays {plays}"), spread.unwrap_or_default()];
         }
         let range = self.range.map(|[low, high]| format!("from {low} to {high}")).unwrap_or_default();

@@ -5,7 +5,7 @@ use super::device_queue;
 use super::ear::Listens;
 use super::failure::Failure;
 use super::hearers::Hearers;
-use super::keep::{Keep, Sound};
+use super::keep::{About, Keep, Sound};
 use super::knob::turning::Turning;
 use super::load::Scene;
 use super::loaded::Loaded;
@@ -33,6 +33,7 @@ use pacinian::patch::Patch;
 use pacinian::patch::knob::HAND;
 use pacinian::rig::OutputKind;
 use pacinian::text::problem::escaped;
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::{Instant, SystemTime};
@@ -148,7 +149,9 @@ impl Play {
         let since = SystemTime::now();
         let hears = self.input_device.is_some();
         let simulated = self.simulated;
-        let mut scene = Scene { live: true, hears, simulated, block: self.block, ..self.scene.clone() };
+        let journalled = self.keep.events.is_some();
+        let mut scene =
+            Scene { live: true, hears, simulated, journalled, block: self.block, ..self.scene.clone() };
         // Where no rig says which tactors there are, the device does.
         let mut device = None;
         if scene.rig.is_none() {
@@ -229,9 +232,10 @@ impl Play {
             control: self.turned.then_some(HAND),
         };
         let (mut show, post) = Show::new(&scenery, terminal)?;
-        let (ears, ports) = (post.clone(), post.clone());
+        let ports = post.clone();
         let (verdict, verdicts) = channel();
-        let journal = self.keep.journal(&reload, scenery.device, armed)?;
+        let about = About { device: scenery.device, armed, heard: listens.heard.take(), rig: &loaded.rig };
+        let journal = self.keep.journal(&reload, about)?;
         // Before anything sounds: an address that cannot be had ends it.
         let socket = self.osc.bind()?;
         let announcer = self.osc.announcer(&reload.scene.plan)?;
@@ -245,7 +249,7 @@ impl Play {
         let beginning = Beginning {
             block: self.block,
             armed,
-            input: listens.ear(Box::new(move |what| ears.input_fate(what))),
+            input: listens.ear(hearers.clone().input_fate()),
             knob: on_line,
             record: self.keep.record.is_some(),
             record_input: self.keep.events.is_some(),
@@ -343,8 +347,8 @@ impl Play {
             if let Some(trouble) = kept.look(&session) {
                 show.say(&trouble);
             }
-            for at in announcer.iter().flat_map(Announcer::unheard) {
-                show.say(&format!("nobody listens at {at}: what is told there over OSC is lost"));
+            for vain in announcer.iter().flat_map(Announcer::unheard) {
+                show.say(&format!("{}: what is told there over OSC is lost", in_vain(&vain)));
             }
             for complaint in osc.iter().flat_map(Server::complaints) {
                 show.say(&complaint);
@@ -392,8 +396,8 @@ impl Play {
             terminal.note(&format!("{trouble}\n"));
         }
         let unsent = announcer.as_ref().map_or(0, Announcer::finish);
-        for at in announcer.iter().flat_map(Announcer::unheard) {
-            terminal.note(&format!("nobody listens at {at}\n"));
+        for vain in announcer.iter().flat_map(Announcer::unheard) {
+            terminal.note(&format!("{}\n", in_vain(&vain)));
         }
         if unsent > 0 {
             terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
@@ -526,6 +530,14 @@ impl Play {
             );
         }
         Ok(())
+    }
+}
+
+/// Why what is told over OSC does not arrive.
+fn in_vain((at, why): &(SocketAddr, Option<String>)) -> String {
+    match why {
+        None => format!("nobody listens at {at}"),
+        Some(why) => format!("nothing can be sent to {at} ({why})"),
     }
 }
 

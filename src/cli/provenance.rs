@@ -21,7 +21,11 @@ pub fn provenance(loaded: &Loaded, options: &Options) -> Result<Provenance, File
     let mut files: Vec<FileDigest> = Vec::new();
     for (path, _) in named(&loaded.patch) {
         if files.iter().all(|known| known.path != path) {
-            files.push(FileDigest { path: path.into(), sha256: of_file(&folder.resolve(path)?)? });
+            let sha256 = match folder.digest(path) {
+                Some(read) => read,
+                None => of_file(&folder.resolve(path)?)?,
+            };
+            files.push(FileDigest { path: path.into(), sha256 });
         }
     }
     let source = &loaded.source;

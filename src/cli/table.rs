@@ -38,6 +38,11 @@ impl Table {
 /// Characters of a cell that are shown, at most.
 const MOST: usize = 300;
 
+/// Whether it is a colour, or how thick or slanted letters are, as those are that stand here and in messages. Others may hide what stands behind them.
+fn is_colour(code: &str) -> bool {
+    code.split(';').all(|part| matches!(part.parse(), Ok(0..=4 | 22..=24 | 30..=37 | 39 | 90..=97_u8)))
+}
+
 /// A cell without what would break its line or move the cursor, colours aside, and not too long.
 fn plain(cell: String) -> String {
     let cell = match cell.char_indices().nth(MOST) {
@@ -59,7 +64,7 @@ pub fn harmless<'a>(text: &'a str, but: &[char]) -> Cow<'a, str> {
         let (before, from) = rest.split_at(at);
         out += before;
         let colour = from.strip_prefix("\x1b[").and_then(|code| code.split_once('m')).map(|(code, _)| code);
-        let colour = colour.filter(|code| code.chars().all(|c| c.is_ascii_digit() || c == ';'));
+        let colour = colour.filter(|code| is_colour(code));
         let length = colour.map_or(c.len_utf8(), |code| code.len() + 3);
         let (this, behind) = from.split_at(length);
         out += &if colour.is_some() { this.to_string() } else { c.escape_default().to_string() };
@@ -112,7 +117,8 @@ pub fn dbfs(peak: f32) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Table, dbfs, grouped, hertz};
+    use super::{Table, dbfs, grouped, harmless, hertz};
+    use crate::cli::paint::Paint;
 
     #[test]
     fn columns_line_up_whatever_their_colour() {
@@ -121,6 +127,17 @@ mod tests {
         table.row(["\x1b[1määä\x1b[0m", "b", "c"]);
         table.row(["x"]);
         assert_eq!(table.text(), "  a    bb  c\n  \x1b[1määä\x1b[0m  b   c\n  x\n");
+        let paint = Paint(true);
+        for own in [paint.bold("a"), paint.dim("a"), paint.red("a"), paint.yellow("a"), paint.green("a")] {
+            assert_eq!(harmless(&own, &[]), own);
+        }
+        assert_eq!(harmless("\x1b[36;1;4mp.toml:1:1", &[]), "\x1b[36;1;4mp.toml:1:1");
+        for hides in ["8", "38;2;0;0;0", "40", "1;8", "", "-1", "300"] {
+            assert_eq!(
+                harmless(&format!("a\x1b[{hides}mb\x1b[2J"), &[]),
+                format!("a\\u{{1b}}[{hides}mb\\u{{1b}}[2J")
+            );
+        }
     }
 
     #[test]

@@ -21,6 +21,8 @@ pub struct Folder {
     rate: Option<f64>,
     held: &'static [(&'static str, &'static [u8])],
     instead: BTreeMap<String, PathBuf>,
+    /// What a file is known again by, if somebody wants to.
+    digest: Option<fn(&[u8]) -> String>,
     loaded: Mutex<Loaded>,
 }
 
@@ -28,10 +30,15 @@ pub struct Folder {
 struct Loaded {
     assets: HashMap<(PathBuf, usize), Arc<Asset>>,
     samples: u64,
+    digests: HashMap<PathBuf, String>,
 }
 
 /// Samples of all recordings together that are held, at most.
 const MOST: u64 = 1 << 28;
+
+/// A file of no more bytes is read at once where it is to be known again, so that what is played is what was read; the channels of larger ones
+/// cannot all be held either.
+const AT_ONCE: u64 = 4 * MOST;
 
 /// The rate to which recordings are brought for an engine of a device: twice its own, so that one may be played at half its speed and
 /// keep its band.
@@ -51,6 +58,7 @@ impl Folder {
             rate: None,
             held: &[],
             instead: BTreeMap::new(),
+            digest: None,
             loaded: Mutex::default(),
         }
     }
@@ -65,6 +73,18 @@ impl Folder {
     pub fn holding(mut self, files: &'static [(&'static str, &'static [u8])]) -> Self {
         self.held = files;
         self
+    }
+
+    /// Notes a digest of each file that is read, of the very bytes from which its samples come, whoever writes it meanwhile.
+    pub fn digesting(mut self, digest: fn(&[u8]) -> String) -> Self {
+        self.digest = Some(digest);
+        self
+    }
+
+    /// The digest of the file at `path`, as a patch says it, if it has been read and [noted](Self::digesting).
+    pub fn digest(&self, path: &str) -> Option<String> {
+        let real = self.resolve(path).ok()?;
+        self.loaded.lock().unwrap_or_else(PoisonError::into_inner).digests.get(&real).cloned()
     }
 
     /// Recordings that lie elsewhere, by their path as a patch says it; what they are, somebody has looked at.
@@ -151,7 +171,18 @@ impl Folder {
             Some((_, bytes)) => {
                 self.load_from(WavReader::new(Cursor::new(*bytes), path)?, &key.0, channel, room)?
             }
-            None => self.load_from(WavReader::open(&key.0)?, &key.0, channel, room)?,
+            None => match self.digest.filter(|_| is_small(&key.0)) {
+                None => self.load_from(WavReader::open(&key.0)?, &key.0, channel, room)?,
+                Some(digest) => {
+                    let bytes = super::open::bytes(&key.0)?;
+                    let now = digest(&bytes);
+                    if *loaded.digests.entry(key.0.clone()).or_insert_with(|| now.clone()) != now {
+                        let what = format!("`{}` was written anew while it was read", key.0.display());
+                        return Err(FileError::new(FileErrorKind::Io, what));
+                    }
+                    self.load_from(WavReader::new(Cursor::new(bytes), &key.0)?, &key.0, channel, room)?
+                }
+            },
         };
         let asset = Arc::new(asset);
         loaded.samples += asset.samples.len() as u64;
@@ -184,6 +215,10 @@ impl Folder {
         reader.read(channel, frames, |x| converter.push(x))?;
         Ok(Asset { samples: converter.finish().map_err(malformed)?, rate: wanted })
     }
+}
+
+fn is_small(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|about| about.len() <= AT_ONCE)
 }
 
 /// Refuses a rate (Hz) that no recording for the skin has.
@@ -253,6 +288,33 @@ mod tests {
         fn drop(&mut self) {
             let _ = std::fs::remove_dir_all(&self.0);
         }
+    }
+
+    /// A stand-in for a digest.
+    fn length_and_end(bytes: &[u8]) -> String {
+        format!("{} {:?}", bytes.len(), bytes.last())
+    }
+
+    #[test]
+    fn what_is_noted_of_a_file_is_what_was_read() {
+        let scratch = Scratch::new("noted");
+        let path = scratch.patch().join("tone.wav");
+        let before = std::fs::read(&path).unwrap();
+        let folder = Folder::new(scratch.patch()).digesting(length_and_end);
+        assert_eq!(folder.digest("tone.wav"), None, "it has not been read");
+        let first = folder.load("tone.wav", 1).unwrap();
+        // It is written anew.
+        let mut wav = WavWriter::create(&path, WavSpec::new(2, 48_000, Encoding::F32)).unwrap();
+        wav.write(&[0.125, -0.75].repeat(2_400)).unwrap();
+        wav.finish().unwrap();
+        assert_eq!(folder.digest("tone.wav"), Some(length_and_end(&before)));
+        assert_eq!(folder.load("tone.wav", 1).unwrap().samples.len(), first.samples.len());
+        let error = folder.load("tone.wav", 2).unwrap_err();
+        assert!(error.contains("written anew while it was read"), "{error}");
+        // The same samples as without.
+        let plain = Folder::new(scratch.patch()).load("tone.wav", 2).unwrap();
+        let noted = Folder::new(scratch.patch()).digesting(length_and_end).load("tone.wav", 2).unwrap();
+        assert_eq!(plain.samples, noted.samples);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::error::{FileError, FileErrorKind};
 use std::fmt;
 use std::fs::{File, Metadata};
+use std::io::Read;
 use std::path::Path;
 
 /// What stands where a file is expected.
@@ -70,6 +71,16 @@ pub(super) fn open(path: &Path) -> Result<File, FileError> {
         return Err(FileError::new(FileErrorKind::Malformed, what));
     }
     File::open(path).map_err(failed)
+}
+
+/// All of a file.
+///
+/// # Errors
+/// As [`open`], and when it cannot be read.
+pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+    let mut all = Vec::new();
+    open(path)?.read_to_end(&mut all).map_err(|error| FileError::reading(path, &error))?;
+    Ok(all)
 }
 
 #[cfg(all(test, unix))]

@@ -23,6 +23,9 @@ pub const EVERY: Duration = Duration::from_millis(100);
 /// So long a file is left alone before what stands in it counts: whoever saves in two strokes has not saved half of it.
 pub const SETTLE: Duration = Duration::from_millis(200);
 
+/// The same of a file that breaks off in the middle of a line, as it did not before: somebody still writes it, over a slow network perhaps.
+const BROKEN_OFF: Duration = Duration::from_secs(2);
+
 /// So long files that have settled wait for others that have not: what is saved together is told together.
 const TOGETHER: Duration = Duration::from_secs(1);
 
@@ -73,6 +76,8 @@ enum Content {
     Bytes {
         length: u64,
         hash: u64,
+        /// Whether its last line has an end.
+        ended: bool,
     },
     /// More than is read.
     Large(About),
@@ -123,7 +128,7 @@ impl Watch {
     }
 
     /// Looks at all of them. Gives those that say something else than what was told of them last, once they have been left alone
-    /// for [`SETTLE`]. A file of more than a mebibyte is not read, and counts as something else when its length, time or number is.
+    /// for [`SETTLE`], ten times as long where one breaks off in the middle of a line and did not before. A file of more than a mebibyte is not read, and counts as something else when its length, time or number is.
     pub fn look(&mut self) -> Vec<PathBuf> {
         self.look_at(Instant::now(), &|| false)
     }
@@ -150,9 +155,9 @@ impl Watch {
             }
             place.look(now);
         }
-        let ages = || self.places.iter().filter_map(|place| place.age(now));
-        let Some(longest) = ages().max().filter(|age| *age >= SETTLE) else { return Vec::new() };
-        if ages().any(|age| age < SETTLE) && longest < SETTLE + TOGETHER {
+        let beyond = || self.places.iter().filter_map(|place| place.beyond(now));
+        let Some(longest) = beyond().flatten().max() else { return Vec::new() };
+        if beyond().any(|beyond| beyond.is_none()) && longest < TOGETHER {
             return Vec::new();
         }
         let told = |place: &mut Place| (!stop() && place.tell(now)).then(|| place.path.clone());
@@ -188,14 +193,15 @@ impl Place {
         }
     }
 
-    /// So long it has been left alone, if it was touched.
-    fn age(&self, now: Instant) -> Option<Duration> {
-        self.restless.map(|since| now.saturating_duration_since(since))
+    /// If it was touched: for how long it has settled, `None` where it has not.
+    fn beyond(&self, now: Instant) -> Option<Option<Duration>> {
+        let settles = if self.seen.breaks_off(self.told) { BROKEN_OFF } else { SETTLE };
+        self.restless.map(|since| now.saturating_duration_since(since).checked_sub(settles))
     }
 
     /// Whether it has settled on something else.
     fn tell(&mut self, now: Instant) -> bool {
-        if self.age(now).is_none_or(|age| age < SETTLE) {
+        if self.beyond(now).flatten().is_none() {
             return false;
         }
         self.restless = None;
@@ -233,13 +239,18 @@ impl Content {
         let read = |path: &Path| -> std::io::Result<Self> {
             // It may grow while it is read.
             let (mut file, mut hasher) = (File::open(path)?.take(SMALL + 1), DefaultHasher::new());
-            let (mut bytes, mut length) = (vec![0; 1 << 16], 0);
+            let (mut bytes, mut length, mut last) = (vec![0; 1 << 16], 0, None);
             loop {
                 match file.read(&mut bytes) {
-                    Ok(0) => return Ok(Self::Bytes { length, hash: hasher.finish() }),
+                    Ok(0) => {
+                        let ended = last == Some(b'\n');
+                        return Ok(Self::Bytes { length, hash: hasher.finish(), ended });
+                    }
                     Ok(count) => {
+                        let read = bytes.get(..count).unwrap_or_default();
                         length += count as u64;
-                        hasher.write(bytes.get(..count).unwrap_or_default());
+                        last = read.last().copied().or(last);
+                        hasher.write(read);
                     }
                     Err(error) if error.kind() == ErrorKind::Interrupted => {}
                     Err(error) => return Err(error),
@@ -254,11 +265,16 @@ impl Content {
             About::Not(why) => Self::Not(why),
         }
     }
+
+    /// Whether it breaks off in the middle of a line, and that `before` did not.
+    fn breaks_off(self, before: Self) -> bool {
+        matches!((self, before), (Self::Bytes { ended: false, .. }, Self::Bytes { ended: true, .. }))
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{COARSE, SETTLE, TOGETHER, Watch};
+    use super::{BROKEN_OFF, COARSE, SETTLE, TOGETHER, Watch};
     use std::fs;
     use std::path::PathBuf;
     use std::time::{Duration, Instant, SystemTime};
@@ -397,6 +413,24 @@ mod tests {
             assert!(bench.told(SETTLE - STEP).is_empty());
         }
         assert_eq!(bench.told(2 * STEP), ["a"]);
+    }
+
+    #[test]
+    fn what_breaks_off_in_a_line_is_waited_for_longer() {
+        let mut bench = Bench::new("broken", &["a"]);
+        fs::write(bench.path("a"), "one\ntwo\n").unwrap();
+        assert_eq!(bench.told(SOON), ["a"]);
+        // The rest comes much later, as from a slow network.
+        fs::write(bench.path("a"), "three\nfo").unwrap();
+        assert!(bench.told(BROKEN_OFF - 2 * STEP).is_empty());
+        fs::write(bench.path("a"), "three\nfour\n").unwrap();
+        assert!(bench.told(SETTLE - STEP).is_empty());
+        assert_eq!(bench.told(2 * STEP), ["a"]);
+        // Nothing comes: so it is to be.
+        fs::write(bench.path("a"), "five").unwrap();
+        assert_eq!(bench.told(BROKEN_OFF + 2 * STEP), ["a"]);
+        fs::write(bench.path("a"), "six").unwrap();
+        assert_eq!(bench.told(SETTLE + 2 * STEP), ["a"], "as it was before");
     }
 
     #[test]

@@ -29,6 +29,9 @@ use crate::text::Problem;
 /// Seconds that patterns are sent ahead, beyond the block that is computed next.
 const AHEAD: f64 = 0.05;
 
+/// How often patterns are fed at most before anything sounds, a millisecond's work each time.
+const AT_FIRST: u32 = 1000;
+
 /// How often it looks whether patterns must be fed, where no signal comes.
 const EVERY: Duration = Duration::from_millis(5);
 
@@ -266,8 +269,10 @@ impl Conductor {
         if let Err(problem) = self.performer.begin(&mut outlet) {
             (self.audience)(Told::Refused(&problem));
         }
-        self.performer.feed(until, &mut outlet);
-        self.hear_trouble(false);
+        // A pattern that has millions of steps to take until something happens keeps nobody from playing.
+        let fed = |_: &u32| self.performer.feed_some(until, &mut outlet);
+        self.behind = (0..AT_FIRST).find(fed).is_none();
+        self.hear_trouble();
         self.show_values([0; WAYS]);
         self.board.lever.open();
     }
@@ -355,15 +360,14 @@ impl Conductor {
         let clock = self.board.clock.get();
         let until = self.until(clock);
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan, cause: 0 };
-        let troubled = self.performer.trouble().is_some();
         self.behind = !self.performer.feed_some(until, &mut outlet);
-        self.hear_trouble(troubled);
+        self.hear_trouble();
     }
 
-    /// Tells what keeps patterns from going on, if that is new.
-    fn hear_trouble(&mut self, troubled: bool) {
-        if let Some(problem) = self.performer.trouble().filter(|_| !troubled) {
-            (self.audience)(Told::Refused(problem));
+    /// Tells what has kept patterns from going on.
+    fn hear_trouble(&mut self) {
+        for problem in self.performer.take_troubles() {
+            (self.audience)(Told::Refused(&problem));
         }
     }
 

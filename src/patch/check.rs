@@ -368,7 +368,9 @@ impl Check<'_> {
         if by_note && !note {
             let what = format!("`{key}` goes with notes, and this trigger is set off by something else");
             self.error(&trigger.span, what, "set it off by on = \"midi.note\"".to_string());
-        } else if !midi && (trigger.channel.is_some() || trigger.spread == Spread::Channels) {
+        } else if !midi
+            && (trigger.channel.is_some() || !matches!(trigger.spread, Spread::Off | Spread::Notes))
+        {
             let what = "a MIDI channel goes with MIDI, and this trigger is set off by something else";
             self.error(&trigger.span, what.into(), "set it off by on = \"midi.note\"".to_string());
         }

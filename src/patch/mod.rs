@@ -264,9 +264,13 @@ impl Patch {
             Mover::Controller(number) => Some((number, bind.channel)),
             _ => None,
         });
+        let spreads = self.triggers.iter().filter_map(|trigger| match trigger.spread {
+            Spread::Controller(number) => Some((number, trigger.channel)),
+            _ => None,
+        });
         let on = |channel: Option<u8>| channel.and_then(|number| Channel::new(number.wrapping_sub(1)));
         let mut claims = Claims::default();
-        for (number, channel) in triggers.chain(binds) {
+        for (number, channel) in triggers.chain(binds).chain(spreads) {
             claims.add(number, on(channel));
         }
         for bind in self.binds.iter().filter(|bind| bind.encoder.is_some()) {

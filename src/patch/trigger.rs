@@ -58,12 +58,12 @@ pub enum Spread {
     Notes,
     /// By MIDI channel: channel 1 on the first tactor, and round and round.
     Channels,
+    /// By where this MIDI controller, 0 to 119, stands on the channel: from the first tactor to the last.
+    Controller(u8),
 }
 
 /// The longest [`Trigger::hold`], seconds.
 pub(super) const MOST_HOLD: f64 = 3600.0;
-
-const SPREADS: [Spread; 3] = [Spread::Off, Spread::Notes, Spread::Channels];
 
 /// What sets off a trigger.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,9 +163,15 @@ pub static TABLE: Table = Table {
         ),
         Field::new(
             "spread",
-            Form::Word(&["off", "notes", "channels"]),
+            Form::Word(&["off", "notes", "channels", "controller"]),
             "",
-            "Spreads what it plays over the tactors of the rig, in their order, by note or by MIDI channel.",
+            "Spreads what it plays over the tactors of the rig, in their order, by note, by MIDI channel, or by where a controller stands then.",
+        ),
+        Field::new(
+            "controller",
+            Form::any_count(0, 119),
+            "",
+            "The MIDI controller by which it is spread: from 0, the first tactor, to the last; on the channel that sets it off.",
         ),
         Field::new(
             "hold",
@@ -183,6 +189,34 @@ pub static TABLE: Table = Table {
     ],
     others: None,
 };
+
+/// How it is spread. A controller goes with `spread = "controller"` and nothing else.
+fn spread(reader: &Reader) -> Spread {
+    let controller = reader.count("controller").and_then(|n| u8::try_from(n).ok());
+    match (reader.word("spread"), controller) {
+        (1, None) => Spread::Notes,
+        (2, None) => Spread::Channels,
+        (3, Some(number)) => Spread::Controller(number),
+        (0, None) => Spread::Off,
+        (3, None) => {
+            let what = format!("`spread` of {} does not say by which controller", reader.who);
+            reader.sink.push(
+                Problem::error(&reader.span_of("spread"), what)
+                    .help("add controller = 10, or another".to_string()),
+            );
+            Spread::Off
+        }
+        (_, Some(number)) => {
+            let what = format!("`controller` of {} goes with spread = \"controller\"", reader.who);
+            let problem = Problem::error(&reader.span_of("controller"), what);
+            reader
+                .sink
+                .push(problem.help("say that, or take it out; a control is moved by a [[bind]]".to_string()));
+            Spread::Controller(number)
+        }
+        _ => Spread::Off,
+    }
+}
 
 const SOURCES: &[&str] = &[
     "start",
@@ -386,7 +420,7 @@ pub(crate) fn read(reader: &Reader) -> Option<Trigger> {
         place,
         channel: reader.count("channel").and_then(|n| u8::try_from(n).ok()),
         notes: notes(reader),
-        spread: SPREADS.get(reader.word("spread")).copied().unwrap_or_default(),
+        spread: spread(reader),
         hold: reader.number("hold").unwrap_or(0.0),
         rearm: reader.number("rearm"),
         play: reader.text("play")?.into(),

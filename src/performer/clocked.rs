@@ -157,7 +157,7 @@ impl Performer {
         if let Some((beat, anew)) = self.clocked.begin.take()
             && let Err(problem) = self.start_clocked(beat, anew)
         {
-            self.trouble.get_or_insert(problem);
+            self.meet(problem);
         }
     }
 

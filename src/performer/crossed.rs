@@ -153,7 +153,7 @@ impl Performer {
                     listener(&Heard { at: at.seconds, instant: at.instant, origin, id: None, what });
                 }
                 Err(problem) => {
-                    self.trouble.get_or_insert(problem);
+                    self.meet(problem);
                 }
             }
         }

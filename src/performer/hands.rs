@@ -482,11 +482,15 @@ impl Performer {
     /// The tactor that a trigger spreads a note to.
     fn spread(&self, trigger: &Trigger, hit: Hit) -> Option<Place> {
         let tactors = self.rig.outputs.len();
-        let (_, channel) = hit.port.filter(|_| tactors > 0)?;
+        let (port, channel) = hit.port.filter(|_| tactors > 0)?;
         let note = hit.note.unwrap_or(0);
         let number = match trigger.spread {
             Spread::Off => return None,
             Spread::Channels => channel.index() % tactors,
+            Spread::Controller(number) => {
+                let stands = self.hands.get(port)?.stood[channel.index()].get(usize::from(number))?;
+                ((stands * tactors as f64) as usize).min(tactors - 1)
+            }
             Spread::Notes => match trigger.notes {
                 Some([least, most]) => {
                     let (place, width) =

@@ -82,6 +82,8 @@ pub struct Performer {
     length: Option<f64>,
     cut: bool,
     trouble: Option<Problem>,
+    /// What has kept patterns from going on and is yet to be told.
+    troubles: Vec<Problem>,
     /// What the program played, and patterns it started, and those that too many others kept from it.
     played: u64,
     started: u64,
@@ -124,6 +126,9 @@ pub struct Performer {
     /// Seconds after which what plays from the beginning begins.
     lead: f64,
 }
+
+/// What stopped patterns is kept of so many until somebody asks.
+const MOST_TROUBLES: usize = 256;
 
 impl Performer {
     /// For a patch compiled for a rig. What plays from the beginning is ready to be fed.
@@ -198,6 +203,7 @@ impl Performer {
             length: Some(0.0),
             cut: false,
             trouble: None,
+            troubles: Vec::new(),
             played: 0,
             started: 0,
             turned_away: 0,
@@ -303,9 +309,22 @@ impl Performer {
         self.length = self.length.map(|length| length.max(lead + seconds));
     }
 
-    /// What stopped a pattern before its end, if something did: an events file with a bad line.
+    /// What stopped a pattern before its end, if something did: an events file with a bad line. Of several the first; others go on.
     pub fn trouble(&self) -> Option<&Problem> {
         self.trouble.as_ref()
+    }
+
+    /// What stopped patterns since this was asked last.
+    pub fn take_troubles(&mut self) -> Vec<Problem> {
+        std::mem::take(&mut self.troubles)
+    }
+
+    /// Something stops a pattern before its end.
+    fn meet(&mut self, problem: Problem) {
+        if self.troubles.len() < MOST_TROUBLES {
+            self.troubles.push(problem.clone());
+        }
+        self.trouble.get_or_insert(problem);
     }
 
     /// Keeps what is played from now on, in seconds, for a reference.

@@ -17,6 +17,9 @@ pub const MOST_RUNS: usize = 256;
 /// Events that [`Performer::feed_some`] gives or leaves out, and messages of a song that it plays: about a millisecond's work.
 const AT_ONCE: usize = 512;
 
+/// Steps that each pattern may take for every one of them, whatever they lead to.
+const STEPS: usize = 4;
+
 /// What patterns of the beginning have sent and is remembered until it is over, so that it can be stopped.
 const MOST_KEPT: usize = 1 << 13;
 
@@ -141,6 +144,7 @@ impl Performer {
         self.clock = earliest;
         // What has much to leave out must not keep the others waiting.
         let (mut work, mut left_out) = (most, most);
+        self.runs.iter_mut().for_each(|run| run.may_take(most.saturating_mul(STEPS)));
         while let Some((number, at, longer)) = self.first_run(outlet, &mut left_out) {
             if at >= until {
                 break;
@@ -217,7 +221,7 @@ impl Performer {
                 }
             };
             if let Err(problem) = played {
-                self.trouble.get_or_insert(problem);
+                self.meet(problem);
             }
         }
         None
@@ -234,10 +238,13 @@ impl Performer {
                 let now = self.now_of(&self.runs[number], earliest);
                 self.runs[number].leave_out(now);
             }
-            let next = self.runs[number].next(left_out).unwrap_or_else(|problem| {
-                self.trouble.get_or_insert(problem);
-                Next::Over
-            });
+            let next = loop {
+                match self.runs[number].next(left_out) {
+                    Ok(next) => break next,
+                    // Each takes one of its patterns away.
+                    Err(problem) => self.meet(problem),
+                }
+            };
             match next {
                 Next::Later => number += 1,
                 Next::At(own) => {

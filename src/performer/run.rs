@@ -1,7 +1,7 @@
 //! A pattern that plays.
 
 use super::whence::Whence;
-use crate::score::{Root, Score, Timed};
+use crate::score::{Next as Ahead, Root, Score, Timed};
 use crate::text::Problem;
 
 /// A score that plays, and what it says next.
@@ -27,6 +27,7 @@ pub(super) struct Run {
     /// Whether it has not come there at once.
     behind: bool,
     over: bool,
+    steps: usize,
 }
 
 /// What a run says next.
@@ -34,7 +35,7 @@ pub(super) struct Run {
 pub(super) enum Next {
     /// Something, at this time by its own count.
     At(f64),
-    /// That is not known yet: it has to leave out more than it may at once.
+    /// That is not known yet: it has to leave out more than it may at once, or its score has much to do until something happens.
     Later,
     /// Nothing more.
     Over,
@@ -55,6 +56,7 @@ impl Run {
             from: None,
             behind: false,
             over: false,
+            steps: usize::MAX,
         }
     }
 
@@ -78,18 +80,27 @@ impl Run {
         Self { from: Some(from), ..self }
     }
 
-    /// When it says something next. Each event that it leaves out is taken off `work`; when that is used up, it goes on from there the
-    /// next time.
+    /// So many steps its score may take until this is said again.
+    pub fn may_take(&mut self, steps: usize) {
+        self.steps = steps;
+    }
+
+    /// When it says something next. Each event that it leaves out is taken off `work`, and each step that its score takes off what it [may
+    /// take](Self::may_take); when one of them is used up, it goes on from there the next time. After an error it says what else there is.
     pub fn next(&mut self, work: &mut usize) -> Result<Next, Problem> {
         loop {
             if self.ahead.is_none() && !self.over {
-                let next = self.score.next().transpose();
-                if !matches!(next, Ok(Some(_))) {
-                    (self.over, self.from, self.behind) = (true, None, false);
+                match self.score.next_within(&mut self.steps)? {
+                    Ahead::Happens(timed) => self.ahead = Some(timed),
+                    Ahead::Over => (self.over, self.from, self.behind) = (true, None, false),
+                    Ahead::NotYet => {
+                        self.behind = true;
+                        return Ok(Next::Later);
+                    }
                 }
-                self.ahead = next?;
             }
             let Some(timed) = &self.ahead else { return Ok(Next::Over) };
+            self.behind = false;
             if self.from.is_none_or(|from| timed.at >= from) {
                 (self.from, self.behind) = (None, false);
                 return Ok(Next::At(timed.at));
@@ -103,7 +114,7 @@ impl Run {
         }
     }
 
-    /// Whether it had to leave out more than it could at once.
+    /// Whether it could not come at once to what it says next.
     pub fn is_behind(&self) -> bool {
         self.behind
     }

@@ -34,6 +34,7 @@ impl Performer {
         (self.played, self.started, self.fed, self.lead) = (new.played, new.started, fed, new.lead);
         self.clock = new.clock;
         self.turned_away = new.turned_away;
+        self.troubles = std::mem::take(&mut new.troubles);
         self.endless = std::mem::take(&mut new.endless);
         self.asleep = std::mem::take(&mut new.asleep);
         self.owed = std::mem::take(&mut new.owed);

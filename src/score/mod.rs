@@ -131,7 +131,8 @@ impl Root {
 /// The patterns of a patch, unrolled.
 ///
 /// It gives what happens in order of time. At the same instant, what stands first in the file comes first, what a nested
-/// pattern plays comes where it is played, and an earlier repetition comes before a later one. After an error it ends.
+/// pattern plays comes where it is played, and an earlier repetition comes before a later one. After an error, the pattern of its beginning that
+/// it is of has ended; others go on.
 pub struct Score<'a>(unroll::Unroll<'a>);
 
 impl<'a> Score<'a> {
@@ -170,6 +171,15 @@ impl<'a> Score<'a> {
         Ok(Self(unroll::Unroll::new(book, roots, seed)?))
     }
 
+    /// As its iterator, but in no more than so many steps, which are taken off: repetitions that play nothing, and what is drawn and put in order. A step
+    /// takes about a microsecond, and millions may lead to nothing.
+    ///
+    /// # Errors
+    /// What cannot be played.
+    pub fn next_within(&mut self, steps: &mut usize) -> Result<Next, Problem> {
+        self.0.next(steps)
+    }
+
     /// Seconds until the last event has ended, where that is known beforehand: `None` for what repeats without end, comes
     /// from a file, or depends on draws.
     pub fn length(&self) -> Option<f64> {
@@ -202,6 +212,22 @@ impl Iterator for Score<'_> {
     type Item = Result<Timed, Problem>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.0.next()
+        let mut all = usize::MAX;
+        match self.next_within(&mut all) {
+            Ok(Next::Happens(timed)) => Some(Ok(timed)),
+            Ok(Next::Over | Next::NotYet) => None,
+            Err(problem) => Some(Err(problem)),
+        }
     }
+}
+
+/// What a score says next.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Next {
+    /// This happens.
+    Happens(Timed),
+    /// Nothing more.
+    Over,
+    /// Nothing as far as it was looked.
+    NotYet,
 }

@@ -8,7 +8,7 @@ use super::entry::{Bursts, Entry, Task, Which};
 use super::playing::{Leaf, Playing};
 use super::sheet::{Content, Deed, Deviations, Item, Nested, Play, Sheet};
 use super::walk::Walk;
-use super::{HORIZON, MOST_AT_ONCE, MOST_DEEP, Note, Root, Timed, What, keys};
+use super::{HORIZON, MOST_AT_ONCE, MOST_DEEP, Next, Note, Root, Timed, What, keys};
 use crate::patch::event::{LEAST_FELT, MOST_FELT};
 use crate::patch::motion::{BURST, SINCE};
 use crate::text::Problem;
@@ -121,28 +121,32 @@ impl<'a> Unroll<'a> {
         });
     }
 
-    pub fn next(&mut self) -> Option<Result<Timed, Problem>> {
-        while let Some(entry) = self.heap.pop() {
-            if let Some(entries) = self.under_way.get_mut(entry.playing.root) {
+    /// What happens next, in no more than so many steps, which are taken off. After an error the root that it is of has nothing left to play.
+    pub fn next(&mut self, steps: &mut usize) -> Result<Next, Problem> {
+        while *steps > 0 {
+            let Some(entry) = self.heap.pop() else { return Ok(Next::Over) };
+            let (root, before) = (entry.playing.root, self.steps);
+            if let Some(entries) = self.under_way.get_mut(root) {
                 *entries -= 1;
             }
             let done = self.patience(&entry).and_then(|()| self.step(entry));
+            *steps = steps.saturating_sub(usize::try_from(self.steps - before).unwrap_or(usize::MAX));
             match done {
                 Ok(None) => {}
                 Ok(Some(timed)) => {
                     if timed.at >= self.mark + INSTANT {
                         (self.mark, self.steps) = (timed.at, 0);
                     }
-                    return Some(Ok(timed));
+                    return Ok(Next::Happens(timed));
                 }
                 Err(problem) => {
-                    self.heap.clear();
-                    self.under_way.fill(0);
-                    return Some(Err(problem));
+                    self.stop(root);
+                    self.steps = 0;
+                    return Err(problem);
                 }
             }
         }
-        None
+        Ok(Next::NotYet)
     }
 
     /// Counts steps that lead nowhere.

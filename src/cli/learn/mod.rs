@@ -88,18 +88,18 @@ impl Learn {
         let controls = self.chosen(&patch)?;
         let midi_in = self.midi_in.clone().filter(|name| name != "none");
         let midi = self.midi_in.is_none() || midi_in.is_some();
+        if !midi && self.osc.is_none() {
+            return Err(Failure::usage(
+                "there is nothing to learn from",
+                "leave --midi-in none out, or add --osc PORT",
+            ));
+        }
         if let Some(why) = midi_in::names().err().filter(|_| self.osc.is_none()) {
             return Err(Failure::usage(
                 format!("there is no MIDI to learn from: {why}"),
                 "--osc PORT learns from OSC",
             )
             .with_code(69));
-        }
-        if !midi && self.osc.is_none() {
-            return Err(Failure::usage(
-                "there is nothing to learn from",
-                "leave --midi-in none out, or add --osc PORT",
-            ));
         }
         let mut learner = Learner::default();
         if let Some(osc) = self.osc {

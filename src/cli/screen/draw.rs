@@ -305,7 +305,7 @@ mod tests {
         let names: [&dyn Fn(usize) -> String; 4] = [
             &|n| format!("t{n}"),
             &|n| format!("手首の右側にある{n}番目の振動子"),
-            &|n| format!("a\x1b[31m\n\r\t\u{202e}{n}{}", "x".repeat(5000)),
+            &|n| format!("a\x1b[31m\n\r\t\u{202e}{n}{}", "x".repeat(500)),
             &|n| format!("e\u{301}\u{200d}\u{1f9e0}{n}"),
         ];
         for name in names {
@@ -325,7 +325,8 @@ mod tests {
                     (0, 9),
                     (9, 0),
                 ] {
-                    for state in 0..16 {
+                    // Of many tactors, one state in five.
+                    for state in (0..16).step_by(if tactors > 16 { 5 } else { 1 }) {
                         (snapshot.panicked, snapshot.fancy, snapshot.paged) =
                             (state & 1 > 0, state & 2 > 0, state & 4 > 0);
                         snapshot.stale = (state & 8 > 0).then(|| name(1));

@@ -32,6 +32,13 @@ pub struct Head {
     /// The recording of what was heard, if the patch listens to an input: a file beside the journal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub input: Option<String>,
+    /// The device or the file that was listened to, as it is called.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub heard: Option<String>,
+    /// The latency of the loop from an output to an input, seconds, where the rig has it (`pacinian latency`). The times of events do not take it
+    /// into account: what of it lies behind the output, and what in front of the input, nobody has measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loop_latency: Option<f64>,
     /// The recording of what was sent, if there is one, by its path as the person wrote it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recording: Option<String>,

@@ -56,6 +56,10 @@ pub struct Setting {
     pub armed: bool,
     /// The recording of what is heard, by its name beside the journal.
     pub input: Option<String>,
+    /// The device or the file that is listened to, as it is called.
+    pub heard: Option<String>,
+    /// The latency of the loop, seconds, where the rig has it.
+    pub loop_latency: Option<f64>,
     /// The recording of what is sent, by its path.
     pub recording: Option<String>,
 }
@@ -149,6 +153,15 @@ impl Journal {
 
     /// For what becomes of the device.
     pub fn fate(&self, fate: &Fate) {
+        self.becomes("", fate);
+    }
+
+    /// For what becomes of the device that is listened to.
+    pub fn input_fate(&self, fate: &Fate) {
+        self.becomes("input-", fate);
+    }
+
+    fn becomes(&self, of: &str, fate: &Fate) {
         let (name, message) = match fate {
             Fate::Lost(why) => ("lost", Some(why.clone())),
             Fate::Back => ("back", None),
@@ -157,7 +170,7 @@ impl Journal {
             Fate::Said(what) => ("said", Some(what.clone())),
         };
         let mut keeping = self.get();
-        let line = Line { name: Some(name.into()), message, ..keeping.chronicle.now(Kind::Device) };
+        let line = Line { name: Some(format!("{of}{name}")), message, ..keeping.chronicle.now(Kind::Device) };
         keeping.writer.put(Entry::Line(Box::new(line)));
     }
 
@@ -253,6 +266,10 @@ fn counters(board: &Board) -> BTreeMap<String, f64> {
         ("unrecorded", board.unrecorded.get()),
         (UNTOLD, board.untold.get()),
         (INPUT_UNRECORDED, board.input.unrecorded.get()),
+        ("input_xruns", board.input.xruns.get()),
+        ("input_dry", board.input.dry.get()),
+        ("input_jumps", board.input.jumps.get()),
+        ("input_lost", board.input.lost.get()),
         ("masked", board.masked.get()),
         ("clamped", board.clamped.get()),
         ("limited", board.limited.get()),
@@ -286,6 +303,8 @@ impl Keeping {
             utc,
             monotonic,
             input: self.setting.input.clone(),
+            heard: self.setting.heard.clone(),
+            loop_latency: self.setting.loop_latency,
             recording: self.setting.recording.clone(),
         };
         self.writer.put(Entry::Head(Box::new(head)));

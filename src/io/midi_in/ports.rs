@@ -25,14 +25,17 @@ pub(super) struct Ports {
     wanted: Option<String>,
     news: Newsreader,
     open: Vec<Open>,
-    /// Those that could not be opened.
-    refused: Vec<String>,
+    /// Those that could not be opened, with the looks until that is tried again: another program may have let go of it by then.
+    refused: Vec<(String, u32)>,
     roster: Roster,
     /// Whether it was told that there is no MIDI.
     without: bool,
     /// Whether it was told that none has the name, or one had it.
     known: bool,
 }
+
+/// Looks from one try to open a port to the next.
+const AGAIN: u32 = 10;
 
 impl Ports {
     /// None so far.
@@ -96,11 +99,14 @@ impl Ports {
 
     /// Opens ports that are new.
     fn search(&mut self, input: &MidiInput, there: &[String]) {
-        self.refused.retain(|id| there.contains(id));
+        self.refused.retain(|(id, _)| there.contains(id));
+        self.refused.iter_mut().for_each(|(_, looks)| *looks = looks.saturating_sub(1));
         for port in &input.ports() {
             let (id, name) = (port.id(), input.port_name(port).unwrap_or_default());
             let fits = self.wanted.as_ref().is_none_or(|part| fits(part, &name));
-            let known = self.roster.has(&id) || self.refused.contains(&id);
+            let refused = self.refused.iter().position(|(known, _)| *known == id);
+            let waits = refused.is_some_and(|at| self.refused[at].1 > 0);
+            let known = self.roster.has(&id) || waits;
             if !fits || known || is_through(&name) {
                 continue;
             }
@@ -110,13 +116,19 @@ impl Ports {
             let line = Line::new(number, &shared, &self.ear, self.board.as_ref());
             match input.connect(port, "in", |_, bytes, line| line.hear(bytes), line) {
                 Ok(connection) => {
+                    self.refused.retain(|(known, _)| *known != id);
                     self.open.push(Open { id, name: shared, number, connection });
                     (self.news)(PortNews::Opened(name));
                 }
                 Err(error) => {
                     self.roster.leave(&id);
-                    self.refused.push(id);
-                    (self.news)(PortNews::Refused(name, error.to_string()));
+                    match refused {
+                        Some(at) => self.refused[at].1 = AGAIN,
+                        None => {
+                            self.refused.push((id, AGAIN));
+                            (self.news)(PortNews::Refused(name, error.to_string()));
+                        }
+                    }
                 }
             }
         }

@@ -51,6 +51,16 @@ impl<T> Agenda<T> {
         self.heap.pop().map(|entry| (entry.at, entry.what))
     }
 
+    /// Keeps what `keeps` says yes to, which may change it. Gives how much is forgotten.
+    pub fn retain(&mut self, mut keeps: impl FnMut(&mut T) -> bool) -> usize {
+        let mut all = std::mem::take(&mut self.heap).into_vec();
+        let before = all.len();
+        all.retain_mut(|entry| keeps(&mut entry.what));
+        let forgotten = before - all.len();
+        self.heap = all.into();
+        forgotten
+    }
+
     /// Forgets everything. Gives how much that was.
     pub fn clear(&mut self) -> usize {
         let length = self.heap.len();

@@ -53,19 +53,24 @@ struct Shared {
 struct Lost {
     /// Announcements.
     unsent: Figure,
-    /// Where nobody listens, and how many of those have been told.
-    unheard: Mutex<(Vec<SocketAddr>, usize)>,
+    /// Where it goes in vain, each with the reason where the system has one other than that nobody listens, and how many of those have been told.
+    unheard: Mutex<(Vec<(SocketAddr, Option<String>)>, usize)>,
 }
 
 impl Lost {
     /// A system has said that nobody was there for what went to a connected socket last.
     fn refused(&self, socket: &UdpSocket) {
         self.unsent.add(1);
+        if let Ok(to) = socket.peer_addr() {
+            self.fails(to, None);
+        }
+    }
+
+    /// It goes there in vain.
+    fn fails(&self, to: SocketAddr, why: Option<String>) {
         let mut unheard = locked(&self.unheard);
-        if let Ok(to) = socket.peer_addr()
-            && !unheard.0.contains(&to)
-        {
-            unheard.0.push(to);
+        if unheard.0.iter().all(|(known, _)| *known != to) {
+            unheard.0.push((to, why));
         }
     }
 }
@@ -139,6 +144,8 @@ impl Announcer {
         };
         let socket = UdpSocket::bind(any).map_err(failed)?;
         socket.set_write_timeout(Some(PATIENCE)).map_err(failed)?;
+        // Who names an address of many means them.
+        socket.set_broadcast(true).map_err(failed)?;
         // Of such a one alone systems tell that nobody was there. Beyond this machine the way, and with it one's own address, may change.
         let connected = to.ip().is_loopback();
         if connected {
@@ -218,8 +225,9 @@ impl Announcer {
         self.0.lost.unsent.add(if sent { 0 } else { number });
     }
 
-    /// Where [always](Self::always) something goes on this machine and nobody listens, as far as this has not been asked before.
-    pub fn unheard(&self) -> Vec<SocketAddr> {
+    /// Where [always](Self::always) something goes in vain, as far as this has not been asked before: on this machine where nobody listens, or where
+    /// the system does not send it, with its reason.
+    pub fn unheard(&self) -> Vec<(SocketAddr, Option<String>)> {
         let (at, told) = &mut *locked(&self.0.lost.unheard);
         let new = at.get(*told..).unwrap_or_default().to_vec();
         *told = at.len();
@@ -256,7 +264,12 @@ fn send(announcements: &Receiver<Announcement>, lost: &Lost) {
                     socket.send(&bytes)
                 }),
             };
-            lost.unsent.add(u64::from(sent.is_err()));
+            if let Err(error) = sent {
+                lost.unsent.add(1);
+                if let Some(to) = to.or_else(|| socket.peer_addr().ok()) {
+                    lost.fails(to, Some(error.to_string()));
+                }
+            }
         }
     }
 }
@@ -285,4 +298,28 @@ fn packet(line: &Line, tag: Tag) -> Option<Vec<u8>> {
     let message = OscPacket::Message(OscMessage { addr: addr.into(), args });
     let timetag = OscTime { seconds: (tag.0 >> 32) as u32, fractional: tag.0 as u32 };
     encoder::encode(&OscPacket::Bundle(OscBundle { timetag, content: vec![message] })).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Lost, send};
+    use std::net::UdpSocket;
+    use std::sync::Arc;
+    use std::sync::mpsc::channel;
+
+    /// More than a datagram has room for.
+    #[test]
+    fn what_the_system_does_not_send_is_told_with_its_reason_once() {
+        let socket = Arc::new(UdpSocket::bind("127.0.0.1:0").unwrap());
+        let to = socket.local_addr().unwrap();
+        let (lost, (tell, told)) = (Lost::default(), channel());
+        for length in [70_000, 10, 70_000] {
+            tell.send((vec![0; length], vec![(Arc::clone(&socket), Some(to))])).unwrap();
+        }
+        drop(tell);
+        send(&told, &lost);
+        assert_eq!(lost.unsent.get(), 2);
+        let vain = lost.unheard.lock().unwrap();
+        assert!(matches!(&vain.0[..], [(at, Some(why))] if *at == to && !why.is_empty()), "{vain:?}");
+    }
 }

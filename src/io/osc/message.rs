@@ -57,6 +57,16 @@ pub enum Ask {
     Nothing,
 }
 
+impl Ask {
+    /// The control that it is about, by its number.
+    pub(super) fn control(&mut self) -> Option<&mut usize> {
+        match self {
+            Self::Set(control, _) | Self::Get(control) | Self::Report(control, _) => Some(control),
+            _ => None,
+        }
+    }
+}
+
 /// Arguments that do not fit: their types, number or range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wrong;

@@ -244,6 +244,19 @@ impl Listener {
         let value = |control: &Control| known(control).unwrap_or((control.default, 0));
         let within = |c: &Control, (value, id): (f64, u64)| (value.clamp(c.range[0], c.range[1]), id);
         self.values = names.controls.iter().map(|c| within(c, value(c))).collect();
+        // What waits for its time means the control that had that name.
+        let become_of = |control: usize| {
+            let name = &self.names.controls.get(control)?.name;
+            names.controls.iter().position(|c| c.name == *name)
+        };
+        let forgotten = self.agenda.retain(|(.., what)| match what.control() {
+            None => true,
+            Some(control) => become_of(*control).is_some_and(|new| {
+                *control = new;
+                true
+            }),
+        });
+        self.counts.unknown.add(forgotten as u64);
         self.names = names;
         self.peers.forget_controls();
     }

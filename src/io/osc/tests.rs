@@ -362,6 +362,32 @@ fn bundles_are_played_at_their_time() {
     assert_eq!(scene.counts().trouble(), None);
 }
 
+/// A patch that is saved meanwhile has other controls, in another order.
+#[test]
+fn what_waits_for_its_time_means_the_control_of_that_name() {
+    let scene = Scene::new();
+    let sets = [message("/control/depth", &[f(2.0)]), message("/control/tempo", &[f(120.0)])];
+    scene.send(&bundle(600, sets.to_vec()));
+    scene.settle();
+    let other = PATCH
+        .replace("[control.depth]", "[control.aaa]\ndefault = 0\n[control.rest]")
+        .replace("\"depth\"", "\"aaa\"");
+    scene.server.follow(&Patch::parse("p", other.as_bytes()).unwrap().value);
+    scene.settle();
+    let (epoch, mut heard) = (scene.handle.epoch(), Vec::new());
+    let begin = epoch.now();
+    while heard.is_empty() {
+        heard.extend(scene.heard());
+        std::thread::sleep(Duration::from_millis(1));
+        assert!(epoch.now().since(begin) < 20.0);
+    }
+    scene.settle();
+    heard.extend(scene.heard());
+    let set: Vec<_> = heard.into_iter().map(|heard| heard.signal).collect();
+    assert!(matches!(&set[..], [Signal::Set(name, value)] if name == "tempo" && *value == 120.0), "{set:?}");
+    assert_eq!(scene.counts().unknown.get(), 1, "the other is none any more");
+}
+
 #[test]
 fn late_far_and_cancelled() {
     let scene = Scene::new();

@@ -86,6 +86,31 @@ fn a_key_holds_its_voice_and_gives_level_pitch_and_place() {
     assert_eq!(kept.0.last().map(|(_, e)| *e), Some(Event::Release(first)));
 }
 
+/// Eight tactors: each has an eighth of the fader's way, and a note stays where it began.
+#[test]
+fn a_note_begins_where_a_controller_stands_then() {
+    let (mut performer, mut kept) = performer(
+        "[[trigger]]\non = \"midi.note\"\nplay = \"v\"\nspread = \"controller\"\ncontroller = 10\n",
+    );
+    let mut place = |moves: Option<u8>, number: u8| {
+        kept.0.clear();
+        if let Some(value) = moves {
+            send(&mut performer, &mut kept, 0.1, controller(10, value));
+            assert!(kept.0.is_empty(), "what sounds stays");
+        }
+        send(&mut performer, &mut kept, 0.1, on(number, 60, 100));
+        match kept.0.iter().find_map(|(_, e)| if let Event::Play(play) = e { Some(play.place) } else { None })
+        {
+            Some(Spot::Row(row)) => row,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(place(None, 0), 0, "one that has not moved");
+    let rows: Vec<u32> = [0, 15, 16, 63, 64, 111, 112, 127].map(|value| place(Some(value), 0)).into();
+    assert_eq!(rows, [0, 0, 1, 3, 4, 6, 7, 7]);
+    assert_eq!(place(None, 1), 0, "another channel has a fader of its own");
+}
+
 #[test]
 fn what_is_said_goes_before_what_is_played() {
     let (mut performer, mut kept) = performer(

@@ -65,6 +65,53 @@ fn too_many_patterns_are_turned_away_in_words_and_counted() {
     assert!(performer.start_pattern(at, "p").is_err());
 }
 
+/// Two that begin by themselves, and one whose repetitions are too close to get anywhere: it ends, is told of each time, and nothing else does.
+#[test]
+fn a_pattern_that_does_not_get_on_ends_alone_and_is_told_of_each_time() {
+    let bad = "[pattern.bad]\nrepeat = { every = 1e-6 }\nevents = [{ at = 30, voice = \"v\" }]\n\
+        [pattern.other]\nrepeat = { every = 1e-6 }\nevents = [{ at = 30, voice = \"v\" }]\n";
+    let start = "[[trigger]]\non = \"start\"\nplay = \"p\"\n[[trigger]]\non = \"start\"\nplay = \"bad\"\n";
+    let (mut performer, mut kept) =
+        (performer(&format!("{}{bad}{start}", pattern("p", 0.5, 1.0))), Kept::default());
+    // It is after two seconds that too many of its events wait.
+    assert_eq!(performer.feed(24_000, &mut kept), None);
+    assert_eq!(kept.1.iter().map(|(at, _)| *at).collect::<Vec<_>>(), [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]);
+    let told = |performer: &mut Performer| -> Vec<String> {
+        performer.take_troubles().into_iter().map(|problem| problem.what).collect()
+    };
+    assert!(matches!(&told(&mut performer)[..], [one] if one.contains("pattern `bad`")));
+    for name in ["other", "bad", "other"] {
+        performer.start_pattern(When::of_seconds(2.0, 8000.0), name).unwrap();
+        performer.feed(40_000, &mut kept);
+        assert!(matches!(&told(&mut performer)[..], [one] if one.contains(&format!("pattern `{name}`"))));
+    }
+    assert_eq!(performer.patterns().map(|(_, name)| name).collect::<Vec<_>>(), ["p"]);
+    assert!(performer.trouble().unwrap().what.contains("`bad`"), "the first");
+}
+
+/// Forty deep, each of which plays the next without end and at once: millions of steps until it gives up.
+#[test]
+fn what_takes_many_steps_keeps_nobody_waiting() {
+    let deep: String = (0..40)
+        .map(|n| {
+            let every = "repeat = { every = 1e-6, times = 1000000000 }";
+            format!("[pattern.p{n}]\nevents = [{{ at = 0, pattern = \"p{}\", {every} }}]\n", n + 1)
+        })
+        .collect();
+    let last = "[pattern.p40]\nevents = [{ at = 1, voice = \"v\" }]\n";
+    let start = "[[trigger]]\non = \"start\"\nplay = \"p\"\n";
+    let text = format!("{}{deep}{last}{start}", pattern("p", 0.25, 1.0));
+    let (mut performer, mut kept) = (performer(&text), Kept::default());
+    let serial = performer.start_pattern(When::of_seconds(0.0, 8000.0), "p0").unwrap();
+    for turn in 1..=10 {
+        assert!(!performer.feed_some(2000 * turn, &mut kept), "it is on its way");
+        assert_eq!(kept.1.len() as u64, turn, "the other goes on");
+    }
+    assert!(performer.plays(serial));
+    assert!(performer.stop_pattern(When::of_seconds(0.0, 8000.0), serial, &mut kept));
+    assert!(performer.feed_some(22_000, &mut kept) && performer.take_troubles().is_empty());
+}
+
 /// However much there is, little is done at once, and in the end the same as if it had been done at once.
 #[test]
 fn what_is_fed_in_parts_is_what_is_fed_at_once() {
