@@ -134,6 +134,69 @@ fn a_session_that_stood_still_counts_an_xrun_and_goes_on() {
     assert!(end["fields"]["xruns"].as_f64().unwrap() >= 1.0, "{end}");
 }
 
+/// One that begins it in a group of its own, and its log goes to a file: no signal comes, and nothing is written that would fail.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_terminal_that_is_gone_without_a_signal_ends_it() {
+    use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+    let scratch = Scratch::new("stop-quiet");
+    scratch.write("p.toml", PATCH);
+    let near = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
+    grantpt(&near).unwrap();
+    unlockpt(&near).unwrap();
+    let path = ptsname(&near, Vec::new()).unwrap().into_string().unwrap();
+    let plain = scratch.command(&[&KEPT[..], &["e.jsonl"]].concat());
+    // In a session of its own, so that the terminal is none of its.
+    let mut command = Command::new("setsid");
+    command.arg(plain.get_program()).args(plain.get_args()).current_dir(&scratch.0);
+    let open = || {
+        use std::os::unix::fs::OpenOptionsExt;
+        let noctty = OpenptFlags::NOCTTY.bits() as i32;
+        std::fs::File::options().read(true).write(true).custom_flags(noctty).open(&path).unwrap()
+    };
+    command.stdin(open()).stdout(open()).stderr(std::fs::File::create(scratch.0.join("log")).unwrap());
+    let Ok(mut child) = command.spawn() else { return };
+    drop(command);
+    has_played(&scratch);
+    assert!(child.try_wait().unwrap().is_none());
+    drop(near);
+    let begin = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(20), "it plays on");
+        std::thread::sleep(Duration::from_millis(10));
+    };
+    assert_eq!(status.code(), Some(129));
+    is_finished(&scratch, "gone");
+}
+
+/// Where the system refuses what a program that plays would like, that is said once, and it plays.
+#[cfg(target_os = "linux")]
+#[test]
+fn that_there_is_no_real_time_priority_is_said() {
+    let scratch = Scratch::new("stop-humble");
+    scratch.write("p.toml", PATCH);
+    let play = scratch.command(&["play", "p.toml", "--device", "virtual", "--duration", "0.5"]);
+    let mut command = Command::new("prlimit");
+    command.args(["--rtprio=0", "setpriv", "--bounding-set=-sys_nice", "--inh-caps=-sys_nice"]);
+    command.arg(play.get_program()).args(play.get_args()).current_dir(&scratch.0);
+    let said = command.stdin(Stdio::null()).output();
+    let Some(said) = said.ok().filter(|said| said.status.code() != Some(127)) else { return };
+    let text = String::from_utf8_lossy(&said.stderr).into_owned();
+    if text.contains("setpriv: ") {
+        // Who has no rights to give away has none to play first either.
+        return;
+    }
+    assert!(said.status.success(), "{text}");
+    assert_eq!(
+        text.matches("the system gives no real-time priority, so gaps are likelier").count(),
+        1,
+        "{text}"
+    );
+}
+
 /// A window that is closed: the system tells all who have the terminal, and the shell tells its children once more.
 #[cfg(target_os = "linux")]
 #[test]

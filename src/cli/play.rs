@@ -23,7 +23,7 @@ use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
 use pacinian::io::midi_in::MidiPorts;
-use pacinian::io::osc::announce::Announcer;
+use pacinian::io::osc::announce::{Announcer, InVain};
 use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session};
 use pacinian::live::gate::RAMP_IN;
@@ -33,7 +33,6 @@ use pacinian::patch::Patch;
 use pacinian::patch::knob::HAND;
 use pacinian::rig::OutputKind;
 use pacinian::text::problem::escaped;
-use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::{Instant, SystemTime};
@@ -534,7 +533,7 @@ impl Play {
 }
 
 /// Why what is told over OSC does not arrive.
-fn in_vain((at, why): &(SocketAddr, Option<String>)) -> String {
+fn in_vain((at, why): &InVain) -> String {
     match why {
         None => format!("nobody listens at {at}"),
         Some(why) => format!("nothing can be sent to {at} ({why})"),

@@ -134,6 +134,7 @@ pub struct Show {
     warned: Vec<Problems>,
     stale: String,
     terminal: Terminal,
+    held: tty::Held,
 }
 
 impl Show {
@@ -187,6 +188,7 @@ impl Show {
             warned: loaded.warnings.clone(),
             stale: String::new(),
             terminal: *terminal,
+            held: tty::Held::now(),
         };
         Ok((show, post))
     }
@@ -232,7 +234,7 @@ impl Show {
                 Some(typed) => typed.into_iter().find_map(|event| self.typed(&event, session)),
                 None => Some(Ending::Closed),
             },
-            Out::Lines(_) => None,
+            Out::Lines(_) => self.held.is_gone().then_some(Ending::Closed),
         };
         let elapsed = self.fetch.elapsed();
         if std::mem::take(&mut self.due) || elapsed - self.heard >= FRAME.as_secs_f64() {

@@ -53,6 +53,39 @@ pub fn hangs_up() -> bool {
     false
 }
 
+/// Which of the program's three streams were a terminal's when it began. Not everybody who has one hears by a signal that it is gone: in another
+/// group of processes, say.
+#[derive(Debug, Clone, Copy)]
+pub struct Held([bool; 3]);
+
+impl Held {
+    /// As it is now.
+    pub fn now() -> Self {
+        Self([stdin().is_terminal(), stdout().is_terminal(), stderr().is_terminal()])
+    }
+
+    /// Whether a terminal of these is gone.
+    #[cfg(unix)]
+    pub fn is_gone(self) -> bool {
+        use rustix::event::{PollFd, PollFlags, Timespec, poll};
+        use std::os::fd::AsFd;
+        let (input, out, err) = (stdin(), stdout(), stderr());
+        let all = [input.as_fd(), out.as_fd(), err.as_fd()].into_iter().zip(self.0);
+        let hung_up = |mut stream: PollFd<'_>| {
+            let told = poll(std::slice::from_mut(&mut stream), Some(&Timespec::default()));
+            told.is_ok() && stream.revents().contains(PollFlags::HUP)
+        };
+        all.filter(|(_, held)| *held)
+            .any(|(stream, _)| hung_up(PollFd::from_borrowed_fd(stream, PollFlags::empty())))
+    }
+
+    /// Nobody says.
+    #[cfg(not(unix))]
+    pub fn is_gone(self) -> bool {
+        false
+    }
+}
+
 /// Columns and rows, where the terminal says.
 pub fn size() -> Option<(u16, u16)> {
     crossterm::terminal::size().ok().filter(|(width, height)| *width > 0 && *height > 0)

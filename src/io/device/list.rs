@@ -208,7 +208,10 @@ pub fn find<'a, D>(
         rest => called(&of_host, rest)?,
     };
     several.ok_or_else(|| {
-        let what = format!("there is no device `{name}`");
+        let what = match is_none(name) {
+            true => format!("`{name}` takes all at once, so that nothing keeps time on it (`virtual` does)"),
+            false => format!("there is no device `{name}`"),
+        };
         let near = nearest(name, fitting.iter().map(|(_, found)| found.name.as_str()));
         // Where several systems have one of a name, the system in front tells them apart.
         let elsewhere =
@@ -361,6 +364,7 @@ mod tests {
         }
         assert_eq!(id("hw:CARD=Glove_1,DEV=0").unwrap(), "alsa:hw:CARD=Glove_1,DEV=0");
         assert!(id("jack:Belt").unwrap_err().to_string().contains("there is no device `jack:Belt`"));
+        assert!(id("alsa:null").unwrap_err().to_string().contains("nothing keeps time on it"));
         assert!(id("pipewire:Hat").is_err(), "it is not in that host");
     }
 }

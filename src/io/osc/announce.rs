@@ -48,13 +48,16 @@ struct Shared {
     lost: Arc<Lost>,
 }
 
+/// Where something goes in vain, and why, where the system has a reason other than that nobody listens there.
+pub type InVain = (SocketAddr, Option<String>);
+
 /// What did not get where it was to go.
 #[derive(Debug, Default)]
 struct Lost {
     /// Announcements.
     unsent: Figure,
-    /// Where it goes in vain, each with the reason where the system has one other than that nobody listens, and how many of those have been told.
-    unheard: Mutex<(Vec<(SocketAddr, Option<String>)>, usize)>,
+    /// Where it goes in vain, and how many of those have been told.
+    unheard: Mutex<(Vec<InVain>, usize)>,
 }
 
 impl Lost {
@@ -227,7 +230,7 @@ impl Announcer {
 
     /// Where [always](Self::always) something goes in vain, as far as this has not been asked before: on this machine where nobody listens, or where
     /// the system does not send it, with its reason.
-    pub fn unheard(&self) -> Vec<(SocketAddr, Option<String>)> {
+    pub fn unheard(&self) -> Vec<InVain> {
         let (at, told) = &mut *locked(&self.0.lost.unheard);
         let new = at.get(*told..).unwrap_or_default().to_vec();
         *told = at.len();
