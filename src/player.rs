@@ -117,7 +117,7 @@ impl Player {
         self.performer.follow_song(tempi, seconds)
     }
 
-    /// What stopped the patterns before their end, if something did: an events file with a bad line.
+    /// What stopped a pattern before its end, if something did: an events file with a bad line. Of several the first; others go on.
     pub fn trouble(&self) -> Option<&Problem> {
         self.performer.trouble()
     }

@@ -309,7 +309,16 @@ fn what_is_turned_is_learnt() {
     std::fs::write(&path, patch).unwrap();
     let mut desk = MidiOutput::new("somebody").unwrap().create_virtual("desk").unwrap();
     let mut learn = Command::new(env!("CARGO_BIN_EXE_pacinian"));
-    learn.arg("learn").arg(&path).args(["--midi-in", "desk", "--control", "depth", "--control", "rate"]);
+    learn.arg("learn").arg(&path).args([
+        "--wait",
+        "40",
+        "--midi-in",
+        "desk",
+        "--control",
+        "depth",
+        "--control",
+        "rate",
+    ]);
     let mut learn = learn.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let (tell, told) = channel();
     let lines = BufReader::new(learn.stderr.take().unwrap());
@@ -325,10 +334,12 @@ fn what_is_turned_is_learnt() {
     };
     hears("depth (0 to 1): move something", Box::new(|| {}));
     let mut at = 0_u16;
+    // Up and down again: what comes before the port is connected is lost.
     let fader = |at: &mut u16, desk: &mut MidiOutputConnection| {
-        *at = (*at + 200).min(16_383);
-        let _ = desk.send(&[0xB2, 16, (*at >> 7) as u8]);
-        let _ = desk.send(&[0xB2, 48, (*at & 127) as u8]);
+        *at = (*at + 200) % 32_000;
+        let stands = (*at).min(32_000 - *at);
+        let _ = desk.send(&[0xB2, 16, (stands >> 7) as u8]);
+        let _ = desk.send(&[0xB2, 48, (stands & 127) as u8]);
     };
     hears("controller 16, 14 bits, on channel 3", Box::new(|| fader(&mut at, &mut desk)));
     hears("rate (0 to 1): move something", Box::new(|| {}));

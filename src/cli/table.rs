@@ -40,7 +40,8 @@ const MOST: usize = 300;
 
 /// Whether it is a colour, or how thick or slanted letters are, as those are that stand here and in messages. Others may hide what stands behind them.
 fn is_colour(code: &str) -> bool {
-    code.split(';').all(|part| matches!(part.parse(), Ok(0..=4 | 22..=24 | 30..=37 | 39 | 90..=97_u8)))
+    let known = |part: &str| matches!(part.parse(), Ok(0..=4 | 22..=24 | 31..=36 | 39 | 91..=96_u8));
+    code.split(';').all(|part| part.bytes().all(|c| c.is_ascii_digit()) && known(part))
 }
 
 /// A cell without what would break its line or move the cursor, colours aside, and not too long.
@@ -132,7 +133,7 @@ mod tests {
             assert_eq!(harmless(&own, &[]), own);
         }
         assert_eq!(harmless("\x1b[36;1;4mp.toml:1:1", &[]), "\x1b[36;1;4mp.toml:1:1");
-        for hides in ["8", "38;2;0;0;0", "40", "1;8", "", "-1", "300"] {
+        for hides in ["8", "30", "97", "38;2;0;0;0", "40", "1;8", "", "-1", "+1", "300"] {
             assert_eq!(
                 harmless(&format!("a\x1b[{hides}mb\x1b[2J"), &[]),
                 format!("a\\u{{1b}}[{hides}mb\\u{{1b}}[2J")

@@ -157,7 +157,9 @@ impl Watch {
         }
         let beyond = || self.places.iter().filter_map(|place| place.beyond(now));
         let Some(longest) = beyond().flatten().max() else { return Vec::new() };
-        if beyond().any(|beyond| beyond.is_none()) && longest < TOGETHER {
+        let breaks_off = |place: &Place| place.beyond(now) == Some(None) && place.seen.breaks_off(place.told);
+        let together = if self.places.iter().any(breaks_off) { BROKEN_OFF } else { TOGETHER };
+        if beyond().any(|beyond| beyond.is_none()) && longest < together {
             return Vec::new();
         }
         let told = |place: &mut Place| (!stop() && place.tell(now)).then(|| place.path.clone());
@@ -426,6 +428,16 @@ mod tests {
         fs::write(bench.path("a"), "three\nfour\n").unwrap();
         assert!(bench.told(SETTLE - STEP).is_empty());
         assert_eq!(bench.told(2 * STEP), ["a"]);
+        // Nor is what is saved beside it told without it.
+        let mut bench = Bench::new("beside", &["a", "b"]);
+        fs::write(bench.path("a"), "one\ntwo\n").unwrap();
+        assert_eq!(bench.told(SOON), ["a"]);
+        fs::write(bench.path("a"), "three\nfo").unwrap();
+        fs::write(bench.path("b"), "new").unwrap();
+        assert!(bench.told(BROKEN_OFF - 2 * STEP).is_empty());
+        fs::write(bench.path("a"), "three\nfour\n").unwrap();
+        let told = bench.told(SETTLE + 2 * STEP);
+        assert!(told.contains(&"a".to_string()) && told.contains(&"b".to_string()), "{told:?}");
         // Nothing comes: so it is to be.
         fs::write(bench.path("a"), "five").unwrap();
         assert_eq!(bench.told(BROKEN_OFF + 2 * STEP), ["a"]);

@@ -30,7 +30,7 @@ use crate::text::Problem;
 const AHEAD: f64 = 0.05;
 
 /// How often patterns are fed at most before anything sounds, a millisecond's work each time.
-const AT_FIRST: u32 = 1000;
+const AT_FIRST: u32 = 5000;
 
 /// How often it looks whether patterns must be fed, where no signal comes.
 const EVERY: Duration = Duration::from_millis(5);
@@ -269,7 +269,7 @@ impl Conductor {
         if let Err(problem) = self.performer.begin(&mut outlet) {
             (self.audience)(Told::Refused(&problem));
         }
-        // A pattern that has millions of steps to take until something happens keeps nobody from playing.
+        // One that has millions of steps to take until something happens has given up by then.
         let fed = |_: &u32| self.performer.feed_some(until, &mut outlet);
         self.behind = (0..AT_FIRST).find(fed).is_none();
         self.hear_trouble();

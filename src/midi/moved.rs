@@ -153,6 +153,9 @@ impl Recogniser {
 
     /// A controller stands at a position, or says seven bits that may be steps.
     fn turn(&mut self, seconds: f64, source: Source, value: f64, raw: Option<u8>) -> Option<Seen> {
+        if !self.rested(seconds, source) {
+            return None;
+        }
         let turns = raw.map_or(Turns::No, |raw| self.said.entry(source).or_default().says(raw));
         let (last, count) = self.same.entry(source).or_insert((value, 0));
         *count = if *last == value { *count + 1 } else { 1 };
@@ -329,6 +332,9 @@ mod tests {
             let one = Moved { encoder: Some(encoder), ..moved(Control::Controller(21), false, false) };
             assert_eq!(found, [one]);
             assert!(bench.play([controller(21, up); 12]).is_empty(), "it is still turned");
+            // For long, and then back.
+            let on = [controller(21, up); 200].into_iter().chain([controller(21, down); 20]);
+            assert!(bench.play(on).is_empty(), "it has not rested");
             // Another, when it has come to rest and something else is asked for.
             bench.1 += 5.0;
             assert_eq!(

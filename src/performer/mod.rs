@@ -84,6 +84,7 @@ pub struct Performer {
     trouble: Option<Problem>,
     /// What has kept patterns from going on and is yet to be told.
     troubles: Vec<Problem>,
+    met: Option<Problem>,
     /// What the program played, and patterns it started, and those that too many others kept from it.
     played: u64,
     started: u64,
@@ -204,6 +205,7 @@ impl Performer {
             cut: false,
             trouble: None,
             troubles: Vec::new(),
+            met: None,
             played: 0,
             started: 0,
             turned_away: 0,
@@ -321,10 +323,12 @@ impl Performer {
 
     /// Something stops a pattern before its end.
     fn meet(&mut self, problem: Problem) {
-        if self.troubles.len() < MOST_TROUBLES {
+        // What happens again and again is told once.
+        if self.troubles.len() < MOST_TROUBLES && self.met.as_ref() != Some(&problem) {
             self.troubles.push(problem.clone());
         }
-        self.trouble.get_or_insert(problem);
+        self.trouble.get_or_insert_with(|| problem.clone());
+        self.met = Some(problem);
     }
 
     /// Keeps what is played from now on, in seconds, for a reference.

@@ -17,8 +17,9 @@ pub const MOST_RUNS: usize = 256;
 /// Events that [`Performer::feed_some`] gives or leaves out, and messages of a song that it plays: about a millisecond's work.
 const AT_ONCE: usize = 512;
 
-/// Steps that each pattern may take for every one of them, whatever they lead to.
-const STEPS: usize = 4;
+/// Steps that patterns may take for every one of them, whatever they lead to; each its share, and at least so many.
+const STEPS: usize = 8;
+const LEAST_STEPS: usize = 16;
 
 /// What patterns of the beginning have sent and is remembered until it is over, so that it can be stopped.
 const MOST_KEPT: usize = 1 << 13;
@@ -144,7 +145,8 @@ impl Performer {
         self.clock = earliest;
         // What has much to leave out must not keep the others waiting.
         let (mut work, mut left_out) = (most, most);
-        self.runs.iter_mut().for_each(|run| run.may_take(most.saturating_mul(STEPS)));
+        let each = (most.saturating_mul(STEPS) / self.runs.len().max(1)).max(LEAST_STEPS);
+        self.runs.iter_mut().for_each(|run| run.may_take(each));
         while let Some((number, at, longer)) = self.first_run(outlet, &mut left_out) {
             if at >= until {
                 break;

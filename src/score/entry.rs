@@ -30,6 +30,16 @@ pub(super) enum Task<'a> {
     Burst(Bursts),
 }
 
+impl Task<'_> {
+    /// Numbers of permutations that it holds.
+    pub fn holds(&self) -> usize {
+        match self {
+            Self::Walk { walk, .. } => walk.holds(),
+            _ => 0,
+        }
+    }
+}
+
 /// What is left of the bursts of an event.
 pub(super) struct Bursts {
     pub list: Arc<[Burst]>,

@@ -114,8 +114,8 @@ impl<'a> Unroll<'a> {
         let permuted = &mut self.permuted;
         self.heap.retain(|entry| {
             let goes = entry.playing.root == root;
-            if let (true, Task::Walk { walk, .. }) = (goes, &entry.task) {
-                *permuted -= walk.holds();
+            if goes {
+                *permuted = permuted.saturating_sub(entry.task.holds());
             }
             !goes
         });
@@ -142,6 +142,8 @@ impl<'a> Unroll<'a> {
                 Err(problem) => {
                     self.stop(root);
                     self.steps = 0;
+                    // What was at hand is in no entry any more.
+                    self.permuted = self.heap.iter().map(|entry| entry.task.holds()).sum();
                     return Err(problem);
                 }
             }

@@ -53,15 +53,15 @@ pub fn hangs_up() -> bool {
     false
 }
 
-/// Which of the program's three streams were a terminal's when it began. Not everybody who has one hears by a signal that it is gone: in another
-/// group of processes, say.
+/// Which of the program's outputs were a terminal's when it began. Not everybody who has one hears by a signal that it is gone: in another
+/// group of processes, say. Whoever has sent both elsewhere does not need it.
 #[derive(Debug, Clone, Copy)]
-pub struct Held([bool; 3]);
+pub struct Held([bool; 2]);
 
 impl Held {
     /// As it is now.
     pub fn now() -> Self {
-        Self([stdin().is_terminal(), stdout().is_terminal(), stderr().is_terminal()])
+        Self([stdout().is_terminal(), stderr().is_terminal()])
     }
 
     /// Whether a terminal of these is gone.
@@ -69,8 +69,8 @@ impl Held {
     pub fn is_gone(self) -> bool {
         use rustix::event::{PollFd, PollFlags, Timespec, poll};
         use std::os::fd::AsFd;
-        let (input, out, err) = (stdin(), stdout(), stderr());
-        let all = [input.as_fd(), out.as_fd(), err.as_fd()].into_iter().zip(self.0);
+        let (out, err) = (stdout(), stderr());
+        let all = [out.as_fd(), err.as_fd()].into_iter().zip(self.0);
         let hung_up = |mut stream: PollFd<'_>| {
             let told = poll(std::slice::from_mut(&mut stream), Some(&Timespec::default()));
             told.is_ok() && stream.revents().contains(PollFlags::HUP)

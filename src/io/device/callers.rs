@@ -35,7 +35,7 @@ impl Callers {
     }
 
     /// Waits until none is in a callback any more, if the server is gone: each has ended, or sleeps as only the library lets it. Says whether
-    /// that is so; nobody waits for longer than half a second.
+    /// that is so; nobody waits for longer than half a second for each.
     pub fn rest(&self) -> bool {
         !self.lost.load(Ordering::Acquire)
             || self.threads.iter().map(|slot| slot.load(Ordering::Acquire)).all(rests)
@@ -163,12 +163,14 @@ mod tests {
         let callers = Callers::default();
         callers.calls();
         let over = Arc::new(AtomicBool::new(false));
-        let (until, own) = (Arc::clone(&over), callers.clone());
+        let (until, own, (tell, told)) = (Arc::clone(&over), callers.clone(), channel());
         let thread = std::thread::spawn(move || {
             own.calls();
+            tell.send(()).unwrap();
             work(|_| until.load(Ordering::Acquire));
         });
-        assert!(callers.rest());
+        told.recv().unwrap();
+        assert!(callers.rest(), "one that works on is not waited for");
         over.store(true, Ordering::Release);
         thread.join().unwrap();
     }

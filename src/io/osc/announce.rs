@@ -51,6 +51,9 @@ struct Shared {
 /// Where something goes in vain, and why, where the system has a reason other than that nobody listens there.
 pub type InVain = (SocketAddr, Option<String>);
 
+/// Of so many addresses that is told.
+const MOST_IN_VAIN: usize = 64;
+
 /// What did not get where it was to go.
 #[derive(Debug, Default)]
 struct Lost {
@@ -72,7 +75,7 @@ impl Lost {
     /// It goes there in vain.
     fn fails(&self, to: SocketAddr, why: Option<String>) {
         let mut unheard = locked(&self.unheard);
-        if unheard.0.iter().all(|(known, _)| *known != to) {
+        if unheard.0.len() < MOST_IN_VAIN && unheard.0.iter().all(|(known, _)| *known != to) {
             unheard.0.push((to, why));
         }
     }

@@ -367,7 +367,7 @@ fn bundles_are_played_at_their_time() {
 fn what_waits_for_its_time_means_the_control_of_that_name() {
     let scene = Scene::new();
     let sets = [message("/control/depth", &[f(2.0)]), message("/control/tempo", &[f(120.0)])];
-    scene.send(&bundle(600, sets.to_vec()));
+    scene.send(&bundle(2500, sets.to_vec()));
     scene.settle();
     let other = PATCH
         .replace("[control.depth]", "[control.aaa]\ndefault = 0\n[control.rest]")

@@ -80,7 +80,7 @@ fn a_pattern_that_does_not_get_on_ends_alone_and_is_told_of_each_time() {
         performer.take_troubles().into_iter().map(|problem| problem.what).collect()
     };
     assert!(matches!(&told(&mut performer)[..], [one] if one.contains("pattern `bad`")));
-    for name in ["other", "bad", "other"] {
+    for name in ["other", "bad"] {
         performer.start_pattern(When::of_seconds(2.0, 8000.0), name).unwrap();
         performer.feed(40_000, &mut kept);
         assert!(matches!(&told(&mut performer)[..], [one] if one.contains(&format!("pattern `{name}`"))));
