@@ -15,23 +15,10 @@ use pacinian::io::session::Session;
 use pacinian::io::wav::{Encoding, WavSpec};
 use pacinian::live::board::Board;
 use pacinian::live::reload::Reload;
-use pacinian::rig::Rig;
 use pacinian::text::problem::escaped;
 use ringbuf::HeapCons;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-
-/// What a journal says of a session before it begins.
-pub struct About<'a> {
-    /// The device, as it is called.
-    pub device: &'a str,
-    /// Whether the output has its full level.
-    pub armed: bool,
-    /// What is listened to, by its name.
-    pub heard: Option<String>,
-    /// Where the rig's own latency stands.
-    pub rig: &'a Rig,
-}
 
 /// What is to be kept of a session.
 #[derive(Debug, Clone, Default, Args)]
@@ -118,23 +105,16 @@ impl Keep {
         files.filter(|_| !self.replace).try_for_each(check_new)
     }
 
-    /// The journal, where one is wanted. Its file is made by [`Keep::begin`].
+    /// The journal, where one is wanted, which says this of the session, and what is kept of it. Its file is made by [`Keep::begin`].
     ///
     /// # Errors
     /// A name that no journal has.
-    pub fn journal(&self, reload: &Reload, about: About<'_>) -> Result<Option<Journal>, FileError> {
+    pub fn journal(&self, reload: &Reload, setting: Setting) -> Result<Option<Journal>, FileError> {
         let hears = !reload.scene.plan.inputs().is_empty();
         let input = self.heard().filter(|_| hears);
         let input = input.and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
         let recording = self.record.as_ref().map(|record| record.display().to_string());
-        let setting = Setting {
-            device: about.device.into(),
-            armed: about.armed,
-            input,
-            heard: about.heard,
-            loop_latency: about.rig.device.loop_latency,
-            recording,
-        };
+        let setting = Setting { input, recording, ..setting };
         let new = |path: &PathBuf| {
             Journal::new(path, setting.clone(), &reload.scene.plan, reload.provenance.as_deref())
         };

@@ -5,7 +5,7 @@ use super::device_queue;
 use super::ear::Listens;
 use super::failure::Failure;
 use super::hearers::Hearers;
-use super::keep::{About, Keep, Sound};
+use super::keep::{Keep, Sound};
 use super::knob::turning::Turning;
 use super::load::Scene;
 use super::loaded::Loaded;
@@ -22,6 +22,7 @@ use clap::Args;
 use pacinian::graph::scene::{Options, scene};
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::device::failure::DeviceError;
+use pacinian::io::journal::Setting;
 use pacinian::io::midi_in::MidiPorts;
 use pacinian::io::osc::announce::{Announcer, InVain};
 use pacinian::io::osc::server::Server;
@@ -233,8 +234,12 @@ impl Play {
         let (mut show, post) = Show::new(&scenery, terminal)?;
         let ports = post.clone();
         let (verdict, verdicts) = channel();
-        let about = About { device: scenery.device, armed, heard: listens.heard.take(), rig: &loaded.rig };
-        let journal = self.keep.journal(&reload, about)?;
+        let setting = Setting {
+            heard: listens.heard.take(),
+            loop_latency: loaded.rig.device.loop_latency,
+            ..Setting::on(scenery.device, armed)
+        };
+        let journal = self.keep.journal(&reload, setting)?;
         // Before anything sounds: an address that cannot be had ends it.
         let socket = self.osc.bind()?;
         let announcer = self.osc.announcer(&reload.scene.plan)?;

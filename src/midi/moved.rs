@@ -232,7 +232,7 @@ impl Recogniser {
         rested
     }
 
-    /// It was moved; unless whoever moved it, and was told so, still does.
+    /// It was moved, and has [rested](Self::rested) before.
     fn found(
         &mut self,
         seconds: f64,
@@ -241,9 +241,6 @@ impl Recogniser {
         fine: bool,
         switch: bool,
     ) -> Option<Seen> {
-        if !self.rested(seconds, source) {
-            return None;
-        }
         let (port, channel, control) = source;
         self.spent = Some((source, seconds));
         self.forget();

@@ -238,6 +238,7 @@ mod tests {
     use super::{Bind, Mover};
     use crate::midi::Encoder;
     use crate::patch::{Control, Curve};
+    use crate::text::field::Form;
 
     #[test]
     fn what_may_stand_there() {
@@ -259,6 +260,15 @@ mod tests {
             stream: 0.0,
             span: 0..0,
         }
+    }
+
+    /// What a patch may say is what there is.
+    #[test]
+    fn every_encoder_has_its_word() {
+        let words = super::TABLE.fields.iter().find(|field| field.key == "encoder").map(|field| &field.form);
+        let Some(Form::Word(words)) = words else { panic!("no words") };
+        let names = Encoder::ALL.map(Encoder::name);
+        assert_eq!(words[1..], names);
     }
 
     /// A hundred steps are the whole range, in ratios where the curve has them, and back again.

@@ -105,9 +105,10 @@ impl Performer {
 
     /// The song plays on from so many beats. Its patterns are begun when they are fed, however often it is said before.
     fn song_runs(&mut self, at: When, beat: f64, anew: bool, outlet: &mut dyn Outlet) {
+        // What has yet to begin anew does so from wherever.
+        let anew = anew || self.clocked.begin.is_some_and(|(_, anew)| anew);
         self.release_clocked(at, outlet);
         self.clocked.beats.clock().run(beat);
-        let anew = anew || self.clocked.begin.is_some_and(|(_, anew)| anew);
         self.clocked.begin = Some((beat, anew));
     }
 
@@ -131,13 +132,13 @@ impl Performer {
         {
             self.clocked.stands = beat;
         }
-        self.clocked.begin = None;
         self.release_clocked(at, outlet);
     }
 
     /// Nothing more of what follows a clock begins from then on, and what it sounds is released.
     fn release_clocked(&mut self, at: When, outlet: &mut dyn Outlet) {
-        let all: Vec<u64> = self.clocked_runs().map(|run| run.whence.of_run(run.serial, 0)).collect();
+        let clocked = self.runs.iter().filter(|run| run.follows.is_some());
+        let all: Vec<u64> = clocked.map(|run| run.whence.of_run(run.serial, 0)).collect();
         self.end_clocked();
         all.into_iter().for_each(|id| self.cancel(at, id, OF_RUN as u8, outlet));
     }
@@ -146,10 +147,6 @@ impl Performer {
     pub(super) fn end_clocked(&mut self) {
         self.clocked.begin = None;
         self.runs.retain(|run| run.follows.is_none());
-    }
-
-    fn clocked_runs(&self) -> impl Iterator<Item = &Run> {
-        self.runs.iter().filter(|run| run.follows.is_some())
     }
 
     /// Begins what a song that was started has yet to begin.

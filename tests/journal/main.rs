@@ -151,14 +151,7 @@ fn until(session: &Session, frame: u64) {
 
 /// On the virtual card, at its full level.
 fn setting() -> Setting {
-    Setting {
-        device: "virtual".into(),
-        armed: true,
-        input: None,
-        heard: None,
-        loop_latency: None,
-        recording: None,
-    }
+    Setting::on("virtual", true)
 }
 
 /// All samples of a recording.

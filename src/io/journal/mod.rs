@@ -64,6 +64,13 @@ pub struct Setting {
     pub recording: Option<String>,
 }
 
+impl Setting {
+    /// On a device, of which nothing else is known.
+    pub fn on(device: &str, armed: bool) -> Self {
+        Self { device: device.into(), armed, input: None, heard: None, loop_latency: None, recording: None }
+    }
+}
+
 #[derive(Debug)]
 struct Keeping {
     writer: Writer,

@@ -407,3 +407,25 @@ fn a_sequencer_that_stops_or_jumps_releases_what_its_patterns_sound() {
     assert!(sounding.voices[2..4].iter().all(|voice| voice.2 < again + 1e-3), "{:?}", sounding.voices);
     assert_eq!(begun(&sounding, again).len(), 1, "{:?}", sounding.voices);
 }
+
+/// Said before anything of it is fed, a start is one, wherever the song then goes on; a continuation alone draws what was drawn.
+#[test]
+fn what_is_to_begin_anew_does_so_from_wherever() {
+    let (mut performer, mut kept) = (performer("clock = \"midi\""), Kept::default());
+    performer.await_clock().unwrap();
+    let say = |performer: &mut Performer, kept: &mut Kept, messages: &[Message]| {
+        for message in messages {
+            performer.midi(When::of_seconds(1.0, RATE), 0, *message, kept).unwrap();
+        }
+        performer.feed(8_400, kept);
+        let started = performer.clocked.patterns[0].1.unwrap();
+        (started.serial, started.draws)
+    };
+    let (serial, first) = say(&mut performer, &mut kept, &[Message::Start]);
+    assert_eq!(serial, first);
+    let place = Message::SongPosition { sixteenths: 16 };
+    let (serial, draws) = say(&mut performer, &mut kept, &[Message::Stop, place, Message::Continue]);
+    assert!(serial != first && draws == first, "it goes on: {serial}, {draws}");
+    let (serial, draws) = say(&mut performer, &mut kept, &[Message::Start, place, Message::Continue]);
+    assert_eq!(serial, draws, "it was started");
+}
