@@ -38,8 +38,9 @@ const PATTERNS: usize = 1;
 /// Events of a source that may be under way to the callback.
 pub const UNDER_WAY: usize = 1 << 13;
 
-/// Reports that may wait to be fetched.
+/// Reports that may wait to be fetched, and of their room what is for [rare deeds](Deed::is_rare) alone.
 const REPORTS: usize = 1 << 15;
+const FOR_RARE: usize = 1 << 8;
 
 /// An event on its way to the engine.
 #[derive(Debug, Clone, Copy)]
@@ -87,6 +88,13 @@ pub enum Deed {
     Order(Order),
     /// It let a new plan take over.
     Swap,
+}
+
+impl Deed {
+    /// Whether it is one of a few on which all others depend: no flood of those keeps it from being told.
+    fn is_rare(&self) -> bool {
+        matches!(self, Self::Order(_) | Self::Swap)
+    }
 }
 
 /// The threads' ends of the rings.
@@ -363,11 +371,11 @@ impl Callback {
         let mut untold = 0;
         for crossing in self.stagehand.engine().crossings() {
             let report = Report { frame: self.frames, deed: Deed::Crossing(crossing) };
-            untold += u64::from(self.reports.try_push(report).is_err());
+            untold += u64::from(!told(&mut self.reports, report));
         }
         let (reports, frame) = (&mut self.reports, self.frames);
         self.stagehand.engine().followed(|followed| {
-            untold += u64::from(reports.try_push(Report { frame, deed: Deed::Followed(followed) }).is_err());
+            untold += u64::from(!told(reports, Report { frame, deed: Deed::Followed(followed) }));
         });
         let engine = self.stagehand.engine();
         let unkept = engine.knob().map_or(0, |knob| knob.unkept()) + engine.unkept_crossings();
@@ -376,8 +384,8 @@ impl Callback {
     }
 
     fn tell(&mut self, deed: Deed) {
-        let untold = self.reports.try_push(Report { frame: self.frames, deed }).is_err();
-        self.board.untold.add(u64::from(untold));
+        let told = told(&mut self.reports, Report { frame: self.frames, deed });
+        self.board.untold.add(u64::from(!told));
     }
 
     /// Lets the other threads see how things stand.
@@ -416,6 +424,12 @@ impl Callback {
         self.board.block.set(frames);
         self.board.shut.set(u64::from(self.gate.is_shut()));
     }
+}
+
+/// Tells something where there is room for it. Says whether there was.
+fn told(reports: &mut HeapProd<Report>, report: Report) -> bool {
+    let kept = if report.deed.is_rare() { 0 } else { FOR_RARE };
+    reports.vacant_len() > kept && reports.try_push(report).is_ok()
 }
 
 #[cfg(test)]

@@ -327,8 +327,10 @@ impl Conductor {
 
     /// A panic: the gate closes at once, and everything stops behind it. The signal that asks for it is `cause`; 0 for none.
     fn shut(&mut self, at: When, cause: u64) {
-        // The board's brake may have closed the gate already.
-        self.board.panic();
+        // As a rule, the brake has closed the gate already.
+        if !self.board.is_panicked() {
+            self.board.panic();
+        }
         let clock = self.board.clock.get();
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan, cause };
         self.performer.stop_patterns(at, &mut outlet);
@@ -394,7 +396,7 @@ impl Conductor {
     /// Does what a signal asks for.
     pub fn take(&mut self, stamped: Stamped) {
         (self.audience)(Told::Came(&stamped));
-        let Stamped { id, stamp, peer, signal, .. } = stamped;
+        let Stamped { id, stamp, peer, pulls, signal, .. } = stamped;
         self.performer.because(id);
         let (at, now) = (self.when(stamp), self.now());
         let clock = self.board.clock.get();
@@ -458,10 +460,15 @@ impl Conductor {
                 Ok(())
             }
             Signal::Calm => {
-                self.board.calm();
-                let woken = self.performer.wake(at, outlet);
-                self.board.lever.release();
-                sent(woken)
+                self.board.lever.take_back(pulls);
+                if self.board.is_panicked() {
+                    Err(Problem::of_file("the brake was pulled after this was sent, and holds")
+                        .help("take it back once more".to_string()))
+                } else {
+                    let woken = self.performer.wake(at, outlet);
+                    self.board.lever.release();
+                    sent(woken)
+                }
             }
             Signal::Arm(armed) => {
                 self.board.lever.gain(if armed { 1.0 } else { UNARMED });

@@ -3,14 +3,16 @@
 #![deny(clippy::disallowed_methods)]
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
 use super::gate::Order;
 
 /// What is wanted of the gate.
 #[derive(Debug, Default)]
 pub struct Lever {
-    panic: AtomicBool,
+    /// How often the brake was pulled, and the last of those that was taken back.
+    pulls: AtomicU64,
+    taken_back: AtomicU64,
     open: AtomicBool,
     close: Arc<AtomicBool>,
     /// How often a latch was taken back.
@@ -35,17 +37,29 @@ const SAID: u32 = 1 << 31;
 impl Lever {
     /// Pulls the emergency brake: the next callback closes the gate, and it stays closed until [`Lever::calm`].
     pub fn panic(&self) {
-        self.panic.store(true, Ordering::Release);
+        self.pulls.fetch_add(1, Ordering::AcqRel);
+    }
+
+    /// How often the brake was pulled so far.
+    pub fn pulls(&self) -> u64 {
+        self.pulls.load(Ordering::Acquire)
     }
 
     /// Takes the brake back. The gate opens only at [`Lever::release`].
     pub fn calm(&self) {
-        self.panic.store(false, Ordering::Release);
+        self.take_back(self.pulls());
+    }
+
+    /// The same, as somebody wants it who knows of so many pulls: one that came later holds.
+    pub fn take_back(&self, pulls: u64) {
+        self.taken_back.fetch_max(pulls, Ordering::AcqRel);
     }
 
     /// Whether the brake is pulled.
     pub fn is_panicked(&self) -> bool {
-        self.panic.load(Ordering::Acquire)
+        // In this order: what is taken back was pulled before.
+        let taken_back = self.taken_back.load(Ordering::Acquire);
+        taken_back < self.pulls()
     }
 
     /// The gate opens for the first time.
@@ -141,6 +155,15 @@ mod tests {
         assert_eq!(told(&lever, &mut obeyed), [], "and what came meanwhile is no more");
         lever.panic();
         assert_eq!(told(&lever, &mut obeyed), [], "it is latched still");
+        lever.calm();
+        lever.release();
+        assert_eq!(told(&lever, &mut obeyed), [Order::Release]);
+        // What was said before the last pull takes back none.
+        (0..2).for_each(|_| lever.panic());
+        assert_eq!(told(&lever, &mut obeyed), [Order::Latch]);
+        lever.take_back(lever.pulls() - 1);
+        lever.release();
+        assert!(lever.is_panicked() && told(&lever, &mut obeyed).is_empty());
         lever.calm();
         lever.release();
         assert_eq!(told(&lever, &mut obeyed), [Order::Release]);

@@ -178,7 +178,9 @@ impl Lane {
                 let (way, debts) = (self.way, &mut self.debts);
                 owed.settle(&mut |stamp, signal| {
                     let id = ids.fetch_add(1, Ordering::Relaxed) + 1;
-                    debts.push_back(Stamped { id, stamp, origin: Origin::unnamed(way), peer: None, signal });
+                    let origin = Origin::unnamed(way);
+                    // What is owed takes back no brake.
+                    debts.push_back(Stamped { id, stamp, origin, peer: None, pulls: 0, signal });
                 });
                 self.head = self.debts.pop_front();
                 self.over = error == TryRecvError::Disconnected && self.head.is_none();

@@ -85,6 +85,8 @@ pub struct Stamped {
     pub origin: Origin,
     /// From whom, where that is known: the name of a port, the address of a sender.
     pub peer: Option<Arc<str>>,
+    /// How often the brake had been pulled when it was sent.
+    pub pulls: u64,
     /// What it is.
     pub signal: Signal,
 }
@@ -168,7 +170,9 @@ impl Handle {
         if let Signal::Midi(port, message) = &signal {
             self.board.cables.message(*port, now, *message);
         }
-        let sent = self.inlet.send(now, Stamped { id: 0, stamp, origin, peer, signal });
+        let sent = self
+            .inlet
+            .send(now, Stamped { id: 0, stamp, origin, peer, pulls: self.board.lever.pulls(), signal });
         self.board.refused.of(way).add(u64::from(sent == Err(Refused::Busy)));
         sent
     }

@@ -251,7 +251,7 @@ impl Chronicle {
         Line { name, message: Some(why), ..self.now(Kind::Refused) }
     }
 
-    fn came(&self, Stamped { id, stamp, origin, peer, signal }: &Stamped) -> Line {
+    fn came(&self, Stamped { id, stamp, origin, peer, signal, .. }: &Stamped) -> Line {
         let (source, name, message) = words::of_signal(signal, origin);
         let (id, peer) = (Some(*id), peer.as_ref().map(ToString::to_string));
         let seconds = Some(stamp.seconds());

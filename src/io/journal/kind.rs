@@ -108,6 +108,11 @@ impl Kind {
         }
     }
 
+    /// Whether it is one of a few on which others depend, so that room is kept for it however many of those there are.
+    pub fn is_rare(self) -> bool {
+        matches!(self, Self::Gate | Self::Swap | Self::Device | Self::Clock | Self::Lost | Self::End)
+    }
+
     /// Whether a replay needs it.
     pub fn is_played(self) -> bool {
         matches!(

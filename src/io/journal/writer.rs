@@ -2,7 +2,9 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -14,8 +16,9 @@ use super::line::{COLUMNS, Line};
 use crate::io::error::{FileError, FileErrorKind};
 use crate::io::out::OutputFile;
 
-/// Lines that may wait to be written.
+/// Lines that may wait to be written, and of their room what is for [rare ones](Kind::is_rare) alone.
 const WAITING: usize = 1 << 18;
+const FOR_RARE: usize = 1 << 12;
 
 /// Of a session that breaks off, so much is missing at the end of its journal.
 const FLUSH: Duration = Duration::from_millis(500);
@@ -64,10 +67,20 @@ pub enum Entry {
     Line(Box<Line>),
 }
 
+impl Entry {
+    fn is_rare(&self) -> bool {
+        match self {
+            Self::Head(_) | Self::Plan(_) => true,
+            Self::Line(line) => line.kind.is_rare(),
+        }
+    }
+}
+
 /// The way to the thread.
 #[derive(Debug)]
 pub struct Writer {
-    out: Option<SyncSender<Entry>>,
+    out: Option<Sender<Entry>>,
+    waiting: Arc<AtomicUsize>,
     /// What waits for the file to be made.
     entries: Option<Receiver<Entry>>,
     thread: Option<JoinHandle<Result<(), FileError>>>,
@@ -85,9 +98,17 @@ impl Writer {
     /// A name that does not say how it is written.
     pub fn new(path: &Path) -> Result<Self, FileError> {
         let form = Form::of(path)?;
-        let (out, entries) = sync_channel(WAITING);
-        let (out, entries) = (Some(out), Some(entries));
-        Ok(Self { out, entries, thread: None, path: path.to_owned(), form, lost: 0, lost_in_all: 0 })
+        let (out, entries) = channel();
+        Ok(Self {
+            out: Some(out),
+            waiting: Arc::default(),
+            entries: Some(entries),
+            thread: None,
+            path: path.to_owned(),
+            form,
+            lost: 0,
+            lost_in_all: 0,
+        })
     }
 
     /// Makes the file, or empties the one that is there. Where it is open already, nothing happens.
@@ -97,10 +118,10 @@ impl Writer {
     pub fn open(&mut self) -> Result<(), FileError> {
         let Some(entries) = self.entries.take() else { return Ok(()) };
         let file = OutputFile::create(&self.path)?;
-        let form = self.form;
+        let (form, waiting) = (self.form, Arc::clone(&self.waiting));
         let thread = std::thread::Builder::new()
             .name("journal".into())
-            .spawn(move || write(&entries, form, file))
+            .spawn(move || write(&entries, &waiting, form, file))
             .map_err(|error| FileError::no_thread(&self.path, &error))?;
         self.thread = Some(thread);
         Ok(())
@@ -108,6 +129,14 @@ impl Writer {
 
     /// Has something written; what finds no room is counted, there and in the file.
     pub fn put(&mut self, entry: Entry) {
+        let kept = if entry.is_rare() { 0 } else { FOR_RARE };
+        // Nobody else adds to them.
+        let room = (WAITING - kept).saturating_sub(self.waiting.load(Ordering::Acquire));
+        // With the line that says how many are missing before it.
+        if room < 1 + usize::from(self.lost > 0) {
+            self.lose();
+            return;
+        }
         if self.lost > 0 {
             let line = Line { value: Some(self.lost as f64), ..Line::new(Kind::Lost) };
             if self.send(Entry::Line(Box::new(line))) {
@@ -115,16 +144,19 @@ impl Writer {
             }
         }
         if !self.send(entry) {
-            self.lost += 1;
-            self.lost_in_all += 1;
+            self.lose();
         }
     }
 
+    fn lose(&mut self) {
+        self.lost += 1;
+        self.lost_in_all += 1;
+    }
+
+    /// Says whether anybody writes any more.
     fn send(&self, entry: Entry) -> bool {
-        match self.out.as_ref().map(|out| out.try_send(entry)) {
-            Some(Ok(())) => true,
-            Some(Err(TrySendError::Full(_) | TrySendError::Disconnected(_))) | None => false,
-        }
+        self.waiting.fetch_add(1, Ordering::AcqRel);
+        self.out.as_ref().is_some_and(|out| out.send(entry).is_ok())
     }
 
     /// Whether the thread has given up; it says why when it is asked to finish.
@@ -149,7 +181,12 @@ impl Writer {
     }
 }
 
-fn write(entries: &Receiver<Entry>, form: Form, mut file: OutputFile) -> Result<(), FileError> {
+fn write(
+    entries: &Receiver<Entry>,
+    waiting: &AtomicUsize,
+    form: Form,
+    mut file: OutputFile,
+) -> Result<(), FileError> {
     let path = file.path().to_owned();
     let failed = |error: std::io::Error| FileError::writing(&path, &error);
     let mut flushed = Instant::now();
@@ -159,6 +196,7 @@ fn write(entries: &Receiver<Entry>, form: Form, mut file: OutputFile) -> Result<
         let (mut ended, mut at_once) = (false, false);
         match entries.recv_timeout(FLUSH.saturating_sub(flushed.elapsed())) {
             Ok(entry) => {
+                waiting.fetch_sub(1, Ordering::AcqRel);
                 // Without what is played, nothing that comes later is of use to a replay.
                 at_once = !matches!(entry, Entry::Line(_));
                 if !std::mem::replace(&mut headed, true) && form == Form::Csv {
@@ -223,9 +261,37 @@ fn note(form: Form, kind: &str, head: &impl Serialize, to: &mut Vec<u8>) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Entry, Form, put};
+    use super::{Entry, Form, WAITING, Writer, put};
     use crate::io::journal::kind::Kind;
     use crate::io::journal::line::{COLUMNS, Line};
+
+    /// Nobody writes yet: lines of every kind come, far more than there is room for.
+    #[test]
+    fn a_flood_of_events_leaves_room_for_the_gate() {
+        let path = std::env::temp_dir().join(format!("pacinian-flood-{}.jsonl", std::process::id()));
+        let mut writer = Writer::new(&path).unwrap();
+        let line =
+            |kind, number: usize| Entry::Line(Box::new(Line { id: Some(number as u64), ..Line::new(kind) }));
+        for n in 0..WAITING + 1000 {
+            writer.put(line(Kind::In, n));
+            // As the flood comes to its end.
+            if n > WAITING && n % 100 == 0 {
+                writer.put(line(Kind::Gate, n));
+            }
+        }
+        writer.open().unwrap();
+        let lost = writer.finish().unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        let count = |kind: &str| text.lines().filter(|l| l.contains(&format!("\"kind\":\"{kind}\""))).count();
+        assert_eq!((count("in") as u64 + lost, count("gate")), ((WAITING + 1000) as u64, 10));
+        // What is missing is told where it is, but for what came after the last.
+        let told = text.lines().filter(|l| l.contains("\"kind\":\"lost\"")).map(|l| {
+            let line: Line = serde_json::from_str(l).unwrap();
+            line.value.unwrap() as u64
+        });
+        assert!(told.sum::<u64>() + 100 > lost && lost > 0);
+    }
 
     /// The cells of a line as `pandas.read_csv(..., comment="#")` finds them: outside quotes a `#` ends the line.
     fn read(line: &str) -> Vec<String> {

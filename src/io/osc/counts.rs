@@ -25,7 +25,7 @@ pub struct Counts {
     pub late: Figure,
     /// Messages for a time too far ahead.
     pub far: Figure,
-    /// What waited for its time when a panic came.
+    /// What waited for its time when a panic came, and what would have taken one back that came after it.
     pub cancelled: Figure,
     /// Ids of voices forgotten since there were too many; what plays under them goes on.
     pub forgotten: Figure,
@@ -33,6 +33,8 @@ pub struct Counts {
     pub crowded: Figure,
     /// Answers and reports that could not be sent.
     pub unsent: Figure,
+    /// Datagrams for which there was no room among those that wait, or that still did at the end; of them, those that pull the brake did.
+    pub crammed: Figure,
     /// Datagrams that the system dropped before they could be received, where it tells (Linux).
     pub missed: Figure,
     /// Times that the system could not receive.
@@ -41,7 +43,7 @@ pub struct Counts {
 
 impl Counts {
     /// What went wrong: by what name a journal has it, how often, and in words.
-    pub fn named(&self) -> [(&'static str, u64, &'static str); 13] {
+    pub fn named(&self) -> [(&'static str, u64, &'static str); 14] {
         [
             ("osc_refused", self.refused.get(), "refused for lack of room"),
             ("osc_malformed", self.malformed.get(), "malformed"),
@@ -54,6 +56,7 @@ impl Counts {
             ("osc_forgotten", self.forgotten.get(), "ids forgotten"),
             ("osc_crowded", self.crowded.get(), "subscriptions too many"),
             ("osc_unsent", self.unsent.get(), "answers not sent"),
+            ("osc_crammed", self.crammed.get(), "datagrams for which there was no room"),
             ("osc_missed", self.missed.get(), "datagrams dropped by the system"),
             ("osc_failed", self.failed.get(), "failures to receive"),
         ]

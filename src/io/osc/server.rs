@@ -1,17 +1,17 @@
-//! The thread that listens, does what is asked, and answers.
+//! The thread that does what is asked, and answers.
 
-use std::io::ErrorKind;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use rosc::{OscMessage, OscPacket, OscType, encoder};
 
 use super::agenda::Agenda;
 use super::announce::{Announcer, Wants};
+use super::arrivals::{Arrival, Arrivals};
 use super::complaints::Complaints;
 use super::counts::Counts;
 use super::drops::dropped;
@@ -21,6 +21,8 @@ use super::message::{Ask, ask};
 use super::names::{Kind, Method, Names, Unfound};
 use super::packet::{Unreadable, unpack};
 use super::peers::{LIFE, Peers, What};
+use super::receiver::{self, LOOK};
+use super::rest::Rest;
 use super::said;
 use super::time::{Due, Tag};
 use crate::io::device::priority;
@@ -32,21 +34,10 @@ use crate::patch::{Control, Patch};
 /// The session is told of what is due this long before: more than this thread can wake too late, less than patterns are fed ahead.
 const AHEAD: u64 = 20_000_000;
 
-/// It looks this often whether it is to stop.
-const LOOK: Duration = Duration::from_millis(50);
-
-/// So many datagrams in less than so many seconds are a flood, in which it rests that long each time.
-const MANY: u64 = 1 << 12;
-const FLOOD: f64 = 0.05;
-const REST: Duration = Duration::from_micros(500);
-
-/// Steps ([`Names::find`]) that all messages of a datagram may take together, some hundredths of a second at most: whoever pulls the brake waits
-/// behind it. And what one thing that is done counts for among them.
+/// Steps ([`Names::find`]) that all messages of a datagram may take together, some hundredths of a second at most: others wait behind it. And
+/// what one thing that is done counts for among them.
 const STEPS: u64 = 1_000_000;
 const DEED: u64 = 100;
-
-/// The largest datagram of UDP.
-const DATAGRAM: usize = 1 << 16;
 
 /// A server that listens until it is dropped.
 pub struct Server {
@@ -55,7 +46,8 @@ pub struct Server {
     names: Sender<Names>,
     complaints: Receiver<String>,
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    arrivals: Arc<Arrivals>,
+    threads: Vec<JoinHandle<()>>,
 }
 
 impl Server {
@@ -86,13 +78,32 @@ impl Server {
         let failed = |error: std::io::Error| BindError::of(endpoint.0, &error);
         let address = socket.local_addr().map_err(failed)?;
         socket.set_write_timeout(Some(LOOK)).map_err(failed)?;
-        let (counts, stop) = (Arc::new(Counts::default()), Arc::new(AtomicBool::new(false)));
+        socket.set_read_timeout(Some(LOOK)).map_err(failed)?;
         let ((send, names), (complain, complaints)) = (channel(), channel());
+        let socket = Arc::new(socket);
+        let mut server = Self {
+            address,
+            counts: Arc::default(),
+            names: send,
+            complaints,
+            stop: Arc::default(),
+            arrivals: Arc::default(),
+            threads: Vec::new(),
+        };
+        let (counts, arrivals) = (Arc::clone(&server.counts), Arc::clone(&server.arrivals));
+        let receiver = receiver::Receiver {
+            socket: Arc::clone(&socket),
+            handle: handle.clone(),
+            counts: Arc::clone(&counts),
+            arrivals: Arc::clone(&arrivals),
+            stop: Arc::clone(&server.stop),
+        };
         let mut listener = Listener {
-            socket: Arc::new(socket),
+            socket,
             handle,
             announcer,
-            counts: Arc::clone(&counts),
+            counts,
+            arrivals,
             to_come: names,
             names: Names::default(),
             complaints: Complaints::new(complain),
@@ -102,14 +113,13 @@ impl Server {
             peer: None,
             peers: Peers::default(),
             panicked: false,
+            pulls: 0,
             messages: 0,
-            space: vec![0; DATAGRAM],
-            timeout: Duration::ZERO,
             looked: Stamp::default(),
-            rested: Stamp::default(),
+            rest: Rest::default(),
         };
         listener.follow(Names::of(patch));
-        let stopped = Arc::clone(&stop);
+        let stopped = Arc::clone(&server.stop);
         let listen = move || {
             priority::raise_feeding();
             while !stopped.load(Ordering::Acquire) {
@@ -117,8 +127,11 @@ impl Server {
             }
             listener.look();
         };
-        let thread = std::thread::Builder::new().name("osc".into()).spawn(listen).map_err(failed)?;
-        Ok(Self { address, counts, names: send, complaints, stop, thread: Some(thread) })
+        let thread = |name: &str| std::thread::Builder::new().name(name.into());
+        // The one that is there ends with the server where there is no other.
+        server.threads.push(thread("osc").spawn(listen).map_err(failed)?);
+        server.threads.push(thread("osc in").spawn(|| receiver.receive()).map_err(failed)?);
+        Ok(server)
     }
 
     /// Where it listens.
@@ -146,7 +159,8 @@ impl Server {
 impl Drop for Server {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Release);
-        if let Some(thread) = self.thread.take() {
+        self.counts.crammed.add(self.arrivals.end() as u64);
+        for thread in self.threads.drain(..) {
             // One that has panicked has nothing more to say.
             let _ = thread.join();
         }
@@ -159,6 +173,7 @@ struct Listener {
     handle: Handle,
     announcer: Option<Announcer>,
     counts: Arc<Counts>,
+    arrivals: Arc<Arrivals>,
     to_come: Receiver<Names>,
     names: Names,
     complaints: Complaints,
@@ -171,69 +186,39 @@ struct Listener {
     peers: Peers,
     /// Whether the brake was pulled when that was looked at last.
     panicked: bool,
+    /// How often it had been, when what is done now came.
+    pulls: u64,
     messages: u64,
-    /// Where datagrams are received.
-    space: Vec<u8>,
-    timeout: Duration,
-    /// When what the system dropped was looked at last, and when it was looked whether this is a flood.
+    /// When what the system dropped was looked at last.
     looked: Stamp,
-    rested: Stamp,
+    rest: Rest,
 }
 
 impl Listener {
     /// Waits for one datagram, or until something is due.
     fn turn(&mut self) {
         let epoch = self.handle.epoch();
-        self.wait(epoch.now());
-        let mut space = std::mem::take(&mut self.space);
-        let received = self.socket.recv_from(&mut space);
-        let (now, wall) = (epoch.now(), SystemTime::now());
-        match received {
-            Ok((length, from)) => {
-                self.hear(space.get(..length).unwrap_or_default(), from, now, Tag::of(wall));
+        if let Some(Arrival { from, now, wall, pulls, datagram }) =
+            self.arrivals.next(self.patience(epoch.now()))
+        {
+            self.pulls = pulls;
+            match datagram {
+                Some(datagram) => self.hear(&datagram, from, now, wall),
+                None => self.act(now, from, self.messages, Ask::Panic),
             }
-            Err(error) => match error.kind() {
-                // Somebody who was answered does not listen any more; some systems say so here.
-                ErrorKind::WouldBlock
-                | ErrorKind::TimedOut
-                | ErrorKind::Interrupted
-                | ErrorKind::ConnectionReset
-                | ErrorKind::ConnectionRefused => {}
-                _ => {
-                    self.counts.failed.add(1);
-                    std::thread::sleep(LOOK);
-                }
-            },
+            self.rest.after_one(epoch.now());
         }
-        self.space = space;
-        self.rest(now);
         while let Ok(names) = self.to_come.try_recv() {
             self.follow(names);
         }
         self.go_on(epoch.now());
     }
 
-    /// In a flood, lets those run that have no priority: on a machine of one core they never could.
-    fn rest(&mut self, now: Stamp) {
-        if !self.counts.datagrams.get().is_multiple_of(MANY) {
-            return;
-        }
-        if now.since(self.rested) < FLOOD {
-            std::thread::sleep(REST);
-        }
-        self.rested = now;
-    }
-
-    /// Sees to it that nothing is waited for longer than until something is due.
-    fn wait(&mut self, now: Stamp) {
+    /// How long it may wait for something to come, until something is due.
+    fn patience(&self, now: Stamp) -> Duration {
         let due = self.agenda.next().map(|at| Stamp(at.0.saturating_sub(AHEAD)));
         let due = due.into_iter().chain(self.peers.next()).min();
-        let wait = due.map_or(LOOK, |at| Duration::from_nanos(at.0.saturating_sub(now.0)));
-        // In whole milliseconds, so that the system is not told anew at every turn; never 0, which would be for ever.
-        let wait = Duration::from_millis(wait.min(LOOK).as_millis().max(1) as u64);
-        if wait != self.timeout && self.socket.set_read_timeout(Some(wait)).is_ok() {
-            self.timeout = wait;
-        }
+        due.map_or(LOOK, |at| Duration::from_nanos(at.0.saturating_sub(now.0)).min(LOOK))
     }
 
     fn follow(&mut self, names: Names) {
@@ -263,7 +248,6 @@ impl Listener {
 
     /// Does what a datagram asks for, which came at `now`, or `wall` by the clock of the system.
     fn hear(&mut self, datagram: &[u8], from: SocketAddr, now: Stamp, wall: Tag) {
-        self.counts.datagrams.add(1);
         let messages = match unpack(datagram) {
             Ok(messages) => messages,
             Err(Unreadable::Malformed) => return self.counts.malformed.add(1),
@@ -340,6 +324,7 @@ impl Listener {
         {
             let peer = self.peer_of(from);
             self.handle = self.handle.from(origin).by(&peer);
+            self.pulls = self.handle.board().lever.pulls();
             self.act(at, from, message, what);
         }
         if self.peers.next().is_some_and(|next| next <= now) {
@@ -441,11 +426,17 @@ impl Listener {
             Ask::List(Kind::Voices) => self.names(from, "/voices", &self.names.voices),
             Ask::List(Kind::Patterns) => self.names(from, "/patterns", &self.names.patterns),
             Ask::Panic => {
-                // The brake is pulled, even where there is no room for what follows.
-                self.handle.board().panic();
+                // It was when this came, but somebody may have let it go since.
+                let board = self.handle.board();
+                if !board.is_panicked() {
+                    board.panic();
+                }
+                self.pulls = board.lever.pulls();
                 self.send(at, Signal::Panic);
                 self.cancel();
             }
+            // A brake that was pulled since then holds.
+            Ask::Calm if self.handle.board().lever.pulls() != self.pulls => self.counts.cancelled.add(1),
             Ask::Calm => drop(self.send(at, Signal::Calm)),
             Ask::Arm(armed) => drop(self.send(at, Signal::Arm(armed))),
             Ask::Torque(on) => drop(self.send(at, Signal::Torque(on))),

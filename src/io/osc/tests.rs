@@ -417,6 +417,40 @@ fn late_far_and_cancelled() {
     assert_eq!(scene.counts().cancelled.get(), 3);
 }
 
+/// Whoever pulls the brake waits for nothing that came before, and nothing that came before lets it go.
+#[test]
+fn a_brake_is_pulled_before_what_waits_is_done() {
+    let scene = Scene::new();
+    // Each of these takes all the steps that a datagram may take.
+    let costly = message(&format!("/control/{}0", "*{a,}".repeat(48)), &[f(1.0)]);
+    let costly = encoder::encode(&bundle(0, vec![costly; 200])).unwrap();
+    let total = 40;
+    (0..total).for_each(|_| scene.send_bytes(&costly));
+    scene.say("/calm", &[]);
+    scene.say("/voice/low/play", &[]);
+    scene.say("/panic", &[]);
+    let board = scene.handle.board();
+    while !board.is_panicked() {
+        std::thread::sleep(Duration::from_micros(100));
+    }
+    let done = scene.counts().messages.get();
+    assert!(done < total * 200, "{done} messages were read before");
+    scene.settle();
+    assert!(board.is_panicked() && board.lever.pulls() == 1);
+    let heard: Vec<_> = scene.heard().into_iter().map(|stamped| stamped.signal).collect();
+    assert!(matches!(&heard[..], [Signal::Play(..), Signal::Panic]), "{} heard", heard.len());
+    assert_eq!((scene.counts().messages.get(), scene.counts().cancelled.get()), (total * 200 + 4, 1));
+    // Behind it, even in the same datagram, it is let go.
+    scene.send(&bundle(0, vec![message("/panic", &[]), message("/calm", &[])]));
+    scene.settle();
+    let heard = scene.heard();
+    assert!(matches!(
+        &heard[..],
+        [Stamped { signal: Signal::Panic, .. }, Stamped { signal: Signal::Calm, .. }]
+    ));
+    assert_eq!(heard[1].pulls, board.lever.pulls());
+}
+
 /// The tag of a value for a stream is when it was sampled, as far back as the stream can make up for it. All else is done when it comes.
 #[test]
 fn a_stream_has_its_values_as_of_their_tags() {

@@ -7,7 +7,7 @@ use crate::engine::event::{Event, Source};
 use crate::engine::exchange::exchange;
 use crate::graph::scene::{Options, scene};
 use crate::live::board::Board;
-use crate::live::gate::Gate;
+use crate::live::gate::{Gate, Order};
 use crate::node::asset::NoAssets;
 use crate::patch::Patch;
 use crate::rig::Rig;
@@ -102,4 +102,25 @@ fn what_is_called_off_on_its_way_does_not_begin() {
         begins,
         [(400_000, marker(1)), (600_000, marker(2)), (499_999, marker(1)), (700_000, marker(1))]
     );
+}
+
+/// Nobody fetches what is told: of what lets sound begin and what shuts it, that is told which decides whether anything leaves.
+#[test]
+fn what_the_gate_is_told_is_reported_behind_any_number_of_events() {
+    let (mut callback, mut rings) = callback();
+    let mut sent = 0_u64;
+    while sent < 2 * super::REPORTS as u64 {
+        for _ in 0..1000 {
+            send(&mut rings, PROGRAM, 0, Event::Control(0, 0.5));
+            sent += 1;
+        }
+        callback.process(&[], &mut [0.0; 64]);
+    }
+    for order in [Order::Latch, Order::Release, Order::Close] {
+        callback.order(order);
+    }
+    let deeds: Vec<_> = rings.reports.pop_iter().map(|report| report.deed).collect();
+    let orders = deeds.iter().filter(|deed| matches!(deed, Deed::Order(_))).count() as u64;
+    assert_eq!(deeds.last(), Some(&Deed::Order(Order::Close)));
+    assert_eq!((orders, deeds.len() as u64 - orders + callback.board.untold.get()), (3, sent));
 }

@@ -130,6 +130,7 @@ impl Bench {
             stamp: Stamp(nanoseconds),
             origin: Origin::Program,
             peer: None,
+            pulls: self.conductor.board.lever.pulls(),
             signal,
         });
     }
@@ -318,6 +319,15 @@ fn voices_that_are_always_on_come_back_with_calm() {
         bench.take(now, Signal::Calm);
         assert_eq!(sounding(&mut bench), 1);
     }
+    // What was sent before the brake was pulled does not take it back.
+    bench.handle.send(Signal::Calm).unwrap();
+    bench.conductor.board.panic();
+    bench.conductor.listen();
+    sounding(&mut bench);
+    assert!(bench.conductor.board.is_panicked() && bench.conductor.board.shut.get() == 1);
+    bench.handle.send(Signal::Calm).unwrap();
+    bench.conductor.listen();
+    assert!(sounding(&mut bench) == 1 && !bench.conductor.board.is_panicked());
     let now = bench.next();
     bench.take(now, Signal::Panic);
     sounding(&mut bench);

@@ -13,7 +13,7 @@ fn off(note: u8) -> Signal {
 }
 
 fn send(inlet: &Inlet, stamp: Stamp, origin: Origin, signal: Signal) -> Result<u64, Refused> {
-    inlet.send(stamp, Stamped { id: 0, stamp, origin, peer: None, signal })
+    inlet.send(stamp, Stamped { id: 0, stamp, origin, peer: None, pulls: 0, signal })
 }
 
 fn key() -> Origin {
@@ -119,8 +119,14 @@ fn a_flood_takes_no_room_from_others_and_no_release_is_lost() {
 fn what_is_meant_for_later_keeps_nothing_that_is_owed_waiting() {
     let (inlet, mut inbox) = queues();
     while send(&inlet, Stamp(5), key(), Signal::Key(1)).is_ok() {}
-    let later =
-        Stamped { id: 0, stamp: Stamp(1 << 60), origin: key(), peer: None, signal: Signal::Release(1) };
+    let later = Stamped {
+        id: 0,
+        stamp: Stamp(1 << 60),
+        origin: key(),
+        peer: None,
+        pulls: 0,
+        signal: Signal::Release(1),
+    };
     inlet.send(Stamp(7), later).unwrap();
     send(&inlet, Stamp(6), key(), Signal::Release(2)).unwrap();
     let all: Vec<_> =
