@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                     println!("  at engine sample {}, due at {}", at.sample, due.sample);
                 }
             }
-            Told::Refused(problem) => println!("  refused: {problem}"),
+            Told::Refused(problem, _) => println!("  refused: {problem}"),
             _ => {}
         }),
         ..Beginning::of(scene, Chosen::Virtual(None))

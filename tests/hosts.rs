@@ -55,8 +55,12 @@ fn named(system: &System, name: &str) -> Result<Chosen, DeviceError> {
 fn hum(system: &System, name: &str) -> (Session, Fates) {
     let fates = Fates::default();
     let device = named(system, name).unwrap_or_else(|error| panic!("{error}"));
-    let beginning =
-        Beginning { block: Some(64), fate: noting(&fates), ..Beginning::of(reload(HUM, 2), device) };
+    let beginning = Beginning {
+        block: Some(64),
+        armed: true,
+        fate: noting(&fates),
+        ..Beginning::of(reload(HUM, 2), device)
+    };
     (Session::start(beginning).unwrap_or_else(|error| panic!("{error}")), fates)
 }
 
@@ -209,7 +213,8 @@ fn blocks_of_any_length_and_samples_of_every_format_are_what_would_be_rendered()
                 Make { outputs: vec![3], formats: vec![format], blocks: blocks.clone(), ..Make::default() };
             let card = Scripted::new(make);
             let device = named(&System::of(&[&card]), "Card").unwrap();
-            let session = Session::start(Beginning::of(reload(TAPS, 3), device)).unwrap();
+            let session =
+                Session::start(Beginning { armed: true, ..Beginning::of(reload(TAPS, 3), device) }).unwrap();
             wait("all of it", || card.length() > lead + 3 * frames);
             let late = session.board().late.get();
             drop(session);
@@ -615,4 +620,34 @@ fn an_ear_that_vanishes_is_silence_until_it_is_back_and_each_is_told_once() {
     let most = 0.5 * (TAU * 200.0 / 48_000.0) + 0.5 / 240.0;
     let step = played.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
     assert!(step < 1.5 * most, "{step} of {most}");
+}
+
+/// Nobody has said what hangs on a card that a program plays on: neither the full level nor a steady voltage leaves unless it is asked for.
+#[test]
+fn a_session_of_a_program_is_as_careful_as_the_one_of_the_command_line() {
+    const PRESS: &str = "[voice.press]\nstart = \"always\"\noutput = \"o\"\n[voice.press.nodes]\n\
+        tone = { type = \"sine\", frequency = 100, amplitude = 0.25 }\no = { type = \"add\", inputs = [\"tone\", 0.5] }\n";
+    let card = Scripted::new(Make::default());
+    let device = named(&System::of(&[&card]), "Card").unwrap_or_else(|error| panic!("{error}"));
+    let mut session =
+        Session::start(Beginning::of(reload(PRESS, 2), device)).unwrap_or_else(|error| panic!("{error}"));
+    wait("two seconds", || card.length() > 2 * 96_000);
+    session.handle().arm(true).unwrap();
+    wait("two more", || card.length() > 4 * 96_000);
+    session.stop();
+    let samples = card.latest().samples;
+    // A whole number of turns of the tone.
+    let last = |second: usize| -> Vec<f64> {
+        samples[2 * 48_000 * second - 2 * 4800..2 * 48_000 * second].iter().step_by(2).copied().collect()
+    };
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    let peak = |part: &[f64]| part.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let (before, after) = (last(2), last(4));
+    assert!(mean(&before).abs() < 1e-3 && mean(&after).abs() < 1e-3, "{} {}", mean(&before), mean(&after));
+    assert!(
+        (peak(&before) - 0.025).abs() < 0.002 && (peak(&after) - 0.25).abs() < 0.02,
+        "{} {}",
+        peak(&before),
+        peak(&after)
+    );
 }

@@ -78,7 +78,7 @@ impl Stage {
                 Told::Came(Stamped { signal, .. }) => {
                     ends = matches!(signal, Signal::Midi(_, Message::NoteOff { .. }));
                 }
-                Told::Refused(_) if !ends => _ = count.fetch_add(1, Ordering::Relaxed),
+                Told::Refused(..) if !ends => _ = count.fetch_add(1, Ordering::Relaxed),
                 Told::Report(Report { deed: Deed::Swap, .. }, _) => {
                     swapped.fetch_add(1, Ordering::Relaxed);
                 }

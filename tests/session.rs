@@ -55,7 +55,7 @@ fn start_with(scene: Reload) -> (Session, HeapCons<f32>, Words) {
             Told::Report(report, _) => format!("{report:?}"),
             Told::Began(..) | Told::Came(..) | Told::Reloading(_) => return,
             Told::Lost(port, _) => format!("lost {port}"),
-            Told::Refused(problem) => format!("refused: {problem}"),
+            Told::Refused(problem, _) => format!("refused: {problem}"),
             Told::Reloaded => "reloaded".into(),
             Told::Playing(_) => "playing".into(),
             Told::Kept(why) => format!("kept: {why}"),
@@ -262,7 +262,7 @@ fn a_flood_of_midi_during_reloads_is_played_or_counted() {
                     },
                     _,
                 ) => 1,
-                Told::Refused(_) if begins => 2,
+                Told::Refused(..) if begins => 2,
                 Told::Reloaded => 3,
                 _ => return,
             };

@@ -190,3 +190,42 @@ fn a_steady_voltage_leaves_only_where_it_is_declared() {
     };
     assert!(mean(0).abs() < 1e-4 && (mean(1) - 0.4).abs() < 0.02, "{} {}", mean(0), mean(1));
 }
+
+/// A song has no fader that stands somewhere: what it says of a control counts at once, also where a fader would have to pick it up.
+#[test]
+fn a_song_moves_controls_without_picking_them_up() {
+    let scratch = Scratch::new("songs-pickup");
+    let strong = "[control.strength]\ndefault = 0.9\nrange = [0, 1]\nsmoothing = 0\n[[bind]]\nfrom = \"midi.controller 7\"\ncontrol = \"strength\"\n\
+        [[trigger]]\non = \"midi.note\"\nplay = \"hum\"\nset = { level = 1, frequency = 100 }\n";
+    scratch
+        .write("p.toml", HUM.replace("[\"tone\", \"edge\"]", "[\"tone\", \"edge\", \"strength\"]") + strong);
+    std::fs::write(
+        scratch.0.join("song.mid"),
+        song(&[(0, &[0xb0, 7, 32]), (0, &[0x90, 45, 100]), (120, &[0x80, 45, 0])]),
+    )
+    .unwrap();
+    scratch.run(&["render", "p.toml", "--midi", "song.mid", "-o", "x.wav"]).succeeds();
+    let (spec, samples) = scratch.wav("x.wav");
+    let first: Vec<f32> = samples.chunks(usize::from(spec.channels)).map(|frame| frame[0]).collect();
+    let (_, peak) = felt(&first, 0.05, 0.25);
+    assert!((f64::from(peak) - 32.0 / 127.0).abs() < 0.02, "{peak}");
+}
+
+/// Notes are spread over what can be felt: outputs that give pulses or torque have none.
+#[test]
+fn notes_are_spread_over_tactors_alone() {
+    let scratch = Scratch::new("songs-spread");
+    let rig = "format = \"pacinian-rig/1\"\n[device]\nchannels = 3\nrate = 48000\n[[output]]\nkind = \"trigger\"\nname = \"eeg\"\nchannel = 1\n\
+        [[tactor]]\nname = \"a\"\nchannel = 2\n[[tactor]]\nname = \"b\"\nchannel = 3\n";
+    scratch.write("r.toml", rig);
+    let spread = "[[trigger]]\non = \"midi.note\"\nplay = \"hum\"\nset = { level = 1, frequency = 100 }\nspread = \"notes\"\n";
+    scratch.write("p.toml", format!("{HUM}{spread}"));
+    std::fs::write(scratch.0.join("song.mid"), keys()).unwrap();
+    scratch.run(&["render", "p.toml", "--rig", "r.toml", "--midi", "song.mid", "-o", "x.wav"]).succeeds();
+    let (_, samples) = scratch.wav("x.wav");
+    let peak =
+        |channel: usize| samples.iter().skip(channel).step_by(3).fold(0.0, |most: f32, x| most.max(x.abs()));
+    // 45 and 57 are odd: the second of two.
+    assert_eq!((peak(0), peak(1)), (0.0, 0.0));
+    assert!(peak(2) > 0.9, "{}", peak(2));
+}

@@ -74,6 +74,11 @@ const TURNS: [(f64, f64); 4] = [(0.4, 1.0), (0.8, -0.7), (1.3, 2.0), (1.8, 0.0)]
 
 /// All frames of two seconds with a hand that turns, in calls of these lengths, again and again.
 fn turned(plan: &Plan, lengths: &[usize]) -> (Vec<f32>, Engine) {
+    told(plan, &[], lengths)
+}
+
+/// The same, while the engine is told these at these samples.
+fn told(plan: &Plan, events: &[(f64, Event)], lengths: &[usize]) -> (Vec<f32>, Engine) {
     let mut engine = Engine::new(plan).unwrap();
     let hand = plan.control("hand").unwrap();
     let mut begin = 0.05;
@@ -81,6 +86,9 @@ fn turned(plan: &Plan, lengths: &[usize]) -> (Vec<f32>, Engine) {
         let at = Instant { sample: (begin * plan.engine_rate()) as u64, fraction: 0 };
         assert!(engine.schedule(at, Source::Program, Event::Glide(hand, angle, end - begin)));
         begin = end;
+    }
+    for (sample, event) in events {
+        assert!(engine.schedule(Instant::of_samples(*sample), Source::Program, *event));
     }
     let mut out = vec![0.0; 3 * 96_000];
     let (mut rest, mut n) = (out.as_mut_slice(), 0);
@@ -114,6 +122,35 @@ fn a_knob_is_the_same_however_a_run_is_cut_into_calls() {
         let (cut, _) = turned(&plan, lengths);
         let same = whole.iter().zip(&cut).position(|(a, b)| a.to_bits() != b.to_bits());
         assert_eq!(same, None, "{lengths:?}");
+    }
+}
+
+/// Also where it is told something in the middle of a cell, ahead of which it has run by as much as the call is long.
+#[test]
+fn what_a_knob_is_told_holds_from_the_same_sample_however_a_run_is_cut() {
+    let plan = plan(NOTCHES);
+    let begin = 1600.0;
+    for first in 0..CELL {
+        let at = |n: usize| begin + first as f64 + 450.3 * n as f64;
+        let tells = [
+            Event::Arm(false),
+            Event::Push(0.02),
+            Event::Arm(true),
+            Event::Push(-0.01),
+            Event::Deadline(false),
+            Event::Silence(0, 64),
+            Event::Deadline(true),
+            Event::Arm(true),
+        ];
+        let events: Vec<_> = tells.into_iter().enumerate().map(|(n, event)| (at(n), event)).collect();
+        let (whole, engine) = told(&plan, &events, &[96_000]);
+        assert!(engine.knob().unwrap().servo().chain().armed() && engine.counters().dropped == 0);
+        assert!(whole != turned(&plan, &[96_000]).0, "they change something");
+        for lengths in [&[1][..], &[5], &[64], &[7, 480, 1, 33], &[100]] {
+            let (cut, _) = told(&plan, &events, lengths);
+            let same = whole.iter().zip(&cut).position(|(a, b)| a.to_bits() != b.to_bits());
+            assert_eq!(same, None, "{first} {lengths:?}");
+        }
     }
 }
 

@@ -27,9 +27,10 @@ use pacinian::io::midi_in::MidiPorts;
 use pacinian::io::osc::announce::{Announcer, InVain};
 use pacinian::io::osc::server::Server;
 use pacinian::io::session::{Beginning, Session};
+use pacinian::live::board::Board;
 use pacinian::live::gate::RAMP_IN;
 use pacinian::live::reload::Reload;
-use pacinian::live::signal::Signal;
+use pacinian::live::signal::{Origin, Signal};
 use pacinian::patch::Patch;
 use pacinian::patch::knob::HAND;
 use pacinian::rig::OutputKind;
@@ -156,7 +157,7 @@ impl Play {
         let mut device = None;
         if scene.rig.is_none() {
             let chosen = super::choose::choose(&Wish::of(self.device.as_deref(), None), None, terminal)?;
-            scene.offered = chosen.channels().to_vec();
+            scene.offered = chosen.fitting().to_vec();
             device = Some(chosen);
         }
         // However long it plays, all of an input may be heard.
@@ -343,7 +344,7 @@ impl Play {
         }
         // Everything of the beginning comes behind the ramp.
         let mut song_ends = loaded.song.as_ref().map(|song| RAMP_IN + song.seconds);
-        let ended = self.until_the_end(&session, &stop, &mut show, |show| {
+        let end = self.until_the_end(&session, &stop, &mut show, |show| {
             let played = session.board().frames.get() as f64 / session.rate();
             if song_ends.take_if(|end| *end <= played).is_some() {
                 show.tell("the song has ended; the session goes on until it is ended");
@@ -385,7 +386,11 @@ impl Play {
         // The gate closes before anything else is done, even where the conductor is no more.
         session.board().lever.close();
         let held = (!is_virtual).then(|| device_queue::told(session.board()));
-        let _ = session.handle().send(Signal::End);
+        let handle = match end {
+            End::Key(_) => session.handle().from(Origin::Key("q".into())),
+            _ => session.handle().clone(),
+        };
+        let _ = handle.send(Signal::End);
         drop(watching);
         drop(midi);
         // What the system dropped last is counted when the server ends.
@@ -406,31 +411,31 @@ impl Play {
         if unsent > 0 {
             terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }
-        let concluded = self.conclude(&loaded, &session, &peaks, held.as_deref(), ended.is_none(), terminal);
+        let concluded = self.conclude(&loaded, &session, &peaks, held.as_deref(), end == End::Over, terminal);
         #[cfg(feature = "serial")]
         line.iter().for_each(|line| terminal.note(&line.conclude()));
         let told = knob.map_or(Ok(()), |knob| knob.told(&loaded, session.board(), terminal));
         // Whoever has asked it to stop is told of what was lost as well.
-        let mut failure = ended.map_or(Failure::default(), Failure::told);
+        let mut failure = end.code().map_or(Failure::default(), Failure::told);
         for part in [kept.finish(session.board(), terminal), concluded, told] {
             part.err().into_iter().for_each(|part| failure.join(part));
         }
         if failure.is_none() { Ok(()) } else { Err(failure) }
     }
 
-    /// Until somebody asks to stop; gives the exit code then.
+    /// Until somebody asks to stop, or its time is over.
     fn until_the_end(
         &self,
         session: &Session,
         stop: &Stop,
         show: &mut Show,
         mut meanwhile: impl FnMut(&mut Show),
-    ) -> Option<u8> {
+    ) -> End {
         let begin = Instant::now();
         loop {
             meanwhile(show);
             if let Some(code) = stop.asked() {
-                return Some(code);
+                return End::Signal(code);
             }
             let (passed, played) =
                 (begin.elapsed().as_secs_f64(), session.board().frames.get() as f64 / session.rate());
@@ -439,12 +444,12 @@ impl Play {
                 .duration
                 .is_some_and(|whole| passed >= whole && (played >= whole || passed >= whole + SLOW))
             {
-                return None;
+                return End::Over;
             }
             match show.step(session) {
                 None => {}
-                Some(Ending::Asked(code)) => return code,
-                Some(Ending::Closed) => return Some(stop.asked().unwrap_or(CLOSED)),
+                Some(Ending::Asked(code)) => return End::Key(code),
+                Some(Ending::Closed) => return End::Signal(stop.asked().unwrap_or(CLOSED)),
             }
         }
     }
@@ -477,6 +482,10 @@ impl Play {
             board.dropped.get() + board.refused.get(),
             refused,
         );
+        let changed = changed(board);
+        if !changed.is_empty() {
+            text += &format!("  of the samples: {changed}\n");
+        }
         let played = board.frames.get() as f64 / session.rate();
         if let Some(asked) = self.duration.filter(|asked| ended_by_itself && played < asked - UNPLAYED) {
             text += &format!(
@@ -537,6 +546,18 @@ impl Play {
     }
 }
 
+/// What became of samples that could not leave as they were; nothing where all could.
+fn changed(board: &Board) -> String {
+    let kinds = [
+        (board.limited.get(), "turned down by the limiter"),
+        (board.clamped.get(), "cut at full scale"),
+        (board.masked.get(), "no numbers, played as 0"),
+        (board.held_back.get(), "held back, so that actuators bear it"),
+    ];
+    let told = kinds.into_iter().filter(|(count, _)| *count > 0);
+    told.map(|(count, what)| format!("{} {what}", grouped(count))).collect::<Vec<_>>().join(", ")
+}
+
 /// Why what is told over OSC does not arrive.
 fn in_vain((at, why): &InVain) -> String {
     match why {
@@ -556,6 +577,27 @@ fn fits(device: &Chosen, channels: usize) -> Result<(), Failure> {
     let help =
         "choose another card with --device (`virtual` is one that has any number), or name a rig with --rig";
     Err(Failure::usage(what, help).with_code(69))
+}
+
+/// Why a session comes to its end.
+#[derive(Clone, Copy, PartialEq)]
+enum End {
+    /// Its time is over.
+    Over,
+    /// A signal, or a terminal that was closed: the exit code.
+    Signal(u8),
+    /// A key: the exit code, if not that of success.
+    Key(Option<u8>),
+}
+
+impl End {
+    fn code(self) -> Option<u8> {
+        match self {
+            Self::Over => None,
+            Self::Signal(code) => Some(code),
+            Self::Key(code) => code,
+        }
+    }
 }
 
 impl Loaded {

@@ -101,8 +101,9 @@ fn clean(text: &str) -> String {
         '\n' | '\t' => c,
         '\r' => ' ',
         _ if c.is_ascii_control() => '?',
-        // Those of two bytes.
-        _ if pacinian::text::problem::is_hidden(c) => '·',
+        // As many bytes as it has: hidden ones have two or three.
+        _ if pacinian::text::problem::is_hidden(c) && c.len_utf8() == 2 => '·',
+        _ if pacinian::text::problem::is_hidden(c) => '•',
         _ => c,
     };
     text.chars().map(shown).collect()

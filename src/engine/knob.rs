@@ -4,6 +4,7 @@
 //! sets off begins at its tick. What the patch sends the other way is [`CELL`] engine samples late, whatever the stretches are.
 
 pub mod followed;
+mod orders;
 pub mod tally;
 
 use super::event::{Event, Source};
@@ -25,6 +26,8 @@ use crate::patch::Happening;
 use crate::patch::knob::Reading;
 use crate::schedule::{Instant, Queue};
 use followed::{Followed, Worlds};
+pub(super) use orders::Order;
+use orders::Orders;
 use tally::{Moment, Tally};
 
 const CELLS: usize = CELL as usize;
@@ -90,6 +93,8 @@ pub struct Knob {
     held_at: f64,
     /// Torque of a hand that pushes, N m.
     push: f64,
+    /// What it was told in this cell.
+    orders: Orders,
     /// What was read of a knob that is there, for the ticks to come.
     readings: Readings,
     /// Whether torque is to rise with the next reading, and whether a card brings and takes in time.
@@ -157,6 +162,7 @@ impl Knob {
             hand,
             held_at,
             push: 0.0,
+            orders: Orders::default(),
             readings: Readings::new(ticks),
             asked: of.armed && of.sensor.is_some(),
             in_time: true,
@@ -217,19 +223,9 @@ impl Knob {
         self.worlds.unkept()
     }
 
-    /// A hand pushes with so many newton metres from here on; what is no number is no hand.
-    pub(super) fn push(&mut self, torque: f64) {
-        self.push = if torque.is_finite() { torque } else { 0.0 };
-    }
-
     /// The angle of a knob that is there, for the next tick that has none yet.
     pub(super) fn read(&mut self, angle: Option<f64>) {
         self.readings.put(angle);
-    }
-
-    /// Whether what comes in and goes out does so in the time that the governor was told of.
-    pub(super) fn keep_time(&mut self, in_time: bool) {
-        self.in_time = in_time;
     }
 
     /// What reads a knob that is there.
@@ -252,40 +248,52 @@ impl Knob {
         self.plan.allowance
     }
 
-    /// Lets torque rise, that of a knob that is there as soon as its angle is known, or lets it go.
-    pub(super) fn arm(&mut self, arms: bool) {
-        self.asked = arms && self.is_attached();
-        if arms {
-            self.servo.acknowledge();
-            if !self.asked {
-                self.servo.arm();
-            }
+    /// Tells it something at `clock`, before the sample that is computed next. It holds from there on at the beginning of a cell, and from the next
+    /// cell on in the middle of one.
+    pub(super) fn tell(&mut self, clock: u64, order: Order) {
+        if clock == self.ran && clock.is_multiple_of(CELL) {
+            self.obey_due(clock);
+            self.obey(order);
         } else {
-            self.servo.disarm();
+            self.orders.add(Self::until(clock), order);
         }
     }
 
-    /// Torque is 0 from the next tick on.
-    pub(super) fn shut(&mut self) {
-        self.asked = false;
-        self.servo.disarm();
+    /// Does what it was told that holds from this sample on.
+    fn obey_due(&mut self, sample: u64) {
+        for order in self.orders.take(sample).into_iter().flatten() {
+            self.obey(order);
+        }
     }
 
-    /// Something sounds again.
-    pub(super) fn open(&mut self) {
-        if self.plan.armed && !self.servo.chain().armed() {
-            if self.is_attached() {
-                self.asked = true;
-            } else {
-                self.servo.arm();
+    fn obey(&mut self, order: Order) {
+        match order {
+            Order::Push(torque) => self.push = if torque.is_finite() { torque } else { 0.0 },
+            Order::Deadline(kept) => self.in_time = kept,
+            Order::Rise => {
+                self.servo.acknowledge();
+                self.rise();
             }
+            Order::Fall => {
+                self.asked = false;
+                self.servo.disarm();
+            }
+            Order::Open if self.plan.armed && !self.servo.chain().armed() => self.rise(),
+            Order::Open => {}
+        }
+    }
+
+    fn rise(&mut self) {
+        self.asked = self.is_attached();
+        if !self.asked {
+            self.servo.arm();
         }
     }
 
     /// Goes on where the knob of another plan is: a simulated one stays where it is turned to, and the same effects go on.
     pub(super) fn adopt(&mut self, old: &mut Self) {
         self.ran = old.ran;
-        self.push = old.push;
+        (self.push, self.orders) = (old.push, old.orders);
         std::mem::swap(&mut self.readings, &mut old.readings);
         (self.asked, self.in_time) = (old.asked, old.in_time);
         self.worlds.adopt(&mut old.worlds);
@@ -333,6 +341,7 @@ impl Knob {
     pub(super) fn run(&mut self, until: u64, queue: &mut Queue<Event>, watcher: &mut Watcher) {
         while self.ran < until {
             let sample = self.ran;
+            self.obey_due(sample);
             self.ran += 1;
             self.sample(sample, queue, watcher);
         }

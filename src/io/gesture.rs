@@ -5,11 +5,14 @@
 //! there. An empty cell goes on as before. What `pacinian knob --csv` writes can be read back.
 
 use super::error::{FileError, FileErrorKind};
-use std::fs::File;
+use super::open::open;
 use std::path::Path;
 
 /// Rows of a table, at most.
 pub const MOST_ROWS: usize = 1 << 22;
+
+/// The most bytes of a row, and of comments before it.
+const LONGEST: usize = 1 << 20;
 /// The largest angle (rad) and torque (N m) of a hand.
 pub const MOST: [f64; 2] = [1e4, 1e3];
 
@@ -31,8 +34,7 @@ impl Gesture {
     /// One that cannot be opened; with its line, what is no table of such columns, a time that does not rise, a number beyond [`MOST`] or
     /// that is none, more than [`MOST_ROWS`] rows.
     pub fn open(path: &Path) -> Result<Self, FileError> {
-        let file = File::open(path).map_err(|error| FileError::reading(path, &error))?;
-        Self::read(file).map_err(|(line, what)| {
+        Self::read(open(path)?).map_err(|(line, what)| {
             let at = if line == 0 { String::new() } else { format!(", line {line}") };
             let message = format!("`{}`{at}: {what}", path.display());
             FileError::new(FileErrorKind::Malformed, message)
@@ -48,7 +50,7 @@ impl Gesture {
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
             .flexible(true)
-            .from_reader(from);
+            .from_reader(Bounded { from, since: 0 });
         let headers = reader.headers().map_err(|error| (1, told(&error)))?.clone();
         let column = |names: [&str; 2]| {
             names.iter().find_map(|name| headers.iter().position(|header| header == *name))
@@ -89,6 +91,7 @@ impl Gesture {
         let mut rows = 0;
         while reader.read_record(&mut record).map_err(|error| (line(&error), told(&error)))? {
             let at = record.position().map_or(0, csv::Position::line);
+            reader.get_mut().since = 0;
             rows += 1;
             if rows > MOST_ROWS {
                 return Err((at, format!("more than {MOST_ROWS} rows")));
@@ -124,6 +127,26 @@ impl Gesture {
     }
 }
 
+/// What is read, as long as no row of it is longer than [`LONGEST`].
+struct Bounded<R> {
+    from: R,
+    /// Bytes since the last row.
+    since: usize,
+}
+
+impl<R: std::io::Read> std::io::Read for Bounded<R> {
+    fn read(&mut self, to: &mut [u8]) -> std::io::Result<usize> {
+        if self.since > LONGEST {
+            return Err(std::io::Error::other(format!(
+                "a row, or what stands before it, has more than {LONGEST} bytes"
+            )));
+        }
+        let read = self.from.read(to)?;
+        self.since += read;
+        Ok(read)
+    }
+}
+
 fn line(error: &csv::Error) -> u64 {
     error.position().map_or(0, csv::Position::line)
 }
@@ -131,13 +154,23 @@ fn line(error: &csv::Error) -> u64 {
 fn told(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Utf8 { .. } => "it is no text in UTF-8".into(),
+        csv::ErrorKind::Io(error) => error.to_string(),
         _ => error.to_string(),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Gesture;
+    use super::{Gesture, LONGEST};
+
+    /// Bytes that are made as they are read.
+    struct Bytes<I>(I);
+
+    impl<I: Iterator<Item = u8>> std::io::Read for Bytes<I> {
+        fn read(&mut self, to: &mut [u8]) -> std::io::Result<usize> {
+            Ok(to.iter_mut().zip(&mut self.0).map(|(slot, byte)| *slot = byte).count())
+        }
+    }
 
     fn read(text: &str) -> Result<Gesture, (u64, String)> {
         Gesture::read(text.as_bytes())
@@ -180,5 +213,13 @@ mod tests {
             assert!(at == line && told.contains(what), "{text:?}: {at} {told}");
         }
         assert!(Gesture::read(&b"time,angle\n0,\xff\n"[..]).unwrap_err().1.contains("UTF-8"));
+        // Neither a row without end nor a text in quotes, and a long table all the same.
+        let endless = |begin: &'static str| begin.bytes().chain(std::iter::repeat(b'1')).take(1 << 30);
+        for begin in ["", "time,angle\n0,", "time,angle\n0,\"1\n", "time,angle\n# "] {
+            let told = Gesture::read(Bytes(endless(begin))).unwrap_err().1;
+            assert!(told.contains(&format!("more than {LONGEST} bytes")), "{begin}: {told}");
+        }
+        let long: String = (0..200_000).map(|n| format!("{n},1\n")).collect();
+        assert_eq!(read(&format!("time,angle\n{long}")).unwrap().angles.len(), 200_000);
     }
 }

@@ -86,13 +86,14 @@ pub enum Ear {
 }
 
 impl Beginning {
-    /// Of what is played, on what, as most sessions begin: at full level, hearing nothing and heard by nobody.
+    /// Of what is played, on what, as most sessions begin: hearing nothing and heard by nobody. A card plays at -20 dB until [`Handle::arm`], as
+    /// headphones may hang on it: where a person has named it, `armed` is [`Chosen::is_meant`]. The virtual card plays at full level.
     pub fn of(scene: Reload, device: Chosen) -> Self {
         Self {
+            armed: matches!(device, Chosen::Virtual(_)),
             scene,
             device,
             block: None,
-            armed: true,
             input: Ear::Nothing,
             knob: None,
             link_knob: false,

@@ -220,6 +220,8 @@ impl Callback {
         if self.stagehand.take_over() {
             self.gate.motors_are(self.stagehand.engine().stage().drives().channels());
             self.plan += 1;
+            // Its engine counts anew.
+            self.unkept = 0;
             self.tell(Deed::Swap);
             self.take_cues();
         }

@@ -61,8 +61,8 @@ pub enum Told<'a> {
     Lost(u16, Option<&'a str>),
     /// What the callback did, and how its frames and wall time belonged together a moment ago.
     Report(&'a Report, Option<Moment>),
-    /// Something that was asked for and cannot be done.
-    Refused(&'a Problem),
+    /// Something that was asked for and cannot be done, and the number of the signal that asked for it; 0 where it was none.
+    Refused(&'a Problem, u64),
     /// Other patterns play than before. Those that play now: number, and name; those that play from the beginning have number 0.
     Playing(&'a [(u64, &'a str)]),
     /// A new patch or rig takes over: what the callback tells of after its next [`super::callback::Deed::Swap`] is meant for it.
@@ -267,7 +267,7 @@ impl Conductor {
         let until = self.until(0);
         let mut outlet = ToCallback { rings: &mut self.rings, clock: 0, plan: self.plan, cause: 0 };
         if let Err(problem) = self.performer.begin(&mut outlet) {
-            (self.audience)(Told::Refused(&problem));
+            (self.audience)(Told::Refused(&problem, 0));
         }
         // One that has millions of steps to take until something happens has given up by then.
         let fed = |_: &u32| self.performer.feed_some(until, &mut outlet);
@@ -299,7 +299,7 @@ impl Conductor {
         let mut outlet =
             ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause: 0 };
         if let Err(problem) = self.performer.midi_settle(at, &mut outlet) {
-            (self.audience)(Told::Refused(&problem));
+            (self.audience)(Told::Refused(&problem, 0));
         }
         self.board.midi.performed(&self.performer.midi_counts());
     }
@@ -321,7 +321,7 @@ impl Conductor {
         let mut outlet =
             ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause: 0 };
         if let Err(problem) = self.performer.midi_gone(at, port, &mut outlet) {
-            (self.audience)(Told::Refused(&problem));
+            (self.audience)(Told::Refused(&problem, 0));
         }
     }
 
@@ -369,7 +369,7 @@ impl Conductor {
     /// Tells what has kept patterns from going on.
     fn hear_trouble(&mut self) {
         for problem in self.performer.take_troubles() {
-            (self.audience)(Told::Refused(&problem));
+            (self.audience)(Told::Refused(&problem, 0));
         }
     }
 
@@ -491,7 +491,7 @@ impl Conductor {
         self.performer.because(0);
         self.board.refused.patterns.add(self.performer.take_turned_away());
         if let Err(problem) = done {
-            (self.audience)(Told::Refused(&problem));
+            (self.audience)(Told::Refused(&problem, id));
         }
     }
 
@@ -529,7 +529,7 @@ impl Conductor {
         let became = self.performer.become_of(scene, patch, rig, files);
         (self.audience)(Told::Reloaded);
         if let Err(problem) = became {
-            (self.audience)(Told::Refused(&problem));
+            (self.audience)(Told::Refused(&problem, 0));
         }
     }
 }

@@ -346,6 +346,10 @@ pub(crate) fn read(reader: &Reader) -> Option<Event> {
     })
 }
 
+/// What a marker may be called.
+pub(super) const MARKED: &str =
+    "give it a name of letters, numbers, signs and spaces: logs and other programs read it";
+
 fn read_action(reader: &Reader) -> Option<Action> {
     let named: Vec<&str> = ["voice", "pattern", "marker"].into_iter().filter(|k| reader.has(k)).collect();
     let kind = match named.as_slice() {
@@ -391,6 +395,13 @@ fn read_action(reader: &Reader) -> Option<Action> {
     }
     let name = reader.text(kind)?.to_string();
     let span = reader.span_of(kind);
+    if kind == "marker" && name.contains(char::is_control) {
+        reader.sink.error_help(
+            &span,
+            format!("{} has a control character in its marker", reader.who),
+            MARKED,
+        );
+    }
     match kind {
         "voice" => {
             let (level, duration, place) =

@@ -8,7 +8,7 @@
 
 use std::io::{BufRead, Read};
 
-use super::event::{Action, Event, Play, Setting, limits};
+use super::event::{Action, Event, MARKED, Play, Setting, limits};
 use super::names::Names;
 use super::place::{self, Place};
 use crate::text::cells::{Cell, cells};
@@ -290,7 +290,16 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
                     Err(what) => problems.push(self.wrong(&span, &what, None)),
                 },
                 Column::Voice => voice = Some((cell, span)),
-                Column::Marker => marker = Some((cell, span)),
+                Column::Marker => {
+                    if cell.contains(char::is_control) {
+                        problems.push(self.wrong(
+                            &span,
+                            "the marker has a control character",
+                            Some(MARKED.into()),
+                        ));
+                    }
+                    marker = Some((cell, span));
+                }
                 Column::Field(name) => {
                     // A column may concern some voices only; a voice that lacks the field is a mistake where its cell is filled.
                     let value = number(name, limits(name));

@@ -6,6 +6,7 @@ use crate::midi::{Channel, Claims, Expression, Gesture, Interpreter, Message, in
 use crate::node::motion::Motion;
 use crate::patch::event::limits;
 use crate::patch::{Mover, Place, Source, Spread, Trigger};
+use crate::rig::{Output, OutputKind};
 use crate::text::Problem;
 
 /// Ports that are told apart.
@@ -481,7 +482,9 @@ impl Performer {
 
     /// The tactor that a trigger spreads a note to.
     fn spread(&self, trigger: &Trigger, hit: Hit) -> Option<Place> {
-        let tactors = self.rig.outputs.len();
+        // What gives pulses or torque is none that a note could be felt on.
+        let felt = |output: &&Output| !matches!(output.kind, OutputKind::Trigger { .. } | OutputKind::Torque);
+        let tactors = self.rig.outputs.iter().filter(felt).count();
         let (port, channel) = hit.port.filter(|_| tactors > 0)?;
         let note = hit.note.unwrap_or(0);
         let number = match trigger.spread {
@@ -500,7 +503,7 @@ impl Performer {
                 None => usize::from(note) % tactors,
             },
         };
-        self.rig.outputs.get(number).map(|output| Place::Channel(output.channel))
+        self.rig.outputs.iter().filter(felt).nth(number).map(|output| Place::Channel(output.channel))
     }
 
     /// Moves the controls of the bindings that `from` says yes to, to a position from 0 to 1.
@@ -533,7 +536,8 @@ impl Performer {
                 continue;
             }
             let stands = self.targets.get(place).and_then(|value| bind.position(control, *value));
-            let pickup = self.pickups.get_mut(number).filter(|_| bind.pickup);
+            // A song has no fader that stands anywhere.
+            let pickup = self.pickups.get_mut(number).filter(|_| bind.pickup && !self.in_song);
             let waits = pickup.and_then(|pickup| {
                 let moves = pickup.moves(position, stands);
                 (!moves).then(|| pickup.begins_to_wait())

@@ -110,6 +110,8 @@ pub struct Performer {
     hands: Vec<Hands>,
     /// Messages that are played from a file, in order of time; `None` lets go of all keys.
     song: VecDeque<(f64, Option<Message>)>,
+    /// Whether a message of it is played now.
+    in_song: bool,
     pickups: Vec<Pickup>,
     /// Where each control of the patch was sent last.
     targets: Vec<f64>,
@@ -220,6 +222,7 @@ impl Performer {
             moved: true,
             hands: Vec::new(),
             song: VecDeque::new(),
+            in_song: false,
             pickups,
             targets,
             streams,

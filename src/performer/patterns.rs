@@ -216,7 +216,12 @@ impl Performer {
             self.song.pop_front();
             *work -= 1;
             let played = match message {
-                Some(message) => self.midi(at, 0, message, outlet),
+                Some(message) => {
+                    self.in_song = true;
+                    let played = self.midi(at, 0, message, outlet);
+                    self.in_song = false;
+                    played
+                }
                 None => {
                     self.end_clocked();
                     self.midi_gone(at, 0, outlet)

@@ -362,7 +362,7 @@ mod tests {
             "latency 5.20 ms = block 2.70 + engine 1.50 + device 1.00",
             "limited 0",
             "clamped 0",
-            "16 tactors",
+            "16 outputs",
             " t15 ",
             "-10.5",
             "2 ▶ t2",
@@ -399,7 +399,7 @@ mod tests {
             assert!(large.contains(part), "no `{part}` in\n{large}");
         }
         let small = text(&snapshot, 60, 12);
-        assert!(!small.contains("knob") && small.contains("16 tactors"), "{small}");
+        assert!(!small.contains("knob") && small.contains("16 outputs"), "{small}");
     }
 
     /// All of it, wrapped; and what is cut off is counted.

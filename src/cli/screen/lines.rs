@@ -102,7 +102,7 @@ fn by_source(refused: &str) -> String {
 pub fn status(snapshot: &Snapshot, highest: f32) -> String {
     let (figures, latency) = (&snapshot.figures, &snapshot.latency);
     format!(
-        "{:>9}  -- load {:.2} % (99.9 %: {:.1} %), {}{}, {}, {} late, {} lost{}, {} limited, {} clamped{}, latency {}{}, peak {}{}",
+        "{:>9}  -- load {:.2} % (99.9 %: {:.1} %), {}{}, {}, {} late, {} lost{}, {} limited, {} clamped{}{}, latency {}{}, peak {}{}",
         clock(snapshot.elapsed),
         100.0 * figures.mean,
         100.0 * figures.p999,
@@ -114,6 +114,11 @@ pub fn status(snapshot: &Snapshot, highest: f32) -> String {
         by_source(&snapshot.refused),
         figures.limited,
         figures.clamped,
+        [(figures.masked, "no numbers"), (figures.held_back, "held back"), (figures.over, "over their time")]
+            .into_iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| format!(", {} {what}", grouped(count)))
+            .collect::<String>(),
         match figures.midi {
             0 => String::new(),
             unused => format!(", {} of MIDI unused", grouped(unused)),

@@ -68,7 +68,7 @@ pub fn meters(snapshot: &Snapshot, width: usize, rows: usize) -> Meters {
         .map(|(channel, (name, meter))| (channel, name.as_str(), meter))
         .collect();
     if shown.is_empty() || width == 0 || rows == 0 {
-        return Meters { note: many(shown.len(), "tactor"), pages: 1, ..Meters::default() };
+        return Meters { note: many(shown.len(), "output"), pages: 1, ..Meters::default() };
     }
     let form = Form::choose(shown.len(), width, rows, snapshot.paged);
     let (label, across) = match form {
@@ -85,7 +85,7 @@ pub fn meters(snapshot: &Snapshot, width: usize, rows: usize) -> Meters {
         Form::Whole(columns) => block(part, columns, width, true, snapshot.fancy),
         Form::Narrow(columns) => block(part, columns, width, false, snapshot.fancy),
     };
-    let mut note = many(shown.len(), "tactor");
+    let mut note = many(shown.len(), "output");
     if pages > 1 {
         let first = page * on_page + 1;
         note = format!(
@@ -229,7 +229,7 @@ mod tests {
         let mut snapshot = of(3);
         snapshot.tactors[1].0.clear();
         let found = meters(&snapshot, 60, 10);
-        assert_eq!((found.lines.len(), found.note.as_str()), (2, "2 tactors"));
+        assert_eq!((found.lines.len(), found.note.as_str()), (2, "2 outputs"));
         assert!(found.lines[1].text().starts_with(" t3 "));
         assert!(meters(&of(0), 60, 10).lines.is_empty());
     }

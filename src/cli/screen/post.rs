@@ -192,7 +192,7 @@ impl Post {
                     format!("the MIDI cable of {of} is lost, which had promised to stay: panic"),
                 );
             }
-            Told::Refused(problem) => self.say(Mood::Bad, problem.to_string()),
+            Told::Refused(problem, _) => self.say(Mood::Bad, problem.to_string()),
             Told::Playing(playing) => {
                 self.state(State::Playing(playing.iter().map(|(_, name)| (*name).into()).collect()));
             }

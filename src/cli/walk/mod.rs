@@ -46,7 +46,7 @@ use std::sync::Arc;
     With no device named, here or in the rig, or a sound system alone (but for JACK), it plays on the default, which may be headphones: at -20 dB until --arm.\n\
     Ctrl-C ends it: the output goes to exact zeros within 2 ms of the next block that the card asks for.")]
 pub struct Walk {
-    /// The rig [default: a line of as many tactors as the device has channels, 8 at most]
+    /// The rig [default: a line of as many tactors as the device has channels; 8 where it takes any number, 2 where it mixes them]
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
     /// The sound card: its id, its name or a part of that, or `virtual` [default: what the rig says, else the system's default]
@@ -248,7 +248,7 @@ fn beginning(
         .map_err(|problems| Failure::of(78, problems))?;
     Ok(Beginning {
         audience: Box::new(move |told| {
-            if let Told::Refused(problem) = told {
+            if let Told::Refused(problem, _) = told {
                 note.note(&format!("{problem}\n"));
             }
         }),
@@ -278,7 +278,7 @@ fn kind(kind: &OutputKind) -> &'static str {
     }
 }
 
-/// As many as the device has, as far as it says, and 8 at most: those that mix take any number.
+/// As many as the device has, as far as it says, else 8; those that mix take any number, and get 2.
 fn channels(device: &Chosen) -> u32 {
-    crate::cli::by_default::fit(0, device.channels())
+    crate::cli::by_default::fit(0, device.fitting())
 }

@@ -3,6 +3,7 @@
 use super::Core;
 use crate::dsp::lanes::Real;
 use crate::engine::event::{Event, Play, is_of};
+use crate::engine::knob::Order;
 use crate::engine::watch::SetOff;
 use crate::schedule::Instant;
 
@@ -71,17 +72,21 @@ impl<R: Real> Core<R> {
             Event::Cancel(id, bits) => self.cancel(id, bits, at),
             Event::Marker(name, _) => self.stage.mark(name, at),
             Event::Shed(above) => self.tasks.shed(above),
-            Event::Push(torque) => self.knob.iter_mut().for_each(|knob| knob.push(torque)),
-            Event::Deadline(kept) => self.knob.iter_mut().for_each(|knob| knob.keep_time(kept)),
-            Event::Arm(arms) => self.knob.iter_mut().for_each(|knob| knob.arm(arms)),
+            Event::Push(torque) => self.tell_knob(Order::Push(torque)),
+            Event::Deadline(kept) => self.tell_knob(Order::Deadline(kept)),
+            Event::Arm(arms) => self.tell_knob(if arms { Order::Rise } else { Order::Fall }),
         }
+    }
+
+    fn tell_knob(&mut self, order: Order) {
+        self.knob.iter_mut().for_each(|knob| knob.tell(self.clock, order));
     }
 
     pub(super) fn play(&mut self, play: &Play, at: Instant) {
         let place = self.places.felt(play.instrument as usize, play.place, play.strength());
         let Some(bank) = self.banks.get_mut(play.instrument as usize) else { return };
         self.stage.open(self.clock);
-        self.knob.iter_mut().for_each(|knob| knob.open());
+        self.knob.iter_mut().for_each(|knob| knob.tell(self.clock, Order::Open));
         self.counters.started += 1;
         let serial = self.counters.started;
         let (lane, stolen) = bank.start(play, at, self.clock, place, serial);
@@ -135,7 +140,7 @@ impl<R: Real> Core<R> {
         self.queue.edit(|event| !matches!(event, Event::Play(play) if play.is_of(id, bits)));
         if self.banks.iter().all(|bank| bank.only_sounds(|play| play.is_of(id, bits))) {
             self.stage.shut(self.clock);
-            self.knob.iter_mut().for_each(|knob| knob.shut());
+            self.tell_knob(Order::Fall);
         }
     }
 }

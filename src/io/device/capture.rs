@@ -151,7 +151,8 @@ mod tests {
     fn a_card_is_asked_for_what_it_has() {
         let mut rates = Rates::default();
         rates.add((44_100, 48_000));
-        let offer = Offer { channels: vec![1, 2, 8], rates, blocks: Some((64, 4096)), formats: vec![] };
+        let offer =
+            Offer { channels: vec![1, 2, 8], there: None, rates, blocks: Some((64, 4096)), formats: vec![] };
         let (id, name, hosts) = ("x".into(), "x".into(), Hosts::default());
         let card = Found { id, name, default: false, output: None, input: Some(offer), trouble: None, hosts };
         let of = |channels, rate, block| shape(&card, channels, rate, block).unwrap();

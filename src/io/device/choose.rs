@@ -72,6 +72,16 @@ impl Chosen {
         }
     }
 
+    /// As many as a line of tactors may have that is to fit it: those that it offers, or all that are there where that is known.
+    pub fn fitting(&self) -> &[u16] {
+        match self {
+            Self::Card(_, Found { output: Some(Offer { there: Some(there), .. }), .. }) => {
+                std::slice::from_ref(there)
+            }
+            _ => self.channels(),
+        }
+    }
+
     /// Frames of a block where nobody says otherwise; `None`: as it likes, where it does not say what it can.
     pub fn usual_block(&self) -> Option<u32> {
         let Self::Card(_, Found { output: Some(Offer { blocks: Some((least, most)), .. }), .. }) = self
@@ -320,7 +330,13 @@ mod tests {
     use crate::io::device::rates::Rates;
 
     fn found(default: bool, plays: bool) -> Found {
-        let offer = Offer { channels: vec![2], rates: Rates::default(), blocks: None, formats: Vec::new() };
+        let offer = Offer {
+            channels: vec![2],
+            there: None,
+            rates: Rates::default(),
+            blocks: None,
+            formats: Vec::new(),
+        };
         Found {
             id: String::new(),
             name: String::new(),

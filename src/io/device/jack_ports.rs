@@ -13,5 +13,6 @@ pub(super) fn limit(offer: &mut Option<Offer>, ports: &str) {
     // Where there is no card at all, somebody connects them by hand.
     if there > 0 {
         offer.channels.retain(|channels| usize::from(*channels) <= there);
+        offer.there = offer.channels.last().copied().filter(|most| usize::from(*most) == there);
     }
 }

@@ -34,6 +34,8 @@ pub struct Found {
 pub struct Offer {
     /// Numbers of channels, ascending.
     pub channels: Vec<u16>,
+    /// How many there are, of a device that takes fewer as well, where that is known.
+    pub there: Option<u16>,
     /// Frames a second.
     pub rates: Rates,
     /// Frames a block, least and most, where it says.
@@ -84,7 +86,13 @@ impl Offer {
         let mut offer: Option<Self> = None;
         for range in &ranges {
             let (channels, format) = (range.channels(), range.sample_format().to_string());
-            let none = || Self { channels: vec![], rates: Rates::default(), blocks: None, formats: vec![] };
+            let none = || Self {
+                channels: vec![],
+                there: None,
+                rates: Rates::default(),
+                blocks: None,
+                formats: vec![],
+            };
             let all = offer.get_or_insert_with(none);
             all.rates.add((range.min_sample_rate(), range.max_sample_rate()));
             if let Err(place) = all.channels.binary_search(&channels) {

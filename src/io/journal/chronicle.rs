@@ -116,7 +116,10 @@ impl Chronicle {
                 self.next.push_back(Names::of(&reload.scene.plan));
                 None
             }
-            Told::Refused(problem) => Some(self.refused(None, problem.to_string())),
+            Told::Refused(problem, cause) => {
+                let cause = Some(*cause).filter(|cause| *cause > 0);
+                Some(Line { cause, ..self.refused(None, problem.to_string()) })
+            }
             Told::Kept(why) => Some(self.refused(Some("reload".into()), (*why).to_string())),
             Told::Playing(_) | Told::Reloaded => None,
         }

@@ -278,6 +278,7 @@ fn counters(board: &Board) -> BTreeMap<String, f64> {
         ("input_jumps", board.input.jumps.get()),
         ("input_lost", board.input.lost.get()),
         ("masked", board.masked.get()),
+        ("held_back", board.held_back.get()),
         ("clamped", board.clamped.get()),
         ("limited", board.limited.get()),
         ("over", board.load.over()),

@@ -1,11 +1,12 @@
 //! What a session heard, from its recording, as it is played again.
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use super::digest::Digest;
 use crate::io::error::{FileError, FileErrorKind};
+use crate::io::open::open;
 use crate::io::wav::WavReader;
 
 /// A recording of what was heard, read as it is needed.
@@ -91,11 +92,21 @@ impl Recorded {
     }
 }
 
+/// More bytes than the header of a recording has.
+const HEADER: u64 = 4096;
+
 /// Whether a file is the beginning of a recording, of which no sample has been written yet: its header, or a part of that.
 fn has_only_begun(path: &Path) -> bool {
-    std::fs::read(path).is_ok_and(|bytes| {
+    let mut bytes = Vec::new();
+    let header = open(path).and_then(|file| {
+        let read = file.take(HEADER).read_to_end(&mut bytes);
+        read.map_err(|error| FileError::reading(path, &error))
+    });
+    header.is_ok_and(|length| {
         let data = bytes.windows(4).position(|word| word == b"data");
-        (bytes.is_empty() || bytes.starts_with(b"RIFF")) && data.is_none_or(|data| bytes.len() <= data + 8)
+        (length as u64) < HEADER
+            && (bytes.is_empty() || bytes.starts_with(b"RIFF"))
+            && data.is_none_or(|data| bytes.len() <= data + 8)
     })
 }
 
@@ -164,8 +175,11 @@ mod tests {
             let said = recorded.check(1, "").unwrap_err().message;
             assert!(said.contains("it has 0 frames, and 1 were recorded"), "{said}");
         }
-        std::fs::write(&path, "something else").unwrap();
-        assert!(Recorded::open(path.clone(), 48_000.0, 2).is_err());
+        // What has more than a header and no sample is no beginning of one.
+        for other in [&b"something else"[..], &[b"RIFF", &[0; 8000][..]].concat()] {
+            std::fs::write(&path, other).unwrap();
+            assert!(Recorded::open(path.clone(), 48_000.0, 2).is_err());
+        }
         std::fs::remove_file(&path).unwrap();
     }
 

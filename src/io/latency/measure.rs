@@ -155,7 +155,8 @@ impl Hear for Recorder {
         let count = frames.len() / self.channels;
         let kept = if self.samples.vacant_len() >= count {
             let channel = frames.iter().skip(self.channel).step_by(self.channels).copied();
-            self.samples.push_iter(channel)
+            // Of a frame that is not whole nothing counts.
+            self.samples.push_iter(channel.take(count))
         } else {
             0
         };

@@ -17,6 +17,8 @@ pub enum Ask {
     Play(String, Note, Option<i64>),
     /// Release what was played under an id.
     Release(i64),
+    /// Release all that sounds.
+    ReleaseAll,
     /// Move the hand that holds what was played under an id.
     Touch(i64, Touch),
     /// Start a pattern.
@@ -105,6 +107,7 @@ pub fn ask(method: &Method, args: &[OscType]) -> Result<Ask, Wrong> {
             _ => return Err(Wrong),
         },
         Method::List(kind) => button(args, Ask::List(*kind))?,
+        Method::ReleaseAll => button(args, Ask::ReleaseAll)?,
         Method::Panic => button(args, Ask::Panic)?,
         Method::Calm => button(args, Ask::Calm)?,
         Method::Arm => match args {
@@ -318,6 +321,7 @@ mod tests {
     #[test]
     fn buttons_that_are_let_go_do_nothing() {
         for (method, done) in [
+            (Method::ReleaseAll, Ask::ReleaseAll),
             (Method::Panic, Ask::Panic),
             (Method::Calm, Ask::Calm),
             (Method::Start("p".into()), Ask::Start("p".into())),

@@ -18,6 +18,8 @@ pub enum Method {
     Play(String),
     /// Releases what was played under an id.
     Release,
+    /// Releases all that sounds.
+    ReleaseAll,
     /// Moves the hand that holds what was played under an id.
     Touch(What),
     /// Starts a pattern.
@@ -81,6 +83,7 @@ impl Method {
             Self::Start(_)
             | Self::Stop(_)
             | Self::List(_)
+            | Self::ReleaseAll
             | Self::Panic
             | Self::Calm
             | Self::Unsubscribe
@@ -93,7 +96,8 @@ impl Method {
 }
 
 /// Addresses that are there whatever the patch.
-const OWN: [(&str, Method); 19] = [
+const OWN: [(&str, Method); 20] = [
+    ("/release", Method::ReleaseAll),
     ("/voice/release", Method::Release),
     ("/voice/bend", Method::Touch(What::Bend)),
     ("/voice/pressure", Method::Touch(What::Pressure)),

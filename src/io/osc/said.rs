@@ -37,7 +37,20 @@ fn argued(argument: &OscType, words: &mut String) {
         OscType::Nil => write!(words, "nil"),
         OscType::Inf => write!(words, "inf"),
         OscType::Blob(bytes) => write!(words, "blob({})", bytes.len()),
-        other => write!(words, "{}", cut(&format!("{other:?}"))),
+        OscType::Array(array) => {
+            words.push('[');
+            for (place, argument) in array.content.iter().enumerate() {
+                if words.len() > MOST {
+                    break;
+                }
+                words.push_str(if place == 0 { "" } else { " " });
+                argued(argument, words);
+            }
+            write!(words, "]")
+        }
+        OscType::Time(time) => write!(words, "time({}.{})", time.seconds, time.fractional),
+        OscType::Color(c) => write!(words, "#{:02x}{:02x}{:02x}{:02x}", c.red, c.green, c.blue, c.alpha),
+        OscType::Midi(m) => write!(words, "midi({} {} {} {})", m.port, m.status, m.data1, m.data2),
     };
 }
 
@@ -51,7 +64,7 @@ fn cut(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use rosc::{OscMessage, OscType};
+    use rosc::{OscArray, OscMessage, OscType};
 
     use super::{MOST, origin};
     use crate::live::signal::Origin;
@@ -72,7 +85,14 @@ mod tests {
         let args = [OscType::Float(0.5), "place".into(), "left \"a\"".into(), OscType::Int(-3), OscType::Nil];
         assert_eq!(&*said(&args), r#"0.5 "place" "left \"a\"" -3 nil"#);
         assert_eq!(&*said(&[OscType::Blob(vec![0; 9]), OscType::Bool(true)]), "blob(9) true");
-        for long in [vec![OscType::Long(7); 60_000], vec!["ä".repeat(60_000).into()]] {
+        let array = |content: Vec<OscType>| OscType::Array(OscArray { content });
+        let nested = array(vec![OscType::Float(0.25), array(vec![]), array(vec!["x".into(), 0.into()])]);
+        assert_eq!(&*said(&[1.into(), nested]), r#"1 [0.25 [] ["x" 0]]"#);
+        for long in [
+            vec![OscType::Long(7); 60_000],
+            vec![array(vec![OscType::Long(7); 60_000])],
+            vec!["ä".repeat(60_000).into()],
+        ] {
             let words = said(&long);
             assert!(words.len() < MOST + 10 && words.contains("..."), "{}", words.len());
         }

@@ -405,6 +405,7 @@ impl Listener {
                 }
                 None => self.counts.unknown.add(1),
             },
+            Ask::ReleaseAll => drop(self.send(at, Signal::ReleaseAll)),
             Ask::Start(name) => drop(self.send(at, Signal::Start(self.handle.number(), name))),
             Ask::Stop(name) => drop(self.send(at, Signal::StopNamed(name))),
             Ask::Set(number, value) => {
