@@ -25,6 +25,7 @@ pub(super) struct Minder {
     quit: Arc<AtomicBool>,
     bell: Bell,
     thread: Option<JoinHandle<()>>,
+    parts_after: Duration,
 }
 
 /// By which a minder is called, to look at once.
@@ -92,7 +93,7 @@ impl Minder {
             .name(name.into())
             .spawn(work)
             .map_err(|error| DeviceError::no_thread(name, &error))?;
-        Ok(Self { quit, bell, thread: Some(thread) })
+        Ok(Self { quit, bell, thread: Some(thread), parts_after: PARTS_AFTER })
     }
 }
 
@@ -100,12 +101,22 @@ impl Drop for Minder {
     fn drop(&mut self) {
         self.quit.store(true, Ordering::Release);
         self.bell.ring();
-        if let Some(thread) = self.thread.take() {
-            // One that has panicked has nothing more to say.
-            let _ = thread.join();
+        let Some(thread) = self.thread.take() else { return };
+        let begin = Instant::now();
+        while !thread.is_finished() {
+            // It waits for a system that does not answer, and ends by itself when that does.
+            if begin.elapsed() >= self.parts_after {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(1));
         }
+        // One that has panicked has nothing more to say.
+        let _ = thread.join();
     }
 }
+
+/// So long a minder may take to end: what it does is done within [`RELEASE`], but for the opening of a device whose system stands still.
+const PARTS_AFTER: Duration = Duration::from_secs(2 * RELEASE.as_secs());
 
 /// So long after it was opened, a device's callbacks may take to begin and to become regular: a sink of PulseAudio that was idle asks
 /// for a block or two, and then plays two seconds of its own silence first.
@@ -272,6 +283,24 @@ mod tests {
     use crate::io::device::card::News;
     use std::sync::mpsc::channel;
     use std::time::{Duration, Instant};
+
+    /// As one that opens a device of a server that stands still.
+    #[test]
+    fn one_that_waits_for_ever_is_parted_with() {
+        let (goes_on, waits) = channel::<()>();
+        let (began, begins) = channel();
+        let look = move || {
+            began.send(()).unwrap();
+            let _ = waits.recv();
+        };
+        let mut minder = Minder::start("waits", bell(), look).unwrap();
+        minder.parts_after = Duration::from_millis(50);
+        begins.recv().unwrap();
+        drop(minder);
+        // It waits still, and goes when it may.
+        assert!(goes_on.send(()).is_ok());
+        while begins.recv().is_ok() {}
+    }
 
     /// One that would look once an hour.
     #[test]

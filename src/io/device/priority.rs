@@ -40,7 +40,7 @@ pub fn raise() {
 /// The same for a thread that only wants to know whether it may.
 pub(super) fn rises() -> bool {
     #[cfg(unix)]
-    return fifo(FIFO);
+    return fifo(FIFO) || under(limit()).0.is_some_and(fifo);
     #[cfg(not(unix))]
     thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Max).is_ok()
 }
@@ -50,12 +50,32 @@ pub(super) fn rises() -> bool {
 pub fn raise_feeding() {
     #[cfg(unix)]
     if !is_real_time() {
-        let _ = fifo(FEEDING);
+        let _ = under(limit()).1.is_some_and(fifo);
     }
     #[cfg(windows)]
     let _ = thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Os(
         thread_priority::WinAPIThreadPriority::AboveNormal.into(),
     ));
+}
+
+/// What there is for a thread that plays and one that feeds it, where a system allows no more than so much: the latter waits for the former, and must never
+/// keep it from running.
+#[cfg(unix)]
+fn under(limit: Option<u64>) -> (Option<u8>, Option<u8>) {
+    match limit.and_then(|limit| u8::try_from(limit).ok()) {
+        Some(limit @ 1..FIFO) => (Some(limit), Some(FEEDING.min(limit - 1)).filter(|left| *left > 0)),
+        // A program that may have any has a limit of 0 as well, as a rule.
+        _ => (Some(FIFO), Some(FEEDING)),
+    }
+}
+
+/// The highest priority that the system allows this program, if it says.
+#[cfg(unix)]
+fn limit() -> Option<u64> {
+    #[cfg(target_os = "linux")]
+    return rustix::process::getrlimit(rustix::process::Resource::Rtprio).current;
+    #[cfg(not(target_os = "linux"))]
+    None
 }
 
 #[cfg(unix)]
@@ -81,7 +101,18 @@ fn fifo(priority: u8) -> bool {
 mod tests {
     use thread_priority::{ThreadPriority, get_current_thread_priority, thread_schedule_policy};
 
-    use super::{FEEDING, FIFO, Priority, latest, raise, raise_feeding};
+    use super::{FEEDING, FIFO, Priority, latest, limit, raise, raise_feeding, under};
+
+    #[test]
+    fn where_there_is_less_what_plays_still_goes_before_what_feeds_it() {
+        for most in 1..FIFO {
+            let (plays, feeds) = under(Some(u64::from(most)));
+            assert!(plays == Some(most) && feeds < plays && feeds != Some(0), "{most}: {plays:?} {feeds:?}");
+        }
+        for enough in [None, Some(0), Some(60), Some(99), Some(u64::MAX)] {
+            assert_eq!(under(enough), (Some(FIFO), Some(FEEDING)));
+        }
+    }
 
     /// What a thread has after it asked; `None` where the system refused.
     fn after(ask: fn()) -> Option<ThreadPriority> {
@@ -99,7 +130,7 @@ mod tests {
         const { assert!(FEEDING < FIFO && FEEDING > 1) };
         let (plays, feeds) = (after(raise), after(raise_feeding));
         let refused = latest() == Priority::Refused;
-        assert_eq!((plays.is_none(), feeds.is_none()), (refused, refused));
+        assert_eq!((plays.is_none(), feeds.is_none()), (refused, refused || limit() == Some(1)));
         if let (Some(plays), Some(feeds)) = (plays, feeds) {
             assert!(plays > feeds, "{plays:?} {feeds:?}");
             let both = || {

@@ -6,6 +6,7 @@ use std::sync::mpsc::Sender;
 use rosc::OscType;
 
 use super::names::{Method, Names};
+use super::time::FURTHEST;
 use crate::text::problem::shown;
 
 /// Addresses of which it is said.
@@ -56,6 +57,25 @@ impl Complaints {
                 )
             });
         }
+    }
+
+    /// A message from `sender` whose time was so many seconds ago: below a second, it was on its way.
+    pub fn late(&mut self, sender: &str, seconds: f64) {
+        if seconds >= 1.0 {
+            self.say(&format!("late {sender}"), || {
+                format!("OSC: what {sender} sent for {seconds:.1} s ago is played at once: compare the clocks of the two machines")
+            });
+        }
+    }
+
+    /// One from `sender` whose time is farther ahead than anything waits.
+    pub fn far(&mut self, sender: &str) {
+        self.say(&format!("far {sender}"), || {
+            format!(
+                "OSC: what {sender} sent for more than {} s ahead is not played: compare the clocks of the two machines",
+                FURTHEST
+            )
+        });
     }
 
     fn say(&mut self, address: &str, text: impl FnOnce() -> String) {
@@ -115,11 +135,21 @@ mod tests {
         assert_eq!(said(), ["OSC: `/control/depth` takes a number, and was sent \"0.5\\n\", 0.25"]);
         complaints.wrong("/voice/release", &[], &Method::Release);
         assert_eq!(said(), ["OSC: `/voice/release` takes an id, and was sent nothing"]);
+        for _ in 0..2 {
+            complaints.late("10.0.0.2:9000", 0.9);
+            complaints.late("10.0.0.2:9000", 3.04);
+            complaints.far("10.0.0.2:9000");
+        }
+        let clocks = said();
+        assert!(
+            clocks.len() == 2 && clocks[0].contains("10.0.0.2:9000 sent for 3.0 s ago is played at once")
+        );
+        assert!(clocks[1].contains("for more than 60 s ahead is not played"), "{}", clocks[1]);
         for n in 0..3 * MOST {
             complaints.unknown(&format!("/{n}"), &names);
         }
         let rest = said();
-        assert_eq!(rest.len(), MOST + 1 - 4);
+        assert_eq!(rest.len(), MOST + 1 - 6);
         assert_eq!(rest.last().unwrap(), "OSC: more came to nothing, which is counted in the end");
     }
 

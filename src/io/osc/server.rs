@@ -280,6 +280,11 @@ impl Listener {
             let of = |method: &Method| self.sampled(method, due, now);
             let late = matches!(due, Due::Late(_)) && methods.iter().any(|method| of(method).is_none());
             self.counts.late.add(u64::from(late));
+            if let Due::Late(ago) = due
+                && late
+            {
+                self.complaints.late(&peer, ago as f64 * 1e-9);
+            }
             for method in methods {
                 let costly = steps == 0;
                 steps = steps.saturating_sub(DEED);
@@ -292,7 +297,10 @@ impl Listener {
                     // A brake waits for nothing.
                     (Ok(Ask::Panic), _) => self.act(now, from, self.messages, Ask::Panic),
                     (Ok(_), _) if costly => self.counts.refused.add(1),
-                    (Ok(_), Due::Far) => self.counts.far.add(1),
+                    (Ok(_), Due::Far) => {
+                        self.counts.far.add(1);
+                        self.complaints.far(&peer);
+                    }
                     (Ok(what), Due::At(at)) => {
                         let room = self.agenda.add(at, (from, self.messages, origin.clone(), what));
                         self.counts.refused.add(u64::from(!room));
