@@ -1,7 +1,7 @@
 //! A session that is played from threads of a program's own: voices, controls and patterns, now and at a time, a look at how it stands, and
 //! the stop at once.
 //!
-//! Plays on the virtual card, so that nobody needs a real one; `Wish::Default.choose()` finds that. Run with
+//! Plays on the virtual card, so that nobody needs a real one; `Wish::Default.choose()` finds that, on which it is at -20 dB until it is armed. Run with
 //! `cargo run --release --example handle`.
 
 use std::error::Error;
@@ -43,8 +43,7 @@ events = [{ at = 0, voice = "buzz", duration = 0.05, repeat = { every = 0.1, tim
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (patch, rig) = (Patch::parse("hand.toml", PATCH.as_bytes())?.value, Rig::default_for(4));
-    let options = Options { rate: Some(48_000.0), ..Options::default() };
-    let scene = Reload::of(patch, rig, &options, &NoAssets)?;
+    let scene = Reload::of(patch, rig, &Options::for_card(48_000.0), &NoAssets)?;
     let mut session = Session::start(Beginning {
         // In a thread of the session, which may take its time.
         audience: Box::new(|told| match told {

@@ -33,7 +33,7 @@
 //! `io`, `io::assets::Folder` reads them from a folder. The patch's own pattern plays as well, from the first frame on; a patch of
 //! voices alone is silent until something is played.
 //!
-//! What is meant for a sound card is compiled with `on_card`, which keeps steady voltages off outputs that are not declared for them, also
+//! What is meant for a sound card is compiled with [`Options::for_card`], which keeps steady voltages off outputs that are not declared for them, also
 //! where the rig does not say what the card lets through. From one's own audio callback, drive [`engine::Engine::process`]: it neither allocates nor locks, and what it computes does not
 //! depend on how long the calls are. [`engine::exchange`] lets another plan follow while it sounds.
 //!

@@ -627,10 +627,16 @@ fn an_ear_that_vanishes_is_silence_until_it_is_back_and_each_is_told_once() {
 fn a_session_of_a_program_is_as_careful_as_the_one_of_the_command_line() {
     const PRESS: &str = "[voice.press]\nstart = \"always\"\noutput = \"o\"\n[voice.press.nodes]\n\
         tone = { type = \"sine\", frequency = 100, amplitude = 0.25 }\no = { type = \"add\", inputs = [\"tone\", 0.5] }\n";
+    let scene = Reload::of(
+        patch(&format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{PRESS}")),
+        Rig::default_for(2),
+        &Options::for_card(48_000.0),
+        &NoAssets,
+    );
+    let scene = scene.unwrap_or_else(|p| panic!("{p}"));
     let card = Scripted::new(Make::default());
     let device = named(&System::of(&[&card]), "Card").unwrap_or_else(|error| panic!("{error}"));
-    let mut session =
-        Session::start(Beginning::of(reload(PRESS, 2), device)).unwrap_or_else(|error| panic!("{error}"));
+    let mut session = Session::start(Beginning::of(scene, device)).unwrap_or_else(|error| panic!("{error}"));
     wait("two seconds", || card.length() > 2 * 96_000);
     session.handle().arm(true).unwrap();
     wait("two more", || card.length() > 4 * 96_000);

@@ -71,6 +71,13 @@ impl Default for Options {
     }
 }
 
+impl Options {
+    /// For what is played live on a sound card, at `rate` frames a second: no steady voltage leaves where none is declared.
+    pub fn for_card(rate: f64) -> Self {
+        Self { rate: Some(rate), live: true, on_card: true, ..Self::default() }
+    }
+}
+
 /// Rates that the engine may have, Hz.
 const ENGINE_RATES: std::ops::RangeInclusive<f64> = 6_000.0..=12_000.0;
 

@@ -26,7 +26,8 @@ pub struct Reload {
 }
 
 impl Reload {
-    /// Compiled as `options` say, but always for playing live, and for a card: where the rig does not declare that it may, no steady voltage leaves. A patch that names events files is given them afterwards, as `files`: here they are not
+    /// Compiled as `options` say, but always for playing live. For a sound card that is [`Options::for_card`],
+    /// with which no steady voltage leaves where none is declared. A patch that names events files is given them afterwards, as `files`: here they are not
     /// opened.
     ///
     /// # Errors
@@ -38,7 +39,7 @@ impl Reload {
         assets: &dyn Assets,
     ) -> Result<Self, Problems> {
         let (patch, rig) = (patch.into(), rig.into());
-        let scene = scene(&patch, &rig, &Options { live: true, on_card: true, ..options.clone() }, assets)?;
+        let scene = scene(&patch, &rig, &Options { live: true, ..options.clone() }, assets)?;
         let files = |path: &str| {
             let what = format!("nobody has said how `{path}` is opened");
             Err(Problem::of_file(what).help("set `files` of what is to play".to_string()))
