@@ -505,6 +505,7 @@ fn listening(card: &Scripted, ear: &Scripted) -> (Session, Fates) {
     let beginning = Beginning {
         block: Some(64),
         input: Ear::Device { device, fate: noting(&fates) },
+        armed: true,
         ..Beginning::of(reload(LISTENS, 2), named(&system, "Card").unwrap())
     };
     (Session::start(beginning).unwrap_or_else(|error| panic!("{error}")), fates)
