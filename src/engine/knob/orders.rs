@@ -14,7 +14,7 @@ pub(in crate::engine) enum Order {
     Rise,
     /// Torque is 0.
     Fall,
-    /// Something sounds again: torque rises if the patch wants it to, and nobody has let it go.
+    /// Something sounds: torque rises where the patch has it rise by itself and it does not flow.
     Open,
 }
 
