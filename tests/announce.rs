@@ -38,9 +38,19 @@ fn client() -> UdpSocket {
     client
 }
 
-/// What comes next, with its time tag in seconds since 1970; none for what comes outside of a bundle.
+/// What comes next but for what the gate does, with its time tag in seconds since 1970; none for what comes outside of a bundle.
 #[track_caller]
 fn hear(client: &UdpSocket) -> (Option<f64>, OscMessage) {
+    loop {
+        let heard = hear_all(client);
+        if heard.1.addr != "/gate" {
+            return heard;
+        }
+    }
+}
+
+#[track_caller]
+fn hear_all(client: &UdpSocket) -> (Option<f64>, OscMessage) {
     let mut bytes = [0; 65_536];
     let (length, _) = client.recv_from(&mut bytes).unwrap();
     match rosc::decoder::decode_udp(&bytes[..length]).unwrap().1 {
@@ -181,6 +191,54 @@ fn markers_and_voices_are_told_with_the_time_at_which_they_leave() {
     drop(session);
     assert_eq!(announcer.finish(), 0);
     assert_eq!(server.counts().trouble(), None);
+}
+
+/// A marker whose stimulus did not leave can be told from one that was felt: whoever hears of markers hears of the gate as well.
+#[test]
+fn what_the_gate_does_is_told_beside_the_markers() {
+    let first = reload(PATCH);
+    let announcer = Announcer::new(&first.scene.plan).unwrap();
+    let logger = client();
+    announcer.always(logger.local_addr().unwrap()).unwrap();
+    let (hears, told) = (announcer.clone(), announcer.clone());
+    let session = Session::start(Beginning {
+        block: Some(64),
+        listener: Some(Box::new(move |heard| hears.hear(heard))),
+        audience: Box::new(move |what| told.told(&what)),
+        ..Beginning::of(first, Chosen::Virtual(None))
+    })
+    .unwrap();
+    let gate = || loop {
+        let (tag, message) = hear_all(&logger);
+        if message.addr == "/gate" {
+            let [OscType::String(what), OscType::Long(frame), OscType::Double(seconds)] = &message.args[..]
+            else {
+                panic!("{message:?}")
+            };
+            assert!(tag.is_some());
+            break (what.clone(), *frame, *seconds);
+        }
+    };
+    let opened = gate();
+    assert_eq!((opened.0.as_str(), opened.1), ("open", 0));
+    let mut before = (opened.1, opened.2);
+    let mut next = |signal: Signal, word: &str| {
+        // A panic calls off what was told ahead.
+        while hear(&logger).1.addr != "/marker" {}
+        session.handle().send(signal).unwrap();
+        let (what, frame, seconds) = gate();
+        assert!(what == word && frame > before.0 && seconds > before.1, "{what} at {frame}, {seconds} s");
+        let by_frames = (frame - before.0) as f64 / 48_000.0;
+        assert!(
+            (seconds - before.1 - by_frames).abs() < 0.05,
+            "{by_frames} s of frames in {} s",
+            seconds - before.1
+        );
+        before = (frame, seconds);
+    };
+    next(Signal::Panic, "latch");
+    session.handle().start("trial").unwrap();
+    next(Signal::Calm, "release");
 }
 
 /// Some 50 ms ahead are five of these markers.

@@ -5,7 +5,7 @@ mod common;
 use common::{compiled, patch};
 use pacinian::engine::Engine;
 use pacinian::engine::event::Play;
-use pacinian::engine::exchange::exchange;
+use pacinian::engine::exchange::{Director, exchange};
 use pacinian::graph::answer::{Answer, Voiced};
 use pacinian::graph::plan::{Plan, Precision};
 use pacinian::graph::scene::Options;
@@ -64,7 +64,7 @@ fn run(plan: &Plan, seconds: f64, calls: &[usize], input: &[f32]) -> (Vec<f32>, 
         found.extend(engine.crossings().map(|c| (c.at, c.watch, c.id())));
         (rest, heard) = (later, later_heard);
     }
-    assert_eq!((engine.counters().dropped, engine.unkept_crossings()), (0, 0));
+    assert_eq!((engine.counters().dropped, engine.take_unkept()), (0, 0));
     (output, found)
 }
 
@@ -182,9 +182,8 @@ fn no_way_to_cut_a_run_changes_a_bit_or_an_instant() {
     }
 }
 
-/// Thousands of nodes that tremble at the engine's rate take their time, and no more; what is too much is counted.
-#[test]
-fn a_storm_is_bounded_and_the_same_however_it_is_cut() {
+/// Four thousand thresholds that noise passes at the engine's rate.
+fn stormy() -> Plan {
     let mut plan = plan("hiss = { type = \"white\" }", &[("node.hiss rises 0.5", "set = { level = 0.01 }")]);
     let one = plan.watches[0].clone();
     plan.watches = (0..4_000)
@@ -195,6 +194,13 @@ fn a_storm_is_bounded_and_the_same_however_it_is_cut() {
             ..one.clone()
         })
         .collect();
+    plan
+}
+
+/// Thousands of nodes that tremble at the engine's rate take their time, and no more; what is too much is counted.
+#[test]
+fn a_storm_is_bounded_and_the_same_however_it_is_cut() {
+    let plan = stormy();
     let storm = |call: usize| {
         let mut engine = Engine::new(&plan).unwrap();
         let (mut output, mut told) = (vec![0.0; 4 * 4_800], 0);
@@ -203,7 +209,7 @@ fn a_storm_is_bounded_and_the_same_however_it_is_cut() {
             told += engine.crossings().count() as u64;
         }
         let counters = engine.counters();
-        assert_eq!(told + engine.unkept_crossings(), counters.started);
+        assert_eq!(told + engine.take_unkept(), counters.started);
         (output, counters)
     };
     let (output, counters) = storm(480);
@@ -270,6 +276,26 @@ fn with_swaps(
         output.extend_from_slice(&frames);
     }
     (output, found, stagehand.engine().counters().dropped)
+}
+
+/// What was not kept is told once, whatever takes over before or after.
+#[test]
+fn what_was_not_kept_is_counted_once_through_reloads() {
+    let plan = stormy();
+    let (mut director, mut stagehand) = exchange(&plan).unwrap();
+    let mut frames = vec![0.0; 4_800 * plan.channels];
+    let reload = |director: &mut Director| director.send(&plan).unwrap();
+    stagehand.process(&[], &mut frames);
+    let lost = stagehand.engine().take_unkept();
+    assert!(lost > 1_000 && stagehand.engine().take_unkept() == 0, "{lost}");
+    reload(&mut director);
+    stagehand.process(&[], &mut []);
+    assert_eq!(stagehand.engine().take_unkept(), 0, "what was told is not told again");
+    // What was not told yet is told by the one that follows.
+    stagehand.process(&[], &mut frames);
+    reload(&mut director);
+    stagehand.process(&[], &mut []);
+    assert!(stagehand.engine().take_unkept() > 1_000);
 }
 
 #[test]

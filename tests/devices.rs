@@ -40,6 +40,9 @@ fn the_virtual_card_is_marked_where_nothing_else_is_played_on_by_default() {
         let falls_back = String::from_utf8_lossy(&played.stderr).contains("virtual card");
         assert_eq!(said["virtual"]["default"], serde_json::json!(falls_back), "{there}: {said:#}");
         assert_eq!(text.contains("  * keeps real time"), falls_back, "{there}: {text}");
+        let usual = if there { "alsa:default" } else { "virtual" };
+        assert_eq!(said["default_output"], usual, "{said:#}");
+        assert_eq!(text.contains("played by default: alsa:default\n"), there, "{text}");
         assert!(!(there && falls_back), "{}", String::from_utf8_lossy(&played.stderr));
         // Of no server is it said twice that it does not run.
         let text = text.to_lowercase();

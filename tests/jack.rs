@@ -242,6 +242,18 @@ fn a_second_program_hears_every_channel_to_the_bit() {
     }
 }
 
+/// Without a rig, every output of the server's card has a tactor, though a client may have fewer.
+#[cfg(feature = "jack")]
+#[test]
+fn a_line_has_as_many_tactors_as_the_server_has_outputs() {
+    let Some(rig) = Rig::new("line") else { return };
+    fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
+    let played =
+        rig.program(&["play", "hum.toml", "--device", "jack", "--duration", "0.2"]).output().unwrap();
+    let said = String::from_utf8_lossy(&played.stderr);
+    assert!(played.status.success() && said.contains(": 24 channels at 48000 Hz"), "{said}");
+}
+
 /// Seconds from the period in which a frame is asked for to that in which the recorder has it: what goes to the server's outputs stands at
 /// its monitors a period later, and ALSA's plug-in has a buffer of two in front of that.
 fn known(way: &str) -> f64 {

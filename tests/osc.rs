@@ -170,6 +170,14 @@ fn the_meter_shows_what_was_asked_for() {
     }
     stage.say("/calm", &[]);
     stage.wait_for("the voice again", |peaks| peaks[0] > 0.4);
+
+    // All that sounds is released, and patterns play on.
+    stage.say("/pattern/beat/play", &[]);
+    stage.wait_for("the pattern beside it", |peaks| peaks[0] > 0.4 && peaks[1] > 0.3);
+    stage.say("/release", &[0.into()]);
+    stage.wait_for("both", |peaks| peaks[0] > 0.4 && peaks[1] > 0.3);
+    stage.say("/release", &[]);
+    stage.wait_for("the pattern alone", |peaks| peaks[0] < 1e-4 && peaks[1] > 0.3);
     assert_eq!(stage.server.as_ref().unwrap().counts().trouble(), None);
     assert_eq!(stage.refused.load(Ordering::Relaxed), 0);
 }

@@ -382,6 +382,37 @@ fn files_that_are_gone_in_the_end_are_told_of() {
     }
 }
 
+/// Whoever looks through a journal later sees whether it was ended by its time, by a signal, or by whom else.
+#[cfg(unix)]
+#[test]
+fn a_journal_says_who_ended_the_session() {
+    let room = Room::new("ended");
+    let who = |name: &str| {
+        let journal = std::fs::read_to_string(room.0.join(name)).unwrap();
+        let lines = journal.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+        let ends: Vec<_> = lines.filter(|line| line["kind"] == "in" && line["message"] == "end").collect();
+        let [end] = &ends[..] else { panic!("{ends:?}") };
+        format!("{} {}", end["source"].as_str().unwrap(), end["name"].as_str().unwrap())
+    };
+    assert!(room.run(&[&PLAY[..], &["--events", "time.jsonl"]].concat()).status.success());
+    assert_eq!(who("time.jsonl"), "system time");
+    let long = PLAY.map(|word| if word == "0.6" { "60" } else { word });
+    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+        let name = format!("{signal}.jsonl");
+        let mut play = Command::new(env!("CARGO_BIN_EXE_pacinian"));
+        play.args(long).args(["--events", &name]).current_dir(&room.0);
+        let child = play.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        while !std::fs::read_to_string(room.0.join(&name)).is_ok_and(|text| text.contains("\"voice\"")) {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
+        assert!(sent.unwrap().success());
+        let ended = child.wait_with_output().unwrap();
+        assert_eq!(ended.status.code(), Some(code), "{}", text(&ended.stderr));
+        assert_eq!(who(&name), format!("system SIG{signal}"));
+    }
+}
+
 /// Who empties a file that is written leaves a hole in it, which is not told of as whole.
 #[test]
 fn files_that_were_cut_short_meanwhile_are_told_of() {

@@ -53,9 +53,10 @@ fn start_with(scene: Reload) -> (Session, HeapCons<f32>, Words) {
                 format!("Order({frame}, {order:?})")
             }
             Told::Report(report, _) => format!("{report:?}"),
-            Told::Began(..) | Told::Came(..) | Told::Reloading(_) => return,
+            Told::Came(stamped) => format!("came {}", stamped.id),
+            Told::Began(..) | Told::Reloading(_) => return,
             Told::Lost(port, _) => format!("lost {port}"),
-            Told::Refused(problem, _) => format!("refused: {problem}"),
+            Told::Refused(problem, cause) => format!("refused {cause}: {problem}"),
             Told::Reloaded => "reloaded".into(),
             Told::Playing(_) => "playing".into(),
             Told::Kept(why) => format!("kept: {why}"),
@@ -150,8 +151,9 @@ fn what_is_played_comes_and_never_before_its_time() {
     let plays: Vec<&String> =
         words.iter().filter(|w| w.contains("Play") && w.contains("instrument: 1")).collect();
     assert_eq!(plays.len(), 20, "{words:?}");
+    // It names the signal that it answers, the 21st.
     assert!(
-        words.iter().any(|w| w.contains("refused") && w.contains("tab") && w.contains("tap")),
+        words.iter().any(|w| w.starts_with("refused 21: ") && w.contains("tab") && w.contains("tap")),
         "{words:?}"
     );
     // Where the machine stood still, one may be late; it is then played with the next sample, and never before its time.

@@ -55,3 +55,16 @@ pub fn choose_for(
         Err(failure) => Err(failure),
     }
 }
+
+/// A device that nobody has described has to have as many outputs as the patch has tactors.
+pub fn fits(device: &Chosen, channels: usize) -> Result<(), Failure> {
+    let offered = device.channels();
+    let Some(most) = offered.last().filter(|_| offered.iter().all(|count| usize::from(*count) != channels))
+    else {
+        return Ok(());
+    };
+    let what = format!("the patch plays on {channels} tactors, and {} has {most} outputs", device.name());
+    let help =
+        "choose another card with --device (`virtual` is one that has any number), or name a rig with --rig";
+    Err(Failure::usage(what, help).with_code(69))
+}

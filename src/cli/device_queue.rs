@@ -7,10 +7,10 @@ pub fn told(board: &Board) -> String {
     words(board.device_delay.get())
 }
 
-fn words(nanoseconds: u64) -> String {
+fn words(nanoseconds: Option<u64>) -> String {
     match nanoseconds {
-        0 => "the device does not say how much it still holds".into(),
-        _ => format!("the device still held {:.1} ms", nanoseconds as f64 * 1e-6),
+        None => "the device does not say how much it still holds".into(),
+        Some(nanoseconds) => format!("the device still held {:.1} ms", nanoseconds as f64 * 1e-6),
     }
 }
 
@@ -20,7 +20,8 @@ mod tests {
 
     #[test]
     fn what_is_not_known_is_not_nought() {
-        assert_eq!(words(21_333_333), "the device still held 21.3 ms");
-        assert_eq!(words(0), "the device does not say how much it still holds");
+        assert_eq!(words(Some(21_333_333)), "the device still held 21.3 ms");
+        assert_eq!(words(Some(0)), "the device still held 0.0 ms");
+        assert_eq!(words(None), "the device does not say how much it still holds");
     }
 }

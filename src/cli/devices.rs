@@ -5,7 +5,7 @@ use super::patience;
 use super::table::{Table, grouped};
 use super::terminal::Terminal;
 use clap::Args;
-use pacinian::io::device::choose::{VIRTUAL, VIRTUAL_NAME, falls_back};
+use pacinian::io::device::choose::{VIRTUAL, VIRTUAL_NAME, played_by_default};
 use pacinian::io::device::failure::Trouble;
 use pacinian::io::device::hosts::Hosts;
 use pacinian::io::device::list::{Found, Offer};
@@ -51,7 +51,8 @@ impl Devices {
     /// Runs it.
     pub fn run(&self, terminal: &Terminal) -> Result<(), Failure> {
         let (hosts, heard) = patience::look(None, terminal, everywhere)?;
-        let fallback = falls_back(hosts.iter().filter_map(|(.., found)| found.as_deref().ok()));
+        let played = played_by_default(hosts.iter().filter_map(|(.., found)| found.as_deref().ok()));
+        let fallback = played.is_none();
         let servers = Server::all();
         if self.json {
             let hosts: Vec<_> =
@@ -68,6 +69,7 @@ impl Devices {
             let said = json!({
                 "hosts": hosts,
                 "virtual": { "id": VIRTUAL, "name": VIRTUAL_NAME, "default": fallback },
+                "default_output": played.map_or(VIRTUAL, |found| &found.id),
                 "default_input": heard,
                 "servers": servers,
                 "midi": midi,
@@ -90,6 +92,9 @@ impl Devices {
             }
         }
         text += &format!("{}\n{}\n", terminal.out.bold("virtual"), of_virtual(fallback));
+        if let Some(found) = played {
+            text += &format!("{}: {}\n", terminal.out.bold("played by default"), escaped(&found.id));
+        }
         if let Some(id) = heard {
             text += &format!("{}: {}\n", terminal.out.bold("heard by default"), escaped(&id));
         }

@@ -2,6 +2,7 @@
 
 use super::problems;
 use super::terminal::Terminal;
+use pacinian::io::device::failure::DeviceError;
 use pacinian::io::error::FileError;
 use pacinian::text::problem::{self as message, escaped};
 use pacinian::text::{Problem, Problems};
@@ -140,5 +141,15 @@ impl Failure {
 impl From<FileError> for Failure {
     fn from(error: FileError) -> Self {
         Self::said(error.exit_code(), error.message)
+    }
+}
+
+impl From<DeviceError> for Failure {
+    fn from(error: DeviceError) -> Self {
+        let code = error.kind.exit_code();
+        match error.help {
+            Some(help) => Self::usage(error.what, help).with_code(code),
+            None => Self::said(code, error.what),
+        }
     }
 }

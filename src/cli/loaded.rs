@@ -2,9 +2,11 @@
 
 use super::failure::Failure;
 use super::named::Codes;
+use super::provenance::provenance;
 use super::setting::Setting;
-use pacinian::graph::scene::Options;
+use pacinian::graph::scene::{Options, scene};
 use pacinian::io::{assets::Folder, calibrations, events, input::Input};
+use pacinian::live::reload::Reload;
 use pacinian::midi::file::Song;
 use pacinian::patch::Patch;
 use pacinian::player::{OpenEvents, Player};
@@ -154,5 +156,19 @@ impl Loaded {
             }
         }
         names
+    }
+
+    /// Compiled, ready to take over; with what a journal says of it, if there is one.
+    pub fn reload(&self, options: &Options, journalled: bool) -> Result<Reload, Failure> {
+        let refuse = |problems: Problems| self.refuse(problems.list, &Codes::new());
+        let scene = scene(&self.patch, &self.rig, options, &*self.folder).map_err(refuse)?;
+        let provenance = journalled.then(|| provenance(self, options)).transpose()?;
+        Ok(Reload {
+            scene,
+            patch: Arc::clone(&self.patch),
+            rig: Arc::new(self.rig.clone()),
+            files: self.open_events(),
+            provenance: provenance.map(Arc::new),
+        })
     }
 }

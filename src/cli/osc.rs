@@ -4,7 +4,7 @@ use super::failure::Failure;
 use super::terminal::Terminal;
 use clap::Args;
 use pacinian::graph::plan::Plan;
-use pacinian::io::osc::announce::Announcer;
+use pacinian::io::osc::announce::{Announcer, InVain};
 use pacinian::io::osc::endpoint::{BindError, Endpoint};
 use pacinian::io::osc::server::Server;
 use pacinian::live::signal::Handle;
@@ -92,5 +92,13 @@ impl Osc {
         let by = if at.is_open() { "all that can reach it" } else { "programs on this machine" };
         terminal.note(&format!("OSC is heard on {}, from {by}\n", server.address()));
         Ok(Some(server))
+    }
+}
+
+/// Why what is told over OSC does not arrive.
+pub fn in_vain((at, why): &InVain) -> String {
+    match why {
+        None => format!("nobody listens at {at}"),
+        Some(why) => format!("nothing can be sent to {at} ({why})"),
     }
 }

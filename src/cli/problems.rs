@@ -5,7 +5,7 @@ use super::terminal::Terminal;
 use miette::{
     Diagnostic, LabeledSpan, MietteHandler, MietteHandlerOpts, NamedSource, ReportHandler, SourceCode,
 };
-use pacinian::text::problem::{self as message, Positions, escaped};
+use pacinian::text::problem::{self as message, Positions, escaped, is_hidden};
 use pacinian::text::{Problem, Problems, Severity};
 use serde::Serialize;
 use std::fmt;
@@ -97,16 +97,17 @@ fn span(problems: &Problems, problem: &Problem) -> Option<std::ops::Range<usize>
 
 /// Without what would move a terminal's cursor or change its colours; no byte moves.
 fn clean(text: &str) -> String {
-    let shown = |c: char| match c {
-        '\n' | '\t' => c,
-        '\r' => ' ',
-        _ if c.is_ascii_control() => '?',
-        // As many bytes as it has: hidden ones have two or three.
-        _ if pacinian::text::problem::is_hidden(c) && c.len_utf8() == 2 => '·',
-        _ if pacinian::text::problem::is_hidden(c) => '•',
-        _ => c,
-    };
-    text.chars().map(shown).collect()
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\n' | '\t' => out.push(c),
+            '\r' => out.push(' '),
+            // As many bytes as it has.
+            _ if is_hidden(c) => out.push_str(["?", "·", "•", "··"][c.len_utf8() - 1]),
+            _ => out.push(c),
+        }
+    }
+    out
 }
 
 fn handler(paint: Paint) -> MietteHandler {
@@ -193,7 +194,7 @@ impl fmt::Display for Debugged<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{clean, counted, listed, shown};
+    use super::{clean, counted, is_hidden, listed, shown};
     use crate::cli::paint::Paint;
     use crate::cli::terminal::Terminal;
     use pacinian::text::{Problem, Problems};
@@ -238,5 +239,17 @@ mod tests {
         assert!(list[1]["line"].is_null());
         assert_eq!(counted(&[problems()]), "3 errors");
         assert_eq!(clean("µ\r\n\u{85}b"), "µ \n·b");
+    }
+
+    /// Else what is drawn under a line stands beside what it means.
+    #[test]
+    fn whatever_is_hidden_leaves_as_many_bytes_of_what_is_not() {
+        let mut widths = [0; 5];
+        for c in ('\0'..=char::MAX).filter(|c| is_hidden(*c) && !"\n\t\r".contains(*c)) {
+            let left = clean(&c.to_string());
+            assert!(left.len() == c.len_utf8() && !left.contains(is_hidden), "{c:?}: {left:?}");
+            widths[c.len_utf8()] += 1;
+        }
+        assert!(widths[1..].iter().all(|count| *count > 0), "{widths:?}");
     }
 }

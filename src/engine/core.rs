@@ -239,6 +239,11 @@ impl<R: Real> Core<R> {
         self.knob.iter_mut().flat_map(|knob| knob.followed())
     }
 
+    /// How much of what signals have set off, and how many worlds that the knob has taken, were not kept since this was asked last.
+    pub fn take_unkept(&mut self) -> u64 {
+        self.watcher.take_unkept() + self.knob.as_mut().map_or(0, |knob| knob.take_unkept())
+    }
+
     /// Voices that sound.
     pub fn sounding(&self) -> usize {
         self.banks.iter().map(Bank::sounding).sum()

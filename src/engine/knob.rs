@@ -218,9 +218,9 @@ impl Knob {
         self.worlds.taken()
     }
 
-    /// How many worlds that were taken were not kept.
-    pub fn unkept(&self) -> u64 {
-        self.worlds.unkept()
+    /// How many worlds that were taken since this was asked last were not kept.
+    pub(super) fn take_unkept(&mut self) -> u64 {
+        self.worlds.take_unkept()
     }
 
     /// The angle of a knob that is there, for the next tick that has none yet.

@@ -289,9 +289,9 @@ impl Engine {
         each!(mut self, core => core.watcher().begun())
     }
 
-    /// How much of what signals have set off was not kept.
-    pub fn unkept_crossings(&mut self) -> u64 {
-        each!(mut self, core => core.watcher().unkept())
+    /// How much of what signals have set off, and how many worlds that the knob has taken, were not kept since this was asked last.
+    pub fn take_unkept(&mut self) -> u64 {
+        each!(mut self, core => core.take_unkept())
     }
 
     /// Signals set off nothing more that would begin at `until` or later.

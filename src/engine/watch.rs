@@ -270,9 +270,9 @@ impl Watcher {
         self.begun.drain(..)
     }
 
-    /// How much of what has begun was not kept.
-    pub fn unkept(&self) -> u64 {
-        self.unkept
+    /// How much of what has begun since this was asked last was not kept.
+    pub fn take_unkept(&mut self) -> u64 {
+        std::mem::take(&mut self.unkept)
     }
 
     /// Goes on as `old`, before sample `clock`: `to` names for each old watch the one that goes on as it. `same`: whether the signals are

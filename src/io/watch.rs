@@ -49,6 +49,8 @@ struct Place {
     /// What was read last, and what was told last.
     seen: Content,
     told: Content,
+    /// Whether the last line had an end when bytes stood there last, whatever came after: it may have been gone meanwhile.
+    whole: bool,
     /// When it was touched last, if that has not been told.
     restless: Option<Instant>,
     /// Until when it is read though nothing about it is different.
@@ -157,7 +159,7 @@ impl Watch {
         }
         let beyond = || self.places.iter().filter_map(|place| place.beyond(now));
         let Some(longest) = beyond().flatten().max() else { return Vec::new() };
-        let breaks_off = |place: &Place| place.beyond(now) == Some(None) && place.seen.breaks_off(place.told);
+        let breaks_off = |place: &Place| place.beyond(now) == Some(None) && place.breaks_off();
         let together = if self.places.iter().any(breaks_off) { BROKEN_OFF } else { TOGETHER };
         if beyond().any(|beyond| beyond.is_none()) && longest < together {
             return Vec::new();
@@ -176,7 +178,8 @@ impl Place {
         let young =
             matches!(about, About::File { modified: Some(at), .. } if since.is_some_and(|since| at >= since));
         let told = if young { Content::Unknown } else { seen };
-        Self { path, about, seen, told, restless: young.then_some(now), fresh: now + COARSE }
+        let whole = seen.is_whole().unwrap_or(false);
+        Self { path, about, seen, told, whole, restless: young.then_some(now), fresh: now + COARSE }
     }
 
     fn look(&mut self, now: Instant) {
@@ -195,9 +198,14 @@ impl Place {
         }
     }
 
+    /// Whether it breaks off in the middle of a line, and did not before.
+    fn breaks_off(&self) -> bool {
+        self.whole && self.seen.is_whole() == Some(false)
+    }
+
     /// If it was touched: for how long it has settled, `None` where it has not.
     fn beyond(&self, now: Instant) -> Option<Option<Duration>> {
-        let settles = if self.seen.breaks_off(self.told) { BROKEN_OFF } else { SETTLE };
+        let settles = if self.breaks_off() { BROKEN_OFF } else { SETTLE };
         self.restless.map(|since| now.saturating_duration_since(since).checked_sub(settles))
     }
 
@@ -208,6 +216,7 @@ impl Place {
         }
         self.restless = None;
         self.seen = Content::of(&self.path, self.about);
+        self.whole = self.seen.is_whole().unwrap_or(self.whole);
         self.seen != std::mem::replace(&mut self.told, self.seen)
     }
 }
@@ -268,9 +277,12 @@ impl Content {
         }
     }
 
-    /// Whether it breaks off in the middle of a line, and that `before` did not.
-    fn breaks_off(self, before: Self) -> bool {
-        matches!((self, before), (Self::Bytes { ended: false, .. }, Self::Bytes { ended: true, .. }))
+    /// Whether its last line has an end; `None` where no bytes stand.
+    fn is_whole(self) -> Option<bool> {
+        match self {
+            Self::Bytes { ended, .. } => Some(ended),
+            _ => None,
+        }
     }
 }
 
@@ -428,6 +440,17 @@ mod tests {
         fs::write(bench.path("a"), "three\nfour\n").unwrap();
         assert!(bench.told(SETTLE - STEP).is_empty());
         assert_eq!(bench.told(2 * STEP), ["a"]);
+        // It was gone meanwhile, or was a folder.
+        for folder in [false, true] {
+            fs::remove_file(bench.path("a")).unwrap();
+            folder.then(|| fs::create_dir(bench.path("a")).unwrap());
+            assert_eq!(bench.told(SOON), ["a"]);
+            folder.then(|| fs::remove_dir(bench.path("a")).unwrap());
+            fs::write(bench.path("a"), "five\nsi").unwrap();
+            assert!(bench.told(BROKEN_OFF - 2 * STEP).is_empty());
+            fs::write(bench.path("a"), "five\nsix\n").unwrap();
+            assert_eq!(bench.told(SOON), ["a"]);
+        }
         // Nor is what is saved beside it told without it.
         let mut bench = Bench::new("beside", &["a", "b"]);
         fs::write(bench.path("a"), "one\ntwo\n").unwrap();

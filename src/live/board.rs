@@ -5,6 +5,7 @@
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use super::cables::Cables;
+use super::device_delay::DeviceDelay;
 use super::lever::Lever;
 use super::load::Load;
 use super::midi_board::MidiBoard;
@@ -140,8 +141,8 @@ pub struct Board {
     pub xrun_at: Figure,
     /// Frames of the last block.
     pub block: Figure,
-    /// Nanoseconds from a callback to when the device plays its first frame, as the device has it; 0 where it does not say.
-    pub device_delay: Figure,
+    /// From a callback to when the device plays its first frame, as the device has it.
+    pub device_delay: DeviceDelay,
     /// Nanoseconds from an event to the middle of what it makes at the output, at 250 Hz.
     pub engine_delay: Figure,
     /// What comes over MIDI.

@@ -122,8 +122,6 @@ pub struct Callback {
     outdated: u64,
     /// Patterns of which events are on their way that are not to begin.
     called_off: CalledOff,
-    /// What signals have set off and the engine did not keep, as of the last time.
-    unkept: u64,
     /// Frames given out.
     frames: u64,
     /// Tasks above this rank rest.
@@ -176,7 +174,6 @@ impl Callback {
             plan: 0,
             outdated: 0,
             called_off: CalledOff::default(),
-            unkept: 0,
             frames: 0,
             shed: METERS,
             meters: Arc::new(Duty::new("meters", METERED, METERS)),
@@ -220,8 +217,6 @@ impl Callback {
         if self.stagehand.take_over() {
             self.gate.motors_are(self.stagehand.engine().stage().drives().channels());
             self.plan += 1;
-            // Its engine counts anew.
-            self.unkept = 0;
             self.tell(Deed::Swap);
             self.take_cues();
         }
@@ -379,9 +374,7 @@ impl Callback {
         self.stagehand.engine().followed(|followed| {
             untold += u64::from(!told(reports, Report { frame, deed: Deed::Followed(followed) }));
         });
-        let engine = self.stagehand.engine();
-        let unkept = engine.knob().map_or(0, |knob| knob.unkept()) + engine.unkept_crossings();
-        untold += unkept - std::mem::replace(&mut self.unkept, unkept).min(unkept);
+        untold += self.stagehand.engine().take_unkept();
         self.board.untold.add(untold);
     }
 

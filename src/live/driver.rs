@@ -170,9 +170,9 @@ impl Driver {
     /// Seconds from when the device that hears heard a frame to when this one plays what the engine makes of it, in blocks of `frames`.
     fn latency(&self, frames: usize) -> f64 {
         let out = match self.board.device_delay.get() {
-            // One that does not say plays the block behind the one that it plays now, at best.
-            0 => frames as f64 / self.rate,
-            nanoseconds => nanoseconds as f64 * 1e-9,
+            // One that does not say, or ran dry, plays the block behind the one that it plays now, at best.
+            None | Some(0) => frames as f64 / self.rate,
+            Some(nanoseconds) => nanoseconds as f64 * 1e-9,
         };
         self.board.input.latency.get() as f64 * 1e-9 + out
     }
@@ -247,7 +247,7 @@ mod tests {
         driver.listen(Box::new(Counting(0.0)));
         let mut told = |input_ms: u64, output_ms: u64, gap: bool| {
             board.input.latency.set(input_ms * 1_000_000);
-            board.device_delay.set(output_ms * 1_000_000);
+            board.device_delay.note(output_ms * 1_000_000);
             if gap {
                 board.gap();
             }

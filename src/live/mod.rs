@@ -16,6 +16,7 @@ pub mod callback;
 mod called_off;
 pub mod clock;
 pub mod conductor;
+pub mod device_delay;
 pub mod driver;
 mod effort;
 pub mod gate;

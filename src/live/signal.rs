@@ -61,6 +61,8 @@ pub enum Origin {
     Key(Arc<str>),
     /// In an OSC message: its address and its arguments, as they came.
     Osc(Arc<str>, Arc<str>),
+    /// From the system: the name of its signal (`SIGINT`), or `time` where that of the session is over.
+    System(Arc<str>),
 }
 
 impl Origin {

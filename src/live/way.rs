@@ -29,7 +29,7 @@ impl Way {
             (Signal::Midi(..) | Signal::MidiGone(_), _) => Self::Midi,
             (Signal::Osc(..), _) | (_, Origin::Osc(..)) => Self::Osc,
             (Signal::Key(_), _) | (_, Origin::Key(_)) => Self::Key,
-            (_, Origin::Program) => Self::Program,
+            (_, Origin::Program | Origin::System(_)) => Self::Program,
         }
     }
 

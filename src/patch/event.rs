@@ -346,9 +346,11 @@ pub(crate) fn read(reader: &Reader) -> Option<Event> {
     })
 }
 
-/// What a marker may be called.
-pub(super) const MARKED: &str =
-    "give it a name of letters, numbers, signs and spaces: logs and other programs read it";
+/// What an event has where its marker cannot be called so, and what to do.
+pub(super) fn misnamed(marker: &str) -> Option<(&'static str, &'static str)> {
+    let help = "give it a name of letters, numbers, signs and spaces: logs and other programs read it";
+    marker.contains(char::is_control).then_some(("a control character in its marker", help))
+}
 
 fn read_action(reader: &Reader) -> Option<Action> {
     let named: Vec<&str> = ["voice", "pattern", "marker"].into_iter().filter(|k| reader.has(k)).collect();
@@ -395,12 +397,8 @@ fn read_action(reader: &Reader) -> Option<Action> {
     }
     let name = reader.text(kind)?.to_string();
     let span = reader.span_of(kind);
-    if kind == "marker" && name.contains(char::is_control) {
-        reader.sink.error_help(
-            &span,
-            format!("{} has a control character in its marker", reader.who),
-            MARKED,
-        );
+    if let Some((what, help)) = misnamed(&name).filter(|_| kind == "marker") {
+        reader.sink.error_help(&span, format!("{} has {what}", reader.who), help);
     }
     match kind {
         "voice" => {

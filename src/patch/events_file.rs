@@ -8,7 +8,7 @@
 
 use std::io::{BufRead, Read};
 
-use super::event::{Action, Event, MARKED, Play, Setting, limits};
+use super::event::{Action, Event, Play, Setting, limits, misnamed};
 use super::names::Names;
 use super::place::{self, Place};
 use crate::text::cells::{Cell, cells};
@@ -291,12 +291,8 @@ impl<'a, R: BufRead> EventsFile<'a, R> {
                 },
                 Column::Voice => voice = Some((cell, span)),
                 Column::Marker => {
-                    if cell.contains(char::is_control) {
-                        problems.push(self.wrong(
-                            &span,
-                            "the marker has a control character",
-                            Some(MARKED.into()),
-                        ));
+                    if let Some((what, help)) = misnamed(&cell) {
+                        problems.push(self.wrong(&span, &format!("the event has {what}"), Some(help.into())));
                     }
                     marker = Some((cell, span));
                 }
@@ -408,13 +404,35 @@ impl<R: BufRead> Iterator for EventsFile<'_, R> {
 #[cfg(test)]
 mod tests {
     use super::EventsFile;
-    use crate::patch::{Action, Event, Place};
+    use crate::patch::{Action, Event, Patch, Place};
     use crate::text::Problem;
 
     fn read(text: &str) -> Vec<Result<Event, Problem>> {
         match EventsFile::new("walk.csv", text.as_bytes(), None) {
             Ok(file) => file.collect(),
             Err(problem) => vec![Err(problem)],
+        }
+    }
+
+    #[test]
+    fn markers_have_no_control_characters_wherever_they_are_named() {
+        for (name, bad) in
+            [("go \u{7}", true), ("\u{1b}[2J", true), ("a\u{85}b", true), ("Größe 3: ab", false)]
+        {
+            let of_file = read(&format!("at,marker\n0,{name}\n"));
+            let why = of_file[0].as_ref().err().map(|problem| problem.to_string());
+            assert_eq!(
+                why.is_some_and(|why| why.contains("control character")),
+                bad,
+                "{name:?}: {of_file:?}"
+            );
+            let name: String = name.chars().map(|c| format!("\\u{:04x}", c as u32)).collect();
+            let text = format!(
+                "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[pattern.p]\nevents = [{{ at = 0, marker = \"{name}\" }}]\n"
+            );
+            let of_patch = Patch::parse("p", text.as_bytes());
+            let why = of_patch.as_ref().err().map(|problems| problems.to_string());
+            assert_eq!(why.is_some_and(|why| why.contains("control character")), bad, "{name}: {of_patch:?}");
         }
     }
 

@@ -175,11 +175,30 @@ pub fn shown(text: &str) -> String {
     out + &escaped(rest)
 }
 
-/// What a terminal would act on rather than show: control characters, and those that turn the direction of writing, break lines
-/// or take no room (Unicode's bidirectional controls, U+2028 and U+2029, zero-width marks).
+/// What a terminal would act on rather than show: control characters, and those that turn the direction of writing, break lines or are not seen
+/// (Unicode's general categories Cc, Cf, Zl and Zp, blanks that count as letters, and tags).
 pub fn is_hidden(c: char) -> bool {
     c.is_control()
-        || matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
+        || matches!(
+            c,
+            '\u{ad}'
+                | '\u{600}'..='\u{605}'
+                | '\u{61c}' | '\u{6dd}' | '\u{70f}'
+                | '\u{890}'..='\u{891}'
+                | '\u{8e2}'
+                | '\u{115f}'..='\u{1160}'
+                | '\u{180b}'..='\u{180f}'
+                | '\u{200b}'..='\u{200f}'
+                | '\u{2028}'..='\u{202e}'
+                | '\u{2060}'..='\u{206f}'
+                | '\u{3164}' | '\u{feff}' | '\u{ffa0}'
+                | '\u{fff0}'..='\u{fffb}'
+                | '\u{110bd}' | '\u{110cd}'
+                | '\u{13430}'..='\u{1343f}'
+                | '\u{1bca0}'..='\u{1bca3}'
+                | '\u{1d173}'..='\u{1d17a}'
+                | '\u{e0000}'..='\u{e0fff}'
+        )
 }
 
 /// On one line, and without what moves a cursor: such characters as in a program's text, `\\n`.

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use pacinian::text::problem;
 use unicode_width::UnicodeWidthChar;
 
 /// How a piece of text looks.
@@ -185,24 +186,9 @@ impl Line {
     }
 }
 
-/// Takes no room and is no mark either, or makes its neighbours take another: formatting characters (general category Cf, and the
-/// separators of lines), variation selectors, and tags.
+/// Takes no room and is no mark either, or makes its neighbours take another, as variation selectors do.
 fn is_hidden(c: char) -> bool {
-    matches!(
-        c,
-        '\u{ad}'
-            | '\u{600}'..='\u{605}'
-            | '\u{61c}'
-            | '\u{115f}' | '\u{1160}'
-            | '\u{180b}'..='\u{180f}'
-            | '\u{200b}'..='\u{200f}'
-            | '\u{2028}'..='\u{202e}'
-            | '\u{2060}'..='\u{206f}'
-            | '\u{fe00}'..='\u{fe0f}'
-            | '\u{feff}'
-            | '\u{fff9}'..='\u{fffb}'
-            | '\u{e0000}'..='\u{e0fff}'
-    )
+    problem::is_hidden(c) || matches!(c, '\u{fe00}'..='\u{fe0f}')
 }
 
 /// Puts pieces beside each other, three blanks apart, as many in a line as there is room for.

@@ -130,7 +130,7 @@ impl Latency {
             // What events are delayed by is the same for all, whatever the last block was.
             block: session.clock().ahead() as f64 / session.rate().max(1.0),
             engine: session.delay().total(),
-            device: (device > 0).then_some(device as f64 * 1e-9),
+            device: device.map(|nanoseconds| nanoseconds as f64 * 1e-9),
             beyond,
             input: (input > 0).then_some(input as f64 * 1e-9 + session.input_delay()),
         }

@@ -86,8 +86,8 @@ impl Worlds {
         self.taken.drain(..)
     }
 
-    /// How much of what was taken was not kept.
-    pub fn unkept(&self) -> u64 {
-        self.unkept
+    /// How much of what was taken since this was asked last was not kept.
+    pub fn take_unkept(&mut self) -> u64 {
+        std::mem::take(&mut self.unkept)
     }
 }

@@ -207,7 +207,7 @@ impl<F: Fill> Player<F> {
         let stamp = info.timestamp();
         let delay = stamp.playback.saturating_duration_since(stamp.callback);
         self.driver.begin(frames, seconds(stamp.callback), delay.as_secs_f64());
-        self.board.device_delay.set(delay.as_nanos() as u64);
+        self.board.device_delay.note(delay.as_nanos() as u64);
         true
     }
 }

@@ -194,11 +194,11 @@ impl Wish {
     }
 }
 
-/// Whether a session plays on the virtual card where nobody names another: no system, in their order, has a usual device that can be played on. As
-/// [`Wish::choose`] of [`Wish::Default`], for whoever has looked already.
-pub fn falls_back<'a>(systems: impl IntoIterator<Item = &'a [Found]>) -> bool {
+/// What a session plays on where nobody names another: the first usual device, in the order of the systems, that can be played on; none: the virtual
+/// card. As [`Wish::choose`] of [`Wish::Default`], for whoever has looked already.
+pub fn played_by_default<'a>(systems: impl IntoIterator<Item = &'a [Found]>) -> Option<&'a Found> {
     let usual = |found: &'a [Found]| found.iter().find(|found| found.default);
-    !systems.into_iter().filter_map(usual).any(|found| found.output.is_some())
+    systems.into_iter().filter_map(usual).find(|found| found.output.is_some())
 }
 
 /// The device of that name that fits, or that nobody can tell of whether it does, which is an error of its own.
@@ -326,7 +326,7 @@ pub(super) fn heard_again(hosts: &Hosts, id: &str) -> Result<(Device, Found), De
 
 #[cfg(test)]
 mod tests {
-    use super::{Found, Hosts, Offer, falls_back};
+    use super::{Found, Hosts, Offer, played_by_default};
     use crate::io::device::rates::Rates;
 
     fn found(default: bool, plays: bool) -> Found {
@@ -349,11 +349,17 @@ mod tests {
     }
 
     #[test]
-    fn the_virtual_card_is_taken_where_no_usual_device_can_be_played_on() {
+    fn the_first_usual_device_that_can_be_played_on_is_and_else_the_virtual_card() {
         let (others, busy) = (vec![found(false, true)], vec![found(false, true), found(true, false)]);
         let usual = vec![found(false, false), found(true, true)];
-        let of = |systems: &[&Vec<Found>]| falls_back(systems.iter().map(|found| found.as_slice()));
-        assert!(of(&[]) && of(&[&Vec::new()]) && of(&[&others, &busy]));
-        assert!(!of(&[&usual]) && !of(&[&busy, &usual]) && !of(&[&usual, &others]));
+        let second = vec![found(true, true)];
+        let is = |systems: &[&Vec<Found>], it: Option<&Found>| {
+            let chosen = played_by_default(systems.iter().map(|found| found.as_slice()));
+            chosen.map(std::ptr::from_ref) == it.map(std::ptr::from_ref)
+        };
+        assert!(is(&[], None) && is(&[&Vec::new()], None) && is(&[&others, &busy], None));
+        let it = Some(&usual[1]);
+        assert!(is(&[&usual], it) && is(&[&busy, &usual, &second], it) && is(&[&usual, &others], it));
+        assert!(is(&[&second, &usual], Some(&second[0])));
     }
 }

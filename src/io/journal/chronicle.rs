@@ -35,9 +35,9 @@ pub struct Chronicle {
     /// What sounds, and what has not taken over yet.
     names: Names,
     next: VecDeque<Names>,
-    /// Where events come from, by the ids of their voices; of markers, in the order in which they were sent.
+    /// Where events come from, by their ids; of markers, what they are called as well.
     voices: BTreeMap<u64, Stand>,
-    markers: VecDeque<(Instant, String, Stand)>,
+    markers: BTreeMap<u64, (String, Stand)>,
     began: Option<(Epoch, Cell<SystemTime>)>,
     /// That of the session, once it has begun.
     pub board: Arc<Board>,
@@ -65,7 +65,7 @@ impl Chronicle {
             names: Names::of(plan),
             next: VecDeque::new(),
             voices: BTreeMap::new(),
-            markers: VecDeque::new(),
+            markers: BTreeMap::new(),
             began: None,
             board: Arc::default(),
         }
@@ -77,15 +77,15 @@ impl Chronicle {
         let (event, drawn) = (origin.event + 1, origin.drawn.map(|drawn| u64::from(drawn) + 1));
         let stand = Stand { pattern: origin.pattern.into(), event, drawn };
         match (heard.what, heard.id) {
-            (Happening::Marker(name), _) => {
-                self.markers.push_back((heard.instant, name.into(), stand));
+            // Those of events that found no room, or were called off, would stay for ever.
+            (Happening::Marker(name), Some(id)) => {
+                self.markers.insert(id, (name.into(), stand));
                 if self.markers.len() > PENDING {
-                    self.markers.pop_front();
+                    self.markers.pop_first();
                 }
             }
             (_, Some(id)) => {
                 self.voices.insert(id, stand);
-                // Those of events that found no room would stay for ever.
                 if self.voices.len() > PENDING {
                     self.voices.pop_first();
                 }
@@ -172,9 +172,8 @@ impl Chronicle {
             Deed::Order(order) => {
                 let (name, value) = words::of_order(*order);
                 // What the device still holds goes out whatever the gate does.
-                let held = Some(self.board.device_delay.get()).filter(|held| *held > 0);
-                let held = held.map(|held| ("device_delay".to_string(), held as f64 * 1e-9));
-                let fields = held.into_iter().collect();
+                let held = self.board.device_delay.get().map(|held| held as f64 * 1e-9);
+                let fields = held.map(|held| ("device_delay".into(), held)).into_iter().collect();
                 Line { name: Some(name.into()), value, fields, ..Line::new(Kind::Gate) }
             }
             Deed::Swap => {
@@ -229,13 +228,10 @@ impl Chronicle {
         (line.due_sample, line.due_fraction) = (Some(due.sample), Some(fraction(due)));
         let stand = match event {
             Event::Play(play) => self.voices.remove(&play.id),
-            Event::Marker(..) => {
-                let found = self.markers.iter().position(|(instant, ..)| *instant == due);
-                found.and_then(|found| self.markers.remove(found)).map(|(_, name, stand)| {
-                    line.name = Some(name);
-                    stand
-                })
-            }
+            Event::Marker(_, id) => self.markers.remove(id).map(|(name, stand)| {
+                line.name = Some(name);
+                stand
+            }),
             _ => None,
         };
         if let Some(Stand { pattern, event, drawn }) = stand {
@@ -243,7 +239,7 @@ impl Chronicle {
         }
         if let Some(moment) = moment {
             let frame = at.since(Instant::default()) * self.names.ratio;
-            let seconds = moment.time_of(frame) + self.delay() + self.board.device_delay.get() as f64 * 1e-9;
+            let seconds = moment.time_of(frame) + self.delay() + self.board.device_delay.seconds();
             (line.seconds, line.utc) = (Some(seconds), self.date(seconds));
         }
         line
@@ -265,8 +261,45 @@ impl Chronicle {
 
 #[cfg(test)]
 mod tests {
-    use super::began;
+    use super::{Chronicle, began};
+    use crate::engine::event::{Event, Source};
+    use crate::graph::scene::{Options, scene};
+    use crate::io::journal::Line;
+    use crate::live::callback::{Deed, Report};
+    use crate::live::conductor::Told;
+    use crate::node::asset::NoAssets;
+    use crate::patch::Patch;
+    use crate::performer::Origin;
+    use crate::performer::{Happening, Heard};
+    use crate::rig::Rig;
+    use crate::schedule::Instant;
     use std::time::{Duration, SystemTime};
+
+    /// Of two at the same instant, one was called off before it was played.
+    #[test]
+    fn a_marker_is_named_by_its_id_and_not_by_its_time() {
+        let patch = Patch::parse("p", b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n")
+            .unwrap_or_else(|p| panic!("{p}"))
+            .value;
+        let scene = scene(&patch, &Rig::default_for(1), &Options::default(), &NoAssets);
+        let mut chronicle = Chronicle::of(&scene.unwrap_or_else(|p| panic!("{p}")).plan);
+        let instant = Instant { sample: 96, fraction: 0 };
+        for (id, name) in [(7, "off"), (8, "on")] {
+            let origin = Origin { pattern: "p", event: id, drawn: None };
+            let what = Happening::Marker(name);
+            chronicle.hear(&Heard { at: 0.001, instant, origin: Some(origin), id: Some(id), what });
+        }
+        let deed = Deed::Event {
+            at: instant,
+            due: instant,
+            source: Source::Pattern,
+            event: Event::Marker(u32::MAX, 8),
+            cause: 0,
+        };
+        let told = chronicle.told(&Told::Report(&Report { frame: 0, deed }, None));
+        let Some(Line { name, id, event, .. }) = told else { panic!("no line") };
+        assert_eq!((name.as_deref(), id, event), (Some("on"), Some(8), Some(9)));
+    }
 
     #[test]
     fn a_clock_that_is_set_is_followed() {

@@ -291,7 +291,7 @@ fn counters(board: &Board) -> BTreeMap<String, f64> {
         named.insert(format!("refused_{way}"), count as f64);
     }
     named.insert("load".into(), board.load.mean());
-    named.insert("device_delay".into(), board.device_delay.get() as f64 * 1e-9);
+    named.insert("device_delay".into(), board.device_delay.seconds());
     named
 }
 

@@ -24,6 +24,7 @@ pub(super) fn of_signal(signal: &Signal, origin: &Origin) -> (&'static str, Opti
             ("osc", Some(address.clone()), filled(&values.join(" ")))
         }
         (_, Signal::Key(key)) => ("key", Some(key.to_string()), None),
+        (Origin::System(name), _) => ("system", Some(name.to_string()), Some(asked(signal).0)),
         (Origin::Program, _) => {
             let (what, which) = asked(signal);
             ("program", which, Some(what))
@@ -132,6 +133,7 @@ mod tests {
         assert_eq!(told(&start, &key), "key|3|start walk");
         assert_eq!(told(&start, &osc), "osc|/pattern/w*/play|1");
         assert_eq!(told(&Signal::Panic, &key), "key|3|panic");
+        assert_eq!(told(&Signal::End, &Origin::System("SIGINT".into())), "system|SIGINT|end");
         assert_eq!(told(&Signal::Key(3), &key), "key|3|");
         assert_eq!(told(&Signal::Key(3), &program), "key|3|");
         let midi = Signal::Midi(

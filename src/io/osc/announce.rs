@@ -29,9 +29,9 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// Which announcements somebody wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wants {
-    /// Markers.
+    /// Markers, and what the gate does, without which nobody knows whether they went with anything that was felt.
     Markers,
-    /// Markers, and voices as they begin and are released.
+    /// The same, and voices as they begin and are released.
     All,
 }
 
@@ -207,7 +207,7 @@ impl Announcer {
         let mut chronicle = locked(&self.0.chronicle);
         let Some(line) = chronicle.told(told) else { return };
         let wanted = match line.kind {
-            Kind::Marker | Kind::Cancel => Wants::Markers,
+            Kind::Marker | Kind::Cancel | Kind::Gate => Wants::Markers,
             Kind::Voice | Kind::Release => Wants::All,
             _ => return,
         };
@@ -293,6 +293,10 @@ fn packet(line: &Line, tag: Tag) -> Option<Vec<u8>> {
         Kind::Cancel => {
             let bits = OscType::Int(line.value.unwrap_or(0.0) as i32);
             ("/cancel", vec![number(line.id), bits, sample, seconds])
+        }
+        Kind::Gate => {
+            let gain = line.value.map(OscType::Double);
+            ("/gate", [name, number(line.frame), seconds].into_iter().chain(gain).collect())
         }
         Kind::Voice => {
             let (level, duration) = (real(line.level, 0.0), real(line.duration, f64::INFINITY));

@@ -55,7 +55,8 @@ impl Arrivals {
     /// Keeps one; if it `brakes`, that at least. Says whether there was room for all of it.
     pub fn add(&self, mut arrival: Arrival, brakes: bool) -> bool {
         let mut waiting = self.lock();
-        let room = waiting.bytes + arrival.size() <= ROOM;
+        // After the end nobody takes any.
+        let room = !waiting.over && waiting.bytes + arrival.size() <= ROOM;
         if !room {
             // Behind a brake that waits already, another adds nothing.
             if !brakes || waiting.arrivals.back().is_some_and(|last| last.datagram.is_none()) {
@@ -119,6 +120,7 @@ mod tests {
         // As much fits again.
         assert_eq!((0..2 * fit).filter(|_| arrivals.add(arrival(each, 0), false)).count(), fit);
         assert_eq!(arrivals.end(), fit);
+        assert!(!arrivals.add(arrival(each, 0), false), "nobody takes one that comes later");
         assert!(arrivals.next(Duration::from_secs(100)).is_none(), "nothing is waited for any more");
     }
 }

@@ -1,6 +1,10 @@
 //! `pacinian play`.
 
+mod conclusion;
+mod end;
+
 use super::advice;
+use super::choose;
 use super::device_queue;
 use super::ear::Listens;
 use super::failure::Failure;
@@ -8,36 +12,32 @@ use super::hearers::Hearers;
 use super::keep::{Keep, Sound};
 use super::knob::turning::Turning;
 use super::load::Scene;
-use super::loaded::Loaded;
-use super::osc::Osc;
+use super::osc::{self, Osc};
 use super::patience;
 use super::problems;
-use super::provenance::provenance;
-use super::screen::{Ending, Latency, Scenery, Show, cut_short};
-use super::stop::{CLOSED, Stop};
-use super::table::{dbfs, grouped, many};
+use super::screen::{Scenery, Show};
+use super::stop::Stop;
 use super::terminal::Terminal;
 use super::watch::{Course, News, Watching};
 use clap::Args;
-use pacinian::graph::scene::{Options, scene};
+use conclusion::Conclusion;
+use end::End;
+use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::{Chosen, Wish};
-use pacinian::io::device::failure::DeviceError;
 use pacinian::io::journal::Setting;
 use pacinian::io::midi_in::MidiPorts;
-use pacinian::io::osc::announce::{Announcer, InVain};
+use pacinian::io::osc::announce::Announcer;
 use pacinian::io::osc::server::Server;
-use pacinian::io::session::{Beginning, Session};
-use pacinian::live::board::Board;
+use pacinian::io::session::Beginning;
 use pacinian::live::gate::RAMP_IN;
-use pacinian::live::reload::Reload;
-use pacinian::live::signal::{Origin, Signal};
+use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
 use pacinian::patch::knob::HAND;
 use pacinian::rig::OutputKind;
 use pacinian::text::problem::escaped;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
-use std::time::{Instant, SystemTime};
+use std::time::SystemTime;
 
 /// Plays a patch on a sound card, in real time
 #[derive(Debug, Args)]
@@ -97,27 +97,6 @@ pub struct Play {
 /// Seconds that nobody plays.
 const FOREVER: f64 = 1e9;
 
-impl From<DeviceError> for Failure {
-    fn from(error: DeviceError) -> Self {
-        let code = error.kind.exit_code();
-        match error.help {
-            Some(help) => Self::usage(error.what, help).with_code(code),
-            None => Self::said(code, error.what),
-        }
-    }
-}
-
-/// A short time.
-fn brief(seconds: f64) -> String {
-    if seconds < 1e-6 { format!("{:.1} ns", 1e9 * seconds) } else { format!("{:.1} µs", 1e6 * seconds) }
-}
-
-/// So many seconds a device may be behind at the end of a session of so long.
-const SLOW: f64 = 3.0;
-
-/// Seconds that may be missing in the end without a word.
-const UNPLAYED: f64 = 0.5;
-
 /// What is done where a rig leaves open what its card lets through.
 const UNSAID: &str = "the rig does not say whether the card lets steady voltages through, so none leaves but on outputs declared for \
                       them: say `coupling` in [device]\n";
@@ -156,7 +135,7 @@ impl Play {
         // Where no rig says which tactors there are, the device does.
         let mut device = None;
         if scene.rig.is_none() {
-            let chosen = super::choose::choose(&Wish::of(self.device.as_deref(), None), None, terminal)?;
+            let chosen = choose::choose(&Wish::of(self.device.as_deref(), None), None, terminal)?;
             scene.offered = chosen.fitting().to_vec();
             device = Some(chosen);
         }
@@ -169,7 +148,7 @@ impl Play {
         let file = file.map_or("the rig".into(), |source| Arc::clone(&source.file));
         let (wish, device) = match device {
             Some(device) => (Wish::of(self.device.as_deref(), said), device),
-            None => super::choose::choose_for(self.device.as_deref(), said, file, None, terminal)?,
+            None => choose::choose_for(self.device.as_deref(), said, file, None, terminal)?,
         };
         let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
         let armed = self.arm || device.is_meant(&wish);
@@ -202,7 +181,7 @@ impl Play {
         let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
         let mixes = device.mixes(channels);
         if scene.rig.is_none() {
-            fits(&device, channels)?;
+            choose::fits(&device, channels)?;
         }
         let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
         let heard_from = reload.scene.plan.inputs();
@@ -344,7 +323,7 @@ impl Play {
         }
         // Everything of the beginning comes behind the ramp.
         let mut song_ends = loaded.song.as_ref().map(|song| RAMP_IN + song.seconds);
-        let end = self.until_the_end(&session, &stop, &mut show, |show| {
+        let end = End::wait(self.duration, &session, &stop, &mut show, |show| {
             let played = session.board().frames.get() as f64 / session.rate();
             if song_ends.take_if(|end| *end <= played).is_some() {
                 show.tell("the song has ended; the session goes on until it is ended");
@@ -353,7 +332,7 @@ impl Play {
                 show.say(&trouble);
             }
             for vain in announcer.iter().flat_map(Announcer::unheard) {
-                show.say(&format!("{}: what is told there over OSC is lost", in_vain(&vain)));
+                show.say(&format!("{}: what is told there over OSC is lost", osc::in_vain(&vain)));
             }
             for complaint in osc.iter().flat_map(Server::complaints) {
                 show.say(&complaint);
@@ -386,11 +365,7 @@ impl Play {
         // The gate closes before anything else is done, even where the conductor is no more.
         session.board().lever.close();
         let held = (!is_virtual).then(|| device_queue::told(session.board()));
-        let handle = match end {
-            End::Key(_) => session.handle().from(Origin::Key("q".into())),
-            _ => session.handle().clone(),
-        };
-        let _ = handle.send(Signal::End);
+        let _ = session.handle().from(end.origin()).send(Signal::End);
         drop(watching);
         drop(midi);
         // What the system dropped last is counted when the server ends.
@@ -406,12 +381,19 @@ impl Play {
         }
         let unsent = announcer.as_ref().map_or(0, Announcer::finish);
         for vain in announcer.iter().flat_map(Announcer::unheard) {
-            terminal.note(&format!("{}\n", in_vain(&vain)));
+            terminal.note(&format!("{}\n", osc::in_vain(&vain)));
         }
         if unsent > 0 {
             terminal.note(&format!("{unsent} markers and voices could not be told over OSC\n"));
         }
-        let concluded = self.conclude(&loaded, &session, &peaks, held.as_deref(), end == End::Over, terminal);
+        let conclusion = Conclusion {
+            loaded: &loaded,
+            session: &session,
+            peaks: &peaks,
+            held: held.as_deref(),
+            asked: self.duration.filter(|_| end == End::Over),
+        };
+        let concluded = conclusion.tell(terminal);
         #[cfg(feature = "serial")]
         line.iter().for_each(|line| terminal.note(&line.conclude()));
         let told = knob.map_or(Ok(()), |knob| knob.told(&loaded, session.board(), terminal));
@@ -421,198 +403,5 @@ impl Play {
             part.err().into_iter().for_each(|part| failure.join(part));
         }
         if failure.is_none() { Ok(()) } else { Err(failure) }
-    }
-
-    /// Until somebody asks to stop, or its time is over.
-    fn until_the_end(
-        &self,
-        session: &Session,
-        stop: &Stop,
-        show: &mut Show,
-        mut meanwhile: impl FnMut(&mut Show),
-    ) -> End {
-        let begin = Instant::now();
-        loop {
-            meanwhile(show);
-            if let Some(code) = stop.asked() {
-                return End::Signal(code);
-            }
-            let (passed, played) =
-                (begin.elapsed().as_secs_f64(), session.board().frames.get() as f64 / session.rate());
-            // A device may need a while before it asks for frames regularly; it is waited for, but not for ever.
-            if self
-                .duration
-                .is_some_and(|whole| passed >= whole && (played >= whole || passed >= whole + SLOW))
-            {
-                return End::Over;
-            }
-            match show.step(session) {
-                None => {}
-                Some(Ending::Asked(code)) => return End::Key(code),
-                Some(Ending::Closed) => return End::Signal(stop.asked().unwrap_or(CLOSED)),
-            }
-        }
-    }
-
-    fn conclude(
-        &self,
-        loaded: &Loaded,
-        session: &Session,
-        peaks: &[f32],
-        held: Option<&str>,
-        ended_by_itself: bool,
-        terminal: &Terminal,
-    ) -> Result<(), Failure> {
-        let board = session.board();
-        let load = &board.load;
-        let refused = Some(board.refused.words()).filter(|words| !words.is_empty());
-        let refused = refused.map_or(String::new(), |words| format!(" (no room for {words})"));
-        let mut text = format!(
-            "{}: {} frames, {}{}, load {:.2} % (half of the callbacks below {:.2} %, 99.9 % below {:.1} %), {} over their time, {}, {} late, {} lost{}\n",
-            escaped(loaded.name()),
-            board.frames.get(),
-            many(board.started.get() as usize, "voice"),
-            cut_short(board.stolen.get()),
-            100.0 * load.mean(),
-            100.0 * load.quantile(0.5),
-            100.0 * load.quantile(0.999),
-            load.over(),
-            many(board.xruns.get() as usize, "xrun"),
-            board.late.get(),
-            board.dropped.get() + board.refused.get(),
-            refused,
-        );
-        let changed = changed(board);
-        if !changed.is_empty() {
-            text += &format!("  of the samples: {changed}\n");
-        }
-        let played = board.frames.get() as f64 / session.rate();
-        if let Some(asked) = self.duration.filter(|asked| ended_by_itself && played < asked - UNPLAYED) {
-            text += &format!(
-                "  of {asked} s no more than {played:.1} s were played, as the machine or the device could not keep time\n"
-            );
-        }
-        let (away, is_away) = board.absence();
-        if away > 0 {
-            let seconds = away as f64 / session.rate();
-            text += &format!("  the device was away for {seconds:.1} of {played:.1} s, which nobody felt\n");
-        }
-        let latency = Latency::of(session, loaded.rig.device.loop_latency);
-        text += &format!("  from an event to the middle of what it makes at 250 Hz: {}\n", latency.told());
-        if let Some(held) = held {
-            text += &format!("  when the output was shut, {held}\n");
-        }
-        let input = &board.input;
-        if input.frames.get() > 0 {
-            text += &format!(
-                "  input: latency {:.1} ms, {} frames, {}, {} too late, {} too many, {} lost\n",
-                1e3 * (input.latency.get() as f64 * 1e-9 + session.input_delay()),
-                input.frames.get(),
-                many(input.xruns.get() as usize, "xrun"),
-                many(input.dry.get() as usize, "time"),
-                many(input.jumps.get() as usize, "time"),
-                many(input.lost.get() as usize, "frame"),
-            );
-        }
-        for duty in session.duties().iter().filter(|duty| duty.runs() + duty.skipped() > 0) {
-            text += &format!(
-                "  {}: {} runs, the longest {}, {}",
-                escaped(duty.name()),
-                grouped(duty.runs()),
-                brief(duty.longest()),
-                match duty.cost() {
-                    0.0 => "no limit declared".into(),
-                    cost => format!("{} times longer than {}", grouped(duty.overruns()), brief(cost)),
-                }
-            );
-            text += &match duty.skipped() {
-                0 => "\n".into(),
-                skipped => format!(", {} left out, as there was too much to do\n", grouped(skipped)),
-            };
-        }
-        for (name, &peak) in loaded.tactors().iter().zip(peaks) {
-            if peak > 0.0 {
-                text += &format!("  {}: {}\n", escaped(name), dbfs(peak));
-            }
-        }
-        terminal.print(&text)?;
-        if is_away {
-            let what = "the device was away at the end";
-            return Err(
-                Failure::usage(what, "plug it in, or see above why it went, and play again").with_code(74)
-            );
-        }
-        Ok(())
-    }
-}
-
-/// What became of samples that could not leave as they were; nothing where all could.
-fn changed(board: &Board) -> String {
-    let kinds = [
-        (board.limited.get(), "turned down by the limiter"),
-        (board.clamped.get(), "cut at full scale"),
-        (board.masked.get(), "no numbers, played as 0"),
-        (board.held_back.get(), "held back, so that actuators bear it"),
-    ];
-    let told = kinds.into_iter().filter(|(count, _)| *count > 0);
-    told.map(|(count, what)| format!("{} {what}", grouped(count))).collect::<Vec<_>>().join(", ")
-}
-
-/// Why what is told over OSC does not arrive.
-fn in_vain((at, why): &InVain) -> String {
-    match why {
-        None => format!("nobody listens at {at}"),
-        Some(why) => format!("nothing can be sent to {at} ({why})"),
-    }
-}
-
-/// A device that nobody has described has to have as many outputs as the patch has tactors.
-fn fits(device: &Chosen, channels: usize) -> Result<(), Failure> {
-    let offered = device.channels();
-    let Some(most) = offered.last().filter(|_| offered.iter().all(|count| usize::from(*count) != channels))
-    else {
-        return Ok(());
-    };
-    let what = format!("the patch plays on {channels} tactors, and {} has {most} outputs", device.name());
-    let help =
-        "choose another card with --device (`virtual` is one that has any number), or name a rig with --rig";
-    Err(Failure::usage(what, help).with_code(69))
-}
-
-/// Why a session comes to its end.
-#[derive(Clone, Copy, PartialEq)]
-enum End {
-    /// Its time is over.
-    Over,
-    /// A signal, or a terminal that was closed: the exit code.
-    Signal(u8),
-    /// A key: the exit code, if not that of success.
-    Key(Option<u8>),
-}
-
-impl End {
-    fn code(self) -> Option<u8> {
-        match self {
-            Self::Over => None,
-            Self::Signal(code) => Some(code),
-            Self::Key(code) => code,
-        }
-    }
-}
-
-impl Loaded {
-    /// Compiled, ready to take over; with what a journal says of it, if there is one.
-    pub fn reload(&self, options: &Options, journalled: bool) -> Result<Reload, Failure> {
-        let refuse =
-            |problems: pacinian::text::Problems| self.refuse(problems.list, &super::named::Codes::new());
-        let scene = scene(&self.patch, &self.rig, options, &*self.folder).map_err(refuse)?;
-        let provenance = journalled.then(|| provenance(self, options)).transpose()?;
-        Ok(Reload {
-            scene,
-            patch: Arc::clone(&self.patch),
-            rig: Arc::new(self.rig.clone()),
-            files: self.open_events(),
-            provenance: provenance.map(Arc::new),
-        })
     }
 }
