@@ -159,9 +159,9 @@ fn help(snapshot: &Snapshot, width: usize) -> Line {
         items.retain(|(key, _)| *key != "space");
     }
     let plays = if snapshot.keys.iter().any(|key| key.trigger) { "play" } else { "pattern" };
-    if let Some(last) = snapshot.keys.iter().map(|key| key.digit).max() {
-        let digits = ["1", "1-2", "1-3", "1-4", "1-5", "1-6", "1-7", "1-8", "1-9"];
-        items.insert(2, (digits[last.clamp(1, 9) as usize - 1], plays));
+    let digits = digits(snapshot.keys.iter().map(|key| key.digit));
+    if !digits.is_empty() {
+        items.insert(2, (&digits, plays));
     }
     let mut line = Line::of(Ink::Plain, " ");
     for (key, does) in items {
@@ -175,6 +175,19 @@ fn help(snapshot: &Snapshot, width: usize) -> Line {
         line.join(item);
     }
     line
+}
+
+/// Digits that ascend, those that follow on one another together: `1-3,5`.
+fn digits(all: impl Iterator<Item = u32>) -> String {
+    let mut runs: Vec<(u32, u32)> = Vec::new();
+    for digit in all {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == digit => *last = digit,
+            _ => runs.push((digit, digit)),
+        }
+    }
+    let word = |(first, last)| if first == last { format!("{first}") } else { format!("{first}-{last}") };
+    runs.into_iter().map(word).collect::<Vec<_>>().join(",")
 }
 
 /// So many lines of it, the last of which says how many there are more.
@@ -259,12 +272,19 @@ fn banner(snapshot: &Snapshot, width: usize) -> Vec<Line> {
 
 #[cfg(test)]
 mod tests {
-    use super::{SHUT, STALE, draw};
+    use super::{SHUT, STALE, digits, draw};
     use crate::cli::screen::controls::ControlFace;
     use crate::cli::screen::happened::{Happened, Mood};
     use crate::cli::screen::line::Ink;
     use crate::cli::screen::meter::Meter;
     use crate::cli::screen::snapshot::{Figures, KeyFace, Latency, Snapshot};
+
+    #[test]
+    fn no_key_is_offered_that_plays_nothing() {
+        let shown = |all: &[u32]| digits(all.iter().copied());
+        assert_eq!(shown(&[1, 2, 3, 5, 7, 8]), "1-3,5,7-8");
+        assert_eq!((shown(&[3]), shown(&[]), shown(&[1, 2])), ("3".into(), String::new(), "1-2".into()));
+    }
 
     fn scene(tactors: usize, name: impl Fn(usize) -> String) -> Snapshot {
         let mut meter = Meter::default();
