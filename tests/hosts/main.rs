@@ -14,7 +14,7 @@ use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::{Chosen, Wish, heard_among};
 use pacinian::io::device::failure::{DeviceError, Trouble};
 use pacinian::io::device::keeper::Fate;
-use pacinian::io::session::{Beginning, Ear, Session, SessionError};
+use pacinian::io::session::{Beginning, Session, SessionError};
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
 use pacinian::player::Player;
