@@ -354,7 +354,8 @@ fn markers_that_nobody_hears_are_told_of() {
     let unheard = play();
     let told = format!("nobody listens at {at}: what is told there over OSC is lost");
     assert_eq!(unheard.succeeds().err.matches(&told).count(), 1, "{}", unheard.err);
-    let lost = unheard.err.split(" messages of markers, voices and the gate could not be told").next().unwrap();
+    let lost =
+        unheard.err.split(" messages of markers, voices and the gate could not be told").next().unwrap();
     let lost: u32 = lost.rsplit('\n').next().unwrap().parse().unwrap();
     // One each 0.05 s of the 0.2 s behind the ramp, what is told of ahead, and that the gate opens, closes and calls it off.
     assert!((5..=12).contains(&lost), "{}", unheard.err);

@@ -384,7 +384,9 @@ impl Play {
             terminal.note(&format!("{}\n", osc::in_vain(&vain)));
         }
         if unsent > 0 {
-            terminal.note(&format!("{unsent} messages of markers, voices and the gate could not be told over OSC\n"));
+            terminal.note(&format!(
+                "{unsent} messages of markers, voices and the gate could not be told over OSC\n"
+            ));
         }
         let conclusion = Conclusion {
             loaded: &loaded,
