@@ -153,6 +153,7 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
         assert!(matches!(&gone, PortNews::Gone(name) if name.contains("keys")), "{round}: {gone:?}");
         assert!(wait(10, || voices() == 0), "{round}: it is not let go of");
     }
+    a_port_that_is_back_at_once_is_heard_anew(&session, &heard);
     a_flood_is_played_or_counted(&session, &heard, &swaps);
     a_lost_cable_shuts_the_output(&session, &heard);
     #[cfg(feature = "cli")]
@@ -173,6 +174,36 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
     assert!(counted, "nobody counts what JACK leaves out");
     let told = session.board().midi.trouble().unwrap();
     assert!(told.contains("left out by JACK, whose messages are lost"), "{told}");
+}
+
+/// A program that is started anew, so quickly that its port is there whenever somebody looks: the key that was down is let go of, and the next is heard.
+fn a_port_that_is_back_at_once_is_heard_anew(session: &Session, heard: &Receiver<PortNews>) {
+    let board = session.board();
+    let mut keys = None;
+    for round in 0..4 {
+        let again = keys.take().is_some();
+        let mut another = MidiOutput::new("somebody").unwrap().create_virtual("keys").unwrap();
+        if again {
+            let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+            assert!(matches!(&gone, PortNews::Gone(_)), "{round}: {gone:?}");
+            assert!(wait(10, || board.voices.get() == 0), "{round}: it is not let go of");
+        }
+        let opened = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+        assert!(matches!(&opened, PortNews::Opened(_)), "{round}: {opened:?}");
+        let sounds = wait(20, || {
+            let _ = another.send(&[0x90, 60, 100]);
+            std::thread::sleep(Duration::from_millis(50));
+            board.voices.get() > 0
+        });
+        assert!(sounds, "{round}: nothing sounds");
+        keys = Some(another);
+        // Between two looks as a rule, and what was noted of the last one has been looked at.
+        std::thread::sleep(Duration::from_millis(2_300));
+    }
+    drop(keys);
+    let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+    assert!(matches!(&gone, PortNews::Gone(_)), "{gone:?}");
+    assert!(wait(10, || board.voices.get() == 0));
 }
 
 fn reload(patch: &str) -> Reload {

@@ -42,6 +42,11 @@ fn start(text: &str) -> (Session, HeapCons<f32>, Words) {
 }
 
 fn start_with(scene: Reload) -> (Session, HeapCons<f32>, Words) {
+    start_in(64, scene)
+}
+
+/// In blocks of so many frames.
+fn start_in(block: u32, scene: Reload) -> (Session, HeapCons<f32>, Words) {
     let words = Words::default();
     let heard = Arc::clone(&words);
     let audience = move |told: Told<'_>| {
@@ -63,7 +68,7 @@ fn start_with(scene: Reload) -> (Session, HeapCons<f32>, Words) {
         });
     };
     let mut session = Session::start(Beginning {
-        block: Some(64),
+        block: Some(block),
         record: true,
         audience: Box::new(audience),
         ..Beginning::of(scene, Chosen::Virtual(None))
@@ -131,6 +136,43 @@ fn calm_brings_it_back_and_the_voice_that_is_always_on() {
     fetch(&mut recording, &mut all);
     let hum = channel(&all, 0);
     assert!(hum[from as usize + 9800..from as usize + 14_000].iter().any(|x| x.abs() > 0.45));
+}
+
+/// Else a journal would not have it, and a replay would play on where the output was shut.
+#[test]
+fn what_the_gate_does_last_is_told_however_long_blocks_are() {
+    let (mut session, _recording, words) = start_in(65_536, reload(HUM));
+    let from = session.board().frames.get();
+    // The next one is 1.37 s later.
+    wait("a block", || session.board().frames.get() > from);
+    session.stop();
+    let words = words.lock().unwrap();
+    assert!(words.iter().any(|word| word.starts_with("Order(") && word.ends_with("Close)")), "{words:?}");
+}
+
+#[test]
+fn what_plays_from_the_beginning_is_stopped_as_often_as_is_asked_for() {
+    let beat = |name: &str| {
+        format!(
+            "{HUM}[[trigger]]\non = \"start\"\nplay = \"{name}\"\n[pattern.{name}]\nrepeat = {{ every = 0.02 }}\n\
+             events = [{{ at = 0, voice = \"tap\", duration = 0.005 }}]\n"
+        )
+    };
+    let (mut session, _recording, words) = start(&beat("a"));
+    let played = || words.lock().unwrap().iter().filter(|word| word.contains("Play(")).count();
+    for name in ["b", "c"] {
+        let before = played();
+        wait("the pattern", || played() > before + 3);
+        session.handle().stop(0).unwrap();
+        let from = session.board().frames.get();
+        wait("its end", || session.board().frames.get() > from + 9_600);
+        let before = played();
+        let from = session.board().frames.get();
+        wait("a while", || session.board().frames.get() > from + 9_600);
+        assert_eq!(played(), before, "it plays on where {name} is next");
+        session.handle().send(Signal::Reload(Box::new(reload(&beat(name))))).unwrap();
+    }
+    session.stop();
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::loaded::Loaded;
 use super::outside::words;
 use super::patterns::playing;
-use pacinian::patch::{Patch, Place, Start, Trigger};
+use pacinian::patch::{Patch, Pattern, Place, Start, Trigger};
 use pacinian::text::problem::escaped;
 use pacinian::text::{Problem, Problems, Severity, Span};
 use std::collections::HashSet;
@@ -55,19 +55,17 @@ pub fn of(loaded: &Loaded, by_default: bool, deaf: bool, live: bool) -> Option<P
 
 /// What it waits for that is played live, where nothing in it plays by itself: none of its patterns does, if `first` is empty.
 pub fn waits(loaded: &Loaded, first: &[usize]) -> Option<String> {
-    let live = |trigger: &&Trigger| trigger.on.is_live();
-    if !first.is_empty()
-        || voices_play(&loaded.patch)
-        || !loaded.patch.triggers.iter().any(|trigger| live(&trigger))
-    {
+    let patch = &loaded.patch;
+    let follows = |pattern: &&Pattern| pattern.follows;
+    let clocked: Vec<&Pattern> =
+        first.iter().filter_map(|place| patch.patterns.get(*place)).filter(follows).collect();
+    let live = patch.triggers.iter().any(|trigger| trigger.on.is_live());
+    if first.len() > clocked.len() || voices_play(patch) || (clocked.is_empty() && !live) {
         return None;
     }
-    let mut all: Vec<String> = loaded
-        .patch
-        .triggers
-        .iter()
-        .filter_map(|trigger| Some(format!("{} ({})", words(&trigger.on)?, trigger.play)))
-        .collect();
+    let words_of = |trigger: &Trigger| Some(format!("{} ({})", words(&trigger.on)?, trigger.play));
+    let mut all: Vec<String> = patch.triggers.iter().filter_map(words_of).collect();
+    all.extend(clocked.iter().map(|pattern| format!("the clock of MIDI ({})", pattern.name)));
     let more = all.len().saturating_sub(SHOWN);
     all.truncate(SHOWN);
     if more > 0 {

@@ -14,7 +14,7 @@ pub const LONGEST: f64 = 3600.0;
 
 /// The voice that the notes of a song play where nothing in a patch hears MIDI, as it is the only one that they could; and a warning that says so.
 pub fn only_voice(patch: &Patch, path: &Path) -> Option<(String, Problems)> {
-    if patch.hears_midi() || patch.patterns.iter().any(|pattern| pattern.follows) {
+    if patch.hears_midi() || patch.follows_clock() {
         return None;
     }
     let mut voices = patch.voices.iter().filter(|voice| voice.start != Start::Always);
@@ -27,7 +27,7 @@ pub fn only_voice(patch: &Patch, path: &Path) -> Option<(String, Problems)> {
 /// A warning where nothing in a patch hears a song, or nothing that is in it.
 pub fn unsung(patch: &Patch, path: &Path, song: &Song) -> Option<Problems> {
     // The tempo of a song counts, even where no message does.
-    let counts = patch.patterns.iter().any(|pattern| pattern.follows);
+    let counts = patch.follows_clock();
     let (what, help) = if !patch.hears_midi() {
         if counts {
             return None;

@@ -9,6 +9,7 @@ use super::loaded::Loaded;
 use super::named::named;
 use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Wish;
+use pacinian::io::parting::part_with;
 use pacinian::io::{assets::Folder, error::FileErrorKind, journal::files::Files, text, watch};
 use pacinian::knob::effect::program::Any;
 use pacinian::live::reload::Reload;
@@ -21,7 +22,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, SystemTime};
 
 /// What became of something that was saved.
 #[derive(Debug)]
@@ -147,7 +148,7 @@ impl Drop for Watching {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
-            part_with(thread);
+            part_with(thread, PATIENCE);
         }
     }
 }
@@ -155,18 +156,6 @@ impl Drop for Watching {
 /// So long a thread may take to end before it is left to itself: it may be in the middle of a large file, or wait for a share that is
 /// gone, and a session must end all the same.
 const PATIENCE: Duration = Duration::from_millis(200);
-
-fn part_with(thread: JoinHandle<()>) {
-    let until = Instant::now() + PATIENCE;
-    while !thread.is_finished() {
-        if Instant::now() >= until {
-            return;
-        }
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    // One that has panicked has nothing more to say.
-    let _ = thread.join();
-}
 
 struct Watcher {
     course: Course,
@@ -293,20 +282,5 @@ impl Course {
     fn options(&self, loaded: &Loaded) -> Options {
         let (rate, knob_channel) = (Some(self.device_rate), self.knob_channel);
         Options { rate, live: true, knob_channel, ..loaded.options.clone() }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::part_with;
-    use std::sync::mpsc::channel;
-
-    #[test]
-    fn a_thread_that_hangs_is_left_to_itself() {
-        let (hold, held) = channel::<()>();
-        // It waits until the test lets go, which it does only afterwards.
-        part_with(std::thread::spawn(move || assert!(held.recv().is_err())));
-        drop(hold);
-        part_with(std::thread::spawn(|| panic!("one that has panicked")));
     }
 }

@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use midir::MidiInput;
 
+use crate::io::parting::part_with;
 use crate::live::board::Board;
 use crate::live::signal::{Handle, Signal};
 use crate::midi::Message;
@@ -52,6 +53,9 @@ pub struct MidiPorts {
 
 /// How often ports are looked for.
 const EVERY: Duration = Duration::from_millis(1000);
+
+/// So long a system may take to answer in the end.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// How often it looks whether it is to stop.
 const GLANCE: Duration = Duration::from_millis(50);
@@ -143,7 +147,9 @@ impl MidiPorts {
                 if server.has_ended(input.is_ok(), board.as_ref()) {
                     ports.abandon();
                 }
-                ports.look(input);
+                ports.look(input, &server.anew());
+                // Those that were opened now are as they were opened.
+                server.anew();
                 let mut waited = Duration::ZERO;
                 while waited < EVERY && !stopped.load(Ordering::Acquire) {
                     std::thread::sleep(GLANCE);
@@ -162,9 +168,6 @@ impl MidiPorts {
 impl Drop for MidiPorts {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Release);
-        if let Some(thread) = self.thread.take() {
-            // One that has panicked has nothing more to say.
-            let _ = thread.join();
-        }
+        self.thread.take().into_iter().for_each(|thread| _ = part_with(thread, PATIENCE));
     }
 }

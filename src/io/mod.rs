@@ -26,6 +26,8 @@ mod open;
 pub mod osc;
 pub mod out;
 #[cfg(feature = "live")]
+pub mod parting;
+#[cfg(feature = "live")]
 pub mod recorder;
 pub mod replace;
 pub(crate) mod resample;

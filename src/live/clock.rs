@@ -193,6 +193,11 @@ impl Follower {
         self.running = false;
     }
 
+    /// So many frames were asked for and given: of a block that was to come, no more will be.
+    pub fn gave(&mut self, frames: u64) {
+        self.frames = frames;
+    }
+
     /// The device was away: the next callback begins the loop anew, and its blocks may have another length and other times.
     pub fn forget(&mut self, block: u64) {
         (self.running, self.longest, self.lead) = (false, Lately::new(block), Lately::default());

@@ -3,7 +3,7 @@
 //! It turns the moments at which signals arrived into frames, lets the performer make events of them, and sends those to the
 //! callback ahead of their time. It compiles nothing and waits for nothing but signals.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -43,6 +43,7 @@ const BREATH: Duration = Duration::from_micros(100);
 
 /// How long a callback may take to shut the gate at the end; one whose device stands still never does.
 const LAST: Duration = Duration::from_millis(500);
+const BLOCKS: f64 = 4.0;
 
 /// Room in each ring to the callback that is for what lets go alone.
 const LETTING_GO: usize = 1 << 10;
@@ -96,7 +97,7 @@ pub struct Conductor {
     playing: Vec<u64>,
     /// What the plan that sounds calls things, and one that was admitted and has not taken over yet.
     callings: Callings,
-    next: Option<Callings>,
+    next: VecDeque<Callings>,
     /// Plans that were sent after the first.
     plan: u64,
     /// One that gets ready to take over.
@@ -172,10 +173,10 @@ impl Conductor {
             watch: Watch::default(),
             ports: HashMap::new(),
             voices: BTreeMap::new(),
-            patterns: HashMap::from([(0, 0)]),
+            patterns: HashMap::new(),
             playing: Vec::new(),
             callings,
-            next: None,
+            next: VecDeque::new(),
             plan: 0,
             offered: None,
             waiting: None,
@@ -233,8 +234,11 @@ impl Conductor {
 
     /// Tells what the callback does until its gate is shut.
     fn see_out(&mut self) {
+        // Blocks may be longer than that.
+        let most =
+            LAST.max(Duration::from_secs_f64(BLOCKS * self.clock.ahead() as f64 / (self.rate * self.ratio)));
         let begin = std::time::Instant::now();
-        while self.board.shut.get() == 0 && begin.elapsed() < LAST {
+        while self.board.shut.get() == 0 && begin.elapsed() < most {
             std::thread::sleep(Duration::from_millis(1));
         }
         self.hear();
@@ -247,7 +251,7 @@ impl Conductor {
         while let Some(report) = self.rings.reports.try_pop() {
             match &report.deed {
                 Deed::Swap => {
-                    if let Some(callings) = self.next.take() {
+                    if let Some(callings) = self.next.pop_front() {
                         self.callings = callings;
                     }
                 }
@@ -342,8 +346,8 @@ impl Conductor {
     }
 
     fn tell_playing(&mut self) {
-        if self.patterns.len() > 1 {
-            self.patterns.retain(|_, serial| *serial == 0 || self.performer.plays(*serial));
+        if !self.patterns.is_empty() {
+            self.patterns.retain(|_, serial| self.performer.plays(*serial));
         }
         if !self.performer.patterns().map(|(serial, _)| serial).eq(self.playing.iter().copied()) {
             let playing: Vec<_> = self.performer.patterns().collect();
@@ -433,7 +437,9 @@ impl Conductor {
                 self.patterns.insert(number, serial);
             }),
             Signal::Stop(number) => {
-                if let Some(serial) = self.patterns.remove(&number) {
+                // Those of the beginning may begin again, with a patch that takes over.
+                let serial = if number == 0 { Some(0) } else { self.patterns.remove(&number) };
+                if let Some(serial) = serial {
                     self.performer.stop_pattern(at, serial, outlet);
                 }
                 Ok(())
@@ -521,7 +527,7 @@ impl Conductor {
         let Some(reload) = self.offered.take() else { return };
         self.director.admit();
         self.plan += 1;
-        self.next = Some(Callings::of(&reload.scene.plan));
+        self.next.push_back(Callings::of(&reload.scene.plan));
         (self.audience)(Told::Reloading(&reload));
         let Reload { scene, patch, rig, files, .. } = *reload;
         // Those that play on may be called otherwise now.

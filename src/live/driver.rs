@@ -91,6 +91,8 @@ impl Driver {
     /// Another device takes over, which asks for blocks of `block` frames: what it plays comes in as `order` says.
     pub fn move_to(&mut self, block: usize, order: Order) {
         self.follower.forget(block as u64);
+        // It may have been taken from a device in the middle of a block.
+        self.follower.gave(self.callback.frames());
         self.effort.forget();
         self.callback.order(order);
     }
@@ -268,6 +270,20 @@ mod tests {
         assert_eq!(told(15, 4, false), [true]);
         // One that does not say plays a block later: 2 ms.
         assert_eq!((told(17, 0, false), told(19, 0, false)), (vec![], vec![false]));
+    }
+
+    /// It was taken from a device in the middle of a block: what the clock says of frames is what was given out.
+    #[test]
+    fn a_block_that_was_not_filled_to_its_end_is_none() {
+        let (callback, board) = passing_on(1);
+        let (mut driver, clock) = Driver::new(callback, 48_000.0, 96, Epoch::begin(), Arc::clone(&board));
+        driver.begin(4_096);
+        (0..2).for_each(|_| driver.go_on(&mut [0.0; 512]));
+        driver.move_to(96, crate::live::gate::Order::Return);
+        driver.fill(&mut [0.0; 96]);
+        driver.fill(&mut [0.0; 96]);
+        let moment = clock.moment().unwrap();
+        assert_eq!((moment.frames, driver.callback.frames()), (2 * 512 + 96, 2 * 512 + 2 * 96));
     }
 
     /// A device that is filled in parts, as where samples are converted.

@@ -90,12 +90,13 @@ impl Lever {
 
     /// What is wanted that the gate was not told of yet.
     pub(super) fn orders(&self, obeyed: &mut Obeyed) -> impl Iterator<Item = Order> + use<> {
+        // Before the brake is looked at: what is released was taken back before.
+        let releases = self.releases.load(Ordering::Acquire);
         let panic = self.is_panicked();
         let latch = (panic && !obeyed.panic).then_some(Order::Latch);
         let open = (self.open.load(Ordering::Acquire) && !obeyed.open).then_some(Order::Open);
         let gain = self.gain.load(Ordering::Acquire);
         let level = (gain != obeyed.gain).then_some(Order::Gain(f32::from_bits(gain & !SAID)));
-        let releases = self.releases.load(Ordering::Acquire);
         // A brake pulled in the meantime is stronger.
         let release = (releases != obeyed.releases && !panic).then_some(Order::Release);
         let close = (self.close.load(Ordering::Acquire) && !obeyed.close).then_some(Order::Close);

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, AtomicU64, O
 use super::signal::Signal;
 use super::stamp::Stamp;
 use super::way::Way;
+use crate::midi::sounding::MOST;
 use crate::midi::{Channel, Message};
 use crate::performer::PORTS;
 
@@ -58,7 +59,7 @@ pub(super) struct Owed {
 #[derive(Debug)]
 struct Port {
     /// How often each key goes up, as far as a byte counts: no more of it sound.
-    keys: [[AtomicU8; KEYS]; CHANNELS],
+    keys: [[AtomicU16; KEYS]; CHANNELS],
     /// A bit a channel, for each of [`LETTING_GO`].
     controllers: [AtomicU16; LETTING_GO.len()],
     flags: AtomicU8,
@@ -67,7 +68,7 @@ struct Port {
 impl Default for Port {
     fn default() -> Self {
         Self {
-            keys: std::array::from_fn(|_| std::array::from_fn(|_| AtomicU8::new(0))),
+            keys: std::array::from_fn(|_| std::array::from_fn(|_| AtomicU16::new(0))),
             controllers: std::array::from_fn(|_| AtomicU16::new(0)),
             flags: AtomicU8::new(0),
         }
@@ -192,8 +193,9 @@ impl Port {
         match message {
             Message::NoteOff { channel, note, .. } | Message::NoteOn { channel, note, velocity: 0 } => {
                 let key = &self.keys[channel.index()][usize::from(note) % KEYS];
-                // As many as a byte counts are noted.
-                let _ = key.fetch_update(Ordering::AcqRel, Ordering::Acquire, |ups| ups.checked_add(1));
+                // No more of a key sound than so many.
+                let more = |ups| (ups < MOST as u16).then_some(ups + 1);
+                let _ = key.fetch_update(Ordering::AcqRel, Ordering::Acquire, more);
                 true
             }
             Message::Controller { channel, number, value } => {
@@ -282,13 +284,16 @@ mod tests {
             let message = Message::Controller { channel, number, value };
             assert_eq!(owed.note(Stamp(1), &Signal::Midi(0, message)), lets_go, "{number} {value}");
         }
+        // As many as sound of one key, and no more.
+        let up = Message::NoteOff { channel, note: 77, velocity: 0 };
+        assert!((0..300).all(|_| owed.note(Stamp(1), &Signal::Midi(2, up))));
         for message in [Message::Clock, Message::Start, Message::NoteOn { channel, note: 9, velocity: 1 }] {
             assert!(!owed.note(Stamp(1), &Signal::Midi(0, message)));
         }
         // Ports beyond those that are told apart are the last.
         assert!(owed.note(Stamp(1), &Signal::MidiGone(900)));
         let all = settled(&owed);
-        assert_eq!(all.len(), expected + 1 + 4 + 1);
+        assert_eq!(all.len(), expected + 1 + 4 + 256 + 1);
         assert!(all.iter().all(|line| line.starts_with("9 ")));
         assert_eq!(all.last().unwrap(), "9 MidiGone(63)");
         assert!(!owed.is_due() && settled(&owed).is_empty());

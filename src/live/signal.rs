@@ -166,15 +166,18 @@ impl Handle {
 
     /// The same. Gives the number of the signal within the session.
     pub(crate) fn send_numbered(&self, stamp: Stamp, signal: Signal) -> Result<u64, Refused> {
+        self.send_knowing(stamp, signal, self.board.lever.pulls())
+    }
+
+    /// The same, of somebody who knew of so many pulls of the brake.
+    pub(crate) fn send_knowing(&self, stamp: Stamp, signal: Signal, pulls: u64) -> Result<u64, Refused> {
         let way = Way::of(&signal, &self.origin);
         let (origin, peer) = (self.origin.clone(), self.peer.clone());
         let now = self.epoch.now();
         if let Signal::Midi(port, message) = &signal {
             self.board.cables.message(*port, now, *message);
         }
-        let sent = self
-            .inlet
-            .send(now, Stamped { id: 0, stamp, origin, peer, pulls: self.board.lever.pulls(), signal });
+        let sent = self.inlet.send(now, Stamped { id: 0, stamp, origin, peer, pulls, signal });
         self.board.refused.of(way).add(u64::from(sent == Err(Refused::Busy)));
         sent
     }

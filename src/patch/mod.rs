@@ -254,6 +254,11 @@ impl Patch {
         self.triggers.iter().any(set_off) || self.binds.iter().any(|bind| !matches!(bind.from, Mover::Osc(_)))
     }
 
+    /// Whether a pattern of it follows the clock of MIDI.
+    pub fn follows_clock(&self) -> bool {
+        self.patterns.iter().any(|pattern| pattern.follows)
+    }
+
     /// The controllers of MIDI that its triggers and bindings hear, on their channels.
     pub fn controllers(&self) -> Claims {
         let triggers = self.triggers.iter().filter_map(|trigger| match trigger.on {

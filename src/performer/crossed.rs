@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::hands::Hit;
+use super::run::Run;
 use super::{Happening, Heard, Origin, Outlet, Performer, When, Whence};
 use crate::engine::event::Play;
 use crate::engine::watch::{Crossing, SetOff};
@@ -159,13 +160,20 @@ impl Performer {
         }
     }
 
-    /// The serial number of the next pattern that somebody starts.
+    /// The serial number of the next pattern that somebody starts. There are fewer ids than runs: those that one has which still plays are left out.
     pub(super) fn next_serial(&self, whence: Whence) -> u64 {
-        if whence == Whence::CROSSED { SERIAL + self.crossings + 1 } else { self.started + 1 }
+        let first = if whence == Whence::CROSSED { SERIAL + self.crossings + 1 } else { self.started + 1 };
+        let ids = |serial| whence.of_run(serial, 0);
+        let has = |run: &Run, serial| run.whence == whence && ids(run.serial) == ids(serial);
+        let is_free = |serial: &u64| !self.runs.iter().any(|run| has(run, *serial));
+        (first..).find(is_free).unwrap_or(first)
     }
 
-    /// That pattern has been started.
-    pub(super) fn count_started(&mut self, whence: Whence) {
-        *if whence == Whence::CROSSED { &mut self.crossings } else { &mut self.started } += 1;
+    /// The pattern of that serial number has been started.
+    pub(super) fn count_started(&mut self, whence: Whence, serial: u64) {
+        match whence == Whence::CROSSED {
+            true => self.crossings = serial - SERIAL,
+            false => self.started = serial,
+        }
     }
 }

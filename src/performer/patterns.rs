@@ -65,7 +65,7 @@ impl Performer {
         let root = Root { pattern, at: if follows.is_some() { 0.0 } else { at.seconds }, gain, rate };
         let serial = self.next_serial(whence);
         let score = self.score(&[root], self.seed_of(serial))?;
-        self.count_started(whence);
+        self.count_started(whence, serial);
         let run = Run::new(serial, vec![root], score).by(whence, self.cause);
         // Of those that only sound, the oldest is forgotten, and sounds its time.
         if self.runs.len() >= 2 * MOST_RUNS

@@ -2,6 +2,7 @@
 
 mod conclusion;
 mod end;
+mod opening;
 
 use super::advice;
 use super::choose;
@@ -22,6 +23,7 @@ use super::watch::{Course, News, Watching};
 use clap::Args;
 use conclusion::Conclusion;
 use end::End;
+use opening::Opening;
 use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::{Chosen, Wish};
 use pacinian::io::journal::Setting;
@@ -33,8 +35,6 @@ use pacinian::live::gate::RAMP_IN;
 use pacinian::live::signal::Signal;
 use pacinian::patch::Patch;
 use pacinian::patch::knob::HAND;
-use pacinian::rig::OutputKind;
-use pacinian::text::problem::escaped;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::SystemTime;
@@ -97,10 +97,6 @@ pub struct Play {
 /// Seconds that nobody plays.
 const FOREVER: f64 = 1e9;
 
-/// What is done where a rig leaves open what its card lets through.
-const UNSAID: &str = "the rig does not say whether the card lets steady voltages through, so none leaves but on outputs declared for \
-                      them: say `coupling` in [device]\n";
-
 impl Play {
     /// Of a simulated knob that keys turn, on no card.
     pub fn turned(scene: Scene, duration: Option<f64>) -> Self {
@@ -157,12 +153,7 @@ impl Play {
             Chosen::Virtual(why) => *why,
             Chosen::Card(..) => None,
         };
-        let name = match &device {
-            Chosen::Card(_, found) => found.name.clone(),
-            Chosen::Virtual(why) => {
-                why.map_or("a virtual card".into(), |why| format!("a virtual card, since {why}"))
-            }
-        };
+        let name = opening::called(&device);
         let block = self.block.or_else(|| device.usual_block());
         scene.block = block;
         // The virtual one as well: what is tried on it is what a card would get.
@@ -247,33 +238,17 @@ impl Play {
         // A signal closes the gate itself, whatever this thread is about.
         stop.also(&session.board().lever.closing())?;
         let sound = Sound::of(&mut session);
-        terminal.note(&format!(
-            "{} plays on {}: {channels} channels at {rate} Hz, engine at {engine_rate} Hz{}\n",
-            escaped(loaded.name()),
-            escaped(&name),
-            match (armed, loaded.rig.outputs.iter().any(|o| matches!(o.kind, OutputKind::Trigger { .. }))) {
-                (true, _) => "",
-                (false, false) => ", at -20 dB: --arm for full level",
-                (false, true) => ", at -20 dB, pulses on trigger outputs as well: --arm for full level",
-            }
-        ));
-        if loaded.rig_source.is_some() && loaded.rig.device.coupling.is_none() {
-            terminal.note(UNSAID);
-        }
-        if let Some(mixes) = mixes {
-            terminal.note(&format!("{mixes}\n"));
-        }
-        if let Some(hears) = hears {
-            terminal.note(&format!("{hears}\n"));
-        }
-        if let Some(waits) = waits {
-            terminal.note(&format!("{waits}\n"));
+        let opening = Opening { loaded: &loaded, name: &name, channels, rate, engine_rate, armed };
+        opening.tell(terminal);
+        for more in [mixes, hears, waits].into_iter().flatten() {
+            terminal.note(&format!("{more}\n"));
         }
         let osc = self.osc.listen(socket, session.handle(), &loaded.patch, announcer.as_ref(), terminal)?;
         // What nothing listens to is not opened.
         let wanted = self.midi_in.clone().filter(|name| name != "none");
         let listen = |patch: &Patch| {
-            let use_for_it = wanted.is_some() || (self.midi_in.is_none() && patch.hears_midi());
+            let use_for_it =
+                wanted.is_some() || (self.midi_in.is_none() && (patch.hears_midi() || patch.follows_clock()));
             let ports = ports.clone();
             let news = Box::new(move |news| ports.port(&news));
             let open = use_for_it.then(|| MidiPorts::listen(session.handle(), wanted.clone(), news));

@@ -11,6 +11,7 @@ use cpal::ErrorKind;
 use super::callers::Callers;
 use super::card::News;
 use super::failure::DeviceError;
+use crate::io::parting::part_with;
 
 /// How often it looks.
 pub(super) const WATCH: Duration = Duration::from_millis(20);
@@ -101,17 +102,7 @@ impl Drop for Minder {
     fn drop(&mut self) {
         self.quit.store(true, Ordering::Release);
         self.bell.ring();
-        let Some(thread) = self.thread.take() else { return };
-        let begin = Instant::now();
-        while !thread.is_finished() {
-            // It waits for a system that does not answer, and ends by itself when that does.
-            if begin.elapsed() >= self.parts_after {
-                return;
-            }
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        // One that has panicked has nothing more to say.
-        let _ = thread.join();
+        self.thread.take().into_iter().for_each(|thread| _ = part_with(thread, self.parts_after));
     }
 }
 

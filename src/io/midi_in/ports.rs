@@ -9,6 +9,7 @@ use super::roster::Roster;
 use super::unknown::{Unknown, fits};
 use super::{Ear, Newsreader, PortNews, Word};
 use crate::live::board::Board;
+use crate::performer::PORTS;
 
 /// A port that is listened to.
 struct Open {
@@ -53,8 +54,8 @@ impl Ports {
         }
     }
 
-    /// Lets go of ports that are gone, and opens those that are new. Where the system does not answer, that is told once.
-    pub fn look(&mut self, input: Result<MidiInput, String>) {
+    /// Lets go of ports that are gone, or were and have come `anew`, and opens those that are new. Where the system does not answer, that is told once.
+    pub fn look(&mut self, input: Result<MidiInput, String>, anew: &[String]) {
         let input = match input {
             Ok(input) => input,
             Err(error) => {
@@ -65,9 +66,18 @@ impl Ports {
             }
         };
         self.without = false;
-        let there: Vec<String> = input.ports().iter().map(midir::MidiInputPort::id).collect();
-        let (stay, gone) =
-            std::mem::take(&mut self.open).into_iter().partition(|port| there.contains(&port.id));
+        let ports = input.ports();
+        let there: Vec<String> = ports.iter().map(midir::MidiInputPort::id).collect();
+        // ALSA gives the number of one that has gone to the next that comes.
+        let is_another = |at: usize, open: &Open| {
+            let name = ports.get(at).and_then(|port| input.port_name(port).ok());
+            name.is_some_and(|name| *name != *open.name)
+        };
+        let stays = |open: &Open| {
+            let at = there.iter().position(|id| *id == open.id);
+            at.is_some_and(|at| !is_another(at, open) && !anew.contains(&open.id))
+        };
+        let (stay, gone) = std::mem::take(&mut self.open).into_iter().partition(stays);
         self.open = stay;
         self.let_go(gone).into_iter().for_each(drop);
         self.search(&input, &there);
@@ -112,10 +122,17 @@ impl Ports {
             }
             let Ok(mut input) = super::input() else { continue };
             input.ignore(Ignore::None);
-            let (number, shared) = (self.roster.seat(&id, &name), name.as_str().into());
-            let line = Line::new(number, &shared, &self.ear, self.board.as_ref());
-            match input.connect(port, "in", |_, bytes, line| line.hear(bytes), line) {
-                Ok(connection) => {
+            let shared: Arc<str> = name.as_str().into();
+            let opened = match self.roster.seat(&id, &name) {
+                None => Err(format!("{PORTS} ports are open already; --midi-in NAME chooses among them")),
+                Some(number) => {
+                    let line = Line::new(number, &shared, &self.ear, self.board.as_ref());
+                    let connected = input.connect(port, "in", |_, bytes, line| line.hear(bytes), line);
+                    connected.map(|connection| (number, connection)).map_err(|error| error.to_string())
+                }
+            };
+            match opened {
+                Ok((number, connection)) => {
                     self.refused.retain(|(known, _)| *known != id);
                     self.open.push(Open { id, name: shared, number, connection });
                     (self.news)(PortNews::Opened(name));
@@ -126,7 +143,7 @@ impl Ports {
                         Some(at) => self.refused[at].1 = AGAIN,
                         None => {
                             self.refused.push((id, AGAIN));
-                            (self.news)(PortNews::Refused(name, error.to_string()));
+                            (self.news)(PortNews::Refused(name, error));
                         }
                     }
                 }

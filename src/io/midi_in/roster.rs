@@ -14,8 +14,8 @@ impl Roster {
         self.seats.iter().any(|(_, seated)| seated.as_deref() == Some(id))
     }
 
-    /// A port is opened; gives its number.
-    pub fn seat(&mut self, id: &str, name: &str) -> u16 {
+    /// A port is opened; gives its number. `None`: so many are open that it has none.
+    pub fn seat(&mut self, id: &str, name: &str) -> Option<u16> {
         let free = |seat: &(String, Option<String>)| seat.1.is_none();
         let known = self.seats.iter().position(|seat| free(seat) && seat.0 == name);
         let number = match known {
@@ -24,12 +24,12 @@ impl Roster {
                 self.seats.push((name.into(), None));
                 self.seats.len() - 1
             }
-            None => self.seats.iter().position(free).unwrap_or(usize::from(u16::MAX)),
+            None => self.seats.iter().position(free)?,
         };
         if let Some(seat) = self.seats.get_mut(number) {
             *seat = (name.into(), Some(id.into()));
         }
-        number as u16
+        u16::try_from(number).ok()
     }
 
     /// A port is gone, or could not be opened after all.
@@ -42,20 +42,35 @@ impl Roster {
 #[cfg(test)]
 mod tests {
     use super::Roster;
+    use crate::performer::PORTS;
     use proptest::prelude::{any, prop_assert, prop_assert_eq, proptest};
     use std::collections::HashMap;
 
     #[test]
     fn two_of_one_name_are_two_and_have_their_numbers_again() {
         let mut roster = Roster::default();
-        assert_eq!(["20:0", "24:0", "28:0"].map(|id| roster.seat(id, "Keys")), [0, 1, 2]);
-        assert_eq!(roster.seat("32:0", "Pads"), 3);
+        assert_eq!(["20:0", "24:0", "28:0"].map(|id| roster.seat(id, "Keys").unwrap()), [0, 1, 2]);
+        assert_eq!(roster.seat("32:0", "Pads"), Some(3));
         roster.leave("24:0");
         assert!(!roster.has("24:0") && roster.has("20:0") && roster.has("28:0"));
-        assert_eq!(roster.seat("40:0", "Other"), 4, "not what the gone one had set up");
-        assert_eq!(roster.seat("24:0", "Keys"), 1);
+        assert_eq!(roster.seat("40:0", "Other"), Some(4), "not what the gone one had set up");
+        assert_eq!(roster.seat("24:0", "Keys"), Some(1));
         ["20:0", "32:0"].into_iter().for_each(|id| roster.leave(id));
-        assert_eq!((roster.seat("20:1", "Pads"), roster.seat("32:1", "Keys")), (3, 0), "in another order");
+        assert_eq!(
+            (roster.seat("20:1", "Pads"), roster.seat("32:1", "Keys")),
+            (Some(3), Some(0)),
+            "in another order"
+        );
+    }
+
+    #[test]
+    fn one_too_many_has_no_number_until_another_leaves() {
+        let mut roster = Roster::default();
+        let numbers: Vec<_> = (0..PORTS).map(|n| roster.seat(&format!("{n}"), "Keys")).collect();
+        assert!(numbers.iter().enumerate().all(|(n, number)| *number == Some(n as u16)));
+        assert!(roster.seat("more", "Keys").is_none() && !roster.has("more"));
+        roster.leave("7");
+        assert_eq!(roster.seat("more", "Pads"), Some(7));
     }
 
     proptest! {
@@ -73,7 +88,7 @@ mod tests {
                         prop_assert!(number < 64);
                     }
                     None => {
-                        let number = roster.seat(&id, &name);
+                        let number = roster.seat(&id, &name).unwrap();
                         prop_assert!(roster.has(&id) && open.values().all(|other| *other != number));
                         open.insert(id, number);
                     }

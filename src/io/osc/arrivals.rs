@@ -22,6 +22,8 @@ pub(super) struct Arrival {
     pub wall: Tag,
     /// How often the brake had been pulled by then, by this one as well.
     pub pulls: u64,
+    /// Whether it pulled it.
+    pub brakes: bool,
     /// `None`: it pulled the brake, and there was no room for what else is in it.
     pub datagram: Option<Box<[u8]>>,
 }
@@ -52,14 +54,14 @@ impl Arrivals {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Keeps one; if it `brakes`, that at least. Says whether there was room for all of it.
-    pub fn add(&self, mut arrival: Arrival, brakes: bool) -> bool {
+    /// Keeps one; if it brakes, that at least. Says whether there was room for all of it.
+    pub fn add(&self, mut arrival: Arrival) -> bool {
         let mut waiting = self.lock();
         // After the end nobody takes any.
         let room = !waiting.over && waiting.bytes + arrival.size() <= ROOM;
         if !room {
             // Behind a brake that waits already, another adds nothing.
-            if !brakes || waiting.arrivals.back().is_some_and(|last| last.datagram.is_none()) {
+            if !arrival.brakes || waiting.arrivals.back().is_some_and(|last| last.datagram.is_none()) {
                 return false;
             }
             arrival.datagram = None;
@@ -97,9 +99,16 @@ mod tests {
     use crate::live::stamp::Stamp;
     use std::time::Duration;
 
-    fn arrival(bytes: usize, now: u64) -> Arrival {
+    fn arrival(bytes: usize, now: u64, brakes: bool) -> Arrival {
         let datagram = Some(vec![0; bytes].into());
-        Arrival { from: ([127, 0, 0, 1], 9).into(), now: Stamp(now), wall: Tag::AT_ONCE, pulls: 0, datagram }
+        Arrival {
+            from: ([127, 0, 0, 1], 9).into(),
+            now: Stamp(now),
+            wall: Tag::AT_ONCE,
+            pulls: 0,
+            brakes,
+            datagram,
+        }
     }
 
     #[test]
@@ -108,19 +117,19 @@ mod tests {
         let each = 60_000;
         let fit = ROOM / (each + EACH);
         for n in 0..fit as u64 {
-            assert!(arrivals.add(arrival(each, n), false));
+            assert!(arrivals.add(arrival(each, n, false)));
         }
-        assert!(!arrivals.add(arrival(each, 1000), false));
-        assert!(!arrivals.add(arrival(each, 1001), true), "only that it brakes");
-        assert!(!arrivals.add(arrival(each, 1002), true) && !arrivals.add(arrival(each, 1003), false));
+        assert!(!arrivals.add(arrival(each, 1000, false)));
+        assert!(!arrivals.add(arrival(each, 1001, true)), "only that it brakes");
+        assert!(!arrivals.add(arrival(each, 1002, true)) && !arrivals.add(arrival(each, 1003, false)));
         let mut taken =
             std::iter::from_fn(|| arrivals.next(Duration::ZERO)).map(|a| (a.now.0, a.datagram.is_some()));
         assert!(taken.by_ref().take(fit).eq((0..fit as u64).map(|n| (n, true))));
         assert_eq!(taken.collect::<Vec<_>>(), [(1001, false)]);
         // As much fits again.
-        assert_eq!((0..2 * fit).filter(|_| arrivals.add(arrival(each, 0), false)).count(), fit);
+        assert_eq!((0..2 * fit).filter(|_| arrivals.add(arrival(each, 0, false))).count(), fit);
         assert_eq!(arrivals.end(), fit);
-        assert!(!arrivals.add(arrival(each, 0), false), "nobody takes one that comes later");
+        assert!(!arrivals.add(arrival(each, 0, false)), "nobody takes one that comes later");
         assert!(arrivals.next(Duration::from_secs(100)).is_none(), "nothing is waited for any more");
     }
 }

@@ -47,9 +47,8 @@ impl Receiver {
                         board.panic();
                     }
                     let (pulls, datagram) = (board.lever.pulls(), Some(datagram.into()));
-                    let room = self
-                        .arrivals
-                        .add(Arrival { from, now, wall: Tag::of(wall), pulls, datagram }, brakes);
+                    let arrival = Arrival { from, now, wall: Tag::of(wall), pulls, brakes, datagram };
+                    let room = self.arrivals.add(arrival);
                     self.counts.crammed.add(u64::from(!room));
                     rest.after_one(now);
                 }

@@ -167,6 +167,17 @@ impl Drop for Server {
     }
 }
 
+/// What was asked for and is not due yet.
+struct Later {
+    from: SocketAddr,
+    /// The number of its message.
+    message: u64,
+    /// How often the brake had been pulled when it came.
+    pulls: u64,
+    origin: Origin,
+    what: Ask,
+}
+
 /// What the thread has.
 struct Listener {
     socket: Arc<UdpSocket>,
@@ -179,7 +190,7 @@ struct Listener {
     complaints: Complaints,
     /// What each control was sent to last from here, and by which signal.
     values: Vec<(f64, u64)>,
-    agenda: Agenda<(SocketAddr, u64, Origin, Ask)>,
+    agenda: Agenda<Later>,
     ids: Ids,
     /// Who sent something last, and the same in words.
     peer: Option<(SocketAddr, Arc<str>)>,
@@ -198,13 +209,14 @@ impl Listener {
     /// Waits for one datagram, or until something is due.
     fn turn(&mut self) {
         let epoch = self.handle.epoch();
-        if let Some(Arrival { from, now, wall, pulls, datagram }) =
+        if let Some(Arrival { from, now, wall, pulls, brakes, datagram }) =
             self.arrivals.next(self.patience(epoch.now()))
         {
             self.pulls = pulls;
-            match datagram {
-                Some(datagram) => self.hear(&datagram, from, now, wall),
-                None => self.act(now, from, self.messages, Ask::Panic),
+            let panicked = datagram.is_some_and(|datagram| self.hear(&datagram, from, now, wall));
+            // What else was in it may have left no room for what had pulled the brake.
+            if brakes && !panicked {
+                self.act(now, from, self.messages, Ask::Panic);
             }
             self.rest.after_one(epoch.now());
         }
@@ -234,7 +246,7 @@ impl Listener {
             let name = &self.names.controls.get(control)?.name;
             names.controls.iter().position(|c| c.name == *name)
         };
-        let forgotten = self.agenda.retain(|(.., what)| match what.control() {
+        let forgotten = self.agenda.retain(|later| match later.what.control() {
             None => true,
             Some(control) => become_of(*control).is_some_and(|new| {
                 *control = new;
@@ -246,13 +258,20 @@ impl Listener {
         self.peers.forget_controls();
     }
 
-    /// Does what a datagram asks for, which came at `now`, or `wall` by the clock of the system.
-    fn hear(&mut self, datagram: &[u8], from: SocketAddr, now: Stamp, wall: Tag) {
+    /// Does what a datagram asks for, which came at `now`, or `wall` by the clock of the system. Says whether a panic was among it.
+    fn hear(&mut self, datagram: &[u8], from: SocketAddr, now: Stamp, wall: Tag) -> bool {
         let messages = match unpack(datagram) {
             Ok(messages) => messages,
-            Err(Unreadable::Malformed) => return self.counts.malformed.add(1),
-            Err(Unreadable::Deep) => return self.counts.deep.add(1),
+            Err(unreadable) => {
+                let counts = &self.counts;
+                match unreadable {
+                    Unreadable::Malformed => counts.malformed.add(1),
+                    Unreadable::Deep => counts.deep.add(1),
+                }
+                return false;
+            }
         };
+        let mut panicked = false;
         let mut steps = STEPS;
         for (tag, message) in messages {
             self.messages += 1;
@@ -295,14 +314,18 @@ impl Listener {
                         self.complaints.wrong(&message.addr, &message.args, &method);
                     }
                     // A brake waits for nothing.
-                    (Ok(Ask::Panic), _) => self.act(now, from, self.messages, Ask::Panic),
+                    (Ok(Ask::Panic), _) => {
+                        panicked = true;
+                        self.act(now, from, self.messages, Ask::Panic);
+                    }
                     (Ok(_), _) if costly => self.counts.refused.add(1),
                     (Ok(_), Due::Far) => {
                         self.counts.far.add(1);
                         self.complaints.far(&peer);
                     }
                     (Ok(what), Due::At(at)) => {
-                        let room = self.agenda.add(at, (from, self.messages, origin.clone(), what));
+                        let (message, pulls, origin) = (self.messages, self.pulls, origin.clone());
+                        let room = self.agenda.add(at, Later { from, message, pulls, origin, what });
                         self.counts.refused.add(u64::from(!room));
                     }
                     (Ok(what), Due::AtOnce | Due::Late(_)) => {
@@ -311,6 +334,7 @@ impl Listener {
                 }
             }
         }
+        panicked
     }
 
     /// When a value for a stream was sampled that came late, but within what the stream is later anyway.
@@ -327,12 +351,12 @@ impl Listener {
             self.cancel();
         }
         self.panicked = panicked;
-        while let Some((at, (from, message, origin, what))) =
+        while let Some((at, Later { from, message, pulls, origin, what })) =
             self.agenda.take(Stamp(now.0.saturating_add(AHEAD)))
         {
             let peer = self.peer_of(from);
             self.handle = self.handle.from(origin).by(&peer);
-            self.pulls = self.handle.board().lever.pulls();
+            self.pulls = pulls;
             self.act(at, from, message, what);
         }
         if self.peers.next().is_some_and(|next| next <= now) {
@@ -376,7 +400,7 @@ impl Listener {
 
     /// The same. Gives the signal's number, if it was taken.
     fn send_numbered(&self, at: Stamp, signal: Signal) -> Option<u64> {
-        let taken = self.handle.send_numbered(at, signal).ok();
+        let taken = self.handle.send_knowing(at, signal, self.pulls).ok();
         if taken.is_some() { &self.counts.taken } else { &self.counts.refused }.add(1);
         taken
     }

@@ -1,4 +1,5 @@
 use super::super::staged::{self, HEAD, VOICE};
+use super::super::whence::Whence;
 use super::{AT_ONCE, MOST_RUNS, Outlet, Performer, When};
 use crate::engine::event::{Event, Source};
 use crate::schedule::Instant;
@@ -36,6 +37,20 @@ fn pattern(name: &str, every: f64, level: f64) -> String {
     format!(
         "[pattern.{name}]\nrepeat = {{ every = {every} }}\nevents = [{{ at = 0, voice = \"v\", level = {level} }}]\n"
     )
+}
+
+/// Hours later, ids begin anew: what is stopped then stops nothing that has played since.
+#[test]
+fn a_run_that_plays_on_keeps_its_ids() {
+    let mut performer = performer(&format!("{QUIET}{}", pattern("p", 1.0, 1.0)));
+    let at = When::of_seconds(0.5, 8000.0);
+    let long = performer.start_pattern(at, "p").unwrap();
+    let ids = |serial| Whence::HERE.of_run(serial, 0);
+    let same = (long + 1..).find(|serial| ids(*serial) == ids(long)).unwrap();
+    performer.started = same - 2;
+    let after: Vec<u64> = (0..3).map(|_| performer.start_pattern(at, "p").unwrap()).collect();
+    assert_eq!(after, [same - 1, same + 1, same + 2]);
+    assert!(after.iter().all(|serial| ids(*serial) != ids(long)));
 }
 
 #[test]
