@@ -171,6 +171,8 @@ fn markers_and_voices_are_told_with_the_time_at_which_they_leave() {
         }
     };
     assert_eq!(released[0], args[1], "the same id");
+    session.handle().send(Signal::ReleaseAll).unwrap();
+    while hear(&all).1.addr != "/event/release-all" {}
 
     // The words are those of the patch that plays.
     session.handle().send(Signal::Reload(Box::new(reload(&PATCH.replace("hum", "buzz"))))).unwrap();

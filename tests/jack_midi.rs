@@ -173,7 +173,7 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
     });
     assert!(counted, "nobody counts what JACK leaves out");
     let told = session.board().midi.trouble().unwrap();
-    assert!(told.contains("left out by JACK, whose messages are lost"), "{told}");
+    assert!(told.contains("gaps that ALSA or JACK told of, whose messages are lost"), "{told}");
 }
 
 /// A program that is started anew, so quickly that its port is there whenever somebody looks: the key that was down is let go of, and the next is heard.

@@ -408,7 +408,11 @@ fn what_the_patch_names_is_watched_and_what_another_session_needs_is_kept() {
             "rate = 48000\ninput = \"Microphone\"",
             "the rig names another input: stop, and play again",
         ),
-        ("rate = 48000", "rate = 44100", "the rig says another rate, 44100 Hz: stop, and play again"),
+        (
+            "rate = 48000",
+            "rate = 44100",
+            "the rig says another rate, 44100 Hz, and 48000 Hz play: stop, and play again",
+        ),
     ] {
         scratch.write("r.toml", rig.replace("left", "right").replacen(from, to, 1));
         playing.hears(&format!("the old one plays on: r.toml: {why}"));

@@ -41,7 +41,7 @@ pub struct Scene {
     /// The pattern to play [default: those that a trigger with on = "start" names, else the first, unless keys or messages play something]
     #[arg(long, value_name = "NAME")]
     pub pattern: Option<String>,
-    /// Samples a second [default: what the rig says, else 48000]
+    /// Samples a second [default: what the rig says, else 48000, or what a card has that is nearest]
     #[arg(long, value_name = "HZ", value_parser = hertz, allow_negative_numbers = true)]
     pub rate: Option<u32>,
     /// The seed of everything random [default: what the patch says, else 0]

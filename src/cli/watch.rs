@@ -244,7 +244,7 @@ impl Course {
         if self.scene.rate.is_none() && device.rate != self.rate {
             let rate =
                 device.rate.map_or("no rate any more".into(), |rate| format!("another rate, {rate} Hz"));
-            return no(format!("the rig says {rate}"));
+            return no(format!("the rig says {rate}, and {} Hz play", self.device_rate));
         }
         let by_rig = self.input_device.is_none() && self.scene.input.is_none();
         if by_rig && device.input != self.input {

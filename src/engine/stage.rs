@@ -109,6 +109,11 @@ impl Stage {
         }
     }
 
+    /// The trigger outputs.
+    pub(crate) fn triggers(&self) -> &Triggers {
+        &self.triggers
+    }
+
     /// The motors.
     pub fn drives(&self) -> &Drives {
         &self.drives

@@ -54,6 +54,11 @@ impl Triggers {
         Self { outputs, channels: plan.channels, ratio: plan.ratio, late }
     }
 
+    /// The channels on which pulses leave (from 0).
+    pub fn channels(&self) -> impl Iterator<Item = usize> + '_ {
+        self.outputs.iter().map(|output| output.channel)
+    }
+
     /// Takes over the pulses to come and under way of old ones.
     pub fn take_over(&mut self, old: &mut Self) {
         for output in &mut self.outputs {

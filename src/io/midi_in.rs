@@ -16,6 +16,7 @@ use crate::live::signal::{Handle, Signal};
 use crate::midi::Message;
 
 mod line;
+mod overruns;
 mod ports;
 mod roster;
 #[cfg(all(target_os = "linux", feature = "midi-jack"))]
@@ -26,6 +27,7 @@ mod server;
 mod server;
 mod unknown;
 
+pub use overruns::count_overruns;
 use ports::Ports;
 use server::Server;
 pub use unknown::Unknown;
@@ -152,6 +154,7 @@ impl MidiPorts {
                 server.anew();
                 let mut waited = Duration::ZERO;
                 while waited < EVERY && !stopped.load(Ordering::Acquire) {
+                    board.iter().for_each(|board| board.midi.gaps.add(overruns::taken()));
                     std::thread::sleep(GLANCE);
                     waited += GLANCE;
                 }

@@ -158,7 +158,7 @@ impl Callback {
     /// For an engine that has not played yet, behind a gate that is closed.
     pub fn new(mut stagehand: Stagehand, gate: Gate, board: Arc<Board>) -> (Self, Rings) {
         let channels = stagehand.engine().channels();
-        let gate = gate.before_motors(channels, stagehand.engine().stage().drives().channels());
+        let gate = gate.before(channels, stagehand.engine().stage());
         let (senders, cues) = SOURCES.iter().map(|_| HeapRb::new(UNDER_WAY).split()).unzip();
         let (reports, told) = HeapRb::new(REPORTS).split();
         let callback = Self {
@@ -215,7 +215,7 @@ impl Callback {
         // What was meant for the plan that goes is with it before it goes, and is taken over with what waits there.
         self.take_cues();
         if self.stagehand.take_over() {
-            self.gate.motors_are(self.stagehand.engine().stage().drives().channels());
+            self.gate.stands_before(self.stagehand.engine().stage());
             self.plan += 1;
             self.tell(Deed::Swap);
             self.take_cues();

@@ -6,6 +6,7 @@
 #![deny(clippy::disallowed_methods)]
 
 use crate::engine;
+use crate::engine::stage::Stage;
 
 /// Where a gate is told to go.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,6 +98,8 @@ pub struct Gate {
     closed: bool,
     /// Channels of motors (from 0), what lets them through while they are braked, and for how many frames they still are.
     motors: Vec<bool>,
+    /// Channels of pulses (from 0), which others count on: they are whole as soon as it opens.
+    pulses: Vec<bool>,
     kept: f32,
     braking: u32,
 }
@@ -105,23 +108,23 @@ impl Gate {
     /// Closed, for frames at `rate`; open, it has the gain `gain`.
     pub fn new(rate: f64, gain: f32) -> Self {
         let (open, gain) = (Ramp::resting(0.0), Ramp::resting(gain));
-        Self { rate, open, gain, latched: false, closed: false, motors: Vec::new(), kept: 0.0, braking: 0 }
+        let (motors, pulses) = (Vec::new(), Vec::new());
+        Self { rate, open, gain, latched: false, closed: false, motors, pulses, kept: 0.0, braking: 0 }
     }
 
-    /// The same, of so many channels with motors on these (from 0): where it closes they come through for [`BRAKING`] as they did before, as whoever turns them
-    /// brakes them then ([`Engine::hold_motors`](crate::engine::Engine::hold_motors)), and exact zeros after that.
-    pub fn before_motors(mut self, width: usize, channels: impl IntoIterator<Item = usize>) -> Self {
-        self.motors = vec![false; width];
-        self.motors_are(channels);
+    /// The same, of so many channels with motors and pulses on those of `stage`. Where it closes, motors come through for [`BRAKING`] as they did before, as
+    /// whoever turns them brakes them then ([`Engine::hold_motors`](crate::engine::Engine::hold_motors)), and exact zeros after that. Where it opens,
+    /// pulses do not come in slowly: a pulse that is not as high as others is none to an amplifier.
+    pub fn before(mut self, width: usize, stage: &Stage) -> Self {
+        (self.motors, self.pulses) = (vec![false; width], vec![false; width]);
+        self.stands_before(stage);
         self
     }
 
-    /// From the next frame on, motors are on these channels.
-    pub fn motors_are(&mut self, channels: impl IntoIterator<Item = usize>) {
-        self.motors.fill(false);
-        for channel in channels {
-            self.motors.iter_mut().skip(channel).take(1).for_each(|motor| *motor = true);
-        }
+    /// From the next frame on, motors and pulses are on the channels of `stage`.
+    pub fn stands_before(&mut self, stage: &Stage) {
+        mark(&mut self.motors, stage.drives().channels());
+        mark(&mut self.pulses, stage.triggers().channels());
     }
 
     /// Whether nothing may leave, so that motors must stand.
@@ -186,24 +189,38 @@ impl Gate {
     /// Lets frames of so many channels through.
     pub fn pass(&mut self, frames: &mut [f32], channels: usize) {
         let mut rest = frames;
+        let opens = self.open.to > 0.0 && self.pulses.contains(&true);
         while !self.open.rests() || !self.gain.rests() || self.braking > 0 {
             if rest.is_empty() {
                 return;
             }
             let (open, gain) = (self.open.step(), self.gain.step());
             let (frame, others) = rest.split_at_mut(channels.clamp(1, rest.len()));
-            if self.braking > 0 {
-                self.braking -= 1;
+            if self.braking > 0 || opens {
                 for (channel, value) in frame.iter_mut().enumerate() {
-                    let open = if self.motors.get(channel) == Some(&true) { self.kept } else { open };
+                    let is = |marked: &[bool]| marked.get(channel) == Some(&true);
+                    let open = match () {
+                        () if self.braking > 0 && is(&self.motors) => self.kept,
+                        () if opens && is(&self.pulses) => self.open.to,
+                        () => open,
+                    };
                     scale(std::slice::from_mut(value), open * gain);
                 }
+                self.braking = self.braking.saturating_sub(1);
             } else {
                 scale(frame, open * gain);
             }
             rest = others;
         }
         scale(rest, self.open.value() * self.gain.value());
+    }
+}
+
+/// Marks these channels, and no others.
+fn mark(marks: &mut [bool], channels: impl Iterator<Item = usize>) {
+    marks.fill(false);
+    for channel in channels {
+        marks.iter_mut().skip(channel).take(1).for_each(|mark| *mark = true);
     }
 }
 
@@ -292,6 +309,37 @@ mod tests {
         assert_eq!(pass(&mut gate, 10_000), [0.0; 10_000]);
         gate.order(Order::Release);
         assert_eq!(pass(&mut gate, 9600)[9599], 1.0);
+    }
+
+    #[test]
+    fn pulses_are_whole_as_soon_as_it_opens_and_end_with_all_else() {
+        for gain in [1.0, UNARMED] {
+            let mut gate = Gate::new(RATE, gain);
+            (gate.motors, gate.pulses) = (vec![false; 2], vec![false, true]);
+            let both = |gate: &mut Gate, frames: usize| -> Vec<[f32; 2]> {
+                let mut block = vec![1.0; 2 * frames];
+                gate.pass(&mut block, 2);
+                block.as_chunks().0.to_vec()
+            };
+            assert_eq!(both(&mut gate, 10), [[0.0; 2]; 10]);
+            for opens in [Order::Open, Order::Release, Order::Return] {
+                gate.order(opens);
+                let rising = both(&mut gate, 900);
+                assert!(rising[0][0] < 1e-5 && rising[899][0] > 0.02 * gain, "{opens:?}");
+                assert!(rising.iter().all(|frame| frame[1] == gain), "{opens:?}");
+                let shut = if opens == Order::Release { Order::Close } else { Order::Latch };
+                gate.order(shut);
+                let falling = both(&mut gate, 200);
+                assert!(falling[96..].iter().all(|frame| *frame == [0.0; 2]), "{opens:?}");
+                if opens == Order::Open {
+                    continue;
+                }
+                // Whatever shut it.
+                gate.order(Order::Release);
+                gate.order(Order::Close);
+                both(&mut gate, 200);
+            }
+        }
     }
 
     #[test]

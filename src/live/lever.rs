@@ -97,8 +97,8 @@ impl Lever {
         let open = (self.open.load(Ordering::Acquire) && !obeyed.open).then_some(Order::Open);
         let gain = self.gain.load(Ordering::Acquire);
         let level = (gain != obeyed.gain).then_some(Order::Gain(f32::from_bits(gain & !SAID)));
-        // A brake pulled in the meantime is stronger.
-        let release = (releases != obeyed.releases && !panic).then_some(Order::Release);
+        // A brake pulled in the meantime is stronger, and one that was taken back before anybody looked is none.
+        let release = (releases != obeyed.releases && !panic && obeyed.panic).then_some(Order::Release);
         let close = (self.close.load(Ordering::Acquire) && !obeyed.close).then_some(Order::Close);
         *obeyed = Obeyed {
             panic: panic || (obeyed.panic && release.is_none()),
@@ -148,6 +148,10 @@ mod tests {
     #[test]
     fn a_brake_holds_until_it_is_taken_back_and_released() {
         let (lever, mut obeyed) = (Lever::default(), Obeyed::default());
+        lever.panic();
+        lever.calm();
+        lever.release();
+        assert_eq!(told(&lever, &mut obeyed), [], "it was never latched");
         lever.panic();
         assert_eq!(told(&lever, &mut obeyed), [Order::Latch]);
         lever.release();

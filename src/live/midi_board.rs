@@ -25,7 +25,7 @@ pub struct MidiBoard {
     pub unheard: Figure,
     /// Messages that concern no player.
     pub left_out: Figure,
-    /// Periods that a JACK server has left out, whose messages are lost.
+    /// Periods that a JACK server has left out, and times that more came than ALSA keeps: their messages are lost.
     pub gaps: Figure,
 }
 
@@ -64,7 +64,7 @@ impl MidiBoard {
             ("midi_unmeant", self.unmeant.get(), "values for no parameter"),
             ("midi_unheard", self.unheard.get(), "values of parameters (NRPN, RPN) that no patch can hear"),
             ("midi_left_out", self.left_out.get(), "that concern no player"),
-            ("midi_gaps", self.gaps.get(), "periods left out by JACK, whose messages are lost"),
+            ("midi_gaps", self.gaps.get(), "gaps that ALSA or JACK told of, whose messages are lost"),
         ]
     }
 

@@ -1,7 +1,7 @@
 //! How a session comes to its end.
 
 use super::super::screen::{Ending, Show};
-use super::super::stop::{CLOSED, Stop};
+use super::super::stop::{CLOSED, INTERRUPTED, Stop};
 use pacinian::io::session::Session;
 use pacinian::live::signal::Origin;
 use std::time::Instant;
@@ -38,6 +38,7 @@ impl End {
                 let name = signal_hook::low_level::signal_name(i32::from(code) - 128);
                 Origin::System(name.unwrap_or("end").into())
             }
+            Self::Key(Some(INTERRUPTED)) => Origin::Key("Ctrl-C".into()),
             Self::Key(_) => Origin::Key("q".into()),
         }
     }

@@ -52,9 +52,9 @@ impl Happened {
         Self { at, text, mood, again: 0, control: None }
     }
 
-    /// The same of a voice that played while the output was shut.
-    pub fn unfelt(mut self) -> Self {
-        self.text += ", not felt: the output is shut";
+    /// The same of what played and was not felt, and why.
+    pub fn unfelt(mut self, why: &str) -> Self {
+        self.text += &format!(", not felt: {why}");
         self
     }
 

@@ -264,7 +264,11 @@ impl Show {
     /// Takes what has come by post, and what the board says by itself.
     fn listen(&mut self, board: &Board) {
         let seconds = board.frames.get() as f64 / f64::from(self.snapshot.rate.max(1));
-        let events = self.fetch.events(board.clock.get(), seconds, board.is_panicked());
+        let unfelt = match board.absence() {
+            (_, true) => Some("the device is away"),
+            _ => board.is_panicked().then_some("the output is shut"),
+        };
+        let events = self.fetch.events(board.clock.get(), seconds, unfelt);
         // All of it was before now, so what is told as of now comes behind it.
         events.into_iter().for_each(|happened| self.note(happened));
         if let Out::Lines(lines) = &mut self.out {

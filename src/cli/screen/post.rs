@@ -238,11 +238,11 @@ impl Post {
 }
 
 impl PostBox {
-    /// The session has come so far: engine samples, and seconds. `shut` says whether its output is.
+    /// The session has come so far: engine samples, and seconds. `unfelt` says why nothing of it is felt now, if it is not.
     ///
     /// Gives what happened since this was asked last, in its order, as the session's clock has it: what is played ahead only when its
     /// time has come.
-    pub fn events(&mut self, clock: u64, seconds: f64, shut: bool) -> Vec<Happened> {
+    pub fn events(&mut self, clock: u64, seconds: f64, unfelt: Option<&str>) -> Vec<Happened> {
         self.behind = self.elapsed() - seconds;
         let mut now: Vec<Happened> = Vec::new();
         for letter in self.events.try_iter().take(WAITING) {
@@ -268,11 +268,11 @@ impl PostBox {
         }
         while let Some(first) = self.coming.first_entry().filter(|first| first.key().0.ceiling() < clock) {
             let Letter { happened, of, who, .. } = first.remove();
+            if let Of::Voice(id) = of {
+                self.begin(id, who);
+            }
             now.push(match of {
-                Of::Voice(id) => {
-                    self.begin(id, who);
-                    if shut { happened.unfelt() } else { happened }
-                }
+                Of::Voice(_) | Of::Marker(_) => unfelt.into_iter().fold(happened, Happened::unfelt),
                 Of::Touch(id, motion, to) => happened.touches(self.voices.get(&id), motion, to),
                 Of::Release(id) => happened.releases(self.voices.get(&id)),
                 _ => happened,
@@ -339,7 +339,7 @@ mod tests {
             post.say(Mood::Usual, "x");
             post.fate(Fate::Back);
         }
-        assert_eq!(fetch.events(0, 0.0, false).len() as u64 + fetch.missed(), 3 * WAITING as u64);
+        assert_eq!(fetch.events(0, 0.0, None).len() as u64 + fetch.missed(), 3 * WAITING as u64);
         assert!(fetch.missed() > 0);
         let states = fetch.states().filter(|s| matches!(s, State::Device(Fate::Back))).count();
         assert_eq!(states, 3 * WAITING);
@@ -389,8 +389,7 @@ mod tests {
             let instant = Due { sample, fraction: 0 };
             post.hear(&Heard { at: sample as f64 / 8000.0, instant, origin: None, id: Some(id), what });
         }
-        let told: Vec<String> =
-            fetch.events(501, 501.0 / 8000.0, false).into_iter().map(|h| h.text).collect();
+        let told: Vec<String> = fetch.events(501, 501.0 / 8000.0, None).into_iter().map(|h| h.text).collect();
         let rest = [
             "tap on t1 is bent by +1.5 semitones",
             "tap on t1 is bent by -12 semitones",
@@ -405,7 +404,7 @@ mod tests {
         // However many there were.
         for id in 0..3 * KNOWN as u64 {
             hear_of(&post, 600, true, Some(id));
-            fetch.events(700, 0.1, false);
+            fetch.events(700, 0.1, None);
         }
         assert!(fetch.voices.len() <= KNOWN);
     }
@@ -416,7 +415,7 @@ mod tests {
         for (sample, id) in [(100, 0x10), (200, 0x11), (300, 0x12), (300, 0x20)] {
             hear_of(&post, sample, sample > 100, Some(id));
         }
-        assert_eq!(fetch.events(101, 101.0 / 8000.0, false).len(), 1);
+        assert_eq!(fetch.events(101, 101.0 / 8000.0, None).len(), 1);
         // From 250 on, and of 0x10 to 0x1f alone.
         let instant = Due { sample: 250, fraction: 0 };
         post.hear(&Heard {
@@ -426,7 +425,7 @@ mod tests {
             id: Some(0x1a),
             what: Happening::Cancel(4),
         });
-        let shown = fetch.events(8000, 1.0, false);
+        let shown = fetch.events(8000, 1.0, None);
         let at: Vec<f64> = shown.iter().map(|happened| happened.at * 8000.0).collect();
         assert_eq!(at, [200.0, 300.0], "{shown:?}");
     }
@@ -441,7 +440,7 @@ mod tests {
         }
         hear(&post, 300, false);
         let at: Vec<f64> =
-            fetch.events(8000, 1.0, false).iter().map(|happened| happened.at * 8000.0).collect();
+            fetch.events(8000, 1.0, None).iter().map(|happened| happened.at * 8000.0).collect();
         assert_eq!(at, [100.0, 300.0, 300.0]);
     }
 
@@ -450,13 +449,13 @@ mod tests {
         let (post, mut fetch) = post();
         // 50 ms ahead, and out of order: a pattern is fed before somebody presses a key.
         [400, 800, 240, 1200].iter().for_each(|sample| hear(&post, *sample, false));
-        assert_eq!(fetch.events(240, 0.03, false).len(), 0, "not before it is computed");
+        assert_eq!(fetch.events(240, 0.03, None).len(), 0, "not before it is computed");
         post.say(Mood::Bad, "trouble");
         let mut shown = Vec::new();
         for clock in (241..1600).step_by(16) {
             // What is told as of now, in between, is behind all that was told, and before all that is told next.
             let before = fetch.now();
-            let events = fetch.events(clock, clock as f64 / 8000.0, false);
+            let events = fetch.events(clock, clock as f64 / 8000.0, None);
             assert!(
                 events.iter().all(|happened| (before..=fetch.now()).contains(&happened.at)),
                 "{events:?}"
@@ -478,19 +477,16 @@ mod tests {
     }
 
     #[test]
-    fn a_voice_that_plays_behind_a_shut_gate_says_so() {
+    fn what_plays_behind_a_shut_gate_says_so() {
         let (post, mut fetch) = post();
         (0..4).for_each(|n| hear(&post, 10 * n, n != 2));
-        let told = |fetch: &mut PostBox, clock, shut| -> Vec<bool> {
-            fetch
-                .events(clock, 0.0, shut)
-                .iter()
-                .map(|h| h.text.contains("not felt: the output is shut"))
-                .collect()
+        let told = |fetch: &mut PostBox, clock, unfelt| -> Vec<bool> {
+            let events = fetch.events(clock, 0.0, unfelt);
+            events.iter().map(|h| h.text.ends_with(", not felt: the output is shut")).collect()
         };
-        assert_eq!(told(&mut fetch, 5, false), [false]);
-        assert_eq!(told(&mut fetch, 25, true), [true, false], "a marker is none");
-        assert_eq!(told(&mut fetch, 35, false), [false]);
+        assert_eq!(told(&mut fetch, 5, None), [false]);
+        assert_eq!(told(&mut fetch, 25, Some("the output is shut")), [true, true], "a marker as well");
+        assert_eq!(told(&mut fetch, 35, None), [false]);
     }
 
     #[test]

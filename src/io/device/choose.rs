@@ -6,6 +6,7 @@ use super::access;
 use super::failure::{DeviceError, Trouble};
 use super::hosts::Hosts;
 use super::list::{self, Found, Offer};
+use super::servers::Server;
 use crate::text::nearest::nearest;
 
 /// What a person says about the device.
@@ -45,14 +46,17 @@ impl Chosen {
         if let Some(sink) = found.pulse() {
             return super::pulse::map::told(sink, channels);
         }
-        let hands_on = MIXERS.contains(&found.id.as_str());
-        (hands_on && channels > NAMED).then(|| {
-            format!(
-                "{} may hand {channels} channels to a server that mixes them by the names of loudspeakers, of which there are {NAMED}: \
-                 `pacinian walk` shows what arrives where; a card by its own name (hw:...), JACK and PipeWire are exact",
-                found.id
-            )
-        })
+        let id = MIXERS.iter().find(|id| **id == found.id)?;
+        let exact = "`pacinian walk` shows what arrives where; a card by its own name (hw:...), JACK and PipeWire are exact";
+        let serves = |server: &Server| server.runs && server.name != "JACK";
+        if channels <= NAMED && !Server::all().iter().any(serves) {
+            return None;
+        }
+        let does = match channels > NAMED {
+            true => format!("mixes them by the names of loudspeakers, of which there are {NAMED}"),
+            false => "spreads them over all that its device has, if that has more".into(),
+        };
+        Some(format!("{id} may hand {channels} channels to a server that {does}: {exact}"))
     }
 
     /// Whether a person means this device and no other, or nobody feels it; of others, who knows what hangs on them. Who names a system has named

@@ -176,8 +176,8 @@ impl<R: BufRead> Replay<R> {
             return Err(wrong(format!("the gain of an output is from 0 to 1, not {}", number(head.gain))));
         }
         let (director, mut stagehand) = exchange(&plan).map_err(|why| wrong(why.to_string()))?;
-        let motors = stagehand.engine().stage().drives().channels();
-        let gate = Gate::new(plan.device_rate, head.gain as f32).before_motors(plan.channels, motors);
+        let gate = Gate::new(plan.device_rate, head.gain as f32);
+        let gate = gate.before(plan.channels, stagehand.engine().stage());
         Ok(Self {
             reader,
             head: *head,
@@ -433,7 +433,7 @@ impl<R: BufRead> Replay<R> {
             let what = "a plan cannot take over while the one before still fades";
             return Err(self.reader.unwritten(what).into());
         }
-        self.gate.motors_are(self.stagehand.engine().stage().drives().channels());
+        self.gate.stands_before(self.stagehand.engine().stage());
         self.names = Numbers::of(plan);
         self.met.swaps += 1;
         Ok(())

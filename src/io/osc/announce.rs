@@ -208,7 +208,7 @@ impl Announcer {
         let Some(line) = chronicle.told(told) else { return };
         let wanted = match line.kind {
             Kind::Marker | Kind::Cancel | Kind::Gate => Wants::Markers,
-            Kind::Voice | Kind::Release => Wants::All,
+            Kind::Voice | Kind::Release | Kind::ReleaseAll | Kind::Silence => Wants::All,
             _ => return,
         };
         let now = Instant::now();
@@ -288,12 +288,12 @@ fn packet(line: &Line, tag: Tag) -> Option<Vec<u8>> {
     let name = text(&line.name);
     let (sample, seconds) = (number(line.sample), real(line.seconds, 0.0));
     let (pattern, event) = (text(&line.pattern), number(line.event));
+    let bits = OscType::Int(line.value.unwrap_or(0.0) as i32);
     let (addr, args) = match line.kind {
         Kind::Marker => ("/marker", vec![name, sample, seconds, pattern, event, number(line.id)]),
-        Kind::Cancel => {
-            let bits = OscType::Int(line.value.unwrap_or(0.0) as i32);
-            ("/cancel", vec![number(line.id), bits, sample, seconds])
-        }
+        Kind::Cancel => ("/cancel", vec![number(line.id), bits, sample, seconds]),
+        Kind::Silence => ("/event/silence", vec![number(line.id), bits, sample, seconds]),
+        Kind::ReleaseAll => ("/event/release-all", vec![sample, seconds]),
         Kind::Gate => {
             let gain = line.value.map(OscType::Double);
             ("/gate", [name, number(line.frame), seconds].into_iter().chain(gain).collect())
