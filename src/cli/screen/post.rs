@@ -369,6 +369,8 @@ mod tests {
             },
             false => Happening::Marker("m"),
         };
+        // Markers have one.
+        let id = if voice { id } else { id.or(Some(1 << 32)) };
         post.hear(&Heard { at, instant, origin: None, id, what });
     }
 

@@ -26,9 +26,7 @@ pub(super) fn is_pulled(datagram: &[u8]) -> bool {
 fn is_addressed(bytes: &[u8], depth: usize, steps: &mut u64) -> bool {
     let Some(bundle) = bytes.strip_prefix(b"#bundle\0") else {
         let address = bytes.split(|byte| *byte == 0).next().unwrap_or_default();
-        // Most are told by their second letter.
-        return matches!(address.get(1), Some(b'p' | b'?' | b'*' | b'[' | b'{'))
-            && std::str::from_utf8(address).is_ok_and(|address| means(address, steps));
+        return std::str::from_utf8(address).is_ok_and(|address| means(address, steps));
     };
     let Some(mut rest) = bundle.get(8..).filter(|_| depth < DEPTH) else { return false };
     while let Some((size, after)) = rest.split_first_chunk::<4>() {
@@ -48,7 +46,9 @@ fn means(address: &str, steps: &mut u64) -> bool {
     if address == PANIC {
         return true;
     }
-    if *steps == 0 || address.len() > LONGEST || !address.contains(['?', '*', '[', '{']) {
+    // Most are told by their second letter.
+    let may = matches!(address.as_bytes().get(1), Some(b'p' | b'?' | b'*' | b'[' | b'{'));
+    if !may || *steps == 0 || address.len() > LONGEST || !address.contains(['?', '*', '[', '{']) {
         return false;
     }
     let mut taken = address.len() as u64;
