@@ -377,7 +377,7 @@ fn what_is_turned_is_learnt() {
     // Eight steps one way, and as many back.
     let mut turns = 0;
     let knob = |turns: &mut u8, desk: &mut MidiOutputConnection| {
-        let _ = desk.send(&[0xB2, 20, if *turns / 8 % 2 == 0 { 1 } else { 127 }]);
+        let _ = desk.send(&[0xB2, 20, if (*turns / 8).is_multiple_of(2) { 1 } else { 127 }]);
         *turns = turns.wrapping_add(1);
     };
     hears(
