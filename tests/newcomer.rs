@@ -162,6 +162,15 @@ fn a_patch_that_waits_says_what_for() {
     let waits = play(format!("{HEAD}{VOICE}{pattern}{keys}"));
     let told = "nothing plays by itself; it waits for key 1 (beat), OSC to /hit (beat)";
     assert!(waits.succeeds().err.contains(told), "{}", waits.err);
+    // Ports are opened for a clock alone; where there is no MIDI, that is said.
+    let clocked =
+        "[pattern.p]\ntime = \"beats\"\nclock = \"midi\"\nevents = [{ at = 0, voice = \"beat\" }]\n";
+    let waits = play(format!("{HEAD}{VOICE}{clocked}"));
+    let told = "nothing plays by itself; it waits for the clock of MIDI (p)";
+    assert!(waits.succeeds().err.contains(told), "{}", waits.err);
+    if cfg!(target_os = "linux") && !std::path::Path::new("/dev/snd/seq").exists() {
+        assert!(waits.err.contains("no MIDI: "), "{}", waits.err);
+    }
     let start = "[[trigger]]\non = \"start\"\nplay = \"beat\"\n";
     let plays = play(format!("{HEAD}{VOICE}{pattern}{keys}{start}"));
     assert!(!plays.succeeds().err.contains("it waits for"), "{}", plays.err);
