@@ -109,9 +109,9 @@ impl Stage {
         }
     }
 
-    /// The trigger outputs.
-    pub(crate) fn triggers(&self) -> &Triggers {
-        &self.triggers
+    /// The channels on which the pulses of trigger outputs leave (from 0).
+    pub fn pulsed(&self) -> impl Iterator<Item = usize> + '_ {
+        self.triggers.channels()
     }
 
     /// The motors.

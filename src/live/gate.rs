@@ -124,7 +124,7 @@ impl Gate {
     /// From the next frame on, motors and pulses are on the channels of `stage`.
     pub fn stands_before(&mut self, stage: &Stage) {
         mark(&mut self.motors, stage.drives().channels());
-        mark(&mut self.pulses, stage.triggers().channels());
+        mark(&mut self.pulses, stage.pulsed());
     }
 
     /// Whether nothing may leave, so that motors must stand.
