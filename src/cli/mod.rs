@@ -146,7 +146,6 @@ pub fn main() -> u8 {
 
 fn run() -> u8 {
     stop::outlive_large_files();
-    pacinian::io::midi_in::count_overruns();
     let wish = terminal::wish(std::env::args_os());
     let command = Cli::command().color(Terminal::new(wish, false).clap());
     let cli = match command.try_get_matches().and_then(|m| Cli::from_arg_matches(&m)) {

@@ -56,6 +56,7 @@ pub fn hangs_up() -> bool {
 /// Which of the program's outputs were a terminal's when it began. Not everybody who has one hears by a signal that it is gone: in another
 /// group of processes, say. Whoever has sent both elsewhere does not need it.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(not(unix), expect(dead_code, reason = "nobody says what becomes of a terminal"))]
 pub struct Held([bool; 2]);
 
 impl Held {

@@ -122,9 +122,10 @@ impl Learner {
     pub fn hear_midi(&mut self, wanted: Option<String>, news: Newsreader) -> std::io::Result<()> {
         let (send, messages) = sync_channel(WAITING);
         let begin = Instant::now();
-        let ear = move |number: u16, name: &Arc<str>, word: Word| {
+        let ear = move |number: u16, name: &Arc<str>, word: Word, at: Instant| {
             if let Word::Message(message) = word {
-                let _ = send.try_send((begin.elapsed().as_secs_f64(), number, Arc::clone(name), message));
+                let seconds = at.saturating_duration_since(begin).as_secs_f64();
+                let _ = send.try_send((seconds, number, Arc::clone(name), message));
             }
         };
         let _ports = MidiPorts::hear(Arc::new(ear), None, wanted, news)?;

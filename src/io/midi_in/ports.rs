@@ -2,21 +2,28 @@
 
 use std::sync::Arc;
 
-use midir::{Ignore, MidiInput, MidiInputConnection};
-
 use super::line::Line;
 use super::roster::Roster;
+use super::source::Source;
 use super::unknown::{Unknown, fits};
-use super::{Ear, Newsreader, PortNews, Word};
+use super::{Ear, Newsreader, PortNews, System, Word};
 use crate::live::board::Board;
 use crate::performer::PORTS;
 
 /// A port that is listened to.
 struct Open {
-    id: String,
-    name: Arc<str>,
+    source: Source,
+    shared: Arc<str>,
     number: u16,
-    connection: MidiInputConnection<Line>,
+}
+
+/// One that could not be opened. That is tried again: another program may have let go of it by then, or it has not begun yet.
+struct Refused {
+    id: String,
+    /// How often that was tried.
+    tries: u32,
+    /// Looks until it is tried again.
+    looks: u32,
 }
 
 /// All of them.
@@ -26,8 +33,7 @@ pub(super) struct Ports {
     wanted: Option<String>,
     news: Newsreader,
     open: Vec<Open>,
-    /// Those that could not be opened, with the looks until that is tried again: another program may have let go of it by then.
-    refused: Vec<(String, u32)>,
+    refused: Vec<Refused>,
     roster: Roster,
     /// Whether it was told that there is no MIDI.
     without: bool,
@@ -37,6 +43,9 @@ pub(super) struct Ports {
 
 /// Looks from one try to open a port to the next.
 const AGAIN: u32 = 10;
+
+/// Tries at once, before it is told that a port cannot be opened: a program's ports are there before it begins.
+const AT_ONCE: u32 = 5;
 
 impl Ports {
     /// None so far.
@@ -54,97 +63,92 @@ impl Ports {
         }
     }
 
-    /// Lets go of ports that are gone, or were and have come `anew`, and opens those that are new. Where the system does not answer, that is told once.
-    pub fn look(&mut self, input: Result<MidiInput, String>, anew: &[String]) {
-        let input = match input {
-            Ok(input) => input,
-            Err(error) => {
-                if !std::mem::replace(&mut self.without, true) {
-                    (self.news)(PortNews::None(error));
-                }
-                return;
-            }
+    /// The system does not answer. It is told once.
+    pub fn without(&mut self, why: String) {
+        if !std::mem::replace(&mut self.without, true) {
+            (self.news)(PortNews::None(why));
+        }
+    }
+
+    /// Lets go of ports that are gone, or were, whoever has their ids now, and opens those that are new.
+    pub fn look(&mut self, system: &mut System) {
+        let lost = system.lost();
+        let there = match system.sources() {
+            Ok(there) => there,
+            Err(why) => return self.without(why),
         };
         self.without = false;
-        let ports = input.ports();
-        let there: Vec<String> = ports.iter().map(midir::MidiInputPort::id).collect();
         // ALSA gives the number of one that has gone to the next that comes.
-        let is_another = |at: usize, open: &Open| {
-            let name = ports.get(at).and_then(|port| input.port_name(port).ok());
-            name.is_some_and(|name| *name != *open.name)
-        };
-        let stays = |open: &Open| {
-            let at = there.iter().position(|id| *id == open.id);
-            at.is_some_and(|at| !is_another(at, open) && !anew.contains(&open.id))
-        };
+        let stays = |open: &Open| there.contains(&open.source) && !lost.contains(&open.source.id);
         let (stay, gone) = std::mem::take(&mut self.open).into_iter().partition(stays);
         self.open = stay;
-        self.let_go(gone).into_iter().for_each(drop);
-        self.search(&input, &there);
+        for port in gone {
+            system.disconnect(&port.source.id);
+            self.let_go(port);
+        }
+        self.search(system, &there);
         self.known |= !self.open.is_empty();
+        let usable: Vec<String> =
+            there.into_iter().map(|source| source.name).filter(|name| !is_through(name)).collect();
         let unknown = self.wanted.as_ref().filter(|_| !self.known);
-        if let Some(unknown) = unknown.and_then(|name| Unknown::of(name, &usable(&input))) {
+        if let Some(unknown) = unknown.and_then(|name| Unknown::of(name, &usable)) {
             self.known = true;
             (self.news)(PortNews::Unknown(unknown));
         }
     }
 
-    /// The server that they were of has ended, and all of them with it. JACK's library crashes where one takes leave of a server that is gone, so
-    /// the connections stay.
-    pub fn abandon(&mut self) {
-        let gone = std::mem::take(&mut self.open);
-        self.let_go(gone).into_iter().for_each(std::mem::forget);
+    /// Whether a port may open in a moment.
+    pub fn hurries(&self) -> bool {
+        self.refused.iter().any(|refused| refused.tries < AT_ONCE)
     }
 
-    /// Tells that ports are gone, and gives what connects to them.
-    fn let_go(&mut self, gone: Vec<Open>) -> Vec<MidiInputConnection<Line>> {
-        let end = |port: Open| {
-            self.roster.leave(&port.id);
-            (self.ear)(port.number, &port.name, Word::End);
-            (self.news)(PortNews::Gone(port.name.to_string()));
-            port.connection
-        };
-        gone.into_iter().map(end).collect()
+    /// The system that they were of has ended, and all of them with it.
+    pub fn abandon(&mut self) {
+        std::mem::take(&mut self.open).into_iter().for_each(|port| self.let_go(port));
+    }
+
+    /// Tells that a port is gone.
+    fn let_go(&mut self, port: Open) {
+        self.roster.leave(&port.source.id);
+        (self.ear)(port.number, &port.shared, Word::End, std::time::Instant::now());
+        (self.news)(PortNews::Gone(port.source.name));
     }
 
     /// Opens ports that are new.
-    fn search(&mut self, input: &MidiInput, there: &[String]) {
-        self.refused.retain(|(id, _)| there.contains(id));
-        self.refused.iter_mut().for_each(|(_, looks)| *looks = looks.saturating_sub(1));
-        for port in &input.ports() {
-            let (id, name) = (port.id(), input.port_name(port).unwrap_or_default());
-            let fits = self.wanted.as_ref().is_none_or(|part| fits(part, &name));
-            let refused = self.refused.iter().position(|(known, _)| *known == id);
-            let waits = refused.is_some_and(|at| self.refused[at].1 > 0);
-            let known = self.roster.has(&id) || waits;
-            if !fits || known || is_through(&name) {
+    fn search(&mut self, system: &mut System, there: &[Source]) {
+        self.refused.retain(|refused| there.iter().any(|source| source.id == refused.id));
+        self.refused.iter_mut().for_each(|refused| refused.looks = refused.looks.saturating_sub(1));
+        for source in there {
+            let Source { id, name, kind } = source;
+            let fits = self.wanted.as_ref().is_none_or(|part| fits(part, name));
+            let refused = self.refused.iter().find(|refused| refused.id == *id);
+            let (tries, waits) = refused.map_or((0, false), |refused| (refused.tries, refused.looks > 0));
+            let known = self.roster.has(id) || waits;
+            if !fits || known || is_through(name) {
                 continue;
             }
-            let Ok(mut input) = super::input() else { continue };
-            input.ignore(Ignore::None);
             let shared: Arc<str> = name.as_str().into();
-            let opened = match self.roster.seat(&id, &name) {
+            let opened = match self.roster.seat(id, kind) {
                 None => Err(format!("{PORTS} ports are open already; --midi-in NAME chooses among them")),
                 Some(number) => {
                     let line = Line::new(number, &shared, &self.ear, self.board.as_ref());
-                    let connected = input.connect(port, "in", |_, bytes, line| line.hear(bytes), line);
-                    connected.map(|connection| (number, connection)).map_err(|error| error.to_string())
+                    system.connect(source, line).map(|()| number)
                 }
             };
             match opened {
-                Ok((number, connection)) => {
-                    self.refused.retain(|(known, _)| *known != id);
-                    self.open.push(Open { id, name: shared, number, connection });
-                    (self.news)(PortNews::Opened(name));
+                Ok(number) => {
+                    self.refused.retain(|refused| refused.id != *id);
+                    self.open.push(Open { source: source.clone(), shared, number });
+                    (self.news)(PortNews::Opened(name.clone()));
                 }
                 Err(error) => {
-                    self.roster.leave(&id);
-                    match refused {
-                        Some(at) => self.refused[at].1 = AGAIN,
-                        None => {
-                            self.refused.push((id, AGAIN));
-                            (self.news)(PortNews::Refused(name, error));
-                        }
+                    self.roster.leave(id);
+                    let tries = tries + 1;
+                    self.refused.retain(|refused| refused.id != *id);
+                    let looks = if tries < AT_ONCE { 0 } else { AGAIN };
+                    self.refused.push(Refused { id: id.clone(), tries, looks });
+                    if tries == AT_ONCE {
+                        (self.news)(PortNews::Refused(name.clone(), error));
                     }
                 }
             }
@@ -155,10 +159,4 @@ impl Ports {
 /// ALSA's loop-back: what somebody sends there comes from there, and again from wherever they play.
 fn is_through(name: &str) -> bool {
     name.starts_with("Midi Through")
-}
-
-/// The names of the ports that may be listened to.
-fn usable(input: &MidiInput) -> Vec<String> {
-    let names = input.ports().into_iter().filter_map(|port| input.port_name(&port).ok());
-    names.filter(|name| !is_through(name)).collect()
 }

@@ -1,35 +1,40 @@
 //! Ports of MIDI: all that there are, or those that are named, as they come and go.
 //!
-//! A system says nothing when a cable is pulled, so ports are looked for once a second. What came through one that is gone is let go. Whether cables that
-//! had promised to stay are there, the session sees to.
+//! Linux says when one comes or goes; elsewhere, and besides, they are looked for once a second. What came through one that is gone is let go. Whether
+//! cables that had promised to stay are there, the session sees to.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
-
-use midir::MidiInput;
+use std::time::{Duration, Instant};
 
 use crate::io::parting::part_with;
 use crate::live::board::Board;
 use crate::live::signal::{Handle, Signal};
 use crate::midi::Message;
 
+#[cfg(all(target_os = "linux", not(feature = "midi-jack")))]
+mod alsa;
+mod bell;
+#[cfg(not(target_os = "linux"))]
+mod elsewhere;
+#[cfg(all(target_os = "linux", feature = "midi-jack"))]
+mod jack;
 mod line;
-mod overruns;
 mod ports;
 mod roster;
-#[cfg(all(target_os = "linux", feature = "midi-jack"))]
-#[path = "midi_in/jack_server.rs"]
-mod server;
-#[cfg(not(all(target_os = "linux", feature = "midi-jack")))]
-#[path = "midi_in/no_server.rs"]
-mod server;
+mod source;
 mod unknown;
 
-pub use overruns::count_overruns;
+#[cfg(all(target_os = "linux", not(feature = "midi-jack")))]
+use self::alsa as system;
+#[cfg(not(target_os = "linux"))]
+use self::elsewhere as system;
+#[cfg(all(target_os = "linux", feature = "midi-jack"))]
+use self::jack as system;
+use bell::Bell;
 use ports::Ports;
-use server::Server;
+use system::System;
 pub use unknown::Unknown;
 
 /// What becomes of ports.
@@ -50,17 +55,18 @@ pub enum PortNews {
 /// Ports that are listened to until this is dropped.
 pub struct MidiPorts {
     stop: Arc<AtomicBool>,
+    bell: Arc<Bell>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// How often ports are looked for.
-const EVERY: Duration = Duration::from_millis(1000);
+/// How often ports are looked for, if nobody says that one has come or gone.
+const EVERY: Duration = Duration::from_secs(1);
+
+/// How soon, where one may open in a moment.
+const SOON: Duration = Duration::from_millis(50);
 
 /// So long a system may take to answer in the end.
 const PATIENCE: Duration = Duration::from_secs(2);
-
-/// How often it looks whether it is to stop.
-const GLANCE: Duration = Duration::from_millis(50);
 
 /// What comes through a port.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,40 +79,18 @@ pub enum Word {
     End,
 }
 
-/// Hears what comes through a port, by its number and its name.
-pub type Ear = Arc<dyn Fn(u16, &Arc<str>, Word) + Send + Sync>;
+/// Hears what comes through a port, by its number and its name, and when it came: what waits in a system for its period, that comes when it is due.
+pub type Ear = Arc<dyn Fn(u16, &Arc<str>, Word, Instant) + Send + Sync>;
 
 /// Hears what becomes of ports.
 pub type Newsreader = Box<dyn FnMut(PortNews) + Send>;
-
-/// What leads to the ports. Where ALSA's sequencer is missing, its library would say so on standard error each time it is asked.
-fn input() -> Result<MidiInput, String> {
-    let sequencer = std::path::Path::new("/dev/snd/seq");
-    if cfg!(all(target_os = "linux", not(feature = "midi-jack"))) && !sequencer.exists() {
-        return Err(
-            "there is no /dev/snd/seq: load the sequencer, sudo modprobe snd-seq, or plug an instrument in"
-                .into(),
-        );
-    }
-    crate::io::device::hush::hush();
-    #[cfg(all(target_os = "linux", feature = "midi-jack"))]
-    crate::io::device::hush::hush_jack()
-        .map_err(|why| format!("JACK's library is missing ({why}): sudo apt install libjack-jackd2-0"))?;
-    MidiInput::new("pacinian").map_err(|error| match cfg!(all(target_os = "linux", feature = "midi-jack")) {
-        true => {
-            format!("no JACK server answers ({error}): start it, jackd -d alsa, or the program under pw-jack")
-        }
-        false => error.to_string(),
-    })
-}
 
 /// The names of all ports, or why there are none.
 ///
 /// # Errors
 /// A system without MIDI.
 pub fn names() -> Result<Vec<String>, String> {
-    let input = input()?;
-    Ok(input.ports().iter().filter_map(|port| input.port_name(port).ok()).collect())
+    Ok(system::sources()?.into_iter().map(|source| source.name).collect())
 }
 
 impl MidiPorts {
@@ -118,14 +102,14 @@ impl MidiPorts {
     pub fn listen(handle: &Handle, wanted: Option<String>, news: Newsreader) -> std::io::Result<Self> {
         let handle = handle.clone();
         let board = Arc::clone(handle.board());
-        let ear = move |number: u16, name: &Arc<str>, word: Word| {
+        let ear = move |number: u16, name: &Arc<str>, word: Word, at: Instant| {
             let signal = match word {
                 Word::Message(message) => Signal::Midi(number, message),
                 Word::Bytes => return handle.heard(number),
                 Word::End => Signal::MidiGone(number),
             };
             // What finds no room is counted there.
-            let _ = handle.by(name).send(signal);
+            let _ = handle.by(name).send_at(handle.epoch().at(at), signal);
         };
         Self::hear(Arc::new(ear), Some(board), wanted, news)
     }
@@ -140,37 +124,39 @@ impl MidiPorts {
         wanted: Option<String>,
         news: Newsreader,
     ) -> std::io::Result<Self> {
-        let stop = Arc::new(AtomicBool::new(false));
-        let stopped = Arc::clone(&stop);
+        let (stop, bell) = (Arc::<AtomicBool>::default(), Arc::<Bell>::default());
+        let (stopped, rings) = (Arc::clone(&stop), Arc::clone(&bell));
         let look = move || {
-            let (mut server, mut ports) = (Server::new(), Ports::new(ear, board.clone(), wanted, news));
+            let mut ports = Ports::new(ear, board.clone(), wanted, news);
+            let mut system = None;
             while !stopped.load(Ordering::Acquire) {
-                let input = input();
-                if server.has_ended(input.is_ok(), board.as_ref()) {
+                if let Some(over) = system.take_if(|system: &mut System| system.is_over()) {
                     ports.abandon();
+                    over.abandon();
                 }
-                ports.look(input, &server.anew());
-                // Those that were opened now are as they were opened.
-                server.anew();
-                let mut waited = Duration::ZERO;
-                while waited < EVERY && !stopped.load(Ordering::Acquire) {
-                    board.iter().for_each(|board| board.midi.gaps.add(overruns::taken()));
-                    std::thread::sleep(GLANCE);
-                    waited += GLANCE;
+                if system.is_none() {
+                    system = System::open(board.as_ref(), &rings).map_err(|why| ports.without(why)).ok();
+                }
+                if let Some(system) = &mut system {
+                    ports.look(system);
+                }
+                if !stopped.load(Ordering::Acquire) {
+                    rings.wait(if ports.hurries() { SOON } else { EVERY });
                 }
             }
-            if server.has_ended(false, None) {
-                ports.abandon();
+            if let Some(over) = system.take_if(|system| system.is_over()) {
+                over.abandon();
             }
         };
         let thread = std::thread::Builder::new().name("midi ports".into()).spawn(look)?;
-        Ok(Self { stop, thread: Some(thread) })
+        Ok(Self { stop, bell, thread: Some(thread) })
     }
 }
 
 impl Drop for MidiPorts {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Release);
+        self.bell.ring();
         self.thread.take().into_iter().for_each(|thread| _ = part_with(thread, PATIENCE));
     }
 }
