@@ -23,9 +23,13 @@ use serde_json::json;
     listed here is meant; one of another is `HOST:NAME`, and `HOST` alone is its default (*). `virtual` is a card that keeps real time \
     and plays to nobody.\n\nOne session plays on one device; what this prints ends with how several are joined into one.")]
 pub struct Devices {
-    /// As one JSON object
+    /// As one JSON object, with all names
     #[arg(long)]
     json: bool,
+
+    /// ALSA's further names for its cards (plughw, default, front), and its converters, too
+    #[arg(long)]
+    all: bool,
 }
 
 /// A sound system: its name, whether it runs, and its devices or why there are none.
@@ -88,7 +92,7 @@ impl Devices {
                 (false, _) => text += ": does not run\n",
                 (true, Err(error)) => text += &format!(": {}\n", escaped(error)),
                 (true, Ok(found)) if found.is_empty() => text += ": no device\n",
-                (true, Ok(found)) => text += &format!("\n{}", table(found)),
+                (true, Ok(found)) => text += &format!("\n{}", table(found, self.all)),
             }
         }
         text += &format!("{}\n{}\n", terminal.out.bold("virtual"), of_virtual(fallback));
@@ -182,10 +186,12 @@ fn host_as_json(name: &str, runs: bool, found: &Result<Vec<Found>, String>) -> s
     json!({ "name": name, "runs": runs, "devices": devices, "trouble": trouble })
 }
 
-fn table(found: &[Found]) -> String {
+fn table(found: &[Found], all: bool) -> String {
     let mut table = Table::default();
     table.row(["", "name", "outputs", "inputs", "rates", "blocks", "id"]);
-    for device in found {
+    let (shown, others): (Vec<_>, Vec<_>) =
+        found.iter().partition(|device| all || device.default || device.is_itself());
+    for device in shown {
         let offer = device.output.as_ref().or(device.input.as_ref());
         let channels = |offer: &Option<Offer>| offer.as_ref().map_or("-".into(), |o| counts(&o.channels));
         let trouble = device.trouble.as_ref().map_or("", |trouble| match trouble.kind {
@@ -204,7 +210,24 @@ fn table(found: &[Found]) -> String {
             escaped(&device.id).into_owned(),
         ]);
     }
-    table.text() + &remedies(found)
+    let further = match others.len() {
+        0 => String::new(),
+        count => format!("  and {}: devices --all\n", further(&others, count)),
+    };
+    table.text() + &further + &remedies(found)
+}
+
+/// Names that are not shown, the first few of their kinds.
+fn further(others: &[&Found], count: usize) -> String {
+    let mut kinds: Vec<&str> = Vec::new();
+    for kind in others.iter().filter_map(|found| found.id.split(':').nth(1)) {
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
+    let more = if kinds.len() > 4 { ", ..." } else { "" };
+    kinds.truncate(4);
+    format!("{count} further names of cards and converters ({}{more})", kinds.join(", "))
 }
 
 /// What helps against each trouble, once for all that have the same.

@@ -98,6 +98,7 @@ run() {
   timeout "${SECONDS_ALLOWED:-300}" "$qemu" -L "${firmware[0]}" -L "${firmware[1]}" -L "${firmware[2]}" \
     -accel tcg,thread=multi -cpu max -m 1024 -smp 2 -display none -no-reboot -serial "file:$result/console" -monitor none \
     -kernel "$folder"/kernel/boot/vmlinuz-* -initrd "$folder/first.gz" -append 'console=ttyS0 quiet panic=-1 tsc=reliable clocksource=tsc' \
+    -audiodev none,id=sound -device qemu-xhci -device usb-audio,audiodev=sound,multi=on \
     -fsdev local,id=files,path=/,security_model=none,readonly=on,multidevs=remap -device virtio-9p-pci,fsdev=files,mount_tag=files \
     -fsdev local,id=result,path="$result",security_model=none -device virtio-9p-pci,fsdev=result,mount_tag=result \
     < /dev/null > "$result/machine" 2>&1 || machine=$?

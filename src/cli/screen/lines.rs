@@ -125,7 +125,10 @@ pub fn status(snapshot: &Snapshot, highest: f32) -> String {
         },
         latency.told(),
         latency.input.map_or(String::new(), |input| format!(", input {:.2} ms", 1000.0 * input)),
-        dbfs(highest),
+        match snapshot.blind {
+            true if highest == 0.0 => "not measured".into(),
+            _ => dbfs(highest),
+        },
         match (snapshot.lost, snapshot.panicked) {
             (true, _) => ", device gone",
             (_, true) => ", shut by a panic",

@@ -100,6 +100,9 @@ pub fn meters(snapshot: &Snapshot, width: usize, rows: usize) -> Meters {
         (Form::Narrow(_), 2..) if snapshot.paged => "; m: all at once",
         _ => "",
     };
+    if snapshot.blind {
+        note += "; they rest, as there is too much to do";
+    }
     Meters { lines, note, pages }
 }
 
@@ -181,6 +184,15 @@ mod tests {
         assert_eq!(form(73, 100, 12), Form::Sign);
         assert_eq!(Form::choose(73, 100, 12, true), Form::Narrow(6));
         assert_eq!(form(1, 20, 1), Form::Narrow(1));
+    }
+
+    #[test]
+    fn meters_that_rest_say_so() {
+        let snapshot = Snapshot { blind: true, ..of(4) };
+        assert_eq!(meters(&snapshot, 100, 12).note, "4 outputs; they rest, as there is too much to do");
+        let line = |highest| super::super::lines::status(&snapshot, highest);
+        assert!(line(0.0).contains("peak not measured") && line(0.5).contains("peak -6.0 dBFS"));
+        assert!(super::super::lines::status(&of(4), 0.0).contains("peak silent"));
     }
 
     #[test]

@@ -403,6 +403,8 @@ impl Show {
         }
         self.gaps = gaps.map(|(_, count)| count);
         let shed = board.shed.get();
+        // Meters rest first.
+        self.snapshot.blind = shed > 0;
         if std::mem::replace(&mut self.shed, shed) != shed {
             let resting = session.duties().iter().filter(|duty| duty.is_resting());
             let names = resting.map(|duty| duty.name()).collect::<Vec<_>>().join(", ");

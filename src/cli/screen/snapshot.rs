@@ -29,6 +29,8 @@ pub struct Snapshot {
     pub panicked: bool,
     /// Whether the device is away.
     pub lost: bool,
+    /// Whether nothing is measured of what leaves: there is too much to do.
+    pub blind: bool,
     /// Signals and patterns that found no room, by where they came from, in words.
     pub refused: String,
     /// Why what was saved last does not play.

@@ -10,6 +10,7 @@ use super::failure::DeviceError;
 use super::hush::{hush, quietly};
 use super::kept;
 use super::list::{self, Found};
+use super::pcm;
 
 /// Where devices are looked for: in the sound systems of the machine, which is the default, or in one that a program brings along.
 ///
@@ -137,7 +138,10 @@ impl Place {
         let default = host.default_output_device().as_ref().map(list::id);
         let all = host.devices().map_err(|error| DeviceError::of("the sound system", &error))?;
         let all = all.filter(|device| !list::is_none(&list::id(device)));
-        Ok(all.map(|device| quietly(|| list::look(device, default.as_deref(), &self.of))).collect())
+        let mut all =
+            all.map(|device| quietly(|| list::look(device, default.as_deref(), &self.of))).collect();
+        pcm::tidy(&mut all);
+        Ok(all)
     }
 }
 

@@ -6,6 +6,7 @@ use cpal::{Device, SupportedBufferSize, SupportedStreamConfigRange};
 use super::card::KNOWN;
 use super::failure::{DeviceError, Trouble};
 use super::hosts::{Hosts, PULSE};
+use super::pcm;
 use super::rates::Rates;
 use super::servers::Server;
 use crate::text::nearest::nearest;
@@ -66,6 +67,11 @@ impl Found {
     pub(super) fn is_of_use(&self) -> bool {
         let kept = |trouble: &DeviceError| matches!(trouble.kind, Trouble::Busy | Trouble::Forbidden);
         self.output.is_some() || self.input.is_some() || self.trouble.as_ref().is_some_and(kept)
+    }
+
+    /// Whether it is a device, and neither a further name of ALSA's for one (`plughw`, `default`, `front` with its card) nor a converter for others.
+    pub fn is_itself(&self) -> bool {
+        pcm::is_itself(self)
     }
 
     /// Whether it is as good as another for whoever says its name: the same card in another host, or ALSA's other ways to it
@@ -198,7 +204,9 @@ pub fn find<'a, D>(
 ) -> Result<&'a (D, Found), DeviceError> {
     let fitting: Vec<&(D, Found)> = all.iter().filter(|(_, found)| fits(found)).collect();
     let by_id = |id: &str| {
-        fitting.iter().find(|(_, f)| f.id == id || f.id.split_once(':').is_some_and(|(_, own)| own == id))
+        let own = |found: &Found| found.id.split_once(':').is_some_and(|(_, own)| own == id);
+        let exact = fitting.iter().find(|(_, f)| f.id == id || own(f));
+        exact.or_else(|| fitting.iter().find(|(_, f)| pcm::means(id, &f.id)))
     };
     // A host goes before a device that is called like one: ALSA's plug-in for JACK is `jack`, too.
     if let Some(found) = by_id(name).filter(|_| fitting.iter().all(|(_, f)| f.host() != name)) {
@@ -229,7 +237,7 @@ pub fn find<'a, D>(
             false => found.name.clone(),
         };
         let mut names: Vec<String> = Vec::new();
-        for name in fitting.iter().map(|(_, found)| shown(found)) {
+        for name in fitting.iter().filter(|(_, found)| found.is_itself()).map(|(_, found)| shown(found)) {
             if !names.contains(&name) {
                 names.push(name);
             }

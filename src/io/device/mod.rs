@@ -16,6 +16,7 @@ pub mod list;
 pub mod listening;
 mod minder;
 pub mod missing;
+mod pcm;
 pub mod priority;
 #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
 mod pulse;
