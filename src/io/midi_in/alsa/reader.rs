@@ -49,7 +49,6 @@ impl Reader {
             };
             errors = fetched.map_or(errors + 1, |()| 0);
         }
-        self.bell.ring();
     }
 
     /// Fetches what is there.
