@@ -17,6 +17,9 @@ struct Pcm {
 const CONVERTERS: [&str; 9] =
     ["lavrate", "samplerate", "speexrate", "speex", "upmix", "vdownmix", "oss", "usbstream", "a52"];
 
+/// Names for what converts or shares a card's device of the same number.
+const CONVERTED: [&str; 7] = ["plughw", "front", "surround", "dmix", "dsnoop", "default", "sysdefault"];
+
 /// The name of the card that has this number now.
 fn card_of(number: u32) -> Option<String> {
     let id = std::fs::read_to_string(format!("/proc/asound/card{number}/id")).ok()?;
@@ -99,7 +102,10 @@ fn tidy_with<D>(
         })
         .collect();
     let is_number = |found: &Found| {
-        found.id.split_once("CARD=").is_some_and(|(_, card)| card.starts_with(|c: char| c.is_ascii_digit()))
+        found
+            .id
+            .split_once("CARD=")
+            .is_some_and(|(_, card)| card.split(',').next().is_some_and(|card| card.parse::<u32>().is_ok()))
     };
     let by_name: Vec<&Pcm> = all
         .iter()
@@ -123,7 +129,13 @@ fn tidy_with<D>(
         .filter(|(pcm, _)| pcm.kind == "hw")
         .collect();
     for ((_, found), pcm) in all.iter_mut().zip(&names) {
-        let Some(pcm) = pcm else { continue };
+        // Of `hdmi` and `iec958`, the device is a number of their own.
+        let Some(pcm) = pcm.as_ref().filter(|pcm| {
+            let kind = pcm.kind.trim_end_matches(|c: char| c.is_ascii_digit());
+            CONVERTED.contains(&kind)
+        }) else {
+            continue;
+        };
         let card = cards.iter().find(|(card, _)| (&card.card, card.device) == (&pcm.card, pcm.device));
         let Some((_, (output, input))) = card else { continue };
         for (offer, most) in [(&mut found.output, output), (&mut found.input, input)] {
@@ -182,6 +194,7 @@ mod tests {
             found("alsa:plughw:CARD=Device,DEV=0", 64),
             found("alsa:surround71:CARD=Device,DEV=0", 64),
             found("alsa:hw:CARD=PCH,DEV=0", 2),
+            found("alsa:hdmi:CARD=PCH,DEV=0", 8),
             found("alsa:hw:CARD=PCH,DEV=3", 6),
             found("alsa:plughw:CARD=PCH,DEV=3", 64),
             // Somebody else has it, so that nobody knows.
@@ -210,6 +223,7 @@ mod tests {
                 ("plughw:CARD=Device,DEV=0", 8),
                 ("surround71:CARD=Device,DEV=0", 8),
                 ("hw:CARD=PCH,DEV=0", 2),
+                ("hdmi:CARD=PCH,DEV=0", 8),
                 ("hw:CARD=PCH,DEV=3", 6),
                 ("plughw:CARD=PCH,DEV=3", 6),
                 ("hw:CARD=Busy,DEV=0", 0),
@@ -223,7 +237,7 @@ mod tests {
         );
         let itself: Vec<bool> = all.iter().map(|(_, found)| is_itself(found)).collect();
         let hidden = |at: usize| !itself[at];
-        assert!((0..left.len()).all(|at| hidden(at) == [1, 2, 5, 7].contains(&at)), "{itself:?}");
+        assert!((0..left.len()).all(|at| hidden(at) == [1, 2, 4, 6, 8].contains(&at)), "{itself:?}");
         assert!(!is_itself(&found("alsa:samplerate", 64).1) && is_itself(&found("alsa:vcard24", 24).1));
         assert!(is_itself(&found("jack:output", 24).1));
     }

@@ -97,7 +97,10 @@ fn listed(seq: &Seq, own: &[i32]) -> Vec<Source> {
         let ports = PortIter::new(seq, client.get_client());
         let may = move |port: &PortInfo| {
             let caps = port.get_capability();
-            caps.contains(readable) && !caps.contains(PortCap::NO_EXPORT)
+            // An endpoint of MIDI 2.0 says again what its ports say.
+            let kinds = PortType::MIDI_GENERIC | PortType::SYNTH | PortType::APPLICATION;
+            let is_midi = port.get_type().intersects(kinds);
+            is_midi && caps.contains(readable) && !caps.contains(PortCap::NO_EXPORT)
         };
         let source = move |port: PortInfo| {
             let (id, kind) = (id(port.addr()), format!("{name}:{}", port.get_name().unwrap_or_default()));
@@ -147,8 +150,14 @@ impl System {
         seq.subscribe_port(&announcements).map_err(full)?;
         let (ears, over) = (Ears::default(), Arc::<AtomicBool>::default());
         let (end, hold) = std::io::pipe().map_err(|error| error.to_string())?;
-        let reader =
-            Reader { seq, queue, ears: Arc::clone(&ears), bell: Arc::clone(bell), board: board.cloned() };
+        let reader = Reader {
+            seq,
+            queue,
+            inlet,
+            ears: Arc::clone(&ears),
+            bell: Arc::clone(bell),
+            board: board.cloned(),
+        };
         let ended = Arc::clone(&over);
         let read = move || {
             reader.read(end.as_raw_fd());

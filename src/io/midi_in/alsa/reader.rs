@@ -5,7 +5,7 @@ use std::sync::{Arc, PoisonError};
 
 use alsa::Direction;
 use alsa::poll::{self, Descriptors, Flags, pollfd};
-use alsa::seq::{Connect, Event, EventType, Input, MidiEvent, Seq};
+use alsa::seq::{Addr, Connect, Event, EventType, Input, MidiEvent, Seq};
 use rustix::io::Errno;
 
 use super::super::bell::Bell;
@@ -17,10 +17,15 @@ use crate::live::board::Board;
 pub(super) struct Reader {
     pub seq: Seq,
     pub queue: Option<i32>,
+    /// Where everything comes in.
+    pub inlet: Addr,
     pub ears: Ears,
     pub bell: Arc<Bell>,
     pub board: Option<Arc<Board>>,
 }
+
+/// The controller that lets all keys of a channel go.
+const ALL_NOTES_OFF: u8 = 123;
 
 /// Errors in a row after which the client is given up, and another opened.
 const MANY: usize = 16;
@@ -59,12 +64,26 @@ impl Reader {
                 Ok(event) => self.hear(event, coder, &times),
                 Err(error) if is(&error, Errno::AGAIN) => return Ok(()),
                 // It dropped what waited, since more came than was fetched.
-                Err(error) if is(&error, Errno::NOSPC) => {
-                    self.board.iter().for_each(|board| board.midi.gaps.add(1));
+                Err(error) if is(&error, Errno::NOSPC) => self.release(),
+                // A kind of event that the library does not know.
+                Err(error) if is(&error, Errno::NOTSUP) => {
+                    self.board.iter().for_each(|board| board.midi.skipped.add(1));
                 }
                 Err(error) => return Err(error),
             }
         }
+    }
+
+    /// Keys may have gone up in what was dropped: all of them do.
+    fn release(&self) {
+        self.board.iter().for_each(|board| board.midi.gaps.add(1));
+        let now = std::time::Instant::now();
+        let mut ears = self.ears.lock().unwrap_or_else(PoisonError::into_inner);
+        for ear in &mut *ears {
+            (0xB0..=0xBF).for_each(|channel| ear.line.hear(&[channel, ALL_NOTES_OFF, 0], now));
+        }
+        drop(ears);
+        self.bell.ring();
     }
 
     fn hear(&self, mut event: Event<'_>, coder: &MidiEvent, times: &Times) {
@@ -73,7 +92,9 @@ impl Reader {
                 self.bell.ring();
             }
             EventType::PortSubscribed | EventType::PortUnsubscribed => {
-                let Some(link) = event.get_data::<Connect>() else { return };
+                // Everybody's connections are announced; the kernel tells us of ours.
+                let ours = |link: &Connect| link.dest == self.inlet && event.get_dest() == self.inlet;
+                let Some(link) = event.get_data::<Connect>().filter(ours) else { return };
                 let begins = event.get_type() == EventType::PortSubscribed;
                 let mut ears = self.ears.lock().unwrap_or_else(PoisonError::into_inner);
                 if let Some(ear) = ears.iter_mut().find(|ear| ear.addr == link.sender) {
@@ -100,7 +121,8 @@ impl Reader {
                     return;
                 }
                 let mut ears = self.ears.lock().unwrap_or_else(PoisonError::into_inner);
-                match ears.iter_mut().find(|ear| ear.addr == source) {
+                // What another sent that had this address before is not its own.
+                match ears.iter_mut().find(|ear| ear.addr == source && ear.settled && !ear.lost) {
                     Some(ear) => ear.line.hear(said, at),
                     // Sent past all connections, to this client alone.
                     None => self.board.iter().for_each(|board| board.midi.skipped.add(1)),
