@@ -210,15 +210,14 @@ fn table(found: &[Found], all: bool) -> String {
             escaped(&device.id).into_owned(),
         ]);
     }
-    let further = match others.len() {
-        0 => String::new(),
-        count => format!("  and {}: devices --all\n", further(&others, count)),
-    };
-    table.text() + &further + &remedies(found)
+    table.text() + &further(&others) + &remedies(found)
 }
 
-/// Names that are not shown, the first few of their kinds.
-fn further(others: &[&Found], count: usize) -> String {
+/// How many names are not shown, and the first few of their kinds.
+fn further(others: &[&Found]) -> String {
+    if others.is_empty() {
+        return String::new();
+    }
     let mut kinds: Vec<&str> = Vec::new();
     for kind in others.iter().filter_map(|found| found.id.split(':').nth(1)) {
         if !kinds.contains(&kind) {
@@ -227,7 +226,11 @@ fn further(others: &[&Found], count: usize) -> String {
     }
     let more = if kinds.len() > 4 { ", ..." } else { "" };
     kinds.truncate(4);
-    format!("{count} further names of cards and converters ({}{more})", kinds.join(", "))
+    format!(
+        "  and {} further names of cards and converters ({}{more}): devices --all\n",
+        others.len(),
+        kinds.join(", ")
+    )
 }
 
 /// What helps against each trouble, once for all that have the same.

@@ -2,7 +2,7 @@
 # A kernel with ALSA's sequencer, USB-MIDI and sound cards, for machines whose own has none: Debian's, in QEMU's emulation of a processor, with this
 # machine's files to read. Nothing is installed.
 #
-#   tests/devices/kernel.sh prepare              fetches QEMU and the kernel through apt-get, into FOLDER
+#   tests/devices/kernel.sh prepare              fetches QEMU and the kernel through apt-get, into FOLDER; exit code 3 where they cannot be had
 #   tests/devices/kernel.sh run COMMAND [ARG]..  boots (some 10 s), runs the command there as root, gives its exit code
 #
 # FOLDER is $PACINIAN_KERNEL, or a folder of this user's in the temporary one. SECONDS_ALLOWED (300) ends what takes longer. Inside, /mnt and /run can be written
@@ -10,28 +10,35 @@
 set -euo pipefail
 
 folder=${PACINIAN_KERNEL:-${TMPDIR:-/tmp}/pacinian-kernel-$(id -u)}
-modules='virtio_pci 9pnet_virtio 9p snd-seq snd-seq-midi snd-hrtimer snd-virmidi snd-usb-audio xhci-pci dummy_hcd libcomposite usb_f_midi'
+modules='virtio_pci 9pnet_virtio 9p snd-seq snd-seq-midi snd-hrtimer snd-usb-audio xhci-pci dummy_hcd libcomposite usb_f_midi'
 
-# What was unpacked, and not installed.
-unpacked() {
-  export PATH="$folder/root/usr/bin:$folder/root/bin:$folder/root/sbin:$PATH"
-  export LD_LIBRARY_PATH="$folder/root/usr/lib/x86_64-linux-gnu:$folder/root/lib/x86_64-linux-gnu"
-  export QEMU_MODULE_DIR="$folder/root/usr/lib/x86_64-linux-gnu/qemu"
+# What was unpacked, and not installed, is found.
+use_unpacked() {
+  export PATH="$folder/unpacked/usr/bin:$folder/unpacked/bin:$folder/unpacked/sbin:$PATH"
+  export LD_LIBRARY_PATH="$folder/unpacked/usr/lib/x86_64-linux-gnu:$folder/unpacked/lib/x86_64-linux-gnu"
+  export QEMU_MODULE_DIR="$folder/unpacked/usr/lib/x86_64-linux-gnu/qemu"
 }
 
 fetch() {
   [[ $(uname -m) == x86_64 ]] || { echo "kernel.sh: made for x86-64" >&2; exit 3; }
-  mkdir -p "$folder/cache/archives/partial" "$folder/root" "$folder/kernel"
+  mkdir -p "$folder/cache/archives/partial" "$folder/unpacked" "$folder/kernel"
   cd "$folder"
   local image
   image=$(apt-cache depends linux-image-amd64 | sed -n 's/^ *Depends: \(linux-image-[0-9].*\)$/\1/p' | head -n 1)
   [[ -n $image ]] || { echo "kernel.sh: apt-cache knows no linux-image-amd64; apt-get update" >&2; exit 3; }
-  apt-get install --yes --no-install-recommends --download-only -o Debug::NoLocking=1 -o Dir::Cache="$folder/cache" \
-    qemu-system-x86 busybox-static kmod cpio > fetched.log 2>&1
-  for package in cache/archives/*.deb; do dpkg-deb --extract "$package" root; done
-  (cd kernel && apt-get download "$image" >> ../fetched.log 2>&1 && dpkg-deb --extract "$image"_*.deb .)
+  {
+    # What is installed already is fetched as well.
+    apt-get install --yes --no-install-recommends --download-only --reinstall -o Debug::NoLocking=1 -o Dir::Cache="$folder/cache" \
+      qemu-system-x86 busybox-static kmod cpio && (cd kernel && apt-get download "$image")
+  } > fetched.log 2>&1 || {
+    echo 'kernel.sh: apt-get cannot fetch QEMU or the kernel' >&2
+    tail -n 5 fetched.log >&2
+    exit 3
+  }
+  for package in cache/archives/*.deb; do dpkg-deb --extract "$package" unpacked; done
+  dpkg-deb --extract kernel/"$image"_*.deb kernel
   rm -rf cache kernel/*.deb
-  unpacked
+  use_unpacked
   pack
 }
 
@@ -52,12 +59,13 @@ pack() {
   done
   cp "$folder/kernel/lib/modules/$version"/modules.{order,builtin,builtin.modinfo} "$first/lib/modules/$version/"
   kmod_as depmod -b "$first" "$version"
+  printf '%s\n' "$modules" > "$first/modules"
   cat > "$first/init" << 'INIT'
 #!/bin/sh
 mount -t proc none /proc
 mount -t sysfs none /sys
 mount -t devtmpfs none /dev
-for module in virtio_pci 9pnet_virtio 9p; do modprobe $module; done
+for module in $(cat /modules); do modprobe $module; done
 mount -t 9p -o ro,trans=virtio,version=9p2000.L,msize=512000,cache=loose files /host
 mount -t devtmpfs none /host/dev
 mount -t proc none /host/proc
@@ -67,8 +75,6 @@ mkdir -p /host/dev/shm /host/dev/pts /host/run/result
 mount -t tmpfs none /host/dev/shm
 mount -t devpts none /host/dev/pts
 mount -t 9p -o trans=virtio,version=9p2000.L,msize=512000 result /host/run/result
-for module in snd-seq snd-hrtimer snd-seq-midi xhci-pci snd-usb-audio dummy_hcd libcomposite usb_f_midi; do modprobe $module; done
-modprobe snd-virmidi midi_devs=1
 mount -t configfs none /host/sys/kernel/config 2> /dev/null
 chroot /host /bin/bash /run/result/command > /host/run/result/output 2>&1
 echo $? > /host/run/result/code
@@ -85,7 +91,7 @@ kmod_as() {
 }
 
 run() {
-  unpacked
+  use_unpacked
   local result machine code
   result=$(mktemp -d "$folder/result.XXXXXX")
   {
@@ -94,7 +100,7 @@ run() {
     printf '%q ' "$@"
     printf '\n'
   } > "$result/command"
-  local qemu=$folder/root/usr/bin/qemu-system-x86_64 firmware=("$folder/root/usr/share/qemu" "$folder/root/usr/share/seabios" "$folder/root/usr/lib/ipxe/qemu")
+  local qemu=$folder/unpacked/usr/bin/qemu-system-x86_64 firmware=("$folder/unpacked/usr/share/qemu" "$folder/unpacked/usr/share/seabios" "$folder/unpacked/usr/lib/ipxe/qemu")
   timeout "${SECONDS_ALLOWED:-300}" "$qemu" -L "${firmware[0]}" -L "${firmware[1]}" -L "${firmware[2]}" \
     -accel tcg,thread=multi -cpu max -m 1024 -smp 2 -display none -no-reboot -serial "file:$result/console" -monitor none \
     -kernel "$folder"/kernel/boot/vmlinuz-* -initrd "$folder/first.gz" -append 'console=ttyS0 quiet panic=-1 tsc=reliable clocksource=tsc' \

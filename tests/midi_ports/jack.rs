@@ -3,17 +3,16 @@
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use jack::{
     AsyncClient, Client, ClientOptions, Control, Frames, MidiOut, Port, ProcessHandler, ProcessScope, RawMidi,
 };
-use pacinian::io::midi_in::{MidiPorts, PortNews, Word};
+use pacinian::io::midi_in::PortNews;
 use pacinian::io::session::Session;
 use pacinian::live::signal::Signal;
 
-use crate::{playing, skipped, wait};
+use crate::{Heard, goes, playing, skipped, wait};
 
 /// Frames a second and a period of the server.
 const RATE: f64 = 48_000.0;
@@ -52,9 +51,6 @@ impl System {
 
     /// What no other system has.
     pub fn what_is_its_own(&mut self, session: &Session, heard: &Receiver<PortNews>) {
-        a_message_has_its_frame();
-        let gone = heard.recv_timeout(Duration::from_secs(20)).map(|opened| (opened, heard.recv()));
-        assert!(matches!(gone, Ok((PortNews::Opened(_), Ok(PortNews::Gone(_))))), "{gone:?}");
         self.one_that_dies_lets_go(session, heard);
         self.what_it_leaves_out_is_counted(session);
     }
@@ -70,8 +66,7 @@ impl System {
             if !missed {
                 self.comes_back();
             }
-            let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
-            assert!(matches!(&gone, PortNews::Gone(_)), "{missed}: {gone:?}");
+            goes(heard);
             let board = session.board();
             assert!(
                 wait(5, || board.voices.get() == 0 && board.is_panicked()),
@@ -86,8 +81,7 @@ impl System {
             }
         }
         drop(playing(session, heard));
-        let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
-        assert!(matches!(&gone, PortNews::Gone(_)), "{gone:?}");
+        goes(heard);
         session.handle().send(Signal::Calm).unwrap();
     }
 
@@ -203,31 +197,13 @@ impl Instrument {
 }
 
 /// What is sent at different frames of a period came at different times, and evenly from period to period.
-fn a_message_has_its_frame() {
-    let heard = Arc::<Mutex<Vec<(Word, Instant)>>>::default();
-    let keeps = Arc::clone(&heard);
-    let ear = Arc::new(move |_: u16, _: &Arc<str>, word: Word, at: Instant| {
-        keeps.lock().unwrap().push((word, at));
-    });
-    let (news, told) = channel();
-    let ports =
-        MidiPorts::hear(ear, None, Some("keys".into()), Box::new(move |what| drop(news.send(what)))).unwrap();
-    let mut keys = Instrument::new("keys");
-    let opened = told.recv_timeout(Duration::from_secs(20)).unwrap();
-    assert!(matches!(&opened, PortNews::Opened(_)), "{opened:?}");
-    assert!(wait(20, || {
-        keys.send(&[0xF8]);
-        std::thread::sleep(Duration::from_millis(20));
-        !heard.lock().unwrap().is_empty()
-    }));
-    std::thread::sleep(Duration::from_millis(100));
-    heard.lock().unwrap().clear();
+pub fn what_came_has_its_time() {
     const FRAMES: [Frames; 4] = [0, 1, 100, 255];
+    let mut heard = Heard::by(Duration::ZERO);
     for _ in 0..20 {
-        FRAMES.iter().for_each(|frame| keys.send_at(*frame, &[0xF8]));
+        FRAMES.iter().for_each(|frame| heard.keys.send_at(*frame, &[0xF8]));
     }
-    assert!(wait(20, || heard.lock().unwrap().len() == 20 * FRAMES.len()), "{}", heard.lock().unwrap().len());
-    let times: Vec<Instant> = heard.lock().unwrap().iter().map(|(_, at)| *at).collect();
+    let times = heard.times(20 * FRAMES.len());
     for period in times.chunks(FRAMES.len()) {
         for (time, frame) in period.iter().zip(FRAMES) {
             let off = time.duration_since(period[0]).as_secs_f64() - f64::from(frame) / RATE;
@@ -240,5 +216,4 @@ fn a_message_has_its_frame() {
     let period = f64::from(PERIOD) / RATE;
     let even = begins.windows(2).filter(|pair| ((pair[1] - pair[0]) / period - 1.0).abs() < 0.05).count();
     assert!(even >= 12, "{even} of 19 periods are even: {begins:?}");
-    drop(ports);
 }

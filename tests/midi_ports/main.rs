@@ -15,14 +15,14 @@ mod usb;
 
 #[cfg(feature = "cli")]
 use std::process::{Command, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use pacinian::graph::scene::Options;
 use pacinian::io::device::choose::Chosen;
-use pacinian::io::midi_in::{MidiPorts, PortNews};
+use pacinian::io::midi_in::{MidiPorts, PortNews, Word};
 use pacinian::io::session::{Beginning, Session};
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
@@ -75,8 +75,7 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
 
     for round in 0..2 {
         let mut keys = Instrument::new("keys");
-        let opened = heard.recv_timeout(Duration::from_secs(20)).unwrap();
-        assert!(matches!(&opened, PortNews::Opened(name) if name.contains("keys")), "{round}: {opened:?}");
+        opens(&heard);
         let voices = || session.board().voices.get();
         // A port may be listed before it is connected: what came first may be lost, as of any cable that is plugged in.
         assert!(
@@ -91,8 +90,7 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
         std::thread::sleep(Duration::from_millis(300));
         assert!(voices() > 0, "{round}: a key holds its voice");
         drop(keys);
-        let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
-        assert!(matches!(&gone, PortNews::Gone(name) if name.contains("keys")), "{round}: {gone:?}");
+        goes(&heard);
         assert!(wait(10, || voices() == 0), "{round}: it is not let go of");
     }
     a_port_that_is_back_at_once_is_heard_anew(&session, &heard);
@@ -100,7 +98,64 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
     a_lost_cable_shuts_the_output(&session, &heard);
     #[cfg(feature = "cli")]
     what_is_turned_is_learnt();
+    system::what_came_has_its_time();
+    opens(&heard);
+    goes(&heard);
     system.what_is_its_own(&session, &heard);
+}
+
+/// The next thing told of ports is that one opens.
+fn opens(heard: &Receiver<PortNews>) {
+    let news = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+    assert!(matches!(&news, PortNews::Opened(name) if name.contains("keys")), "{news:?}");
+}
+
+/// The next thing told of ports is that one goes.
+fn goes(heard: &Receiver<PortNews>) {
+    let news = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+    assert!(matches!(&news, PortNews::Gone(name) if name.contains("keys")), "{news:?}");
+}
+
+/// An instrument, and when what it plays comes to somebody else than the session.
+struct Heard {
+    keys: Instrument,
+    times: Arc<Mutex<Vec<Instant>>>,
+    _ports: MidiPorts,
+}
+
+impl Heard {
+    /// By somebody who needs so long for each message.
+    fn by(pace: Duration) -> Self {
+        let times = Arc::<Mutex<Vec<Instant>>>::default();
+        let keeps = Arc::clone(&times);
+        let ear = Arc::new(move |_: u16, _: &Arc<str>, word: Word, at: Instant| {
+            if matches!(word, Word::Message(_)) {
+                keeps.lock().unwrap().push(at);
+                std::thread::sleep(pace);
+            }
+        });
+        let (news, heard) = channel();
+        let told = Box::new(move |what: PortNews| drop(news.send(what)));
+        let _ports = MidiPorts::hear(ear, None, Some("keys".into()), told).unwrap();
+        let mut keys = Instrument::new("keys");
+        opens(&heard);
+        assert!(wait(20, || {
+            keys.send(&[0xF8]);
+            std::thread::sleep(Duration::from_millis(20));
+            !times.lock().unwrap().is_empty()
+        }));
+        std::thread::sleep(10 * pace + Duration::from_millis(100));
+        times.lock().unwrap().clear();
+        Self { keys, times, _ports }
+    }
+
+    /// So many times, once they have come.
+    fn times(&self, count: usize) -> Vec<Instant> {
+        let come = wait(20, || self.times.lock().unwrap().len() == count);
+        let times = self.times.lock().unwrap().clone();
+        assert!(come, "{} of {count}", times.len());
+        times
+    }
 }
 
 /// A program that is started anew, so quickly that its port is there whenever somebody looks: the key that was down is let go of, and the next is heard.
@@ -111,12 +166,10 @@ fn a_port_that_is_back_at_once_is_heard_anew(session: &Session, heard: &Receiver
         let again = keys.take().is_some();
         let mut another = Instrument::new("keys");
         if again {
-            let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
-            assert!(matches!(&gone, PortNews::Gone(_)), "{round}: {gone:?}");
+            goes(heard);
             assert!(wait(10, || board.voices.get() == 0), "{round}: it is not let go of");
         }
-        let opened = heard.recv_timeout(Duration::from_secs(20)).unwrap();
-        assert!(matches!(&opened, PortNews::Opened(_)), "{round}: {opened:?}");
+        opens(heard);
         let sounds = wait(20, || {
             another.send(&[0x90, 60, 100]);
             std::thread::sleep(Duration::from_millis(50));
@@ -128,8 +181,7 @@ fn a_port_that_is_back_at_once_is_heard_anew(session: &Session, heard: &Receiver
         std::thread::sleep(Duration::from_millis(2_300));
     }
     drop(keys);
-    let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
-    assert!(matches!(&gone, PortNews::Gone(_)), "{gone:?}");
+    goes(heard);
     assert!(wait(10, || board.voices.get() == 0));
 }
 
@@ -144,8 +196,7 @@ fn a_flood_is_played_or_counted(session: &Session, heard: &Receiver<PortNews>, s
     // More than the other program's queue holds would be lost before they come to anybody.
     const ON_THE_WAY: u64 = 1_500;
     let mut keys = Instrument::new("keys");
-    let opened = heard.recv_timeout(Duration::from_secs(20)).unwrap();
-    assert!(matches!(&opened, PortNews::Opened(_)), "{opened:?}");
+    opens(heard);
     let board = session.board();
     let met = || board.midi.messages.get() + board.refused.of(Way::Midi).get();
     let before = met();
@@ -206,15 +257,13 @@ fn a_flood_is_played_or_counted(session: &Session, heard: &Receiver<PortNews>, s
     assert!(missing.abs() < 0.5 + system::BEHIND * passed, "{played} s of {passed}");
     assert!(missing < 0.5 || board.xruns.get() > xruns, "what is missing is counted");
     drop(keys);
-    let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
-    assert!(matches!(&gone, PortNews::Gone(_)), "{gone:?}");
+    goes(heard);
 }
 
 /// An instrument of another program, whose key is down, and that has promised to stay.
 fn playing(session: &Session, heard: &Receiver<PortNews>) -> Instrument {
     let mut keys = Instrument::new("keys");
-    let opened = heard.recv_timeout(Duration::from_secs(20)).unwrap();
-    assert!(matches!(&opened, PortNews::Opened(_)), "{opened:?}");
+    opens(heard);
     let board = session.board();
     let sounds = wait(20, || {
         keys.send(&[0xFE]);
@@ -252,8 +301,7 @@ fn a_lost_cable_shuts_the_output(session: &Session, heard: &Receiver<PortNews>) 
     session.handle().send(Signal::Calm).unwrap();
     assert!(wait(5, || board.shut.get() == 0));
     drop(keys);
-    let gone = heard.recv_timeout(Duration::from_secs(20)).unwrap();
-    assert!(matches!(&gone, PortNews::Gone(_)), "{gone:?}");
+    goes(heard);
     assert!(!board.is_panicked(), "nothing was promised since");
 }
 

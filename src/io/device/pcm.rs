@@ -20,6 +20,9 @@ const CONVERTERS: [&str; 9] =
 /// Names for what converts or shares a card's device of the same number.
 const CONVERTED: [&str; 7] = ["plughw", "front", "surround", "dmix", "dsnoop", "default", "sysdefault"];
 
+/// Names for whatever card is the default.
+const DEFAULTS: [&str; 2] = ["default", "sysdefault"];
+
 /// The name of the card that has this number now.
 fn card_of(number: u32) -> Option<String> {
     let id = std::fs::read_to_string(format!("/proc/asound/card{number}/id")).ok()?;
@@ -49,6 +52,16 @@ impl Pcm {
             Err(_) => card.to_string(),
         };
         Some(Self { kind: kind.into(), card, device })
+    }
+
+    /// Whether it has the channels of the card's device of its number. Of `hdmi` and `iec958`, the device is a number of their own.
+    fn is_converted(&self) -> bool {
+        CONVERTED.contains(&self.kind.trim_end_matches(|c: char| c.is_ascii_digit()))
+    }
+
+    /// Whether both lead to one device of a card.
+    fn shares(&self, other: &Self) -> bool {
+        (&self.card, self.device) == (&other.card, other.device)
     }
 
     /// That of a device.
@@ -94,58 +107,46 @@ fn tidy_with<D>(
     cards: impl Fn(u32) -> Option<String> + Copy,
     behind: impl Fn(&str) -> Option<Pcm>,
 ) {
-    let names: Vec<Option<Pcm>> = all
-        .iter()
-        .map(|(_, found)| match found.id.as_str() {
-            "alsa:default" | "alsa:sysdefault" => behind(found.id.trim_start_matches("alsa:")),
-            _ => Pcm::of_device(found, cards),
-        })
-        .collect();
-    let is_number = |found: &Found| {
-        found
-            .id
-            .split_once("CARD=")
-            .is_some_and(|(_, card)| card.split(',').next().is_some_and(|card| card.parse::<u32>().is_ok()))
+    let of = |found: &Found| Pcm::of_device(found, cards);
+    let by_name: Vec<Pcm> =
+        all.iter().filter(|(_, found)| !is_by_number(found)).filter_map(|(_, found)| of(found)).collect();
+    all.retain(|(_, found)| {
+        let is_twice = || of(found).is_some_and(|pcm| by_name.contains(&pcm));
+        found.default || !is_by_number(found) || !is_twice()
+    });
+    let of_card = |found: &Found| {
+        let pcm = of(found).filter(|pcm| pcm.kind == "hw")?;
+        Some((pcm, most(&found.output), most(&found.input)))
     };
-    let by_name: Vec<&Pcm> = all
-        .iter()
-        .zip(&names)
-        .filter(|((_, found), _)| !is_number(found))
-        .filter_map(|(_, pcm)| pcm.as_ref())
-        .collect();
-    let twice: Vec<bool> = all
-        .iter()
-        .zip(&names)
-        .map(|((_, found), pcm)| {
-            is_number(found) && !found.default && pcm.as_ref().is_some_and(|pcm| by_name.contains(&pcm))
-        })
-        .collect();
-    let most = |offer: &Option<Offer>| offer.as_ref().and_then(|offer| offer.channels.last().copied());
-    type Most = (Option<u16>, Option<u16>);
-    let cards: Vec<(Pcm, Most)> = all
-        .iter()
-        .zip(&names)
-        .filter_map(|((_, found), pcm)| Some((pcm.clone()?, (most(&found.output), most(&found.input)))))
-        .filter(|(pcm, _)| pcm.kind == "hw")
-        .collect();
-    for ((_, found), pcm) in all.iter_mut().zip(&names) {
-        // Of `hdmi` and `iec958`, the device is a number of their own.
-        let Some(pcm) = pcm.as_ref().filter(|pcm| {
-            let kind = pcm.kind.trim_end_matches(|c: char| c.is_ascii_digit());
-            CONVERTED.contains(&kind)
-        }) else {
-            continue;
-        };
-        let card = cards.iter().find(|(card, _)| (&card.card, card.device) == (&pcm.card, pcm.device));
-        let Some((_, (output, input))) = card else { continue };
-        for (offer, most) in [(&mut found.output, output), (&mut found.input, input)] {
-            if let (Some(offer), Some(most)) = (offer, most) {
-                offer.channels.retain(|channels| channels <= most);
-            }
+    let hardware: Vec<_> = all.iter().filter_map(|(_, found)| of_card(found)).collect();
+    for (_, found) in all {
+        let default = found.id.strip_prefix("alsa:").filter(|own| DEFAULTS.contains(own));
+        let pcm = default.map_or_else(|| of(found), &behind).filter(Pcm::is_converted);
+        let is_its = |card: &Pcm| pcm.as_ref().is_some_and(|pcm| pcm.shares(card));
+        let Some((_, output, input)) = hardware.iter().find(|(card, ..)| is_its(card)) else { continue };
+        limit(&mut found.output, *output);
+        // Of a default, only what it plays on is known.
+        if default.is_none() {
+            limit(&mut found.input, *input);
         }
     }
-    let mut twice = twice.into_iter();
-    all.retain(|_| !twice.next().unwrap_or(false));
+}
+
+/// Whether its card goes by its number.
+fn is_by_number(found: &Found) -> bool {
+    let card = found.id.split_once("CARD=").and_then(|(_, rest)| rest.split(',').next());
+    card.is_some_and(|card| card.parse::<u32>().is_ok())
+}
+
+fn most(offer: &Option<Offer>) -> Option<u16> {
+    offer.as_ref()?.channels.last().copied()
+}
+
+/// Leaves no more channels than there are, where that is known.
+fn limit(offer: &mut Option<Offer>, most: Option<u16>) {
+    if let (Some(offer), Some(most)) = (offer, most) {
+        offer.channels.retain(|channels| *channels <= most);
+    }
 }
 
 #[cfg(test)]
@@ -167,8 +168,9 @@ mod tests {
             formats: vec![],
         };
         let output = (most > 0).then_some(offer);
+        let input = output.clone();
         let (id, name, hosts) = (id.to_string(), "USB Sound".to_string(), Hosts::default());
-        ((), Found { id, name, default: false, output, input: None, trouble: None, hosts })
+        ((), Found { id, name, default: false, output, input, trouble: None, hosts })
     }
 
     #[test]
@@ -235,6 +237,12 @@ mod tests {
                 ("hw:CARD=9,DEV=0", 4),
             ]
         );
+        let heard = |id: &str| {
+            let device = all.iter().find(|(_, found)| found.id == id);
+            device.and_then(|(_, found)| found.input.as_ref()).map(|offer| offer.channels.len())
+        };
+        assert_eq!(heard("alsa:plughw:CARD=Device,DEV=0"), Some(8));
+        assert_eq!(heard("alsa:default"), Some(64), "it may be heard through another card");
         let itself: Vec<bool> = all.iter().map(|(_, found)| is_itself(found)).collect();
         let hidden = |at: usize| !itself[at];
         assert!((0..left.len()).all(|at| hidden(at) == [1, 2, 4, 6, 8].contains(&at)), "{itself:?}");

@@ -118,11 +118,11 @@ impl ProcessHandler for Ears {
             match ask {
                 // There is room for all that may be open.
                 Ask::Hear(ear) if self.ears.len() < self.ears.capacity() => self.ears.push(ear),
-                Ask::Hear(ear) => drop_there(&mut self.back, ear),
+                Ask::Hear(ear) => give_back(&mut self.back, ear),
                 Ask::Part(number) => {
                     if let Some(at) = self.ears.iter().position(|ear| ear.number == number) {
                         let ear = self.ears.swap_remove(at);
-                        drop_there(&mut self.back, ear);
+                        give_back(&mut self.back, ear);
                     }
                 }
             }
@@ -144,7 +144,7 @@ impl ProcessHandler for Ears {
 }
 
 /// Hands something to the thread that may free it. There is room for everything that there is.
-fn drop_there(back: &mut HeapProd<Ear>, ear: Ear) {
+fn give_back(back: &mut HeapProd<Ear>, ear: Ear) {
     if let Err(ear) = back.try_push(ear) {
         std::mem::forget(ear);
     }
@@ -233,7 +233,8 @@ impl System {
         let port =
             client.register_port(&format!("{PORT}{number}"), MidiIn::default()).map_err(|e| e.to_string())?;
         let own = port.name().map_err(|error| error.to_string())?;
-        if self.asks.try_push(Ask::Hear(Ear { number, port, line })).is_err() {
+        if let Err(Ask::Hear(Ear { port, .. })) = self.asks.try_push(Ask::Hear(Ear { number, port, line })) {
+            let _ = client.unregister_port(port);
             return Err("JACK's callback does not run".into());
         }
         self.open.push(Open { id: source.id.clone(), number });

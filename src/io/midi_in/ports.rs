@@ -1,6 +1,7 @@
 //! Which ports are there, and which of them are open.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use super::line::Line;
 use super::roster::Roster;
@@ -20,10 +21,10 @@ struct Open {
 /// One that could not be opened. That is tried again: another program may have let go of it by then, or it has not begun yet.
 struct Refused {
     id: String,
-    /// How often that was tried.
-    tries: u32,
-    /// Looks until it is tried again.
-    looks: u32,
+    /// Since when.
+    since: Instant,
+    /// When it is tried again, once it was told.
+    again: Option<Instant>,
 }
 
 /// All of them.
@@ -41,11 +42,11 @@ pub(super) struct Ports {
     known: bool,
 }
 
-/// Looks from one try to open a port to the next.
-const AGAIN: u32 = 10;
+/// From one try to open a port to the next.
+const AGAIN: Duration = Duration::from_secs(10);
 
-/// Tries at once, before it is told that a port cannot be opened: a program's ports are there before it begins.
-const AT_ONCE: u32 = 5;
+/// How long it is tried at each look before it is told that it cannot be opened: a program's ports are there before it begins.
+const GRACE: Duration = Duration::from_millis(250);
 
 impl Ports {
     /// None so far.
@@ -99,7 +100,7 @@ impl Ports {
 
     /// Whether a port may open in a moment.
     pub fn hurries(&self) -> bool {
-        self.refused.iter().any(|refused| refused.tries < AT_ONCE)
+        self.refused.iter().any(|refused| refused.again.is_none())
     }
 
     /// The system that they were of has ended, and all of them with it.
@@ -110,19 +111,19 @@ impl Ports {
     /// Tells that a port is gone.
     fn let_go(&mut self, port: Open) {
         self.roster.leave(&port.source.id);
-        (self.ear)(port.number, &port.shared, Word::End, std::time::Instant::now());
+        (self.ear)(port.number, &port.shared, Word::End, Instant::now());
         (self.news)(PortNews::Gone(port.source.name));
     }
 
     /// Opens ports that are new.
     fn search(&mut self, system: &mut System, there: &[Source]) {
         self.refused.retain(|refused| there.iter().any(|source| source.id == refused.id));
-        self.refused.iter_mut().for_each(|refused| refused.looks = refused.looks.saturating_sub(1));
+        let now = Instant::now();
         for source in there {
             let Source { id, name, kind } = source;
             let fits = self.wanted.as_ref().is_none_or(|part| fits(part, name));
             let refused = self.refused.iter().find(|refused| refused.id == *id);
-            let (tries, waits) = refused.map_or((0, false), |refused| (refused.tries, refused.looks > 0));
+            let waits = refused.and_then(|refused| refused.again).is_some_and(|again| now < again);
             let known = self.roster.has(id) || waits;
             if !fits || known || is_through(name) {
                 continue;
@@ -143,16 +144,26 @@ impl Ports {
                 }
                 Err(error) => {
                     self.roster.leave(id);
-                    let tries = tries + 1;
-                    self.refused.retain(|refused| refused.id != *id);
-                    let looks = if tries < AT_ONCE { 0 } else { AGAIN };
-                    self.refused.push(Refused { id: id.clone(), tries, looks });
-                    if tries == AT_ONCE {
+                    if self.refuse(id, now) {
                         (self.news)(PortNews::Refused(name.clone(), error));
                     }
                 }
             }
         }
+    }
+
+    /// One could not be opened. Says whether that is to be told.
+    fn refuse(&mut self, id: &str, now: Instant) -> bool {
+        let Some(refused) = self.refused.iter_mut().find(|refused| refused.id == id) else {
+            self.refused.push(Refused { id: id.into(), since: now, again: None });
+            return false;
+        };
+        let first = refused.again.is_none();
+        let is_over = now - refused.since >= GRACE;
+        if is_over {
+            refused.again = Some(now + AGAIN);
+        }
+        first && is_over
     }
 }
 

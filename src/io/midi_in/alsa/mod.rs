@@ -5,12 +5,12 @@
 
 use std::ffi::CStr;
 use std::io::PipeWriter;
-use std::os::fd::AsRawFd;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use alsa::seq::{Addr, ClientIter, PortCap, PortInfo, PortIter, PortSubscribe, PortType, Seq};
+use rustix::io::Errno;
 
 use super::bell::Bell;
 use super::line::Line;
@@ -42,10 +42,19 @@ pub(super) struct System {
     /// Where everything comes in.
     inlet: Addr,
     ears: Ears,
+    /// Whether connections may have been lost that nobody has told of.
+    doubt: Arc<AtomicBool>,
     over: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
     /// Without it the reader ends.
     hold: Option<PipeWriter>,
+}
+
+/// Why a port is not connected.
+enum Trouble {
+    /// It is already, or another has it for itself.
+    Busy,
+    Other(alsa::Error),
 }
 
 const NAME: &CStr = c"pacinian";
@@ -66,7 +75,6 @@ fn opened() -> Result<Seq, String> {
 
 /// What is to be done where the sequencer cannot be opened.
 fn refused(errno: i32) -> String {
-    use rustix::io::Errno;
     match Errno::from_raw_os_error(errno) {
         Errno::NOENT | Errno::NODEV | Errno::NXIO => {
             "there is no /dev/snd/seq: load the sequencer, sudo modprobe snd-seq, or plug an instrument in"
@@ -115,6 +123,35 @@ fn id(addr: Addr) -> String {
     format!("{}:{}", addr.client, addr.port)
 }
 
+/// Where everything comes in, with the time of a queue, if there is one.
+fn inlet(seq: &Seq, queue: Option<i32>) -> alsa::Result<Addr> {
+    let mut port = PortInfo::empty()?;
+    port.set_name(c"in");
+    port.set_capability(PortCap::WRITE | PortCap::SUBS_WRITE);
+    port.set_type(PortType::MIDI_GENERIC | PortType::APPLICATION);
+    port.set_midi_channels(16);
+    if let Some(queue) = queue {
+        port.set_timestamping(true);
+        port.set_timestamp_real(true);
+        port.set_timestamp_queue(queue);
+    }
+    seq.create_port(&port)?;
+    Ok(Addr { client: seq.client_id()?, port: port.get_port() })
+}
+
+/// Has the sequencer announce ports that come and go.
+fn hear_news(seq: &Seq) -> alsa::Result<()> {
+    let news = seq.create_simple_port(c"news", PortCap::WRITE | PortCap::NO_EXPORT, PortType::APPLICATION)?;
+    seq.subscribe_port(&link(Addr::system_announce(), Addr { client: seq.client_id()?, port: news })?)
+}
+
+fn link(sender: Addr, dest: Addr) -> alsa::Result<PortSubscribe> {
+    let link = PortSubscribe::empty()?;
+    link.set_sender(sender);
+    link.set_dest(dest);
+    Ok(link)
+}
+
 impl System {
     /// A client that hears nothing so far. It rings when ports come or go.
     ///
@@ -129,43 +166,23 @@ impl System {
         let _ = seq.set_client_pool_input(POOL);
         seq.input().set_input_buffer_size(BUFFER).map_err(full)?;
         let queue = times::queue(&seq);
-        let port = PortInfo::empty().map_err(full)?;
-        port.set_capability(PortCap::WRITE | PortCap::SUBS_WRITE);
-        port.set_type(PortType::MIDI_GENERIC | PortType::APPLICATION);
-        port.set_midi_channels(16);
-        if let Some(queue) = queue {
-            port.set_timestamping(true);
-            port.set_timestamp_real(true);
-            port.set_timestamp_queue(queue);
-        }
-        let mut port = port;
-        port.set_name(c"in");
-        seq.create_port(&port).map_err(full)?;
-        let inlet = Addr { client: seq.client_id().map_err(full)?, port: port.get_port() };
-        let hidden = PortCap::WRITE | PortCap::NO_EXPORT;
-        let news = seq.create_simple_port(c"news", hidden, PortType::APPLICATION).map_err(full)?;
-        let announcements = PortSubscribe::empty().map_err(full)?;
-        announcements.set_sender(Addr::system_announce());
-        announcements.set_dest(Addr { client: inlet.client, port: news });
-        seq.subscribe_port(&announcements).map_err(full)?;
-        let (ears, over) = (Ears::default(), Arc::<AtomicBool>::default());
+        let inlet = inlet(&seq, queue).map_err(full)?;
+        hear_news(&seq).map_err(full)?;
         let (end, hold) = std::io::pipe().map_err(|error| error.to_string())?;
+        let (ears, doubt, over) = (Ears::default(), Arc::default(), Arc::default());
         let reader = Reader {
             seq,
             queue,
             inlet,
             ears: Arc::clone(&ears),
+            doubt: Arc::clone(&doubt),
+            over: Arc::clone(&over),
             bell: Arc::clone(bell),
             board: board.cloned(),
         };
-        let ended = Arc::clone(&over);
-        let read = move || {
-            reader.read(end.as_raw_fd());
-            ended.store(true, Ordering::Release);
-        };
-        let thread = std::thread::Builder::new().name("midi in".into()).spawn(read);
+        let thread = std::thread::Builder::new().name("midi in".into()).spawn(move || reader.read(end));
         let thread = Some(thread.map_err(|error| format!("the system has no thread left: {error}"))?);
-        Ok(Self { control, inlet, ears, over, thread, hold: Some(hold) })
+        Ok(Self { control, inlet, ears, doubt, over, thread, hold: Some(hold) })
     }
 
     /// Ports that may be listened to.
@@ -184,7 +201,18 @@ impl System {
 
     /// Ports that were connected and are not any more, though another may have their ids.
     pub fn lost(&self) -> Vec<String> {
+        if self.doubt.swap(false, Ordering::AcqRel) {
+            self.ask_again();
+        }
         self.ears().iter().filter(|ear| ear.lost).map(|ear| id(ear.addr)).collect()
+    }
+
+    /// The sequencer dropped what it had to tell: what is still connected refuses to be connected a second time.
+    fn ask_again(&self) {
+        for ear in &mut *self.ears() {
+            ear.lost |= !matches!(self.subscribe(ear.addr), Err(Trouble::Busy));
+            ear.settled = true;
+        }
     }
 
     /// Listens to a port.
@@ -193,13 +221,28 @@ impl System {
     /// One that is gone, or lets nobody listen any more.
     pub fn connect(&mut self, source: &Source, line: Line) -> Result<(), String> {
         let sender: Addr = source.id.parse().map_err(|_| format!("`{}` is no address of ALSA", source.id))?;
-        let link = PortSubscribe::empty().map_err(|error| error.to_string())?;
-        link.set_sender(sender);
-        link.set_dest(self.inlet);
         self.ears().push(Ear { addr: sender, line, settled: false, lost: false });
-        self.control.subscribe_port(&link).map_err(|error| {
+        // Somebody else may have connected it already, which is done anew, so that the kernel says so. Otherwise another has it for itself.
+        let connected = match self.subscribe(sender) {
+            Err(Trouble::Busy) if self.control.unsubscribe_port(sender, self.inlet).is_ok() => {
+                self.subscribe(sender)
+            }
+            other => other,
+        };
+        connected.map_err(|trouble| {
             self.ears().retain(|ear| ear.addr != sender);
-            error.to_string()
+            match trouble {
+                Trouble::Busy => "another program has it for itself".into(),
+                Trouble::Other(error) => error.to_string(),
+            }
+        })
+    }
+
+    fn subscribe(&self, sender: Addr) -> Result<(), Trouble> {
+        let subscribed = link(sender, self.inlet).and_then(|link| self.control.subscribe_port(&link));
+        subscribed.map_err(|error| match error.errno().abs() == Errno::BUSY.raw_os_error() {
+            true => Trouble::Busy,
+            false => Trouble::Other(error),
         })
     }
 
@@ -221,6 +264,8 @@ impl System {
 
 impl Drop for System {
     fn drop(&mut self) {
+        // Nothing is heard from here on, however much comes.
+        self.ears().clear();
         self.hold = None;
         self.thread.take().into_iter().for_each(|thread| _ = part_with(thread, super::PATIENCE));
     }
@@ -228,11 +273,10 @@ impl Drop for System {
 
 #[cfg(test)]
 mod tests {
-    use super::refused;
+    use super::{Errno, refused};
 
     #[test]
     fn what_is_to_be_done_is_said() {
-        use rustix::io::Errno;
         let said = |errno: Errno| refused(errno.raw_os_error());
         assert!(said(Errno::NOENT).contains("sudo modprobe snd-seq"));
         assert!(said(Errno::ACCESS).contains("sudo usermod -aG audio"));

@@ -1,7 +1,10 @@
 //! The thread that fetches what the sequencer has.
 
-use std::os::fd::RawFd;
-use std::sync::{Arc, PoisonError};
+use std::io::PipeReader;
+use std::os::fd::AsRawFd;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, MutexGuard, PoisonError};
+use std::time::Instant;
 
 use alsa::Direction;
 use alsa::poll::{self, Descriptors, Flags, pollfd};
@@ -9,8 +12,8 @@ use alsa::seq::{Addr, Connect, Event, EventType, Input, MidiEvent, Seq};
 use rustix::io::Errno;
 
 use super::super::bell::Bell;
-use super::Ears;
 use super::times::Times;
+use super::{Ear, Ears};
 use crate::live::board::Board;
 
 /// What it has.
@@ -20,6 +23,10 @@ pub(super) struct Reader {
     /// Where everything comes in.
     pub inlet: Addr,
     pub ears: Ears,
+    /// Whether connections may have been lost that nobody has told of.
+    pub doubt: Arc<AtomicBool>,
+    /// Whether this has ended.
+    pub over: Arc<AtomicBool>,
     pub bell: Arc<Bell>,
     pub board: Option<Arc<Board>>,
 }
@@ -35,11 +42,11 @@ const LONGEST: usize = 16;
 
 impl Reader {
     /// Fetches until `end` is closed, or the sequencer does not answer any more.
-    pub fn read(self, end: RawFd) {
+    pub fn read(self, end: PipeReader) {
         let Ok(coder) = MidiEvent::new(0) else { return };
         coder.enable_running_status(false);
         let Ok(mut all) = (&self.seq, Some(Direction::Capture)).get() else { return };
-        all.push(pollfd { fd: end, events: Flags::IN.bits(), revents: 0 });
+        all.push(pollfd { fd: end.as_raw_fd(), events: Flags::IN.bits(), revents: 0 });
         let mut input = self.seq.input();
         let mut errors = 0;
         while errors < MANY {
@@ -74,19 +81,24 @@ impl Reader {
         }
     }
 
-    /// Keys may have gone up in what was dropped: all of them do.
+    /// Keys may have gone up in what was dropped: all of them do. Ports may have gone as well.
     fn release(&self) {
         self.board.iter().for_each(|board| board.midi.gaps.add(1));
-        let now = std::time::Instant::now();
-        let mut ears = self.ears.lock().unwrap_or_else(PoisonError::into_inner);
+        let now = Instant::now();
+        let mut ears = self.ears();
         for ear in &mut *ears {
             (0xB0..=0xBF).for_each(|channel| ear.line.hear(&[channel, ALL_NOTES_OFF, 0], now));
         }
         drop(ears);
+        self.doubt.store(true, Ordering::Release);
         self.bell.ring();
     }
 
-    fn hear(&self, mut event: Event<'_>, coder: &MidiEvent, times: &Times) {
+    fn ears(&self) -> MutexGuard<'_, Vec<Ear>> {
+        self.ears.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn hear(&self, event: Event<'_>, coder: &MidiEvent, times: &Times) {
         match event.get_type() {
             EventType::PortStart | EventType::PortExit | EventType::PortChange | EventType::ClientExit => {
                 self.bell.ring();
@@ -96,39 +108,45 @@ impl Reader {
                 let ours = |link: &Connect| link.dest == self.inlet && event.get_dest() == self.inlet;
                 let Some(link) = event.get_data::<Connect>().filter(ours) else { return };
                 let begins = event.get_type() == EventType::PortSubscribed;
-                let mut ears = self.ears.lock().unwrap_or_else(PoisonError::into_inner);
-                if let Some(ear) = ears.iter_mut().find(|ear| ear.addr == link.sender) {
+                if let Some(ear) = self.ears().iter_mut().find(|ear| ear.addr == link.sender) {
                     ear.lost |= !begins && ear.settled;
                     ear.settled |= begins;
                 }
-                drop(ears);
                 self.bell.ring();
             }
-            _ => {
-                let mut bytes = [0; LONGEST];
-                let (source, at) = (event.get_source(), times.of(event.get_time()));
-                let length = match event.get_ext() {
-                    Some(_) => None,
-                    // What is no MIDI is nothing.
-                    None => Some(coder.decode(&mut bytes, &mut event).unwrap_or(0)),
-                };
-                let said = match length {
-                    Some(length) => bytes.get(..length).unwrap_or_default(),
-                    None if event.get_type() == EventType::Sysex => event.get_ext().unwrap_or_default(),
-                    None => return,
-                };
-                if said.is_empty() {
-                    return;
-                }
-                let mut ears = self.ears.lock().unwrap_or_else(PoisonError::into_inner);
-                // What another sent that had this address before is not its own.
-                match ears.iter_mut().find(|ear| ear.addr == source && ear.settled && !ear.lost) {
-                    Some(ear) => ear.line.hear(said, at),
-                    // Sent past all connections, to this client alone.
-                    None => self.board.iter().for_each(|board| board.midi.skipped.add(1)),
-                }
-            }
+            _ => self.pass_on(event, coder, times),
         }
+    }
+
+    /// Gives a message, or a piece of one, to whoever listens to its port.
+    fn pass_on(&self, mut event: Event<'_>, coder: &MidiEvent, times: &Times) {
+        let (source, at) = (event.get_source(), times.of(event.get_time()));
+        let mut bytes = [0; LONGEST];
+        let said = match (event.get_type(), event.get_ext().is_some()) {
+            (EventType::Sysex, _) => event.get_ext().unwrap_or_default(),
+            (_, true) => return,
+            // What is no MIDI makes no bytes.
+            (_, false) => {
+                let length = coder.decode(&mut bytes, &mut event).unwrap_or(0);
+                bytes.get(..length).unwrap_or_default()
+            }
+        };
+        if said.is_empty() {
+            return;
+        }
+        // What another sent that had this address before is not its own.
+        match self.ears().iter_mut().find(|ear| ear.addr == source && ear.settled && !ear.lost) {
+            Some(ear) => ear.line.hear(said, at),
+            // Sent past all connections, to this client alone.
+            None => self.board.iter().for_each(|board| board.midi.skipped.add(1)),
+        }
+    }
+}
+
+// However it ends.
+impl Drop for Reader {
+    fn drop(&mut self) {
+        self.over.store(true, Ordering::Release);
     }
 }
 

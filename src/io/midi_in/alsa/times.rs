@@ -73,7 +73,7 @@ impl Times {
         let (Some(there), Some(time)) = (self.there, time) else { return self.here };
         // What came since it was compared.
         if let Some(later) = time.checked_sub(there) {
-            return (self.here + later.min(LONGEST)).min(Instant::now());
+            return self.here.checked_add(later).map_or(self.here, |at| at.min(Instant::now()));
         }
         let age = there.saturating_sub(time);
         self.here.checked_sub(age).filter(|_| age <= LONGEST).unwrap_or(self.here)
