@@ -53,7 +53,7 @@ fn every_card_is_listed_once_and_found_by_what_people_call_it() {
             assert!(more.as_u64() <= most.as_u64(), "{more} channels of a card that has {most}");
         }
         // More outputs than any card has: what is looked for is found, and not played on.
-        let rig = "format = \"pacinian-rig/1\"\n[device]\nchannels = 255\n[[tactor]]\nname = \"a\"\nchannel = 255\n";
+        let rig = "format = \"pacinian-rig/1\"\n[device]\nchannels = 255\n[[tactor]]\nname = \"t2\"\nchannel = 255\n";
         scratch.write("r.toml", rig);
         scratch.write("p.toml", program::GOOD);
         for called in [format!("hw:{number}"), format!("hw:{number},0"), format!("hw:{name}"), id.clone()] {
