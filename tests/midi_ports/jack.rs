@@ -123,8 +123,10 @@ fn launched(name: &str) -> std::io::Result<Child> {
     command.stdout(Stdio::null()).stderr(Stdio::null()).spawn()
 }
 
+/// Another program asks: a client of this one would free the session's where its server has ended.
 fn answers() -> bool {
-    wait(10, || Client::new("are you there", ClientOptions::NO_START_SERVER).is_ok())
+    let asks = || Command::new("jack_lsp").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    wait(10, || asks().is_ok_and(|status| status.success()))
 }
 
 impl Drop for System {
@@ -178,6 +180,9 @@ impl ProcessHandler for Keys {
 impl Instrument {
     /// A port of that name.
     pub fn new(name: &str) -> Self {
+        // The session's client hears a moment late that one before has gone, and takes the place of that out of use for this whole program: let it be
+        // taken by one that never plays.
+        std::mem::forget(Client::new("nobody", ClientOptions::NO_START_SERVER).unwrap());
         let (client, _) = Client::new("somebody", ClientOptions::NO_START_SERVER).unwrap();
         let port = client.register_port(name, MidiOut::default()).unwrap();
         let (send, sent) = channel();

@@ -10,6 +10,7 @@ use cpal::{BufferSize, Device, FromSample, SampleFormat, SizedSample, StreamConf
 use super::callers::Callers;
 use super::card::{News, STRETCH, Shape, behind, known_format, seconds};
 use super::failure::{DeviceError, Trouble};
+use super::jack_turn::{self, Stay};
 use super::list::Found;
 use super::minder::teller;
 use super::priority;
@@ -37,6 +38,8 @@ pub struct Capture {
     /// Dropped first, so that nothing calls back any more.
     stream: cpal::Stream,
     callers: Callers,
+    /// Dropped last.
+    _stay: Option<Stay>,
 }
 
 impl Drop for Capture {
@@ -87,7 +90,9 @@ impl Capture {
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
         let callers = Callers::default();
+        let (turn, stay) = jack_turn::stream(found)?.unzip();
         let tell = teller(news, move || gaps.gap_of_input(), || {}, callers.clone());
+        let tell = jack_turn::heard(stay.as_ref(), tell);
         let stream = match format {
             SampleFormat::F32 => stream::<f32, _>(device, config, hear, tell, callers.clone()),
             SampleFormat::I32 => stream::<i32, _>(device, config, hear, tell, callers.clone()),
@@ -96,7 +101,8 @@ impl Capture {
         };
         let stream = stream.map_err(|error| trouble(&error))?;
         stream.play().map_err(|error| trouble(&error))?;
-        Ok(Self { stream, callers })
+        drop(turn);
+        Ok(Self { stream, callers, _stay: stay })
     }
 
     /// By how much a clock is ahead of the stream's own, seconds.

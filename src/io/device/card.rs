@@ -13,6 +13,7 @@ use cpal::{
 
 use super::callers::Callers;
 use super::failure::{DeviceError, Trouble};
+use super::jack_turn::{self, Stay};
 use super::list::{Found, Offer};
 use super::minder::teller;
 use super::priority;
@@ -89,6 +90,8 @@ pub struct Card {
     /// Frames a block, as far as it says.
     pub block: Option<u32>,
     callers: Callers,
+    /// Dropped last.
+    _stay: Option<Stay>,
 }
 
 impl Drop for Card {
@@ -138,7 +141,9 @@ impl Card {
             callers: callers.clone(),
         };
         let lost = move || gone.store(true, Ordering::Relaxed);
+        let (turn, stay) = jack_turn::stream(found)?.unzip();
         let tell = teller(news, move || gaps.gap(), lost, callers.clone());
+        let tell = jack_turn::heard(stay.as_ref(), tell);
         let stream = match format {
             SampleFormat::F32 => device.build_output_stream(
                 config,
@@ -158,8 +163,9 @@ impl Card {
         };
         let stream = stream.map_err(|error| DeviceError::of(&found.name, &error))?;
         stream.play().map_err(|error| DeviceError::of(&found.name, &error))?;
+        drop(turn);
         let block = stream.buffer_size().ok();
-        Ok(Self { stream, block, callers })
+        Ok(Self { stream, block, callers, _stay: stay })
     }
 
     /// By how much a clock is ahead of the stream's own, seconds.

@@ -8,6 +8,7 @@ use cpal::{Device, Host, HostId};
 
 use super::failure::DeviceError;
 use super::hush::{hush, quietly};
+use super::jack_turn;
 use super::kept;
 use super::list::{self, Found};
 use super::pcm;
@@ -67,6 +68,8 @@ impl Hosts {
         hush();
         let host = match id.to_string().as_str() {
             PULSE => kept::host(id),
+            // It opens clients to see what there is.
+            JACK => jack_turn::turn().and_then(|_turn| cpal::host_from_id(id).ok().map(Arc::new)),
             _ => cpal::host_from_id(id).ok().map(Arc::new),
         };
         Place { name: id.to_string(), host, of: Self::default() }
@@ -116,10 +119,13 @@ impl Hosts {
 /// The system of which the program keeps a host. Its sinks pause at first where they were idle, and it moves streams without a word.
 pub(super) const PULSE: &str = "pulseaudio";
 
+/// The system whose clients are opened by turns.
+pub(super) const JACK: &str = "jack";
+
 impl Place {
     /// Whether it runs. Of JACK, which has a device for whoever asks, a server must be there.
     pub fn runs(&self) -> bool {
-        let there = |host: &Arc<Host>| self.name != "jack" || host.default_output_device().is_some();
+        let there = |host: &Arc<Host>| self.name != JACK || host.default_output_device().is_some();
         self.host.as_ref().is_some_and(there)
     }
 

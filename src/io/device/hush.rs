@@ -17,11 +17,13 @@ pub(crate) fn hush_jack() -> Result<(), String> {
     use jack::{Client, ClientOptions, Error};
     static MISSING: std::sync::OnceLock<Option<String>> = std::sync::OnceLock::new();
     // A client, whether there is a server or not, has it talk to the log, which nobody reads.
-    let missing =
-        MISSING.get_or_init(|| match Client::new("pacinian_hush", ClientOptions::NO_START_SERVER) {
+    let missing = MISSING.get_or_init(|| {
+        let _turn = super::jack_turn::turn();
+        match Client::new("pacinian_hush", ClientOptions::NO_START_SERVER) {
             Err(Error::LibraryError(why)) => Some(why),
             _ => None,
-        });
+        }
+    });
     missing.clone().map_or(Ok(()), Err)
 }
 

@@ -10,6 +10,7 @@ pub mod hosts;
 pub mod hush;
 #[cfg(all(feature = "jack", target_os = "linux"))]
 mod jack_ports;
+pub(crate) mod jack_turn;
 pub mod keeper;
 mod kept;
 pub mod list;

@@ -17,6 +17,7 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 use super::bell::Bell;
 use super::line::Line;
 use super::source::Source;
+use crate::io::device::jack_turn::{End, Stay, stay, turn};
 use crate::live::board::Board;
 use crate::performer::PORTS;
 
@@ -30,6 +31,8 @@ pub(super) struct System {
     over: Arc<AtomicBool>,
     /// Ports that were opened so far.
     count: u64,
+    /// Dropped last.
+    stay: Stay,
 }
 
 /// A port that is listened to.
@@ -75,6 +78,7 @@ struct Watcher {
     /// Where it counts what is left out.
     board: Option<Arc<Board>>,
     over: Arc<AtomicBool>,
+    end: End,
     /// Which of our ports nothing is connected to any more.
     lost: Arc<Mutex<Vec<u64>>>,
     bell: Arc<Bell>,
@@ -83,8 +87,9 @@ struct Watcher {
 }
 
 impl NotificationHandler for Watcher {
-    // SAFETY: JACK calls it where nothing but what is safe in a signal handler may be done: a flag is set.
+    // SAFETY: JACK calls it where nothing but what is safe in a signal handler may be done: flags are set.
     unsafe fn shutdown(&mut self, _: ClientStatus, _: &str) {
+        self.end.tell();
         self.over.store(true, Ordering::Release);
     }
 
@@ -160,9 +165,15 @@ fn at(here: Instant, now: u64, begin: u64, micros: f64) -> Instant {
     }
 }
 
-fn client(name: &str) -> Result<Client, String> {
+/// Why no client may be opened for now.
+const DEAD: &str = "JACK has ended, and its clients here are not closed yet";
+
+fn loaded() -> Result<(), String> {
     crate::io::device::hush::hush_jack()
-        .map_err(|why| format!("JACK's library is missing ({why}): sudo apt install libjack-jackd2-0"))?;
+        .map_err(|why| format!("JACK's library is missing ({why}): sudo apt install libjack-jackd2-0"))
+}
+
+fn client(name: &str) -> Result<Client, String> {
     let (client, _) = Client::new(name, ClientOptions::NO_START_SERVER).map_err(|error| {
         format!("no JACK server answers ({error}): start it, jackd -d alsa, or the program under pw-jack")
     })?;
@@ -174,6 +185,8 @@ fn client(name: &str) -> Result<Client, String> {
 /// # Errors
 /// Where no server answers.
 pub(super) fn sources() -> Result<Vec<Source>, String> {
+    loaded()?;
+    let _turn = turn().ok_or(DEAD)?;
     Ok(listed(&client("pacinian_list")?))
 }
 
@@ -188,6 +201,9 @@ impl System {
     /// # Errors
     /// Where no server answers.
     pub fn open(board: Option<&Arc<Board>>, bell: &Arc<Bell>) -> Result<Self, String> {
+        loaded()?;
+        let rings = Arc::clone(bell);
+        let (_turn, stay) = stay(move || rings.ring()).ok_or(DEAD)?;
         let client = client("pacinian_midi")?;
         let (lost, over) = (Arc::<Mutex<Vec<u64>>>::default(), Arc::<AtomicBool>::default());
         let (asks, asked) = HeapRb::new(ROOM).split();
@@ -195,13 +211,14 @@ impl System {
         let watcher = Watcher {
             board: board.cloned(),
             over: Arc::clone(&over),
+            end: stay.end(),
             lost: Arc::clone(&lost),
             bell: Arc::clone(bell),
             own: format!("{}:{PORT}", client.name()),
         };
         let ears = Ears { ears: Vec::with_capacity(PORTS), asks: asked, back: given };
         let client = client.activate_async(watcher, ears).map_err(|error| error.to_string())?;
-        Ok(Self { client, open: Vec::new(), asks, back, lost, over, count: 0 })
+        Ok(Self { client, open: Vec::new(), asks, back, lost, over, count: 0, stay })
     }
 
     /// Ports that may be listened to.
@@ -214,7 +231,7 @@ impl System {
 
     /// Whether the server has ended.
     pub fn is_over(&self) -> bool {
-        self.over.load(Ordering::Acquire)
+        self.over.load(Ordering::Acquire) || self.stay.is_dead()
     }
 
     /// Ports that were connected and are not any more, though another may have their names.
@@ -268,6 +285,8 @@ impl System {
 
     /// The server has ended. JACK's library crashes where one takes leave of it: the client stays.
     pub fn abandon(self) {
-        std::mem::forget(self);
+        let Self { client, stay, .. } = self;
+        std::mem::forget(client);
+        drop(stay);
     }
 }
