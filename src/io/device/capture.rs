@@ -83,6 +83,7 @@ impl Capture {
         board: &Arc<Board>,
         news: impl Fn(News) + Send + 'static,
     ) -> Result<Self, DeviceError> {
+        let (turn, stay) = jack_turn::stream(found)?.unzip();
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
         let ranges = device.supported_input_configs().map_err(|error| trouble(&error))?;
         let (format, blocks) = known_format(ranges, shape).map_err(|error| trouble(&error))?;
@@ -90,7 +91,6 @@ impl Capture {
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);
         let callers = Callers::default();
-        let (turn, stay) = jack_turn::stream(found)?.unzip();
         let tell = teller(news, move || gaps.gap_of_input(), || {}, callers.clone());
         let tell = jack_turn::heard(stay.as_ref(), tell);
         let stream = match format {

@@ -114,6 +114,7 @@ impl Card {
         news: impl Fn(News) + Send + 'static,
     ) -> Result<Self, DeviceError> {
         fit(found, shape)?;
+        let (turn, stay) = jack_turn::stream(found)?.unzip();
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
         let ranges = device.supported_output_configs().map_err(|error| trouble(&error))?;
         let ranges: Vec<SupportedStreamConfigRange> = ranges.collect();
@@ -141,7 +142,6 @@ impl Card {
             callers: callers.clone(),
         };
         let lost = move || gone.store(true, Ordering::Relaxed);
-        let (turn, stay) = jack_turn::stream(found)?.unzip();
         let tell = teller(news, move || gaps.gap(), lost, callers.clone());
         let tell = jack_turn::heard(stay.as_ref(), tell);
         let stream = match format {

@@ -82,6 +82,10 @@ impl Hosts {
 
     /// The device that has this id, if it is there. No other is looked at, and no other host.
     pub(super) fn device(&self, id: &str) -> Option<(Device, Found)> {
+        let _turn = match jack_turn::is_plugin(id) {
+            true => Some(jack_turn::turn()?),
+            false => None,
+        };
         let parsed: Option<cpal::DeviceId> = id.parse().ok();
         let host = match (&self.0, &parsed) {
             (Some(host), _) => Arc::clone(host),

@@ -3,6 +3,9 @@
 //! A program's clients share a table in the library. Where their server has ended, the first that is opened then frees all others, whoever still holds
 //! them (`JackLibGlobals::Init` of JACK 2): nobody opens one until all that are dead are let go of. And a client hears a moment late that another has
 //! gone, and takes that one's place out of use, which by then may be the next one's: who comes to stay lets that moment pass.
+//!
+//! ALSA's plug-in for JACK opens clients, too, and tells nobody that their server has ended: where MIDI goes through JACK and looks for it just then, the
+//! plug-in's client is freed before it is closed.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -80,12 +83,17 @@ pub(crate) fn stay(call: impl Fn() + Send + 'static) -> Option<(Turn, Stay)> {
     Some((turn, Stay { number, held: Arc::new(AtomicBool::new(true)) }))
 }
 
+/// Whether a device of ALSA is a plug-in that opens a client of JACK's library, by what it is called.
+pub(super) fn is_plugin(id: &str) -> bool {
+    id.strip_prefix("alsa:").is_some_and(|name| name.contains(JACK))
+}
+
 /// The same for a stream of a device; `None` where that is not JACK's.
 ///
 /// # Errors
 /// Somebody holds a client that is dead.
 pub(super) fn stream(found: &Found) -> Result<Option<(Turn, Stay)>, DeviceError> {
-    if found.host() != JACK {
+    if found.host() != JACK && !is_plugin(&found.id) {
         return Ok(None);
     }
     let dead = || DeviceError::new(Trouble::Other, "JACK has ended, and its clients here are not closed yet");
@@ -148,9 +156,15 @@ impl End {
 
 #[cfg(test)]
 mod tests {
-    use super::{stay, turn};
+    use super::{is_plugin, stay, turn};
     use std::sync::mpsc::channel;
     use std::time::Duration;
+
+    #[test]
+    fn plug_ins_of_alsa_are_known_by_their_names() {
+        assert!(is_plugin("alsa:jack") && is_plugin("alsa:jackcard"));
+        assert!(!is_plugin("jack:output") && !is_plugin("alsa:hw:CARD=Device,DEV=0"));
+    }
 
     /// All in one, as the table is one.
     #[test]
