@@ -92,7 +92,6 @@ impl Capture {
         let gaps = Arc::clone(board);
         let callers = Callers::default();
         let tell = teller(news, move || gaps.gap_of_input(), || {}, callers.clone());
-        let tell = jack_turn::heard(stay.as_ref(), tell);
         let stream = match format {
             SampleFormat::F32 => stream::<f32, _>(device, config, hear, tell, callers.clone()),
             SampleFormat::I32 => stream::<i32, _>(device, config, hear, tell, callers.clone()),

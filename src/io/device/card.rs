@@ -143,7 +143,6 @@ impl Card {
         };
         let lost = move || gone.store(true, Ordering::Relaxed);
         let tell = teller(news, move || gaps.gap(), lost, callers.clone());
-        let tell = jack_turn::heard(stay.as_ref(), tell);
         let stream = match format {
             SampleFormat::F32 => device.build_output_stream(
                 config,

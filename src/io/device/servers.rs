@@ -50,7 +50,7 @@ fn servers(lookup: impl Fn(&str) -> Option<String>) -> Vec<Server> {
         .and_then(|server| server.to_str()?.strip_prefix("unix:").map(PathBuf::from))
         .or_else(|| path("PULSE_RUNTIME_PATH").map(|folder| folder.join("native")))
         .or_else(|| runtime.map(|folder| folder.join("pulse/native")));
-    let jack = lookup("JACK_DEFAULT_SERVER").filter(|name| !name.is_empty()).unwrap_or("default".into());
+    let jack = jack_name(lookup("JACK_DEFAULT_SERVER"));
     [
         (
             "PipeWire",
@@ -73,7 +73,7 @@ fn servers(lookup: impl Fn(&str) -> Option<String>) -> Vec<Server> {
         ),
         (
             "JACK",
-            has_jack(Path::new("/dev/shm"), &jack),
+            jack_at(Path::new(SHM), &jack).is_some(),
             cfg!(feature = "jack"),
             [
                 "jackd -R -d alsa -d hw:CARD (package jackd2)",
@@ -100,19 +100,32 @@ fn answers(socket: &Path) -> bool {
     return socket.exists();
 }
 
-/// Whether a server of that name has its socket in a folder: `jack_NAME_USER_0`.
-fn has_jack(folder: &Path, name: &str) -> bool {
+/// Where JACK's sockets are.
+const SHM: &str = "/dev/shm";
+
+/// What JACK's server is called.
+fn jack_name(wanted: Option<String>) -> String {
+    wanted.filter(|name| !name.is_empty()).unwrap_or("default".into())
+}
+
+/// The socket of JACK's server, where it runs.
+pub(super) fn jack_socket() -> Option<PathBuf> {
+    jack_at(Path::new(SHM), &jack_name(std::env::var("JACK_DEFAULT_SERVER").ok()))
+}
+
+/// The same of one of that name in a folder: `jack_NAME_USER_0`.
+fn jack_at(folder: &Path, name: &str) -> Option<PathBuf> {
     let begins = format!("jack_{name}_");
-    std::fs::read_dir(folder).into_iter().flatten().flatten().any(|entry| {
+    let sockets = std::fs::read_dir(folder).into_iter().flatten().flatten().filter(|entry| {
         let file = entry.file_name();
         file.to_str().is_some_and(|file| file.starts_with(&begins) && file.ends_with("_0"))
-            && answers(&entry.path())
-    })
+    });
+    sockets.map(|entry| entry.path()).find(|socket| answers(socket))
 }
 
 #[cfg(all(test, unix))]
 mod tests {
-    use super::{Server, has_jack, servers};
+    use super::{Server, jack_at, servers};
     use std::os::unix::net::UnixListener;
 
     #[test]
@@ -131,9 +144,9 @@ mod tests {
         assert_eq!(running(), ["PipeWire", "PulseAudio"]);
         drop(pipewire);
         assert_eq!(running(), ["PulseAudio"], "its socket is left, and nobody listens");
-        assert!(!has_jack(&folder, "default"));
+        assert_eq!(jack_at(&folder, "default"), None);
         let _jack = UnixListener::bind(folder.join("jack_default_0_0")).unwrap();
-        assert!(has_jack(&folder, "default") && !has_jack(&folder, "other"));
+        assert!(jack_at(&folder, "default").is_some() && jack_at(&folder, "other").is_none());
         for server in servers(|_| None) {
             assert!(server.built_in || server.help.contains("--features"), "{server:?}");
         }

@@ -17,7 +17,7 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 use super::bell::Bell;
 use super::line::Line;
 use super::source::Source;
-use crate::io::device::jack_turn::{End, Stay, stay, turn};
+use crate::io::device::jack_turn::{Stay, stay, turn};
 use crate::live::board::Board;
 use crate::performer::PORTS;
 
@@ -78,7 +78,6 @@ struct Watcher {
     /// Where it counts what is left out.
     board: Option<Arc<Board>>,
     over: Arc<AtomicBool>,
-    end: End,
     /// Which of our ports nothing is connected to any more.
     lost: Arc<Mutex<Vec<u64>>>,
     bell: Arc<Bell>,
@@ -87,9 +86,8 @@ struct Watcher {
 }
 
 impl NotificationHandler for Watcher {
-    // SAFETY: JACK calls it where nothing but what is safe in a signal handler may be done: flags are set.
+    // SAFETY: JACK calls it where nothing but what is safe in a signal handler may be done: a flag is set.
     unsafe fn shutdown(&mut self, _: ClientStatus, _: &str) {
-        self.end.tell();
         self.over.store(true, Ordering::Release);
     }
 
@@ -211,7 +209,6 @@ impl System {
         let watcher = Watcher {
             board: board.cloned(),
             over: Arc::clone(&over),
-            end: stay.end(),
             lost: Arc::clone(&lost),
             bell: Arc::clone(bell),
             own: format!("{}:{PORT}", client.name()),
