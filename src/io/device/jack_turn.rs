@@ -26,6 +26,9 @@ const REST: Duration = Duration::from_millis(50);
 /// From one look at who still holds one to the next.
 const LOOK: Duration = Duration::from_millis(20);
 
+/// Why no client may be opened for now.
+pub(crate) const DEAD: &str = "JACK has ended, and its clients here are not closed yet";
+
 /// The library's, as far as this program uses it.
 struct Table {
     turn: Mutex<()>,
@@ -96,7 +99,7 @@ pub(super) fn stream(found: &Found) -> Result<Option<(Turn, Stay)>, DeviceError>
     if found.host() != JACK && !is_plugin(&found.id) {
         return Ok(None);
     }
-    let dead = || DeviceError::new(Trouble::Other, "JACK has ended, and its clients here are not closed yet");
+    let dead = || DeviceError::new(Trouble::Other, DEAD);
     stay(|| {}).ok_or_else(dead).map(Some)
 }
 

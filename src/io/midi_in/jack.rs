@@ -17,7 +17,7 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 use super::bell::Bell;
 use super::line::Line;
 use super::source::Source;
-use crate::io::device::jack_turn::{Stay, stay, turn};
+use crate::io::device::jack_turn::{DEAD, Stay, stay, turn};
 use crate::live::board::Board;
 use crate::performer::PORTS;
 
@@ -162,9 +162,6 @@ fn at(here: Instant, now: u64, begin: u64, micros: f64) -> Instant {
         false => here.checked_sub(away).unwrap_or(here),
     }
 }
-
-/// Why no client may be opened for now.
-const DEAD: &str = "JACK has ended, and its clients here are not closed yet";
 
 fn loaded() -> Result<(), String> {
     crate::io::device::hush::hush_jack()
