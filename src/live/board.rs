@@ -189,6 +189,11 @@ impl Board {
         self.lever.calm();
     }
 
+    /// Nobody listens to a port of MIDI any more: its cable is free of what it had promised.
+    pub(crate) fn forget_cable(&self, port: u16) {
+        self.cables.take_promise(port);
+    }
+
     /// As [`Lever::is_panicked`].
     pub fn is_panicked(&self) -> bool {
         self.lever.is_panicked()

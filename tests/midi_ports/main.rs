@@ -69,10 +69,7 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
         ..Beginning::of(reload(PATCH), Chosen::Virtual(None))
     })
     .unwrap();
-    let (news, heard) = channel();
-    let told = Box::new(move |what: PortNews| drop(news.send(what)));
-    let _ports = MidiPorts::listen(session.handle(), Some("keys".into()), told).unwrap();
-
+    let (ports, heard) = listen(&session);
     for round in 0..2 {
         let mut keys = Instrument::new("keys");
         opens(&heard);
@@ -98,15 +95,28 @@ fn a_note_of_a_client_sounds_until_its_port_is_gone() {
     a_lost_cable_shuts_the_output(&session, &heard);
     #[cfg(feature = "cli")]
     what_is_turned_is_learnt();
+    whoever_listens_no_more_holds_no_key(&session, &heard, ports);
+    let (_ports, heard) = listen(&session);
+    whoever_panics_is_told_again();
+    opens(&heard);
+    goes(&heard);
     system::what_came_has_its_time();
     opens(&heard);
     goes(&heard);
     system.what_is_its_own(&session, &heard);
 }
 
-/// The next thing told of ports is that one opens.
+/// Listens to ports for a session, until the first of these is dropped.
+fn listen(session: &Session) -> (MidiPorts, Receiver<PortNews>) {
+    let (news, heard) = channel();
+    let told = Box::new(move |what: PortNews| drop(news.send(what)));
+    (MidiPorts::listen(session.handle(), Some("keys".into()), told).unwrap(), heard)
+}
+
+/// The next thing told of ports is that one opens, once it is told that there was none of its name.
 fn opens(heard: &Receiver<PortNews>) {
-    let news = heard.recv_timeout(Duration::from_secs(20)).unwrap();
+    let mut all = std::iter::from_fn(|| heard.recv_timeout(Duration::from_secs(20)).ok());
+    let news = all.find(|news| !matches!(news, PortNews::Unknown(_))).unwrap();
     assert!(matches!(&news, PortNews::Opened(name) if name.contains("keys")), "{news:?}");
 }
 
@@ -303,6 +313,37 @@ fn a_lost_cable_shuts_the_output(session: &Session, heard: &Receiver<PortNews>) 
     drop(keys);
     goes(heard);
     assert!(!board.is_panicked(), "nothing was promised since");
+}
+
+/// A program may listen to ports for a part of a session only. That its key is down, and that it has promised to stay, is nothing to it from then on.
+fn whoever_listens_no_more_holds_no_key(session: &Session, heard: &Receiver<PortNews>, ports: MidiPorts) {
+    let keys = playing(session, heard);
+    let board = session.board();
+    drop(ports);
+    assert!(wait(10, || board.voices.get() == 0), "its key holds a voice");
+    // Longer than a cable may be silent that has promised something.
+    std::thread::sleep(Duration::from_millis(600));
+    assert!(board.shut.get() == 0 && !board.is_panicked(), "nobody listens for it");
+    assert!(heard.try_iter().all(|news| matches!(news, PortNews::Opened(_))), "no port is gone");
+    drop(keys);
+}
+
+/// What a program does with what comes may panic: the next that comes is brought all the same, once the port is opened anew.
+fn whoever_panics_is_told_again() {
+    let heard = Arc::<AtomicU64>::default();
+    let counts = Arc::clone(&heard);
+    let ear = Arc::new(move |_: u16, _: &Arc<str>, word: Word, _: Instant| {
+        if matches!(word, Word::Message(_)) && counts.fetch_add(1, Ordering::Relaxed) == 0 {
+            panic!("this panic is part of the test");
+        }
+    });
+    let _ports = MidiPorts::hear(ear, None, Some("keys".into()), Box::new(drop)).unwrap();
+    let mut keys = Instrument::new("keys");
+    let goes_on = wait(20, || {
+        keys.send(&[0xF8]);
+        heard.load(Ordering::Relaxed) > 1
+    });
+    assert!(goes_on, "{} messages", heard.load(Ordering::Relaxed));
 }
 
 /// A fader of 14 bits and an endless knob, from their port to the bindings that are written.

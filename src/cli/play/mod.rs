@@ -342,11 +342,12 @@ impl Play {
         let held = (!is_virtual).then(|| device_queue::told(session.board()));
         let _ = session.handle().from(end.origin()).send(Signal::End);
         drop(watching);
-        drop(midi);
         // What the system dropped last is counted when the server ends.
         let counts = osc.map(|osc| Arc::clone(osc.counts()));
         let peaks = show.end(session.board(), terminal);
         session.stop();
+        // A session that has ended is told no more of their keys.
+        drop(midi);
         counts.iter().for_each(|counts| kept.counted(counts));
         if let Some(trouble) = counts.and_then(|counts| counts.trouble()) {
             terminal.note(&format!("{trouble}\n"));

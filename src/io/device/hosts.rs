@@ -82,10 +82,7 @@ impl Hosts {
 
     /// The device that has this id, if it is there. No other is looked at, and no other host.
     pub(super) fn device(&self, id: &str) -> Option<(Device, Found)> {
-        let _turn = match jack_turn::is_plugin(id) {
-            true => Some(jack_turn::turn()?),
-            false => None,
-        };
+        let _turn = jack_turn::look(id).ok()?;
         let parsed: Option<cpal::DeviceId> = id.parse().ok();
         let host = match (&self.0, &parsed) {
             (Some(host), _) => Arc::clone(host),
@@ -148,8 +145,11 @@ impl Place {
         let default = host.default_output_device().as_ref().map(list::id);
         let all = host.devices().map_err(|error| DeviceError::of("the sound system", &error))?;
         let all = all.filter(|device| !list::is_none(&list::id(device)));
-        let mut all =
-            all.map(|device| quietly(|| list::look(device, default.as_deref(), &self.of))).collect();
+        let look = |device| {
+            let _turn = jack_turn::look(&list::id(&device)).ok()?;
+            Some(quietly(|| list::look(device, default.as_deref(), &self.of)))
+        };
+        let mut all = all.filter_map(look).collect();
         pcm::tidy(&mut all);
         Ok(all)
     }

@@ -71,8 +71,6 @@ pub(crate) struct Turn {
 /// A client that stays, for as long as this is kept: let go of it first.
 pub(crate) struct Stay {
     number: u64,
-    #[cfg(any(test, all(feature = "midi-jack", target_os = "linux")))]
-    server: Option<Server>,
     table: &'static Table,
 }
 
@@ -87,11 +85,23 @@ pub(crate) fn stay(call: impl Fn() + Send + 'static) -> Option<(Turn, Stay)> {
 }
 
 /// Whether a device of ALSA is a plug-in that opens a client of JACK's library, by what it is called.
-pub(super) fn is_plugin(id: &str) -> bool {
+fn is_plugin(id: &str) -> bool {
     id.strip_prefix("alsa:").is_some_and(|name| name.contains(JACK))
 }
 
-/// The same for a stream of a device; `None` where that is not JACK's.
+/// To look at a device of ALSA, which opens a client and closes it at once where it is such a plug-in: then with a turn of its own.
+///
+/// # Errors
+/// Somebody holds a client that is dead.
+pub(super) fn look(id: &str) -> Result<Option<Turn>, DeviceError> {
+    is_plugin(id).then(|| turn().ok_or_else(dead)).transpose()
+}
+
+fn dead() -> DeviceError {
+    DeviceError::new(Trouble::Other, DEAD)
+}
+
+/// To open one that stays, for a stream of a device; `None` where that is not JACK's.
 ///
 /// # Errors
 /// Somebody holds a client that is dead.
@@ -99,7 +109,6 @@ pub(super) fn stream(found: &Found) -> Result<Option<(Turn, Stay)>, DeviceError>
     if found.host() != JACK && !is_plugin(&found.id) {
         return Ok(None);
     }
-    let dead = || DeviceError::new(Trouble::Other, DEAD);
     stay(|| {}).ok_or_else(dead).map(Some)
 }
 
@@ -126,14 +135,8 @@ impl Table {
         let mut clients = self.clients();
         let number = clients.count;
         clients.count += 1;
-        clients.all.push(Client { number, server: server.clone(), call: Box::new(call) });
-        let stay = Stay {
-            number,
-            #[cfg(any(test, all(feature = "midi-jack", target_os = "linux")))]
-            server,
-            table: self,
-        };
-        Some((turn, stay))
+        clients.all.push(Client { number, server, call: Box::new(call) });
+        Some((turn, Stay { number, table: self }))
     }
 
     /// Whether there are any, where that server runs.
@@ -167,8 +170,10 @@ impl Stay {
     /// Whether another server is there in place of its own.
     #[cfg(any(test, all(feature = "midi-jack", target_os = "linux")))]
     pub fn is_dead(&self) -> bool {
+        let clients = self.table.clients();
+        let server = clients.all.iter().find(|client| client.number == self.number);
         let there = |server: &Server| Server::at(server.socket.clone()).as_ref() == Some(server);
-        !self.server.as_ref().is_none_or(there)
+        !server.and_then(|client| client.server.as_ref()).is_none_or(there)
     }
 }
 

@@ -29,6 +29,7 @@ pub(super) struct System {
     back: HeapCons<Ear>,
     lost: Arc<Mutex<Vec<u64>>>,
     over: Arc<AtomicBool>,
+    broken: Arc<AtomicBool>,
     /// Ports that were opened so far.
     count: u64,
     /// Dropped last.
@@ -61,6 +62,19 @@ struct Ears {
     ears: Vec<Ear>,
     asks: HeapCons<Ask>,
     back: HeapProd<Ear>,
+    /// Whether whoever listens has panicked: JACK calls no more then.
+    broken: Arc<AtomicBool>,
+}
+
+/// Says that a call ends in a panic.
+struct Alarm<'a>(&'a AtomicBool);
+
+impl Drop for Alarm<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.store(true, Ordering::Release);
+        }
+    }
 }
 
 /// Room for what is asked of it in a period: all ports to be opened, and all to be let go of.
@@ -117,6 +131,7 @@ impl NotificationHandler for Watcher {
 
 impl ProcessHandler for Ears {
     fn process(&mut self, client: &Client, scope: &ProcessScope) -> Control {
+        let _alarm = Alarm(&self.broken);
         while let Some(ask) = self.asks.try_pop() {
             match ask {
                 // There is room for all that may be open.
@@ -210,9 +225,11 @@ impl System {
             bell: Arc::clone(bell),
             own: format!("{}:{PORT}", client.name()),
         };
-        let ears = Ears { ears: Vec::with_capacity(PORTS), asks: asked, back: given };
+        let broken = Arc::<AtomicBool>::default();
+        let ears =
+            Ears { ears: Vec::with_capacity(PORTS), asks: asked, back: given, broken: Arc::clone(&broken) };
         let client = client.activate_async(watcher, ears).map_err(|error| error.to_string())?;
-        Ok(Self { client, open: Vec::new(), asks, back, lost, over, count: 0, stay })
+        Ok(Self { client, open: Vec::new(), asks, back, lost, over, broken, count: 0, stay })
     }
 
     /// Ports that may be listened to.
@@ -223,8 +240,12 @@ impl System {
         Ok(listed(self.client.as_client()))
     }
 
-    /// Whether the server has ended.
+    /// Whether nothing comes any more.
     pub fn is_over(&self) -> bool {
+        self.broken.load(Ordering::Acquire) || self.is_without_server()
+    }
+
+    fn is_without_server(&self) -> bool {
         self.over.load(Ordering::Acquire) || self.stay.is_dead()
     }
 
@@ -277,8 +298,11 @@ impl System {
         }
     }
 
-    /// The server has ended. JACK's library crashes where one takes leave of it: the client stays.
+    /// Where the server has ended, JACK's library crashes when one takes leave of it: the client stays.
     pub fn abandon(self) {
+        if !self.is_without_server() {
+            return;
+        }
         let Self { client, stay, .. } = self;
         std::mem::forget(client);
         drop(stay);

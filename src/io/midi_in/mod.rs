@@ -52,7 +52,7 @@ pub enum PortNews {
     Unknown(Unknown),
 }
 
-/// Ports that are listened to until this is dropped.
+/// Ports that are listened to until this is dropped: then the keys that are down on them are let go of.
 pub struct MidiPorts {
     stop: Arc<AtomicBool>,
     bell: Arc<Bell>,
@@ -77,6 +77,8 @@ pub enum Word {
     Bytes,
     /// Nothing any more: the port is gone.
     End,
+    /// Nothing any more: nobody listens to it.
+    Closed,
 }
 
 /// Hears what comes through a port, by its number and its name, and when it came: what waits in a system for its period, that comes when it is due.
@@ -101,12 +103,17 @@ impl MidiPorts {
     /// A system that has no thread left.
     pub fn listen(handle: &Handle, wanted: Option<String>, news: Newsreader) -> std::io::Result<Self> {
         let handle = handle.clone();
-        let board = Arc::clone(handle.board());
+        let (board, watched) = (Arc::clone(handle.board()), Arc::clone(handle.board()));
         let ear = move |number: u16, name: &Arc<str>, word: Word, at: Instant| {
             let signal = match word {
                 Word::Message(message) => Signal::Midi(number, message),
                 Word::Bytes => return handle.heard(number),
                 Word::End => Signal::MidiGone(number),
+                Word::Closed => {
+                    // It has broken no promise.
+                    watched.forget_cable(number);
+                    Signal::MidiGone(number)
+                }
             };
             // What finds no room is counted there.
             let _ = handle.by(name).send_at(handle.epoch().at(at), signal);
@@ -144,9 +151,12 @@ impl MidiPorts {
                     rings.wait(if ports.hurries() { SOON } else { EVERY });
                 }
             }
-            if let Some(over) = system.take_if(|system| system.is_over()) {
-                over.abandon();
+            match system {
+                Some(over) if over.is_over() => over.abandon(),
+                system => drop(system),
             }
+            // Behind all that came through them.
+            ports.close();
         };
         let thread = std::thread::Builder::new().name("midi ports".into()).spawn(look)?;
         Ok(Self { stop, bell, thread: Some(thread) })

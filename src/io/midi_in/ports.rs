@@ -108,6 +108,14 @@ impl Ports {
         std::mem::take(&mut self.open).into_iter().for_each(|port| self.let_go(port));
     }
 
+    /// Nobody listens to them any more, which is no news.
+    pub fn close(&mut self) {
+        for port in std::mem::take(&mut self.open) {
+            self.roster.leave(&port.source.id);
+            (self.ear)(port.number, &port.shared, Word::Closed, Instant::now());
+        }
+    }
+
     /// Tells that a port is gone.
     fn let_go(&mut self, port: Open) {
         self.roster.leave(&port.source.id);
