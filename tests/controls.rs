@@ -61,3 +61,30 @@ fn what_cannot_be_set_is_told() {
     assert!(run.err.contains("control `idle` is set, and nothing that plays reads it"), "{}", run.err);
     assert!(check(&["--set", "depth=1"]).err.is_empty());
 }
+
+/// How it comes to a value that is sent to it.
+#[test]
+fn a_control_says_how_it_moves() {
+    let scratch = Scratch::new("moves");
+    scratch.write("p.toml", patch(1.0).replace("[control.depth]", "[control.depth]\nstream = 0.03"));
+    let told = scratch.run(&["check", "p.toml"]);
+    let line = told.succeeds().out.lines().find(|l| l.trim_start().starts_with("depth")).unwrap_or_default();
+    assert!(line.ends_with("a stream, 30 ms later"), "{}", told.out);
+    let all = scratch.run(&["check", "p.toml", "--json"]).succeeds().json();
+    assert_eq!(all["plan"]["controls"][0]["stream"], 0.03, "{all:#}");
+    scratch.write("p.toml", patch(1.0).replace("[control.depth]", "[control.depth]\nsmoothing = 0.02"));
+    let told = scratch.run(&["check", "p.toml"]).succeeds().out.clone();
+    assert!(told.contains("within 20 ms"), "{told}");
+}
+
+/// The output comes in before anything plays.
+#[test]
+fn a_session_that_is_too_short_to_play_anything_says_why() {
+    let scratch = Scratch::new("short");
+    scratch.write("p.toml", patch(1.0));
+    for (seconds, said) in [("0.1", true), ("0.3", false)] {
+        let run = scratch.run(&["play", "p.toml", "--device", "virtual", "--duration", seconds]);
+        let told = run.succeeds().out.contains("comes in within 0.2 s");
+        assert_eq!(told, said, "{seconds}: {}", run.out);
+    }
+}

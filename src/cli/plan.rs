@@ -88,6 +88,8 @@ struct ControlReport {
     most: f64,
     unit: String,
     smoothing: f64,
+    /// Seconds by which one that is a stream is later than what comes; 0 of any other.
+    stream: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -227,9 +229,7 @@ impl PlanReport {
     /// Of a player that has not begun.
     pub fn new(loaded: &Loaded, player: &Player) -> Self {
         let (plan, delay) = (player.plan(), player.engine().delay());
-        let unit = |name: &str| {
-            loaded.patch.controls.iter().find(|c| c.name == name).map_or(String::new(), |c| c.unit.clone())
-        };
+        let written = |name: &str| loaded.patch.controls.iter().find(|c| c.name == name);
         Self {
             title: loaded.patch.title.clone(),
             rig: loaded.rig.title.clone(),
@@ -256,8 +256,9 @@ impl PlanReport {
                     default: c.default,
                     least: c.least,
                     most: c.most,
-                    unit: unit(&c.name),
+                    unit: written(&c.name).map_or(String::new(), |c| c.unit.clone()),
                     smoothing: c.smoothing,
+                    stream: written(&c.name).map_or(0.0, |c| c.stream),
                 })
                 .collect(),
             outside: outside::all(&loaded.patch),
@@ -356,7 +357,10 @@ impl PlanReport {
                 c.name.clone(),
                 format!("{}{unit}", c.default),
                 range,
-                format!("within {} ms", 1e3 * c.smoothing),
+                match c.stream > 0.0 {
+                    true => format!("a stream, {} ms later", 1e3 * c.stream),
+                    false => format!("within {} ms", 1e3 * c.smoothing),
+                },
             ]);
         }
         table.text()

@@ -342,6 +342,13 @@ impl Parser<'_> {
                         format!("`{name}` is a function and takes {} in parentheses", values(f.arity()));
                     Err(self.wrong(start, name.len(), what))
                 }
+                None if self.peek() == Some('.') => {
+                    let what = "`.` stands in a number, or behind `event`, `touch` or `knob`".into();
+                    let wrong = self.wrong(self.at, 1, what);
+                    Err(wrong.help(
+                        "a control, a node or a shared node is called by its name alone: `depth`".to_string(),
+                    ))
+                }
                 None => {
                     let place = self.place(start, name.len());
                     Ok(Expr::Name(name, place))
@@ -474,6 +481,7 @@ mod tests {
             ("2 +", 3, "missing at its end"),
             ("2 3", 2, "`3` makes no sense here"),
             ("(2", 2, "`)` is missing"),
+            ("2 * control.depth", 11, "behind `event`"),
             ("2 $ x", 2, "`$` makes no sense"),
             ("1.2.3", 0, "`1.2.3` is no number"),
             ("2x", 0, "`2x` is no number"),

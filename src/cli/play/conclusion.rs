@@ -7,6 +7,7 @@ use super::super::table::{dbfs, grouped, many};
 use super::super::terminal::Terminal;
 use pacinian::io::session::Session;
 use pacinian::live::board::Board;
+use pacinian::live::gate::RAMP_IN;
 use pacinian::text::problem::escaped;
 
 /// Seconds that may be missing in the end without a word.
@@ -76,6 +77,11 @@ impl Conclusion<'_> {
         if let Some(asked) = self.asked.filter(|asked| played < asked - UNPLAYED) {
             text += &format!(
                 "  of {asked} s no more than {played:.1} s were played, as the machine or the device could not keep time\n"
+            );
+        }
+        if self.asked.is_some_and(|asked| asked <= RAMP_IN) {
+            text += &format!(
+                "  the output comes in within {RAMP_IN} s, and patterns begin behind that: ask for more\n"
             );
         }
         if away > 0 {

@@ -58,8 +58,8 @@ fn servers(lookup: impl Fn(&str) -> Option<String>) -> Vec<Server> {
             cfg!(feature = "pipewire"),
             [
                 "systemctl --user start pipewire wireplumber (packages pipewire, wireplumber)",
-                "cargo install --path . --features pipewire (packages libpipewire-0.3-dev, libclang-dev); or through ALSA, which mixes channels beyond \
-                 8 together: sudo apt-get install pipewire-alsa",
+                "cargo install --path . --features pipewire (packages libpipewire-0.3-dev, libclang-dev); or through ALSA (package pipewire-alsa), \
+                 which mixes channels beyond 8 together",
             ],
         ),
         (
@@ -68,7 +68,7 @@ fn servers(lookup: impl Fn(&str) -> Option<String>) -> Vec<Server> {
             cfg!(feature = "pulseaudio"),
             [
                 "pulseaudio --start (package pulseaudio)",
-                "cargo install --path . --features pulseaudio (no package); or through ALSA: sudo apt-get install libasound2-plugins",
+                "cargo install --path . --features pulseaudio (no package); or through ALSA (package libasound2-plugins)",
             ],
         ),
         (
