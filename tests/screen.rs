@@ -109,18 +109,34 @@ fn what_sounds_for_long_stops_with_its_pattern() {
     assert!(seat.end().success());
 }
 
+/// And is kept in the journal.
 #[test]
 fn whoever_ends_it_gets_the_terminal_back() {
-    for (how, code) in [("TERM", 143), ("INT", 130), ("HUP", 129), ("\x03", 130)] {
-        let Some((_scratch, mut seat)) = sit("end", 80, 24, "xterm-256color", true) else { return };
+    let ends = [
+        ("TERM", 143, "system", "SIGTERM"),
+        ("INT", 130, "system", "SIGINT"),
+        ("HUP", 129, "system", "SIGHUP"),
+        ("\x03", 130, "key", "Ctrl-C"),
+        ("q", 0, "key", "q"),
+    ];
+    for (how, code, source, name) in ends {
+        let scratch = Scratch::new("screen-end");
+        scratch.write("patch.toml", PATCH);
+        let words = ["play", "patch.toml", "--device", "virtual", "--pattern", "left", "--events", "e.jsonl"];
+        let seat = Seat::at(&scratch.command(&words), (80, 24), "xterm-256color", true);
+        let Some(mut seat) = seat else { return };
         seat.see("screen", |text| text.contains("▶ left"));
-        if how == "\x03" {
-            seat.press(how)
-        } else {
-            seat.signal(how)
+        match how {
+            "\x03" | "q" => seat.press(how),
+            signal => seat.signal(signal),
         }
         assert_eq!(seat.end().code(), Some(code), "{how:?}");
         assert!(seat.is_given_back(), "{how:?}");
+        let journal = std::fs::read_to_string(scratch.0.join("e.jsonl")).unwrap();
+        let end = journal.lines().rfind(|line| line.contains("\"message\":\"end\"")).unwrap();
+        for said in [format!("\"source\":\"{source}\""), format!("\"name\":\"{name}\"")] {
+            assert!(end.contains(&said), "{how:?}: {end}");
+        }
     }
 }
 
