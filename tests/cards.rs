@@ -1,12 +1,25 @@
-//! The sound cards of the machine, as its kernel has them: each is listed once, with the channels that it has. Nothing is played on them.
+//! The sound cards of the machine, as its kernel has them: each is listed once, with the channels that it has. Nothing is played on them, but on one of
+//! QEMU's, which hangs on nobody.
 #![cfg(target_os = "linux")]
 
+mod common;
 mod program;
 #[path = "common/skipped.rs"]
 mod skipped;
 
 use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::mpsc::channel;
+use std::time::{Duration, Instant};
 
+use pacinian::graph::scene::Options;
+use pacinian::io::device::choose::Wish;
+use pacinian::io::device::keeper::Fate;
+use pacinian::io::session::{Beginning, Session};
+use pacinian::live::reload::Reload;
+use pacinian::node::asset::NoAssets;
+use pacinian::rig::Rig;
 use program::Scratch;
 use serde_json::Value;
 
@@ -22,8 +35,12 @@ fn cards() -> HashMap<String, String> {
     std::fs::read_dir("/proc/asound").into_iter().flatten().flatten().filter_map(card).collect()
 }
 
+/// Who has the cards: what is pulled is not there to be listed.
+static TURN: Mutex<()> = Mutex::new(());
+
 #[test]
 fn every_card_is_listed_once_and_found_by_what_people_call_it() {
+    let _turn = TURN.lock();
     let cards = cards();
     if cards.is_empty() {
         return skipped::skipped("there is no sound card (tests/devices/kernel.sh has one)");
@@ -64,4 +81,66 @@ fn every_card_is_listed_once_and_found_by_what_people_call_it() {
             assert!(err.contains(meant), "{called}: {err}");
         }
     }
+}
+
+/// A card on USB that nobody hears, as QEMU makes it up: its name, and what plugs it in (`1`) and pulls it (`0`), as far as drivers can tell.
+fn emulated() -> Option<(String, PathBuf)> {
+    let of = |(number, name): (String, String)| {
+        let interface = Path::new("/sys/class/sound").join(format!("card{number}/device"));
+        let device = std::fs::canonicalize(interface).ok()?.parent()?.to_path_buf();
+        let id = |file: &str| std::fs::read_to_string(device.join(file)).unwrap_or_default();
+        (id("idVendor").trim() == "46f4").then(|| (name, device.join("authorized")))
+    };
+    cards().into_iter().find_map(of)
+}
+
+/// Somebody pulls its cable while a voice sounds, and plugs it in again: the session goes on in silence, and then on the same card.
+#[test]
+fn a_card_that_is_pulled_and_plugged_in_plays_on() {
+    let _turn = TURN.lock();
+    let Some((name, plug)) = emulated() else {
+        return skipped::skipped("there is no USB card of QEMU's (tests/devices/kernel.sh has one)");
+    };
+    let options = Options { rate: Some(48_000.0), ..Options::default() };
+    let text = "[voice.hum]\noutput = \"s\"\nstart = \"always\"\n[voice.hum.nodes]\n\
+        s = { type = \"sine\", frequency = 200 }\n";
+    let scene = Reload::of(common::patch(text), Rig::default_for(2), &options, &NoAssets).unwrap();
+    let device = Wish::Named(format!("hw:{name}")).choose().unwrap_or_else(|error| panic!("{error}"));
+    let (told, fates) = channel();
+    let session = Session::start(Beginning {
+        // Emulated, it is no quicker.
+        block: Some(2048),
+        fate: Box::new(move |fate| drop(told.send(fate))),
+        ..Beginning::of(scene, device)
+    })
+    .unwrap_or_else(|error| panic!("{error}"));
+    let board = session.board();
+    let wait = |what: &str, comes: &mut dyn FnMut() -> bool| {
+        let begin = Instant::now();
+        while !comes() {
+            assert!(
+                begin.elapsed() < Duration::from_secs(30),
+                "{what}: {:?}",
+                fates.try_iter().collect::<Vec<_>>()
+            );
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    };
+    let plays = || {
+        let before = board.frames.get();
+        wait("it plays", &mut || board.frames.get() > before + 24_000);
+    };
+    for round in 0..3 {
+        plays();
+        assert!(!board.absence().1 && board.voices.get() == 1, "{round}");
+        std::fs::write(&plug, "0").unwrap();
+        wait("it is gone", &mut || fates.try_iter().any(|fate| matches!(fate, Fate::Lost(_))));
+        assert!(board.absence().1, "{round}");
+        // Time goes on.
+        plays();
+        std::fs::write(&plug, "1").unwrap();
+        wait("it is back", &mut || fates.try_iter().any(|fate| fate == Fate::Back));
+        assert!(!board.absence().1 && board.absence().0 > 0, "{round}");
+    }
+    plays();
 }
