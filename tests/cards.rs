@@ -84,14 +84,31 @@ fn every_card_is_listed_once_and_found_by_what_people_call_it() {
 }
 
 /// A card on USB that nobody hears, as QEMU makes it up: its name, and what plugs it in (`1`) and pulls it (`0`), as far as drivers can tell.
-fn emulated() -> Option<(String, PathBuf)> {
+fn emulated() -> Option<(String, Plug)> {
+    // Elsewhere somebody may hear it.
+    std::env::var_os("PACINIAN_EMULATED")?;
     let of = |(number, name): (String, String)| {
         let interface = Path::new("/sys/class/sound").join(format!("card{number}/device"));
         let device = std::fs::canonicalize(interface).ok()?.parent()?.to_path_buf();
         let id = |file: &str| std::fs::read_to_string(device.join(file)).unwrap_or_default();
-        (id("idVendor").trim() == "46f4").then(|| (name, device.join("authorized")))
+        (id("idVendor").trim() == "46f4").then(|| (name, Plug(device.join("authorized"))))
     };
     cards().into_iter().find_map(of)
+}
+
+/// What plugs a card in, as it is in the end.
+struct Plug(PathBuf);
+
+impl Plug {
+    fn set(&self, is_in: bool) {
+        std::fs::write(&self.0, if is_in { "1" } else { "0" }).unwrap();
+    }
+}
+
+impl Drop for Plug {
+    fn drop(&mut self) {
+        let _ = std::fs::write(&self.0, "1");
+    }
 }
 
 /// Somebody pulls its cable while a voice sounds, and plugs it in again: the session goes on in silence, and then on the same card.
@@ -133,12 +150,12 @@ fn a_card_that_is_pulled_and_plugged_in_plays_on() {
     for round in 0..3 {
         plays();
         assert!(!board.absence().1 && board.voices.get() == 1, "{round}");
-        std::fs::write(&plug, "0").unwrap();
+        plug.set(false);
         wait("it is gone", &mut || fates.try_iter().any(|fate| matches!(fate, Fate::Lost(_))));
         assert!(board.absence().1, "{round}");
         // Time goes on.
         plays();
-        std::fs::write(&plug, "1").unwrap();
+        plug.set(true);
         wait("it is back", &mut || fates.try_iter().any(|fate| fate == Fate::Back));
         assert!(!board.absence().1 && board.absence().0 > 0, "{round}");
     }

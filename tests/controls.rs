@@ -77,7 +77,7 @@ fn a_control_says_how_it_moves() {
     assert!(told.contains("within 20 ms"), "{told}");
 }
 
-/// The output comes in before anything plays.
+/// The output comes in before patterns begin.
 #[test]
 fn a_session_that_is_too_short_to_play_anything_says_why() {
     let scratch = Scratch::new("short");

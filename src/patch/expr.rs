@@ -345,9 +345,10 @@ impl Parser<'_> {
                 None if self.peek() == Some('.') => {
                     let what = "`.` stands in a number, or behind `event`, `touch` or `knob`".into();
                     let wrong = self.wrong(self.at, 1, what);
-                    Err(wrong.help(
-                        "a control, a node or a shared node is called by its name alone: `depth`".to_string(),
-                    ))
+                    self.at += 1;
+                    let (_, meant) = self.word();
+                    let help = format!("a control or a node is called by its name alone: `{meant}`");
+                    Err(if meant.is_empty() { wrong } else { wrong.help(help) })
                 }
                 None => {
                     let place = self.place(start, name.len());

@@ -6,7 +6,7 @@
 #   tests/devices/kernel.sh run COMMAND [ARG]..  boots (some 10 s), runs the command there as root, gives its exit code
 #
 # FOLDER is $PACINIAN_KERNEL, or a folder of this user's in the temporary one. SECONDS_ALLOWED (300) ends what takes longer. Inside, /mnt and /run can be written
-# to, and are gone afterwards.
+# to, and are gone afterwards. PACINIAN_EMULATED is set there: nobody hears the cards, and they may be pulled.
 set -euo pipefail
 
 folder=${PACINIAN_KERNEL:-${TMPDIR:-/tmp}/pacinian-kernel-$(id -u)}
@@ -95,7 +95,7 @@ run() {
   local result machine code
   result=$(mktemp -d "$folder/result.XXXXXX")
   {
-    printf 'export HOME=/mnt TMPDIR=/mnt PATH=%q\n' /usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
+    printf 'export PACINIAN_EMULATED=1 HOME=/mnt TMPDIR=/mnt PATH=%q\n' /usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
     printf 'cd %q || exit 3\n' "$PWD"
     printf '%q ' "$@"
     printf '\n'

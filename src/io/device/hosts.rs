@@ -145,11 +145,11 @@ impl Place {
         let default = host.default_output_device().as_ref().map(list::id);
         let all = host.devices().map_err(|error| DeviceError::of("the sound system", &error))?;
         let all = all.filter(|device| !list::is_none(&list::id(device)));
-        let look = |device| {
-            let _turn = jack_turn::look(&list::id(&device)).ok()?;
-            Some(quietly(|| list::look(device, default.as_deref(), &self.of)))
+        let look = |device| match jack_turn::look(&list::id(&device)) {
+            Ok(_turn) => quietly(|| list::look(device, default.as_deref(), &self.of)),
+            Err(dead) => list::unseen(device, dead, &self.of),
         };
-        let mut all = all.filter_map(look).collect();
+        let mut all = all.map(look).collect();
         pcm::tidy(&mut all);
         Ok(all)
     }

@@ -184,6 +184,21 @@ pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Dev
     (device, found)
 }
 
+/// A device that cannot be looked at now.
+pub(super) fn unseen(device: Device, why: DeviceError, hosts: &Hosts) -> (Device, Found) {
+    let (id, name) = (id(&device), device.to_string());
+    let found = Found {
+        id,
+        name,
+        default: false,
+        output: None,
+        input: None,
+        trouble: Some(why),
+        hosts: hosts.clone(),
+    };
+    (device, found)
+}
+
 /// Leaves so many channels of what is offered, where it is known how many.
 fn limit(offer: &mut Option<Offer>, channels: Option<u16>) {
     if let (Some(offer), Some(channels)) = (offer, channels) {

@@ -3,6 +3,7 @@
 //! What comes within a period is handed on at its beginning. It counts as having come at its frame all the same, so that a period adds to the
 //! latency, and not to the jitter.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -62,19 +63,8 @@ struct Ears {
     ears: Vec<Ear>,
     asks: HeapCons<Ask>,
     back: HeapProd<Ear>,
-    /// Whether whoever listens has panicked: JACK calls no more then.
+    /// Whether whoever listens has panicked: nothing is told any more.
     broken: Arc<AtomicBool>,
-}
-
-/// Says that a call ends in a panic.
-struct Alarm<'a>(&'a AtomicBool);
-
-impl Drop for Alarm<'_> {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            self.0.store(true, Ordering::Release);
-        }
-    }
 }
 
 /// Room for what is asked of it in a period: all ports to be opened, and all to be let go of.
@@ -131,7 +121,21 @@ impl NotificationHandler for Watcher {
 
 impl ProcessHandler for Ears {
     fn process(&mut self, client: &Client, scope: &ProcessScope) -> Control {
-        let _alarm = Alarm(&self.broken);
+        if self.broken.load(Ordering::Acquire) {
+            return Control::Continue;
+        }
+        // JACK would end the thread that calls, while another closes the client.
+        if let Err(panic) = catch_unwind(AssertUnwindSafe(|| self.hear(client, scope))) {
+            std::mem::forget(panic);
+            self.broken.store(true, Ordering::Release);
+        }
+        Control::Continue
+    }
+}
+
+impl Ears {
+    /// What came in a period.
+    fn hear(&mut self, client: &Client, scope: &ProcessScope) {
         while let Some(ask) = self.asks.try_pop() {
             match ask {
                 // There is room for all that may be open.
@@ -146,7 +150,7 @@ impl ProcessHandler for Ears {
             }
         }
         if self.ears.is_empty() {
-            return Control::Continue;
+            return;
         }
         let begin = client.frames_to_time(scope.last_frame_time());
         let rate = f64::from(client.sample_rate().max(1));
@@ -157,7 +161,6 @@ impl ProcessHandler for Ears {
                 line.hear(message.bytes, at(here, now, begin, micros));
             }
         }
-        Control::Continue
     }
 }
 

@@ -70,6 +70,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 
 /// What comes through a port.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Word {
     /// A message.
     Message(Message),
@@ -77,7 +78,7 @@ pub enum Word {
     Bytes,
     /// Nothing any more: the port is gone.
     End,
-    /// Nothing any more: nobody listens to it.
+    /// Nobody listens to it any more. It is told when that begins, and once more when nothing comes any more.
     Closed,
 }
 
@@ -97,7 +98,7 @@ pub fn names() -> Result<Vec<String>, String> {
 
 impl MidiPorts {
     /// Listens to every port whose name contains `wanted` (to all, where nothing is wanted), those that come later too, and gives a
-    /// session what comes.
+    /// session what comes. A session has one such listener at a time: ports are known to it by numbers that each counts from 0.
     ///
     /// # Errors
     /// A system that has no thread left.
@@ -151,11 +152,12 @@ impl MidiPorts {
                     rings.wait(if ports.hurries() { SOON } else { EVERY });
                 }
             }
+            // At once, since a cable may say nothing while a system is closed, and again behind all that came until then.
+            ports.close();
             match system {
                 Some(over) if over.is_over() => over.abandon(),
                 system => drop(system),
             }
-            // Behind all that came through them.
             ports.close();
         };
         let thread = std::thread::Builder::new().name("midi ports".into()).spawn(look)?;

@@ -109,9 +109,8 @@ impl Ports {
     }
 
     /// Nobody listens to them any more, which is no news.
-    pub fn close(&mut self) {
-        for port in std::mem::take(&mut self.open) {
-            self.roster.leave(&port.source.id);
+    pub fn close(&self) {
+        for port in &self.open {
             (self.ear)(port.number, &port.shared, Word::Closed, Instant::now());
         }
     }
