@@ -349,7 +349,8 @@ pub const TOPICS: &[Topic] = &[
                (rad), `speed` (rad/s, without a sign), `way` (1 or -1) and, of a notch, `index`, counted from the one at rest. A voice begins \
                at the tick of the servo that felt it\n\n\
                A note sounds as long as its key or the pedal holds it, unless `set` gives it a `duration`; its velocity is its level, unless \
-               `set` gives it a `level`. Of a pattern, `set` gives `gain` and `rate`. A pattern that ends plays to its end; one that repeats \
+               `set` gives it a `level`: so a curve is written, `level = \"pow(velocity, 0.5)\"` for a soft hand, with 2 in its place for a hard one, and \
+               `\"0.2 + 0.8 * velocity\"` where the softest touch is to be felt. Of a pattern, `set` gives `gain` and `rate`. A pattern that ends plays to its end; one that repeats \
                without `times` plays as long as the key or the pedal holds it, and where no key does, the next hit begins it anew. At most \
                256 patterns play at a time.\n\n\
                A voice that a node or a knob sets off is begun by the engine itself. A pattern has to be told first, so it begins a fixed time after \

@@ -127,6 +127,22 @@ fn what_is_said_goes_before_what_is_played() {
     assert_eq!(kept.0.len(), 1);
 }
 
+/// A curve of velocity is written as the level.
+#[test]
+fn velocity_has_the_curve_that_is_said() {
+    for exponent in [0.5, 1.0, 2.0] {
+        let (mut performer, mut kept) = performer(&format!(
+            "[[trigger]]\non = \"midi.note\"\nplay = \"v\"\nset = {{ level = \"0.1 + 0.9 * pow(velocity, {exponent})\" }}\n"
+        ));
+        for velocity in [1, 64, 127] {
+            send(&mut performer, &mut kept, 0.0, on(0, velocity, velocity));
+            let Some((_, Event::Play(play))) = kept.0.last() else { panic!("{:?}", kept.0) };
+            let exact = 0.1 + 0.9 * (f64::from(velocity) / 127.0).powf(exponent);
+            assert!((play.level - exact).abs() < 1e-9, "{velocity}^{exponent}: {} {exact}", play.level);
+        }
+    }
+}
+
 /// How strongly something is felt goes before the velocity of a key, whether a trigger says it or the voice does.
 #[test]
 fn what_is_felt_goes_before_velocity() {
