@@ -150,11 +150,13 @@ fn a_card_that_is_pulled_and_plugged_in_plays_on() {
     for round in 0..3 {
         plays();
         assert!(!board.absence().1 && board.voices.get() == 1, "{round}");
+        assert_eq!(board.shut.get(), 0, "{round}");
         plug.set(false);
         wait("it is gone", &mut || fates.try_iter().any(|fate| matches!(fate, Fate::Lost(_))));
         assert!(board.absence().1, "{round}");
-        // Time goes on.
+        // Time goes on, and nothing comes through.
         plays();
+        assert_eq!(board.shut.get(), 1, "{round}");
         plug.set(true);
         wait("it is back", &mut || fates.try_iter().any(|fate| fate == Fate::Back));
         assert!(!board.absence().1 && board.absence().0 > 0, "{round}");

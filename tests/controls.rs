@@ -82,9 +82,14 @@ fn a_control_says_how_it_moves() {
 fn a_session_that_is_too_short_to_play_anything_says_why() {
     let scratch = Scratch::new("short");
     scratch.write("p.toml", patch(1.0));
-    for (seconds, said) in [("0.1", true), ("0.3", false)] {
-        let run = scratch.run(&["play", "p.toml", "--device", "virtual", "--duration", seconds]);
+    let always =
+        "[voice.w]\nstart = \"always\"\noutput = \"s\"\nnodes.s = { type = \"sine\", frequency = 100 }\n";
+    scratch.write("always.toml", patch(1.0) + always);
+    for (file, seconds, said) in
+        [("p.toml", "0.1", true), ("p.toml", "0.3", false), ("always.toml", "0.1", false)]
+    {
+        let run = scratch.run(&["play", file, "--device", "virtual", "--duration", seconds]);
         let told = run.succeeds().out.contains("comes in within 0.2 s");
-        assert_eq!(told, said, "{seconds}: {}", run.out);
+        assert_eq!(told, said, "{file}, {seconds} s: {}", run.out);
     }
 }

@@ -31,11 +31,15 @@ events = [{ at = 0, voice = "tap", duration = 0.1, level = 0.5 }]
 repeat = { every = 0.3, times = 10000 }
 "#;
 
+/// What a session leaves beside its patch.
+const JOURNAL: &str = "e.jsonl";
+
 /// Plays in front of a terminal of that size.
 fn sit(name: &str, columns: u16, rows: u16, term: &str, owned: bool) -> Option<(Scratch, Seat)> {
     let scratch = Scratch::new(&format!("screen-{name}"));
     scratch.write("patch.toml", PATCH);
-    let command = scratch.command(&["play", "patch.toml", "--device", "virtual", "--pattern", "left"]);
+    let words = ["play", "patch.toml", "--device", "virtual", "--pattern", "left", "--events", JOURNAL];
+    let command = scratch.command(&words);
     Seat::at(&command, (columns, rows), term, owned).map(|seat| (scratch, seat))
 }
 
@@ -109,7 +113,7 @@ fn what_sounds_for_long_stops_with_its_pattern() {
     assert!(seat.end().success());
 }
 
-/// And is kept in the journal.
+/// And who that was, is in the journal.
 #[test]
 fn whoever_ends_it_gets_the_terminal_back() {
     let ends = [
@@ -120,11 +124,7 @@ fn whoever_ends_it_gets_the_terminal_back() {
         ("q", 0, "key", "q"),
     ];
     for (how, code, source, name) in ends {
-        let scratch = Scratch::new("screen-end");
-        scratch.write("patch.toml", PATCH);
-        let words = ["play", "patch.toml", "--device", "virtual", "--pattern", "left", "--events", "e.jsonl"];
-        let seat = Seat::at(&scratch.command(&words), (80, 24), "xterm-256color", true);
-        let Some(mut seat) = seat else { return };
+        let Some((scratch, mut seat)) = sit("end", 80, 24, "xterm-256color", true) else { return };
         seat.see("screen", |text| text.contains("▶ left"));
         match how {
             "\x03" | "q" => seat.press(how),
@@ -132,7 +132,7 @@ fn whoever_ends_it_gets_the_terminal_back() {
         }
         assert_eq!(seat.end().code(), Some(code), "{how:?}");
         assert!(seat.is_given_back(), "{how:?}");
-        let journal = std::fs::read_to_string(scratch.0.join("e.jsonl")).unwrap();
+        let journal = std::fs::read_to_string(scratch.0.join(JOURNAL)).unwrap();
         let end = journal.lines().rfind(|line| line.contains("\"message\":\"end\"")).unwrap();
         for said in [format!("\"source\":\"{source}\""), format!("\"name\":\"{name}\"")] {
             assert!(end.contains(&said), "{how:?}: {end}");

@@ -500,6 +500,9 @@ mod tests {
             assert!(found.contains(what), "{text}: {found}");
             assert_eq!(start, 11 + at, "{text}: {found}");
         }
+        let help = |text: &str| Expr::parse(text, &(0..text.len())).unwrap_err().help;
+        assert!(help("2 * control.depth").is_some_and(|help| help.ends_with("by its name alone: `depth`")));
+        assert_eq!(help("depth. * 2"), None);
         assert!(problem(&"(".repeat(500)).1.contains("deeper than 64"));
         assert!(problem(&"-".repeat(500)).1.contains("deeper than 64"));
         assert!(problem(&"1+".repeat(5000)).1.contains("at most 1000"));

@@ -79,7 +79,7 @@ impl Conclusion<'_> {
                 "  of {asked} s no more than {played:.1} s were played, as the machine or the device could not keep time\n"
             );
         }
-        if self.asked.is_some_and(|asked| asked <= RAMP_IN) {
+        if self.asked.is_some_and(|asked| asked <= RAMP_IN) && self.session.board().started.get() == 0 {
             text += &format!(
                 "  the output comes in within {RAMP_IN} s, and patterns begin behind that: ask for more\n"
             );

@@ -104,7 +104,7 @@ impl MidiPorts {
     /// A system that has no thread left.
     pub fn listen(handle: &Handle, wanted: Option<String>, news: Newsreader) -> std::io::Result<Self> {
         let handle = handle.clone();
-        let (board, watched) = (Arc::clone(handle.board()), Arc::clone(handle.board()));
+        let board = Arc::clone(handle.board());
         let ear = move |number: u16, name: &Arc<str>, word: Word, at: Instant| {
             let signal = match word {
                 Word::Message(message) => Signal::Midi(number, message),
@@ -112,7 +112,7 @@ impl MidiPorts {
                 Word::End => Signal::MidiGone(number),
                 Word::Closed => {
                     // It has broken no promise.
-                    watched.forget_cable(number);
+                    handle.board().forget_cable(number);
                     Signal::MidiGone(number)
                 }
             };
