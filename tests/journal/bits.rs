@@ -83,7 +83,10 @@ fn play(journal_path: &Path, recording: &Path) {
             journal.clock(session.clock().moment());
         }
     }
-    until(&session, frame + 4_800);
+    // Where the last was stopped before its third event: one that nobody stops.
+    until(&session, frame);
+    handle.start("walk").unwrap();
+    until(&session, frame + 9_600);
     session.stop();
     let written = recorder.finish().unwrap();
     assert_eq!(written.frames, session.board().frames.get());
