@@ -89,7 +89,8 @@ impl OutsideReport {
             }
             Mover::Bend => "bend of MIDI".into(),
             Mover::Pressure => "pressure of MIDI".into(),
-            Mover::Osc(address) => format!("OSC to {address}"),
+            Mover::Osc { address, argument: 1 } => format!("OSC to {address}"),
+            Mover::Osc { address, argument } => format!("number {argument} of OSC to {address}"),
         };
         let control = patch.controls.iter().find(|control| control.name == bind.control);
         Self {

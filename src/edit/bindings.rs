@@ -5,7 +5,7 @@ use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike,
 use super::text::Text;
 use super::value::{one_line, put};
 use super::{EditError, broken};
-use crate::patch::bind::STEP;
+use crate::patch::bind::{SENDS, STEP};
 use crate::patch::{Bind, Curve, Patch};
 
 /// The text of a patch with these bindings. A control that one binding moves already is moved by another thing from now on (`from`, `channel`), and keeps
@@ -88,6 +88,9 @@ fn fill(table: &mut dyn TableLike, bind: &Bind) -> Result<(), EditError> {
     if let Some([from, to]) = bind.range {
         put(table, "range", [from, to].into_iter().collect::<Value>())?;
     }
+    if bind.sends != SENDS {
+        put(table, "sends", bind.sends.into_iter().collect::<Value>())?;
+    }
     if bind.step != STEP {
         put(table, "step", bind.step.into())?;
     }
@@ -100,7 +103,12 @@ fn fill(table: &mut dyn TableLike, bind: &Bind) -> Result<(), EditError> {
 
 /// Another source for a binding.
 fn set(table: &mut dyn TableLike, bind: &Bind) -> Result<(), EditError> {
-    put(table, "from", bind.from.to_string().into())?;
+    let from = bind.from.to_string();
+    if table.get("from").and_then(Item::as_str) != Some(&from) {
+        // What another sends has other ends.
+        drop(table.remove("sends"));
+    }
+    put(table, "from", from.into())?;
     match bind.channel {
         Some(channel) => put(table, "channel", i64::from(channel).into())?,
         None => drop(table.remove("channel")),
@@ -130,7 +138,7 @@ mod tests {
     }
 
     fn osc(address: &str, control: &str, switch: bool) -> Bind {
-        Bind { pickup: !switch, ..Bind::new(Mover::Osc(address.into()), control) }
+        Bind { pickup: !switch, ..Bind::new(Mover::parse(&format!("osc.{address}")).unwrap(), control) }
     }
 
     fn written(source: &str, binds: &[Bind]) -> String {
@@ -210,6 +218,26 @@ mod tests {
         assert_eq!((read.encoder, read.step), (knob.encoder, 0.05));
         let text = written(&text, &[fader]);
         assert!(!text.contains("encoder") && text.contains("step = 0.05"), "{text}");
+    }
+
+    #[test]
+    fn numbers_of_a_message_are_told_apart_and_other_sources_have_other_ends() {
+        let tracker = Bind { sends: [-0.5, 0.5], ..osc("/hand 2", "b", true) };
+        let text = written(PATCH, std::slice::from_ref(&tracker));
+        assert!(
+            text.contains("from = \"osc./hand 2\"\ncontrol = \"b\"\npickup = false\nsends = [-0.5, 0.5]\n"),
+            "{text}"
+        );
+        // The same once more leaves them.
+        assert_eq!(written(&text, &[osc("/hand 2", "b", true)]), text);
+        for other in [osc("/hand 3", "b", true), midi("midi.controller 5", "b", 1, false)] {
+            let text = written(&text, std::slice::from_ref(&other));
+            assert!(!text.contains("sends"), "{text}");
+            assert_eq!(
+                Patch::parse("", text.as_bytes()).unwrap().value.binds.pop().unwrap().from,
+                other.from
+            );
+        }
     }
 
     #[test]

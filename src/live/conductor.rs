@@ -460,7 +460,9 @@ impl Conductor {
                 Ok(())
             }
             Signal::MidiGone(port) => self.performer.midi_gone(at, port, outlet),
-            Signal::Osc(address, values) => self.performer.osc(at, &address, &values, outlet).map(drop),
+            Signal::Osc(address, values) => {
+                self.performer.osc_by((at, now), &address, &values, outlet).map(drop)
+            }
             Signal::Panic => {
                 self.shut(at, id);
                 Ok(())

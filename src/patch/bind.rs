@@ -22,7 +22,9 @@ pub struct Bind {
     pub range: Option<[f64; 2]>,
     /// How a position between them maps; `None`: as the control says.
     pub curve: Option<Curve>,
-    /// Whether it moves the control only from where that stands, so that nothing jumps.
+    /// Of an OSC message, the numbers at its ends.
+    pub sends: [f64; 2],
+    /// Whether it moves the control only from where that stands, so that nothing jumps; a stream follows at once.
     pub pickup: bool,
     /// Of an endless knob that tells steps, how it says them: it moves the control on from where that stands.
     pub encoder: Option<Encoder>,
@@ -41,9 +43,20 @@ pub enum Mover {
     Bend,
     /// The pressure on a channel or a key.
     Pressure,
-    /// A message to this OSC address, with a position from 0 to 1.
-    Osc(String),
+    /// A number of the messages to an OSC address.
+    Osc {
+        /// The address.
+        address: String,
+        /// Which of the numbers, from 1 to [`ARGUMENTS`].
+        argument: usize,
+    },
 }
+
+/// The arguments of an OSC message that can be bound.
+pub const ARGUMENTS: usize = 64;
+
+/// The numbers at the ends of an OSC message where nobody says so.
+pub const SENDS: [f64; 2] = [0.0, 1.0];
 
 /// What one step of an encoder does where nobody says so: a hundred for the whole range.
 pub const STEP: f64 = 0.01;
@@ -53,8 +66,13 @@ pub(crate) static TABLE: Table = Table {
     name: "bind",
     doc: "What moves a control from outside.",
     fields: &[
-        Field::new("from", Form::Text, "", "midi.controller 21, midi.bend, midi.pressure or osc./address.")
-            .required(),
+        Field::new(
+            "from",
+            Form::Text,
+            "",
+            "midi.controller 21, midi.bend, midi.pressure, osc./address or, of a message with several numbers, osc./address 2.",
+        )
+        .required(),
         Field::new("control", Form::Text, "", "The control that it moves.").required(),
         Field::new("channel", Form::any_count(1, 16), "", "The MIDI channel; any where nothing is said."),
         Field::new(
@@ -71,10 +89,17 @@ pub(crate) static TABLE: Table = Table {
             "How positions between the ends map; `control` as the control says.",
         ),
         Field::new(
+            "sends",
+            Form::Defined("range"),
+            "",
+            "Of an OSC message: the numbers at its ends, as [-0.5, 0.5] of a tracker that says metres; [0, 1] where nothing is said.",
+        ),
+        Field::new(
             "pickup",
             Form::Flag(true),
             "",
-            "Whether it moves the control only once it has come to where that stands, so that nothing jumps.",
+            "Whether it moves the control only once it has come to where that stands, so that nothing jumps. A control that is a \
+             stream follows at once.",
         ),
         Field::new(
             "encoder",
@@ -91,6 +116,8 @@ pub(crate) static TABLE: Table = Table {
     ],
     others: None,
 };
+
+const NO_ADDRESS: &str = "an OSC address begins with `/` and has no blanks: osc./strength";
 
 const MOVERS: &[&str] = &["midi.controller 21", "midi.bend", "midi.pressure", "osc./address"];
 
@@ -109,10 +136,19 @@ impl Mover {
         match (text, text.strip_prefix("osc.")) {
             ("midi.bend", _) => Ok(Self::Bend),
             ("midi.pressure", _) => Ok(Self::Pressure),
-            (_, Some(address)) if address.starts_with('/') && !address.contains(char::is_whitespace) => {
-                Ok(Self::Osc(address.into()))
+            (_, Some(words)) if words.starts_with('/') => {
+                let (address, argument) = words.split_once(' ').unwrap_or((words, "1"));
+                if address.contains(char::is_whitespace) {
+                    return Err(NO_ADDRESS.into());
+                }
+                match argument.parse() {
+                    Ok(argument @ 1..=ARGUMENTS) => Ok(Self::Osc { address: address.into(), argument }),
+                    _ => Err(format!(
+                        "behind the address stands which of the numbers in a message, from 1 to {ARGUMENTS}: osc.{address} 2"
+                    )),
+                }
             }
-            (_, Some(_)) => Err("an OSC address begins with `/` and has no blanks: osc./strength".into()),
+            (_, Some(_)) => Err(NO_ADDRESS.into()),
             _ => Err("nothing like that moves a control".into()),
         }
     }
@@ -125,7 +161,8 @@ impl std::fmt::Display for Mover {
             Self::Controller(number) => write!(f, "midi.controller {number}"),
             Self::Bend => f.write_str("midi.bend"),
             Self::Pressure => f.write_str("midi.pressure"),
-            Self::Osc(address) => write!(f, "osc.{address}"),
+            Self::Osc { address, argument: 1 } => write!(f, "osc.{address}"),
+            Self::Osc { address, argument } => write!(f, "osc.{address} {argument}"),
         }
     }
 }
@@ -140,11 +177,18 @@ impl Bind {
             channel: None,
             range: None,
             curve: None,
+            sends: SENDS,
             pickup: true,
             encoder: None,
             step: STEP,
             span: Span::default(),
         }
+    }
+
+    /// The position of a number in an OSC message: 0 and 1 at the ends, beyond them less or more.
+    pub fn position_of(&self, number: f64) -> f64 {
+        let [from, to] = self.sends;
+        (number - from) / (to - from)
     }
 
     /// What the control becomes at a position from 0 to 1.
@@ -191,16 +235,13 @@ pub(crate) fn read(reader: &Reader) -> Option<Bind> {
             None
         }
     });
-    let range = reader.at("range").and_then(|value| {
-        let numbers: Option<Vec<f64>> = value.list().and_then(|list| list.map(|v| v.number()).collect());
-        match numbers.as_deref() {
-            Some(&[from, to]) if from.is_finite() && to.is_finite() && from != to => Some([from, to]),
-            _ => {
-                reader.wrong("range", &value, "it must be two different numbers, [from, to]");
-                None
-            }
-        }
-    });
+    let range = ends(reader, "range");
+    let sends = ends(reader, "sends");
+    if sends.is_some() && from.as_ref().is_some_and(|from| !matches!(from, Mover::Osc { .. })) {
+        let what = format!("`sends` of {}: only OSC sends numbers of any size", reader.who);
+        let help = "what MIDI says goes from 0 to 1; `range` says what its ends become".to_string();
+        reader.sink.push(Problem::error(&reader.span_of("sends"), what).help(help));
+    }
     let curve = match reader.word("curve") {
         1 => Some(Curve::Linear),
         2 => Some(Curve::Exponential),
@@ -224,6 +265,7 @@ pub(crate) fn read(reader: &Reader) -> Option<Bind> {
         channel: reader.count("channel").and_then(|n| u8::try_from(n).ok()),
         range,
         curve,
+        sends: sends.unwrap_or(SENDS),
         pickup: reader.flag("pickup"),
         encoder,
         step: reader.number_or_default("step"),
@@ -231,6 +273,21 @@ pub(crate) fn read(reader: &Reader) -> Option<Bind> {
         // What is wrong has been reported; what it moves can be looked at all the same.
         from: from.unwrap_or(Mover::Bend),
     })
+}
+
+/// Two numbers, as far from each other as both are precise.
+fn ends(reader: &Reader, key: &str) -> Option<[f64; 2]> {
+    let value = reader.at(key)?;
+    let numbers: Option<Vec<f64>> = value.list().and_then(|list| list.map(|v| v.number()).collect());
+    match numbers.as_deref() {
+        Some(&[from, to]) if from.is_finite() && to.is_finite() && (to - from).is_normal() => {
+            Some([from, to])
+        }
+        _ => {
+            reader.wrong(key, &value, "it must be two different numbers, [from, to]");
+            None
+        }
+    }
 }
 
 #[cfg(test)]
@@ -243,7 +300,16 @@ mod tests {
     #[test]
     fn what_may_stand_there() {
         assert_eq!(Mover::parse("midi.controller 21"), Ok(Mover::Controller(21)));
-        assert_eq!(Mover::parse("osc./a/b"), Ok(Mover::Osc("/a/b".into())));
+        for (text, argument) in [("osc./a/b", 1), ("osc./a/b 2", 2), ("osc./a/b 64", 64)] {
+            let mover = Mover::parse(text).unwrap();
+            assert_eq!(mover, Mover::Osc { address: "/a/b".into(), argument });
+            assert_eq!(mover.to_string(), text);
+        }
+        assert_eq!(Mover::parse("osc./a 1").unwrap().to_string(), "osc./a");
+        for wrong in ["osc./a 0", "osc./a 65", "osc./a b", "osc./a  2", "osc./a\t2", "osc./a 2 3", "osc. /a"]
+        {
+            assert!(Mover::parse(wrong).is_err(), "{wrong}");
+        }
         for wrong in ["midi.controller 120", "midi.controller x", "osc.a", "midi.note", ""] {
             assert!(Mover::parse(wrong).is_err(), "{wrong}");
         }

@@ -5,7 +5,7 @@
 //! with it. [`Patch::parse`] reads it from a file's bytes and reports every problem at once, each at its place.
 
 pub(crate) mod advice;
-pub(crate) mod bind;
+pub mod bind;
 mod check;
 pub(crate) mod control;
 mod crossing;
@@ -251,7 +251,8 @@ impl Patch {
         let set_off = |trigger: &Trigger| {
             matches!(trigger.on, Source::MidiNote | Source::MidiProgram(_) | Source::MidiController { .. })
         };
-        self.triggers.iter().any(set_off) || self.binds.iter().any(|bind| !matches!(bind.from, Mover::Osc(_)))
+        self.triggers.iter().any(set_off)
+            || self.binds.iter().any(|bind| !matches!(bind.from, Mover::Osc { .. }))
     }
 
     /// Whether a pattern of it follows the clock of MIDI.

@@ -394,11 +394,13 @@ pub const TOPICS: &[Topic] = &[
                - midi.controller 21: a controller, 0 to 119; of a pair of 14 bits the lower number, from 0 to 31. One from 32 to 63 that is \
                named itself is a controller of 7 bits of its own, and then its partner has 7 bits too\n\
                - midi.bend, midi.pressure: the wheel, and how hard keys are pressed\n\
-               - osc./address: a message with a position from 0 to 1\n\n\
+               - osc./address: the first number of a message; osc./address 2 is its second, of a pad or a tracker that says several at once. They go \
+               from 0 to 1, or as far as `sends` says: sends = [-0.5, 0.5]\n\n\
                A controller that a binding or a trigger names has no other meaning on its channel: 64 and 66 are then no pedals that hold \
                notes, 0 and 32 choose no bank, and 6, 38 and 96 to 101 no numbered parameter. Timbre (74) stays timbre as well. Numbered \
                parameters (NRPN, RPN) move nothing but the bend range and the zones of MPE: their values are counted and told.\n\n\
-               With `pickup` a fader moves its control only from where that stands. Turn it off for a wheel that comes back to its rest.\n\n\
+               With `pickup` a fader moves its control only from where that stands. Turn it off for a wheel that comes back to its rest. A control that \
+               is a stream has none.\n\n\
                An endless knob may tell steps in place of positions, in one of three ways, which its editor or `pacinian learn` says: \
                twos-complement (1 is a step up, 127 one down), binary-offset (65 and 63) or signed-bit (1 and 65). With `encoder` it moves its \
                control on from where that stands, whoever moved it before, by `step` of the range for each.",

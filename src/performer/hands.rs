@@ -1,11 +1,11 @@
 //! What comes from outside: keys, messages of MIDI and OSC set triggers off and move controls.
 
 use super::touch::Held;
-use super::{Happening, Note, Outlet, Performer, Touch, When, Whence};
+use super::{Note, Outlet, Performer, Touch, When, Whence};
 use crate::midi::{Channel, Claims, Expression, Gesture, Interpreter, Message, interpreter, pitch};
 use crate::node::motion::Motion;
 use crate::patch::event::limits;
-use crate::patch::{Mover, Place, Source, Spread, Trigger};
+use crate::patch::{Bind, Mover, Place, Source, Spread, Trigger};
 use crate::rig::{Output, OutputKind};
 use crate::text::Problem;
 
@@ -113,7 +113,7 @@ impl Performer {
             _ => None,
         };
         let result = moved.map_or(Ok(()), |(mover, channel, position)| {
-            self.move_by(at, &|from| *from == mover, Some(channel), position, outlet)
+            self.move_by((at, at), &|bind| (bind.from == mover).then_some(position), Some(channel), outlet)
         });
         self.count(at, port, message, outlet);
         let heard = self.hear(port, at, outlet, |interpreter, sink| interpreter.message(message, sink));
@@ -254,8 +254,8 @@ impl Performer {
                 Ok(())
             }
             Gesture::Controller { channel, number, value, .. } => {
-                let moved = |from: &Mover| *from == Mover::Controller(number);
-                let result = self.move_by(at, &moved, Some(channel), value, outlet);
+                let says = |bind: &Bind| (bind.from == Mover::Controller(number)).then_some(value);
+                let result = self.move_by((at, at), &says, Some(channel), outlet);
                 let Some(stood) = self.hands[port].stood[channel.index()].get_mut(usize::from(number)) else {
                     return result;
                 };
@@ -343,17 +343,34 @@ impl Performer {
         values: &[f64],
         outlet: &mut dyn Outlet,
     ) -> Result<bool, Problem> {
-        let moved = |from: &Mover| matches!(from, Mover::Osc(a) if a == address);
+        self.osc_by((at, at), address, values, outlet)
+    }
+
+    /// The same of one of `at`, which came so late that nothing before `now` can be changed any more: a stream still reaches its value in time.
+    ///
+    /// # Errors
+    /// As [`Performer::osc`].
+    pub fn osc_by(
+        &mut self,
+        (at, now): (When, When),
+        address: &str,
+        values: &[f64],
+        outlet: &mut dyn Outlet,
+    ) -> Result<bool, Problem> {
+        let says = |bind: &Bind| match &bind.from {
+            Mover::Osc { address: a, argument } if a == address => {
+                Some(bind.position_of(*values.get(argument.checked_sub(1)?)?))
+            }
+            _ => None,
+        };
+        let of_binding = |bind: &Bind| matches!(&bind.from, Mover::Osc { address: a, .. } if a == address);
         let of_it = |t: &Trigger| matches!(&t.on, Source::Osc(a) if a == address);
-        let listens =
-            self.patch.binds.iter().any(|bind| moved(&bind.from)) || self.patch.triggers.iter().any(of_it);
+        let listens = self.patch.binds.iter().any(of_binding) || self.patch.triggers.iter().any(of_it);
         let value = values.first().copied();
         // Surfaces send that when a button is let go.
         let fits = |t: &Trigger| of_it(t) && (value != Some(0.0) || t.reads("value"));
         let known = |name: &str| if name == "value" { value.or(Some(1.0)) } else { None };
-        if let Some(value) = value {
-            self.move_by(at, &moved, None, value, outlet)?;
-        }
+        self.move_by((at, now), &says, None, outlet)?;
         self.set_off(at, &fits, &known, Hit::default(), outlet).map(|()| listens)
     }
 
@@ -504,62 +521,6 @@ impl Performer {
             },
         };
         self.rig.outputs.iter().filter(felt).nth(number).map(|output| Place::Channel(output.channel))
-    }
-
-    /// Moves the controls of the bindings that `from` says yes to, to a position from 0 to 1.
-    fn move_by(
-        &mut self,
-        at: When,
-        from: &dyn Fn(&Mover) -> bool,
-        channel: Option<Channel>,
-        position: f64,
-        outlet: &mut dyn Outlet,
-    ) -> Result<(), Problem> {
-        if self.patch.binds.is_empty() || !position.is_finite() {
-            return Ok(());
-        }
-        let patch = std::sync::Arc::clone(&self.patch);
-        let mut result = Ok(());
-        for (number, bind) in patch.binds.iter().enumerate() {
-            let fits = from(&bind.from) && channel.is_none_or(|channel| on_channel(bind.channel, channel));
-            let place =
-                patch.controls.iter().position(|control| control.name == bind.control).filter(|_| fits);
-            let Some((control, place)) = place.and_then(|place| Some((patch.controls.get(place)?, place)))
-            else {
-                continue;
-            };
-            if let Some((encoder, value)) = bind.encoder.zip(self.targets.get(place).copied()) {
-                let turned = bind.turned(encoder, control, value, (127.0 * position).round() as u8);
-                if turned != value && self.plan.control(&control.name).is_ok() {
-                    result = result.and(self.set(at, &control.name, turned, outlet));
-                }
-                continue;
-            }
-            let stands = self.targets.get(place).and_then(|value| bind.position(control, *value));
-            // A song has no fader that stands anywhere.
-            let pickup = self.pickups.get_mut(number).filter(|_| bind.pickup && !self.in_song);
-            let waits = pickup.and_then(|pickup| {
-                let moves = pickup.moves(position, stands);
-                (!moves).then(|| pickup.begins_to_wait())
-            });
-            // A control that nothing reads has no place in the engine.
-            if self.plan.control(&control.name).is_err() {
-                continue;
-            }
-            if waits == Some(true) {
-                let control = &control.name;
-                self.tell(
-                    at,
-                    None,
-                    None,
-                    Happening::Waits { control, position, stands: stands.unwrap_or(0.0) },
-                );
-            }
-            if waits.is_none() {
-                result = result.and(self.set(at, &control.name, bind.value(control, position), outlet));
-            }
-        }
-        result
     }
 }
 

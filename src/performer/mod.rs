@@ -4,6 +4,7 @@
 //! leads to one in another thread. It may allocate and read files.
 
 mod beats;
+mod bindings;
 mod clocked;
 mod crossed;
 mod hands;

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use super::{OpenEvents, Performer};
+use super::{OpenEvents, Outlet, Performer};
+use crate::engine::event::{Event, Source};
 use crate::graph::scene::{Options, Scene, scene};
 use crate::node::asset::NoAssets;
 use crate::patch::Patch;
 use crate::rig::Rig;
+use crate::schedule::Instant;
 use crate::text::Problem;
 
 /// What stands before a voice `v`.
@@ -15,6 +17,23 @@ pub const HEAD: &str = "format = \"pacinian-patch/1\"\ntitle = \"t\"\n";
 /// A voice `v` that is a sine.
 pub const VOICE: &str =
     "[voice.v]\noutput = \"o\"\n[voice.v.nodes]\no = { type = \"sine\", frequency = 100 }\n";
+
+/// Keeps what it is sent.
+#[derive(Default)]
+pub struct Kept(pub Vec<(Instant, Event)>);
+
+impl Outlet for Kept {
+    fn clock(&self) -> u64 {
+        1
+    }
+    fn room(&self, _: Source) -> usize {
+        1000
+    }
+    fn send(&mut self, at: Instant, _: Source, event: Event) -> bool {
+        self.0.push((at, event));
+        true
+    }
+}
 
 /// Plays a patch on a rig of so many channels, as a live one that waits for nothing.
 pub fn performer(text: &str, channels: u32) -> Performer {

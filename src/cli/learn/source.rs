@@ -30,7 +30,8 @@ pub fn shown(source: &Source) -> String {
             };
             format!("{what}on channel {} of {}", channel.number(), escaped(port))
         }
-        Source::Osc { address, .. } => format!("OSC {}", escaped(address)),
+        Source::Osc { address, argument: 1, .. } => format!("OSC {}", escaped(address)),
+        Source::Osc { address, argument, .. } => format!("OSC {}, number {argument}", escaped(address)),
     }
 }
 
@@ -58,7 +59,7 @@ fn of_osc(shown: &str, misfit: Misfit) -> String {
         }
         Misfit::Value(value) => {
             format!(
-                "{shown} says {value}: a binding takes positions from 0 to 1; set it so where it comes from"
+                "{shown} says {value}: what is learnt goes from 0 to 1; set it so where it comes from, or write [[bind]] with what it `sends`"
             )
         }
     }

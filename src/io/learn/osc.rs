@@ -12,6 +12,8 @@ use crate::io::osc::names::is_own;
 use crate::io::osc::packet::unpack;
 use crate::midi::reach::Reaches;
 use crate::midi::travel::{SPAN, Travel};
+use crate::patch::Mover;
+use crate::patch::bind::ARGUMENTS;
 
 /// The largest datagram of UDP.
 const DATAGRAM: usize = 1 << 16;
@@ -28,7 +30,7 @@ pub(super) struct Ear {
     socket: UdpSocket,
     space: Vec<u8>,
     begin: Instant,
-    /// Where each address has been, and when it was heard of last.
+    /// Where each number of an address has been, and when it was heard of last.
     travels: HashMap<String, (Travel, f64)>,
     spent: Option<(String, f64)>,
     said: HashSet<String>,
@@ -76,9 +78,11 @@ impl Ear {
             let Ok((length, _)) = self.socket.recv_from(&mut space) else { break };
             let seconds = self.begin.elapsed().as_secs_f64();
             for (_, message) in unpack(space.get(..length).unwrap_or_default()).unwrap_or_default() {
-                let value = message.args.first().and_then(number);
-                let heard = value.and_then(|value| self.message(seconds, &message.addr, value));
-                self.waiting.extend(heard);
+                for (at, value) in message.args.iter().enumerate().take(ARGUMENTS) {
+                    let value = number(value);
+                    let heard = value.and_then(|value| self.message(seconds, (&message.addr, at + 1), value));
+                    self.waiting.extend(heard);
+                }
             }
             if !self.waiting.is_empty() {
                 break;
@@ -99,7 +103,7 @@ impl Ear {
         self.heard = Reaches::default();
     }
 
-    fn message(&mut self, seconds: f64, address: &str, value: f64) -> Option<Heard> {
+    fn message(&mut self, seconds: f64, (address, argument): (&str, usize), value: f64) -> Option<Heard> {
         let misfit = if is_own(address) {
             Some(Misfit::Own)
         } else if address.contains(char::is_whitespace) {
@@ -122,27 +126,29 @@ impl Ear {
             }
             self.spent = None;
         }
-        if self.travels.len() >= MOST && !self.travels.contains_key(address) {
+        let from = Mover::Osc { address: address.into(), argument }.to_string();
+        let name = from.strip_prefix("osc.").unwrap_or(&from);
+        if self.travels.len() >= MOST && !self.travels.contains_key(name) {
             // Whatever says nothing any more makes room.
             let oldest =
                 self.travels.iter().min_by(|a, b| a.1.1.total_cmp(&b.1.1)).map(|(old, _)| old.clone());
             oldest.and_then(|oldest| self.travels.remove(&oldest));
         }
-        self.heard.hear(address.into(), value);
-        let (travel, last) = self.travels.entry(address.into()).or_default();
+        self.heard.hear(name.into(), value);
+        let (travel, last) = self.travels.entry(name.into()).or_default();
         *last = seconds;
         travel.comes(seconds, value);
         let moved = travel.is_moved(SPAN) || travel.is_moved_coarsely();
         let (pressed, switch) = (!moved && travel.is_latched(), travel.is_switch());
         let alone =
-            |(other, (travel, _)): (&String, &(Travel, f64))| other == address || !travel.is_far(seconds);
+            |(other, (travel, _)): (&String, &(Travel, f64))| other == name || !travel.is_far(seconds);
         let meant = moved || (pressed && self.travels.iter().all(alone));
         if !meant {
             return None;
         }
         self.begin_anew();
         self.spent = Some((address.into(), seconds));
-        Some(Heard::Source(Source::Osc { address: address.into(), switch }))
+        Some(Heard::Source(Source::Osc { address: address.into(), argument, switch }))
     }
 }
 
@@ -155,11 +161,11 @@ mod tests {
     fn among_more_addresses_than_are_told_apart_one_that_moves_is_recognised() {
         let (mut ear, _) = Ear::open("127.0.0.1:0".parse::<Endpoint>().unwrap()).unwrap();
         for n in 0..3 * MOST {
-            assert_eq!(ear.message(1e-4 * n as f64, &format!("/desk/{n}"), 0.5), None);
+            assert_eq!(ear.message(1e-4 * n as f64, (&format!("/desk/{n}"), 1), 0.5), None);
         }
         assert_eq!(ear.travels.len(), MOST);
-        let moved =
-            (0..=50).filter_map(|n| ear.message(2.0 + 0.02 * f64::from(n), "/fader", 0.02 * f64::from(n)));
+        let moved = (0..=50)
+            .filter_map(|n| ear.message(2.0 + 0.02 * f64::from(n), ("/fader", 1), 0.02 * f64::from(n)));
         assert!(matches!(moved.collect::<Vec<_>>()[..], [Heard::Source(_)]));
     }
 
@@ -196,11 +202,31 @@ mod tests {
         assert_eq!((unfit, learnt), (102, 1));
     }
 
+    /// Of a pad, whose messages have two numbers, the one that moves is learnt; and not the other right behind it, as the finger slides on.
+    #[test]
+    fn the_number_that_moves_is_told_from_the_one_beside_it() {
+        let (mut ear, _) = Ear::open("127.0.0.1:0".parse::<Endpoint>().unwrap()).unwrap();
+        let mut heard = Vec::new();
+        for n in 0..200 {
+            let (seconds, turn) = (0.01 * f64::from(n), f64::from(n) / 200.0);
+            heard.extend(ear.message(seconds, ("/pad", 1), 0.5 + 0.01 * turn));
+            heard.extend(ear.message(seconds, ("/pad", 2), turn));
+        }
+        for n in 0..20 {
+            heard.extend(ear.message(2.0 + 0.01 * f64::from(n), ("/pad", 1), 0.05 * f64::from(n)));
+        }
+        let of = |heard: &Heard| match heard {
+            Heard::Source(source) => source.mover().to_string(),
+            Heard::Unfit(unfit) => panic!("{unfit:?}"),
+        };
+        assert_eq!(heard.iter().map(of).collect::<Vec<_>>(), ["osc./pad 2"]);
+    }
+
     #[test]
     fn half_a_movement_is_none() {
         let (mut ear, _) = Ear::open("127.0.0.1:0".parse::<Endpoint>().unwrap()).unwrap();
         let half = |ear: &mut Ear, from: f64| {
-            (0..5).find_map(|n| ear.message(from, "/fader", from + 0.012 * f64::from(n)))
+            (0..5).find_map(|n| ear.message(from, ("/fader", 1), from + 0.012 * f64::from(n)))
         };
         assert_eq!(half(&mut ear, 0.4), None);
         ear.forget();

@@ -20,6 +20,8 @@ pub enum Source {
     Osc {
         /// The address.
         address: String,
+        /// Which of its numbers, from 1.
+        argument: usize,
         /// Whether it says two positions and no others.
         switch: bool,
     },
@@ -34,7 +36,9 @@ impl Source {
                 Control::Bend => Mover::Bend,
                 Control::Pressure => Mover::Pressure,
             },
-            Self::Osc { address, .. } => Mover::Osc(address.clone()),
+            Self::Osc { address, argument, .. } => {
+                Mover::Osc { address: address.clone(), argument: *argument }
+            }
         }
     }
 
@@ -99,8 +103,9 @@ mod tests {
         assert_eq!(of(Control::Bend, false), (Mover::Bend, Some(number), false));
         assert_eq!(of(Control::Pressure, false), (Mover::Pressure, Some(number), false));
         for switch in [false, true] {
-            let bind = Source::Osc { address: "/a/b".into(), switch }.bind("depth");
-            assert_eq!((bind.from, bind.channel, bind.pickup), (Mover::Osc("/a/b".into()), None, !switch));
+            let bind = Source::Osc { address: "/a/b".into(), argument: 2, switch }.bind("depth");
+            let from = Mover::parse("osc./a/b 2").unwrap();
+            assert_eq!((bind.from, bind.channel, bind.pickup), (from, None, !switch));
         }
     }
 }

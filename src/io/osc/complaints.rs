@@ -7,6 +7,7 @@ use rosc::OscType;
 
 use super::names::{Method, Names};
 use super::time::FURTHEST;
+use crate::patch::Mover;
 use crate::text::problem::shown;
 
 /// Addresses of which it is said.
@@ -45,17 +46,35 @@ impl Complaints {
         });
     }
 
-    /// A message to what a binding listens to, which takes positions from 0 to 1.
+    /// A message to what bindings listen to, which take numbers from one of their ends to the other; and those that it has.
     pub fn position(&mut self, address: &str, numbers: &[f64], names: &Names) {
-        if let Some(position) = numbers.first().filter(|x| !(0.0..=1.0).contains(*x))
-            && names.is_bound(address)
-        {
-            self.say(address, || {
-                let nearest = position.clamp(0.0, 1.0);
-                format!(
-                    "OSC: `{address}` says {position}: a binding takes positions from 0 to 1, so it is {nearest}; let the sender divide by its largest"
-                )
-            });
+        for bind in names.bound(address) {
+            let Mover::Osc { argument, .. } = bind.from else { continue };
+            let [from, to] = bind.sends;
+            let which = if argument == 1 { String::new() } else { format!(" as its number {argument}") };
+            let Some(number) = numbers.get(argument - 1) else {
+                // A button that says nothing at all is pushed.
+                if numbers.is_empty() {
+                    continue;
+                }
+                self.say(address, || {
+                    let count = numbers.len();
+                    let s = if count == 1 { "" } else { "s" };
+                    format!(
+                        "OSC: `{address}` says {count} number{s}; its binding waits for number {argument}"
+                    )
+                });
+                continue;
+            };
+            let (least, most) = (from.min(to), from.max(to));
+            if !(least..=most).contains(number) {
+                self.say(address, || {
+                    let nearest = number.clamp(least, most);
+                    format!(
+                        "OSC: `{address}` says {number}{which}: its binding takes numbers from {from} to {to}, so it is {nearest}; say in [[bind]] what it `sends`"
+                    )
+                });
+            }
         }
     }
 
@@ -171,7 +190,28 @@ mod tests {
         assert!(
             told.try_recv()
                 .unwrap()
-                .contains("`/1/fader1` says 64: a binding takes positions from 0 to 1, so it is 1;")
+                .contains("`/1/fader1` says 64: its binding takes numbers from 0 to 1, so it is 1;")
         );
+    }
+
+    #[test]
+    fn of_several_numbers_each_is_looked_at() {
+        let text = format!(
+            "{PATCH}[[bind]]\nfrom = \"osc./hand\"\ncontrol = \"depth\"\nsends = [0.5, -0.5]\n\
+             [[bind]]\nfrom = \"osc./head 2\"\ncontrol = \"depth\"\n"
+        );
+        let names = Names::of(&Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value);
+        let said = |address: &str, numbers: &[f64]| {
+            let (to, told) = channel();
+            Complaints::new(to).position(address, numbers, &names);
+            told.try_recv().unwrap_or_default()
+        };
+        assert_eq!(said("/hand", &[-0.5, 7.0]) + &said("/head", &[9.0, 1.0]), "");
+        assert!(
+            said("/hand", &[-0.75])
+                .contains("`/hand` says -0.75: its binding takes numbers from 0.5 to -0.5, so it is -0.5;")
+        );
+        assert!(said("/head", &[0.0, 2.0]).contains("`/head` says 2 as its number 2: its binding"));
+        assert!(said("/head", &[0.0]).contains("`/head` says 1 number; its binding waits for number 2"));
     }
 }

@@ -27,6 +27,8 @@ pub enum Ask {
     Stop(String),
     /// Send a control to a value.
     Set(usize, f64),
+    /// Send several to theirs.
+    Feed(Vec<(usize, f64)>),
     /// Tell the value of a control.
     Get(usize),
     /// Tell it again and again; `None`: no more.
@@ -60,11 +62,17 @@ pub enum Ask {
 }
 
 impl Ask {
-    /// The control that it is about, by its number.
-    pub(super) fn control(&mut self) -> Option<&mut usize> {
+    /// Names the controls that it is about anew, by their numbers. Says whether anything is left of it.
+    pub(super) fn renumber(&mut self, new: impl Fn(usize) -> Option<usize>) -> bool {
         match self {
-            Self::Set(control, _) | Self::Get(control) | Self::Report(control, _) => Some(control),
-            _ => None,
+            Self::Set(control, _) | Self::Get(control) | Self::Report(control, _) => {
+                new(*control).map(|new| *control = new).is_some()
+            }
+            Self::Feed(values) => {
+                values.retain_mut(|(control, _)| new(*control).map(|new| *control = new).is_some());
+                !values.is_empty()
+            }
+            _ => true,
         }
     }
 }
@@ -100,6 +108,11 @@ pub fn ask(method: &Method, args: &[OscType]) -> Result<Ask, Wrong> {
             [value] => Ask::Set(*control, finite(value)?),
             _ => return Err(Wrong),
         },
+        Method::Feed(controls) if controls.len() == args.len() => {
+            let values = args.iter().map(finite).collect::<Result<Vec<_>, _>>()?;
+            Ask::Feed(controls.iter().copied().zip(values).collect())
+        }
+        Method::Feed(_) => return Err(Wrong),
         Method::Get(control) => match args {
             [] => Ask::Get(*control),
             [every] if finite(every)? == 0.0 => Ask::Report(*control, None),

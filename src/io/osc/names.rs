@@ -1,11 +1,11 @@
 //! The addresses there are: those of pacinian, and those that a patch gives.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use super::address::{LONGEST, Pattern};
 use super::announce::Wants;
 use crate::midi::What;
-use crate::patch::{Control, Mover, Patch, Source};
+use crate::patch::{Bind, Control, Mover, Patch, Source};
 use crate::text::nearest::nearest;
 
 /// Addresses among which the one that was meant is looked for.
@@ -28,6 +28,8 @@ pub enum Method {
     Stop(String),
     /// Moves a control, by its number in the patch.
     Set(usize),
+    /// Moves several at once, each with its number of the message.
+    Feed(Vec<usize>),
     /// Tells the value of a control, once or again and again.
     Get(usize),
     /// Tells all that there is of a kind.
@@ -77,6 +79,7 @@ impl Method {
             Self::Release => "an id",
             Self::Touch(_) => "an id and a number",
             Self::Set(_) => "a number",
+            Self::Feed(_) => "as many numbers as there are names in the address",
             Self::Get(_) | Self::Subscribe => "nothing, or milliseconds from report to report",
             Self::Arm | Self::Torque => "0 or 1",
             Self::Trigger(_) => "numbers",
@@ -136,8 +139,10 @@ pub fn is_own(address: &str) -> bool {
 pub struct Names {
     methods: Vec<(String, Method)>,
     places: HashMap<String, usize>,
-    /// Those that bindings listen to.
-    bound: HashSet<String>,
+    /// The bindings to each.
+    bound: HashMap<String, Vec<Bind>>,
+    /// By how many seconds the least of the streams is later that are bound to each, and to which nothing else listens.
+    streams: HashMap<String, f64>,
     /// The patch's controls.
     pub controls: Vec<Control>,
     /// The names of its voices.
@@ -179,11 +184,19 @@ impl Names {
             }
         }
         for bind in &patch.binds {
-            if let Mover::Osc(address) = &bind.from {
+            if let Mover::Osc { address, .. } = &bind.from {
                 names.add(address.clone(), Method::Trigger(address.clone()));
-                names.bound.insert(address.clone());
+                names.bound.entry(address.clone()).or_default().push(bind.clone());
             }
         }
+        let stream = |bind: &Bind| {
+            names.controls.iter().find(|control| control.name == bind.control).map_or(0.0, |c| c.stream)
+        };
+        let least = |binds: &[Bind]| binds.iter().map(stream).fold(f64::INFINITY, f64::min);
+        let set_off =
+            |address: &str| patch.triggers.iter().any(|t| matches!(&t.on, Source::Osc(on) if on == address));
+        let of_streams = names.bound.iter().filter(|(address, _)| !set_off(address));
+        names.streams = of_streams.map(|(address, binds)| (address.clone(), least(binds))).collect();
         names
     }
 
@@ -194,9 +207,29 @@ impl Names {
         });
     }
 
-    /// Whether a binding listens to an address.
-    pub fn is_bound(&self, address: &str) -> bool {
-        self.bound.contains(address)
+    /// The bindings that listen to an address.
+    pub fn bound(&self, address: &str) -> &[Bind] {
+        self.bound.get(address).map_or(&[], Vec::as_slice)
+    }
+
+    /// By how many seconds all that a method moves is later than what comes, so that a value may come late and yet be there in time.
+    pub fn stream(&self, method: &Method) -> f64 {
+        let of = |number: &usize| self.controls.get(*number).map_or(0.0, |control| control.stream);
+        match method {
+            Method::Set(number) => of(number),
+            Method::Feed(numbers) => numbers.iter().map(of).fold(f64::INFINITY, f64::min),
+            Method::Trigger(address) => self.streams.get(address).copied().unwrap_or(0.0),
+            _ => 0.0,
+        }
+    }
+
+    /// The streams that `/input/NAME/NAME/...` names.
+    fn fed(&self, address: &str) -> Option<Vec<usize>> {
+        let names = address.strip_prefix("/input/")?;
+        let number = |name: &str| {
+            self.controls.iter().position(|control| control.name == name && control.stream > 0.0)
+        };
+        names.split('/').map(number).collect()
     }
 
     /// The address that was probably meant.
@@ -217,7 +250,7 @@ impl Names {
             return Err(Unfound::NoPattern);
         }
         if !address.contains(['?', '*', '[', ']', '{', '}']) {
-            return Ok(Vec::new());
+            return Ok(self.fed(address).map(Method::Feed).into_iter().collect());
         }
         let pattern = Pattern::parse(address).ok_or(Unfound::NoPattern)?;
         let mut found = Vec::new();

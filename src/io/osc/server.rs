@@ -246,13 +246,7 @@ impl Listener {
             let name = &self.names.controls.get(control)?.name;
             names.controls.iter().position(|c| c.name == *name)
         };
-        let forgotten = self.agenda.retain(|later| match later.what.control() {
-            None => true,
-            Some(control) => become_of(*control).is_some_and(|new| {
-                *control = new;
-                true
-            }),
-        });
+        let forgotten = self.agenda.retain(|later| later.what.renumber(become_of));
         self.counts.unknown.add(forgotten as u64);
         self.names = names;
         self.peers.forget_controls();
@@ -339,9 +333,8 @@ impl Listener {
 
     /// When a value for a stream was sampled that came late, but within what the stream is later anyway.
     fn sampled(&self, method: &Method, due: Due, now: Stamp) -> Option<Stamp> {
-        let (Method::Set(number), Due::Late(ago)) = (method, due) else { return None };
-        let control = self.names.controls.get(*number)?;
-        (ago as f64 * 1e-9 < control.stream).then(|| Stamp(now.0.saturating_sub(ago)))
+        let Due::Late(ago) = due else { return None };
+        (ago as f64 * 1e-9 < self.names.stream(method)).then(|| Stamp(now.0.saturating_sub(ago)))
     }
 
     /// Does what is due, and tells what is.
@@ -440,15 +433,8 @@ impl Listener {
             Ask::ReleaseAll => drop(self.send(at, Signal::ReleaseAll)),
             Ask::Start(name) => drop(self.send(at, Signal::Start(self.handle.number(), name))),
             Ask::Stop(name) => drop(self.send(at, Signal::StopNamed(name))),
-            Ask::Set(number, value) => {
-                let Some(control) = self.names.controls.get(number) else { return };
-                let (name, value) = (control.name.clone(), value.clamp(control.range[0], control.range[1]));
-                if let (Some(id), Some(slot)) =
-                    (self.send_numbered(at, Signal::Set(name, value)), self.values.get_mut(number))
-                {
-                    *slot = (value, id);
-                }
-            }
+            Ask::Set(number, value) => self.set(at, number, value),
+            Ask::Feed(values) => values.into_iter().for_each(|(number, value)| self.set(at, number, value)),
             Ask::Get(control) => self.tell(from, control),
             Ask::Report(control, Some(every)) => {
                 self.tell(from, control);
@@ -500,6 +486,16 @@ impl Listener {
                 self.send(at, Signal::Osc(address, numbers));
             }
             Ask::Nothing => {}
+        }
+    }
+
+    fn set(&mut self, at: Stamp, number: usize, value: f64) {
+        let Some(control) = self.names.controls.get(number) else { return };
+        let (name, value) = (control.name.clone(), value.clamp(control.range[0], control.range[1]));
+        if let (Some(id), Some(slot)) =
+            (self.send_numbered(at, Signal::Set(name, value)), self.values.get_mut(number))
+        {
+            *slot = (value, id);
         }
     }
 

@@ -72,10 +72,13 @@ fn receive(client: &UdpSocket) -> (String, Vec<OscType>) {
 
 impl Scene {
     fn new() -> Self {
+        Self::of(&Patch::parse("p", PATCH.as_bytes()).unwrap().value)
+    }
+
+    fn of(patch: &Patch) -> Self {
         let (inlet, heard) = queues();
         let handle = Handle::new(inlet, Epoch::begin(), Arc::new(Board::new(3)));
-        let patch = Patch::parse("p", PATCH.as_bytes()).unwrap().value;
-        let server = Server::start("0".parse().unwrap(), handle.clone(), &patch, None).unwrap();
+        let server = Server::start("0".parse().unwrap(), handle.clone(), patch, None).unwrap();
         Self { server, client: client(), heard: RefCell::new(heard), handle }
     }
 
@@ -542,5 +545,56 @@ proptest! {
         let c = scene.counts();
         assert_eq!(c.datagrams.get(), (datagrams.len() + addresses.len() + 1) as u64);
         assert_eq!(c.taken.get(), scene.heard().len() as u64);
+    }
+}
+
+/// A tracker's numbers in one message: by names in the address, or by bindings; and as of when they were sampled.
+#[test]
+fn streams_take_the_numbers_of_one_message() {
+    let text = "[control.x]\ndefault = 0\nrange = [-2, 2]\nstream = 0.5\n[control.y]\ndefault = 0\nstream = 0.4\n[control.z]\ndefault = 0\n\
+        [[bind]]\nfrom = \"osc./hand\"\ncontrol = \"x\"\n[[bind]]\nfrom = \"osc./hand 2\"\ncontrol = \"y\"\n\
+        [[bind]]\nfrom = \"osc./head\"\ncontrol = \"x\"\n[[bind]]\nfrom = \"osc./head 2\"\ncontrol = \"z\"\n";
+    let patch = format!("format = \"pacinian-patch/1\"\ntitle = \"t\"\n{text}");
+    let patch = Patch::parse("p", patch.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+    let scene = Scene::of(&patch);
+    std::thread::sleep(Duration::from_millis(700));
+    let float = |x: f32| OscType::Float(x);
+    let heard = |content: OscPacket| {
+        scene.send(&content);
+        scene.settle();
+        scene.heard()
+    };
+    let told = |heard: &[Stamped]| -> Vec<(String, f64)> {
+        let of = |stamped: &Stamped| match &stamped.signal {
+            Signal::Set(name, value) => (name.clone(), *value),
+            other => panic!("{other:?}"),
+        };
+        heard.iter().map(of).collect()
+    };
+    let set = heard(message("/input/y/x", &[float(0.25), float(-9.0)]));
+    assert_eq!(told(&set), [("y".to_string(), 0.25), ("x".to_string(), -2.0)]);
+    // As many numbers as names, and streams alone.
+    for (address, args) in [
+        ("/input/x/y", vec![float(0.1)]),
+        ("/input/x/y", vec![float(0.1), float(f32::NAN)]),
+        ("/input/x/y/z", vec![float(0.1); 3]),
+        ("/input/x/", vec![float(0.1); 2]),
+    ] {
+        assert!(heard(message(address, &args)).is_empty(), "{address} {args:?}");
+    }
+    assert_eq!((scene.counts().wrong.get(), scene.counts().unknown.get()), (2, 2));
+    // 300 ms late: within what the least of them is later, so it is as of then.
+    for (address, ms, as_of_then) in [
+        ("/input/x/y", 300, true),
+        ("/input/x/y", 450, false),
+        ("/hand", 300, true),
+        ("/hand", 450, false),
+        ("/head", 300, false),
+    ] {
+        let (before, late) = (scene.handle.epoch().now().0, scene.counts().late.get());
+        let heard = heard(bundle(-ms, vec![message(address, &[float(0.5), float(0.5)])]));
+        assert!(!heard.is_empty());
+        assert!(heard.iter().all(|s| (s.stamp.0 < before) == as_of_then), "{address} {ms}");
+        assert_eq!(scene.counts().late.get() - late, u64::from(!as_of_then), "{address} {ms}");
     }
 }

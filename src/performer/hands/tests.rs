@@ -1,27 +1,10 @@
-use super::super::staged::{self, HEAD};
+use super::super::staged::{self, HEAD, Kept};
 use super::{Message, MidiCounts, Note, Outlet, Performer, When, wheel};
 use crate::engine::event::{Event, Play, Source};
 use crate::midi::{Channel, pitch};
 use crate::node::motion::Motion;
 use crate::schedule::Instant;
 use crate::space::spot::Spot;
-
-/// Keeps what it is sent.
-#[derive(Default)]
-struct Kept(Vec<(Instant, Event)>);
-
-impl Outlet for Kept {
-    fn clock(&self) -> u64 {
-        1
-    }
-    fn room(&self, _: Source) -> usize {
-        1000
-    }
-    fn send(&mut self, at: Instant, _: Source, event: Event) -> bool {
-        self.0.push((at, event));
-        true
-    }
-}
 
 const PATCH: &str = "[control.depth]\ndefault = 0.5\nrange = [0, 2]\n\
     [voice.v]\noutput = \"o\"\n[voice.v.nodes]\ns = { type = \"sine\", frequency = \"event.frequency\" }\n\
