@@ -84,6 +84,7 @@ fn a_listener_hears_of_all_that_the_program_does() {
             Happening::Silence(bits) => format!("silence {bits}"),
             Happening::Cancel(bits) => format!("cancel {bits}"),
             Happening::Touch(motion, value) => format!("{motion:?} {value}"),
+            Happening::Message(message) => format!("{message:?}"),
             Happening::Waits { control, .. } => format!("{control} waits"),
         };
         list.lock().unwrap().push((event.instant.sample, what, event.id));

@@ -4,6 +4,7 @@
 mod program;
 
 use program::Scratch;
+use serde_json::Value;
 
 /// A track of so many ticks, 480 a second, behind whose messages it ends.
 fn song(messages: &[(u8, &[u8])]) -> Vec<u8> {
@@ -97,12 +98,31 @@ fn what_notes_played_is_played_again() {
         "--record",
         "x.wav",
         "--events",
-        "x.csv",
+        "x.jsonl",
     ];
     let run = scratch.run(&play);
     assert!(run.succeeds().err.contains("hum on"), "{}", run.err);
-    let run = scratch.run(&["replay", "x.csv", "--against", "x.wav"]);
+    let run = scratch.run(&["replay", "x.jsonl", "--against", "x.wav"]);
     assert!(run.succeeds().out.contains("the same, to the bit"), "{}", run.out);
+    // What was played leads back to the messages of the song, which stand before it with the samples at which they are due.
+    let journal = std::fs::read_to_string(scratch.0.join("x.jsonl")).unwrap();
+    let lines: Vec<Value> = journal.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let sung = |line: &Value| line["kind"] == "in" && line["source"] == "song";
+    let messages: Vec<&str> =
+        lines.iter().filter(|line| sung(line)).map(|line| line["message"].as_str().unwrap()).collect();
+    assert_eq!(messages, ["90 2D 64", "80 2D 00", "90 39 40", "80 39 00"]);
+    let mut led_back = Vec::new();
+    for (n, line) in lines.iter().enumerate() {
+        let Some(cause) = line["cause"].as_u64() else { continue };
+        let of = |line: &&Value| sung(line) && line["id"].as_u64() == Some(cause);
+        let message = lines[..n].iter().find(of).unwrap_or_else(|| panic!("{line}"));
+        assert_eq!(lines.iter().filter(of).count(), 1);
+        assert_eq!(message["due_sample"], line["due_sample"], "{line}");
+        led_back.push((line["kind"].as_str().unwrap(), message["message"].as_str().unwrap()));
+    }
+    let expected =
+        [("voice", messages[0]), ("release", messages[1]), ("voice", messages[2]), ("release", messages[3])];
+    assert_eq!(led_back, expected);
 }
 
 /// A pattern, or a voice, without end beside a song is over when that is; so is one that the song begins and does not end.

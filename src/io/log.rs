@@ -108,7 +108,7 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
         Happening::Silence(_) => "silence",
         Happening::Cancel(_) => "cancel",
         // Nothing is played.
-        Happening::Waits { .. } => return Ok(()),
+        Happening::Waits { .. } | Happening::Message(_) => return Ok(()),
     };
     write!(to, "{},{},{fraction},{kind},", heard.at, heard.instant.sample)?;
     match heard.origin {
@@ -152,7 +152,9 @@ fn line(to: &mut String, heard: &Heard<'_>) -> fmt::Result {
             write!(to, "{},,,,value={value},,", Motion::WORDS[motion.number()])?;
         }
         Happening::Silence(bits) | Happening::Cancel(bits) => write!(to, ",,,,value={bits},,")?,
-        Happening::Release | Happening::ReleaseAll | Happening::Waits { .. } => to.push_str(",,,,,,"),
+        Happening::Release | Happening::ReleaseAll | Happening::Waits { .. } | Happening::Message(_) => {
+            to.push_str(",,,,,,")
+        }
     }
     heard.id.map_or(Ok(()), |id| write!(to, "{id}"))?;
     to.push('\n');

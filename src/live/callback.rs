@@ -15,6 +15,7 @@ use super::called_off::CalledOff;
 use super::gate::{Gate, Order};
 use super::lever::Obeyed;
 use super::relief::Relieved;
+use super::steps::Steps;
 use super::torque::Torque;
 use crate::engine::Duty;
 use crate::engine::event::{Event, Source};
@@ -86,6 +87,8 @@ pub enum Deed {
     Followed(Followed),
     /// It told the gate something.
     Order(Order),
+    /// The device takes samples in other steps than before.
+    Steps(Steps),
     /// It let a new plan take over.
     Swap,
 }
@@ -93,7 +96,7 @@ pub enum Deed {
 impl Deed {
     /// Whether it is one of a few on which all others depend: no flood of those keeps it from being told.
     fn is_rare(&self) -> bool {
-        matches!(self, Self::Order(_) | Self::Swap)
+        matches!(self, Self::Order(_) | Self::Steps(_) | Self::Swap)
     }
 }
 
@@ -130,6 +133,7 @@ pub struct Callback {
     timing: Option<fn() -> u64>,
     /// Whether the device keeps to the time of a knob that is there.
     kept: bool,
+    steps: Steps,
 }
 
 /// A recording.
@@ -179,6 +183,7 @@ impl Callback {
             meters: Arc::new(Duty::new("meters", METERED, METERS)),
             timing: None,
             kept: true,
+            steps: Steps::FLOAT,
         };
         (callback, Rings { cues: senders, reports: told })
     }
@@ -255,6 +260,14 @@ impl Callback {
         self.gate.order(order);
         self.stagehand.engine().hold_motors(self.gate.holds());
         self.tell(Deed::Order(order));
+    }
+
+    /// From the next frame on, what goes out is rounded to the steps of its device.
+    pub fn round_to(&mut self, steps: Steps) {
+        if std::mem::replace(&mut self.steps, steps) != steps {
+            self.gate.round_to(steps);
+            self.tell(Deed::Steps(steps));
+        }
     }
 
     /// Times periodic work from now on, by a clock that gives nanoseconds. What is played does not depend on it.

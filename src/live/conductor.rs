@@ -256,7 +256,7 @@ impl Conductor {
                     }
                 }
                 Deed::Crossing(crossing) => set_off |= self.performer.cross(&self.callings, crossing),
-                Deed::Event { .. } | Deed::Followed(_) | Deed::Order(_) => {}
+                Deed::Event { .. } | Deed::Followed(_) | Deed::Order(_) | Deed::Steps(_) => {}
             }
             (self.audience)(Told::Report(&report, moment));
         }

@@ -13,6 +13,7 @@ use super::intake::Hearing;
 use super::relief::Relief;
 use super::remote::Given;
 use super::stamp::{Epoch, Stamp};
+use super::steps::Steps;
 use crate::knob::angle::decoder::NOT_HEARD;
 
 /// What a device calls to be filled. Only one device at a time has it; when that lets go of it, it goes home.
@@ -95,6 +96,11 @@ impl Driver {
         self.follower.gave(self.callback.frames());
         self.effort.forget();
         self.callback.order(order);
+    }
+
+    /// The device that has it takes samples in these steps.
+    pub(crate) fn round_to(&mut self, steps: Steps) {
+        self.callback.round_to(steps);
     }
 
     /// Channels of a frame.

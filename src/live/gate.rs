@@ -7,6 +7,7 @@
 
 use crate::engine;
 use crate::engine::stage::Stage;
+use crate::live::steps::Steps;
 
 /// Where a gate is told to go.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,6 +103,7 @@ pub struct Gate {
     pulses: Vec<bool>,
     kept: f32,
     braking: u32,
+    steps: Steps,
 }
 
 impl Gate {
@@ -109,7 +111,8 @@ impl Gate {
     pub fn new(rate: f64, gain: f32) -> Self {
         let (open, gain) = (Ramp::resting(0.0), Ramp::resting(gain));
         let (motors, pulses) = (Vec::new(), Vec::new());
-        Self { rate, open, gain, latched: false, closed: false, motors, pulses, kept: 0.0, braking: 0 }
+        let steps = Steps::FLOAT;
+        Self { rate, open, gain, latched: false, closed: false, motors, pulses, kept: 0.0, braking: 0, steps }
     }
 
     /// The same, of so many channels with motors and pulses on those of `stage`. Where it closes, motors come through for [`BRAKING`] as they did before, as
@@ -125,6 +128,11 @@ impl Gate {
     pub fn stands_before(&mut self, stage: &Stage) {
         mark(&mut self.motors, stage.drives().channels());
         mark(&mut self.pulses, stage.pulsed());
+    }
+
+    /// From the next frame on, the device takes samples in these steps.
+    pub fn round_to(&mut self, steps: Steps) {
+        self.steps = steps;
     }
 
     /// Whether nothing may leave, so that motors must stand.
@@ -186,8 +194,13 @@ impl Gate {
         self.open.value()
     }
 
-    /// Lets frames of so many channels through.
+    /// Lets frames of so many channels through, in the steps of the device.
     pub fn pass(&mut self, frames: &mut [f32], channels: usize) {
+        self.scale(frames, channels);
+        self.steps.round(frames);
+    }
+
+    fn scale(&mut self, frames: &mut [f32], channels: usize) {
         let mut rest = frames;
         let opens = self.open.to > 0.0 && self.pulses.contains(&true);
         while !self.open.rests() || !self.gain.rests() || self.braking > 0 {

@@ -36,6 +36,7 @@ pub mod remote;
 mod sequence;
 pub mod signal;
 pub mod stamp;
+pub mod steps;
 pub mod torque;
 pub mod tracker;
 pub mod values;

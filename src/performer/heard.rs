@@ -1,5 +1,6 @@
 //! What a player tells of the events that it gives the engine.
 
+use crate::midi::Message;
 use crate::node::motion::Motion;
 use crate::schedule::Instant;
 
@@ -16,7 +17,8 @@ pub struct Heard<'a> {
     pub instant: Instant,
     /// The pattern it comes from, or the signal that set it off; `None` for what any other trigger or the program plays.
     pub origin: Option<Origin<'a>>,
-    /// The id of the voice, or the serial number of the marker in its score; `None` for what has none.
+    /// The id of the voice, the serial number of the marker in its score, or the number of a message, which is the cause of what follows from it; `None` for
+    /// what has none.
     pub id: Option<u64>,
     /// What it is.
     pub what: Happening<'a>,
@@ -59,6 +61,8 @@ pub enum Happening<'a> {
     Start(&'a str),
     /// A marker.
     Marker(&'a str),
+    /// A message of a song is played. It is told before what follows from it.
+    Message(Message),
     /// A control is sent to a value.
     Control(&'a str, f64),
     /// A fader or controller that is bound to a control has moved, and moves that only when it has come to where it stands.

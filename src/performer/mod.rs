@@ -111,6 +111,8 @@ pub struct Performer {
     hands: Vec<Hands>,
     /// Messages that are played from a file, in order of time; `None` lets go of all keys.
     song: VecDeque<(f64, Option<Message>)>,
+    /// How many of them were played.
+    sung: u64,
     /// Whether a message of it is played now.
     in_song: bool,
     pickups: Vec<Pickup>,
@@ -223,6 +225,7 @@ impl Performer {
             moved: true,
             hands: Vec::new(),
             song: VecDeque::new(),
+            sung: 0,
             in_song: false,
             pickups,
             targets,

@@ -27,6 +27,9 @@ const MOST_KEPT: usize = 1 << 13;
 /// Room that a message of a song needs at most, lest one that could set more off than there ever is room for would wait for ever.
 const MOST_NEEDED: usize = 1 << 12;
 
+/// Set in the numbers of messages of a song, which no signal of a session has, as those count from 1.
+const OF_SONG: u64 = 1 << 62;
+
 impl Performer {
     /// What is started from now on is started because of a signal of that number; 0 for none.
     pub fn because(&mut self, cause: u64) {
@@ -217,6 +220,11 @@ impl Performer {
             *work -= 1;
             let played = match message {
                 Some(message) => {
+                    self.sung += 1;
+                    let number = OF_SONG | self.sung;
+                    self.tell(at, None, Some(number), Happening::Message(message));
+                    self.because(number);
+                    outlet.because(number);
                     self.in_song = true;
                     let played = self.midi(at, 0, message, outlet);
                     self.in_song = false;
@@ -227,6 +235,8 @@ impl Performer {
                     self.midi_gone(at, 0, outlet)
                 }
             };
+            self.because(0);
+            outlet.because(0);
             if let Err(problem) = played {
                 self.meet(problem);
             }

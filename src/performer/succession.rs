@@ -66,7 +66,7 @@ impl Performer {
         self.take_clock(&mut new, &old);
         self.hands = std::mem::take(&mut new.hands);
         self.take_hands(&new.plan);
-        self.song = std::mem::take(&mut new.song);
+        (self.song, self.sung) = (std::mem::take(&mut new.song), new.sung);
         // Controls that still exist keep their values.
         for (control, target) in self.patch.controls.iter().zip(&mut self.targets) {
             let before = old.controls.iter().position(|c| c.name == control.name);

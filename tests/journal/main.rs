@@ -6,7 +6,10 @@ mod edited;
 mod flood;
 mod gaps;
 mod knob;
+#[path = "../common/scripted.rs"]
+mod scripted;
 mod shed;
+mod steps;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -100,6 +100,7 @@ impl Happened {
             }
             Happening::Start(name) => write!(text, "pattern {name} begins"),
             Happening::Marker(name) => write!(text, "marker {name}"),
+            Happening::Message(_) => write!(text, "a message of the song"),
             Happening::Control(name, value) => write!(text, "{name} to {}", short(value)),
             Happening::Waits { control, position, stands } => write!(
                 text,
@@ -123,6 +124,7 @@ impl Happened {
             Happening::Voice { .. } | Happening::Touch(..) | Happening::Release => Mood::Usual,
             Happening::Start(_)
             | Happening::Marker(_)
+            | Happening::Message(_)
             | Happening::Control(..)
             | Happening::Waits { .. }
             | Happening::ReleaseAll

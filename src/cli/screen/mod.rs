@@ -32,6 +32,7 @@ use pacinian::io::device::keeper::Fate;
 use pacinian::io::device::priority::{self, Priority};
 use pacinian::io::session::Session;
 use pacinian::live::board::Board;
+use pacinian::live::gate::RAMP_IN;
 use pacinian::live::signal::Signal;
 use pacinian::live::torque::Torque;
 use pacinian::text::Problems;
@@ -293,7 +294,15 @@ impl Show {
                     let text = if armed { "armed: full level" } else { "at -20 dB" };
                     self.note(Happened::new(now, Mood::Told, text));
                 }
-                State::Playing(playing) => self.players.play(playing),
+                State::SetOff(name) => self.players.set_off(name),
+                State::Playing(playing) => {
+                    let said = self.players.play(playing);
+                    // What is ready before the output is open begins when it is. The screen shows it at its keys.
+                    if matches!(self.out, Out::Lines(_)) {
+                        let at = now.max(RAMP_IN);
+                        said.into_iter().for_each(|what| self.note(Happened::new(at, Mood::Told, what)));
+                    }
+                }
             }
         }
         if let (Some(held), Out::Lines(lines)) = (self.echo.due(now), &mut self.out) {

@@ -17,6 +17,8 @@ pub struct Players {
     triggers: Vec<(u32, String)>,
     /// Those that play.
     playing: Vec<String>,
+    /// Those of which it was said since that they begin.
+    said: Vec<String>,
     /// Whether any has played.
     played: bool,
     /// Whether the patch that took over last has one of which the patch before knew nothing, and which begins by itself.
@@ -47,10 +49,31 @@ impl Players {
         self.begins = self.first.iter().any(|name| !before.contains(name));
     }
 
-    /// These play now.
-    pub fn play(&mut self, playing: Vec<String>) {
+    /// Something of the engine has set that pattern off, and it was said that it begins.
+    pub fn set_off(&mut self, name: String) {
+        self.said.push(name);
+    }
+
+    /// These play now; one that plays twice stands there twice. Gives what is to be said of those that have begun, or are over.
+    pub fn play(&mut self, playing: Vec<String>) -> Vec<String> {
         self.played |= !playing.is_empty();
-        self.playing = playing;
+        let before = std::mem::replace(&mut self.playing, playing);
+        let more = |these: &[String], than: &[String], what: &str| -> Vec<String> {
+            let mut left: Vec<&String> = than.iter().collect();
+            let mut is_more = |name: &&String| match left.iter().position(|other| other == name) {
+                Some(there) => {
+                    left.swap_remove(there);
+                    false
+                }
+                None => true,
+            };
+            these.iter().filter(|name| is_more(name)).map(|name| format!("pattern {name} {what}")).collect()
+        };
+        let mut known = before.clone();
+        known.append(&mut self.said);
+        let mut said = more(&before, &self.playing, "is over");
+        said.extend(more(&self.playing, &known, "begins"));
+        said
     }
 
     /// What is to be said of patterns that have played where none plays any more; `keys` says whether there are such.
@@ -197,6 +220,24 @@ mod tests {
         // Ended by itself: a digit starts it again.
         players.play(names(&["rest"]));
         assert_eq!(said(players.digit(2, || 7)), "Start(7, \"run\");");
+    }
+
+    #[test]
+    fn each_that_begins_or_ends_is_told_of_once() {
+        let mut players = players();
+        assert_eq!(players.play(names(&["run"])), ["pattern run begins"]);
+        assert_eq!(
+            players.play(names(&["run", "run", "walk"])),
+            ["pattern run begins", "pattern walk begins"]
+        );
+        assert_eq!(players.play(names(&["walk", "run", "run"])), [""; 0], "the same");
+        assert_eq!(players.play(names(&["walk", "run"])), ["pattern run is over"]);
+        assert_eq!(players.play(names(&["rest", "run"])), ["pattern walk is over", "pattern rest begins"]);
+        assert_eq!(players.play(vec![]), ["pattern rest is over", "pattern run is over"]);
+        // What has set it off has said so.
+        players.set_off("run".into());
+        assert_eq!(players.play(names(&["run", "walk"])), ["pattern walk begins"]);
+        assert_eq!(players.play(names(&["run", "walk", "run"])), ["pattern run begins"]);
     }
 
     /// Of a pattern that the patch before did not have, which begins by itself, it is not said that it does not.

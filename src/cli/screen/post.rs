@@ -32,6 +32,8 @@ pub enum State {
     Device(Fate),
     /// Full level, or not.
     Armed(bool),
+    /// This pattern was set off by something of the engine, which says so itself.
+    SetOff(String),
     /// These patterns play.
     Playing(Vec<String>),
 }
@@ -161,6 +163,12 @@ impl Post {
 
     /// For the listener of a session.
     pub fn hear(&self, heard: &Heard<'_>) {
+        match heard.what {
+            // What follows from it is shown.
+            Happening::Message(_) => return,
+            Happening::Start(name) => self.state(State::SetOff(name.into())),
+            _ => {}
+        }
         if let Happening::Control(name, value) = heard.what
             // It is held for no longer than it takes to copy a few numbers.
             && let Ok(mut moved) = self.moved.lock()

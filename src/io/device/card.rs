@@ -21,6 +21,7 @@ use super::rates::Rates;
 use crate::live::board::Board;
 use crate::live::driver::Driver;
 use crate::live::lent::Lent;
+use crate::live::steps::Steps;
 
 /// What is wanted of a card.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,6 +64,9 @@ pub enum News {
 
 /// What fills the frames that a device plays.
 pub trait Fill: Send + 'static {
+    /// The device takes samples in these steps; told before the first block, and nothing beyond them reaches it.
+    fn round_to(&mut self, steps: Steps);
+
     /// A block of `frames` is to be filled at `callback`, seconds on the stream's own clock, and will be played `delay` seconds later, as
     /// the device has it.
     fn begin(&mut self, frames: usize, callback: f64, delay: f64);
@@ -72,6 +76,10 @@ pub trait Fill: Send + 'static {
 }
 
 impl Fill for Lent<Driver> {
+    fn round_to(&mut self, steps: Steps) {
+        self.used(|driver| driver.round_to(steps));
+    }
+
     fn begin(&mut self, frames: usize, _callback: f64, _delay: f64) {
         self.used(|driver| driver.begin(frames));
     }
@@ -141,6 +149,7 @@ impl Card {
             board: Arc::clone(board),
             callers: callers.clone(),
         };
+        player.driver.round_to(steps(format));
         let lost = move || gone.store(true, Ordering::Relaxed);
         let tell = teller(news, move || gaps.gap(), lost, callers.clone());
         let stream = match format {
@@ -292,6 +301,12 @@ fn fit_block(found: &Found, shape: Shape, offered: Option<(u32, u32)>) -> Result
 /// Formats in which samples are exchanged: as they are, if a card takes that, else as exact as it does.
 pub(super) const KNOWN: [SampleFormat; 4] =
     [SampleFormat::F32, SampleFormat::I32, SampleFormat::I24, SampleFormat::I16];
+
+/// The steps of one of them.
+fn steps(format: SampleFormat) -> Steps {
+    let bits = format.bits_per_sample() as u8;
+    Steps::of(bits).filter(|_| !format.is_float()).unwrap_or(Steps::FLOAT)
+}
 
 /// The format in which samples are exchanged with the card, and how long blocks may be then, as far as it says: a card whose memory is
 /// counted in bytes has room for fewer frames of more bytes.

@@ -18,6 +18,7 @@ use super::minder::{Bell, PATIENCE};
 use crate::live::board::Board;
 use crate::live::driver::Driver;
 use crate::live::lent::Lent;
+use crate::live::steps::Steps;
 
 /// Looks, a few hundredths of a second apart, at which one must have asked for more that may yet pause.
 const GOES_ON: u32 = 4;
@@ -26,14 +27,20 @@ const GOES_ON: u32 = 4;
 struct Waiting {
     driver: Option<Lent<Driver>>,
     comes: HeapCons<Lent<Driver>>,
+    steps: Steps,
     /// Blocks that were asked for.
     asked: Arc<AtomicU32>,
 }
 
 impl Fill for Waiting {
+    fn round_to(&mut self, steps: Steps) {
+        self.steps = steps;
+    }
+
     fn begin(&mut self, frames: usize, callback: f64, delay: f64) {
         if self.driver.is_none() {
             self.driver = self.comes.try_pop();
+            self.driver.iter_mut().for_each(|driver| driver.round_to(self.steps));
         }
         if let Some(driver) = &mut self.driver {
             driver.begin(frames, callback, delay);
@@ -91,7 +98,7 @@ impl Returning {
     ) -> Result<Self, DeviceError> {
         let (driver, comes) = HeapRb::new(1).split();
         let asked = Arc::<AtomicU32>::default();
-        let waiting = Waiting { driver: None, comes, asked: Arc::clone(&asked) };
+        let waiting = Waiting { driver: None, comes, steps: Steps::FLOAT, asked: Arc::clone(&asked) };
         let (tell, news) = bell.news();
         let card = Card::open(device, found, shape.again(found.output.as_ref()), waiting, board, tell)?;
         let due = if found.pulse().is_some() { GOES_ON } else { 1 };

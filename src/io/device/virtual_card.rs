@@ -39,8 +39,11 @@ impl VirtualCard {
         let mut frames = vec![0.0_f32; channels * block];
         let play = move || {
             priority::raise();
-            let mut pace = Pace::begin(Instant::now(), block as f64 / rate);
+            let period = block as f64 / rate;
+            let mut pace = Pace::begin(Instant::now(), period);
             while !stopped.load(Ordering::Acquire) {
+                // The block before this one begins to play when this is asked for.
+                board.device_delay.note((period * 1e9) as u64);
                 driver.used(|driver| driver.begin(block));
                 for part in frames.chunks_mut(PART * channels.max(1)) {
                     // Of a block that takes for ever the rest is left out.

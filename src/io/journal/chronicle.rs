@@ -51,6 +51,11 @@ struct Stand {
     drawn: Option<u64>,
 }
 
+/// What is beyond the sample of an instant.
+fn fraction(instant: Instant) -> f64 {
+    f64::from(instant.fraction) / 4_294_967_296.0
+}
+
 /// When a session began that has gone on for so long, by a clock that says `now`; as it said at the beginning, unless it was set since.
 fn began(then: SystemTime, elapsed: Duration, now: SystemTime) -> SystemTime {
     let by_now = now.checked_sub(elapsed).unwrap_or(then);
@@ -71,9 +76,19 @@ impl Chronicle {
         }
     }
 
-    /// For the listener of the session.
-    pub fn hear(&mut self, heard: &Heard<'_>) {
-        let Some(origin) = heard.origin else { return };
+    /// For the listener of the session: a line of what is not told of otherwise.
+    pub fn hear(&mut self, heard: &Heard<'_>) -> Option<Line> {
+        if let Happening::Message(message) = heard.what {
+            return Some(Line {
+                source: Some(words::SONG.into()),
+                id: heard.id,
+                message: Some(words::hexadecimal(&message.bytes())),
+                due_sample: Some(heard.instant.sample),
+                due_fraction: Some(fraction(heard.instant)),
+                ..self.now(Kind::In)
+            });
+        }
+        let origin = heard.origin?;
         let (event, drawn) = (origin.event + 1, origin.drawn.map(|drawn| u64::from(drawn) + 1));
         let stand = Stand { pattern: origin.pattern.into(), event, drawn };
         match (heard.what, heard.id) {
@@ -92,6 +107,7 @@ impl Chronicle {
             }
             _ => {}
         }
+        None
     }
 
     /// For its audience: a line, where there is one to be made of it.
@@ -176,6 +192,9 @@ impl Chronicle {
                 let fields = held.map(|held| ("device_delay".into(), held)).into_iter().collect();
                 Line { name: Some(name.into()), value, fields, ..Line::new(Kind::Gate) }
             }
+            Deed::Steps(steps) => {
+                Line { value: Some(f64::from(steps.bits().unwrap_or(0))), ..Line::new(Kind::Steps) }
+            }
             Deed::Swap => {
                 if let Some(names) = self.next.pop_front() {
                     self.names = names;
@@ -208,7 +227,7 @@ impl Chronicle {
             message: Some(format!("start {pattern}")),
             fields: fields.into_iter().map(|(name, value)| (name.to_string(), value)).collect(),
             due_sample: Some(at.sample),
-            due_fraction: Some(f64::from(at.fraction) / 4_294_967_296.0),
+            due_fraction: Some(fraction(*at)),
             ..Line::new(Kind::In)
         }
     }
@@ -222,7 +241,6 @@ impl Chronicle {
         moment: Option<Moment>,
     ) -> Line {
         let mut line = self.names.line(event);
-        let fraction = |instant: Instant| f64::from(instant.fraction) / 4_294_967_296.0;
         line.source = Some(source.into());
         (line.sample, line.fraction) = (Some(at.sample), Some(fraction(at)));
         (line.due_sample, line.due_fraction) = (Some(due.sample), Some(fraction(due)));

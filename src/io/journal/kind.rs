@@ -35,6 +35,8 @@ pub enum Kind {
     Deadline,
     /// The gate was told something.
     Gate,
+    /// From here on, the device takes whole numbers of `value` bits, to which samples are rounded; 0: floating point, as at the beginning.
+    Steps,
     /// The plan that was written down last and has not played yet takes over.
     Swap,
     /// Something came in.
@@ -55,7 +57,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::Voice,
         Self::Release,
         Self::ReleaseAll,
@@ -70,6 +72,7 @@ impl Kind {
         Self::Model,
         Self::Deadline,
         Self::Gate,
+        Self::Steps,
         Self::Swap,
         Self::In,
         Self::Refused,
@@ -97,6 +100,7 @@ impl Kind {
             Self::Model => "model",
             Self::Deadline => "deadline",
             Self::Gate => "gate",
+            Self::Steps => "steps",
             Self::Swap => "swap",
             Self::In => "in",
             Self::Refused => "refused",
@@ -110,7 +114,10 @@ impl Kind {
 
     /// Whether it is one of a few on which others depend, so that room is kept for it however many of those there are.
     pub fn is_rare(self) -> bool {
-        matches!(self, Self::Gate | Self::Swap | Self::Device | Self::Clock | Self::Lost | Self::End)
+        matches!(
+            self,
+            Self::Gate | Self::Steps | Self::Swap | Self::Device | Self::Clock | Self::Lost | Self::End
+        )
     }
 
     /// Whether a replay needs it.
@@ -131,6 +138,7 @@ impl Kind {
                 | Self::Model
                 | Self::Deadline
                 | Self::Gate
+                | Self::Steps
                 | Self::Swap
         )
     }

@@ -137,7 +137,10 @@ impl Journal {
 
     /// For the listener of the session.
     pub fn hear(&self, heard: &Heard<'_>) {
-        self.get().chronicle.hear(heard);
+        let mut keeping = self.get();
+        if let Some(line) = keeping.chronicle.hear(heard) {
+            keeping.writer.put(Entry::Line(Box::new(line)));
+        }
     }
 
     /// For its audience.

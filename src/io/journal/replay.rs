@@ -20,6 +20,7 @@ use crate::graph::plan::Plan;
 use crate::io::error::FileError;
 use crate::live::gate::Gate;
 use crate::live::provenance::Provenance;
+use crate::live::steps::Steps;
 use crate::node::motion::Motion;
 use crate::schedule::Instant;
 use crate::space::spot::Spot;
@@ -342,6 +343,15 @@ impl<R: BufRead> Replay<R> {
                     words::order(name, line.value).ok_or_else(|| format!("a gate does not know `{name}`"))?;
                 self.gate.order(order);
                 self.stagehand.engine().hold_motors(self.gate.holds());
+                return Ok(());
+            }
+            Kind::Steps => {
+                let bits = line.value.ok_or("steps must have a `value`")?;
+                let steps = if bits == 0.0 { Some(Steps::FLOAT) } else { Steps::of(bits as u8) };
+                let steps = steps.ok_or_else(|| {
+                    format!("samples have from 2 to 32 bits, or 0 for floating point, not {}", number(bits))
+                })?;
+                self.gate.round_to(steps);
                 return Ok(());
             }
             Kind::Model => {

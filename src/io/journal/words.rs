@@ -67,7 +67,7 @@ fn touched(touch: Touch) -> String {
     }
 }
 
-fn hexadecimal(bytes: &[u8]) -> String {
+pub(super) fn hexadecimal(bytes: &[u8]) -> String {
     let bytes: Vec<String> = bytes.iter().map(|byte| format!("{byte:02X}")).collect();
     bytes.join(" ")
 }
@@ -75,6 +75,9 @@ fn hexadecimal(bytes: &[u8]) -> String {
 /// Sources of events.
 const SOURCES: [(Source, &str); 3] =
     [(Source::Stop, "stop"), (Source::Pattern, "pattern"), (Source::Program, "program")];
+
+/// What the messages of a song come by.
+pub(super) const SONG: &str = "song";
 
 /// What a signal of the engine has set off: it is no event that was given to the engine, and arises again by itself.
 pub(super) const NODE: &str = "node";

@@ -17,6 +17,7 @@ use crate::io::device::failure::{DeviceError, Trouble};
 use crate::io::device::list::Found;
 use crate::live::board::Board;
 use crate::live::stamp::Epoch;
+use crate::live::steps::Steps;
 
 /// Seconds from one probe to the next, of silence before the first, and within which one must come back.
 pub const EVERY: f64 = 0.4;
@@ -110,6 +111,9 @@ fn begins(n: u64, every: u64, before: u64) -> u64 {
 }
 
 impl Fill for Sender {
+    /// What is between two steps of the device is noise to what is measured.
+    fn round_to(&mut self, _steps: Steps) {}
+
     fn begin(&mut self, _frames: usize, callback: f64, delay: f64) {
         let (time, gaps) = (callback + delay, self.board.xruns.get());
         // One that finds no room is missed by nobody.
