@@ -23,6 +23,11 @@ fn the_card_is_listed_with_what_it_offers() {
     assert_eq!(card["output"]["channels"], serde_json::json!([24]));
     let rates = [44_100, 48_000, 88_200, 96_000, 192_000].map(|rate| [rate, rate]);
     assert_eq!(card["output"]["rates"], serde_json::json!(rates));
+    // What a program wants to know before it plays.
+    assert_eq!(said["pacinian"], env!("CARGO_PKG_VERSION"));
+    let advice = said["advice"].as_array().unwrap();
+    let none = advice.iter().any(|a| a["what"].as_str().unwrap().contains("no real-time priority"));
+    assert_eq!(said["real_time_priority"], !none, "{said:#}");
 }
 
 #[test]
@@ -229,6 +234,15 @@ fn nothing_steady_leaves_on_a_card_that_nobody_has_described() {
         let lasts = first[84_000..90_000].iter().all(|x| x.abs() > 0.04);
         let is_gone = first[84_000..90_000].iter().all(|x| x.abs() < 1e-3);
         assert_eq!((lasts, is_gone), (stays, !stays), "{rig:?}: {}", first[84_000]);
+        let journal = std::fs::read_to_string(bench.folder.join("j.jsonl")).unwrap();
+        let lines: Vec<serde_json::Value> =
+            journal.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        let (head, end) = (&lines[0], &lines[lines.len() - 1]);
+        assert_eq!(
+            (&head["device"], &head["device_id"]),
+            (&"Card of 8 channels".into(), &"alsa:card8".into())
+        );
+        assert!(end["fields"]["block"].as_f64().is_some_and(|block| block > 0.0), "{end}");
         let run = bench.run(&["replay", "j.jsonl", "-o", "again.wav"]);
         assert!(run.status.success(), "{rig:?}: {}", String::from_utf8_lossy(&run.stderr));
         let again = floats(&bench.folder.join("again.wav"));

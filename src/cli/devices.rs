@@ -9,7 +9,7 @@ use pacinian::io::device::choose::{VIRTUAL, VIRTUAL_NAME, played_by_default};
 use pacinian::io::device::failure::Trouble;
 use pacinian::io::device::hosts::Hosts;
 use pacinian::io::device::list::{Found, Offer};
-use pacinian::io::device::missing::{JOINING, missing};
+use pacinian::io::device::missing::{JOINING, Machine};
 use pacinian::io::device::rates::Rates;
 use pacinian::io::device::servers::Server;
 use pacinian::io::midi_in;
@@ -58,6 +58,7 @@ impl Devices {
         let played = played_by_default(hosts.iter().filter_map(|(.., found)| found.as_deref().ok()));
         let fallback = played.is_none();
         let servers = Server::all();
+        let machine = Machine::this();
         if self.json {
             let hosts: Vec<_> =
                 hosts.iter().map(|(name, runs, found)| host_as_json(name, *runs, found)).collect();
@@ -66,11 +67,13 @@ impl Devices {
                 Err(why) => (Vec::new(), Some(why)),
             };
             let object = |(what, fix): &(&str, &str)| json!({ "what": what, "fix": fix });
-            let advice: Vec<_> = missing().iter().map(object).collect();
+            let advice: Vec<_> = machine.lacks().iter().map(object).collect();
             let joining: Vec<_> =
                 JOINING.iter().map(|(with, how)| json!({ "with": with, "how": how })).collect();
             let midi = json!({ "ports": ports, "trouble": trouble });
             let said = json!({
+                "pacinian": env!("CARGO_PKG_VERSION"),
+                "real_time_priority": machine.real_time,
                 "hosts": hosts,
                 "virtual": { "id": VIRTUAL, "name": VIRTUAL_NAME, "default": fallback },
                 "default_output": played.map_or(VIRTUAL, |found| &found.id),
@@ -136,7 +139,7 @@ impl Devices {
                 text += &format!("  {what}: {}\n", server.help);
             }
         }
-        for (what, help) in missing() {
+        for (what, help) in machine.lacks() {
             text += &format!("\n{what}\n  {help}\n");
         }
         text += "\nSeveral cards as one (docs/cards.md has the files and the commands)\n";
@@ -173,7 +176,7 @@ fn host_as_json(name: &str, runs: bool, found: &Result<Vec<Found>, String>) -> s
     let offer = |offer: &Option<Offer>| {
         offer.as_ref().map(|o| {
             json!({
-                "channels": o.channels, "rates": o.rates.iter().map(|(least, most)| [least, most]).collect::<Vec<_>>(),
+                "channels": o.channels, "has": o.there, "rates": o.rates.iter().map(|(least, most)| [least, most]).collect::<Vec<_>>(),
                 "blocks": o.blocks.map(|(least, most)| [least, most]), "formats": o.formats,
             })
         })

@@ -222,19 +222,37 @@ mod tests {
         fn mark(&mut self, _channels: &[usize]) {}
     }
 
+    /// What a card adds to an event beyond one of its blocks, as long as its callbacks come evenly: of every rate below 1.7 ms.
+    #[test]
+    fn an_event_takes_less_than_1_7_ms_beyond_a_block_at_every_rate() {
+        for rate in [44_100.0, 48_000.0, 88_200.0, 96_000.0, 176_400.0, 192_000.0] {
+            let (callback, board, delay) = at_rate(rate, 1);
+            let (_driver, clock) = Driver::new(callback, rate, 64, Epoch::begin(), board);
+            let beyond = (clock.ahead() - 64) as f64 / rate + delay;
+            assert!((1.6e-3..1.7e-3).contains(&beyond), "{rate} Hz: {beyond} s");
+        }
+    }
+
     /// A callback of one channel that passes on what is heard on an input channel (from 1).
     fn passing_on(channel: u32) -> (Callback, Arc<Board>) {
+        let (callback, board, _) = at_rate(48_000.0, channel);
+        (callback, board)
+    }
+
+    /// The same at a rate of the device, with the seconds by which the engine delays what it plays.
+    fn at_rate(rate: f64, channel: u32) -> (Callback, Arc<Board>, f64) {
         let text = format!(
             "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"i\"\n\
              [voice.v.nodes]\ni = {{ type = \"input\", channel = {channel} }}\n"
         );
         let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
-        let options = Options { rate: Some(48_000.0), live: true, ..Options::default() };
+        let options = Options { rate: Some(rate), live: true, ..Options::default() };
         let scene =
             scene(&patch, &Rig::default_for(1), &options, &NoAssets).unwrap_or_else(|p| panic!("{p}"));
-        let (_director, stagehand) = exchange(&scene.plan).unwrap();
+        let (_director, mut stagehand) = exchange(&scene.plan).unwrap();
         let board = Arc::new(Board::new(1));
-        (Callback::new(stagehand, Gate::new(48_000.0, 1.0), Arc::clone(&board)).0, board)
+        let delay = stagehand.engine().delay().total();
+        (Callback::new(stagehand, Gate::new(rate, 1.0), Arc::clone(&board)).0, board, delay)
     }
 
     /// What the governor of a knob was told holds, or torque falls: of what the two devices take together, and of gaps.

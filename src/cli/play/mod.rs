@@ -208,6 +208,7 @@ impl Play {
         let setting = Setting {
             heard: listens.heard.take(),
             loop_latency: loaded.rig.device.loop_latency,
+            device_id: Some(device.id().into()),
             ..Setting::on(scenery.device, armed)
         };
         let journal = self.keep.journal(&reload, setting)?;

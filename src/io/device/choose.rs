@@ -38,6 +38,14 @@ impl Chosen {
         }
     }
 
+    /// What names it for good, with its host.
+    pub fn id(&self) -> &str {
+        match self {
+            Self::Card(_, found) => &found.id,
+            Self::Virtual(_) => VIRTUAL,
+        }
+    }
+
     /// What PulseAudio does with so many channels that it is not to do, and what a server may do behind a device of ALSA's, which hands them to it
     /// by the names of loudspeakers: those beyond eight have none, and are mixed into others or into nothing.
     pub fn mixes(&self, channels: usize) -> Option<String> {

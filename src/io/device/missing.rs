@@ -25,41 +25,38 @@ pub const JOINING: [(&str, &str); 4] = [
 ];
 
 /// What this machine has of what playing live needs.
-struct Machine {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Machine {
     /// Whether the system knows of hardware of sound at all.
-    cards: bool,
+    pub cards: bool,
     /// Whether it keeps this user from it.
-    forbidden: bool,
+    pub forbidden: bool,
     /// Whether ports of MIDI are there to be had.
-    ports: bool,
+    pub ports: bool,
     /// Whether a callback may come before all others.
-    first: bool,
-}
-
-/// What is missing, and what to do about it, in a line each. It asks for real-time priority, in a thread of its own, to see whether there is
-/// any.
-pub fn missing() -> Vec<(&'static str, &'static str)> {
-    Machine::this().lacks()
+    pub real_time: bool,
 }
 
 impl Machine {
-    fn this() -> Self {
+    /// The one that this runs on. It asks for real-time priority, in a thread of its own, to see whether there is any.
+    pub fn this() -> Self {
         // A thread of its own, so that this one stays as it is; where there is none, nothing is known.
         let asked = std::thread::Builder::new().spawn(priority::rises);
-        let first = asked.map_or(true, |asked| asked.join().unwrap_or(true));
+        let real_time = asked.map_or(true, |asked| asked.join().unwrap_or(true));
         #[cfg(target_os = "linux")]
         return Self {
             cards: std::path::Path::new("/dev/snd").is_dir(),
             forbidden: access::forbidden(),
             // In a build with JACK's MIDI, ports are JACK's.
             ports: cfg!(feature = "midi-jack") || std::path::Path::new("/dev/snd/seq").exists(),
-            first,
+            real_time,
         };
         #[cfg(not(target_os = "linux"))]
-        Self { cards: true, forbidden: false, ports: true, first }
+        Self { cards: true, forbidden: false, ports: true, real_time }
     }
 
-    fn lacks(&self) -> Vec<(&'static str, &'static str)> {
+    /// What is missing, and what to do about it, in a line each.
+    pub fn lacks(&self) -> Vec<(&'static str, &'static str)> {
         let all = [
             (
                 !self.cards,
@@ -73,7 +70,7 @@ impl Machine {
                 "sudo modprobe snd-seq",
             ),
             (
-                !self.first,
+                !self.real_time,
                 "The system gives no real-time priority, so gaps are likelier.",
                 if cfg!(target_os = "linux") {
                     "echo '@audio - rtprio 70' | sudo tee /etc/security/limits.d/pacinian.conf; sudo usermod -aG audio $USER; log in again"
@@ -92,7 +89,7 @@ mod tests {
 
     #[test]
     fn each_thing_that_is_missing_is_told_with_what_mends_it() {
-        let whole = Machine { cards: true, forbidden: false, ports: true, first: true };
+        let whole = Machine { cards: true, forbidden: false, ports: true, real_time: true };
         assert!(whole.lacks().is_empty());
         let said = |machine: Machine| {
             let all = machine.lacks();
@@ -107,10 +104,10 @@ mod tests {
         assert!(kept.contains("may not be used by this user") && kept.contains("usermod -aG audio"));
         let silent = said(Machine { ports: false, ..whole });
         assert!(silent.contains("no ports of MIDI") && silent.contains("sudo modprobe snd-seq"));
-        let late = said(Machine { first: false, ..whole });
+        let late = said(Machine { real_time: false, ..whole });
         assert!(late.contains("no real-time priority"));
         assert_eq!(late.contains("limits.d"), cfg!(target_os = "linux"));
-        let all = Machine { cards: true, forbidden: true, ports: false, first: false }.lacks();
+        let all = Machine { cards: true, forbidden: true, ports: false, real_time: false }.lacks();
         assert_eq!(all.len(), 3);
     }
 }

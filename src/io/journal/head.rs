@@ -16,6 +16,9 @@ pub struct Head {
     pub pacinian: String,
     /// The device, as it is called.
     pub device: String,
+    /// What names it for good, with its host, where that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device_id: Option<String>,
     /// Frames a second.
     pub rate: f64,
     /// Channels of a frame.

@@ -52,6 +52,8 @@ pub struct Journal(Arc<Mutex<Keeping>>);
 pub struct Setting {
     /// The device, as it is called.
     pub device: String,
+    /// What names it for good, with its host.
+    pub device_id: Option<String>,
     /// Whether the output has its full level, or that for headphones.
     pub armed: bool,
     /// The recording of what is heard, by its name beside the journal.
@@ -67,7 +69,15 @@ pub struct Setting {
 impl Setting {
     /// On a device, of which nothing else is known.
     pub fn on(device: &str, armed: bool) -> Self {
-        Self { device: device.into(), armed, input: None, heard: None, loop_latency: None, recording: None }
+        Self {
+            device: device.into(),
+            device_id: None,
+            armed,
+            input: None,
+            heard: None,
+            loop_latency: None,
+            recording: None,
+        }
     }
 }
 
@@ -295,6 +305,7 @@ fn counters(board: &Board) -> BTreeMap<String, f64> {
     }
     named.insert("load".into(), board.load.mean());
     named.insert("device_delay".into(), board.device_delay.seconds());
+    named.insert("block".into(), board.block.get() as f64);
     named
 }
 
@@ -307,6 +318,7 @@ impl Keeping {
             format: FORMAT.into(),
             pacinian: env!("CARGO_PKG_VERSION").into(),
             device: self.setting.device.clone(),
+            device_id: self.setting.device_id.clone(),
             rate,
             channels,
             gain: f64::from(if self.setting.armed { 1.0 } else { crate::live::gate::UNARMED }),
