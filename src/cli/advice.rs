@@ -28,13 +28,6 @@ pub fn of(loaded: &Loaded, by_default: bool, deaf: bool, live: bool) -> Option<P
         .knob
         .as_ref()
         .map_or((false, false), |knob| (knob.sensor.is_some(), knob.controller.is_some()));
-    if sensed && on_line && !cfg!(feature = "serial") {
-        let help = "build it with the feature `serial`";
-        list.push(whole(
-            "this program has no serial ports, and the rig's knob is on one: it is simulated",
-            help,
-        ));
-    }
     if sensed && read && !on_line {
         let help = "name the sound card that its sensor is plugged into: --input-device NAME, or [device] input = \"NAME\" in the rig";
         list.push(whole(

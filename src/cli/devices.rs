@@ -12,6 +12,7 @@ use pacinian::io::device::list::{Found, Offer};
 use pacinian::io::device::missing::{JOINING, Machine};
 use pacinian::io::device::rates::Rates;
 use pacinian::io::device::servers::Server;
+use pacinian::io::knob::ports;
 use pacinian::io::midi_in;
 use pacinian::text::problem::escaped;
 use serde_json::json;
@@ -114,18 +115,15 @@ impl Devices {
             }
             Err(why) => format!("{}: {}\n", terminal.out.bold("MIDI"), escaped(&why)),
         };
-        #[cfg(feature = "serial")]
-        {
-            let (ports, mut table) = (pacinian::io::knob::ports::list(), Table::default());
-            let has_ports = !ports.is_empty();
-            for port in ports {
-                let usb = port.usb.map_or(String::new(), |usb| escaped(&usb.to_string()).into_owned());
-                let knob = port.knob.map_or(String::new(), |knob| knob.to_string());
-                table.row([escaped(&port.path).into_owned(), usb, knob]);
-            }
-            if has_ports {
-                text += &format!("{}\n{}", terminal.out.bold("serial ports"), table.text());
-            }
+        let (ports, mut table) = (ports::list(), Table::default());
+        let has_ports = !ports.is_empty();
+        for port in ports {
+            let usb = port.usb.map_or(String::new(), |usb| escaped(&usb.to_string()).into_owned());
+            let knob = port.knob.map_or(String::new(), |knob| knob.to_string());
+            table.row([escaped(&port.path).into_owned(), usb, knob]);
+        }
+        if has_ports {
+            text += &format!("{}\n{}", terminal.out.bold("serial ports"), table.text());
         }
         for server in servers {
             let how = if server.runs { "runs" } else { "does not run" };
@@ -150,16 +148,11 @@ impl Devices {
 
 /// Serial ports, of which a knob may hang on one.
 fn serial_ports() -> Vec<serde_json::Value> {
-    #[cfg(feature = "serial")]
-    return pacinian::io::knob::ports::list()
-        .into_iter()
-        .map(|port| {
-            let (usb, knob) = (port.usb.map(|usb| usb.to_string()), port.knob.map(|knob| knob.to_string()));
-            json!({ "path": port.path, "usb": usb, "knob": knob })
-        })
-        .collect();
-    #[cfg(not(feature = "serial"))]
-    Vec::new()
+    let port = |port: ports::Found| {
+        let (usb, knob) = (port.usb.map(|usb| usb.to_string()), port.knob.map(|knob| knob.to_string()));
+        json!({ "path": port.path, "usb": usb, "knob": knob })
+    };
+    ports::list().into_iter().map(port).collect()
 }
 
 /// What is said of the virtual card; `fallback` says whether it is played on where nobody names another.

@@ -94,9 +94,9 @@ pub struct Scene {
     pub held: &'static [(&'static str, &'static [u8])],
 }
 
-/// Whether a rig has a knob on a serial line, and this build can talk to one.
+/// Whether a rig has a knob on a serial line.
 pub fn serial(rig: &Rig) -> bool {
-    cfg!(feature = "serial") && rig.knob.as_ref().is_some_and(|knob| knob.controller.is_some())
+    rig.knob.as_ref().is_some_and(|knob| knob.controller.is_some())
 }
 
 /// A rate that a WAV file can say and the engine can serve.

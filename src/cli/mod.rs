@@ -29,7 +29,6 @@ mod knob;
 mod latency;
 mod learn;
 mod left_out;
-#[cfg(feature = "serial")]
 mod line;
 mod load;
 mod loaded;

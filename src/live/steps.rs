@@ -32,10 +32,11 @@ impl Steps {
     pub fn round(self, samples: &mut [f32]) {
         let Some(bits) = self.bits() else { return };
         let one = (1_u64 << (bits - 1)) as f64;
-        let (least, most) = (-one, one - 1.0);
+        let (least, most, step) = (-one, one - 1.0, 1.0 / one);
         for sample in samples {
             let whole = (f64::from(*sample) * one + WHOLE) - WHOLE;
-            *sample = (whole.max(least).min(most) / one) as f32;
+            // What is no number stays none, and the device takes it as 0.
+            *sample = (whole.clamp(least, most) * step) as f32;
         }
     }
 }
@@ -64,6 +65,8 @@ mod tests {
         // Finer than a sample of floating point near 1, where all is as it was.
         assert_eq!((rounded(32, 1.0), rounded(32, 0.999_999_94)), (1.0, 0.999_999_94));
         assert_eq!(rounded(32, 0.6 * 0.5_f32.powi(31)), 0.5_f32.powi(31));
+        assert!(rounded(16, f32::NAN).is_nan());
+        assert_eq!((rounded(16, f32::INFINITY), rounded(24, -1e30)), (1.0 - 0.5_f32.powi(15), -1.0));
         assert_eq!([0, 1, 33, 255].map(Steps::of), [None; 4]);
         let mut same = [0.1, -0.3, f32::MIN_POSITIVE];
         Steps::FLOAT.round(&mut same);

@@ -1,40 +1,39 @@
 //! `pacinian play`.
 
+mod company;
 mod conclusion;
 mod end;
+mod instruments;
 mod opening;
+mod prepared;
 
 use super::advice;
-use super::choose;
 use super::device_queue;
 use super::ear::Listens;
 use super::failure::Failure;
 use super::hearers::Hearers;
 use super::keep::{Keep, Sound};
 use super::knob::turning::Turning;
+use super::line::OnLine;
 use super::load::Scene;
-use super::osc::{self, Osc};
+use super::osc::Osc;
 use super::patience;
-use super::problems;
 use super::screen::{Scenery, Show};
 use super::stop::Stop;
 use super::terminal::Terminal;
-use super::watch::{Course, News, Watching};
+use super::watch::{Course, Watching};
 use clap::Args;
+use company::{Company, Parted};
 use conclusion::Conclusion;
 use end::End;
+use instruments::Instruments;
 use opening::Opening;
-use pacinian::graph::scene::Options;
-use pacinian::io::device::choose::{Chosen, Wish};
+use pacinian::io::device::choose::Chosen;
 use pacinian::io::journal::Setting;
-use pacinian::io::midi_in::MidiPorts;
-use pacinian::io::osc::announce::Announcer;
-use pacinian::io::osc::server::Server;
 use pacinian::io::session::Beginning;
-use pacinian::live::gate::RAMP_IN;
 use pacinian::live::signal::Signal;
-use pacinian::patch::Patch;
 use pacinian::patch::knob::HAND;
+use prepared::Prepared;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::SystemTime;
@@ -123,76 +122,29 @@ impl Play {
             self.scene.check_watch()?;
         }
         let since = SystemTime::now();
-        let hears = self.input_device.is_some();
-        let simulated = self.simulated;
-        let journalled = self.keep.events.is_some();
-        let mut scene =
-            Scene { live: true, hears, simulated, journalled, block: self.block, ..self.scene.clone() };
-        // Where no rig says which tactors there are, the device does.
-        let mut device = None;
-        if scene.rig.is_none() {
-            let chosen = choose::choose(&Wish::of(self.device.as_deref(), None), None, terminal)?;
-            scene.offered = chosen.fitting().to_vec();
-            device = Some(chosen);
-        }
-        // However long it plays, all of an input may be heard.
-        let mut loaded = scene.load(true, Some(self.duration.unwrap_or(FOREVER)))?;
-        for warnings in &loaded.warnings {
-            terminal.note(&problems::shown(warnings, terminal));
-        }
-        let (said, file) = (loaded.rig.device.name.as_deref(), loaded.rig_source.as_ref());
-        let file = file.map_or("the rig".into(), |source| Arc::clone(&source.file));
-        let (wish, device) = match device {
-            Some(device) => (Wish::of(self.device.as_deref(), said), device),
-            None => choose::choose_for(self.device.as_deref(), said, file, None, terminal)?,
-        };
-        let rate = device.rate(self.scene.rate.or(loaded.rig.device.rate.map(|rate| rate as u32)));
-        let armed = self.arm || device.is_meant(&wish);
+        let Prepared { scene, loaded, wish, device, rate, armed, reload } = Prepared::of(self, terminal)?;
         let is_virtual = matches!(device, Chosen::Virtual(_));
         let instead = match &device {
             Chosen::Virtual(why) => *why,
             Chosen::Card(..) => None,
         };
         let name = opening::called(&device);
-        let block = self.block.or_else(|| device.usual_block());
-        scene.block = block;
-        // The virtual one as well: what is tried on it is what a card would get.
-        scene.on_card = true;
-        let options = Options {
-            rate: Some(f64::from(rate)),
-            live: true,
-            block,
-            on_card: true,
-            ..loaded.options.clone()
-        };
-        let reload = loaded.reload(&options, self.keep.events.is_some())?;
-        self.keep.check(&loaded, !reload.scene.plan.inputs().is_empty(), self.watch)?;
+        let plan = &reload.scene.plan;
+        let (channels, engine_rate, heard_from) = (plan.channels, plan.engine_rate(), plan.inputs());
+        let mixes = device.mixes(channels);
         let files = self.keep.files().filter(|_| self.watch);
         let playing = files.clone().zip(reload.provenance.clone());
-        let (channels, engine_rate) = (reload.scene.plan.channels, reload.scene.plan.engine_rate());
-        let mixes = device.mixes(channels);
-        if scene.rig.is_none() {
-            choose::fits(&device, channels)?;
-        }
-        let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
-        let heard_from = reload.scene.plan.inputs();
         // Before anything is opened: from here on, a signal ends it in order.
         let stop = Stop::listen()?;
-        #[cfg(feature = "serial")]
-        let (on_line, line) = super::line::OnLine::begin(&loaded, &reload.scene.plan)?
-            .map_or((None, None), |(heard, line)| (Some(heard), Some(line)));
-        #[cfg(not(feature = "serial"))]
-        let on_line: Option<Box<pacinian::live::remote::Heard>> = None;
+        let (on_line, line) = OnLine::begin(&loaded, plan)?.unzip();
         // What is on a line is no affair of the card.
         let first = on_line.as_ref().map_or(usize::MAX, |knob| knob.first());
         let by_card: Vec<usize> = heard_from.iter().copied().filter(|channel| *channel < first).collect();
+        let listens = (self.scene.input.as_deref(), self.input_device.as_deref());
         let mut listens = Listens::of(&loaded, listens, &by_card, (rate, self.block), &stop, terminal)?;
-        let hears = listens.note.take();
-        #[cfg(feature = "serial")]
-        let hears = match (hears, line.as_ref().map(|line| line.note.clone())) {
-            (Some(card), Some(knob)) => Some(format!("{card}; {knob}")),
-            (card, knob) => card.or(knob),
-        };
+        let hears: Vec<String> =
+            listens.note.take().into_iter().chain(line.iter().map(|line| line.note.clone())).collect();
+        let hears = (!hears.is_empty()).then(|| hears.join("; "));
         let scenery = Scenery {
             loaded: &loaded,
             first: &reload.scene.patterns,
@@ -203,8 +155,6 @@ impl Play {
             control: self.turned.then_some(HAND),
         };
         let (mut show, post) = Show::new(&scenery, terminal)?;
-        let ports = post.clone();
-        let (verdict, verdicts) = channel();
         let setting = Setting {
             heard: listens.heard.take(),
             loop_latency: loaded.rig.device.loop_latency,
@@ -214,9 +164,10 @@ impl Play {
         let journal = self.keep.journal(&reload, setting)?;
         // Before anything sounds: an address that cannot be had ends it.
         let socket = self.osc.bind()?;
-        let announcer = self.osc.announcer(&reload.scene.plan)?;
-        let hearers = Hearers { journal: journal.clone(), announcer: announcer.clone(), post };
-        let knob = self.turned.then(|| Turning::of(&reload.scene.plan));
+        let announcer = self.osc.announcer(plan)?;
+        let (verdict, verdicts) = channel();
+        let hearers = Hearers { journal: journal.clone(), announcer: announcer.clone(), post: post.clone() };
+        let knob = self.turned.then(|| Turning::of(plan));
         let mut listener = hearers.clone().listener();
         if let Some(knob) = &knob {
             listener = knob.beside(listener);
@@ -245,126 +196,68 @@ impl Play {
             terminal.note(&format!("{more}\n"));
         }
         let osc = self.osc.listen(socket, session.handle(), &loaded.patch, announcer.as_ref(), terminal)?;
-        // What nothing listens to is not opened.
-        let wanted = self.midi_in.clone().filter(|name| name != "none");
-        let listen = |patch: &Patch| {
-            let use_for_it =
-                wanted.is_some() || (self.midi_in.is_none() && (patch.hears_midi() || patch.follows_clock()));
-            let ports = ports.clone();
-            let news = Box::new(move |news| ports.port(&news));
-            let open = use_for_it.then(|| MidiPorts::listen(session.handle(), wanted.clone(), news));
-            open.transpose().map_err(|error| Failure::no_thread("MIDI", &error))
-        };
-        let mut midi = listen(&loaded.patch)?;
-        let course = || Course {
-            scene: Scene { midi: None, offered: vec![channels as u16], ..scene.clone() },
+        let mut instruments = Instruments::new(self.midi_in.clone(), session.handle().clone(), post);
+        instruments.open_for(&loaded.patch)?;
+        if self.torque {
+            let _ = session.handle().send(Signal::Torque(true));
+        }
+        let course = Course {
+            scene: Scene { midi: None, offered: vec![channels as u16], ..scene },
             device_rate: f64::from(rate),
             device: self.device.clone(),
-            wish: wish.clone(),
+            wish,
             rate: loaded.rig.device.rate,
             input: loaded.rig.device.input.clone(),
             input_device: self.input_device.clone(),
-            heard: heard_from.clone(),
+            heard: heard_from,
             knob_channel: if first == usize::MAX { 0 } else { first },
             channels,
             files: files.clone(),
         };
-        if self.torque {
-            let _ = session.handle().send(Signal::Torque(true));
-        }
         // Only now, so that a session that could not begin has touched nothing.
-        let mut kept = self.keep.begin(sound, journal, files.clone(), &loaded)?;
+        let kept = self.keep.begin(sound, journal, files, &loaded)?;
         let (folder, patch) = (Arc::clone(&loaded.folder), Arc::clone(&loaded.patch));
         let keep_what_plays = move || {
             if let Some((files, made_of)) = playing {
                 files.keep(&folder, &patch, &made_of).unwrap_or_else(|error| files.fail(error));
             }
         };
-        let watching = self
-            .watch
-            .then(|| Watching::begin(course(), since, session.handle().clone(), verdicts, keep_what_plays));
-        let watching = match watching.transpose() {
-            Ok(watching) => watching,
-            Err(error) => {
-                kept.abandon();
-                return Err(Failure::no_thread("files that are watched", &error));
-            }
+        let song_ends = Company::song_ends(&loaded);
+        let mut company = Company {
+            loaded,
+            kept,
+            announcer,
+            osc,
+            counts: None,
+            instruments,
+            watching: None,
+            line,
+            song_ends,
         };
+        if self.watch {
+            let handle = session.handle().clone();
+            match Watching::begin(course, since, handle, verdicts, keep_what_plays) {
+                Ok(watching) => company.watching = Some(watching),
+                Err(error) => {
+                    return Err(company.abandon(Failure::no_thread("files that are watched", &error)));
+                }
+            }
+        }
         if let Err(failure) = show.begin(session.board().lever.closing()) {
-            kept.abandon();
-            return Err(failure);
+            return Err(company.abandon(failure));
         }
         if let Some(why) = instead {
             show.say_on_screen(&format!("a virtual card plays, which nobody feels, since {why}"));
         }
-        // Everything of the beginning comes behind the ramp.
-        let mut song_ends = loaded.song.as_ref().map(|song| RAMP_IN + song.seconds);
-        let end = End::wait(self.duration, &session, &stop, &mut show, |show| {
-            let played = session.board().frames.get() as f64 / session.rate();
-            if song_ends.take_if(|end| *end <= played).is_some() {
-                show.tell("the song has ended; the session goes on until it is ended");
-            }
-            if let Some(trouble) = kept.look(&session) {
-                show.say(&trouble);
-            }
-            for vain in announcer.iter().flat_map(Announcer::unheard) {
-                show.say(&format!("{}: what is told there over OSC is lost", osc::in_vain(&vain)));
-            }
-            for complaint in osc.iter().flat_map(Server::complaints) {
-                show.say(&complaint);
-            }
-            #[cfg(feature = "serial")]
-            for said in line.iter().flat_map(super::line::OnLine::news) {
-                show.say(&said);
-            }
-            for news in watching.iter().flat_map(Watching::news) {
-                show.watched(&news);
-                if let News::Took(new, .., effects) = news {
-                    loaded = *new;
-                    #[cfg(feature = "serial")]
-                    line.iter().for_each(|line| line.follow(effects.clone()));
-                    #[cfg(not(feature = "serial"))]
-                    drop(effects);
-                    if let Some(osc) = &osc {
-                        osc.follow(&loaded.patch);
-                    }
-                    // The new one may be the first that has use for it.
-                    if midi.is_none() {
-                        midi = listen(&loaded.patch).unwrap_or_else(|failure| {
-                            show.say(&failure.brief());
-                            None
-                        });
-                    }
-                }
-            }
-        });
+        let end = End::wait(self.duration, &session, &stop, &mut show, |show| company.look(&session, show));
         // The gate closes before anything else is done, even where the conductor is no more.
         session.board().lever.close();
         let held = (!is_virtual).then(|| device_queue::told(session.board()));
         let _ = session.handle().from(end.origin()).send(Signal::End);
-        drop(watching);
-        // What the system dropped last is counted when the server ends.
-        let counts = osc.map(|osc| Arc::clone(osc.counts()));
+        company.close();
         let peaks = show.end(session.board(), terminal);
         session.stop();
-        // A session that has ended is told no more of their keys.
-        drop(midi);
-        counts.iter().for_each(|counts| kept.counted(counts));
-        if let Some(trouble) = counts.and_then(|counts| counts.trouble()) {
-            terminal.note(&format!("{trouble}\n"));
-        }
-        if let Some(trouble) = session.board().midi.trouble() {
-            terminal.note(&format!("{trouble}\n"));
-        }
-        let unsent = announcer.as_ref().map_or(0, Announcer::finish);
-        for vain in announcer.iter().flat_map(Announcer::unheard) {
-            terminal.note(&format!("{}\n", osc::in_vain(&vain)));
-        }
-        if unsent > 0 {
-            terminal.note(&format!(
-                "{unsent} messages of markers, voices and the gate could not be told over OSC\n"
-            ));
-        }
+        let Parted { loaded, kept, line } = company.leave(&session, terminal);
         let conclusion = Conclusion {
             loaded: &loaded,
             session: &session,
@@ -373,7 +266,6 @@ impl Play {
             asked: self.duration.filter(|_| end == End::Over),
         };
         let concluded = conclusion.tell(terminal);
-        #[cfg(feature = "serial")]
         line.iter().for_each(|line| terminal.note(&line.conclude()));
         let told = knob.map_or(Ok(()), |knob| knob.told(&loaded, session.board(), terminal));
         // Whoever has asked it to stop is told of what was lost as well.
