@@ -48,7 +48,9 @@ fn hears(lines: &mut BufReader<ChildStderr>, what: &str) -> String {
 }
 
 fn start(scratch: &Scratch, more: &[&str]) -> (Child, BufReader<ChildStderr>, Surface) {
-    let arguments = [&["learn", "p.toml", "--midi-in", "none", "--osc", "0"], more].concat();
+    // One that hears nothing ends, and so does a test that waits for what it does not say.
+    let wait: &[&str] = if more.contains(&"--wait") { &[] } else { &["--wait", "60"] };
+    let arguments = [&["learn", "p.toml", "--midi-in", "none", "--osc", "0"], more, wait].concat();
     let command = &mut scratch.command(&arguments);
     let mut child =
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -72,7 +74,7 @@ fn what_is_moved_is_bound_and_the_rest_of_the_patch_stays() {
     surface.move_fader(&format!("/{}", "x".repeat(256)));
     surface.move_fader("/fader/1");
     surface.move_fader("/fader/1");
-    hears(&mut lines, "/midi/7 says 2: a binding takes positions from 0 to 1");
+    hears(&mut lines, "/midi/7 says 2: what is learnt goes from 0 to 1");
     hears(&mut lines, "/control/depth is an address of pacinian's own");
     hears(&mut lines, "/fader 1 has a blank in it");
     hears(&mut lines, "xxx... is longer than the 256 bytes");
@@ -218,7 +220,7 @@ fn what_comes_from_the_network_moves_no_cursor() {
     let line = hears(&mut lines, "is an address of pacinian's own");
     assert!(line.len() < 250, "{}", line.len());
     surface.say("/far\x1b[1A\x08", 3.0_f32);
-    let line = hears(&mut lines, "a binding takes positions");
+    let line = hears(&mut lines, "what is learnt goes from 0 to 1");
     assert!(line.contains("/far\\u{1b}[1A\\u{8} says 3"), "{line:?}");
     let _ = child.kill();
     let _ = child.wait();

@@ -125,6 +125,25 @@ fn what_notes_played_is_played_again() {
     assert_eq!(led_back, expected);
 }
 
+/// What a note asks for and cannot be had is told as the answer to that note.
+#[test]
+fn what_a_song_asks_for_in_vain_is_told_with_the_note_that_did() {
+    let scratch = Scratch::new("songs-vain");
+    std::fs::write(scratch.0.join("song.mid"), keys()).unwrap();
+    let vain = "[[trigger]]\non = \"midi.note\"\nplay = \"hum\"\nnotes = [57, 57]\nset = { duration = \"velocity - 2\" }\n";
+    scratch.write("p.toml", format!("{HUM}{vain}"));
+    let play = ["play", "p.toml", "--midi-file", "song.mid", "--midi-in", "none", "--device", "virtual"];
+    let run = scratch.run(&[&play[..], &["--duration", "0.9", "--events", "x.jsonl"]].concat());
+    run.succeeds();
+    let journal = std::fs::read_to_string(scratch.0.join("x.jsonl")).unwrap();
+    let lines: Vec<Value> = journal.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let refused: Vec<&Value> = lines.iter().filter(|line| line["kind"] == "refused").collect();
+    assert_eq!(refused.len(), 1, "{journal}");
+    let of = |line: &&Value| line["id"] == refused[0]["cause"] && line["source"] == "song";
+    let message = lines.iter().find(of).unwrap_or_else(|| panic!("{}", refused[0]));
+    assert_eq!(message["message"], "90 39 40");
+}
+
 /// A pattern, or a voice, without end beside a song is over when that is; so is one that the song begins and does not end.
 #[test]
 fn a_song_gives_an_endless_patch_its_length() {

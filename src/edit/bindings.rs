@@ -6,7 +6,7 @@ use super::text::Text;
 use super::value::{one_line, put};
 use super::{EditError, broken};
 use crate::patch::bind::{SENDS, STEP};
-use crate::patch::{Bind, Curve, Patch};
+use crate::patch::{Bind, Curve, Mover, Patch};
 
 /// The text of a patch with these bindings. A control that one binding moves already is moved by another thing from now on (`from`, `channel`), and keeps
 /// its range, curve and pick-up, whatever is given here; others get a binding of their own, which says what is not as usual. Of several
@@ -104,7 +104,8 @@ fn fill(table: &mut dyn TableLike, bind: &Bind) -> Result<(), EditError> {
 /// Another source for a binding.
 fn set(table: &mut dyn TableLike, bind: &Bind) -> Result<(), EditError> {
     let from = bind.from.to_string();
-    if table.get("from").and_then(Item::as_str) != Some(&from) {
+    let before = table.get("from").and_then(Item::as_str);
+    if before.and_then(|before| Mover::parse(before).ok()) != Some(bind.from.clone()) {
         // What another sends has other ends.
         drop(table.remove("sends"));
     }

@@ -8,7 +8,7 @@ use super::refusal::Refusal;
 use super::standing::Standing;
 use super::succession::Succession;
 use super::triggers::Triggers;
-use super::vibration::{Counts, Options, Row, Vibration};
+use super::vibration::{Counts, Options, Row, Vibration, single};
 use crate::actuator::driver::order::Order;
 use crate::dsp::biquad::Complex;
 use crate::dsp::isa::Isa;
@@ -26,6 +26,8 @@ pub struct Stage {
     drives: Drives,
     hush: Hush,
     protections: Protections,
+    /// The most that leaves each channel.
+    levels: Vec<f32>,
     /// From the stage before to this one, while both sound.
     succession: Option<Box<Succession>>,
     /// What the stage before met.
@@ -55,8 +57,9 @@ impl Stage {
         let drives = Drives::new(plan, &vibration).map_err(cannot)?;
         let protections = Protections::new(plan).map_err(cannot)?;
         let raw = Raw::new(plan);
+        let levels = plan.max_levels().into_iter().map(single).collect();
         let (succession, met) = (None, Counts::default());
-        Ok(Self { vibration, rows, triggers, raw, drives, hush, protections, succession, met })
+        Ok(Self { vibration, rows, triggers, raw, drives, hush, protections, levels, succession, met })
     }
 
     /// Makes it ready to take over from another in this way.
@@ -114,6 +117,11 @@ impl Stage {
         self.triggers.channels()
     }
 
+    /// The most that leaves each channel.
+    pub fn levels(&self) -> &[f32] {
+        &self.levels
+    }
+
     /// The motors.
     pub fn drives(&self) -> &Drives {
         &self.drives
@@ -136,6 +144,7 @@ impl Stage {
         self.raw.limit_to(levels);
         self.drives.limit_to(levels);
         self.triggers.limit_to(levels);
+        self.levels.iter_mut().zip(levels).for_each(|(most, level)| *most = *level);
     }
 
     /// Whether nothing rings in it.

@@ -115,6 +115,8 @@ pub struct Board {
     pub held_back: Figure,
     /// Signals and patterns that found no room, by where they came from.
     pub refused: Refusals,
+    /// Times that something was asked for and could not be done.
+    pub undone: Figure,
     /// Frames that the recording missed.
     pub unrecorded: Figure,
     /// Things done that the log did not hear of.

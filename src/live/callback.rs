@@ -429,7 +429,6 @@ impl Callback {
             self.board.tally.iter().zip(tally).for_each(|(figure, value)| figure.set(value));
         }
         self.board.frames.set(self.frames);
-        self.board.block.set(frames);
         self.board.shut.set(u64::from(self.gate.is_shut()));
     }
 }

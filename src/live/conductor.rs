@@ -244,6 +244,12 @@ impl Conductor {
         self.hear();
     }
 
+    /// Tells that something cannot be done.
+    fn refuse(&mut self, problem: &Problem, cause: u64) {
+        self.board.undone.add(1);
+        (self.audience)(Told::Refused(problem, cause));
+    }
+
     /// Hears what the callback did. Says whether patterns were set off.
     fn hear(&mut self) -> bool {
         let moment = self.clock.moment();
@@ -270,12 +276,13 @@ impl Conductor {
         (self.audience)(Told::Began(self.epoch, &self.board));
         let until = self.until(0);
         let mut outlet = ToCallback { rings: &mut self.rings, clock: 0, plan: self.plan, cause: 0 };
-        if let Err(problem) = self.performer.begin(&mut outlet) {
-            (self.audience)(Told::Refused(&problem, 0));
-        }
+        let begun = self.performer.begin(&mut outlet);
         // One that has millions of steps to take until something happens has given up by then.
         let fed = |_: &u32| self.performer.feed_some(until, &mut outlet);
         self.behind = (0..AT_FIRST).find(fed).is_none();
+        if let Err(problem) = begun {
+            self.refuse(&problem, 0);
+        }
         self.hear_trouble();
         self.show_values([0; WAYS]);
         self.board.lever.open();
@@ -303,7 +310,7 @@ impl Conductor {
         let mut outlet =
             ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause: 0 };
         if let Err(problem) = self.performer.midi_settle(at, &mut outlet) {
-            (self.audience)(Told::Refused(&problem, 0));
+            self.refuse(&problem, 0);
         }
         self.board.midi.performed(&self.performer.midi_counts());
     }
@@ -325,7 +332,7 @@ impl Conductor {
         let mut outlet =
             ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause: 0 };
         if let Err(problem) = self.performer.midi_gone(at, port, &mut outlet) {
-            (self.audience)(Told::Refused(&problem, 0));
+            self.refuse(&problem, 0);
         }
     }
 
@@ -372,8 +379,8 @@ impl Conductor {
 
     /// Tells what has kept patterns from going on.
     fn hear_trouble(&mut self) {
-        for problem in self.performer.take_troubles() {
-            (self.audience)(Told::Refused(&problem, 0));
+        for (problem, cause) in self.performer.take_troubles() {
+            self.refuse(&problem, cause);
         }
     }
 
@@ -491,6 +498,8 @@ impl Conductor {
                 self.reload(reload);
                 Ok(())
             }
+            // It was told of as it came.
+            Signal::Note(_) => Ok(()),
             Signal::End => {
                 self.end();
                 Ok(())
@@ -499,7 +508,7 @@ impl Conductor {
         self.performer.because(0);
         self.board.refused.patterns.add(self.performer.take_turned_away());
         if let Err(problem) = done {
-            (self.audience)(Told::Refused(&problem, id));
+            self.refuse(&problem, id);
         }
     }
 
@@ -537,7 +546,7 @@ impl Conductor {
         let became = self.performer.become_of(scene, patch, rig, files);
         (self.audience)(Told::Reloaded);
         if let Err(problem) = became {
-            (self.audience)(Told::Refused(&problem, 0));
+            self.refuse(&problem, 0);
         }
     }
 }

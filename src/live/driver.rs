@@ -120,6 +120,7 @@ impl Driver {
         if frames == 0 {
             return;
         }
+        self.board.block.set(frames as u64);
         let begin = self.epoch.now();
         // A device that left out a block plays the next one sooner than the clock thinks.
         let gaps = self.board.xruns.get();

@@ -7,7 +7,7 @@
 
 use crate::engine;
 use crate::engine::stage::Stage;
-use crate::live::steps::Steps;
+use crate::live::steps::{Rounding, Steps};
 
 /// Where a gate is told to go.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,7 +103,7 @@ pub struct Gate {
     pulses: Vec<bool>,
     kept: f32,
     braking: u32,
-    steps: Steps,
+    rounding: Rounding,
 }
 
 impl Gate {
@@ -111,8 +111,19 @@ impl Gate {
     pub fn new(rate: f64, gain: f32) -> Self {
         let (open, gain) = (Ramp::resting(0.0), Ramp::resting(gain));
         let (motors, pulses) = (Vec::new(), Vec::new());
-        let steps = Steps::FLOAT;
-        Self { rate, open, gain, latched: false, closed: false, motors, pulses, kept: 0.0, braking: 0, steps }
+        let rounding = Rounding::none(0);
+        Self {
+            rate,
+            open,
+            gain,
+            latched: false,
+            closed: false,
+            motors,
+            pulses,
+            kept: 0.0,
+            braking: 0,
+            rounding,
+        }
     }
 
     /// The same, of so many channels with motors and pulses on those of `stage`. Where it closes, motors come through for [`BRAKING`] as they did before, as
@@ -120,19 +131,21 @@ impl Gate {
     /// pulses do not come in slowly: a pulse that is not as high as others is none to an amplifier.
     pub fn before(mut self, width: usize, stage: &Stage) -> Self {
         (self.motors, self.pulses) = (vec![false; width], vec![false; width]);
+        self.rounding = Rounding::none(width);
         self.stands_before(stage);
         self
     }
 
-    /// From the next frame on, motors and pulses are on the channels of `stage`.
+    /// From the next frame on, motors and pulses are on the channels of `stage`, and rounding adds nothing to the most that leaves it.
     pub fn stands_before(&mut self, stage: &Stage) {
         mark(&mut self.motors, stage.drives().channels());
         mark(&mut self.pulses, stage.pulsed());
+        self.rounding.below(stage.levels());
     }
 
     /// From the next frame on, the device takes samples in these steps.
     pub fn round_to(&mut self, steps: Steps) {
-        self.steps = steps;
+        self.rounding.to(steps);
     }
 
     /// Whether nothing may leave, so that motors must stand.
@@ -197,7 +210,7 @@ impl Gate {
     /// Lets frames of so many channels through, in the steps of the device.
     pub fn pass(&mut self, frames: &mut [f32], channels: usize) {
         self.scale(frames, channels);
-        self.steps.round(frames);
+        self.rounding.round(frames);
     }
 
     fn scale(&mut self, frames: &mut [f32], channels: usize) {

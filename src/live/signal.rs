@@ -47,6 +47,8 @@ pub enum Signal {
     Torque(bool),
     /// Another patch or rig takes over.
     Reload(Box<Reload>),
+    /// Nothing is done: somebody wants to have it in the journal.
+    Note(String),
     /// End the session: the gate closes.
     End,
 }
@@ -89,6 +91,8 @@ pub struct Stamped {
     pub peer: Option<Arc<str>>,
     /// How often the brake had been pulled when it was sent.
     pub pulls: u64,
+    /// By how many seconds it came before the time for which it was meant, of what names one; less than 0 where it came behind that.
+    pub ahead: Option<f64>,
     /// What it is.
     pub signal: Signal,
 }
@@ -104,6 +108,7 @@ pub struct Handle {
     numbers: Arc<AtomicU64>,
     origin: Origin,
     peer: Option<Arc<str>>,
+    ahead: Option<f64>,
 }
 
 /// Why a signal was not taken.
@@ -135,6 +140,7 @@ impl Handle {
             numbers: Arc::default(),
             origin: Origin::Program,
             peer: None,
+            ahead: None,
         }
     }
 
@@ -146,6 +152,11 @@ impl Handle {
     /// The same handle for signals from somebody.
     pub fn by(&self, peer: &Arc<str>) -> Self {
         Self { peer: Some(Arc::clone(peer)), ..self.clone() }
+    }
+
+    /// The same handle for signals that come so many seconds before the time for which they are meant.
+    pub(crate) fn ahead(&self, seconds: Option<f64>) -> Self {
+        Self { ahead: seconds, ..self.clone() }
     }
 
     /// Sends a signal that arrives now.
@@ -177,7 +188,8 @@ impl Handle {
         if let Signal::Midi(port, message) = &signal {
             self.board.cables.message(*port, now, *message);
         }
-        let sent = self.inlet.send(now, Stamped { id: 0, stamp, origin, peer, pulls, signal });
+        let ahead = self.ahead;
+        let sent = self.inlet.send(now, Stamped { id: 0, stamp, origin, peer, pulls, ahead, signal });
         self.board.refused.of(way).add(u64::from(sent == Err(Refused::Busy)));
         sent
     }
@@ -272,6 +284,14 @@ impl Handle {
     /// A signal that was not taken.
     pub fn reload(&self, reload: Reload) -> Result<(), Refused> {
         self.send(Signal::Reload(Box::new(reload)))
+    }
+
+    /// Puts a text into the journal, with its time: a response, the number of a trial.
+    ///
+    /// # Errors
+    /// A signal that was not taken.
+    pub fn note(&self, text: &str) -> Result<(), Refused> {
+        self.send(Signal::Note(text.into()))
     }
 
     /// Takes back a panic: the gate opens.

@@ -27,29 +27,90 @@ impl Steps {
         (self.bits > 0).then_some(self.bits)
     }
 
-    /// Rounds samples to the nearest step, and those beyond the last to the last: that is one short of 1. Zero stays zero. No noise is added, as silence is to be
-    /// silence, so what is far below a step is not felt.
-    pub fn round(self, samples: &mut [f32]) {
-        let Some(bits) = self.bits() else { return };
-        let one = (1_u64 << (bits - 1)) as f64;
+    /// How many there are from 0 to 1.
+    fn count(self) -> f64 {
+        self.bits().map_or(f64::INFINITY, |bits| (1_u64 << (bits - 1)) as f64)
+    }
+}
+
+/// Rounds what leaves channels to steps.
+#[derive(Debug)]
+pub struct Rounding {
+    steps: Steps,
+    /// The most that leaves each channel, in steps, and the last whole one of those.
+    ceilings: Vec<(f64, f64)>,
+    levels: Vec<f32>,
+}
+
+impl Rounding {
+    /// Changes nothing of so many channels.
+    pub fn none(width: usize) -> Self {
+        Self {
+            steps: Steps::FLOAT,
+            ceilings: vec![(f64::INFINITY, f64::INFINITY); width],
+            levels: vec![1.0; width],
+        }
+    }
+
+    /// From now on, to these steps.
+    pub fn to(&mut self, steps: Steps) {
+        self.steps = steps;
+        self.raise();
+    }
+
+    /// From now on, no more than this leaves each channel, and rounding adds nothing to that.
+    pub fn below(&mut self, levels: &[f32]) {
+        self.levels.iter_mut().zip(levels).for_each(|(most, level)| *most = *level);
+        self.raise();
+    }
+
+    fn raise(&mut self) {
+        let count = self.steps.count();
+        for (ceiling, level) in self.ceilings.iter_mut().zip(&self.levels) {
+            let most = f64::from(*level) * count;
+            *ceiling = (most, most.floor());
+        }
+    }
+
+    /// Rounds interleaved frames to the nearest steps; what is beyond the last becomes that, which is one short of 1. What keeps to the level of its
+    /// channel does so afterwards: there it is the last step within it. Zero stays zero. No noise is added, as silence is to be silence, so what
+    /// is far below a step is not felt.
+    pub fn round(&self, frames: &mut [f32]) {
+        if self.steps == Steps::FLOAT {
+            return;
+        }
+        let one = self.steps.count();
         let (least, most, step) = (-one, one - 1.0, 1.0 / one);
-        for sample in samples {
-            let whole = (f64::from(*sample) * one + WHOLE) - WHOLE;
-            // What is no number stays none, and the device takes it as 0.
-            *sample = (whole.clamp(least, most) * step) as f32;
+        for frame in frames.chunks_mut(self.ceilings.len().max(1)) {
+            for (sample, (ceiling, last)) in frame.iter_mut().zip(&self.ceilings) {
+                let exact = f64::from(*sample) * one;
+                let whole = (exact + WHOLE) - WHOLE;
+                // Where a plan takes over, what is left of the one before may be above what leaves the new one.
+                let bound = if exact.abs() <= *ceiling { *last } else { one };
+                let within = whole.min(bound).max(-bound).clamp(least, most);
+                // What is no number stays none, and the device takes it as 0.
+                *sample = if exact.is_nan() { *sample } else { (within * step) as f32 };
+            }
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Steps;
+    use super::{Rounding, Steps};
     use proptest::prelude::*;
 
+    fn rounded_below(bits: u8, level: f32, x: f32) -> f32 {
+        let mut rounding = Rounding::none(2);
+        rounding.below(&[1.0, level]);
+        rounding.to(Steps::of(bits).unwrap());
+        let mut samples = [0.7, x];
+        rounding.round(&mut samples);
+        samples[1]
+    }
+
     fn rounded(bits: u8, x: f32) -> f32 {
-        let mut samples = [x];
-        Steps::of(bits).unwrap().round(&mut samples);
-        samples[0]
+        rounded_below(bits, 1.0, x)
     }
 
     #[test]
@@ -69,8 +130,21 @@ mod tests {
         assert_eq!((rounded(16, f32::INFINITY), rounded(24, -1e30)), (1.0 - 0.5_f32.powi(15), -1.0));
         assert_eq!([0, 1, 33, 255].map(Steps::of), [None; 4]);
         let mut same = [0.1, -0.3, f32::MIN_POSITIVE];
-        Steps::FLOAT.round(&mut same);
+        Rounding::none(1).round(&mut same);
         assert_eq!((same, Steps::FLOAT.bits()), ([0.1, -0.3, f32::MIN_POSITIVE], None));
+    }
+
+    /// Of what leaves at a level that is no step, rounding would make more than that.
+    #[test]
+    fn no_more_than_its_level_leaves_a_channel() {
+        let step = 0.5_f32.powi(15);
+        assert_eq!((rounded_below(16, 0.0003, 0.0003), rounded(16, 0.0003)), (9.0 * step, 10.0 * step));
+        assert_eq!(rounded_below(16, 0.0003, -0.0003), -9.0 * step);
+        // Below the last step within it, to the nearest as anywhere.
+        assert_eq!(rounded_below(16, 0.0003, 8.6 * step), 9.0 * step);
+        assert_eq!(rounded_below(16, 1e-5, 1e-5), 0.0);
+        // What is above was let through by a plan that goes.
+        assert_eq!(rounded_below(16, 0.0003, 0.5), 0.5);
     }
 
     proptest! {
@@ -85,6 +159,14 @@ mod tests {
             prop_assert_eq!(rounded(bits, is), is);
             // Both sides are alike, but for the last step, of which there is one side.
             prop_assert!(rounded(bits, -x) == -is || f64::from(x.abs()) > 1.0 - step);
+        }
+
+        #[test]
+        fn what_keeps_to_a_level_does_so_afterwards(bits in 2_u8..=32, level in 0.0_f32..=1.0, part in -1.0_f32..=1.0) {
+            let (x, step) = (level * part, 0.5_f64.powi(i32::from(bits) - 1));
+            let is = rounded_below(bits, level, x);
+            prop_assert!(is.abs() <= level);
+            prop_assert!((f64::from(is) - f64::from(x)).abs() <= step);
         }
     }
 }

@@ -185,10 +185,10 @@ impl Bind {
         }
     }
 
-    /// The position of a number in an OSC message: 0 and 1 at the ends, beyond them less or more.
+    /// The position of a number in an OSC message: 0 and 1 at the ends, and beyond them.
     pub fn position_of(&self, number: f64) -> f64 {
         let [from, to] = self.sends;
-        (number - from) / (to - from)
+        (number.clamp(from.min(to), from.max(to)) - from) / (to - from)
     }
 
     /// What the control becomes at a position from 0 to 1.

@@ -394,8 +394,8 @@ pub const TOPICS: &[Topic] = &[
                - midi.controller 21: a controller, 0 to 119; of a pair of 14 bits the lower number, from 0 to 31. One from 32 to 63 that is \
                named itself is a controller of 7 bits of its own, and then its partner has 7 bits too\n\
                - midi.bend, midi.pressure: the wheel, and how hard keys are pressed\n\
-               - osc./address: the first number of a message; osc./address 2 is its second, of a pad or a tracker that says several at once. They go \
-               from 0 to 1, or as far as `sends` says: sends = [-0.5, 0.5]\n\n\
+               - osc./address: the first number of a message; osc./address 2 is its second, of a pad or a tracker that says several at once; a text among \
+               them takes a place, and moves nothing. They go from 0 to 1, or as far as `sends` says: sends = [-0.5, 0.5]\n\n\
                A controller that a binding or a trigger names has no other meaning on its channel: 64 and 66 are then no pedals that hold \
                notes, 0 and 32 choose no bank, and 6, 38 and 96 to 101 no numbered parameter. Timbre (74) stays timbre as well. Numbered \
                parameters (NRPN, RPN) move nothing but the bend range and the zones of MPE: their values are counted and told.\n\n\

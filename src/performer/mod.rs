@@ -84,7 +84,7 @@ pub struct Performer {
     cut: bool,
     trouble: Option<Problem>,
     /// What has kept patterns from going on and is yet to be told.
-    troubles: Vec<Problem>,
+    troubles: Vec<(Problem, u64)>,
     met: Option<Problem>,
     /// What the program played, and patterns it started, and those that too many others kept from it.
     played: u64,
@@ -324,7 +324,7 @@ impl Performer {
     }
 
     /// What stopped patterns since this was asked last.
-    pub fn take_troubles(&mut self) -> Vec<Problem> {
+    pub fn take_troubles(&mut self) -> Vec<(Problem, u64)> {
         std::mem::take(&mut self.troubles)
     }
 
@@ -332,7 +332,7 @@ impl Performer {
     fn meet(&mut self, problem: Problem) {
         // What happens again and again is told once.
         if self.troubles.len() < MOST_TROUBLES && self.met.as_ref() != Some(&problem) {
-            self.troubles.push(problem.clone());
+            self.troubles.push((problem.clone(), self.cause));
         }
         self.trouble.get_or_insert_with(|| problem.clone());
         self.met = Some(problem);

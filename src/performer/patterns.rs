@@ -27,8 +27,8 @@ const MOST_KEPT: usize = 1 << 13;
 /// Room that a message of a song needs at most, lest one that could set more off than there ever is room for would wait for ever.
 const MOST_NEEDED: usize = 1 << 12;
 
-/// Set in the numbers of messages of a song, which no signal of a session has, as those count from 1.
-const OF_SONG: u64 = 1 << 62;
+/// Set in the numbers of messages of a song: no signal of a session has it, as those count from 1, and no voice.
+const OF_SONG: u64 = 3 << 62;
 
 impl Performer {
     /// What is started from now on is started because of a signal of that number; 0 for none.
@@ -235,11 +235,11 @@ impl Performer {
                     self.midi_gone(at, 0, outlet)
                 }
             };
-            self.because(0);
-            outlet.because(0);
             if let Err(problem) = played {
                 self.meet(problem);
             }
+            self.because(0);
+            outlet.because(0);
         }
         None
     }

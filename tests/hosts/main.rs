@@ -152,6 +152,20 @@ fn what_a_lost_device_still_asks_for_is_silence() {
     assert!(stretch.samples[gone..].iter().all(|x| *x == 0.0), "at once");
 }
 
+/// What goes on in silence while a device is away says nothing of what that device holds.
+#[test]
+fn what_a_device_holds_is_what_it_said_itself() {
+    let card = Scripted::new(Make { blocks: vec![96], ..Make::default() });
+    let (session, fates) = hum(&System::of(&[&card]), "Card");
+    wait("sound", || card.length() > 2 * 4_800);
+    // The card says a block of its own, and is asked for blocks of 64.
+    assert_eq!(session.board().device_delay.get(), Some(2_000_000));
+    card.is(|mood| mood.there = false);
+    wait("the loss", || !fates.lock().unwrap().is_empty());
+    clock_goes_on(&session, 4_800);
+    assert_eq!(session.board().device_delay.get(), Some(2_000_000));
+}
+
 #[test]
 fn a_device_that_takes_a_stream_and_asks_for_nothing_is_lost_and_holds_nothing_up() {
     let card = Scripted::new(Make::default());

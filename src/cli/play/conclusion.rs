@@ -62,6 +62,13 @@ impl Conclusion<'_> {
             board.dropped.get() + board.refused.get(),
             refused,
         );
+        let undone = board.undone.get();
+        if undone > 0 {
+            text += &format!(
+                "  asked for and could not be done, as was told: {}\n",
+                many(undone as usize, "time")
+            );
+        }
         let changed = changed(board);
         if !changed.is_empty() {
             text += &format!("  of the samples: {changed}\n");

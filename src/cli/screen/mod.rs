@@ -294,14 +294,21 @@ impl Show {
                     let text = if armed { "armed: full level" } else { "at -20 dB" };
                     self.note(Happened::new(now, Mood::Told, text));
                 }
-                State::SetOff(name) => self.players.set_off(name),
-                State::Playing(playing) => {
-                    let said = self.players.play(playing);
-                    // What is ready before the output is open begins when it is. The screen shows it at its keys.
+                State::SetOff(name) => {
                     if matches!(self.out, Out::Lines(_)) {
-                        let at = now.max(RAMP_IN);
-                        said.into_iter().for_each(|what| self.note(Happened::new(at, Mood::Told, what)));
+                        self.players.set_off(name);
                     }
+                }
+                State::Playing(playing) => {
+                    // The screen shows it at its keys.
+                    if matches!(self.out, Out::Lines(_)) {
+                        for (at_first, what) in self.players.changes(&playing) {
+                            // What is ready before the output is open begins when it is.
+                            let at = if at_first { now.max(RAMP_IN) } else { now };
+                            self.note(Happened::new(at, Mood::Told, what));
+                        }
+                    }
+                    self.players.play(playing.into_iter().map(|(_, name)| name).collect());
                 }
             }
         }

@@ -17,6 +17,8 @@ pub struct Players {
     triggers: Vec<(u32, String)>,
     /// Those that play.
     playing: Vec<String>,
+    /// The same, with the numbers by which they were started, as of when it was asked last what changes.
+    running: Vec<(u64, String)>,
     /// Those of which it was said since that they begin.
     said: Vec<String>,
     /// Whether any has played.
@@ -43,9 +45,10 @@ impl Players {
 
     /// The patch is another; what plays goes on until it is told otherwise.
     pub fn become_of(&mut self, patch: &Patch, first: &[usize]) {
-        let (playing, played) = (std::mem::take(&mut self.playing), self.played);
+        let (playing, running) = (std::mem::take(&mut self.playing), std::mem::take(&mut self.running));
+        let (said, played) = (std::mem::take(&mut self.said), self.played);
         let before = std::mem::take(&mut self.patterns);
-        *self = Self { playing, played, ..Self::new(patch, first) };
+        *self = Self { playing, running, said, played, ..Self::new(patch, first) };
         self.begins = self.first.iter().any(|name| !before.contains(name));
     }
 
@@ -54,26 +57,26 @@ impl Players {
         self.said.push(name);
     }
 
-    /// These play now; one that plays twice stands there twice. Gives what is to be said of those that have begun, or are over.
-    pub fn play(&mut self, playing: Vec<String>) -> Vec<String> {
-        self.played |= !playing.is_empty();
-        let before = std::mem::replace(&mut self.playing, playing);
-        let more = |these: &[String], than: &[String], what: &str| -> Vec<String> {
-            let mut left: Vec<&String> = than.iter().collect();
-            let mut is_more = |name: &&String| match left.iter().position(|other| other == name) {
-                Some(there) => {
-                    left.swap_remove(there);
-                    false
-                }
-                None => true,
-            };
-            these.iter().filter(|name| is_more(name)).map(|name| format!("pattern {name} {what}")).collect()
-        };
-        let mut known = before.clone();
-        known.append(&mut self.said);
-        let mut said = more(&before, &self.playing, "is over");
-        said.extend(more(&self.playing, &known, "begins"));
+    /// What is to be said of those that begin or are over, where these play now: whether it begins with the session, and its words. Of one that was set off
+    /// by something of the engine it was said before that it begins.
+    pub fn changes(&mut self, playing: &[(u64, String)]) -> Vec<(bool, String)> {
+        let mut known = std::mem::take(&mut self.said);
+        let over = self.running.iter().filter(|run| !playing.contains(run));
+        let mut said: Vec<_> = over.map(|(_, name)| (false, format!("pattern {name} is over"))).collect();
+        for (serial, name) in playing.iter().filter(|run| !self.running.contains(run)) {
+            match known.iter().position(|known| known == name) {
+                Some(place) => drop(known.swap_remove(place)),
+                None => said.push((*serial == 0, format!("pattern {name} begins"))),
+            }
+        }
+        self.running = playing.to_vec();
         said
+    }
+
+    /// These play now; one that plays twice stands there twice.
+    pub fn play(&mut self, playing: Vec<String>) {
+        self.played |= !playing.is_empty();
+        self.playing = playing;
     }
 
     /// What is to be said of patterns that have played where none plays any more; `keys` says whether there are such.
@@ -225,19 +228,27 @@ mod tests {
     #[test]
     fn each_that_begins_or_ends_is_told_of_once() {
         let mut players = players();
-        assert_eq!(players.play(names(&["run"])), ["pattern run begins"]);
+        let mut told = |runs: &[(u64, &str)]| -> Vec<(bool, String)> {
+            players.changes(&runs.iter().map(|(serial, name)| (*serial, (*name).into())).collect::<Vec<_>>())
+        };
+        let said = |at_first, text: &str| (at_first, text.to_string());
+        assert_eq!(told(&[(0, "run")]), [said(true, "pattern run begins")]);
         assert_eq!(
-            players.play(names(&["run", "run", "walk"])),
-            ["pattern run begins", "pattern walk begins"]
+            told(&[(0, "run"), (7, "run"), (8, "walk")]),
+            [said(false, "pattern run begins"), said(false, "pattern walk begins")]
         );
-        assert_eq!(players.play(names(&["walk", "run", "run"])), [""; 0], "the same");
-        assert_eq!(players.play(names(&["walk", "run"])), ["pattern run is over"]);
-        assert_eq!(players.play(names(&["rest", "run"])), ["pattern walk is over", "pattern rest begins"]);
-        assert_eq!(players.play(vec![]), ["pattern rest is over", "pattern run is over"]);
+        assert_eq!(told(&[(8, "walk"), (7, "run"), (0, "run")]), [], "the same");
+        // One ends as another of its name begins.
+        assert_eq!(
+            told(&[(8, "walk"), (9, "run"), (0, "run")]),
+            [said(false, "pattern run is over"), said(false, "pattern run begins")]
+        );
+        assert_eq!(told(&[(0, "run"), (9, "run")]), [said(false, "pattern walk is over")]);
+        assert_eq!(told(&[]).len(), 2);
         // What has set it off has said so.
         players.set_off("run".into());
-        assert_eq!(players.play(names(&["run", "walk"])), ["pattern walk begins"]);
-        assert_eq!(players.play(names(&["run", "walk", "run"])), ["pattern run begins"]);
+        let more = players.changes(&[(10, "run".into()), (11, "run".into())]);
+        assert_eq!(more, [said(false, "pattern run begins")]);
     }
 
     /// Of a pattern that the patch before did not have, which begins by itself, it is not said that it does not.

@@ -12,9 +12,11 @@ use pacinian::io::midi_in::PortNews;
 use pacinian::live::callback::{Deed, Report};
 use pacinian::live::conductor::Told;
 use pacinian::live::gate::Order;
+use pacinian::live::signal::{Signal, Stamped};
 use pacinian::node::motion::Motion;
 use pacinian::performer::{Happening, Heard};
 use pacinian::schedule::Instant as Due;
+use pacinian::text::problem::shown;
 
 use super::happened::{Happened, Mood};
 
@@ -34,8 +36,8 @@ pub enum State {
     Armed(bool),
     /// This pattern was set off by something of the engine, which says so itself.
     SetOff(String),
-    /// These patterns play.
-    Playing(Vec<String>),
+    /// These patterns play: the numbers by which they were started, 0 for those of the beginning, and their names.
+    Playing(Vec<(u64, String)>),
 }
 
 /// Something that is to be shown.
@@ -192,6 +194,9 @@ impl Post {
             Told::Report(Report { deed: Deed::Order(Order::Gain(gain)), .. }, _) => {
                 self.state(State::Armed(*gain >= 1.0));
             }
+            Told::Came(Stamped { signal: Signal::Note(text), .. }) => {
+                self.say(Mood::Told, format!("note: {}", shown(text)));
+            }
             Told::Report(..) | Told::Began(..) | Told::Came(..) | Told::Reloading(_) => {}
             Told::Lost(port, name) => {
                 let of = name.map_or_else(|| format!("port {port}"), ToString::to_string);
@@ -202,7 +207,9 @@ impl Post {
             }
             Told::Refused(problem, _) => self.say(Mood::Bad, problem.to_string()),
             Told::Playing(playing) => {
-                self.state(State::Playing(playing.iter().map(|(_, name)| (*name).into()).collect()));
+                self.state(State::Playing(
+                    playing.iter().map(|(serial, name)| (*serial, (*name).into())).collect(),
+                ));
             }
             // Whoever sent it says so.
             Told::Reloaded | Told::Kept(_) => {}

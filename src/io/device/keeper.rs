@@ -137,7 +137,7 @@ impl Keeper {
                 keeping.watch = Watch::of(&found.id);
                 keeping.sought = Some((found.hosts, found.id));
             }
-            Chosen::Virtual(_) => keeping.tick(driver)?,
+            Chosen::Virtual(_) => keeping.tick(driver, false)?,
         }
         let minder = Minder::start("device", (bell, ear), move || keeping.look())?;
         Ok(Self { resting, _minder: minder })
@@ -174,11 +174,12 @@ impl Keeping {
         Ok(())
     }
 
-    fn tick(&mut self, driver: Driver) -> Result<(), DeviceError> {
+    /// On the virtual card, which may stand in for one that is away.
+    fn tick(&mut self, driver: Driver, stands_in: bool) -> Result<(), DeviceError> {
         let block = self.shape.block.map_or(BLOCK, |block| block as usize);
         let lent = self.lend(driver);
         let (channels, rate, board) = (self.shape.channels, f64::from(self.shape.rate), self.board.clone());
-        let card = VirtualCard::start(lent, channels, rate, block, board)
+        let card = VirtualCard::start(lent, channels, rate, block, board, stands_in)
             .map_err(|error| DeviceError::no_thread("virtual card", &error))?;
         self.playing = Playing::Virtual(card);
         Ok(())
@@ -188,7 +189,7 @@ impl Keeping {
     fn go_on(&mut self, mut driver: Driver) {
         let block = self.shape.block.map_or(BLOCK, |block| block as usize);
         driver.move_to(block, Order::Close);
-        if let Err(error) = self.tick(driver) {
+        if let Err(error) = self.tick(driver, true) {
             (self.fate)(Fate::Said(error.to_string()));
         }
     }

@@ -23,7 +23,8 @@ pub struct VirtualCard {
 const PART: usize = 512;
 
 impl VirtualCard {
-    /// Begins to ask for blocks of `block` frames of `channels`, at `rate` frames a second. `board` counts its xruns.
+    /// Begins to ask for blocks of `block` frames of `channels`, at `rate` frames a second. `board` counts its xruns, and has what it holds, unless it
+    /// stands in for a card that is away: what that one says of itself stays.
     ///
     /// # Errors
     /// A system that has no thread left.
@@ -33,6 +34,7 @@ impl VirtualCard {
         rate: f64,
         block: usize,
         board: Arc<Board>,
+        stands_in: bool,
     ) -> std::io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
@@ -43,7 +45,9 @@ impl VirtualCard {
             let mut pace = Pace::begin(Instant::now(), period);
             while !stopped.load(Ordering::Acquire) {
                 // The block before this one begins to play when this is asked for.
-                board.device_delay.note((period * 1e9) as u64);
+                if !stands_in {
+                    board.device_delay.note((period * 1e9) as u64);
+                }
                 driver.used(|driver| driver.begin(block));
                 for part in frames.chunks_mut(PART * channels.max(1)) {
                     // Of a block that takes for ever the rest is left out.

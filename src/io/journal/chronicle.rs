@@ -206,7 +206,9 @@ impl Chronicle {
         if line.seconds.is_none()
             && let Some(moment) = moment
         {
-            line.seconds = Some(moment.time_of(report.frame as f64));
+            // What the gate does leaves the converter behind all that the device holds; the engine is in front of it.
+            let held = if line.kind == Kind::Gate { self.board.device_delay.seconds() } else { 0.0 };
+            line.seconds = Some(moment.time_of(report.frame as f64) + held);
             line.utc = line.seconds.and_then(|seconds| self.date(seconds));
         }
         line
@@ -268,12 +270,14 @@ impl Chronicle {
         Line { name, message: Some(why), ..self.now(Kind::Refused) }
     }
 
-    fn came(&self, Stamped { id, stamp, origin, peer, signal, .. }: &Stamped) -> Line {
+    fn came(&self, Stamped { id, stamp, origin, peer, ahead, signal, .. }: &Stamped) -> Line {
         let (source, name, message) = words::of_signal(signal, origin);
+        let fields = ahead.map(|ahead| ("ahead".to_string(), ahead)).into_iter().collect();
         let (id, peer) = (Some(*id), peer.as_ref().map(ToString::to_string));
         let seconds = Some(stamp.seconds());
         let utc = self.date(stamp.seconds());
-        Line { source: Some(source.into()), id, name, peer, message, seconds, utc, ..Line::new(Kind::In) }
+        let source = Some(source.into());
+        Line { source, id, name, peer, message, seconds, utc, fields, ..Line::new(Kind::In) }
     }
 }
 

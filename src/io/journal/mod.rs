@@ -282,6 +282,7 @@ fn counters(board: &Board) -> BTreeMap<String, f64> {
         ("late", board.late.get()),
         ("dropped", board.dropped.get()),
         ("refused", board.refused.get()),
+        ("undone", board.undone.get()),
         ("xruns", board.xruns.get()),
         ("unrecorded", board.unrecorded.get()),
         (UNTOLD, board.untold.get()),

@@ -347,7 +347,8 @@ impl<R: BufRead> Replay<R> {
             }
             Kind::Steps => {
                 let bits = line.value.ok_or("steps must have a `value`")?;
-                let steps = if bits == 0.0 { Some(Steps::FLOAT) } else { Steps::of(bits as u8) };
+                let whole = (bits.fract() == 0.0).then_some(bits as u8);
+                let steps = if bits == 0.0 { Some(Steps::FLOAT) } else { whole.and_then(Steps::of) };
                 let steps = steps.ok_or_else(|| {
                     format!("samples have from 2 to 32 bits, or 0 for floating point, not {}", number(bits))
                 })?;

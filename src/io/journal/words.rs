@@ -52,6 +52,7 @@ fn asked(signal: &Signal) -> (String, Option<String>) {
         Signal::Arm(armed) => (if *armed { "arm" } else { "disarm" }.into(), None),
         Signal::Torque(on) => (if *on { "torque" } else { "torque-off" }.into(), None),
         Signal::Reload(reload) => ("reload".into(), Some(reload.patch.title.clone())),
+        Signal::Note(text) => ("note".into(), Some(text.clone())),
         Signal::End => ("end".into(), None),
         Signal::Key(key) => ("key".into(), Some(key.to_string())),
         Signal::Midi(port, _) | Signal::MidiGone(port) => ("midi".into(), Some(port.to_string())),

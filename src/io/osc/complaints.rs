@@ -52,17 +52,24 @@ impl Complaints {
             let Mover::Osc { argument, .. } = bind.from else { continue };
             let [from, to] = bind.sends;
             let which = if argument == 1 { String::new() } else { format!(" as its number {argument}") };
-            let Some(number) = numbers.get(argument - 1) else {
+            let place = argument.checked_sub(1).and_then(|place| numbers.get(place));
+            let Some(number) = place.filter(|number| !number.is_nan()) else {
                 // A button that says nothing at all is pushed.
                 if numbers.is_empty() {
                     continue;
                 }
-                self.say(address, || {
-                    let count = numbers.len();
-                    let s = if count == 1 { "" } else { "s" };
-                    format!(
-                        "OSC: `{address}` says {count} number{s}; its binding waits for number {argument}"
-                    )
+                self.say(address, || match numbers.len() {
+                    count if argument <= count => {
+                        format!(
+                            "OSC: `{address}` says no number in place {argument}, for which its binding waits"
+                        )
+                    }
+                    1 => format!("OSC: `{address}` says 1 number; its binding waits for number {argument}"),
+                    count => {
+                        format!(
+                            "OSC: `{address}` says {count} numbers; its binding waits for number {argument}"
+                        )
+                    }
                 });
                 continue;
             };

@@ -6,6 +6,7 @@ use rosc::OscType;
 
 use super::announce::Wants;
 use super::names::{Kind, Method};
+use super::said;
 use crate::patch::Place;
 use crate::patch::place::{channel, position};
 use crate::performer::{Note, Touch};
@@ -57,6 +58,8 @@ pub enum Ask {
     Ping,
     /// For the patch's triggers.
     Trigger(String, Vec<f64>),
+    /// Put that into the journal.
+    Note(String),
     /// A button was let go: nothing.
     Nothing,
 }
@@ -141,8 +144,15 @@ pub fn ask(method: &Method, args: &[OscType]) -> Result<Ask, Wrong> {
         Method::Dismiss => button(args, Ask::Dismiss)?,
         Method::Status => button(args, Ask::Status)?,
         Method::Ping => button(args, Ask::Ping)?,
+        Method::Note => Ask::Note(said::listed(args)),
         Method::Trigger(address) => {
-            Ask::Trigger(address.clone(), args.iter().map(finite).collect::<Result<_, _>>()?)
+            let place = |arg| number(arg).map_or(Ok(f64::NAN), |_| finite(arg));
+            let numbers: Vec<f64> = args.iter().map(place).collect::<Result<_, _>>()?;
+            // Some name what the numbers are of; what only names is meant for something else.
+            if !numbers.is_empty() && numbers.iter().all(|number| number.is_nan()) {
+                return Err(Wrong);
+            }
+            Ask::Trigger(address.clone(), numbers)
         }
     })
 }

@@ -54,6 +54,8 @@ pub enum Method {
     Status,
     /// Answers.
     Ping,
+    /// Goes into the journal.
+    Note,
     /// Is for the patch's triggers and bindings.
     Trigger(String),
 }
@@ -83,6 +85,7 @@ impl Method {
             Self::Get(_) | Self::Subscribe => "nothing, or milliseconds from report to report",
             Self::Arm | Self::Torque => "0 or 1",
             Self::Trigger(_) => "numbers",
+            Self::Note => "anything",
             Self::Start(_)
             | Self::Stop(_)
             | Self::List(_)
@@ -99,7 +102,7 @@ impl Method {
 }
 
 /// Addresses that are there whatever the patch.
-const OWN: [(&str, Method); 20] = [
+const OWN: [(&str, Method); 21] = [
     ("/release", Method::ReleaseAll),
     ("/voice/release", Method::Release),
     ("/voice/bend", Method::Touch(What::Bend)),
@@ -120,6 +123,7 @@ const OWN: [(&str, Method); 20] = [
     ("/event/unsubscribe", Method::Dismiss),
     ("/status", Method::Status),
     ("/ping", Method::Ping),
+    ("/note", Method::Note),
 ];
 
 /// What addresses begin with that are those of a patch's voices, patterns and controls.

@@ -11,8 +11,13 @@ const MOST: usize = 1000;
 
 /// The message as the origin of what it asks for: its address, and its arguments with spaces between. Texts are in quotes.
 pub(super) fn origin(message: &OscMessage) -> Origin {
+    Origin::Osc(cut(&message.addr).into(), listed(&message.args).into())
+}
+
+/// Arguments with spaces between, as much of them as is kept.
+pub(super) fn listed(args: &[OscType]) -> String {
     let mut words = String::new();
-    for argument in &message.args {
+    for argument in args {
         if words.len() > MOST {
             break;
         }
@@ -21,7 +26,7 @@ pub(super) fn origin(message: &OscMessage) -> Origin {
         }
         argued(argument, &mut words);
     }
-    Origin::Osc(cut(&message.addr).into(), cut(&words).into())
+    cut(&words)
 }
 
 fn argued(argument: &OscType, words: &mut String) {

@@ -175,6 +175,8 @@ struct Later {
     /// How often the brake had been pulled when it came.
     pulls: u64,
     origin: Origin,
+    /// By how many seconds it came before its time.
+    ahead: f64,
     what: Ask,
 }
 
@@ -288,8 +290,13 @@ impl Listener {
             };
             let origin = said::origin(&message);
             let peer = self.peer_of(from);
-            self.handle = self.handle.from(origin.clone()).by(&peer);
             let due = tag.due(now, wall);
+            let ahead = match due {
+                Due::At(at) => Some(at.seconds() - now.seconds()),
+                Due::Late(ago) => Some(-(ago as f64 * 1e-9)),
+                Due::AtOnce | Due::Far => None,
+            };
+            self.handle = self.handle.from(origin.clone()).by(&peer).ahead(ahead);
             let of = |method: &Method| self.sampled(method, due, now);
             let late = matches!(due, Due::Late(_)) && methods.iter().any(|method| of(method).is_none());
             self.counts.late.add(u64::from(late));
@@ -319,7 +326,9 @@ impl Listener {
                     }
                     (Ok(what), Due::At(at)) => {
                         let (message, pulls, origin) = (self.messages, self.pulls, origin.clone());
-                        let room = self.agenda.add(at, Later { from, message, pulls, origin, what });
+                        let ahead = at.seconds() - now.seconds();
+                        let later = Later { from, message, pulls, origin, ahead, what };
+                        let room = self.agenda.add(at, later);
                         self.counts.refused.add(u64::from(!room));
                     }
                     (Ok(what), Due::AtOnce | Due::Late(_)) => {
@@ -344,11 +353,11 @@ impl Listener {
             self.cancel();
         }
         self.panicked = panicked;
-        while let Some((at, Later { from, message, pulls, origin, what })) =
+        while let Some((at, Later { from, message, pulls, origin, ahead, what })) =
             self.agenda.take(Stamp(now.0.saturating_add(AHEAD)))
         {
             let peer = self.peer_of(from);
-            self.handle = self.handle.from(origin).by(&peer);
+            self.handle = self.handle.from(origin).by(&peer).ahead(Some(ahead));
             self.pulls = pulls;
             self.act(at, from, message, what);
         }
@@ -434,7 +443,15 @@ impl Listener {
             Ask::Start(name) => drop(self.send(at, Signal::Start(self.handle.number(), name))),
             Ask::Stop(name) => drop(self.send(at, Signal::StopNamed(name))),
             Ask::Set(number, value) => self.set(at, number, value),
-            Ask::Feed(values) => values.into_iter().for_each(|(number, value)| self.set(at, number, value)),
+            Ask::Feed(values) => {
+                for (number, value) in values {
+                    // Which of them it is.
+                    let name = self.names.controls.get(number).map_or("", |control| &control.name);
+                    let origin = Origin::Osc(format!("/input/{name}").into(), value.to_string().into());
+                    self.handle = self.handle.from(origin);
+                    self.set(at, number, value);
+                }
+            }
             Ask::Get(control) => self.tell(from, control),
             Ask::Report(control, Some(every)) => {
                 self.tell(from, control);
@@ -485,6 +502,7 @@ impl Listener {
                 self.complaints.position(&address, &numbers, &self.names);
                 self.send(at, Signal::Osc(address, numbers));
             }
+            Ask::Note(text) => drop(self.send(at, Signal::Note(text))),
             Ask::Nothing => {}
         }
     }

@@ -131,6 +131,7 @@ impl Bench {
             origin: Origin::Program,
             peer: None,
             pulls: self.conductor.board.lever.pulls(),
+            ahead: None,
             signal,
         });
     }

@@ -92,7 +92,7 @@ fn a_pattern_that_does_not_get_on_ends_alone_and_is_told_of_each_time() {
     assert_eq!(performer.feed(24_000, &mut kept), None);
     assert_eq!(kept.1.iter().map(|(at, _)| *at).collect::<Vec<_>>(), [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]);
     let told = |performer: &mut Performer| -> Vec<String> {
-        performer.take_troubles().into_iter().map(|problem| problem.what).collect()
+        performer.take_troubles().into_iter().map(|(problem, _)| problem.what).collect()
     };
     assert!(matches!(&told(&mut performer)[..], [one] if one.contains("pattern `bad`")));
     for name in ["other", "bad"] {
