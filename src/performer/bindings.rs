@@ -101,6 +101,7 @@ mod tests {
         performer.osc(at(1.2), "/hand", &[f64::NAN, 7.0, 2.0], &mut kept).unwrap();
         performer.osc(at(1.3), "/hand", &[9.0, 7.0, -9.0], &mut kept).unwrap();
         performer.osc(at(1.4), "/hand", &[], &mut kept).unwrap();
+        assert_eq!(performer.patch().binds[0].position_of(1e300), 1.0);
         let wanted = [("x", 0.5), ("y", 7.5), ("x", -1.0), ("y", 0.0), ("x", 1.0), ("y", 10.0)];
         assert_eq!(*told.lock().unwrap(), wanted.map(|(name, value)| (name.to_string(), value)));
         // What was sampled 10 ms ago is there 30 ms after that.

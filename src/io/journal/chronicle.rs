@@ -283,18 +283,20 @@ impl Chronicle {
 
 #[cfg(test)]
 mod tests {
-    use super::{Chronicle, began};
+    use super::{Board, Chronicle, Epoch, Moment, began};
     use crate::engine::event::{Event, Source};
     use crate::graph::scene::{Options, scene};
     use crate::io::journal::Line;
     use crate::live::callback::{Deed, Report};
     use crate::live::conductor::Told;
+    use crate::live::gate::Order;
     use crate::node::asset::NoAssets;
     use crate::patch::Patch;
     use crate::performer::Origin;
     use crate::performer::{Happening, Heard};
     use crate::rig::Rig;
     use crate::schedule::Instant;
+    use std::sync::Arc;
     use std::time::{Duration, SystemTime};
 
     /// Of two at the same instant, one was called off before it was played.
@@ -321,6 +323,30 @@ mod tests {
         let told = chronicle.told(&Told::Report(&Report { frame: 0, deed }, None));
         let Some(Line { name, id, event, .. }) = told else { panic!("no line") };
         assert_eq!((name.as_deref(), id, event), (Some("on"), Some(8), Some(9)));
+    }
+
+    /// What is told of the gate can be compared with what is told of markers: both are when it leaves the converter.
+    #[test]
+    fn what_the_gate_does_is_told_as_it_leaves_the_converter() {
+        let patch = Patch::parse("p", b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n")
+            .unwrap_or_else(|p| panic!("{p}"))
+            .value;
+        let scene = scene(&patch, &Rig::default_for(1), &Options::default(), &NoAssets);
+        let mut chronicle = Chronicle::of(&scene.unwrap_or_else(|p| panic!("{p}")).plan);
+        let board = Arc::new(Board::new(1));
+        board.device_delay.note(20_000_000);
+        chronicle.told(&Told::Began(Epoch::begin(), &board));
+        let moment = Some(Moment { frames: 4_800, time: 1.0, frame: 1.0 / 48_000.0, ahead: 64 });
+        let instant = Instant { sample: 800, fraction: 0 };
+        let marker = Event::Marker(u32::MAX, 1);
+        let mut seconds = |deed| {
+            let line = chronicle.told(&Told::Report(&Report { frame: 4_800, deed }, moment)).unwrap();
+            line.seconds.unwrap()
+        };
+        let (at, due, source) = (instant, instant, Source::Pattern);
+        assert!((seconds(Deed::Order(Order::Latch)) - 1.02).abs() < 1e-9);
+        // With no delay of an engine, the same sample.
+        assert!((seconds(Deed::Event { at, due, source, event: marker, cause: 0 }) - 1.02).abs() < 1e-9);
     }
 
     #[test]

@@ -382,5 +382,16 @@ mod tests {
             Ok(Ask::Trigger("/hit".into(), vec![2.0, 0.5, 1.0]))
         );
         assert_eq!(hear(&[s("hard")]), Err(Wrong));
+        assert_eq!(hear(&[f(f32::NAN), 1.into()]), Err(Wrong));
+        // A tracker that says which hand it is.
+        let Ok(Ask::Trigger(_, numbers)) = hear(&[s("left"), f(0.5)]) else { panic!() };
+        assert!(numbers[0].is_nan() && numbers[1] == 0.5 && numbers.len() == 2);
+    }
+
+    #[test]
+    fn a_note_takes_anything() {
+        let note = |args: &[OscType]| ask(&Method::Note, args);
+        assert_eq!(note(&[]), Ok(Ask::Note(String::new())));
+        assert_eq!(note(&[s("trial"), 7.into(), OscType::Nil]), Ok(Ask::Note("\"trial\" 7 nil".into())));
     }
 }

@@ -150,6 +150,7 @@ fn what_is_said_is_heard() {
     assert!(matches!(one("/pattern/walk/play", &[]), Signal::Start(_, name) if name == "walk"));
     assert!(matches!(one("/pattern/walk/stop", &[]), Signal::StopNamed(name) if name == "walk"));
     assert!(matches!(one("/control/depth", &[1.into()]), Signal::Set(name, 1.0) if name == "depth"));
+    assert!(matches!(one("/note", &[s("trial"), 7.into()]), Signal::Note(text) if text == "\"trial\" 7"));
     assert!(matches!(one("/calm", &[]), Signal::Calm));
     assert!(matches!(one("/arm", &[true.into()]), Signal::Arm(true)));
     assert!(matches!(one("/arm", &[0.into()]), Signal::Arm(false)));
@@ -161,7 +162,7 @@ fn what_is_said_is_heard() {
     assert_eq!(scene.hears("/voice/*/play", &[]).len(), 3);
     assert_eq!(scene.hears("/control/*", &[f(1.0)]).len(), 2);
     assert_eq!(scene.counts().trouble(), None);
-    assert_eq!(scene.counts().taken.get(), 14);
+    assert_eq!(scene.counts().taken.get(), 15);
 }
 
 #[test]
@@ -398,8 +399,24 @@ fn late_far_and_cancelled() {
     scene.send(&bundle(-5000, vec![play(), play()]));
     scene.send(&bundle(70_000, vec![play()]));
     scene.settle();
-    assert_eq!(scene.heard().len(), 2);
+    let late = scene.heard();
+    assert_eq!(late.len(), 2);
+    assert!(late.iter().all(|s| s.ahead.is_some_and(|ahead| (-5.5..=-5.0).contains(&ahead))), "{late:?}");
     assert_eq!((scene.counts().late.get(), scene.counts().far.get()), (2, 1));
+    // What waits for its time has come so long before it; what names none has not.
+    scene.send(&bundle(200, vec![play()]));
+    scene.say("/arm", &[0.into()]);
+    scene.settle();
+    let until = std::time::Instant::now() + Duration::from_secs(5);
+    let mut heard = scene.heard();
+    while heard.len() < 2 && std::time::Instant::now() < until {
+        std::thread::sleep(Duration::from_millis(10));
+        heard.extend(scene.heard());
+    }
+    assert!(
+        matches!(heard[..], [Stamped { ahead: None, .. }, Stamped { ahead: Some(0.0..=0.2), .. }]),
+        "{heard:?}"
+    );
     scene.send(&bundle(30_000, vec![play(), message("/calm", &[])]));
     scene.settle();
     assert_eq!((scene.heard().len(), scene.counts().cancelled.get()), (0, 0));
@@ -573,6 +590,9 @@ fn streams_take_the_numbers_of_one_message() {
     };
     let set = heard(message("/input/y/x", &[float(0.25), float(-9.0)]));
     assert_eq!(told(&set), [("y".to_string(), 0.25), ("x".to_string(), -2.0)]);
+    // In a journal, each has its own line.
+    let ways = [("/input/y", "0.25"), ("/input/x", "-9")].map(|(a, b)| Origin::Osc(a.into(), b.into()));
+    assert!(set.iter().map(|stamped| &stamped.origin).eq(&ways), "{set:?}");
     // As many numbers as names, and streams alone.
     for (address, args) in [
         ("/input/x/y", vec![float(0.1)]),
