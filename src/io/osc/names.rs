@@ -123,7 +123,7 @@ const OWN: [(&str, Method); 21] = [
     ("/event/unsubscribe", Method::Dismiss),
     ("/status", Method::Status),
     ("/ping", Method::Ping),
-    ("/note", Method::Note),
+    ("/journal/note", Method::Note),
 ];
 
 /// What addresses begin with that are those of a patch's voices, patterns and controls.

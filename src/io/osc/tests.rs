@@ -150,7 +150,9 @@ fn what_is_said_is_heard() {
     assert!(matches!(one("/pattern/walk/play", &[]), Signal::Start(_, name) if name == "walk"));
     assert!(matches!(one("/pattern/walk/stop", &[]), Signal::StopNamed(name) if name == "walk"));
     assert!(matches!(one("/control/depth", &[1.into()]), Signal::Set(name, 1.0) if name == "depth"));
-    assert!(matches!(one("/note", &[s("trial"), 7.into()]), Signal::Note(text) if text == "\"trial\" 7"));
+    assert!(
+        matches!(one("/journal/note", &[s("trial"), 7.into()]), Signal::Note(text) if text == "\"trial\" 7")
+    );
     assert!(matches!(one("/calm", &[]), Signal::Calm));
     assert!(matches!(one("/arm", &[true.into()]), Signal::Arm(true)));
     assert!(matches!(one("/arm", &[0.into()]), Signal::Arm(false)));
