@@ -366,7 +366,8 @@ impl Performer {
         let of_binding = |bind: &Bind| matches!(&bind.from, Mover::Osc { address: a, .. } if a == address);
         let of_it = |t: &Trigger| matches!(&t.on, Source::Osc(a) if a == address);
         let listens = self.patch.binds.iter().any(of_binding) || self.patch.triggers.iter().any(of_it);
-        let value = values.iter().copied().find(|value| !value.is_nan());
+        // What is said beside numbers takes their places, and is none.
+        let value = values.iter().copied().find(|value| !value.is_nan()).or(values.first().copied());
         // Surfaces send that when a button is let go.
         let fits = |t: &Trigger| of_it(t) && (value != Some(0.0) || t.reads("value"));
         let known = |name: &str| if name == "value" { value.or(Some(1.0)) } else { None };
