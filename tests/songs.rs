@@ -130,7 +130,7 @@ fn what_notes_played_is_played_again() {
 fn what_a_song_asks_for_in_vain_is_told_with_the_note_that_did() {
     let scratch = Scratch::new("songs-vain");
     std::fs::write(scratch.0.join("song.mid"), keys()).unwrap();
-    let vain = "[[trigger]]\non = \"midi.note\"\nplay = \"hum\"\nnotes = [57, 57]\nset = { duration = \"velocity - 2\" }\n";
+    let vain = "[[trigger]]\non = \"midi.note\"\nplay = \"hum\"\nnotes = [57, 57]\nset = { level = \"1 / (velocity - velocity)\" }\n";
     scratch.write("p.toml", format!("{HUM}{vain}"));
     let play = ["play", "p.toml", "--midi-file", "song.mid", "--midi-in", "none", "--device", "virtual"];
     let run = scratch.run(&[&play[..], &["--duration", "0.9", "--events", "x.jsonl"]].concat());
