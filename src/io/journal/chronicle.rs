@@ -299,14 +299,19 @@ mod tests {
     use std::sync::Arc;
     use std::time::{Duration, SystemTime};
 
-    /// Of two at the same instant, one was called off before it was played.
-    #[test]
-    fn a_marker_is_named_by_its_id_and_not_by_its_time() {
+    /// Of a patch in which nothing plays.
+    fn of_nothing() -> Chronicle {
         let patch = Patch::parse("p", b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n")
             .unwrap_or_else(|p| panic!("{p}"))
             .value;
         let scene = scene(&patch, &Rig::default_for(1), &Options::default(), &NoAssets);
-        let mut chronicle = Chronicle::of(&scene.unwrap_or_else(|p| panic!("{p}")).plan);
+        Chronicle::of(&scene.unwrap_or_else(|p| panic!("{p}")).plan)
+    }
+
+    /// Of two at the same instant, one was called off before it was played.
+    #[test]
+    fn a_marker_is_named_by_its_id_and_not_by_its_time() {
+        let mut chronicle = of_nothing();
         let instant = Instant { sample: 96, fraction: 0 };
         for (id, name) in [(7, "off"), (8, "on")] {
             let origin = Origin { pattern: "p", event: id, drawn: None };
@@ -328,11 +333,7 @@ mod tests {
     /// What is told of the gate can be compared with what is told of markers: both are when it leaves the converter.
     #[test]
     fn what_the_gate_does_is_told_as_it_leaves_the_converter() {
-        let patch = Patch::parse("p", b"format = \"pacinian-patch/1\"\ntitle = \"t\"\n")
-            .unwrap_or_else(|p| panic!("{p}"))
-            .value;
-        let scene = scene(&patch, &Rig::default_for(1), &Options::default(), &NoAssets);
-        let mut chronicle = Chronicle::of(&scene.unwrap_or_else(|p| panic!("{p}")).plan);
+        let mut chronicle = of_nothing();
         let board = Arc::new(Board::new(1));
         board.device_delay.note(20_000_000);
         chronicle.told(&Told::Began(Epoch::begin(), &board));
