@@ -176,7 +176,7 @@ struct Later {
     pulls: u64,
     origin: Origin,
     /// By how many seconds it came before its time.
-    ahead: f64,
+    ahead: Option<f64>,
     what: Ask,
 }
 
@@ -326,7 +326,6 @@ impl Listener {
                     }
                     (Ok(what), Due::At(at)) => {
                         let (message, pulls, origin) = (self.messages, self.pulls, origin.clone());
-                        let ahead = at.seconds() - now.seconds();
                         let later = Later { from, message, pulls, origin, ahead, what };
                         let room = self.agenda.add(at, later);
                         self.counts.refused.add(u64::from(!room));
@@ -357,7 +356,7 @@ impl Listener {
             self.agenda.take(Stamp(now.0.saturating_add(AHEAD)))
         {
             let peer = self.peer_of(from);
-            self.handle = self.handle.from(origin).by(&peer).ahead(Some(ahead));
+            self.handle = self.handle.from(origin).by(&peer).ahead(ahead);
             self.pulls = pulls;
             self.act(at, from, message, what);
         }
