@@ -59,7 +59,7 @@ fn start_in(block: u32, scene: Reload) -> (Session, HeapCons<f32>, Words) {
             }
             Told::Report(report, _) => format!("{report:?}"),
             Told::Came(stamped) => format!("came {}", stamped.id),
-            Told::Began(..) | Told::Reloading(_) => return,
+            Told::Began(..) | Told::Reloading(..) | Told::Vain(..) => return,
             Told::Lost(port, _) => format!("lost {port}"),
             Told::Refused(problem, cause) => format!("refused {cause}: {problem}"),
             Told::Reloaded => "reloaded".into(),

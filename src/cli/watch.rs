@@ -179,12 +179,15 @@ impl Watcher {
             paths.extend(self.watch.paths().map(PathBuf::from));
         }
         self.watch.follow(paths, since);
+        // What the session itself refuses, it says.
+        let mut asked = false;
         let news = match loaded.and_then(|loaded| self.course.compile(loaded)) {
             Err(failure) => News::Broken(failure),
             Ok(Err((why, help))) => News::Kept(why, help),
             Ok(Ok((loaded, reload))) => {
                 let first = reload.scene.patterns.clone();
                 let effects = reload.scene.plan.knob.as_ref().map(|knob| knob.setup.effects.clone());
+                asked = true;
                 match self.send(&loaded, reload)? {
                     Ok(Ok(())) => News::Took(loaded, first, changed, effects.unwrap_or_default()),
                     Ok(Err(why)) => News::Kept(why, AGAIN.into()),
@@ -192,6 +195,15 @@ impl Watcher {
                 }
             }
         };
+        let why = match &news {
+            News::Broken(failure) => Some(failure.brief()),
+            News::Kept(why, help) if !asked => Some(format!("{why}; {help}")),
+            News::Kept(..) | News::Took(..) => None,
+        };
+        if let Some(why) = why {
+            // Where there is no room for it now, it is said all the same.
+            let _ = self.session.send(Signal::Vain("reload".into(), why));
+        }
         self.tell.send(news).ok()
     }
 

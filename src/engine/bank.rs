@@ -34,6 +34,17 @@ const STRETCH: f64 = 5.0;
 /// The largest gain of a voice: 120 dB over full scale, where the output stage holds its input as well.
 const LOUDEST: f64 = 1e6;
 
+/// A voice that had to make room.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stolen {
+    /// Where it fades, unless whoever it made room for had to take that as well.
+    pub lane: usize,
+    /// Its serial number.
+    pub serial: u64,
+    /// Its id.
+    pub id: u64,
+}
+
 /// States and lanes of one instrument.
 pub struct Bank<R: Real> {
     isa: Isa,
@@ -112,11 +123,6 @@ impl<R: Real> Bank<R> {
         self.lanes.len()
     }
 
-    /// The serial number of the voice that is or was last on a lane.
-    pub fn serial(&self, lane: usize) -> u64 {
-        self.lanes.get(lane).map_or(0, |voice| voice.serial)
-    }
-
     /// Voices that sound, those that fade aside.
     pub fn sounding(&self) -> usize {
         self.sounding
@@ -128,7 +134,7 @@ impl<R: Real> Bank<R> {
     }
 
     /// Starts a voice at `at`, when `clock` is the next sample to be computed, on the channels of `place`. Gives its lane, and
-    /// that of the voice which had to make room, if one had to.
+    /// which voice had to make room, if one had to.
     pub fn start(
         &mut self,
         play: &Play,
@@ -136,7 +142,7 @@ impl<R: Real> Bank<R> {
         clock: u64,
         place: &[(u32, f64)],
         serial: u64,
-    ) -> (usize, Option<usize>) {
+    ) -> (usize, Option<Stolen>) {
         let stolen = if self.sounding >= self.voices { self.make_room(at) } else { None };
         let lane = self.free_lane();
         let (group, l) = (lane / LANES, lane % LANES);
@@ -508,8 +514,8 @@ impl<R: Real> Bank<R> {
         lane
     }
 
-    /// Lets a voice fade: of those released the quietest, else the oldest. Gives its lane.
-    fn make_room(&mut self, at: Instant) -> Option<usize> {
+    /// Lets a voice fade: of those released the quietest, else the oldest. Gives which.
+    fn make_room(&mut self, at: Instant) -> Option<Stolen> {
         let of_status = |status| {
             let lanes = self.lanes.iter().enumerate();
             lanes.filter(move |(_, lane)| lane.status == status).map(|(i, lane)| (i, lane.serial))
@@ -521,9 +527,10 @@ impl<R: Real> Bank<R> {
         let victim = quietest
             .or_else(|| of_status(Status::Held).min_by_key(|(_, serial)| *serial).map(|(lane, _)| lane));
         let lane = victim?;
+        let Lane { serial, play: Play { id, .. }, .. } = self.lanes[lane];
         self.let_fade(lane, at, 1.0);
         self.stolen += 1;
-        Some(lane)
+        Some(Stolen { lane, serial, id })
     }
 }
 

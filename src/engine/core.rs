@@ -13,6 +13,7 @@ use super::stage::Stage;
 use super::standing::Standing;
 use super::succession::Succession;
 use super::task::Board;
+use super::turnover::{Turned, Turnover};
 use super::watch::{self, Watcher};
 use super::workspace::{BLOCK, Workspace};
 use crate::dsp::isa::Isa;
@@ -72,6 +73,7 @@ pub struct Core<R: Real> {
     work: Workspace<R>,
     latest: Vec<R>,
     watcher: Watcher,
+    turnover: Turnover,
     /// Engine samples from what sets off a pattern to its beginning.
     answer: u64,
     stage: Stage,
@@ -125,6 +127,7 @@ impl<R: Real> Core<R> {
             work: Workspace::new(buffers, plan.shared.len(), plan.channels),
             latest: vec![R::ZERO; plan.shared.len()],
             watcher: Watcher::new(plan, rate),
+            turnover: Turnover::new(plan.always().count()),
             answer: plan.answer,
             stage: Stage::new(plan, isa)?,
             knob: Knob::new(plan)?.map(Box::new),
@@ -148,7 +151,10 @@ impl<R: Real> Core<R> {
             shared.set(0, &fields);
             shared.start(0, u64::MAX, -LEAD);
         }
-        plan.always().for_each(|play| self.play(&play, Instant::default()));
+        for play in plan.always() {
+            self.turnover.note(Instant::default(), Turned::Began(play));
+            self.play(&play, Instant::default());
+        }
     }
 
     /// Times tasks and standing work from now on, by a clock that gives nanoseconds.
@@ -175,6 +181,11 @@ impl<R: Real> Core<R> {
     /// What signals set off.
     pub fn watcher(&mut self) -> &mut Watcher {
         &mut self.watcher
+    }
+
+    /// What became of voices without an event of theirs.
+    pub fn turnover(&mut self) -> &mut Turnover {
+        &mut self.turnover
     }
 
     /// Engine samples a second.

@@ -32,6 +32,7 @@ mod standing;
 mod succession;
 pub mod task;
 mod triggers;
+pub mod turnover;
 pub mod vibration;
 pub mod watch;
 #[doc(hidden)] // for benches/engine.rs
@@ -57,6 +58,7 @@ use refusal::Refusal;
 use stage::Stage;
 use succession::Succession;
 use task::Task;
+use turnover::Turn;
 use watch::Crossing;
 
 pub use roster::Duty;
@@ -287,6 +289,12 @@ impl Engine {
     /// plays: to be asked before another takes over.
     pub fn crossings(&mut self) -> std::vec::Drain<'_, Crossing> {
         each!(mut self, core => core.watcher().begun())
+    }
+
+    /// What became of voices, without an event of theirs, since this was asked last, in its order: some 1,000 are kept, and those that always sound. It is
+    /// that of the plan that plays.
+    pub fn turnover(&mut self) -> std::vec::Drain<'_, Turn> {
+        each!(mut self, core => core.turnover().take())
     }
 
     /// How much of what signals have set off, and how many worlds that the knob has taken, were not kept since this was asked last.

@@ -21,6 +21,7 @@ use crate::engine::Duty;
 use crate::engine::event::{Event, Source};
 use crate::engine::exchange::Stagehand;
 use crate::engine::knob::followed::Followed;
+use crate::engine::turnover::Turn;
 use crate::engine::watch::Crossing;
 use crate::knob::local_model::profile::Profile;
 use crate::performer::outlet::FOR_PROGRAM;
@@ -83,6 +84,8 @@ pub enum Deed {
     },
     /// A signal of the engine set off a voice, by itself: nobody gave the engine an event.
     Crossing(Crossing),
+    /// Something became of a voice without an event of its own.
+    Turn(Turn),
     /// The knob took a world that a slow thread has sent.
     Followed(Followed),
     /// It told the gate something.
@@ -226,6 +229,7 @@ impl Callback {
             self.take_cues();
         }
         self.stagehand.compute(input, output);
+        self.tell_turnover();
         self.tell_crossings();
         if let Some(record) = &mut self.record_input {
             let channels = self.stagehand.engine().input_channels().max(1);
@@ -389,6 +393,15 @@ impl Callback {
         });
         untold += self.stagehand.engine().take_unkept();
         self.board.untold.add(untold);
+    }
+
+    /// Tells what became of voices. A replay does not need it, and a flood of it takes no room from what one does.
+    fn tell_turnover(&mut self) {
+        for turn in self.stagehand.engine().turnover() {
+            if self.reports.vacant_len() > REPORTS / 2 {
+                told(&mut self.reports, Report { frame: self.frames, deed: Deed::Turn(turn) });
+            }
+        }
     }
 
     fn tell(&mut self, deed: Deed) {

@@ -64,10 +64,13 @@ pub enum Told<'a> {
     Report(&'a Report, Option<Moment>),
     /// Something that was asked for and cannot be done, and the number of the signal that asked for it; 0 where it was none.
     Refused(&'a Problem, u64),
+    /// Something was asked for that did not get as far as the conductor: why, and the number of the signal that says so. Whoever has refused it counts it.
+    Vain(&'a str, u64),
     /// Other patterns play than before. Those that play now: number, and name; those that play from the beginning have number 0.
     Playing(&'a [(u64, &'a str)]),
-    /// A new patch or rig takes over: what the callback tells of after its next [`super::callback::Deed::Swap`] is meant for it.
-    Reloading(&'a Reload),
+    /// A new patch or rig takes over: what the callback tells of after its next [`super::callback::Deed::Swap`] is meant for it. The number of the
+    /// signal that asked for it.
+    Reloading(&'a Reload, u64),
     /// It plays.
     Reloaded,
     /// A new patch or rig cannot take over; the old one plays on.
@@ -76,6 +79,9 @@ pub enum Told<'a> {
 
 /// Hears what a conductor tells of, in its thread.
 pub type Audience = Box<dyn FnMut(Told<'_>) + Send>;
+
+/// A new patch or rig, and the number of the signal that asked for it.
+type Asked = (Box<Reload>, u64);
 
 /// Leads a session.
 pub struct Conductor {
@@ -101,9 +107,9 @@ pub struct Conductor {
     /// Plans that were sent after the first.
     plan: u64,
     /// One that gets ready to take over.
-    offered: Option<Box<Reload>>,
+    offered: Option<Asked>,
     /// One that waits until the one before has taken over and the old engine has come back.
-    waiting: Option<Box<Reload>>,
+    waiting: Option<Asked>,
     rate: f64,
     ratio: f64,
     sequence: Sequence,
@@ -262,7 +268,7 @@ impl Conductor {
                     }
                 }
                 Deed::Crossing(crossing) => set_off |= self.performer.cross(&self.callings, crossing),
-                Deed::Event { .. } | Deed::Followed(_) | Deed::Order(_) | Deed::Steps(_) => {}
+                Deed::Event { .. } | Deed::Turn(_) | Deed::Followed(_) | Deed::Order(_) | Deed::Steps(_) => {}
             }
             (self.audience)(Told::Report(&report, moment));
         }
@@ -495,11 +501,15 @@ impl Conductor {
             Signal::Reload(reload) => {
                 // One that still waits is out of date.
                 self.waiting = None;
-                self.reload(reload);
+                self.reload((reload, id));
                 Ok(())
             }
             // It was told of as it came.
             Signal::Note(_) => Ok(()),
+            Signal::Vain(_, why) => {
+                (self.audience)(Told::Vain(&why, id));
+                Ok(())
+            }
             Signal::End => {
                 self.end();
                 Ok(())
@@ -521,8 +531,8 @@ impl Conductor {
     }
 
     /// Lets another scene take over as soon as it is ready. While one is still under way, it waits.
-    fn reload(&mut self, reload: Box<Reload>) {
-        match self.director.offer(&reload.scene.plan) {
+    fn reload(&mut self, reload: Asked) {
+        match self.director.offer(&reload.0.scene.plan) {
             Ok(false) => self.waiting = Some(reload),
             Ok(true) => self.offered = Some(reload),
             Err(mismatch) => (self.audience)(Told::Kept(&mismatch.to_string())),
@@ -535,18 +545,22 @@ impl Conductor {
         if !self.director.is_ready() {
             return;
         }
-        let Some(reload) = self.offered.take() else { return };
+        let Some((reload, cause)) = self.offered.take() else { return };
         self.director.admit();
         self.plan += 1;
         self.next.push_back(Callings::of(&reload.scene.plan));
-        (self.audience)(Told::Reloading(&reload));
+        (self.audience)(Told::Reloading(&reload, cause));
         let Reload { scene, patch, rig, files, .. } = *reload;
         // Those that play on may be called otherwise now.
         self.playing = vec![u64::MAX];
         let became = self.performer.become_of(scene, patch, rig, files);
         (self.audience)(Told::Reloaded);
-        if let Err(problem) = became {
-            self.refuse(&problem, 0);
+        let at = self.now();
+        let mut outlet =
+            ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause };
+        let caught_up = sent(self.performer.catch_up(at, &mut outlet));
+        for problem in [became, caught_up].into_iter().filter_map(Result::err) {
+            self.refuse(&problem, cause);
         }
     }
 }

@@ -49,6 +49,8 @@ pub enum Signal {
     Reload(Box<Reload>),
     /// Nothing is done: somebody wants to have it in the journal.
     Note(String),
+    /// Nothing is done either: something was asked for that cannot be done, and why. A journal has both.
+    Vain(String, String),
     /// End the session: the gate closes.
     End,
 }
@@ -93,6 +95,8 @@ pub struct Stamped {
     pub pulls: u64,
     /// By how many seconds it came before the time for which it was meant, of what names one; less than 0 where it came behind that.
     pub ahead: Option<f64>,
+    /// What its sender calls what is played by it.
+    pub tag: Option<i64>,
     /// What it is.
     pub signal: Signal,
 }
@@ -109,6 +113,7 @@ pub struct Handle {
     origin: Origin,
     peer: Option<Arc<str>>,
     ahead: Option<f64>,
+    tag: Option<i64>,
 }
 
 /// Why a signal was not taken.
@@ -141,6 +146,7 @@ impl Handle {
             origin: Origin::Program,
             peer: None,
             ahead: None,
+            tag: None,
         }
     }
 
@@ -157,6 +163,11 @@ impl Handle {
     /// The same handle for signals that come so many seconds before the time for which they are meant.
     pub(crate) fn ahead(&self, seconds: Option<f64>) -> Self {
         Self { ahead: seconds, ..self.clone() }
+    }
+
+    /// The same handle for what its sender calls by a number.
+    pub(crate) fn tagged(&self, tag: Option<i64>) -> Self {
+        Self { tag, ..self.clone() }
     }
 
     /// Sends a signal that arrives now.
@@ -188,9 +199,11 @@ impl Handle {
         if let Signal::Midi(port, message) = &signal {
             self.board.cables.message(*port, now, *message);
         }
-        let ahead = self.ahead;
-        let sent = self.inlet.send(now, Stamped { id: 0, stamp, origin, peer, pulls, ahead, signal });
-        self.board.refused.of(way).add(u64::from(sent == Err(Refused::Busy)));
+        let (ahead, tag) = (self.ahead, self.tag);
+        // That would have done nothing.
+        let counts = !matches!(signal, Signal::Vain(..));
+        let sent = self.inlet.send(now, Stamped { id: 0, stamp, origin, peer, pulls, ahead, tag, signal });
+        self.board.refused.of(way).add(u64::from(counts && sent == Err(Refused::Busy)));
         sent
     }
 

@@ -118,6 +118,8 @@ pub struct Performer {
     pickups: Vec<Pickup>,
     /// Where each control of the patch was sent last.
     targets: Vec<f64>,
+    /// Which of them the engine has not been told since nothing has read them before.
+    unread: Vec<usize>,
     /// Of those that are streams.
     streams: Vec<Option<Stream>>,
     record: Option<Vec<(f64, Play)>>,
@@ -229,6 +231,7 @@ impl Performer {
             in_song: false,
             pickups,
             targets,
+            unread: Vec::new(),
             streams,
             record: None,
             moves: None,
@@ -447,22 +450,38 @@ impl Performer {
         value: f64,
         outlet: &mut dyn Outlet,
     ) -> Result<(), Problem> {
-        let index = self.plan.control(control)?;
+        let number = self.patch.controls.iter().position(|c| c.name == control);
+        let index = match self.plan.control(control) {
+            Ok(index) => Some(index),
+            // Nothing reads it, but it stands somewhere all the same.
+            Err(_) if number.is_some() => None,
+            Err(unknown) => return Err(unknown),
+        };
         if !value.is_finite() {
             let what = format!("control `{control}` cannot be set to {value}");
             return Err(Problem::of_file(what).help("give a finite number".to_string()));
         }
-        let number = self.patch.controls.iter().position(|c| c.name == control);
-        let (at, event) = match number.and_then(|number| self.streams.get_mut(number)?.as_mut()) {
-            Some(stream) => {
-                let glide = stream.take(at.seconds, now.seconds);
-                (self.when(glide.begin), Event::Glide(index, value, glide.seconds))
-            }
+        let stream = number.and_then(|number| self.streams.get_mut(number)?.as_mut());
+        let glide = stream.map(|stream| stream.take(at.seconds, now.seconds));
+        let happening = Happening::Control(control, value);
+        let Some(index) = index else {
+            self.tell(at, None, None, happening);
+            self.aim(number, value);
+            return Ok(());
+        };
+        let (at, event) = match glide {
+            Some(glide) => (self.when(glide.begin), Event::Glide(index, value, glide.seconds)),
             None => (at, Event::Control(index, value)),
         };
-        if !self.order(at, event, None, Happening::Control(control, value), outlet) {
+        if !self.order(at, event, None, happening, outlet) {
             return Err(full());
         }
+        self.aim(number, value);
+        Ok(())
+    }
+
+    /// Remembers where a control was sent.
+    fn aim(&mut self, number: Option<usize>, value: f64) {
         if let Some(number) = number
             && let (Some(target), Some(control)) =
                 (self.targets.get_mut(number), self.patch.controls.get(number))
@@ -470,7 +489,22 @@ impl Performer {
             *target = value.clamp(control.range[0], control.range[1]);
             self.moved = true;
         }
-        Ok(())
+    }
+
+    /// Sends controls that something reads since this patch took over to where they were sent before. Says whether there was room.
+    pub fn catch_up(&mut self, at: When, outlet: &mut dyn Outlet) -> bool {
+        let mut sent = true;
+        for number in std::mem::take(&mut self.unread) {
+            let Some((control, value)) =
+                self.patch.controls.get(number).zip(self.targets.get(number).copied())
+            else {
+                continue;
+            };
+            if let Ok(index) = self.plan.control(&control.name) {
+                sent &= outlet.send(at.instant, Source::Program, Event::Control(index, value));
+            }
+        }
+        sent
     }
 
     /// Where each control was sent last, by whomever, if any was since this was asked last or another patch plays.

@@ -197,7 +197,7 @@ impl Post {
             Told::Came(Stamped { signal: Signal::Note(text), .. }) => {
                 self.say(Mood::Told, format!("note: {}", shown(text)));
             }
-            Told::Report(..) | Told::Began(..) | Told::Came(..) | Told::Reloading(_) => {}
+            Told::Report(..) | Told::Began(..) | Told::Came(..) | Told::Reloading(..) => {}
             Told::Lost(port, name) => {
                 let of = name.map_or_else(|| format!("port {port}"), ToString::to_string);
                 self.say(
@@ -212,7 +212,7 @@ impl Post {
                 ));
             }
             // Whoever sent it says so.
-            Told::Reloaded | Told::Kept(_) => {}
+            Told::Reloaded | Told::Kept(_) | Told::Vain(..) => {}
         }
     }
 

@@ -83,6 +83,8 @@ impl<R: Real> Core<R> {
                 None => bank.begin_at(now),
             }
         }
+        let begins = |number| inheritance.instruments.get(number as usize).is_some_and(Option::is_none);
+        self.turnover.begin_at(now, begins);
         (self.outlasted, self.settled) = (old.outlasted, old.settled);
         let (from, same) = (&inheritance.watches, inheritance.same_signals);
         self.counters.dropped += self.watcher.adopt(&mut old.watcher, from, same, self.clock);

@@ -2,8 +2,10 @@
 
 use super::Core;
 use crate::dsp::lanes::Real;
+use crate::engine::bank::Stolen;
 use crate::engine::event::{Event, Play, is_of};
 use crate::engine::knob::Order;
+use crate::engine::turnover::Turned;
 use crate::engine::watch::SetOff;
 use crate::schedule::Instant;
 
@@ -91,9 +93,10 @@ impl<R: Real> Core<R> {
         let serial = self.counters.started;
         let (lane, stolen) = bank.start(play, at, self.clock, place, serial);
         let Some(first) = self.first.get(play.instrument as usize) else { return };
-        if let Some(stolen) = stolen {
-            self.ends.clear(first + stolen);
-            self.commander.release(play.instrument as usize, bank.serial(stolen), at, &mut self.stage);
+        if let Some(Stolen { lane, serial, id }) = stolen {
+            self.ends.clear(first + lane);
+            self.commander.release(play.instrument as usize, serial, at, &mut self.stage);
+            self.turnover.note(at, Turned::Stolen(id, play.id));
         }
         if self.commander.gives(play.instrument) {
             self.commander.begin(play, serial, place, at, &mut self.stage);

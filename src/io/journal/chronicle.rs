@@ -11,6 +11,7 @@ use super::names::Names;
 use super::words;
 use super::world;
 use crate::engine::event::Event;
+use crate::engine::turnover::{Turn, Turned};
 use crate::engine::watch::{Crossing, SetOff};
 use crate::graph::answer::Started;
 use crate::graph::plan::Plan;
@@ -34,7 +35,7 @@ const SET: Duration = Duration::from_millis(2);
 pub struct Chronicle {
     /// What sounds, and what has not taken over yet.
     names: Names,
-    next: VecDeque<Names>,
+    next: VecDeque<(Names, u64)>,
     /// Where events come from, by their ids; of markers, what they are called as well.
     voices: BTreeMap<u64, Stand>,
     markers: BTreeMap<u64, (String, Stand)>,
@@ -128,13 +129,16 @@ impl Chronicle {
                 ..self.now(Kind::In)
             }),
             Told::Report(report, moment) => Some(self.report(report, *moment)),
-            Told::Reloading(reload) => {
-                self.next.push_back(Names::of(&reload.scene.plan));
+            Told::Reloading(reload, cause) => {
+                self.next.push_back((Names::of(&reload.scene.plan), *cause));
                 None
             }
             Told::Refused(problem, cause) => {
                 let cause = Some(*cause).filter(|cause| *cause > 0);
                 Some(Line { cause, ..self.refused(None, problem.to_string()) })
+            }
+            Told::Vain(why, cause) => {
+                Some(Line { cause: Some(*cause), ..self.refused(None, (*why).to_string()) })
             }
             Told::Kept(why) => Some(self.refused(Some("reload".into()), (*why).to_string())),
             Told::Playing(_) | Told::Reloaded => None,
@@ -179,6 +183,13 @@ impl Chronicle {
                 SetOff::Voice(play) => self.event(*at, *at, words::NODE, &Event::Play(*play), moment),
                 SetOff::Pattern(started) => self.set_off(crossing, started),
             },
+            Deed::Turn(Turn { at, what: Turned::Began(play) }) => {
+                self.event(*at, *at, words::ALWAYS, &Event::Play(*play), moment)
+            }
+            Deed::Turn(Turn { at, what: Turned::Stolen(id, by) }) => {
+                let line = Line { id: Some(*id), message: Some(by.to_string()), ..Line::new(Kind::Stolen) };
+                self.timed(line, *at, moment)
+            }
             Deed::Followed(followed) => Line {
                 sample: Some(followed.sample),
                 fraction: Some(0.0),
@@ -196,10 +207,11 @@ impl Chronicle {
                 Line { value: Some(f64::from(steps.bits().unwrap_or(0))), ..Line::new(Kind::Steps) }
             }
             Deed::Swap => {
-                if let Some(names) = self.next.pop_front() {
-                    self.names = names;
+                let mut line = Line::new(Kind::Swap);
+                if let Some((names, cause)) = self.next.pop_front() {
+                    (self.names, line.cause) = (names, Some(cause));
                 }
-                Line::new(Kind::Swap)
+                line
             }
         };
         line.frame = Some(report.frame);
@@ -244,7 +256,6 @@ impl Chronicle {
     ) -> Line {
         let mut line = self.names.line(event);
         line.source = Some(source.into());
-        (line.sample, line.fraction) = (Some(at.sample), Some(fraction(at)));
         (line.due_sample, line.due_fraction) = (Some(due.sample), Some(fraction(due)));
         let stand = match event {
             Event::Play(play) => self.voices.remove(&play.id),
@@ -257,6 +268,12 @@ impl Chronicle {
         if let Some(Stand { pattern, event, drawn }) = stand {
             (line.pattern, line.event, line.drawn) = (Some(pattern), Some(event), drawn);
         }
+        self.timed(line, at, moment)
+    }
+
+    /// With its instant, and when that leaves the converter.
+    fn timed(&self, mut line: Line, at: Instant, moment: Option<Moment>) -> Line {
+        (line.sample, line.fraction) = (Some(at.sample), Some(fraction(at)));
         if let Some(moment) = moment {
             let frame = at.since(Instant::default()) * self.names.ratio;
             let seconds = moment.time_of(frame) + self.delay() + self.board.device_delay.seconds();

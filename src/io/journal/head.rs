@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::live::provenance::Provenance;
+use crate::space::path::Route;
+use crate::space::point::Point;
 
 /// The format, and its major version.
 pub const FORMAT: &str = "pacinian-journal/1";
@@ -56,6 +58,37 @@ pub struct PlanHead {
     pub seed: u64,
     /// Engine samples a second.
     pub engine_rate: f64,
+    /// What voices that move go along, which the `place` of theirs names by its number, from 1.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub paths: Vec<PathHead>,
     /// What it was made of; `None` for what a program has put together.
     pub made_of: Option<Provenance>,
+}
+
+/// What a journal says of a path.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PathHead {
+    /// Its points, in metres.
+    pub points: Vec<Point>,
+    /// What it takes, in seconds, where a voice does not go along it in the time of its event.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+    /// When it is at each point, in seconds, where that was said; in the time of an event, all of them in proportion.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub times: Vec<f64>,
+    /// Whether it goes from rest to rest (`timing = "smooth"`).
+    #[serde(default)]
+    pub smooth: bool,
+}
+
+impl PathHead {
+    pub(super) fn of(route: &Route) -> Self {
+        let path = &route.path;
+        Self {
+            points: path.points().to_vec(),
+            seconds: (!route.stretched).then(|| path.seconds()),
+            times: path.times().to_vec(),
+            smooth: path.is_smooth(),
+        }
+    }
 }

@@ -23,6 +23,8 @@ pub enum Kind {
     Control,
     /// A marker.
     Marker,
+    /// The voice of an id fades, since another began for which there was no room; `message` is the id of that. All of them are counted as `stolen`.
+    Stolen,
     /// Periodic tasks above the rank `value` rest, and the others run.
     Shed,
     /// A hand pushes the simulated knob with `value` newton metres.
@@ -57,7 +59,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Voice,
         Self::Release,
         Self::ReleaseAll,
@@ -66,6 +68,7 @@ impl Kind {
         Self::Touch,
         Self::Control,
         Self::Marker,
+        Self::Stolen,
         Self::Shed,
         Self::Push,
         Self::Arm,
@@ -94,6 +97,7 @@ impl Kind {
             Self::Touch => "touch",
             Self::Control => "control",
             Self::Marker => "marker",
+            Self::Stolen => "stolen",
             Self::Shed => "shed",
             Self::Push => "push",
             Self::Arm => "arm",

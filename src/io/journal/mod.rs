@@ -35,7 +35,7 @@ use crate::live::stamp::Epoch;
 use crate::performer::Heard;
 
 pub use digest::{Digest, of_bytes, of_file};
-pub use head::{FORMAT, Head, PlanHead};
+pub use head::{FORMAT, Head, PathHead, PlanHead};
 pub use kind::Kind;
 pub use line::{COLUMNS, Line};
 pub use writer::Form;
@@ -159,7 +159,7 @@ impl Journal {
         let line = keeping.chronicle.told(told);
         match told {
             Told::Began(epoch, _) => keeping.begin(*epoch),
-            Told::Reloading(reload) => {
+            Told::Reloading(reload, _) => {
                 let head = plan_head(keeping.plans, &reload.scene.plan, reload.provenance.as_deref());
                 keeping.plans += 1;
                 keeping.writer.put(Entry::Plan(Box::new(head)));
@@ -266,7 +266,9 @@ impl Journal {
 }
 
 fn plan_head(number: u64, plan: &Plan, made_of: Option<&Provenance>) -> PlanHead {
-    PlanHead { plan: number, seed: plan.seed, engine_rate: plan.engine_rate(), made_of: made_of.cloned() }
+    let paths = plan.paths.iter().map(PathHead::of).collect();
+    let (seed, engine_rate, made_of) = (plan.seed, plan.engine_rate(), made_of.cloned());
+    PlanHead { plan: number, seed, engine_rate, paths, made_of }
 }
 
 /// What a replay reads of the counters.

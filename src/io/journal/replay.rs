@@ -288,9 +288,9 @@ impl<R: BufRead> Replay<R> {
                 self.met.unheard = count(INPUT_UNRECORDED).unwrap_or(self.met.unheard);
                 Ok(Some(line).filter(|line| line.kind == Kind::End))
             }
-            // What signals set off they set off here as well.
+            // What signals set off they set off here as well, and what always sounds begins.
             kind => {
-                Ok(Some(line).filter(|line| kind.is_played() && line.source.as_deref() != Some(words::NODE)))
+                Ok(Some(line).filter(|line| kind.is_played() && !line.source.as_deref().is_some_and(words::by_itself)))
             }
         }
     }
@@ -402,6 +402,7 @@ impl<R: BufRead> Replay<R> {
             Kind::Swap
             | Kind::In
             | Kind::Refused
+            | Kind::Stolen
             | Kind::Device
             | Kind::Xrun
             | Kind::Clock

@@ -53,6 +53,7 @@ fn asked(signal: &Signal) -> (String, Option<String>) {
         Signal::Torque(on) => (if *on { "torque" } else { "torque-off" }.into(), None),
         Signal::Reload(reload) => ("reload".into(), Some(reload.patch.title.clone())),
         Signal::Note(text) => ("note".into(), Some(text.clone())),
+        Signal::Vain(what, _) => (what.clone(), None),
         Signal::End => ("end".into(), None),
         Signal::Key(key) => ("key".into(), Some(key.to_string())),
         Signal::Midi(port, _) | Signal::MidiGone(port) => ("midi".into(), Some(port.to_string())),
@@ -83,11 +84,19 @@ pub(super) const SONG: &str = "song";
 /// What a signal of the engine has set off: it is no event that was given to the engine, and arises again by itself.
 pub(super) const NODE: &str = "node";
 
+/// And what always sounds.
+pub(super) const ALWAYS: &str = "always";
+
 pub(super) fn of_source(source: Source) -> &'static str {
     SOURCES.iter().find(|(known, _)| *known == source).map_or("", |(_, word)| word)
 }
 
 /// What a gate was told, in a word and perhaps a number.
+/// Whether what is of a source begins in a replay by itself.
+pub(super) fn by_itself(source: &str) -> bool {
+    source == NODE || source == ALWAYS
+}
+
 pub(super) fn of_order(order: Order) -> (&'static str, Option<f64>) {
     match order {
         Order::Open => ("open", None),

@@ -51,21 +51,19 @@ impl<T> Agenda<T> {
         self.heap.pop().map(|entry| (entry.at, entry.what))
     }
 
-    /// Keeps what `keeps` says yes to, which may change it. Gives how much is forgotten.
-    pub fn retain(&mut self, mut keeps: impl FnMut(&mut T) -> bool) -> usize {
-        let mut all = std::mem::take(&mut self.heap).into_vec();
-        let before = all.len();
-        all.retain_mut(|entry| keeps(&mut entry.what));
-        let forgotten = before - all.len();
-        self.heap = all.into();
+    /// Keeps what `keeps` says yes to, which may change it. Gives what does not stay, in its order.
+    pub fn retain(&mut self, mut keeps: impl FnMut(&mut T) -> bool) -> Vec<T> {
+        let mut forgotten = Vec::new();
+        let (mut stay, mut all) = (Vec::new(), std::mem::take(&mut self.heap));
+        while let Some(mut entry) = all.pop() {
+            if keeps(&mut entry.what) {
+                stay.push(entry);
+            } else {
+                forgotten.push(entry.what);
+            }
+        }
+        self.heap = stay.into();
         forgotten
-    }
-
-    /// Forgets everything. Gives how much that was.
-    pub fn clear(&mut self) -> usize {
-        let length = self.heap.len();
-        self.heap.clear();
-        length
     }
 }
 
@@ -107,7 +105,18 @@ mod tests {
             taken.push((at.0, number));
         }
         assert_eq!(taken, [(1, 5), (3, 1), (3, 4), (5, 0), (5, 2)]);
-        assert_eq!((agenda.clear(), agenda.next()), (1, None));
+        assert_eq!((agenda.retain(|_| false), agenda.next()), (vec![3], None));
+    }
+
+    #[test]
+    fn what_stays_keeps_its_order_and_what_goes_has_it() {
+        let mut agenda = Agenda::default();
+        for (number, at) in [9, 2, 9, 2, 5, 7].into_iter().enumerate() {
+            assert!(agenda.add(Stamp(at), number));
+        }
+        assert_eq!(agenda.retain(|number| *number % 2 == 0), [1, 3, 5]);
+        let left: Vec<_> = std::iter::from_fn(|| agenda.take(Stamp(9))).map(|(_, number)| number).collect();
+        assert_eq!(left, [4, 0, 2]);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What is played, told to other programs as it is played: every marker, and to those who ask for more, every voice. Each goes out in a
 //! bundle whose time tag is that at which it leaves the converter.
 
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -18,10 +19,14 @@ use crate::io::journal::chronicle::Chronicle;
 use crate::io::journal::{Kind, Line};
 use crate::live::board::Figure;
 use crate::live::conductor::Told;
+use crate::live::signal::Stamped;
 use crate::performer::Heard;
 
 /// Announcements that may wait to be sent.
 const WAITING: usize = 1 << 12;
+
+/// Of so many signals is it known what their senders call what they play.
+const TAGS: usize = 1 << 14;
 
 /// So long a system may take to send one.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -42,6 +47,8 @@ pub struct Announcer(Arc<Shared>);
 #[derive(Debug)]
 struct Shared {
     chronicle: Mutex<Chronicle>,
+    /// What senders call what they play, by the numbers of their signals.
+    tags: Mutex<BTreeMap<u64, i64>>,
     guests: Mutex<Vec<Guest>>,
     out: Mutex<Option<SyncSender<Announcement>>>,
     thread: Mutex<Option<JoinHandle<()>>>,
@@ -131,6 +138,7 @@ impl Announcer {
             .spawn(move || send(&announcements, &missed))?;
         Ok(Self(Arc::new(Shared {
             chronicle: Mutex::new(Chronicle::of(plan)),
+            tags: Mutex::default(),
             guests: Mutex::default(),
             out: Mutex::new(Some(out)),
             thread: Mutex::new(Some(thread)),
@@ -201,14 +209,21 @@ impl Announcer {
     /// For its audience.
     pub fn told(&self, told: &Told<'_>) {
         // What came in is not announced; it need not be put into words.
-        if matches!(told, Told::Came(..)) {
+        if let Told::Came(Stamped { id, tag, .. }) = told {
+            if let Some(tag) = tag {
+                let mut tags = locked(&self.0.tags);
+                tags.insert(*id, *tag);
+                if tags.len() > TAGS {
+                    tags.pop_first();
+                }
+            }
             return;
         }
         let mut chronicle = locked(&self.0.chronicle);
         let Some(line) = chronicle.told(told) else { return };
         let wanted = match line.kind {
             Kind::Marker | Kind::Cancel | Kind::Gate => Wants::Markers,
-            Kind::Voice | Kind::Release | Kind::ReleaseAll | Kind::Silence => Wants::All,
+            Kind::Voice | Kind::Release | Kind::ReleaseAll | Kind::Silence | Kind::Stolen => Wants::All,
             _ => return,
         };
         let now = Instant::now();
@@ -224,8 +239,9 @@ impl Announcer {
         }
         let time = line.seconds.and_then(|seconds| chronicle.time(seconds));
         drop(chronicle);
+        let tag = line.cause.and_then(|cause| locked(&self.0.tags).get(&cause).copied());
         let number = to.len() as u64;
-        let sent = packet(&line, time.map_or(Tag::AT_ONCE, Tag::of)).is_some_and(|bytes| {
+        let sent = packet(&line, tag, time.map_or(Tag::AT_ONCE, Tag::of)).is_some_and(|bytes| {
             locked(&self.0.out).as_ref().is_some_and(|out| out.try_send((bytes, to)).is_ok())
         });
         self.0.lost.unsent.add(if sent { 0 } else { number });
@@ -280,17 +296,18 @@ fn send(announcements: &Receiver<Announcement>, lost: &Lost) {
     }
 }
 
-/// A bundle with one message.
-fn packet(line: &Line, tag: Tag) -> Option<Vec<u8>> {
+/// A bundle with one message, of what its sender calls `called`.
+fn packet(line: &Line, called: Option<i64>, tag: Tag) -> Option<Vec<u8>> {
     let text = |text: &Option<String>| OscType::String(text.clone().unwrap_or_default());
     let number = |number: Option<u64>| OscType::Long(number.unwrap_or(0) as i64);
     let real = |number: Option<f64>, missing: f64| OscType::Double(number.unwrap_or(missing));
     let name = text(&line.name);
     let (sample, seconds) = (number(line.sample), real(line.seconds, 0.0));
     let (pattern, event) = (text(&line.pattern), number(line.event));
+    let cause = number(line.cause);
     let bits = OscType::Int(line.value.unwrap_or(0.0) as i32);
     let (addr, args) = match line.kind {
-        Kind::Marker => ("/marker", vec![name, sample, seconds, pattern, event, number(line.id)]),
+        Kind::Marker => ("/marker", vec![name, sample, seconds, pattern, event, number(line.id), cause]),
         Kind::Cancel => ("/cancel", vec![number(line.id), bits, sample, seconds]),
         Kind::Silence => ("/event/silence", vec![number(line.id), bits, sample, seconds]),
         Kind::ReleaseAll => ("/event/release-all", vec![sample, seconds]),
@@ -301,8 +318,12 @@ fn packet(line: &Line, tag: Tag) -> Option<Vec<u8>> {
         Kind::Voice => {
             let (level, duration) = (real(line.level, 0.0), real(line.duration, f64::INFINITY));
             let (id, place) = (number(line.id), text(&line.place));
-            ("/event/voice", vec![name, id, sample, seconds, place, level, duration, pattern, event])
+            let (gains, felt) = (text(&line.gains), real(line.felt, f64::NAN));
+            let called = OscType::Long(called.unwrap_or(0));
+            let stands = [name, id, sample, seconds, place, level, duration, pattern, event];
+            ("/event/voice", stands.into_iter().chain([gains, felt, cause, called]).collect())
         }
+        Kind::Stolen => ("/event/stolen", vec![number(line.id), sample, seconds, text(&line.message)]),
         _ => ("/event/release", vec![number(line.id), sample, seconds]),
     };
     let message = OscPacket::Message(OscMessage { addr: addr.into(), args });

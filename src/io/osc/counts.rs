@@ -39,11 +39,13 @@ pub struct Counts {
     pub missed: Figure,
     /// Times that the system could not receive.
     pub failed: Figure,
+    /// Of what came to nothing, how much has no line in a journal: too much of it came.
+    pub unwritten: Figure,
 }
 
 impl Counts {
     /// What went wrong: by what name a journal has it, how often, and in words.
-    pub fn named(&self) -> [(&'static str, u64, &'static str); 14] {
+    pub fn named(&self) -> [(&'static str, u64, &'static str); 15] {
         [
             ("osc_refused", self.refused.get(), "refused for lack of room"),
             ("osc_malformed", self.malformed.get(), "malformed"),
@@ -59,12 +61,15 @@ impl Counts {
             ("osc_crammed", self.crammed.get(), "datagrams for which there was no room"),
             ("osc_missed", self.missed.get(), "datagrams dropped by the system"),
             ("osc_failed", self.failed.get(), "failures to receive"),
+            ("osc_unwritten", self.unwritten.get(), "of that with no line in a journal"),
         ]
     }
 
     /// What went wrong, in words; `None` if nothing did.
     pub fn trouble(&self) -> Option<String> {
-        in_words(&self.named()).map(|told| format!("OSC, {} messages read: {told}", self.messages.get()))
+        let named = self.named();
+        // The last is for journals alone.
+        in_words(&named[..named.len() - 1]).map(|told| format!("OSC, {} messages read: {told}", self.messages.get()))
     }
 }
 

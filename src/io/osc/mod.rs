@@ -2,10 +2,12 @@
 //!
 //! A datagram is stamped as it arrives, and pulls the brake then if it asks for that (`receiver`); in its turn it is unpacked ([`packet`]), its address patterns are matched against what the patch has
 //! ([`names`]), and what it asks for ([`message`]) goes to the session, or into the [`agenda`] until its time has come. What cannot be
-//! done is counted by kind in [`counts::Counts`], and said once for each address ([`server::Server::complaints`]). The addresses are listed in `docs/osc.md`.
+//! done is counted by kind in [`counts::Counts`], said once for each address ([`server::Server::complaints`]), and given to the session for its journal as long as
+//! not too much of it comes ([`Signal::Vain`](crate::live::signal::Signal::Vain)). The addresses are listed in `docs/osc.md`.
 
 pub mod address;
 pub mod agenda;
+mod allowance;
 pub mod announce;
 mod arrivals;
 mod brake;

@@ -12,7 +12,7 @@ use rosc::{OscMessage, OscPacket, OscType, encoder};
 use super::agenda::Agenda;
 use super::announce::{Announcer, Wants};
 use super::arrivals::{Arrival, Arrivals};
-use super::complaints::Complaints;
+use super::complaints::{Complaints, Why};
 use super::counts::Counts;
 use super::drops::dropped;
 use super::endpoint::{BindError, Endpoint};
@@ -249,7 +249,12 @@ impl Listener {
             names.controls.iter().position(|c| c.name == *name)
         };
         let forgotten = self.agenda.retain(|later| later.what.renumber(become_of));
-        self.counts.unknown.add(forgotten as u64);
+        self.counts.unknown.add(forgotten.len() as u64);
+        let now = self.handle.epoch().now();
+        for later in forgotten {
+            let why = self.complaints.forgotten(now);
+            self.write_of(later, why);
+        }
         self.names = names;
         self.peers.forget_controls();
     }
@@ -272,22 +277,6 @@ impl Listener {
         for (tag, message) in messages {
             self.messages += 1;
             self.counts.messages.add(1);
-            let methods = match self.names.find(&message.addr, &mut steps) {
-                Ok(methods) if methods.is_empty() => {
-                    self.counts.unknown.add(1);
-                    self.complaints.unknown(&message.addr, &self.names);
-                    continue;
-                }
-                Ok(methods) => methods,
-                Err(Unfound::NoPattern) => {
-                    self.counts.malformed.add(1);
-                    continue;
-                }
-                Err(Unfound::Costly) => {
-                    self.counts.refused.add(1);
-                    continue;
-                }
-            };
             let origin = said::origin(&message);
             let peer = self.peer_of(from);
             let due = tag.due(now, wall);
@@ -297,6 +286,24 @@ impl Listener {
                 Due::AtOnce | Due::Far => None,
             };
             self.handle = self.handle.from(origin.clone()).by(&peer).ahead(ahead);
+            let methods = match self.names.find(&message.addr, &mut steps) {
+                Ok(methods) if methods.is_empty() => {
+                    self.counts.unknown.add(1);
+                    let why = self.complaints.unknown(now, &message.addr, &self.names);
+                    self.write(why);
+                    continue;
+                }
+                Ok(methods) => methods,
+                Err(unfound) => {
+                    match unfound {
+                        Unfound::NoPattern => self.counts.malformed.add(1),
+                        Unfound::Costly => self.counts.refused.add(1),
+                    }
+                    let why = self.complaints.unfound(now, unfound);
+                    self.write(why);
+                    continue;
+                }
+            };
             let of = |method: &Method| self.sampled(method, due, now);
             let late = matches!(due, Due::Late(_)) && methods.iter().any(|method| of(method).is_none());
             self.counts.late.add(u64::from(late));
@@ -312,23 +319,32 @@ impl Listener {
                 match (ask(&method, &message.args), due) {
                     (Err(_), _) => {
                         self.counts.wrong.add(1);
-                        self.complaints.wrong(&message.addr, &message.args, &method);
+                        let why = self.complaints.wrong(now, &message.addr, &message.args, &method);
+                        self.write(why);
                     }
                     // A brake waits for nothing.
                     (Ok(Ask::Panic), _) => {
                         panicked = true;
                         self.act(now, from, self.messages, Ask::Panic);
                     }
-                    (Ok(_), _) if costly => self.counts.refused.add(1),
+                    (Ok(_), _) if costly => {
+                        self.counts.refused.add(1);
+                        let why = self.complaints.unfound(now, Unfound::Costly);
+                        self.write(why);
+                    }
                     (Ok(_), Due::Far) => {
                         self.counts.far.add(1);
-                        self.complaints.far(&peer);
+                        let why = self.complaints.far(now, &peer);
+                        self.write(why);
                     }
                     (Ok(what), Due::At(at)) => {
                         let (message, pulls, origin) = (self.messages, self.pulls, origin.clone());
                         let later = Later { from, message, pulls, origin, ahead, what };
-                        let room = self.agenda.add(at, later);
-                        self.counts.refused.add(u64::from(!room));
+                        if !self.agenda.add(at, later) {
+                            self.counts.refused.add(1);
+                            let why = self.complaints.crammed(now);
+                            self.write(why);
+                        }
                     }
                     (Ok(what), Due::AtOnce | Due::Late(_)) => {
                         self.act(sampled.unwrap_or(now), from, self.messages, what);
@@ -385,7 +401,32 @@ impl Listener {
 
     /// Forgets what waits for its time.
     fn cancel(&mut self) {
-        self.counts.cancelled.add(self.agenda.clear() as u64);
+        let now = self.handle.epoch().now();
+        for later in self.agenda.retain(|_| false) {
+            self.counts.cancelled.add(1);
+            let why = self.complaints.cancelled(now);
+            self.write_of(later, why);
+        }
+    }
+
+    /// Has a journal say why the message that is done now came to nothing.
+    fn write(&self, why: Why) {
+        let sent = why.is_some_and(|why| self.handle.send(Signal::Vain(String::new(), why)).is_ok());
+        self.counts.unwritten.add(u64::from(!sent));
+    }
+
+    /// The same of one that waited for its time. Nothing else is done for it any more.
+    fn write_of(&mut self, Later { from, origin, ahead, .. }: Later, why: Why) {
+        let peer = self.peer_of(from);
+        self.handle = self.handle.from(origin).by(&peer).ahead(ahead);
+        self.write(why);
+    }
+
+    /// Nothing is known of what was played under an id.
+    fn strange(&mut self, id: i64) {
+        self.counts.unknown.add(1);
+        let why = self.complaints.strange(self.handle.epoch().now(), id);
+        self.write(why);
     }
 
     /// Looks how much the system has dropped.
@@ -401,7 +442,11 @@ impl Listener {
 
     /// The same. Gives the signal's number, if it was taken.
     fn send_numbered(&self, at: Stamp, signal: Signal) -> Option<u64> {
-        let taken = self.handle.send_knowing(at, signal, self.pulls).ok();
+        self.send_by(&self.handle, at, signal)
+    }
+
+    fn send_by(&self, handle: &Handle, at: Stamp, signal: Signal) -> Option<u64> {
+        let taken = handle.send_knowing(at, signal, self.pulls).ok();
         if taken.is_some() { &self.counts.taken } else { &self.counts.refused }.add(1);
         taken
     }
@@ -417,7 +462,9 @@ impl Listener {
         match what {
             Ask::Play(voice, note, id) => {
                 let number = self.handle.number();
-                if let (true, Some(id)) = (self.send(at, Signal::Play(number, voice, note)), id) {
+                let handle = self.handle.tagged(id);
+                let taken = self.send_by(&handle, at, Signal::Play(number, voice, note)).is_some();
+                if let (true, Some(id)) = (taken, id) {
                     self.counts.forgotten.add(self.ids.keep(id, message, number));
                 }
             }
@@ -425,7 +472,7 @@ impl Listener {
                 Some(numbers) => numbers.iter().for_each(|number| {
                     self.send(at, Signal::Touch(*number, touch));
                 }),
-                None => self.counts.unknown.add(1),
+                None => self.strange(id),
             },
             Ask::Release(id) => match self.ids.take(id) {
                 Some(numbers) => {
@@ -436,7 +483,7 @@ impl Listener {
                         }
                     }
                 }
-                None => self.counts.unknown.add(1),
+                None => self.strange(id),
             },
             Ask::ReleaseAll => drop(self.send(at, Signal::ReleaseAll)),
             Ask::Start(name) => drop(self.send(at, Signal::Start(self.handle.number(), name))),
@@ -471,7 +518,11 @@ impl Listener {
                 self.cancel();
             }
             // A brake that was pulled since then holds.
-            Ask::Calm if self.handle.board().lever.pulls() != self.pulls => self.counts.cancelled.add(1),
+            Ask::Calm if self.handle.board().lever.pulls() != self.pulls => {
+                self.counts.cancelled.add(1);
+                let why = self.complaints.cancelled(self.handle.epoch().now());
+                self.write(why);
+            }
             Ask::Calm => drop(self.send(at, Signal::Calm)),
             Ask::Arm(armed) => drop(self.send(at, Signal::Arm(armed))),
             Ask::Torque(on) => drop(self.send(at, Signal::Torque(on))),

@@ -132,6 +132,7 @@ impl Bench {
             peer: None,
             pulls: self.conductor.board.lever.pulls(),
             ahead: None,
+            tag: None,
             signal,
         });
     }

@@ -13,7 +13,7 @@ fn off(note: u8) -> Signal {
 }
 
 fn send(inlet: &Inlet, stamp: Stamp, origin: Origin, signal: Signal) -> Result<u64, Refused> {
-    inlet.send(stamp, Stamped { id: 0, stamp, origin, peer: None, pulls: 0, ahead: None, signal })
+    inlet.send(stamp, Stamped { id: 0, stamp, origin, peer: None, pulls: 0, ahead: None, tag: None, signal })
 }
 
 fn key() -> Origin {
@@ -126,6 +126,7 @@ fn what_is_meant_for_later_keeps_nothing_that_is_owed_waiting() {
         peer: None,
         pulls: 0,
         ahead: None,
+        tag: None,
         signal: Signal::Release(1),
     };
     inlet.send(Stamp(7), later).unwrap();
