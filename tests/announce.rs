@@ -65,7 +65,11 @@ fn hear_all(client: &UdpSocket) -> (Option<f64>, OscMessage) {
 }
 
 fn say(client: &UdpSocket, to: &Server, addr: &str) {
-    let packet = OscPacket::Message(OscMessage { addr: addr.into(), args: vec![] });
+    say_with(client, to, addr, &[]);
+}
+
+fn say_with(client: &UdpSocket, to: &Server, addr: &str, args: &[OscType]) {
+    let packet = OscPacket::Message(OscMessage { addr: addr.into(), args: args.to_vec() });
     client.send_to(&encoder::encode(&packet).unwrap(), to.address()).unwrap();
 }
 
@@ -80,6 +84,7 @@ fn marker(client: &UdpSocket) -> (f64, String, i64, f64) {
         OscType::String(pattern),
         OscType::Long(event),
         OscType::Long(_),
+        OscType::Long(0),
     ] = &message.args[..]
     else {
         panic!("{message:?}")
@@ -151,7 +156,12 @@ fn markers_and_voices_are_told_with_the_time_at_which_they_leave() {
     };
     let args = voice("hum");
     assert_eq!(args[4..7], [OscType::String("t2".into()), OscType::Double(0.25), OscType::Double(0.02)]);
-    assert_eq!(args[7..], [OscType::String("trial".into()), OscType::Long(2)]);
+    let text = |text: &str| OscType::String(text.into());
+    assert_eq!(args[7..10], [text("trial"), OscType::Long(2), text("2=0.25")]);
+    // It says nothing of a threshold, nobody's message asked for it, and it has no id of anybody's.
+    assert!(
+        matches!(args[10..], [OscType::Double(felt), OscType::Long(0), OscType::Long(0)] if felt.is_nan())
+    );
     let number = session
         .handle()
         .play("hum", Note { level: Some(0.5), duration: Some(f64::INFINITY), ..Note::default() })
@@ -173,6 +183,23 @@ fn markers_and_voices_are_told_with_the_time_at_which_they_leave() {
     assert_eq!(released[0], args[1], "the same id");
     session.handle().send(Signal::ReleaseAll).unwrap();
     while hear(&all).1.addr != "/event/release-all" {}
+
+    // Whoever plays under an id learns by it what became of that, also where it is one of several by one message.
+    let played = |id: i32| {
+        let args = [text("level"), OscType::Float(0.5), text("id"), id.into(), text("place"), 1.into()];
+        say_with(&all, &server, "/voice/h*/play", &args);
+        loop {
+            let args = voice("hum");
+            if args[5] == OscType::Double(0.5) {
+                break args;
+            }
+        }
+    };
+    let (one, other) = (played(-7), played(8));
+    assert_eq!((&one[9], &one[12], &other[12]), (&text("1=0.5"), &OscType::Long(-7), &OscType::Long(8)));
+    let (OscType::Long(first), OscType::Long(then)) = (&one[11], &other[11]) else { panic!("{one:?}") };
+    assert!(0 < *first && first < then, "{first} {then}");
+    say(&all, &server, "/release");
 
     // The words are those of the patch that plays.
     session.handle().send(Signal::Reload(Box::new(reload(&PATCH.replace("hum", "buzz"))))).unwrap();
@@ -296,4 +323,44 @@ fn what_was_told_ahead_and_is_called_off_is_told_to_be() {
         let (_, message) = hear(&logger);
         assert!(message.addr == "/marker" && !is_of(long(&message, 5)), "{message:?}");
     }
+}
+
+/// Of two voices of which one may sound, the first makes room for the second.
+#[test]
+fn who_makes_room_is_told() {
+    let patch = "[voice.hum]\nvoices = 1\noutput = \"s\"\n[voice.hum.nodes]\ns = { type = \"sine\", frequency = 200 }\n";
+    let first = reload(patch);
+    let announcer = Announcer::new(&first.scene.plan).unwrap();
+    let told = announcer.clone();
+    let session = Session::start(Beginning {
+        block: Some(64),
+        audience: Box::new(move |what| told.told(&what)),
+        ..Beginning::of(first, Chosen::Virtual(None))
+    })
+    .unwrap();
+    let server = Server::start(
+        "0".parse().unwrap(),
+        session.handle().clone(),
+        &common::patch(patch),
+        Some(announcer.clone()),
+    )
+    .unwrap();
+    let all = client();
+    say(&all, &server, "/event/subscribe");
+    while hear(&all).1.addr != "/event/subscribed" {}
+    let next = |addr: &str| loop {
+        let (_, message) = hear(&all);
+        if message.addr == addr {
+            break message.args;
+        }
+    };
+    let id = |args: &[OscType]| if let OscType::Long(id) = args[1] { id } else { panic!("{args:?}") };
+    session.handle().play("hum", Note::default()).unwrap();
+    let early = next("/event/voice");
+    session.handle().play("hum", Note::default()).unwrap();
+    let late = next("/event/voice");
+    let stolen = next("/event/stolen");
+    assert_eq!(stolen[0], OscType::Long(id(&early)));
+    assert_eq!(stolen[1..3], late[2..4], "when the other begins");
+    assert_eq!(stolen[3], OscType::String((id(&late) as u64).to_string()));
 }

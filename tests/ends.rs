@@ -8,6 +8,7 @@ use common::{channel, compiled, patch, play, run, schedule};
 use pacinian::engine::Engine;
 use pacinian::engine::event::{Event, Play, Source};
 use pacinian::engine::exchange::exchange;
+use pacinian::engine::turnover::Turned;
 use pacinian::graph::scene::Options;
 use pacinian::node::asset::NoAssets;
 use pacinian::player::Player;
@@ -56,6 +57,21 @@ fn ends_of_stolen_voices_take_no_room_from_later_events() {
     let counters = player.counters();
     assert_eq!((counters.started, counters.dropped, counters.late), (20_001, 0, 0));
     assert!(peak(&channel(&frames, 2, 1), 10.6, 11.0) > 0.5, "the last voice sounds on the second tactor");
+}
+
+/// However many begin at the same instant, and however few lanes are left for those that fade.
+#[test]
+fn who_made_room_for_whom_is_known() {
+    let plan = compiled(BARE, 1, 48_000.0).plan;
+    let mut engine = Engine::new(&plan).unwrap();
+    let notes: Vec<_> =
+        (0..40).map(|id| (16.0 + f64::from(id / 20), play(0, 0, 90.0, 1.0, id as u64))).collect();
+    schedule(&mut engine, &notes);
+    run(&mut engine, 960, &[96]);
+    let turns: Vec<_> = engine.turnover().map(|turn| (turn.at.sample, turn.what)).collect();
+    let wanted: Vec<_> = (1..40).map(|id| (16 + id / 20, Turned::Stolen(id - 1, id))).collect();
+    assert_eq!(turns, wanted);
+    assert_eq!((engine.counters().stolen, engine.turnover().count()), (39, 0));
 }
 
 #[test]

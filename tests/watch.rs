@@ -217,6 +217,20 @@ fn a_journal_knows_what_took_over() {
     fs::remove_file(&patch).unwrap();
     fs::remove_file(&rig).unwrap();
     replays(&scratch);
+    // Also what could not: a reload came in, and was refused.
+    let text = fs::read_to_string(scratch.0.join("j.jsonl")).unwrap();
+    let lines: Vec<serde_json::Value> =
+        text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let at = lines.iter().position(|line| line["kind"] == "refused").expect("a line");
+    let (came, refused) = (&lines[at - 1], &lines[at]);
+    assert!(came["kind"] == "in" && came["message"] == "reload" && came["id"] == refused["cause"], "{came}");
+    assert!(refused["message"].as_str().unwrap().starts_with("p.toml:8"), "{refused}");
+    // Whoever let the others take over is known.
+    let swaps: Vec<_> = lines.iter().filter(|line| line["kind"] == "swap").collect();
+    assert_eq!(swaps.len(), 4);
+    for swap in swaps {
+        assert!(lines.iter().any(|line| line["kind"] == "in" && line["id"] == swap["cause"]), "{swap}");
+    }
 }
 
 /// What was recorded comes again from the journal, to the bit.

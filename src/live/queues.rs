@@ -180,7 +180,16 @@ impl Lane {
                     let id = ids.fetch_add(1, Ordering::Relaxed) + 1;
                     let origin = Origin::unnamed(way);
                     // What is owed takes back no brake.
-                    debts.push_back(Stamped { id, stamp, origin, peer: None, pulls: 0, ahead: None, tag: None, signal });
+                    debts.push_back(Stamped {
+                        id,
+                        stamp,
+                        origin,
+                        peer: None,
+                        pulls: 0,
+                        ahead: None,
+                        tag: None,
+                        signal,
+                    });
                 });
                 self.head = self.debts.pop_front();
                 self.over = error == TryRecvError::Disconnected && self.head.is_none();

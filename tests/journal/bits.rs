@@ -98,6 +98,15 @@ fn play(journal_path: &Path, recording: &Path) {
     );
 }
 
+/// What came in and asked for a line.
+fn cause_of<'a>(lines: &'a [Line], line: &Line) -> Option<&'a Line> {
+    let id = line.cause?;
+    let mut came = lines.iter().filter(|line| line.kind == Kind::In && line.id == Some(id));
+    let first = came.next().unwrap_or_else(|| panic!("nothing came in that was number {id}"));
+    assert_eq!(came.count(), 0, "numbers are one line's alone");
+    Some(first)
+}
+
 #[test]
 fn what_was_played_is_played_again_to_the_bit() {
     let folder = folder("bits");
@@ -150,19 +159,27 @@ fn what_was_played_is_played_again_to_the_bit() {
             assert_eq!((line.name.as_deref(), line.place.as_deref()), (Some("tap"), Some("t3")));
             assert!(line.frame.unwrap() as f64 <= line.sample.unwrap() as f64 * 6.0 + 6.0);
         }
+        // What always sounds stands there where it begins, and begins in a replay by itself: with the session; with a patch that takes over it goes on.
+        let always: Vec<_> = lines.iter().filter(|line| line.source.as_deref() == Some("always")).collect();
+        let [hum] = always[..] else { panic!("{always:?}") };
+        assert_eq!((hum.kind, hum.name.as_deref(), hum.sample), (Kind::Voice, Some("hum"), Some(0)));
+        assert!(
+            hum.frame == Some(0) && hum.seconds.is_some() && hum.gains.as_deref().unwrap().starts_with("1=")
+        );
+        // Whoever lets a patch take over is known.
+        let swaps = lines.iter().filter(|line| line.kind == Kind::Swap);
+        assert!(
+            swaps
+                .filter_map(|line| cause_of(&lines, line))
+                .all(|came| came.message.as_deref() == Some("reload"))
+        );
         let drawn = lines.iter().filter(|line| line.pattern.as_deref() == Some("walk"));
         assert!(
             drawn.clone().any(|line| line.event == Some(2) && line.drawn == Some(2)),
             "as the patch counts"
         );
         // What was played leads back to what came in and asked for it, and that to whoever sent it.
-        let cause = |line: &Line| {
-            let id = line.cause?;
-            let mut came = lines.iter().filter(|line| line.kind == Kind::In && line.id == Some(id));
-            let first = came.next().unwrap_or_else(|| panic!("nothing came in that was number {id}"));
-            assert_eq!(came.count(), 0, "numbers are one line's alone");
-            Some(first)
-        };
+        let cause = |line: &Line| cause_of(&lines, line);
         let by = |kind: Kind, way: &str, starts: &str| {
             let of_kind = lines.iter().filter(move |line| line.kind == kind);
             of_kind.filter_map(cause).any(|came| {

@@ -289,9 +289,8 @@ impl<R: BufRead> Replay<R> {
                 Ok(Some(line).filter(|line| line.kind == Kind::End))
             }
             // What signals set off they set off here as well, and what always sounds begins.
-            kind => {
-                Ok(Some(line).filter(|line| kind.is_played() && !line.source.as_deref().is_some_and(words::by_itself)))
-            }
+            kind => Ok(Some(line)
+                .filter(|line| kind.is_played() && !line.source.as_deref().is_some_and(words::by_itself))),
         }
     }
 

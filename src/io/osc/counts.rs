@@ -69,7 +69,8 @@ impl Counts {
     pub fn trouble(&self) -> Option<String> {
         let named = self.named();
         // The last is for journals alone.
-        in_words(&named[..named.len() - 1]).map(|told| format!("OSC, {} messages read: {told}", self.messages.get()))
+        in_words(&named[..named.len() - 1])
+            .map(|told| format!("OSC, {} messages read: {told}", self.messages.get()))
     }
 }
 

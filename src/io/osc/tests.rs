@@ -35,6 +35,8 @@ struct Scene {
     server: Server,
     client: UdpSocket,
     heard: RefCell<Inbox>,
+    /// What a journal would say of what came to nothing: the address, and why.
+    vain: RefCell<Vec<(String, String)>>,
     handle: Handle,
 }
 
@@ -79,7 +81,7 @@ impl Scene {
         let (inlet, heard) = queues();
         let handle = Handle::new(inlet, Epoch::begin(), Arc::new(Board::new(3)));
         let server = Server::start("0".parse().unwrap(), handle.clone(), patch, None).unwrap();
-        Self { server, client: client(), heard: RefCell::new(heard), handle }
+        Self { server, client: client(), heard: RefCell::new(heard), vain: RefCell::default(), handle }
     }
 
     fn send(&self, packet: &OscPacket) {
@@ -107,7 +109,7 @@ impl Scene {
         self.heard().into_iter().map(|stamped| stamped.signal).collect()
     }
 
-    /// All that a session would hear now.
+    /// All that a session would hear now, but for what is for its journal alone.
     fn heard(&self) -> Vec<Stamped> {
         let mut heard = self.heard.borrow_mut();
         let mut all = Vec::new();
@@ -116,9 +118,27 @@ impl Scene {
             let before = all.len();
             all.extend(std::iter::from_fn(|| heard.next()));
             if all.len() == before {
-                return all;
+                break;
             }
         }
+        let (vain, all) = all.into_iter().partition(|stamped| matches!(stamped.signal, Signal::Vain(..)));
+        self.vain.borrow_mut().extend(<Vec<Stamped> as IntoIterator>::into_iter(vain).map(|stamped| match (
+            stamped.origin,
+            stamped.signal,
+        ) {
+            (Origin::Osc(address, _), Signal::Vain(_, why)) => (address.to_string(), why),
+            other => panic!("{other:?}"),
+        }));
+        all
+    }
+
+    /// What came to nothing since this was asked last, and that the reason has these words.
+    fn vain(&self, wanted: &[(&str, &str)]) {
+        let vain = std::mem::take(&mut *self.vain.borrow_mut());
+        let fits = |((address, why), (at, says)): (&(String, String), &(&str, &str))| {
+            address == at && why.contains(says)
+        };
+        assert!(vain.len() == wanted.len() && vain.iter().zip(wanted).all(fits), "{vain:?}");
     }
 
     fn counts(&self) -> &Counts {
@@ -195,6 +215,8 @@ fn ids_release_what_they_played() {
     assert_eq!(scene.counts().unknown.get(), 0);
     assert!(released(7).is_empty() && scene.hears("/voice/bend", &[7.into(), 1.into()]).is_empty());
     assert_eq!(scene.counts().unknown.get(), 2);
+    let known = "nothing that was played under the id 7 is known any more";
+    scene.vain(&[("/voice/release", known), ("/voice/bend", known)]);
 }
 
 #[test]
@@ -392,6 +414,7 @@ fn what_waits_for_its_time_means_the_control_of_that_name() {
     let set: Vec<_> = heard.into_iter().map(|heard| heard.signal).collect();
     assert!(matches!(&set[..], [Signal::Set(name, value)] if name == "tempo" && *value == 120.0), "{set:?}");
     assert_eq!(scene.counts().unknown.get(), 1, "the other is none any more");
+    scene.vain(&[("/control/depth", "a patch took over before its time that has no such control")]);
 }
 
 #[test]
@@ -428,6 +451,8 @@ fn late_far_and_cancelled() {
     assert!(matches!(scene.heard()[..], [Stamped { signal: Signal::Panic, .. }]));
     assert!(scene.handle.board().is_panicked());
     assert_eq!((scene.counts().cancelled.get(), scene.counts().far.get()), (2, 1));
+    let (far, panic) = ("for more than 60 s ahead is not played", "a panic came before its time");
+    scene.vain(&[("/voice/low/play", far), ("/voice/low/play", panic), ("/calm", panic)]);
     // Nor one that came another way.
     scene.handle.board().calm();
     // The brake is looked at after an answer, so only the second is sure to come after that.
@@ -437,6 +462,8 @@ fn late_far_and_cancelled() {
     scene.handle.board().panic();
     (0..2).for_each(|_| drop(scene.settle()));
     assert_eq!(scene.counts().cancelled.get(), 3);
+    scene.heard();
+    scene.vain(&[("/voice/low/play", panic)]);
 }
 
 /// Whoever pulls the brake waits for nothing that came before, and nothing that came before lets it go.
@@ -462,6 +489,10 @@ fn a_brake_is_pulled_before_what_waits_is_done() {
     let heard: Vec<_> = scene.heard().into_iter().map(|stamped| stamped.signal).collect();
     assert!(matches!(&heard[..], [Signal::Play(..), Signal::Panic]), "{} heard", heard.len());
     assert_eq!((scene.counts().messages.get(), scene.counts().cancelled.get()), (total * 200 + 4, 1));
+    // A journal has some of it, and the rest is counted.
+    let written = scene.vain.take().len() as u64;
+    assert!((256..1500).contains(&written), "{written} written");
+    assert_eq!(scene.counts().unwritten.get() + written, total * 200 + 1);
     // Behind it, even in the same datagram, it is let go.
     scene.send(&bundle(0, vec![message("/panic", &[]), message("/calm", &[])]));
     scene.settle();
@@ -523,6 +554,16 @@ fn what_cannot_be_done_is_counted_by_kind() {
     assert_eq!((c.unknown.get(), c.wrong.get(), c.malformed.get(), c.deep.get()), (2, 4, 3, 1));
     assert_eq!((c.datagrams.get(), c.messages.get(), c.taken.get()), (10, 7, 0));
     assert_eq!(scene.heard().len(), 0);
+    scene.vain(&[
+        ("/voice/none/play", "nothing is at `/voice/none/play`: did you mean"),
+        ("/nothing", "nothing is at `/nothing`"),
+        ("/control/depth", "`/control/depth` takes a number, and was sent \"high\""),
+        ("/control/*", "`/control/*` takes a number, and was sent NaN"),
+        ("/control/*", "`/control/*` takes a number"),
+        ("/voice/[low/play", "its address is too long, or no pattern"),
+        ("/voice/low/play", "takes a level, a duration"),
+    ]);
+    assert_eq!((c.unwritten.get(), scene.handle.board().refused.get()), (0, 0));
 }
 
 /// Nobody takes the signals: as many as may wait are taken, the rest is counted, and the server goes on.

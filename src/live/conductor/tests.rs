@@ -547,3 +547,34 @@ fn where_a_control_stands_is_shown_whoever_moved_it() {
     bench.conductor.listen();
     assert_eq!(board.values.get("depth"), None);
 }
+
+/// It is no less a control for that: a fader may move it, and whoever asks hears where it stands. A patch that reads it has it there.
+#[test]
+fn a_control_that_nothing_reads_stands_where_it_was_sent() {
+    let unread = "[control.depth]\ndefault = 0.5\nrange = [0, 2]\n";
+    let mut bench = Bench::of(compiled_with(&["a"], unread));
+    let board = Arc::clone(&bench.conductor.board);
+    bench.handle.set("depth", 1.25).unwrap();
+    bench.conductor.listen();
+    assert_eq!((board.undone.get(), board.values.get("depth")), (0, Some(1.25)));
+    bench.handle.set("width", 1.0).unwrap();
+    bench.conductor.listen();
+    assert_eq!(board.undone.get(), 1, "there is no such control");
+    for (rest, told) in [(FADER, Some(1.25)), (unread, None), (FADER, Some(1.25))] {
+        bench.reports.lock().unwrap().clear();
+        bench.handle.send(Signal::Reload(reload_with(&["a"], rest))).unwrap();
+        bench.conductor.listen();
+        bench.turn(60);
+        let mut swapped = false;
+        let mut sent = Vec::new();
+        for report in bench.reports.lock().unwrap().iter() {
+            match report.deed {
+                Deed::Swap => swapped = true,
+                Deed::Event { event: Event::Control(0, value), .. } => sent.push(value),
+                _ => {}
+            }
+        }
+        assert_eq!((swapped, sent), (true, told.into_iter().collect()), "{rest}");
+        assert_eq!(board.values.get("depth"), Some(1.25));
+    }
+}
