@@ -203,7 +203,7 @@ impl Player {
     /// Sends a control to a value, now; it arrives after its smoothing. The control's range holds.
     ///
     /// # Errors
-    /// A control that the patch does not have or that nothing reads, a value that is not finite, or no room in the engine's queue.
+    /// A control that the patch does not have, a value that is not finite, or no room in the engine's queue.
     pub fn set(&mut self, control: &str, value: f64) -> Result<(), Problem> {
         let now = self.now();
         self.performer.set(now, control, value, &mut self.engine)

@@ -427,7 +427,7 @@ impl Performer {
     /// Sends a control to a value; it arrives after its smoothing. The control's range holds.
     ///
     /// # Errors
-    /// A control that the patch does not have or that nothing reads, a value that is not finite, or no room at the outlet.
+    /// A control that the patch does not have, a value that is not finite, or no room at the outlet.
     pub fn set(
         &mut self,
         at: When,
